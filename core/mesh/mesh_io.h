@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+/// A named point on the surface of a template (or clicked in an image), LPS mm.
+struct Landmark {
+  std::string name;
+  Vec3 position = Vec3::Zero();
+  bool operator==(const Landmark&) const = default;
+};
+
+/// What a mesh file holds. A template is a mesh whose `stiffness` and `landmarks` are filled.
+struct MeshFile {
+  Points points;                           ///< n×3, LPS mm (flipped on reading where the file says SPACE=RAS)
+  Triangles triangles;                     ///< m×3; empty for a `.particles` file
+  std::optional<VertexScalars> stiffness;  ///< per-vertex factors, > 0
+  double stiffness_base = 10;              ///< `comment homolog.stiffness_base B`; w_i = base × factor_i
+  std::vector<Landmark> landmarks;         ///< `comment homolog.landmark {"name":…,"position":[x,y,z]}`
+  std::vector<std::string> comments;       ///< every other comment line, kept as it was
+  std::vector<std::string> warnings;       ///< what was mended on reading, each a sentence
+};
+
+/// Reads PLY (ASCII and both binary orders), VTK legacy (ASCII and binary), VTP, OBJ, STL or `.particles`, chosen by
+/// extension. Order and count are kept; polygons are split into triangle fans. Errors: absent, truncated, not of
+/// its kind, a count that the file's size belies, NaN or infinite coordinates, an index out of range.
+Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
+
+/// Writes PLY (binary, double coordinates), VTK legacy, VTP, OBJ, STL or `.particles` by extension, tagged SPACE=LPS
+/// where the format can, whole or not at all. Landmarks, stiffness and comments are kept by PLY only.
+Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& path);
+
+/// read_mesh_file, then Topology::make with the file named in the error.
+Result<Mesh> read_mesh(const std::filesystem::path& path);
+Result<void> write_mesh(const Mesh& mesh, const std::filesystem::path& path);
+
+}  // namespace homolog

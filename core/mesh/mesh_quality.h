@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+/// Figures of one shape, as `homolog info` prints them. Lengths in mm, angles in degrees.
+struct MeshQuality {
+  double edge_mean = 0, edge_min = 0, edge_max = 0;
+  double edge_cv = 0;  ///< standard deviation / mean of the edge lengths
+  double min_angle_deg = 0;
+  std::size_t self_intersections = 0;  ///< pairs of faces
+  double volume_ml = 0;                ///< enclosed volume, boundary loops capped flat
+  double area_mm2 = 0;
+};
+
+MeshQuality mesh_quality(const Mesh& mesh);
+
+/// Pairs of faces that share no vertex and intersect, or that share a vertex (or an edge) and intersect beyond it.
+std::vector<std::array<std::int32_t, 2>> self_intersections(const Mesh& mesh);
+
+/// Unit area-weighted vertex normals, n×3, pointing outward; zero at a vertex whose faces are all degenerate.
+Points vertex_normals(const Mesh& mesh);
+
+/// Enclosed volume in ml, each boundary loop capped flat (fan around its centroid); negative where faces look inward.
+double enclosed_volume_ml(const Mesh& mesh);
+
+/// The same shape with every boundary loop closed by a fan around the loop's centroid (one new vertex a loop,
+/// appended).
+Mesh capped(const Mesh& mesh);
+
+/// Mean edge length in mm.
+double mean_edge_mm(const Topology& topology, const Points& points);
+
+/// The figures of one triangle: 4√3·area / Σ edge², 1 for equilateral, 0 for degenerate.
+double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c);
+
+}  // namespace homolog

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+/// A point on a triangulated surface: face and barycentric weights of its three corners (≥ 0, sum 1).
+struct SurfacePoint {
+  std::int32_t face = 0;
+  Vec3 weights = Vec3(1, 0, 0);
+
+  /// Value at the point of something given per vertex.
+  template <class Derived>
+  auto interpolate(const Topology& topology, const Eigen::MatrixBase<Derived>& per_vertex) const {
+    const auto t = topology.triangles().row(face);
+    return (weights[0] * per_vertex.row(t[0]) + weights[1] * per_vertex.row(t[1]) + weights[2] * per_vertex.row(t[2]))
+        .eval();
+  }
+};
+
+/// Bounding-volume hierarchy over the faces of one shape; a picture of the points at construction (or last refit).
+class SurfaceSearch {
+ public:
+  explicit SurfaceSearch(const Mesh& mesh);
+  /// Takes new points of the same topology; keeps the tree, recomputes its boxes.
+  void refit(const Points& points);
+
+  struct Nearest {
+    SurfacePoint at;
+    Vec3 position = Vec3::Zero();
+    double distance_mm = 0;
+  };
+  /// The surface point nearest to `p`, exactly.
+  Nearest nearest(const Vec3& p) const;
+  /// First hit of the ray `from + t · direction`, t ≥ 0 (direction need not be unit), either side of a face.
+  std::optional<Nearest> first_hit(const Vec3& from, const Vec3& direction) const;
+  /// Faces whose boxes meet `box`.
+  std::vector<std::int32_t> faces_near(const Box& box) const;
+
+  const Mesh& mesh() const { return mesh_; }
+
+ private:
+  struct Node {
+    Box box;
+    std::int32_t first = 0,
+                 count = 0;  ///< leaf: faces order_[first, first+count); inner: children first, first+1, count 0
+  };
+  Mesh mesh_;
+  std::vector<Node> nodes_;
+  std::vector<std::int32_t> order_;
+};
+
+/// The point of triangle (a, b, c) nearest to `p`, as barycentric weights.
+Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+
+}  // namespace homolog

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/base/geometry.h"
+
+namespace homolog {
+
+/// Where a grid of voxels lies in the patient: p_mm (LPS) = origin + direction · diag(spacing) · voxel index.
+/// Integer indices are voxel centres. `direction`'s columns are the unit directions of the i, j and k axes; it may be a
+/// reflection (a left-handed grid), never singular.
+struct VolumeGeometry {
+  std::array<int, 3> dims{0, 0, 0};
+  Vec3 spacing_mm = Vec3::Ones();
+  Vec3 origin_mm = Vec3::Zero();
+  Mat3 direction = Mat3::Identity();
+
+  std::size_t voxels() const {
+    return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
+  }
+  Vec3 to_mm(const Vec3& voxel) const { return origin_mm + direction * spacing_mm.cwiseProduct(voxel); }
+  Vec3 to_voxel(const Vec3& p_mm) const { return (direction.inverse() * (p_mm - origin_mm)).cwiseQuotient(spacing_mm); }
+  /// Box in mm around all voxels (outer faces, not centres).
+  Box bounds_mm() const;
+  double voxel_volume_mm3() const { return spacing_mm.prod() * std::abs(direction.determinant()); }
+  bool operator==(const VolumeGeometry&) const = default;
+};
+
+/// True where two grids have the same size and lie at the same place within a hundredth of a voxel.
+bool same_grid(const VolumeGeometry& a, const VolumeGeometry& b);
+
+/// 16 hex digits over dims, spacing, origin and direction (rounded to 1e-4): what a case file keeps to recognise its
+/// volume.
+std::string geometry_hash(const VolumeGeometry& geometry);
+
+/// The voxel types kept in memory; readers convert every other type to the smallest of these that holds its range.
+using VoxelData =
+    std::variant<std::vector<std::uint8_t>, std::vector<std::int16_t>, std::vector<std::uint16_t>, std::vector<float>>;
+
+/// "uint8", "int16", "uint16" or "float32".
+const char* voxel_type_name(const VoxelData& data);
+
+/// A scan, a label map, or a cine (several frames on one grid). Voxels are stored i fastest, then j, k, frame.
+struct Volume {
+  VolumeGeometry geometry;
+  int frames = 1;
+  double frame_seconds = 0;  ///< time between frames; 0 where the file does not say
+  VoxelData data;
+
+  double range_min = 0, range_max = 0;  ///< over all finite voxels of all frames
+  /// The window that the file itself asks for (DICOM): centre and width in intensity units.
+  std::optional<std::pair<double, double>> file_window;
+  std::string series_uid;  ///< DICOM series instance UID; empty elsewhere
+  std::string modality;    ///< "CT", "MR", …; empty where unknown
+
+  /// Value of a voxel; the index must be inside.
+  double at(int i, int j, int k, int frame = 0) const;
+  /// Trilinear value at a point in mm; `outside` beyond the outermost voxel centres by more than half a voxel.
+  double sample(const Vec3& p_mm, double outside, int frame = 0) const;
+};
+
+/// Window (low, high) for display: the file's own, else the range without its 0.1 % tails (at least 1 wide).
+std::pair<double, double> default_window(const Volume& volume);
+
+/// Label values other than 0 that occur in a label map's frame, with the number of voxels of each. Errors are for the
+/// caller: a volume with more than 65,535 distinct values returns the first 65,535.
+std::map<int, std::size_t> labels_of(const Volume& label_map, int frame = 0);
+
+}  // namespace homolog

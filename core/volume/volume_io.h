@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+/// One DICOM series found in a folder.
+struct SeriesInfo {
+  std::string uid;
+  std::string description;
+  std::string modality;
+  int files = 0;
+};
+
+struct VolumeReadOptions {
+  std::string series_uid;                ///< which series of a folder that holds several
+  std::optional<Vec3> stack_spacing_mm;  ///< required for a folder (or one file) of PNG/TIFF slices
+  Progress* progress = nullptr;          ///< reported to and asked for cancellation when given
+};
+
+/// A volume and what had to be mended to read it (each a sentence for `homolog: warning: …`).
+struct VolumeRead {
+  Volume volume;
+  std::vector<std::string> warnings;
+};
+
+/// Reads a DICOM series folder or file, NIfTI-1/2 (.nii, .nii.gz, .hdr/.img and gzipped pairs; 4-D as frames), NRRD
+/// (.nrrd, .nhdr), MetaImage (.mha, .mhd) or a PNG/TIFF stack. Geometry is LPS mm. Errors: absent, truncated, not an
+/// image of these kinds, several series and none chosen, vector or 5-D data, sheared axes, more voxels than memory
+/// holds, cancelled. Never returns a volume with voxels missing.
+Result<VolumeRead> read_volume(const std::filesystem::path& path, const VolumeReadOptions& options = {});
+
+/// The series in a DICOM folder, by UID; empty where there is none.
+Result<std::vector<SeriesInfo>> list_series(const std::filesystem::path& folder);
+
+/// Whether the name (or, for a folder, the content) is that of a volume that read_volume takes.
+bool looks_like_volume(const std::filesystem::path& path);
+
+/// Writes NIfTI (.nii, .nii.gz), NRRD (.nrrd) or MetaImage (.mha), chosen by the extension, whole or not at all.
+Result<void> write_volume(const Volume& volume, const std::filesystem::path& path);
+
+}  // namespace homolog

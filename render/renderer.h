@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+
+#include "core/base/result.h"
+#include "render/scene.h"
+
+namespace homolog {
+
+/// Where to draw: a rectangle of the framebuffer that is bound, in px from its lower left corner.
+struct Target {
+  int x = 0, y = 0, width = 0, height = 0;
+  float content_scale = 1;  ///< multiplies line widths
+};
+
+/// Draws scenes with OpenGL 3.3 core. Needs a current context at construction, at every call and at destruction;
+/// belongs to that context's thread. Keeps textures and buffers between calls and uploads only what changed.
+class Renderer {
+ public:
+  /// Errors: no context, or one older than OpenGL 3.3.
+  static Result<std::unique_ptr<Renderer>> make();
+  ~Renderer();
+
+  /// Errors: the volume is larger than the GPU's 3-D texture limit (it is then shown at reduced resolution where
+  /// possible; the sentence says so) or does not fit its memory. The rest of the scene is drawn all the same.
+  Result<void> draw(const Scene& scene, const SliceView& view, const Target& target);
+  Result<void> draw(const Scene& scene, const Camera3D& view, const Target& target);
+
+ private:
+  struct Parts;
+  explicit Renderer(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+/// Projection used by draw, for picking: px from the target's upper left corner to mm and back.
+Vec3 slice_point_mm(const SliceView& view, const Target& target, double x_px, double y_px);
+Eigen::Vector2d slice_point_px(const SliceView& view, const Target& target, const Vec3& p_mm);
+struct Ray {
+  Vec3 from = Vec3::Zero(), direction = Vec3::UnitX();
+};
+Ray camera_ray(const Camera3D& camera, const Target& target, double x_px, double y_px);
+/// px position of a point; z component: > 0 in front of the eye.
+Vec3 camera_point_px(const Camera3D& camera, const Target& target, const Vec3& p_mm);
+
+}  // namespace homolog

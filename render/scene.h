@@ -1,0 +1,103 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/base/geometry.h"
+#include "core/correspondence/colours.h"
+#include "core/mesh/topology.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+/// What a picture shows, as a value: drawing it changes nothing in it, and the same scene gives the same picture in
+/// the window and without a display. Large parts are shared; the renderer uploads one again only when its address or
+/// `revision` changed.
+
+struct ImageLayer {
+  std::shared_ptr<const Volume> volume;  ///< nothing is drawn where null
+  int frame = 0;
+  double window_low = 0, window_high = 1;  ///< intensity shown black and white
+  bool linear = true;                      ///< trilinear, else nearest voxel
+};
+
+struct LabelLayer {
+  std::shared_ptr<const Volume> labels;  ///< any grid; resliced by nearest voxel
+  int frame = 0;
+  float opacity = 0.4f;
+};
+
+struct MeshLayer {
+  std::shared_ptr<const Topology> topology;
+  std::shared_ptr<const Points> points;
+  std::uint64_t points_revision = 0;
+  std::shared_ptr<const std::vector<Rgb>> colours;  ///< one a vertex
+  std::uint64_t colours_revision = 0;
+  bool outline = true;   ///< its intersection with slice planes, exact, anti-aliased
+  float outline_px = 2;  ///< times the content scale
+  float outline_opacity = 1;
+  bool surface = true;  ///< shaded in the 3D view
+  float surface_opacity = 1;
+  bool wireframe = false;         ///< its edges over the surface
+  bool saturated_outline = true;  ///< outline colours at full saturation, for contrast on grey
+};
+
+/// Spheres in the 3D view; discs in slices closer than `radius_mm` to the plane.
+struct GlyphLayer {
+  struct Glyph {
+    Vec3 position = Vec3::Zero();
+    Rgb colour{1, 1, 1};
+    float radius_mm = 1;
+  };
+  std::vector<Glyph> glyphs;
+};
+
+/// Polylines in mm (axes, rulers, frames of planes), drawn with a width in px in every view they lie in.
+struct LineLayer {
+  struct Line {
+    Vec3 from = Vec3::Zero(), to = Vec3::Zero();
+    std::array<float, 4> colour{1, 1, 1, 1};
+    float width_px = 1;
+  };
+  std::vector<Line> lines;
+};
+
+/// A plane through the volume: right and down on the screen are unit vectors in LPS; the plane holds `centre`.
+struct SliceView {
+  Vec3 centre = Vec3::Zero();  ///< in the middle of the view, mm
+  Vec3 right = Vec3::UnitX(), down = Vec3::UnitY();
+  double mm_per_px = 1;
+  Vec3 normal() const { return right.cross(down); }  ///< into the screen
+};
+
+/// A camera that looks at `target`. `to_eye` and `up` are unit vectors in LPS; orthographic where fov is 0.
+struct Camera3D {
+  Vec3 target = Vec3::Zero();
+  Vec3 to_eye = Vec3(0, -1, 0);
+  Vec3 up = Vec3::UnitZ();
+  double distance_mm = 400;
+  double fov_deg = 30;
+};
+
+/// The slice planes shown in the 3D view with the image on them.
+struct PlaneInSpace {
+  SliceView plane;
+  double half_width_mm = 100, half_height_mm = 100;
+  std::array<float, 3> frame_colour{1, 1, 1};
+};
+
+struct Scene {
+  ImageLayer image;
+  LabelLayer labels;
+  std::vector<MeshLayer> meshes;
+  GlyphLayer glyphs;
+  LineLayer lines;
+  std::vector<PlaneInSpace> planes;  ///< 3D view only
+  std::array<float, 4> background{0, 0, 0, 1};
+};
+
+}  // namespace homolog

@@ -1,0 +1,53 @@
+#include "core/base/files.h"
+
+#include <doctest/doctest.h>
+
+#include <unistd.h>
+#include <filesystem>
+
+#include <iterator>
+
+namespace fs = std::filesystem;
+using namespace homolog;
+
+namespace {
+
+struct TemporaryFolder {
+  fs::path path = fs::temp_directory_path() / ("homolog-files-" + std::to_string(::getpid()));
+  TemporaryFolder() { fs::create_directories(path); }
+  ~TemporaryFolder() { fs::remove_all(path); }
+};
+
+std::size_t entries(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+}  // namespace
+
+TEST_CASE("a file is replaced only when the new one is whole") {
+  TemporaryFolder folder;
+  const fs::path file = folder.path / "a.txt";
+  REQUIRE(write_whole_file(file, [](std::ostream& out) -> Result<void> {
+    out << "first";
+    return {};
+  }));
+  CHECK(!write_whole_file(file, [](std::ostream& out) -> Result<void> {
+    out << "half";
+    return fail("a.txt", "broke");
+  }));
+  CHECK(read_whole_file(file).value() == "first");
+  CHECK(entries(folder.path) == 1);
+}
+
+TEST_CASE("a full disk is named and leaves nothing behind") {
+  if (!fs::exists("/dev/full")) return;
+  const auto written = write_whole_file("/dev/full/x", [](std::ostream&) -> Result<void> { return {}; });
+  REQUIRE(!written);
+  CHECK(written.error().subject == "/dev/full/x");
+}
+
+TEST_CASE("a missing file and a folder are refused by name") {
+  TemporaryFolder folder;
+  CHECK(read_whole_file(folder.path / "absent").error().what.find("does not exist") != std::string::npos);
+  CHECK(read_whole_file(folder.path).error().what.find("folder") != std::string::npos);
+}

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "core/case/document.h"
+#include "core/deform/deformer.h"
+#include "core/deform/gesture.h"
+
+namespace homolog {
+
+// Every change that a user (or a case file) can make. Each has one line in the case file; see docs/case-file.md.
+
+/// One finished drag of a tool (or, while it is previewed, the drag so far). `at` snaps to the nearest surface point;
+/// `on` is where a pull ended up on the gesture-start surface, found by following the cursor when it is not given.
+struct Stroke {
+  Tool tool = Tool::pull;
+  Vec3 at = Vec3::Zero(), to = Vec3::Zero();
+  double sigma_mm = 10;
+  std::optional<Vec3> on;
+  bool through_space = false;  ///< the falloff reaches other sheets too
+  double strength = 1;         ///< Relax only, 0…1
+  bool operator==(const Stroke&) const = default;
+};
+struct SetPlacement {
+  Similarity placement;
+  bool operator==(const SetPlacement&) const = default;
+};
+/// Sets w to `value` within `radius_mm` of `at`; over the outer share `soft` of the radius it blends with what was
+/// there.
+struct PaintStiffness {
+  Vec3 at = Vec3::Zero();
+  double radius_mm = 10, value = 10, soft = 0;
+  bool operator==(const PaintStiffness&) const = default;
+};
+struct SetStiffnessBase {
+  double base = 10;
+  bool operator==(const SetStiffnessBase&) const = default;
+};
+/// Holds (or frees) the vertices within `radius_mm` of `at`: later strokes leave held ones where they are.
+struct Confirm {
+  Vec3 at = Vec3::Zero();
+  double radius_mm = 10;
+  bool hold = true;
+  bool operator==(const Confirm&) const = default;
+};
+struct SetScheme {
+  Scheme scheme = Scheme::anchored;
+  int paper_events = 1;
+  bool operator==(const SetScheme&) const = default;
+};
+struct SetSpacing {
+  double strength = 0;
+  bool operator==(const SetSpacing&) const = default;
+};
+/// Places a named landmark in the image, moves it, or (without a position) takes it away.
+struct PlaceLandmark {
+  std::string name;
+  std::optional<Vec3> at;
+  bool operator==(const PlaceLandmark&) const = default;
+};
+struct SetLandmarkFit {
+  LandmarkFit fit = LandmarkFit::warp;
+  bool operator==(const SetLandmarkFit&) const = default;
+};
+/// Turns the template into that of the other side (same numbering); the shape starts anew at its placement.
+struct MirrorTemplate {
+  bool operator==(const MirrorTemplate&) const = default;
+};
+/// Shows a frame; one that has no shape yet gets the template at the last frame's placement.
+struct SetFrame {
+  int frame = 0;
+  bool operator==(const SetFrame&) const = default;
+};
+/// Gives the shown frame a copy of another frame's shape.
+struct StartFrameFrom {
+  int frame = 0;
+  bool operator==(const StartFrameFrom&) const = default;
+};
+struct Note {
+  std::string text;
+  bool operator==(const Note&) const = default;
+};
+struct Undo {
+  bool operator==(const Undo&) const = default;
+};
+struct Redo {
+  bool operator==(const Redo&) const = default;
+};
+
+using Action = std::variant<Stroke, SetPlacement, PaintStiffness, SetStiffnessBase, Confirm, SetScheme, SetSpacing,
+                            PlaceLandmark, SetLandmarkFit, MirrorTemplate, SetFrame, StartFrameFrom, Note, Undo, Redo>;
+
+/// What an edit did, for the interface: shown during a drag and when it is done.
+struct EditReport {
+  bool stopped_by_guard = false;                  ///< the fold guard (or the quality floor) held the gesture back
+  double moved_mm = 0;                            ///< of the grabbed point
+  std::optional<Vec3> on;                         ///< where the gesture holds the gesture-start surface
+  std::shared_ptr<const VertexScalars> response;  ///< û, 0…1: how far each vertex follows; null where none
+  int solves = 0;
+  double solver_ms = 0;
+  std::string message;  ///< one sentence for the status line; empty where there is nothing to say
+};
+
+struct Updated {
+  Document document;
+  EditReport report;
+};
+
+/// The one function that edits a case: the editor, the case file, the command line and the tests all come here.
+/// `deformer` caches factorisations and the running gesture and never changes the result. Undo and Redo belong to
+/// EditSession and are refused here. Errors: an edit that needs a template or a shape where there is none, values out
+/// of range.
+Result<Updated> update(const Document& document, const Action& action, Deformer& deformer);
+
+/// A few words for menus: "Undo pull".
+std::string action_name(const Action& action);
+
+}  // namespace homolog

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/case/session.h"
+
+namespace homolog {
+
+/// Line 1 of a case file for this document: volume, template (paths relative to `folder`), placement, vertices,
+/// connectivity hash, series UID and geometry hash.
+std::string case_header(const Document& document, const std::filesystem::path& folder);
+
+/// One line for an action, without line feed; numbers in the shortest form that reads back to the same double.
+std::string action_line(const Action& action);
+/// Errors: not JSON, no known key, a value of the wrong kind; unknown keys beside known ones are ignored (the file
+/// keeps them).
+Result<Action> parse_action(const std::string& line);
+
+/// Scheme options that override what a case file says.
+struct ReplayOptions {
+  std::optional<Scheme> scheme;
+  std::optional<int> paper_events;
+  std::optional<double> spacing;
+  Progress* progress = nullptr;
+};
+
+struct CaseRead {
+  EditSession session;
+  std::vector<std::string> warnings;  ///< a dropped torn last line
+  std::uintmax_t whole_bytes = 0;     ///< up to and including the last whole line
+};
+
+/// Reads a case file, loads its volume and template, and replays every line. Errors: a line that is no action (its
+/// number is named), a missing volume or template, a mismatch of vertices, connectivity, series or geometry (both
+/// values named).
+Result<CaseRead> read_case(const std::filesystem::path& path, const ReplayOptions& options = {});
+
+/// A new case, saved: header and nothing else.
+Result<std::unique_ptr<Journal>> create_case(const Document& initial, const std::filesystem::path& path);
+
+}  // namespace homolog

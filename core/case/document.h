@@ -1,0 +1,78 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/topology.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+/// A reference mesh with everything that comes with it: what every case of a study shares. Immutable.
+struct Template {
+  std::string source;  ///< path, or "built-in:kidney"
+  std::shared_ptr<const Topology> topology;
+  Points points;                    ///< in the template's own frame, mm
+  VertexScalars stiffness;          ///< factor_i of every vertex
+  double stiffness_base = 10;       ///< w_i = base × factor_i
+  std::vector<Landmark> landmarks;  ///< named, in the template's own frame
+};
+
+/// How strokes move the mesh; see docs/editing.md. `anchored` is the default, `paper` the literal [Erdt 2009, §2.2],
+/// `raw` no optimisation.
+enum class Scheme { anchored, paper, raw };
+
+/// Whether placed landmarks pull the reference along before the first stroke.
+enum class LandmarkFit {
+  off,         ///< landmarks are only recorded
+  similarity,  ///< closed-form similarity
+  warp         ///< similarity; from the fourth landmark on a smooth warp after it
+};
+
+/// One frame's mesh in the case. All points LPS mm.
+struct Shape {
+  Similarity placement;
+  std::map<std::string, Vec3> landmarks;    ///< where named landmarks were placed in the image
+  std::shared_ptr<const Points> reference;  ///< R: the template placed (and warped)
+  std::shared_ptr<const Points> points;     ///< P: the deformed mesh
+  int strokes = 0;                          ///< edits of P since it was last equal to R
+};
+
+/// Everything of a case that is saved, as a value: a copy is a few reference counts, and undo keeps copies.
+struct Document {
+  std::string volume_source;  ///< path, or "phantom:kidney:1"; empty without an image
+  std::shared_ptr<const Volume> volume;
+  std::shared_ptr<const Template> reference;  ///< null until a template is loaded
+  std::map<int, Shape> shapes;                ///< by frame; a static volume has frame 0 only
+  int frame = 0;
+
+  std::shared_ptr<const VertexScalars> stiffness;  ///< factor_i, the template's until painted
+  double stiffness_base = 10;
+  std::shared_ptr<const VertexScalars> confirmed;  ///< 0 free … 1 held where it is
+  Scheme scheme = Scheme::anchored;
+  int paper_events = 1;  ///< mouse events a stroke counts for in the scheme `paper`
+  double spacing = 0;    ///< strength 0…1 of keeping landmarks evenly spread along with an edit
+  LandmarkFit landmark_fit = LandmarkFit::warp;
+
+  bool has_shape() const { return shapes.contains(frame); }
+  const Shape& shape() const { return shapes.at(frame); }
+  Mesh mesh() const { return {reference->topology, *shape().points}; }
+};
+
+/// A template from what a file holds; factors default to 1. Errors: Topology::make's.
+Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source);
+MeshFile to_mesh_file(const Template& reference);
+
+/// Reads a template file, or makes a built-in one ("built-in:kidney").
+Result<std::shared_ptr<const Template>> load_template(const std::string& source);
+
+/// A case with nothing done yet: the template centred in the volume, upright, at its own size.
+/// Either may be null. Errors: none; a volume whose box does not reach the template is no error.
+Document new_document(std::string volume_source, std::shared_ptr<const Volume> volume,
+                      std::shared_ptr<const Template> reference);
+
+}  // namespace homolog

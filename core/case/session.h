@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/case/action.h"
+#include "core/case/journal.h"
+
+namespace homolog {
+
+/// A case being edited: the document, its history and its journal. Belongs to one thread.
+/// An action is computed, then written and synced to the journal, then shown as done.
+class EditSession {
+ public:
+  explicit EditSession(Document document);
+
+  const Document& document() const { return *history_[current_]; }
+  std::shared_ptr<const Document> shared_document() const { return history_[current_]; }
+  /// Applies an action (Undo and Redo too). On error nothing has changed, in memory or on disk.
+  Result<EditReport> apply(Action action);
+  /// What the action would give, without doing it. Cheap while a drag goes on: the gesture is cached.
+  Result<Updated> preview(const Action& action);
+
+  bool can_undo() const { return current_ > 0; }
+  bool can_redo() const { return current_ + 1 < history_.size(); }
+  /// Name of what undo (redo) would take back (do again); empty where there is nothing.
+  std::string undo_name() const;
+  std::string redo_name() const;
+
+  /// From now on every action is appended to `journal`, which holds the actions so far already.
+  void write_to(std::unique_ptr<Journal> journal) { journal_ = std::move(journal); }
+  Journal* journal() { return journal_.get(); }
+  int strokes() const;  ///< those left after undo
+  int solves() const { return solves_; }
+
+ private:
+  std::vector<std::shared_ptr<const Document>> history_;  ///< states; history_[k+1] came from names_[k]
+  std::vector<Action> actions_;
+  std::size_t current_ = 0;
+  Deformer deformer_;
+  std::unique_ptr<Journal> journal_;
+  int solves_ = 0;
+};
+
+}  // namespace homolog

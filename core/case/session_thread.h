@@ -1,0 +1,53 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/case/session.h"
+
+namespace homolog {
+
+/// What the interface knows of the session at one moment; immutable once handed out.
+struct Snapshot {
+  std::shared_ptr<const Document> document;  ///< as committed (and on disk)
+  std::shared_ptr<const Document> shown;     ///< the running preview's document, else `document`
+  std::optional<EditReport> preview;         ///< of the running preview
+  std::uint64_t revision = 0;                ///< counts every change of this struct
+  std::uint64_t committed = 0;               ///< counts the actions done (or refused) so far
+  bool can_undo = false, can_redo = false;
+  std::string undo_name, redo_name;
+  double solver_ms = 0;        ///< core work of the last job: job in, points out
+  std::string message;         ///< the last edit's sentence; empty where there is none
+  std::string error;           ///< the last action's refusal; empty after one that was done
+  std::filesystem::path file;  ///< the journal's path; empty without one
+};
+
+/// Runs an EditSession on a thread of its own, which alone owns the factorisation. The interface posts jobs and
+/// looks at snapshots; it never waits. Previews are absolute and the latest wins; actions queue and none is dropped.
+class SessionThread {
+ public:
+  /// `wake` is called from the session's thread after every new snapshot.
+  SessionThread(EditSession session, std::function<void()> wake);
+  /// Finishes the queued actions, then joins.
+  ~SessionThread();
+
+  /// Shows what `action` would give, until the next call; nullopt ends the preview.
+  void preview(std::optional<Action> action);
+  /// Commits an action. A running preview of it stays shown until it is done.
+  void apply(Action action);
+  /// Continues the journal under another name (Save As): the whole history so far is written there first.
+  void save_as(std::filesystem::path path);
+
+  std::shared_ptr<const Snapshot> snapshot() const;
+  /// Waits until everything posted so far is done, and returns the session (for tests and for closing).
+  EditSession finish();
+
+ private:
+  struct Shared;
+  std::unique_ptr<Shared> shared_;
+};
+
+}  // namespace homolog

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <memory>
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -46,11 +47,16 @@ class SurfaceSearch {
  private:
   struct Node {
     Box box;
-    std::int32_t first = 0,
-                 count = 0;  ///< leaf: faces order_[first, first+count); inner: children first, first+1, count 0
+    /// Leaf: faces order_[first, first + count). Inner: children `first` and `first` + 1, count 0.
+    std::int32_t first = 0, count = 0;
   };
+  void compute_boxes();
+  std::array<Vec3, 3> corners(std::int32_t face) const;
+  Box face_box(std::int32_t face) const;
+  Nearest at(std::int32_t face, const Vec3& weights, const Vec3& p) const;
+
   Mesh mesh_;
-  std::vector<Node> nodes_;
+  std::vector<Node> nodes_;  ///< children after their parents
   std::vector<std::int32_t> order_;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -52,6 +53,14 @@ class Topology {
 
  private:
   Topology() = default;
+  void gather_faces();
+  Result<void> join_faces();
+  std::size_t fan_size(std::int32_t vertex) const;  ///< faces reached by turning around `vertex` from its first face
+  Result<void> check_fans() const;
+  void gather_rings();
+  void trace_boundary();
+  void number_components();
+
   Eigen::Index vertices_ = 0;
   Triangles triangles_;
   std::vector<std::array<std::int32_t, 2>> edges_;

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "core/mesh/topology.h"
+
+/// Small shapes with known properties, made in code, for every test.
+namespace homolog::shapes {
+
+inline Mesh make_mesh(const std::vector<Vec3>& points, const std::vector<std::array<std::int32_t, 3>>& faces) {
+  Mesh mesh;
+  mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t i = 0; i < points.size(); ++i) mesh.points.row(static_cast<Eigen::Index>(i)) = points[i];
+  Triangles triangles(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    triangles.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
+  mesh.topology = Topology::make(mesh.points.rows(), std::move(triangles)).value();
+  return mesh;
+}
+
+/// The corners (0,0,0), (1,0,0), (0,1,0), (0,0,1) times `size_mm`.
+inline Mesh tetrahedron(double size_mm = 1) {
+  return make_mesh({{0, 0, 0}, {size_mm, 0, 0}, {0, size_mm, 0}, {0, 0, size_mm}},
+                   {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
+}
+
+/// Axis-aligned box of 8 corners and 12 faces; corner i has bits x, y, z.
+inline Mesh box(const Vec3& low = Vec3::Zero(), const Vec3& high = Vec3::Ones()) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 8; ++i)
+    points.emplace_back(i & 1 ? high.x() : low.x(), i & 2 ? high.y() : low.y(), i & 4 ? high.z() : low.z());
+  return make_mesh(points, {{0, 2, 1},
+                            {1, 2, 3},
+                            {4, 5, 6},
+                            {5, 7, 6},
+                            {0, 1, 4},
+                            {1, 5, 4},
+                            {2, 6, 3},
+                            {3, 6, 7},
+                            {0, 4, 2},
+                            {2, 4, 6},
+                            {1, 3, 5},
+                            {3, 7, 5}});
+}
+
+/// Sphere of 10·4^level + 2 vertices on the radius (level 4: 2,562).
+inline Mesh icosphere(int level, double radius_mm = 1, const Vec3& centre = Vec3::Zero()) {
+  const double g = std::numbers::phi;
+  std::vector<Vec3> points{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                           {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  std::vector<std::array<std::int32_t, 3>> faces{{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                                 {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                                 {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                                 {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+  for (int l = 0; l < level; ++l) {
+    std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> halves;
+    const auto half = [&](std::int32_t a, std::int32_t b) {
+      const auto [at, added] = halves.try_emplace(std::minmax(a, b), static_cast<std::int32_t>(points.size()));
+      if (added)
+        points.push_back(
+            (points[static_cast<std::size_t>(a)].normalized() + points[static_cast<std::size_t>(b)].normalized()));
+      return at->second;
+    };
+    std::vector<std::array<std::int32_t, 3>> finer;
+    for (const auto& [a, b, c] : faces) {
+      const std::int32_t ab = half(a, b), bc = half(b, c), ca = half(c, a);
+      finer.insert(finer.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
+    }
+    faces = std::move(finer);
+  }
+  for (Vec3& p : points) p = centre + radius_mm * p.normalized();
+  return make_mesh(points, faces);
+}
+
+/// Torus around the z axis; vertex (ring, sector) has index ring · sectors + sector.
+inline Mesh torus(int rings, int sectors, double major_mm = 2, double minor_mm = 1) {
+  std::vector<Vec3> points;
+  std::vector<std::array<std::int32_t, 3>> faces;
+  for (int r = 0; r < rings; ++r) {
+    for (int s = 0; s < sectors; ++s) {
+      const double u = 2 * std::numbers::pi * r / rings, v = 2 * std::numbers::pi * s / sectors;
+      const double w = major_mm + minor_mm * std::cos(v);
+      points.emplace_back(w * std::cos(u), w * std::sin(u), minor_mm * std::sin(v));
+      const int r1 = (r + 1) % rings, s1 = (s + 1) % sectors;
+      const int a = r * sectors + s, b = r1 * sectors + s, c = r1 * sectors + s1, d = r * sectors + s1;
+      faces.push_back({a, b, c});
+      faces.push_back({a, c, d});
+    }
+  }
+  return make_mesh(points, faces);
+}
+
+/// Tube around the z axis from z = 0 to `height_mm`, open at both ends; vertex (ring, sector) as in torus().
+inline Mesh open_cylinder(int rings, int sectors, double radius_mm = 1, double height_mm = 2) {
+  std::vector<Vec3> points;
+  std::vector<std::array<std::int32_t, 3>> faces;
+  for (int r = 0; r < rings; ++r) {
+    for (int s = 0; s < sectors; ++s) {
+      const double v = 2 * std::numbers::pi * s / sectors;
+      points.emplace_back(radius_mm * std::cos(v), radius_mm * std::sin(v), height_mm * r / (rings - 1));
+      if (r + 1 == rings) continue;
+      const int s1 = (s + 1) % sectors;
+      const int a = r * sectors + s, b = r * sectors + s1, c = (r + 1) * sectors + s1, d = (r + 1) * sectors + s;
+      faces.push_back({a, b, c});
+      faces.push_back({a, c, d});
+    }
+  }
+  return make_mesh(points, faces);
+}
+
+}  // namespace homolog::shapes

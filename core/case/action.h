@@ -6,23 +6,11 @@
 
 #include "core/case/document.h"
 #include "core/deform/deformer.h"
-#include "core/deform/gesture.h"
 
 namespace homolog {
 
 // Every change that a user (or a case file) can make. Each has one line in the case file; see docs/case-file.md.
 
-/// One finished drag of a tool (or, while it is previewed, the drag so far). `at` snaps to the nearest surface point;
-/// `on` is where a pull ended up on the gesture-start surface, found by following the cursor when it is not given.
-struct Stroke {
-  Tool tool = Tool::pull;
-  Vec3 at = Vec3::Zero(), to = Vec3::Zero();
-  double sigma_mm = 10;
-  std::optional<Vec3> on;
-  bool through_space = false;  ///< the falloff reaches other sheets too
-  double strength = 1;         ///< Relax only, 0…1
-  bool operator==(const Stroke&) const = default;
-};
 struct SetPlacement {
   Similarity placement;
   bool operator==(const SetPlacement&) const = default;
@@ -109,10 +97,10 @@ struct Updated {
 };
 
 /// The one function that edits a case: the editor, the case file, the command line and the tests all come here.
-/// `deformer` caches factorisations and the running gesture and never changes the result. Undo and Redo belong to
+/// `deformer` caches factorisations and the running gesture. Undo and Redo belong to
 /// EditSession and are refused here. Errors: an edit that needs a template or a shape where there is none, values out
 /// of range.
-Result<Updated> update(const Document& document, const Action& action, Deformer& deformer);
+Result<Updated> update(const Document& document, const Action& action, Deformer& deformer, Pass pass);
 
 /// A few words for menus: "Undo pull".
 std::string action_name(const Action& action);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,7 +40,22 @@ struct CaseRead {
 /// values named).
 Result<CaseRead> read_case(const std::filesystem::path& path, const ReplayOptions& options = {});
 
-/// A new case, saved: header and nothing else.
-Result<std::unique_ptr<Journal>> create_case(const Document& initial, const std::filesystem::path& path);
+/// read_case, then opens the file's journal so that every further action is appended to it.
+/// Errors: read_case's, unwritable, open in another program.
+Result<CaseRead> open_case(const std::filesystem::path& path, Progress* progress = nullptr);
+
+/// A new case whose journal is `path`; an existing file is replaced.
+Result<EditSession> create_case(Document initial, const std::filesystem::path& path);
+
+/// A new case that was not saved yet: its journal lies in unsaved_folder() under a name of its own.
+Result<EditSession> create_unsaved_case(Document initial);
+
+/// Cases left in unsaved_folder() by a program that ended without saving, newest first: those that hold at least one
+/// action and are not open in another program.
+std::vector<std::filesystem::path> unsaved_cases();
+
+/// Copies the journal so far to `path` (paths in its first line made relative to the new folder, every other line as it
+/// is) and continues there. A journal in unsaved_folder() is removed then. The session must have a journal.
+Result<void> save_case_as(EditSession& session, const std::filesystem::path& path);
 
 }  // namespace homolog

@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "core/deform/stroke.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/topology.h"
 #include "core/volume/volume.h"
+#include "core/volume/volume_io.h"
 
 namespace homolog {
 
@@ -22,10 +24,6 @@ struct Template {
   std::vector<Landmark> landmarks;  ///< named, in the template's own frame
 };
 
-/// How strokes move the mesh; see docs/editing.md. `anchored` is the default, `paper` the literal [Erdt 2009, §2.2],
-/// `raw` no optimisation.
-enum class Scheme { anchored, paper, raw };
-
 /// Whether placed landmarks pull the reference along before the first stroke.
 enum class LandmarkFit {
   off,         ///< landmarks are only recorded
@@ -37,7 +35,8 @@ enum class LandmarkFit {
 struct Shape {
   Similarity placement;
   std::map<std::string, Vec3> landmarks;    ///< where named landmarks were placed in the image
-  std::shared_ptr<const Points> reference;  ///< R: the template placed (and warped)
+  std::shared_ptr<const Points> placed;     ///< the template placed, not warped: quality compares with it
+  std::shared_ptr<const Points> reference;  ///< R: `placed`, warped to the landmarks where asked; else the same pointer
   std::shared_ptr<const Points> points;     ///< P: the deformed mesh
   int strokes = 0;                          ///< edits of P since it was last equal to R
 };
@@ -69,6 +68,9 @@ MeshFile to_mesh_file(const Template& reference);
 
 /// Reads a template file, or makes a built-in one ("built-in:kidney").
 Result<std::shared_ptr<const Template>> load_template(const std::string& source);
+
+/// Reads a volume (see read_volume), or makes a phantom's image ("phantom:kidney:1").
+Result<VolumeRead> load_volume(const std::string& source, const VolumeReadOptions& options = {});
 
 /// A case with nothing done yet: the template centred in the volume, upright, at its own size.
 /// Either may be null. Errors: none; a volume whose box does not reach the template is no error.

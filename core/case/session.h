@@ -16,6 +16,8 @@ class EditSession {
 
   const Document& document() const { return *history_[current_]; }
   std::shared_ptr<const Document> shared_document() const { return history_[current_]; }
+  /// Moves the placement that a case starts from; nothing has been done yet.
+  Result<void> start_at(const Similarity& placement);
   /// Applies an action (Undo and Redo too). On error nothing has changed, in memory or on disk.
   Result<EditReport> apply(Action action);
   /// What the action would give, without doing it. Cheap while a drag goes on: the gesture is cached.
@@ -34,8 +36,11 @@ class EditSession {
   int solves() const { return solves_; }
 
  private:
-  std::vector<std::shared_ptr<const Document>> history_;  ///< states; history_[k+1] came from names_[k]
-  std::vector<Action> actions_;
+  Result<EditReport> travel(const Action& action);
+  Result<void> write(const Action& action);
+
+  std::vector<std::shared_ptr<const Document>> history_;
+  std::vector<Action> actions_;  ///< actions_[k] led from history_[k] to history_[k + 1]
   std::size_t current_ = 0;
   Deformer deformer_;
   std::unique_ptr<Journal> journal_;

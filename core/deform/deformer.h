@@ -2,19 +2,25 @@
 
 #include <memory>
 
+#include "core/deform/gesture.h"
+
 namespace homolog {
 
-/// Keeps what is worth keeping between edits: the factorisation and the running gesture. Never changes a result.
+/// Keeps what is worth keeping between strokes: the factorisation and the running gesture. Never changes a result: the
+/// same start and stroke give the same points with a fresh Deformer, except that a pull without `on` follows the
+/// cursor positions seen so far.
 class Deformer {
  public:
-  Deformer();
-  ~Deformer();
-  Deformer(Deformer&&) noexcept;
-  Deformer& operator=(Deformer&&) noexcept;
+  /// Errors: a stiffness that cannot be factorised, a stroke that is not finite, a confirmed place.
+  Result<StrokeOutcome> stroke(const StrokeStart& start, const Stroke& stroke, Pass pass);
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  Result<void> prepare(const StrokeStart& start);
+
+  std::unique_ptr<ShapeSolver> solver_;
+  std::shared_ptr<const VertexScalars> stiffness_, confirmed_;  ///< what *solver_ is factorised for
+  double stiffness_base_ = 0;
+  std::unique_ptr<Gesture> gesture_;  ///< refers to *solver_
 };
 
 }  // namespace homolog

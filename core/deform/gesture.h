@@ -1,15 +1,90 @@
 #pragma once
 
+#include <memory>
+#include <optional>
+
+#include "core/base/result.h"
+#include "core/deform/fold_guard.h"
+#include "core/deform/shape_solver.h"
+#include "core/deform/stroke.h"
+#include "core/deform/surface_walk.h"
+
 namespace homolog {
 
-/// What a drag does; method and limits in docs/editing.md.
-enum class Tool {
-  pull,   ///< the surface to the cursor along its normal [Erdt 2009, §2.2, Fig. 2c]
-  grab,   ///< a feature with its landmarks, normal and lateral
-  slide,  ///< landmarks along the surface, which stays
-  relax   ///< back towards the reference's local shape, under the brush
+/// What a stroke starts from and the settings it runs under. All n×3 in LPS mm.
+struct StrokeStart {
+  std::shared_ptr<const Topology> topology;
+  std::shared_ptr<const Points> placed;     ///< the template as placed, not warped: what "turned" is measured against
+  std::shared_ptr<const Points> reference;  ///< R
+  std::shared_ptr<const Points> points;     ///< P⁰
+  std::shared_ptr<const VertexScalars> stiffness;  ///< factor_i; w_i = stiffness_base × factor_i
+  double stiffness_base = 10;
+  std::shared_ptr<const VertexScalars> confirmed;  ///< 0 free … 1 held; null for all free
+  Scheme scheme = Scheme::anchored;
+  int paper_events = 1;
+  double spacing = 0;
 };
 
+struct StrokeOutcome {
+  Points points;
+  bool stopped_by_guard = false;
+  double moved_mm = 0;                            ///< the grabbed point's way
+  Vec3 on = Vec3::Zero();                         ///< where the gesture holds the gesture-start surface
+  std::shared_ptr<const VertexScalars> response;  ///< û (raw, paper: g)
+  int solves = 0;
+};
 
+/// Whether an outcome is only shown or about to be kept: what is kept is checked against the full definition of a
+/// turned triangle.
+enum class Pass { preview, commit };
+
+/// One running drag [docs/method.md §3–4]. The response is solved for when the falloff changes; a frame in which only
+/// the cursor moved costs one n×3 update.
+class Gesture {
+ public:
+  /// `solver` is factorised for the start's stiffness and outlives the gesture.
+  Gesture(const StrokeStart& start, const ShapeSolver& solver, Tool tool, const Vec3& at, bool through_space);
+  Gesture(const Gesture&) = delete;
+  Gesture& operator=(const Gesture&) = delete;
+
+  /// The shape for a cursor at `stroke.to`. Errors: the grabbed place is confirmed.
+  Result<StrokeOutcome> move(const Stroke& stroke, Pass pass);
+
+  /// Whether `stroke` from `start` continues this gesture (same points, tool and place).
+  bool continues(const StrokeStart& start, const Stroke& stroke) const;
+
+ private:
+  bool held(const SurfacePoint& at) const;
+  void aim(const SurfacePoint& centre, double sigma_mm, StrokeOutcome& outcome);
+  Points paper_points(const Vec3& d, double sigma_mm, StrokeOutcome& outcome) const;
+  Points slid_points(const Vec3& d, double step) const;
+  void slide(const Vec3& d, StrokeOutcome& outcome) const;
+  void keep_spacing(const Vec3& d, StrokeOutcome& outcome) const;
+
+  StrokeStart start_;
+  const ShapeSolver& solver_;
+  Tool tool_;
+  Vec3 at_;
+  bool through_space_;
+  double edge_mm_;
+  SurfacePoint grabbed_;
+  SurfacePoint free_;  ///< Pull: where the follower last was outside confirmed regions
+  FoldGuard guard_;
+  std::unique_ptr<SurfaceFollower> follower_;  ///< Pull only
+
+  // The response in use and what it was solved for.
+  std::shared_ptr<const VertexScalars> response_;
+  SurfacePoint centre_;
+  double sigma_mm_ = -1;
+};
+
+/// Relax: (3) solved with S = P and locally rotated reference, blended in by strength·exp(−‖p_i − at‖²/2σ²)
+/// [docs/method.md §3]. Never turns a triangle.
+StrokeOutcome relax(const StrokeStart& start, const ShapeSolver& solver, const Stroke& stroke);
+
+/// Where (3) would move the points with S = P and a reference that turns with the shape, minus P: C of docs/method.md
+/// (Spacing), λ = 1.
+Points relaxation_offset(const Topology& topology, const ShapeSolver& solver, const Points& reference,
+                         const Points& points);
 
 }  // namespace homolog

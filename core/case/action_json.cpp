@@ -1,0 +1,195 @@
+#include "core/case/action_json.h"
+
+#include <array>
+#include <utility>
+
+namespace homolog {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::pair<const char*, Tool>, 4> tool_names{
+    {{"pull", Tool::pull}, {"grab", Tool::grab}, {"slide", Tool::slide}, {"relax", Tool::relax}}};
+constexpr std::array<std::pair<const char*, Scheme>, 3> scheme_names{
+    {{"anchored", Scheme::anchored}, {"paper", Scheme::paper}, {"raw", Scheme::raw}}};
+constexpr std::array<std::pair<const char*, LandmarkFit>, 3> fit_names{
+    {{"off", LandmarkFit::off}, {"similarity", LandmarkFit::similarity}, {"warp", LandmarkFit::warp}}};
+
+template <class Names, class Value>
+const char* name_of(const Names& names, Value value) {
+  for (const auto& [name, known] : names) {
+    if (known == value) return name;
+  }
+  return "";
+}
+
+// Reading throws, as the JSON library does; action_from_json turns what is thrown into an Error.
+struct Unreadable {
+  std::string what;
+};
+
+template <class Names>
+auto named(const Names& names, const Json& value) {
+  const std::string given = value.get<std::string>();
+  std::string known_names;
+  for (const auto& [name, known] : names) {
+    if (given == name) return known;
+    known_names += std::string(known_names.empty() ? "" : ", ") + name;
+  }
+  throw Unreadable{"\"" + given + "\" is not one of " + known_names};
+}
+
+Json json_of(const Vec3& p) {
+  return Json::array({p[0], p[1], p[2]});
+}
+
+Vec3 point(const Json& object, const char* key) {
+  const Json& value = object.at(key);
+  if (!value.is_array() || value.size() != 3) throw Unreadable{std::string("\"") + key + "\" is not [x,y,z]"};
+  return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+}
+
+Similarity similarity(const Json& value) {
+  const Json& q = value.at("rotation");
+  if (!q.is_array() || q.size() != 4) throw Unreadable{"\"rotation\" is not [w,x,y,z]"};
+  Similarity s;
+  s.rotation = Eigen::Quaterniond(q[0].get<double>(), q[1].get<double>(), q[2].get<double>(), q[3].get<double>());
+  if (!(s.rotation.norm() > 1e-6)) throw Unreadable{"\"rotation\" is zero"};
+  // A quaternion that is unit to the last digits is taken as it is, so that what was written reads back the same.
+  if (std::abs(s.rotation.norm() - 1) > 1e-9) s.rotation.normalize();
+  s.scale = value.at("scale").get<double>();
+  s.translation = point(value, "translation");
+  return s;
+}
+
+Action stroke(const Json& line) {
+  Stroke s;
+  s.tool = named(tool_names, line.at("tool"));
+  s.at = point(line, "at");
+  s.to = s.tool == Tool::relax && !line.contains("to") ? s.at : point(line, "to");
+  s.sigma_mm = line.at("sigma_mm").get<double>();
+  if (line.contains("on")) s.on = point(line, "on");
+  s.through_space = line.value("through_space", false);
+  s.strength = line.value("strength", 1.0);
+  return s;
+}
+
+Action stiffness(const Json& value) {
+  return PaintStiffness{point(value, "at"), value.at("radius_mm").get<double>(), value.at("value").get<double>(),
+                        value.value("soft", 0.0)};
+}
+
+Action confirm(const Json& value) {
+  return Confirm{point(value, "at"), value.at("radius_mm").get<double>(), value.value("hold", true)};
+}
+
+Action landmark(const Json& value) {
+  PlaceLandmark placed{value.at("name").get<std::string>(), {}};
+  if (value.contains("at") && !value.at("at").is_null()) placed.at = point(value, "at");
+  return placed;
+}
+
+/// Every line is known by one key; the first one found decides.
+struct Spelling {
+  const char* key;
+  Action (*read)(const Json& value, const Json& line);
+};
+const Spelling spellings[] = {
+    {"tool", [](const Json&, const Json& line) { return stroke(line); }},
+    {"placement", [](const Json& value, const Json&) -> Action { return SetPlacement{similarity(value)}; }},
+    {"stiffness", [](const Json& value, const Json&) { return stiffness(value); }},
+    {"stiffness_base", [](const Json& value, const Json&) -> Action { return SetStiffnessBase{value.get<double>()}; }},
+    {"confirm", [](const Json& value, const Json&) { return confirm(value); }},
+    {"scheme",
+     [](const Json& value, const Json& line) -> Action {
+       return SetScheme{named(scheme_names, value), line.value("events", 1)};
+     }},
+    {"spacing", [](const Json& value, const Json&) -> Action { return SetSpacing{value.get<double>()}; }},
+    {"landmark", [](const Json& value, const Json&) { return landmark(value); }},
+    {"landmark_fit", [](const Json& value, const Json&) -> Action { return SetLandmarkFit{named(fit_names, value)}; }},
+    {"mirror",
+     [](const Json& value, const Json&) -> Action {
+       if (value != "sagittal") throw Unreadable{"\"mirror\" is not \"sagittal\""};
+       return MirrorTemplate{};
+     }},
+    {"frame", [](const Json& value, const Json&) -> Action { return SetFrame{value.get<int>()}; }},
+    {"start_frame_from", [](const Json& value, const Json&) -> Action { return StartFrameFrom{value.get<int>()}; }},
+    {"note", [](const Json& value, const Json&) -> Action { return Note{value.get<std::string>()}; }},
+    {"undo", [](const Json&, const Json&) -> Action { return Undo{}; }},
+    {"redo", [](const Json&, const Json&) -> Action { return Redo{}; }},
+};
+
+struct Writer {
+  Json operator()(const Stroke& s) const {
+    Json line{
+        {"tool", name_of(tool_names, s.tool)}, {"at", json_of(s.at)}, {"to", json_of(s.to)}, {"sigma_mm", s.sigma_mm}};
+    if (s.on) line["on"] = json_of(*s.on);
+    if (s.through_space) line["through_space"] = true;
+    if (s.tool == Tool::relax) line["strength"] = s.strength;
+    return line;
+  }
+  Json operator()(const SetPlacement& a) const { return {{"placement", to_json(a.placement)}}; }
+  Json operator()(const PaintStiffness& a) const {
+    return {{"stiffness", {{"at", json_of(a.at)}, {"radius_mm", a.radius_mm}, {"value", a.value}, {"soft", a.soft}}}};
+  }
+  Json operator()(const SetStiffnessBase& a) const { return {{"stiffness_base", a.base}}; }
+  Json operator()(const Confirm& a) const {
+    return {{"confirm", {{"at", json_of(a.at)}, {"radius_mm", a.radius_mm}, {"hold", a.hold}}}};
+  }
+  Json operator()(const SetScheme& a) const {
+    return {{"scheme", name_of(scheme_names, a.scheme)}, {"events", a.paper_events}};
+  }
+  Json operator()(const SetSpacing& a) const { return {{"spacing", a.strength}}; }
+  Json operator()(const PlaceLandmark& a) const {
+    return {{"landmark", {{"name", a.name}, {"at", a.at ? json_of(*a.at) : Json()}}}};
+  }
+  Json operator()(const SetLandmarkFit& a) const { return {{"landmark_fit", name_of(fit_names, a.fit)}}; }
+  Json operator()(const MirrorTemplate&) const { return {{"mirror", "sagittal"}}; }
+  Json operator()(const SetFrame& a) const { return {{"frame", a.frame}}; }
+  Json operator()(const StartFrameFrom& a) const { return {{"start_frame_from", a.frame}}; }
+  Json operator()(const Note& a) const { return {{"note", a.text}}; }
+  Json operator()(const Undo&) const { return {{"undo", true}}; }
+  Json operator()(const Redo&) const { return {{"redo", true}}; }
+};
+
+/// Runs a reader and turns whatever it throws into an Error.
+template <class Read>
+auto caught(const Read& read) -> Result<decltype(read())> {
+  try {
+    return read();
+  } catch (const Unreadable& error) {
+    return fail("", error.what);
+  } catch (const nlohmann::json::out_of_range&) {
+    return fail("", "lacks a key that its kind of line needs");
+  } catch (const nlohmann::json::exception&) {
+    return fail("", "holds a value of the wrong kind");
+  }
+}
+
+}  // namespace
+
+Json to_json(const Action& action) {
+  return std::visit(Writer{}, action);
+}
+
+Result<Action> action_from_json(const Json& line) {
+  if (!line.is_object()) return fail("", "is not a JSON object");
+  for (const Spelling& spelling : spellings) {
+    const auto value = line.find(spelling.key);
+    if (value != line.end()) return caught([&] { return spelling.read(*value, line); });
+  }
+  return fail("", "is of no known kind; it may come from a newer version of Homolog");
+}
+
+Json to_json(const Similarity& s) {
+  return {{"rotation", Json::array({s.rotation.w(), s.rotation.x(), s.rotation.y(), s.rotation.z()})},
+          {"scale", s.scale},
+          {"translation", json_of(s.translation)}};
+}
+
+Result<Similarity> similarity_from_json(const Json& value) {
+  return caught([&] { return similarity(value); });
+}
+
+}  // namespace homolog

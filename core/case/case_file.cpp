@@ -1,0 +1,281 @@
+#include "core/case/case_file.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/base/files.h"
+#include "core/case/action_json.h"
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int format_version = 1;
+constexpr const char* extension = ".homolog";
+
+/// "built-in:kidney" and "phantom:kidney:1" name no file.
+bool is_file(const std::string& source) {
+  return !source.empty() && !source.starts_with("built-in:") && !source.starts_with("phantom:");
+}
+
+std::string relative_to(const fs::path& folder, const std::string& source) {
+  if (!is_file(source)) return source;
+  const fs::path relative = fs::proximate(fs::absolute(source), fs::absolute(folder.empty() ? fs::path(".") : folder));
+  return relative.generic_string();
+}
+
+std::string resolved(const fs::path& folder, const std::string& source) {
+  return is_file(source) ? (folder / source).lexically_normal().string() : source;
+}
+
+/// Refuses with both values where the header holds `key` and what was loaded differs.
+template <class Value>
+Result<void> check(const Json& header, const char* key, const Value& loaded, const std::string& of) {
+  if (!header.contains(key)) return {};
+  Value expected{};
+  try {
+    expected = header.at(key).get<Value>();
+  } catch (const Json::exception&) {
+    return fail("", std::string("line 1: \"") + key + "\" is of the wrong kind");
+  }
+  if (expected == loaded) return {};
+  const Json both = {expected, loaded};
+  return fail("", "was made for " + of + " with " + key + " " + both[0].dump() + " but this one has " + both[1].dump() +
+                      "; put the original back or start a new case");
+}
+
+struct Lines {
+  std::vector<std::string> whole;
+  bool torn = false;
+  std::uintmax_t whole_bytes = 0;
+};
+
+/// Splits a case file. A last line that is no JSON and lacks its line feed (or holds zero bytes) was being written when
+/// the machine died.
+Lines split(const std::string& text) {
+  Lines lines;
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string line = text.substr(begin, end - begin);
+    const bool last = end + 1 >= text.size();
+    const bool suspicious = last && (end == text.size() || line.find('\0') != std::string::npos);
+    if (suspicious && !line.empty() && !Json::accept(line)) {
+      lines.torn = true;
+      break;
+    }
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    lines.whole.push_back(std::move(line));
+    begin = std::min(end + 1, text.size());
+    lines.whole_bytes = begin;
+  }
+  return lines;
+}
+
+Result<Document> read_header(const Json& header, const fs::path& folder, Progress* progress,
+                             std::vector<std::string>& warnings) {
+  if (!header.is_object() || !header.contains("homolog")) {
+    return fail("", "is not a Homolog case: its first line is no header");
+  }
+  if (header["homolog"] != format_version) {
+    return fail("", "is of case format " + header["homolog"].dump() + "; this Homolog reads format 1");
+  }
+  std::shared_ptr<const Volume> volume;
+  std::string volume_source, template_source;
+  VolumeReadOptions options;
+  options.progress = progress;
+  try {
+    volume_source = resolved(folder, header.value("volume", ""));
+    template_source = resolved(folder, header.value("template", ""));
+    options.series_uid = header.value("series", "");
+    if (const auto spacing = header.find("spacing_mm"); spacing != header.end() && spacing->size() == 3) {
+      options.stack_spacing_mm =
+          Vec3((*spacing)[0].get<double>(), (*spacing)[1].get<double>(), (*spacing)[2].get<double>());
+    }
+  } catch (const Json::exception&) {
+    return fail("", "line 1: a value is of the wrong kind");
+  }
+  if (!volume_source.empty()) {
+    auto read = load_volume(volume_source, options);
+    if (!read) return fail(read.error());
+    warnings.insert(warnings.end(), read->warnings.begin(), read->warnings.end());
+    volume = std::make_shared<const Volume>(std::move(read->volume));
+    if (auto same = check(header, "geometry", geometry_hash(volume->geometry), "a volume"); !same)
+      return fail(same.error());
+    if (auto same = check(header, "series", volume->series_uid, "a volume"); !same) return fail(same.error());
+  }
+  std::shared_ptr<const Template> reference;
+  if (!template_source.empty()) {
+    auto loaded = load_template(template_source);
+    if (!loaded) return fail(loaded.error());
+    reference = *loaded;
+    const auto vertices = static_cast<std::int64_t>(reference->topology->vertices());
+    if (auto same = check(header, "vertices", vertices, "a template"); !same) return fail(same.error());
+    if (auto same = check(header, "connectivity", reference->topology->hash(), "a template"); !same) {
+      return fail(same.error());
+    }
+  }
+  return new_document(volume_source, std::move(volume), std::move(reference));
+}
+
+/// What the options force, whatever the file says.
+void override_settings(const ReplayOptions& options, Document& document) {
+  if (options.scheme) document.scheme = *options.scheme;
+  if (options.paper_events) document.paper_events = *options.paper_events;
+  if (options.spacing) document.spacing = *options.spacing;
+}
+
+void override_settings(const ReplayOptions& options, Action& action) {
+  if (auto* scheme = std::get_if<SetScheme>(&action)) {
+    scheme->scheme = options.scheme.value_or(scheme->scheme);
+    scheme->paper_events = options.paper_events.value_or(scheme->paper_events);
+  }
+  if (auto* spacing = std::get_if<SetSpacing>(&action)) spacing->strength = options.spacing.value_or(spacing->strength);
+}
+
+Error in_line(const fs::path& path, std::size_t number, const Error& error) {
+  return {path.string(), "line " + std::to_string(number) + ": " + error.sentence()};
+}
+
+}  // namespace
+
+std::string case_header(const Document& document, const fs::path& folder) {
+  Json header{{"homolog", format_version}};
+  if (!document.volume_source.empty()) header["volume"] = relative_to(folder, document.volume_source);
+  if (document.reference) header["template"] = relative_to(folder, document.reference->source);
+  if (document.has_shape()) header["placement"] = to_json(document.shape().placement);
+  if (document.reference) {
+    header["vertices"] = document.reference->topology->vertices();
+    header["connectivity"] = document.reference->topology->hash();
+  }
+  if (document.volume) {
+    const Volume& volume = *document.volume;
+    header["geometry"] = geometry_hash(volume.geometry);
+    if (!volume.series_uid.empty()) header["series"] = volume.series_uid;
+    const Vec3& spacing = volume.geometry.spacing_mm;
+    header["spacing_mm"] = Json::array({spacing[0], spacing[1], spacing[2]});
+  }
+  return header.dump();
+}
+
+std::string action_line(const Action& action) {
+  return to_json(action).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Result<Action> parse_action(const std::string& line) {
+  const Json json = Json::parse(line, nullptr, false);
+  if (json.is_discarded()) return fail("", "is not JSON");
+  return action_from_json(json);
+}
+
+Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
+  const auto text = read_whole_file(path, std::uintmax_t{1} << 30);
+  if (!text) return fail(text.error());
+  const Lines lines = split(*text);
+  if (lines.whole.empty()) return fail(path.string(), "is not a Homolog case: it is empty or its first line is torn");
+  std::vector<std::string> warnings;
+  if (lines.torn) {
+    warnings.push_back(
+        path.string() +
+        ": the last line was torn when the machine stopped; it is dropped and everything before it restored");
+  }
+  const Json header = Json::parse(lines.whole.front(), nullptr, false);
+  auto document = read_header(header, path.parent_path(), options.progress, warnings);
+  if (!document) {
+    Error error = document.error();
+    if (error.subject.empty()) error.subject = path.string();
+    return fail(std::move(error));
+  }
+  override_settings(options, *document);
+  EditSession session(std::move(*document));
+  if (header.contains("placement") && session.document().has_shape()) {
+    const auto placement = similarity_from_json(header["placement"]);
+    if (!placement) return fail(in_line(path, 1, placement.error()));
+    if (auto placed = session.start_at(*placement); !placed) return fail(in_line(path, 1, placed.error()));
+  }
+  for (std::size_t k = 1; k < lines.whole.size(); ++k) {
+    if (options.progress != nullptr) {
+      options.progress->report(static_cast<double>(k) / static_cast<double>(lines.whole.size()));
+      if (options.progress->cancelled()) return fail(path.string(), "was not opened: cancelled");
+    }
+    if (lines.whole[k].empty()) continue;
+    auto action = parse_action(lines.whole[k]);
+    if (!action) return fail(in_line(path, k + 1, action.error()));
+    override_settings(options, *action);
+    if (auto done = session.apply(std::move(*action)); !done) return fail(in_line(path, k + 1, done.error()));
+  }
+  return CaseRead{std::move(session), std::move(warnings), lines.whole_bytes};
+}
+
+Result<CaseRead> open_case(const fs::path& path, Progress* progress) {
+  ReplayOptions options;
+  options.progress = progress;
+  auto read = read_case(path, options);
+  if (!read) return read;
+  auto journal = Journal::open(path, read->whole_bytes);
+  if (!journal) return fail(journal.error());
+  read->session.write_to(std::move(*journal));
+  return read;
+}
+
+Result<EditSession> create_case(Document initial, const fs::path& path) {
+  auto journal = Journal::create(path, case_header(initial, path.parent_path()) + '\n');
+  if (!journal) return fail(journal.error());
+  EditSession session(std::move(initial));
+  session.write_to(std::move(*journal));
+  return session;
+}
+
+Result<EditSession> create_unsaved_case(Document initial) {
+  const fs::path folder = unsaved_folder();
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    return fail(folder.string(),
+                "cannot be made (" + error.message() + "); set XDG_STATE_HOME to a folder you may write to");
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto stamp = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  const std::string name = "unsaved-" + std::to_string(stamp) + "-" + std::to_string(::getpid()) + extension;
+  return create_case(std::move(initial), folder / name);
+}
+
+std::vector<fs::path> unsaved_cases() {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(unsaved_folder(), error)) {
+    if (entry.path().extension() != extension) continue;
+    const auto text = read_whole_file(entry.path(), std::uintmax_t{1} << 30);
+    if (!text || std::count(text->begin(), text->end(), '\n') < 2) continue;
+    if (Journal::open(entry.path(), text->size())) found.push_back(entry.path());
+  }
+  std::sort(found.rbegin(), found.rend());
+  return found;
+}
+
+Result<void> save_case_as(EditSession& session, const fs::path& path) {
+  const fs::path old = session.journal()->path();
+  std::error_code error;
+  if (fs::equivalent(old, path, error)) return {};
+  auto text = read_whole_file(old, std::uintmax_t{1} << 30);
+  if (!text) return fail(text.error());
+  const std::size_t end = text->find('\n');
+  Json header = Json::parse(text->substr(0, end), nullptr, false);
+  if (header.is_discarded()) return fail(old.string(), "has lost its first line; export the mesh instead");
+  for (const char* key : {"volume", "template"}) {
+    if (!header.contains(key)) continue;
+    const std::string source = resolved(old.parent_path(), header[key].get<std::string>());
+    header[key] = relative_to(path.parent_path(), source);
+  }
+  auto journal = Journal::create(path, header.dump() + text->substr(end));
+  if (!journal) return fail(journal.error());
+  session.write_to(std::move(*journal));
+  if (old.parent_path() == unsaved_folder()) fs::remove(old, error);
+  return {};
+}
+
+}  // namespace homolog

@@ -1,0 +1,87 @@
+#include "core/case/document.h"
+
+#include <charconv>
+#include <string_view>
+
+#include "core/phantom/phantom.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr std::string_view built_in_prefix = "built-in:";
+constexpr std::string_view phantom_prefix = "phantom:";
+
+}  // namespace
+
+Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source) {
+  auto topology = Topology::make(file.points.rows(), std::move(file.triangles));
+  if (!topology) return fail(source, topology.error().what);
+  Template made;
+  made.source = std::move(source);
+  made.topology = *topology;
+  made.stiffness = file.stiffness.value_or(VertexScalars::Ones(file.points.rows()));
+  made.points = std::move(file.points);
+  made.stiffness_base = file.stiffness_base;
+  made.landmarks = std::move(file.landmarks);
+  return std::make_shared<const Template>(std::move(made));
+}
+
+MeshFile to_mesh_file(const Template& reference) {
+  MeshFile file;
+  file.points = reference.points;
+  file.triangles = reference.topology->triangles();
+  file.stiffness = reference.stiffness;
+  file.stiffness_base = reference.stiffness_base;
+  file.landmarks = reference.landmarks;
+  return file;
+}
+
+Result<std::shared_ptr<const Template>> load_template(const std::string& source) {
+  if (source.starts_with(built_in_prefix)) {
+    const auto organ = organ_from_name(source.substr(built_in_prefix.size()));
+    if (!organ) return fail(organ.error());
+    return make_template(built_in_template(*organ), source);
+  }
+  auto file = read_mesh_file(source);
+  if (!file) return fail(file.error());
+  return make_template(std::move(*file), source);
+}
+
+Result<VolumeRead> load_volume(const std::string& source, const VolumeReadOptions& options) {
+  if (!source.starts_with(phantom_prefix)) return read_volume(source, options);
+  const std::string rest = source.substr(phantom_prefix.size());
+  const std::size_t colon = rest.find(':');
+  const auto organ = organ_from_name(rest.substr(0, colon));
+  if (!organ) return fail(organ.error());
+  int number = 0;
+  const char* end = rest.data() + rest.size();
+  const bool numbered =
+      colon != std::string::npos && std::from_chars(rest.data() + colon + 1, end, number).ptr == end && number >= 0;
+  if (!numbered) return fail(source, "needs a subject number, for instance phantom:kidney:1");
+  VolumeRead read;
+  read.volume = make_phantom(*organ, number).image;
+  return read;
+}
+
+Document new_document(std::string volume_source, std::shared_ptr<const Volume> volume,
+                      std::shared_ptr<const Template> reference) {
+  Document document;
+  document.volume_source = std::move(volume_source);
+  document.volume = std::move(volume);
+  document.reference = std::move(reference);
+  if (!document.reference) return document;
+  const Template& placed = *document.reference;
+  document.stiffness = std::make_shared<const VertexScalars>(placed.stiffness);
+  document.stiffness_base = placed.stiffness_base;
+  Shape shape;
+  if (document.volume) {
+    shape.placement.translation = document.volume->geometry.bounds_mm().center() - bounds_of(placed.points).center();
+  }
+  shape.placed = std::make_shared<const Points>(shape.placement.apply(placed.points));
+  shape.reference = shape.points = shape.placed;
+  document.shapes.emplace(0, std::move(shape));
+  return document;
+}
+
+}  // namespace homolog

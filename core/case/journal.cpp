@@ -1,0 +1,86 @@
+#include "core/case/journal.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+
+#include "core/base/files.h"
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Writes all of `bytes`; 0 or the errno.
+int write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return written < 0 ? errno : EIO;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Journal>> Journal::create(const fs::path& path, std::string_view first_lines) {
+  // A case that another program has open must not be replaced under it.
+  std::error_code error;
+  if (fs::exists(path, error)) {
+    if (auto opened = open(path, fs::file_size(path, error)); !opened) return opened;
+  }
+  auto written = write_whole_file(path, [&](std::ostream& out) -> Result<void> {
+    out << first_lines;
+    return {};
+  });
+  if (!written) return fail(written.error());
+  return open(path, first_lines.size());
+}
+
+Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path, std::uintmax_t keep_bytes) {
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC);
+  if (descriptor < 0) {
+    return fail(path.string(), std::string("cannot be opened for writing (") + std::strerror(errno) +
+                                   "); make it writable or save the case elsewhere");
+  }
+  std::unique_ptr<Journal> journal(new Journal(path, descriptor));
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    return fail(path.string(), "is open in another program; close it there, or open a copy");
+  }
+  if (::ftruncate(descriptor, static_cast<off_t>(keep_bytes)) != 0 || ::fsync(descriptor) != 0) {
+    return fail(path.string(), std::string("cannot be written (") + std::strerror(errno) + ")");
+  }
+  return journal;
+}
+
+Journal::~Journal() {
+  ::close(descriptor_);
+}
+
+Result<void> Journal::append(std::string_view line) {
+  const off_t before = ::lseek(descriptor_, 0, SEEK_END);
+  std::string bytes(line);
+  bytes += '\n';
+  int error = before < 0 ? errno : write_all(descriptor_, bytes);
+  if (error == 0 && ::fsync(descriptor_) != 0) error = errno;
+  if (error == 0) return {};
+  if (before >= 0 && ::ftruncate(descriptor_, before) == 0) ::fsync(descriptor_);
+  return fail(path_.string(), std::string("could not be written (") + std::strerror(error) +
+                                  "), so the edit was not made; free some space or save the case elsewhere");
+}
+
+fs::path unsaved_folder() {
+  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != '\0') {
+    return fs::path(state) / "homolog";
+  }
+  const char* home = std::getenv("HOME");
+  return fs::path(home != nullptr ? home : "/tmp") / ".local" / "state" / "homolog";
+}
+
+}  // namespace homolog

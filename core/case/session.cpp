@@ -1,0 +1,95 @@
+#include "core/case/session.h"
+
+#include <chrono>
+#include <type_traits>
+
+#include "core/case/case_file.h"
+
+namespace homolog {
+
+namespace {
+
+/// A pull remembers where on the surface it ended, so that replaying it needs no cursor path.
+void resolve(Action& action, const EditReport& report) {
+  auto* stroke = std::get_if<Stroke>(&action);
+  if (stroke != nullptr && stroke->tool == Tool::pull && !stroke->on) stroke->on = report.on;
+}
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+EditSession::EditSession(Document document) {
+  history_.push_back(std::make_shared<const Document>(std::move(document)));
+}
+
+Result<void> EditSession::start_at(const Similarity& placement) {
+  auto placed = update(document(), SetPlacement{placement}, deformer_, Pass::commit);
+  if (!placed) return fail(placed.error());
+  history_.assign(1, std::make_shared<const Document>(std::move(placed->document)));
+  return {};
+}
+
+Result<Updated> EditSession::preview(const Action& action) {
+  const auto start = std::chrono::steady_clock::now();
+  auto updated = update(document(), action, deformer_, Pass::preview);
+  if (updated) updated->report.solver_ms = milliseconds_since(start);
+  return updated;
+}
+
+Result<EditReport> EditSession::travel(const Action& action) {
+  const bool back = std::holds_alternative<Undo>(action);
+  if (back ? !can_undo() : !can_redo())
+    return fail("", back ? "There is nothing to undo." : "There is nothing to redo.");
+  if (auto written = write(action); !written) return fail(written.error());
+  current_ = back ? current_ - 1 : current_ + 1;
+  return EditReport{};
+}
+
+Result<void> EditSession::write(const Action& action) {
+  return journal_ ? journal_->append(action_line(action)) : Result<void>{};
+}
+
+Result<EditReport> EditSession::apply(Action action) {
+  if (std::holds_alternative<Undo>(action) || std::holds_alternative<Redo>(action)) return travel(action);
+  const auto start = std::chrono::steady_clock::now();
+  auto updated = update(document(), action, deformer_, Pass::commit);
+  if (!updated) return fail(updated.error());
+  const auto* stroke = std::get_if<Stroke>(&action);
+  if (stroke != nullptr && stroke->tool == Tool::pull && !stroke->on) {
+    // What is kept is what the line in the file gives, to the last bit: computed from the resolved stroke.
+    resolve(action, updated->report);
+    const int solves = updated->report.solves;
+    updated = update(document(), action, deformer_, Pass::commit);
+    if (!updated) return fail(updated.error());
+    updated->report.solves += solves;
+  }
+  if (auto written = write(action); !written) return fail(written.error());
+  solves_ += updated->report.solves;
+  updated->report.solver_ms = milliseconds_since(start);
+  if (!std::holds_alternative<Note>(action)) {
+    history_.resize(current_ + 1);
+    actions_.resize(current_);
+    history_.push_back(std::make_shared<const Document>(std::move(updated->document)));
+    actions_.push_back(std::move(action));
+    ++current_;
+  }
+  return std::move(updated->report);
+}
+
+std::string EditSession::undo_name() const {
+  return can_undo() ? action_name(actions_[current_ - 1]) : "";
+}
+std::string EditSession::redo_name() const {
+  return can_redo() ? action_name(actions_[current_]) : "";
+}
+
+int EditSession::strokes() const {
+  int count = 0;
+  for (std::size_t k = 0; k < current_; ++k) count += std::holds_alternative<Stroke>(actions_[k]) ? 1 : 0;
+  return count;
+}
+
+}  // namespace homolog

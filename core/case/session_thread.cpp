@@ -1,0 +1,182 @@
+#include "core/case/session_thread.h"
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <variant>
+
+#include "core/case/case_file.h"
+
+namespace homolog {
+
+namespace {
+
+struct SaveAs {
+  std::filesystem::path path;
+};
+using Job = std::variant<Action, SaveAs>;
+
+}  // namespace
+
+/// The two mailboxes, and the thread between them. Everything above the line is shared under `mutex`; everything below
+/// belongs to the thread.
+struct SessionThread::Shared {
+  mutable std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<Job> jobs;                               ///< in: every one is done, in order
+  std::optional<std::optional<Action>> next_preview;  ///< in: the latest wins
+  std::shared_ptr<const Snapshot> latest;             ///< out: the latest wins
+  bool stopping = false;
+  // ---
+  EditSession session;
+  std::function<void()> wake;
+  std::thread thread;
+
+  Shared(EditSession started, std::function<void()> woken) : session(std::move(started)), wake(std::move(woken)) {
+    Snapshot first;
+    describe(first);
+    first.shown = first.document;
+    latest = std::make_shared<const Snapshot>(std::move(first));
+  }
+
+  void describe(Snapshot& snapshot) {
+    snapshot.document = session.shared_document();
+    snapshot.can_undo = session.can_undo();
+    snapshot.can_redo = session.can_redo();
+    snapshot.undo_name = session.undo_name();
+    snapshot.redo_name = session.redo_name();
+    snapshot.file = session.journal() != nullptr ? session.journal()->path() : std::filesystem::path();
+  }
+
+  void publish(Snapshot snapshot) {
+    ++snapshot.revision;
+    {
+      const std::lock_guard lock(mutex);
+      latest = std::make_shared<const Snapshot>(std::move(snapshot));
+    }
+    if (wake) wake();
+  }
+
+  void do_action(Action action) {
+    Snapshot snapshot = *latest;
+    auto report = session.apply(std::move(action));
+    describe(snapshot);
+    snapshot.shown = snapshot.document;
+    snapshot.preview.reset();
+    ++snapshot.committed;
+    snapshot.error = report ? "" : report.error().sentence();
+    if (report) {
+      snapshot.message = report->message;
+      snapshot.solver_ms = report->solver_ms;
+    }
+    publish(std::move(snapshot));
+  }
+
+  void do_save(const std::filesystem::path& path) {
+    Snapshot snapshot = *latest;
+    auto saved = save_case_as(session, path);
+    describe(snapshot);
+    ++snapshot.committed;
+    snapshot.error = saved ? "" : saved.error().sentence();
+    if (saved) snapshot.message = "Saved as " + path.string();
+    publish(std::move(snapshot));
+  }
+
+  void show_preview(const std::optional<Action>& action) {
+    Snapshot snapshot = *latest;
+    if (action) {
+      auto updated = session.preview(*action);
+      if (!updated) {
+        snapshot.message = updated.error().sentence();
+      } else {
+        snapshot.shown = std::make_shared<const Document>(std::move(updated->document));
+        snapshot.solver_ms = updated->report.solver_ms;
+        snapshot.message = updated->report.message;
+        snapshot.preview = std::move(updated->report);
+      }
+    } else {
+      snapshot.shown = snapshot.document;
+      snapshot.preview.reset();
+    }
+    publish(std::move(snapshot));
+  }
+
+  void run() {
+    for (;;) {
+      std::optional<Job> job;
+      std::optional<std::optional<Action>> preview;
+      {
+        std::unique_lock lock(mutex);
+        changed.wait(lock, [&] { return stopping || !jobs.empty() || next_preview; });
+        if (!jobs.empty()) {
+          job = std::move(jobs.front());
+          jobs.pop_front();
+        } else if (next_preview) {
+          preview = std::exchange(next_preview, std::nullopt);
+        } else {
+          return;  // stopping, and nothing is left to do
+        }
+      }
+      if (job && std::holds_alternative<Action>(*job)) do_action(std::get<Action>(std::move(*job)));
+      if (job && std::holds_alternative<SaveAs>(*job)) do_save(std::get<SaveAs>(*job).path);
+      if (preview) show_preview(*preview);
+    }
+  }
+
+  void stop() {
+    {
+      const std::lock_guard lock(mutex);
+      stopping = true;
+      next_preview.reset();
+    }
+    changed.notify_one();
+    if (thread.joinable()) thread.join();
+  }
+};
+
+SessionThread::SessionThread(EditSession session, std::function<void()> wake)
+    : shared_(std::make_unique<Shared>(std::move(session), std::move(wake))) {
+  shared_->thread = std::thread([shared = shared_.get()] { shared->run(); });
+}
+
+SessionThread::~SessionThread() {
+  if (shared_) shared_->stop();
+}
+
+void SessionThread::preview(std::optional<Action> action) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->next_preview = std::move(action);
+  }
+  shared_->changed.notify_one();
+}
+
+void SessionThread::apply(Action action) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->next_preview.reset();  // it belonged to the gesture that this action ends
+    shared_->jobs.emplace_back(std::move(action));
+  }
+  shared_->changed.notify_one();
+}
+
+void SessionThread::save_as(std::filesystem::path path) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->jobs.emplace_back(SaveAs{std::move(path)});
+  }
+  shared_->changed.notify_one();
+}
+
+std::shared_ptr<const Snapshot> SessionThread::snapshot() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->latest;
+}
+
+EditSession SessionThread::finish() {
+  shared_->stop();
+  return std::move(shared_->session);
+}
+
+}  // namespace homolog

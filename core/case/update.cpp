@@ -1,0 +1,299 @@
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "core/case/action.h"
+#include "core/deform/fold_guard.h"
+#include "core/mesh/mirror.h"
+#include "core/placement/landmark_warp.h"
+#include "core/placement/similarity_fit.h"
+
+namespace homolog {
+
+namespace {
+
+/// The landmark warp reaches this share of the template's bounding-box diagonal.
+constexpr double warp_reach = 0.4;
+constexpr Eigen::Index warp_from_landmarks = 4;
+
+bool usable(const Similarity& s) {
+  return s.rotation.coeffs().allFinite() && std::abs(s.rotation.norm() - 1) < 1e-6 && std::isfinite(s.scale) &&
+         s.scale > 0 && s.translation.allFinite();
+}
+
+std::shared_ptr<const Points> share(Points points) {
+  return std::make_shared<const Points>(std::move(points));
+}
+
+/// The shape as it is before any edit: template, placement, and the warp where landmarks ask for it.
+void start_anew(const Template& reference, LandmarkFit fit, const Points& from, const Points& to, Shape& shape) {
+  shape.placed = share(shape.placement.apply(reference.points));
+  shape.reference = shape.placed;
+  if (fit == LandmarkFit::warp && from.rows() >= warp_from_landmarks) {
+    const LandmarkWarp warp(shape.placement.apply(from), to, warp_reach * bounds_of(*shape.placed).diagonal().norm());
+    Points warped = warp.apply(*shape.placed);
+    // Landmarks placed in the wrong order could fold space; then as much of the warp is used as folds nothing.
+    const FoldGuard guard(*reference.topology, *shape.placed, *shape.placed);
+    for (double step = 0.5; !guard.accepts(warped) && step > 1e-2; step /= 2) {
+      warped = *shape.placed + step * (warp.apply(*shape.placed) - *shape.placed);
+    }
+    if (guard.accepts(warped)) shape.reference = share(std::move(warped));
+  }
+  shape.points = shape.reference;
+  shape.strokes = 0;
+}
+
+/// Placed landmarks the template knows too: template positions and image positions, row by row.
+std::pair<Points, Points> matched_landmarks(const Template& reference, const Shape& shape) {
+  std::vector<std::pair<Vec3, Vec3>> pairs;
+  for (const Landmark& landmark : reference.landmarks) {
+    const auto placed = shape.landmarks.find(landmark.name);
+    if (placed != shape.landmarks.end()) pairs.emplace_back(landmark.position, placed->second);
+  }
+  Points from(static_cast<Eigen::Index>(pairs.size()), 3), to(from.rows(), 3);
+  for (Eigen::Index k = 0; k < from.rows(); ++k) {
+    from.row(k) = pairs[static_cast<std::size_t>(k)].first.transpose();
+    to.row(k) = pairs[static_cast<std::size_t>(k)].second.transpose();
+  }
+  return {from, to};
+}
+
+/// Before the first stroke, landmarks carry the template along.
+void follow_landmarks(const Template& reference, LandmarkFit fit, Shape& shape) {
+  if (shape.strokes > 0 || fit == LandmarkFit::off) return;
+  const auto [from, to] = matched_landmarks(reference, shape);
+  if (from.rows() == 0) return;
+  shape.placement = fit_similarity(from, to, shape.placement);
+  start_anew(reference, fit, from, to, shape);
+}
+
+/// R and P move along with the placement.
+void move_placement(const Template& reference, const Similarity& placement, Shape& shape) {
+  const Similarity move = placement.after(shape.placement.inverse());
+  const bool warped = shape.reference != shape.placed;
+  const bool edited = shape.points != shape.reference;
+  shape.placement = placement;
+  shape.placed = share(placement.apply(reference.points));
+  shape.reference = warped ? share(move.apply(*shape.reference)) : shape.placed;
+  shape.points = edited ? share(move.apply(*shape.points)) : shape.reference;
+}
+
+/// Applies `change(i, blend)` to the vertices within `radius_mm` of `at`; blend falls from 1 to 0 over the outer share
+/// `soft` of the radius.
+template <class Change>
+int brush(const Points& points, const Vec3& at, double radius_mm, double soft, const Change& change) {
+  int touched = 0;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const double distance = (points.row(i).transpose() - at).norm() / radius_mm;
+    if (distance > 1) continue;
+    const double edge = soft > 0 ? std::clamp((1 - distance) / soft, 0.0, 1.0) : 1;
+    change(i, edge * edge * (3 - 2 * edge));
+    ++touched;
+  }
+  return touched;
+}
+
+/// One function per action; each returns what changed as a new document.
+struct Updater {
+  const Document& before;
+  Deformer& deformer;
+  Pass pass;
+
+  Result<void> needs_shape() const {
+    if (before.reference == nullptr) return fail("", "There is no template yet; load one first.");
+    if (!before.has_shape()) return fail("", "This frame has no mesh yet; start it from another frame.");
+    return {};
+  }
+  static Result<Updated> done(Document document, EditReport report = {}) {
+    return Updated{std::move(document), std::move(report)};
+  }
+  Shape& shape_of(Document& document) const { return document.shapes.at(document.frame); }
+
+  Result<Updated> operator()(const Stroke& stroke) const {
+    if (auto ready = needs_shape(); !ready) return fail(ready.error());
+    const Shape& shape = before.shape();
+    const StrokeStart start{before.reference->topology, shape.placed,          shape.reference,  shape.points,
+                            before.stiffness,           before.stiffness_base, before.confirmed, before.scheme,
+                            before.paper_events,        before.spacing};
+    auto outcome = deformer.stroke(start, stroke, pass);
+    if (!outcome) return fail(outcome.error());
+    EditReport report;
+    report.stopped_by_guard = outcome->stopped_by_guard;
+    report.moved_mm = outcome->moved_mm;
+    report.on = outcome->on;
+    report.response = outcome->response;
+    report.solves = outcome->solves;
+    if (report.stopped_by_guard) report.message = "Stopped before a triangle turned over.";
+    Document after = before;
+    shape_of(after).points = share(std::move(outcome->points));
+    ++shape_of(after).strokes;
+    return done(std::move(after), std::move(report));
+  }
+
+  Result<Updated> operator()(const SetPlacement& action) const {
+    if (auto ready = needs_shape(); !ready) return fail(ready.error());
+    if (!usable(action.placement)) return fail("placement", "is not a rotation, a positive scale and a translation");
+    Document after = before;
+    move_placement(*before.reference, action.placement, shape_of(after));
+    return done(std::move(after));
+  }
+
+  Result<Updated> operator()(const PaintStiffness& action) const {
+    if (auto ready = needs_shape(); !ready) return fail(ready.error());
+    if (!(action.value > 0) || !(action.radius_mm > 0) || !std::isfinite(action.value) || !action.at.allFinite()) {
+      return fail("stiffness", "needs a positive value and radius");
+    }
+    auto factors = std::make_shared<VertexScalars>(*before.stiffness);
+    const double factor = action.value / before.stiffness_base;
+    const int touched = brush(*before.shape().points, action.at, action.radius_mm, action.soft,
+                              [&](Eigen::Index i, double b) { (*factors)[i] += b * (factor - (*factors)[i]); });
+    Document after = before;
+    after.stiffness = std::move(factors);
+    EditReport report;
+    report.message = std::to_string(touched) + " landmarks painted.";
+    return done(std::move(after), std::move(report));
+  }
+
+  Result<Updated> operator()(const SetStiffnessBase& action) const {
+    if (!(action.base > 0) || !std::isfinite(action.base)) return fail("stiffness", "must be positive");
+    Document after = before;
+    after.stiffness_base = action.base;
+    return done(std::move(after));
+  }
+
+  Result<Updated> operator()(const Confirm& action) const {
+    if (auto ready = needs_shape(); !ready) return fail(ready.error());
+    if (!(action.radius_mm > 0) || !action.at.allFinite()) return fail("confirm", "needs a positive radius");
+    auto confirmed = before.confirmed ? std::make_shared<VertexScalars>(*before.confirmed)
+                                      : std::make_shared<VertexScalars>(VertexScalars::Zero(before.stiffness->size()));
+    const int touched = brush(*before.shape().points, action.at, action.radius_mm, 0,
+                              [&](Eigen::Index i, double) { (*confirmed)[i] = action.hold ? 1 : 0; });
+    Document after = before;
+    after.confirmed = confirmed->any() ? confirmed : nullptr;
+    EditReport report;
+    report.message = std::to_string(touched) + (action.hold ? " landmarks confirmed." : " landmarks released.");
+    return done(std::move(after), std::move(report));
+  }
+
+  Result<Updated> operator()(const SetScheme& action) const {
+    if (action.paper_events < 1 || action.paper_events > 1000) return fail("events", "must be 1 to 1,000");
+    Document after = before;
+    after.scheme = action.scheme;
+    after.paper_events = action.paper_events;
+    return done(std::move(after));
+  }
+
+  Result<Updated> operator()(const SetSpacing& action) const {
+    if (!(action.strength >= 0 && action.strength <= 1)) return fail("spacing", "must be between 0 and 1");
+    Document after = before;
+    after.spacing = action.strength;
+    return done(std::move(after));
+  }
+
+  Result<Updated> operator()(const PlaceLandmark& action) const {
+    if (auto ready = needs_shape(); !ready) return fail(ready.error());
+    if (action.name.empty() || (action.at && !action.at->allFinite())) {
+      return fail("landmark", "needs a name and a finite position");
+    }
+    Document after = before;
+    Shape& shape = shape_of(after);
+    if (action.at) {
+      shape.landmarks.insert_or_assign(action.name, *action.at);
+    } else {
+      shape.landmarks.erase(action.name);
+    }
+    follow_landmarks(*before.reference, before.landmark_fit, shape);
+    return done(std::move(after));
+  }
+
+  Result<Updated> operator()(const SetLandmarkFit& action) const {
+    if (auto ready = needs_shape(); !ready) return fail(ready.error());
+    Document after = before;
+    after.landmark_fit = action.fit;
+    Shape& shape = shape_of(after);
+    if (shape.strokes == 0) start_anew(*before.reference, LandmarkFit::off, {}, {}, shape);
+    follow_landmarks(*before.reference, action.fit, shape);
+    return done(std::move(after));
+  }
+
+  Result<Updated> operator()(const MirrorTemplate&) const {
+    if (auto ready = needs_shape(); !ready) return fail(ready.error());
+    auto other_side = mirrored(to_mesh_file(*before.reference));
+    auto made = make_template(std::move(other_side), before.reference->source);
+    if (!made) return fail(made.error());
+    Document after = before;
+    after.reference = *made;
+    after.confirmed.reset();
+    for (auto& [frame, shape] : after.shapes) {
+      start_anew(**made, LandmarkFit::off, {}, {}, shape);
+      follow_landmarks(**made, before.landmark_fit, shape);
+    }
+    return done(std::move(after));
+  }
+
+  Result<void> check_frame(int frame) const {
+    const int frames = before.volume ? before.volume->frames : 1;
+    if (frame >= 0 && frame < frames) return {};
+    return fail("frame",
+                std::to_string(frame) + " does not exist; the volume has frames 0 to " + std::to_string(frames - 1));
+  }
+
+  Result<Updated> operator()(const SetFrame& action) const {
+    if (auto in_range = check_frame(action.frame); !in_range) return fail(in_range.error());
+    Document after = before;
+    after.frame = action.frame;
+    if (before.reference && !after.has_shape()) {
+      Shape shape;
+      shape.placement = before.has_shape() ? before.shape().placement : Similarity{};
+      start_anew(*before.reference, LandmarkFit::off, {}, {}, shape);
+      after.shapes.emplace(after.frame, std::move(shape));
+    }
+    return done(std::move(after));
+  }
+
+  Result<Updated> operator()(const StartFrameFrom& action) const {
+    const auto from = before.shapes.find(action.frame);
+    if (from == before.shapes.end()) {
+      return fail("frame", std::to_string(action.frame) + " has no mesh to start from");
+    }
+    Document after = before;
+    after.shapes.insert_or_assign(after.frame, from->second);
+    return done(std::move(after));
+  }
+
+  Result<Updated> operator()(const Note&) const { return done(before); }
+  Result<Updated> operator()(const Undo&) const { return fail("undo", "belongs to the session"); }
+  Result<Updated> operator()(const Redo&) const { return fail("redo", "belongs to the session"); }
+};
+
+}  // namespace
+
+Result<Updated> update(const Document& document, const Action& action, Deformer& deformer, Pass pass) {
+  return std::visit(Updater{document, deformer, pass}, action);
+}
+
+std::string action_name(const Action& action) {
+  struct Namer {
+    std::string operator()(const Stroke& stroke) const {
+      constexpr const char* names[] = {"pull", "grab", "slide", "relax"};
+      return names[static_cast<int>(stroke.tool)];
+    }
+    std::string operator()(const SetPlacement&) const { return "placement"; }
+    std::string operator()(const PaintStiffness&) const { return "painted stiffness"; }
+    std::string operator()(const SetStiffnessBase&) const { return "stiffness"; }
+    std::string operator()(const Confirm& confirm) const { return confirm.hold ? "confirm" : "release"; }
+    std::string operator()(const SetScheme&) const { return "scheme"; }
+    std::string operator()(const SetSpacing&) const { return "spacing"; }
+    std::string operator()(const PlaceLandmark& landmark) const { return "landmark " + landmark.name; }
+    std::string operator()(const SetLandmarkFit&) const { return "landmark fit"; }
+    std::string operator()(const MirrorTemplate&) const { return "mirror"; }
+    std::string operator()(const SetFrame&) const { return "frame"; }
+    std::string operator()(const StartFrameFrom&) const { return "start of frame"; }
+    std::string operator()(const Note&) const { return "note"; }
+    std::string operator()(const Undo&) const { return "undo"; }
+    std::string operator()(const Redo&) const { return "redo"; }
+  };
+  return std::visit(Namer{}, action);
+}
+
+}  // namespace homolog

@@ -1,0 +1,165 @@
+#include "core/deform/gesture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/deform/falloff.h"
+#include "core/deform/tangential.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double same_place_mm = 1e-12;
+
+double value_at(const Topology& topology, const VertexScalars& values, const SurfacePoint& at) {
+  return at.interpolate(topology, values)[0];
+}
+
+}  // namespace
+
+Gesture::Gesture(const StrokeStart& start, const ShapeSolver& solver, Tool tool, const Vec3& at, bool through_space)
+    : start_(start),
+      solver_(solver),
+      tool_(tool),
+      at_(at),
+      through_space_(through_space),
+      edge_mm_(mean_edge_mm(*start.topology, *start.points)),
+      grabbed_(SurfaceSearch({start.topology, *start.points}).nearest(at).at),
+      free_(grabbed_),
+      guard_(*start_.topology, *start_.placed, *start_.points) {
+  if (tool == Tool::pull) {
+    const Vec3 from = grabbed_.interpolate(*start_.topology, *start_.points).transpose();
+    follower_ = std::make_unique<SurfaceFollower>(*start_.topology, *start_.points, grabbed_, from);
+  }
+}
+
+bool Gesture::continues(const StrokeStart& start, const Stroke& stroke) const {
+  return start.topology == start_.topology && start.points == start_.points && start.reference == start_.reference &&
+         start.confirmed == start_.confirmed && start.scheme == start_.scheme &&
+         start.paper_events == start_.paper_events && start.spacing == start_.spacing &&
+         start.stiffness == start_.stiffness && start.stiffness_base == start_.stiffness_base && stroke.tool == tool_ &&
+         stroke.at == at_ && stroke.through_space == through_space_;
+}
+
+void Gesture::aim(const SurfacePoint& centre, double sigma_mm, StrokeOutcome& outcome) {
+  const bool same = response_ != nullptr && sigma_mm == sigma_mm_ && centre.face == centre_.face &&
+                    (centre.weights - centre_.weights).norm() < same_place_mm;
+  if (same) return;
+  const VertexScalars g =
+      gaussian_falloff(*start_.topology, *start_.points, centre, sigma_mm, edge_mm_, through_space_);
+  if (start_.scheme == Scheme::anchored || tool_ == Tool::slide) {
+    VertexScalars u = solver_.solve(g);
+    ++outcome.solves;
+    u /= value_at(*start_.topology, u, centre);
+    if (start_.confirmed) u = (start_.confirmed->array() >= 1).select(0, u);
+    response_ = std::make_shared<const VertexScalars>(std::move(u));
+    guard_.set_response(*response_);
+  } else {
+    response_ = std::make_shared<const VertexScalars>(g);
+  }
+  centre_ = centre;
+  sigma_mm_ = sigma_mm;
+}
+
+bool Gesture::held(const SurfacePoint& at) const {
+  return start_.confirmed && value_at(*start_.topology, *start_.confirmed, at) >= 0.5;
+}
+
+Result<StrokeOutcome> Gesture::move(const Stroke& stroke, Pass pass) {
+  StrokeOutcome outcome;
+  SurfacePoint centre = grabbed_;
+  if (tool_ == Tool::pull) {
+    if (stroke.on) {
+      centre = SurfaceSearch({start_.topology, *start_.points}).nearest(*stroke.on).at;
+    } else {
+      follower_->move_to(stroke.to, edge_mm_);
+      // Confirmed regions are as good as an edge: the pull stays where it was before it came to one.
+      if (!held(follower_->at())) free_ = follower_->at();
+      centre = free_;
+    }
+  }
+  if (held(centre)) {
+    return fail("", "This place is confirmed and held; release it with the confirm brush to move it.");
+  }
+  aim(centre, stroke.sigma_mm, outcome);
+  const Vec3 position = centre.interpolate(*start_.topology, *start_.points).transpose();
+  const Vec3 d = stroke.to - position;
+  outcome.on = position;
+  outcome.response = response_;
+
+  if (tool_ == Tool::slide) {
+    slide(d, outcome);
+  } else if (start_.scheme == Scheme::raw) {
+    outcome.points = *start_.points + *response_ * d.transpose();
+  } else if (start_.scheme == Scheme::paper) {
+    outcome.points = paper_points(d, stroke.sigma_mm, outcome);
+  } else {
+    double step = guard_.largest_step(d);
+    outcome.points = *start_.points + *response_ * (step * d).transpose();
+    while (pass == Pass::commit && step > 0 && !guard_.accepts(outcome.points)) {
+      step = step > 1e-3 ? step / 2 : 0;
+      outcome.points = *start_.points + *response_ * (step * d).transpose();
+    }
+    outcome.stopped_by_guard = step < 1;
+    if (start_.spacing > 0) keep_spacing(d, outcome);
+  }
+  outcome.moved_mm = (centre.interpolate(*start_.topology, outcome.points).transpose() - position).norm();
+  return outcome;
+}
+
+Points Gesture::paper_points(const Vec3& d, double sigma_mm, StrokeOutcome& outcome) const {
+  // Read literally: every mouse event takes the current points as targets, pushed by the Gaussian, and solves (3)
+  // [Erdt 2009, §2.2]; in displacements from the reference, M (P − R) = S − R.
+  const Points& r = *start_.reference;
+  Points p = *start_.points;
+  for (int event = 0; event < start_.paper_events; ++event) {
+    const VertexScalars g = gaussian_falloff(*start_.topology, p, centre_, sigma_mm, edge_mm_, through_space_);
+    p += g * (d / start_.paper_events).transpose();
+    p = r + solver_.solve(Points(p - r));
+    ++outcome.solves;
+  }
+  return p;
+}
+
+Points Gesture::slid_points(const Vec3& d, double step) const {
+  const Points& from = *start_.points;
+  const Points normals = vertex_normals({start_.topology, from});
+  Points offset = *response_ * (step * d).transpose();
+  for (Eigen::Index i = 0; i < offset.rows(); ++i) {
+    const Eigen::RowVector3d n = normals.row(i);
+    offset.row(i) -= offset.row(i).dot(n) * n;
+  }
+  return slid_along_surface({start_.topology, from}, offset);
+}
+
+void Gesture::slide(const Vec3& d, StrokeOutcome& outcome) const {
+  double step = 1;
+  outcome.points = slid_points(d, step);
+  while (!guard_.accepts(outcome.points)) {
+    outcome.stopped_by_guard = true;
+    step = step > 1e-3 ? step / 2 : 0;
+    outcome.points = step > 0 ? slid_points(d, step) : *start_.points;
+    if (step == 0) break;
+  }
+}
+
+void Gesture::keep_spacing(const Vec3& d, StrokeOutcome& outcome) const {
+  const Topology& topology = *start_.topology;
+  Points offset = tangential({start_.topology, outcome.points},
+                             relaxation_offset(topology, solver_, *start_.reference, outcome.points));
+  ++outcome.solves;
+  // Nothing far away moves, and a click moves nothing.
+  const double reach = start_.spacing * std::min(1.0, d.norm() / edge_mm_);
+  offset = (reach * response_->array()).matrix().asDiagonal() * offset;
+  for (double step = 1; step > 1e-2; step /= 2) {
+    const Points spaced = outcome.points + step * offset;
+    if (guard_.accepts(spaced)) {
+      outcome.points = spaced;
+      return;
+    }
+  }
+}
+
+}  // namespace homolog

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+
+#include "core/base/result.h"
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+/// Solves (M + H) X = B, M = I + Λ [Erdt 2009, Eq. 3 as normal equations; docs/method.md §1], H a diagonal that holds
+/// confirmed vertices. Three costs: construction orders and analyses (topology), `factorise` (stiffness, confirmed
+/// regions), `solve` (every frame).
+class ShapeSolver {
+ public:
+  explicit ShapeSolver(std::shared_ptr<const Topology> topology);
+  ~ShapeSolver();
+  ShapeSolver(ShapeSolver&&) noexcept;
+  ShapeSolver& operator=(ShapeSolver&&) noexcept;
+
+  /// `w`: n stiffness weights. `hold`: n weights ≥ 0 added to the diagonal, or empty for none.
+  /// Errors: a weight that is not finite, or not positive.
+  Result<void> factorise(const VertexScalars& w, const VertexScalars& hold = {});
+
+  /// n values in, n values out. `factorise` must have succeeded.
+  VertexScalars solve(const VertexScalars& b) const;
+  Points solve(const Points& b) const;
+
+  const std::shared_ptr<const Topology>& topology() const { return topology_; }
+  const VertexScalars& weights() const { return w_; }
+  const VertexScalars& hold() const { return hold_; }
+
+ private:
+  struct Factor;
+  std::shared_ptr<const Topology> topology_;
+  VertexScalars w_, hold_;
+  std::unique_ptr<Factor> factor_;
+};
+
+/// The length over which stiffness carries an edit on a regular mesh of edge `edge_mm`: ℓ = h·√(3w), in mm. This is
+/// what is shown and what is kept when the vertex count changes.
+double stiffness_length_mm(double w, double edge_mm);
+double stiffness_from_length(double length_mm, double edge_mm);
+
+}  // namespace homolog

@@ -1,0 +1,66 @@
+#include "core/deform/tangential.h"
+
+#include <algorithm>
+
+#include "core/deform/surface_walk.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+/// The point of a closed polyline (vertex indices) nearest to `x`.
+Vec3 nearest_on_loop(const std::vector<std::int32_t>& loop, const Points& points, const Vec3& x) {
+  Vec3 best = points.row(loop.front());
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    const Vec3 a = points.row(loop[k]), b = points.row(loop[(k + 1) % loop.size()]);
+    const Vec3 along = b - a;
+    const double length2 = along.squaredNorm();
+    const double t = length2 > 0 ? std::clamp(along.dot(x - a) / length2, 0.0, 1.0) : 0;
+    const Vec3 candidate = a + t * along;
+    if ((candidate - x).squaredNorm() < (best - x).squaredNorm()) best = candidate;
+  }
+  return best;
+}
+
+}  // namespace
+
+Points tangential(const Mesh& mesh, const Points& offset) {
+  const Topology& topology = *mesh.topology;
+  const Points& points = mesh.points;
+  const Points normals = vertex_normals(mesh);
+  Points along = offset;
+  for (Eigen::Index i = 0; i < offset.rows(); ++i) {
+    const Eigen::RowVector3d n = normals.row(i);
+    along.row(i) -= along.row(i).dot(n) * n;
+  }
+  for (const auto& loop : topology.boundary_loops()) {
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      const auto before = loop[(k + loop.size() - 1) % loop.size()], after = loop[(k + 1) % loop.size()];
+      const Eigen::RowVector3d direction = (points.row(after) - points.row(before)).stableNormalized();
+      along.row(loop[k]) = offset.row(loop[k]).dot(direction) * direction;
+    }
+  }
+  return along;
+}
+
+Points slid_along_surface(const Mesh& mesh, const Points& offset) {
+  const Topology& topology = *mesh.topology;
+  const Points& points = mesh.points;
+  Points slid = points;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    if (topology.on_boundary(i) || offset.row(i).squaredNorm() < 1e-18) continue;
+    SurfacePoint from;
+    from.face = topology.faces_of(i).front();
+    slid.row(i) = walk_to_nearest(topology, points, from, (points.row(i) + offset.row(i)).transpose()).position;
+  }
+  for (const auto& loop : topology.boundary_loops()) {
+    for (const std::int32_t i : loop) {
+      if (offset.row(i).squaredNorm() < 1e-18) continue;
+      slid.row(i) = nearest_on_loop(loop, points, (points.row(i) + offset.row(i)).transpose()).transpose();
+    }
+  }
+  return slid;
+}
+
+}  // namespace homolog

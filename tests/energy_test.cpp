@@ -1,0 +1,128 @@
+#include "core/deform/energy.h"
+
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "core/deform/local_rotations.h"
+#include "core/deform/shape_solver.h"
+#include "tests/shapes.h"
+
+using namespace homolog;
+
+namespace {
+
+/// Unequal weights, so that a formula that mixes up w_i and w_j is found out.
+VertexScalars uneven_weights(Eigen::Index n) {
+  VertexScalars w(n);
+  for (Eigen::Index i = 0; i < n; ++i) w[i] = 0.5 + 0.37 * static_cast<double>(i % 7);
+  return w;
+}
+
+Points random_points(Eigen::Index n, double size_mm, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-size_mm, size_mm);
+  return Points::NullaryExpr(n, 3, [&] { return uniform(random); });
+}
+
+struct Solved {
+  Mesh mesh = shapes::icosphere(2, 30);
+  VertexScalars w = uneven_weights(mesh.points.rows());
+  ShapeSolver solver{mesh.topology};
+  Solved() { REQUIRE(solver.factorise(w)); }
+  Points minimiser(const Points& s) const {
+    return solver.solve(Points(s + shape_laplacian(*mesh.topology, w) * mesh.points));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the stacked system of the paper has the assembled matrix as its normal equations") {
+  for (const Mesh& mesh : {shapes::tetrahedron(), shapes::box(), shapes::icosphere(1)}) {
+    const VertexScalars w = uneven_weights(mesh.points.rows());
+    const auto a = stacked_system(*mesh.topology, w);
+    Eigen::MatrixXd m = shape_laplacian(*mesh.topology, w);
+    m.diagonal().array() += 1;
+    CHECK((Eigen::MatrixXd(a.transpose() * a) - m).cwiseAbs().maxCoeff() < 1e-12);
+  }
+}
+
+TEST_CASE("rows of the system matrix sum to one") {
+  const Mesh mesh = shapes::icosphere(1);
+  const auto laplacian = shape_laplacian(*mesh.topology, uneven_weights(mesh.points.rows()));
+  CHECK((laplacian * VertexScalars::Ones(mesh.points.rows())).cwiseAbs().maxCoeff() < 1e-12);
+}
+
+TEST_CASE("targets at the reference give the reference and a translated target translates the shape") {
+  const Solved s;
+  CHECK((s.minimiser(s.mesh.points) - s.mesh.points).cwiseAbs().maxCoeff() < 1e-10);
+  const Eigen::RowVector3d shift(3, -5, 11);
+  const Points target = s.mesh.points.rowwise() + shift;
+  CHECK((s.minimiser(target) - target).cwiseAbs().maxCoeff() < 1e-10);
+}
+
+TEST_CASE("the solution minimises the energy against random perturbations") {
+  const Solved s;
+  const Points targets = s.mesh.points + random_points(s.mesh.points.rows(), 5, 1);
+  const Points p = s.minimiser(targets);
+  const double least = deformation_energy(*s.mesh.topology, s.w, p, s.mesh.points, targets);
+  for (unsigned seed = 2; seed < 22; ++seed) {
+    const Points other = p + random_points(p.rows(), seed % 2 == 0 ? 1e-3 : 1, seed);
+    CHECK(deformation_energy(*s.mesh.topology, s.w, other, s.mesh.points, targets) > least);
+  }
+}
+
+TEST_CASE("implied targets are those whose minimiser is the given shape") {
+  const Solved s;
+  const Points p = s.mesh.points + random_points(s.mesh.points.rows(), 4, 3);
+  const Points targets = implied_targets(*s.mesh.topology, s.w, p, s.mesh.points);
+  CHECK((s.minimiser(targets) - p).cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("the solver agrees with a dense solve and held vertices hardly follow") {
+  const Solved s;
+  VertexScalars hold = VertexScalars::Zero(s.w.size());
+  hold.head(20).setConstant(1e4);
+  ShapeSolver held(s.mesh.topology);
+  REQUIRE(held.factorise(s.w, hold));
+  Eigen::MatrixXd m = shape_laplacian(*s.mesh.topology, s.w);
+  m.diagonal() += VertexScalars(1 + hold.array());
+  const VertexScalars b = random_points(s.w.size(), 1, 4).col(0);
+  CHECK((m * held.solve(b) - b).cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("a stiffness that is zero or not a number is refused") {
+  const Mesh mesh = shapes::icosphere(1);
+  ShapeSolver solver(mesh.topology);
+  VertexScalars w = uneven_weights(mesh.points.rows());
+  w[3] = 0;
+  CHECK(!solver.factorise(w));
+  w[3] = std::nan("");
+  CHECK(!solver.factorise(w));
+}
+
+TEST_CASE("stiffness as a length survives a change of the vertex count") {
+  CHECK(stiffness_length_mm(10, 2.7) == doctest::Approx(14.79).epsilon(0.001));
+  CHECK(stiffness_from_length(stiffness_length_mm(10, 2.7), 2.7) == doctest::Approx(10));
+}
+
+TEST_CASE("local rotations of a turned shape are that rotation and cancel in the rotated reference") {
+  const Solved s;
+  const Mat3 turn = Eigen::AngleAxisd(2.5, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+  const Points turned = s.mesh.points * turn.transpose();
+  for (const Mat3& r : fit_local_rotations(*s.mesh.topology, s.mesh.points, turned)) {
+    CHECK((r - turn).cwiseAbs().maxCoeff() < 1e-6);
+  }
+  const std::vector<Mat3> none(s.w.size(), Mat3::Identity());
+  const Points laplacian_r = shape_laplacian(*s.mesh.topology, s.w) * s.mesh.points;
+  CHECK((rotated_reference_force(*s.mesh.topology, s.w, s.mesh.points, none) - laplacian_r).cwiseAbs().maxCoeff() <
+        1e-9);
+}
+
+TEST_CASE("local rotations agree with the singular value decomposition and are never reflections") {
+  const Mesh mesh = shapes::icosphere(2, 30);
+  Points bent = mesh.points + random_points(mesh.points.rows(), 6, 5);
+  bent.col(0) *= -1;
+  const auto rotations = fit_local_rotations(*mesh.topology, mesh.points, bent);
+  for (const Mat3& r : rotations) CHECK(r.determinant() == doctest::Approx(1));
+}

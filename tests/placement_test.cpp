@@ -1,0 +1,91 @@
+#include <doctest/doctest.h>
+
+#include "core/placement/landmark_warp.h"
+#include "core/placement/similarity_fit.h"
+
+using namespace homolog;
+
+namespace {
+
+Points rows(std::initializer_list<Vec3> points) {
+  Points all(static_cast<Eigen::Index>(points.size()), 3);
+  Eigen::Index i = 0;
+  for (const Vec3& p : points) all.row(i++) = p.transpose();
+  return all;
+}
+
+const Similarity moved{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())), 1.3, Vec3(10, -20, 30)};
+const Points corners = rows({{0, 0, 50}, {0, 0, -50}, {30, 5, 0}, {-25, 0, 10}, {0, 20, -5}});
+
+double largest_difference(const Points& a, const Points& b) {
+  return (a - b).cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+TEST_CASE("a similarity composes with its inverse to the identity") {
+  CHECK(largest_difference(moved.inverse().apply(moved.apply(corners)), corners) < 1e-12);
+  CHECK(largest_difference(moved.after(moved).apply(corners), moved.apply(moved.apply(corners))) < 1e-11);
+}
+
+TEST_CASE("three or more landmarks recover the similarity exactly") {
+  for (const Eigen::Index n : {3, 4, 5}) {
+    const Similarity fitted = fit_similarity(corners.topRows(n), moved.apply(corners.topRows(n).eval()), {});
+    CHECK(largest_difference(fitted.apply(corners), moved.apply(corners)) < 1e-9);
+  }
+}
+
+TEST_CASE("mirrored landmarks never make a reflection") {
+  Points mirrored = corners;
+  mirrored.col(0) *= -1;
+  const Similarity fitted = fit_similarity(corners, mirrored, {});
+  CHECK(fitted.rotation.toRotationMatrix().determinant() == doctest::Approx(1));
+  CHECK(fitted.scale > 0);
+}
+
+TEST_CASE("one landmark translates only") {
+  const Similarity fitted = fit_similarity(corners.topRows(1), rows({{1, 2, 3}}), moved);
+  CHECK(fitted.rotation.isApprox(moved.rotation));
+  CHECK(fitted.scale == moved.scale);
+  CHECK((fitted.apply(Vec3(corners.row(0))) - Vec3(1, 2, 3)).norm() < 1e-12);
+}
+
+TEST_CASE("two landmarks scale and turn by the smallest rotation") {
+  const Points from = rows({{0, 0, 50}, {0, 0, -50}}), to = rows({{0, 60, 0}, {0, -60, 0}});
+  const Similarity fitted = fit_similarity(from, to, {});
+  CHECK(largest_difference(fitted.apply(from), to) < 1e-9);
+  CHECK(fitted.scale == doctest::Approx(1.2));
+  CHECK((fitted.rotation * Vec3::UnitX() - Vec3::UnitX()).norm() < 1e-9);  // no spin about the line
+}
+
+TEST_CASE("collinear landmarks leave the spin as it is") {
+  const Points from = rows({{0, 0, 50}, {0, 0, 0}, {0, 0, -50}});
+  const Similarity spun{Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vec3::UnitZ())), 1, Vec3::Zero()};
+  const Similarity fitted = fit_similarity(from, Points(from.rowwise() + Eigen::RowVector3d(5, 5, 5)), spun);
+  CHECK(fitted.rotation.angularDistance(spun.rotation) < 1e-9);
+}
+
+TEST_CASE("the warp brings landmarks close and is nothing where they meet already") {
+  CHECK(largest_difference(LandmarkWarp(corners, corners, 50).apply(corners), corners) < 1e-12);
+  Points to = corners;
+  to.row(2) += Eigen::RowVector3d(5, 0, 0);
+  to.row(4) += Eigen::RowVector3d(0, -4, 0);
+  const double left = (LandmarkWarp(corners, to, 50).apply(corners) - to).rowwise().norm().maxCoeff();
+  CHECK(left < 1);
+}
+
+TEST_CASE("four near-coplanar landmarks with some error do not stretch space") {
+  const Points from = rows({{40, 0, 0.5}, {-40, 0, -0.5}, {0, 40, 0.3}, {0, -40, -0.2}});
+  Points to = from;
+  to.col(2) += Eigen::Vector4d(3, -3, -3, 3);
+  const LandmarkWarp warp(from, to, 50);
+  for (const Vec3& p : {Vec3(0, 0, 0), Vec3(20, 10, 30), Vec3(-30, 20, -30), Vec3(40, 0, 0)}) {
+    const Points probe = rows({p, p + Vec3(0, 0, 1), p + Vec3(1, 0, 0), p + Vec3(0, 1, 0)});
+    const Points warped = warp.apply(probe);
+    for (int axis = 1; axis < 4; ++axis) {
+      const double stretch = (warped.row(axis) - warped.row(0)).norm();
+      CHECK(stretch > 0.85);
+      CHECK(stretch < 1.15);
+    }
+  }
+}

@@ -1,0 +1,63 @@
+#include "core/mesh/formats/faces.h"
+
+#include <limits>
+
+namespace homolog::formats {
+namespace {
+
+Result<void> check_indices(std::span<const std::int64_t> cell) {
+  for (const std::int64_t v : cell)
+    if (v < 0 || v > std::numeric_limits<std::int32_t>::max())
+      return fail("", "a face names vertex " + std::to_string(v) + ", which no mesh can have; export it again");
+  return {};
+}
+
+void add_strip(std::span<const std::int64_t> strip, std::vector<std::int32_t>& corners) {
+  for (std::size_t i = 0; i + 2 < strip.size(); ++i) {
+    const auto a = static_cast<std::int32_t>(strip[i + i % 2]), b = static_cast<std::int32_t>(strip[i + 1 - i % 2]),
+               c = static_cast<std::int32_t>(strip[i + 2]);
+    if (a != b && b != c && c != a) corners.insert(corners.end(), {a, b, c});
+  }
+}
+
+}  // namespace
+
+Result<void> add_polygon(std::span<const std::int64_t> polygon, std::vector<std::int32_t>& corners) {
+  if (polygon.size() < 3)
+    return fail("", "has a face of " + std::to_string(polygon.size()) + " corners; remove degenerate faces");
+  if (auto checked = check_indices(polygon); !checked) return checked;
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
+    corners.insert(corners.end(), {static_cast<std::int32_t>(polygon[0]), static_cast<std::int32_t>(polygon[i]),
+                                   static_cast<std::int32_t>(polygon[i + 1])});
+  return {};
+}
+
+Result<void> add_cells(std::span<const std::int64_t> ends, std::span<const std::int64_t> connectivity, bool strips,
+                       std::vector<std::int32_t>& corners) {
+  std::int64_t start = 0;
+  for (const std::int64_t end : ends) {
+    if (end < start || end > static_cast<std::int64_t>(connectivity.size()))
+      return fail("", "has faces whose offsets do not fit their corners; export it again");
+    const auto cell = connectivity.subspan(static_cast<std::size_t>(start), static_cast<std::size_t>(end - start));
+    if (auto checked = strips ? check_indices(cell) : add_polygon(cell, corners); !checked) return checked;
+    if (strips) add_strip(cell, corners);
+    start = end;
+  }
+  return {};
+}
+
+Points to_points(std::span<const double> coordinates) {
+  return Eigen::Map<const Points>(coordinates.data(), static_cast<Eigen::Index>(coordinates.size() / 3), 3);
+}
+
+Triangles to_triangles(std::span<const std::int32_t> corners) {
+  return Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+}
+
+void flip_if_ras(std::string_view text, MeshFile& mesh) {
+  if (text.find("SPACE=RAS") == std::string_view::npos) return;
+  mesh.points.leftCols<2>() *= -1;
+  for (Landmark& landmark : mesh.landmarks) landmark.position.head<2>() *= -1;
+}
+
+}  // namespace homolog::formats

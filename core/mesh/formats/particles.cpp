@@ -1,0 +1,39 @@
+#include "core/mesh/formats/faces.h"
+#include "core/mesh/formats/formats.h"
+#include "core/mesh/formats/text.h"
+
+namespace homolog::formats {
+
+Result<MeshFile> read_particles(std::string_view bytes) {
+  MeshFile mesh;
+  Text text(bytes);
+  std::vector<double> coordinates;
+  while (text.remaining() > 0) {
+    Text words(text.line());
+    std::string_view word = words.word();
+    if (word.empty()) continue;
+    int numbers = 0;
+    for (; !word.empty(); word = words.word(), ++numbers) {
+      const auto x = to_number<double>(word);
+      if (!x) return fail("", "holds a line that is not \"x y z\"; copy or export it again");
+      coordinates.push_back(*x);
+    }
+    if (numbers != 3) return fail("", "holds a line that is not \"x y z\"; copy or export it again");
+  }
+  mesh.points = to_points(coordinates);
+  warn_if_cut(text, mesh.warnings);
+  return mesh;
+}
+
+void write_particles(const MeshFile& mesh, std::ostream& out) {
+  std::string text;
+  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      append_number(mesh.points(i, k), text);
+      text += k < 2 ? ' ' : '\n';
+    }
+  }
+  out << text;
+}
+
+}  // namespace homolog::formats

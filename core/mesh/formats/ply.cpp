@@ -1,0 +1,327 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/mesh/formats/faces.h"
+#include "core/mesh/formats/formats.h"
+#include "core/mesh/formats/scalars.h"
+#include "core/mesh/formats/text.h"
+
+namespace homolog::formats {
+namespace {
+
+constexpr std::string_view landmark_key = "homolog.landmark ";
+constexpr std::string_view stiffness_base_key = "homolog.stiffness_base ";
+
+struct Property {
+  std::string_view name;
+  Scalar type = Scalar::float32;
+  std::optional<Scalar> length_type;  ///< of a list
+};
+
+struct Element {
+  std::string_view name;
+  std::size_t count = 0;
+  std::vector<Property> properties;
+
+  std::optional<std::size_t> find(std::string_view property) const {
+    for (std::size_t i = 0; i < properties.size(); ++i)
+      if (properties[i].name == property) return i;
+    return std::nullopt;
+  }
+};
+
+enum class Encoding { ascii, little_endian, big_endian };
+
+struct Header {
+  Encoding encoding = Encoding::ascii;
+  std::vector<Element> elements;
+  std::vector<std::string_view> comments;
+};
+
+std::optional<Scalar> scalar_named(std::string_view name) {
+  if (name == "char" || name == "int8") return Scalar::int8;
+  if (name == "uchar" || name == "uint8") return Scalar::uint8;
+  if (name == "short" || name == "int16") return Scalar::int16;
+  if (name == "ushort" || name == "uint16") return Scalar::uint16;
+  if (name == "int" || name == "int32") return Scalar::int32;
+  if (name == "uint" || name == "uint32") return Scalar::uint32;
+  if (name == "float" || name == "float32") return Scalar::float32;
+  if (name == "double" || name == "float64") return Scalar::float64;
+  return std::nullopt;
+}
+
+Result<Property> read_property(Text& words) {
+  Property property;
+  std::string_view type = words.word();
+  if (type == "list") {
+    property.length_type = scalar_named(words.word());
+    if (!property.length_type || !is_integer(*property.length_type))
+      return fail("", "has a list property whose length is no integer; export it again");
+    type = words.word();
+  }
+  const auto scalar = scalar_named(type);
+  property.name = words.word();
+  if (!scalar || property.name.empty())
+    return fail("", "has a property of unknown type \"" + std::string(type) + "\"; export it again");
+  property.type = *scalar;
+  return property;
+}
+
+Result<void> read_header_line(std::string_view line, Header& header) {
+  Text words(line);
+  const std::string_view key = words.word();
+  if (key == "comment") {
+    header.comments.push_back(line.substr(std::min(line.find("comment") + 8, line.size())));
+  } else if (key == "format") {
+    const std::string_view encoding = words.word();
+    if (encoding == "binary_little_endian")
+      header.encoding = Encoding::little_endian;
+    else if (encoding == "binary_big_endian")
+      header.encoding = Encoding::big_endian;
+    else if (encoding != "ascii")
+      return fail("", "has an unknown PLY format; save it as ASCII or binary PLY 1.0");
+  } else if (key == "element") {
+    const std::string_view name = words.word();
+    const auto count = words.number<std::size_t>();
+    if (!count) return fail("", "has an element without a count in its header; export it again");
+    header.elements.push_back({name, *count, {}});
+  } else if (key == "property") {
+    if (header.elements.empty()) return fail("", "has a property before any element in its header; export it again");
+    auto property = read_property(words);
+    if (!property) return fail(property.error());
+    header.elements.back().properties.push_back(*property);
+  } else if (key != "obj_info" && !key.empty()) {
+    return fail(
+        "", "has a header line that PLY does not know (\"" + std::string(key.substr(0, 40)) + "\"); export it again");
+  }
+  return {};
+}
+
+Result<Header> read_header(Text& text) {
+  if (text.line() != "ply") return fail("", "is not a PLY file (it does not begin with \"ply\"); check its extension");
+  Header header;
+  while (text.remaining() > 0) {
+    const std::string_view line = text.line();
+    if (line == "end_header") return header;
+    if (auto read = read_header_line(line, header); !read) return fail(read.error());
+  }
+  return fail("", "is truncated within its header; copy or export it again");
+}
+
+class BinarySource {
+ public:
+  BinarySource(Text& text, std::endian order) : text_(text), order_(order) {}
+  std::optional<double> next(Scalar type) {
+    const auto bytes = text_.take(size_of(type));
+    if (!bytes) return std::nullopt;
+    return with_type(
+        type, [&]<class T>(std::type_identity<T>) { return static_cast<double>(load<T>(bytes->data(), order_)); });
+  }
+  static std::size_t smallest_size(Scalar type) { return size_of(type); }
+
+ private:
+  Text& text_;
+  std::endian order_;
+};
+
+class AsciiSource {
+ public:
+  explicit AsciiSource(Text& text) : text_(text) {}
+  std::optional<double> next(Scalar) { return text_.number<double>(); }
+  static std::size_t smallest_size(Scalar) { return 1; }
+
+ private:
+  Text& text_;
+};
+
+struct Body {
+  std::vector<double> coordinates;
+  std::vector<double> stiffness;
+  std::vector<std::int32_t> corners;
+};
+
+Error truncated() {
+  return {"", "is truncated or holds something that is no number; copy or export it again"};
+}
+
+/// One element's records; `keep(property, values)` is called with the values of each property of each record.
+template <class Source, class Keep>
+Result<void> read_records(const Element& element, Text& text, Source& source, const Keep& keep) {
+  std::size_t record_size = 0;
+  for (const Property& p : element.properties) record_size += Source::smallest_size(p.length_type.value_or(p.type));
+  if (element.properties.empty()) return {};
+  if (element.count > text.remaining() / record_size)
+    return fail("", "announces " + std::to_string(element.count) + " records of \"" + std::string(element.name) +
+                        "\" but is too short to hold them; copy or export it again");
+  std::vector<double> values;
+  for (std::size_t record = 0; record < element.count; ++record) {
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      const Property& property = element.properties[p];
+      double count = 1;
+      if (property.length_type) {
+        const auto length = source.next(*property.length_type);
+        if (!length || !(*length >= 0) || *length > static_cast<double>(text.remaining())) return fail(truncated());
+        count = *length;
+      }
+      values.clear();
+      for (double i = 0; i < count; ++i) {
+        const auto value = source.next(property.type);
+        if (!value) return fail(truncated());
+        values.push_back(*value);
+      }
+      if (auto kept = keep(p, values); !kept) return kept;
+    }
+  }
+  return {};
+}
+
+template <class Source>
+Result<void> read_vertices(const Element& element, Text& text, Source& source, Body& body) {
+  const auto x = element.find("x"), y = element.find("y"), z = element.find("z"), stiffness = element.find("stiffness");
+  for (const auto& found : {x, y, z})
+    if (!found || element.properties[*found].length_type)
+      return fail("", "has vertices without coordinates x, y and z; export it again");
+  Vec3 point = Vec3::Zero();
+  const std::size_t last = element.properties.size() - 1;
+  return read_records(element, text, source, [&](std::size_t property, const std::vector<double>& values) {
+    if (property == x) point.x() = values[0];
+    if (property == y) point.y() = values[0];
+    if (property == z) point.z() = values[0];
+    if (property == stiffness && values.size() == 1) body.stiffness.push_back(values[0]);
+    if (property == last) body.coordinates.insert(body.coordinates.end(), point.begin(), point.end());
+    return Result<void>();
+  });
+}
+
+template <class Source>
+Result<void> read_faces(const Element& element, Text& text, Source& source, Body& body) {
+  auto list = element.find("vertex_indices");
+  if (!list) list = element.find("vertex_index");
+  if (!list || !element.properties[*list].length_type || !is_integer(element.properties[*list].type))
+    return fail("", "has faces without a list of integers \"vertex_indices\"; export it again");
+  std::vector<std::int64_t> polygon;
+  return read_records(element, text, source, [&](std::size_t property, const std::vector<double>& values) {
+    if (property != list) return Result<void>();
+    polygon.clear();
+    for (const double v : values) {
+      if (!(std::abs(v) < 1e15) || v != std::trunc(v))
+        return Result<void>(fail("", "names a vertex by something that is no whole number; export it again"));
+      polygon.push_back(static_cast<std::int64_t>(v));
+    }
+    return add_polygon(polygon, body.corners);
+  });
+}
+
+template <class Source>
+Result<Body> read_body(const Header& header, Text& text, Source source) {
+  Body body;
+  for (const Element& element : header.elements) {
+    auto read = element.name == "vertex" ? read_vertices(element, text, source, body)
+                : element.name == "face"
+                    ? read_faces(element, text, source, body)
+                    : read_records(element, text, source, [](std::size_t, const auto&) { return Result<void>(); });
+    if (!read) return fail(read.error());
+  }
+  return body;
+}
+
+std::optional<Landmark> landmark_from(std::string_view text) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object()) return std::nullopt;
+  const auto name = json.find("name"), position = json.find("position");
+  if (name == json.end() || !name->is_string() || position == json.end() || !position->is_array() ||
+      position->size() != 3)
+    return std::nullopt;
+  Landmark landmark{name->get<std::string>(), {}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(*position)[k].is_number()) return std::nullopt;
+    landmark.position[static_cast<Eigen::Index>(k)] = (*position)[k].get<double>();
+  }
+  return landmark;
+}
+
+bool names_space(std::string_view comment) {
+  return !comment.starts_with(landmark_key) && comment.find("SPACE=") != std::string_view::npos;
+}
+
+void keep_comment(std::string_view comment, MeshFile& mesh) {
+  if (comment.starts_with(landmark_key)) {
+    if (auto landmark = landmark_from(comment.substr(landmark_key.size()))) {
+      mesh.landmarks.push_back(std::move(*landmark));
+      return;
+    }
+    mesh.warnings.push_back("a landmark cannot be read and is kept as a comment: " + std::string(comment));
+  }
+  if (comment.starts_with(stiffness_base_key)) {
+    const auto base = to_number<double>(comment.substr(stiffness_base_key.size()));
+    if (base && *base > 0 && std::isfinite(*base)) {
+      mesh.stiffness_base = *base;
+      return;
+    }
+    mesh.warnings.push_back("the stiffness base is no positive number and is kept as a comment");
+  }
+  mesh.comments.emplace_back(comment);
+}
+
+}  // namespace
+
+Result<MeshFile> read_ply(std::string_view bytes) {
+  Text text(bytes);
+  auto header = read_header(text);
+  if (!header) return fail(header.error());
+  const bool ascii = header->encoding == Encoding::ascii;
+  const std::endian order = header->encoding == Encoding::big_endian ? std::endian::big : std::endian::little;
+  auto body = ascii ? read_body(*header, text, AsciiSource(text)) : read_body(*header, text, BinarySource(text, order));
+  if (!body) return fail(body.error());
+
+  MeshFile mesh;
+  mesh.points = to_points(body->coordinates);
+  mesh.triangles = to_triangles(body->corners);
+  if (!body->stiffness.empty())
+    mesh.stiffness =
+        Eigen::Map<VertexScalars>(body->stiffness.data(), static_cast<Eigen::Index>(body->stiffness.size()));
+  std::string_view space;
+  for (const std::string_view comment : header->comments) {
+    if (names_space(comment))
+      space = comment;
+    else
+      keep_comment(comment, mesh);
+  }
+  flip_if_ras(space, mesh);
+  if (ascii) warn_if_cut(text, mesh.warnings);
+  if (ascii ? !text.word().empty() : text.remaining() > 2)
+    mesh.warnings.emplace_back("the file holds more than its header announces; compare it with its source");
+  return mesh;
+}
+
+void write_ply(const MeshFile& mesh, std::ostream& out) {
+  std::string bytes = "ply\nformat binary_little_endian 1.0\ncomment SPACE=LPS\n";
+  if (mesh.stiffness) {
+    bytes.append("comment ").append(stiffness_base_key);
+    append_number(mesh.stiffness_base, bytes);
+    bytes += '\n';
+  }
+  for (const Landmark& landmark : mesh.landmarks) {
+    const nlohmann::ordered_json json = {{"name", landmark.name},
+                                         {"position", std::vector(landmark.position.begin(), landmark.position.end())}};
+    bytes.append("comment ").append(landmark_key);
+    bytes.append(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)).append("\n");
+  }
+  for (const std::string& comment : mesh.comments) bytes.append("comment ").append(comment).append("\n");
+  bytes += "element vertex " + std::to_string(mesh.points.rows()) +
+           "\nproperty double x\nproperty double y\nproperty double z\n";
+  if (mesh.stiffness) bytes += "property float stiffness\n";
+  bytes += "element face " + std::to_string(mesh.triangles.rows()) +
+           "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
+    for (const double x : mesh.points.row(i)) store(x, std::endian::little, bytes);
+    if (mesh.stiffness) store(static_cast<float>((*mesh.stiffness)[i]), std::endian::little, bytes);
+  }
+  for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {
+    store(std::uint8_t{3}, std::endian::little, bytes);
+    for (const std::int32_t v : mesh.triangles.row(f)) store(v, std::endian::little, bytes);
+  }
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+}  // namespace homolog::formats

@@ -1,0 +1,118 @@
+#include "core/mesh/mesh_io.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "core/base/files.h"
+#include "core/mesh/formats/formats.h"
+
+namespace homolog {
+namespace {
+
+struct Format {
+  const char* extension;
+  Result<MeshFile> (*read)(std::string_view);
+  void (*write)(const MeshFile&, std::ostream&);
+};
+
+constexpr std::array known_formats{Format{".ply", formats::read_ply, formats::write_ply},
+                                   Format{".vtk", formats::read_vtk, formats::write_vtk},
+                                   Format{".vtp", formats::read_vtp, formats::write_vtp},
+                                   Format{".obj", formats::read_obj, formats::write_obj},
+                                   Format{".stl", formats::read_stl, formats::write_stl},
+                                   Format{".particles", formats::read_particles, formats::write_particles}};
+
+std::string extension_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+Result<Format> format_of(const std::filesystem::path& path) {
+  const std::string extension = extension_of(path);
+  for (const Format& format : known_formats)
+    if (extension == format.extension) return format;
+  return fail(path.string(), "is no mesh file that is known here; use .ply, .vtk, .vtp, .obj, .stl or .particles");
+}
+
+Result<void> check(const MeshFile& mesh, bool needs_faces) {
+  if (mesh.points.rows() == 0) return fail("", "holds no points; export it again");
+  if (needs_faces && mesh.triangles.rows() == 0) return fail("", "holds no faces; export it as a surface of triangles");
+  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
+    if (!mesh.points.row(i).allFinite())
+      return fail("", "vertex " + std::to_string(i) + " has a coordinate that is no finite number; export it again");
+  for (const std::int32_t v : mesh.triangles.reshaped<Eigen::RowMajor>())
+    if (v < 0 || v >= mesh.points.rows())
+      return fail("", "a face names vertex " + std::to_string(v) + " of " + std::to_string(mesh.points.rows()) +
+                          " (counted from 0); copy or export it again");
+  if (mesh.stiffness && mesh.stiffness->size() != mesh.points.rows())
+    return fail("", "does not give every vertex a stiffness; export it again");
+  if (mesh.stiffness)
+    for (Eigen::Index i = 0; i < mesh.stiffness->size(); ++i)
+      if (!((*mesh.stiffness)[i] > 0) || !std::isfinite((*mesh.stiffness)[i]))
+        return fail("", "vertex " + std::to_string(i) + " has a stiffness that is no positive number; correct it");
+  return {};
+}
+
+/// Vertices at one place on open edges are a seam that was never closed, as triangle soups have at every edge.
+Result<void> check_seams(const Mesh& mesh) {
+  std::vector<Eigen::Index> open;
+  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
+    if (mesh.topology->on_boundary(i)) open.push_back(i);
+  const auto place = [&](Eigen::Index i) {
+    return std::array{mesh.points(i, 0), mesh.points(i, 1), mesh.points(i, 2)};
+  };
+  std::sort(open.begin(), open.end(),
+            [&](Eigen::Index i, Eigen::Index j) { return std::pair(place(i), i) < std::pair(place(j), j); });
+  const auto twin = std::adjacent_find(open.begin(), open.end(),
+                                       [&](Eigen::Index i, Eigen::Index j) { return place(i) == place(j); });
+  if (twin == open.end()) return {};
+  return fail("", "vertices " + std::to_string(*twin) + " and " + std::to_string(*(twin + 1)) +
+                      " are duplicates at an open edge; merge duplicate vertices of the mesh");
+}
+
+}  // namespace
+
+Result<MeshFile> read_mesh_file(const std::filesystem::path& path) {
+  const auto format = format_of(path);
+  if (!format) return fail(format.error());
+  const auto bytes = read_whole_file(path);
+  if (!bytes) return fail(bytes.error());
+  if (bytes->empty()) return fail(path.string(), "is empty; copy or export it again");
+  auto mesh = format->read(*bytes);
+  if (!mesh) return fail(path.string(), mesh.error().what);
+  if (auto checked = check(*mesh, format->read != formats::read_particles); !checked)
+    return fail(path.string(), checked.error().what);
+  return mesh;
+}
+
+Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& path) {
+  const auto format = format_of(path);
+  if (!format) return fail(format.error());
+  return write_whole_file(path, [&](std::ostream& out) {
+    format->write(mesh, out);
+    return Result<void>();
+  });
+}
+
+Result<Mesh> read_mesh(const std::filesystem::path& path) {
+  auto file = read_mesh_file(path);
+  if (!file) return fail(file.error());
+  auto topology = Topology::make(file->points.rows(), std::move(file->triangles));
+  if (!topology) return fail(path.string(), topology.error().what);
+  Mesh mesh{std::move(*topology), std::move(file->points)};
+  if (auto checked = check_seams(mesh); !checked) return fail(path.string(), checked.error().what);
+  return mesh;
+}
+
+Result<void> write_mesh(const Mesh& mesh, const std::filesystem::path& path) {
+  MeshFile file;
+  file.points = mesh.points;
+  file.triangles = mesh.topology->triangles();
+  return write_mesh_file(file, path);
+}
+
+}  // namespace homolog

@@ -1,0 +1,238 @@
+#include <nifti2_io.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include "core/volume/readers.h"
+
+// NIfTI-1 and -2 through libnifti2. Its header conversion is used on bytes that were read here, never its search for
+// files: asked for a.nii.gz it opens a sibling a.nii. ITK's NIfTI reader is not linked, since the libnifti that it
+// carries exports the names of libnifti2 with other structures.
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+struct NiftiImageDeleter {
+  void operator()(nifti_image* image) const { nifti_image_free(image); }
+};
+using NiftiImage = std::unique_ptr<nifti_image, NiftiImageDeleter>;
+
+/// The header converted, and whether the voxels have the other byte order.
+struct NiftiHeader {
+  NiftiImage image;
+  bool other_byte_order = false;
+  bool analyze = false;  ///< the older format, which says nothing of the patient
+};
+
+bool ends_with(const std::string& text, const char* end) {
+  return text.size() >= std::strlen(end) && text.compare(text.size() - std::strlen(end), std::string::npos, end) == 0;
+}
+
+/// The two files of a pair by the name of either; for a single file both are that file.
+struct Pair {
+  fs::path header, voxels;
+};
+
+Result<Pair> find_pair(const fs::path& path) {
+  const std::string name = path.string();
+  for (const char* end : {".hdr", ".hdr.gz", ".img", ".img.gz"}) {
+    if (!ends_with(name, end)) continue;
+    const std::string stem = name.substr(0, name.size() - std::strlen(end));
+    const bool given_header = std::string(end).starts_with(".hdr");
+    const bool compressed = ends_with(end, ".gz");
+    const std::string partner = stem + (given_header ? ".img" : ".hdr");
+    for (const std::string& candidate : {partner + (compressed ? ".gz" : ""), partner + (compressed ? "" : ".gz")})
+      if (std::error_code ignored; fs::exists(candidate, ignored))
+        return given_header ? Pair{path, candidate} : Pair{candidate, path};
+    return fail(name, "has no partner " + fs::path(partner).filename().string() +
+                          (given_header ? " with its voxels" : " with its header") + "; put it into the same folder");
+  }
+  return Pair{path, path};
+}
+
+template <class Header>
+Header header_from(const std::string& head) {
+  Header header;
+  std::memcpy(&header, head.data(), sizeof header);
+  return header;
+}
+
+/// libnifti prints what it dislikes, so that dims and type are looked at before it sees them.
+template <class Header>
+bool plausible(const Header& header) {
+  if (header.dim[0] < 1 || header.dim[0] > 7 || !nifti_is_valid_datatype(header.datatype)) return false;
+  return std::all_of(header.dim + 1, header.dim + 1 + header.dim[0], [](auto n) { return n > 0; });
+}
+
+/// Negative and missing voxel sizes are mended as nibabel does; their sign carries no meaning.
+template <class Header>
+void mend_pixdim(Header& header) {
+  for (int d = 1; d <= 3; ++d) header.pixdim[d] = std::abs(header.pixdim[d]);
+}
+
+std::optional<NiftiHeader> parse_header(const std::string& head, const fs::path& path) {
+  NiftiHeader result;
+  std::int32_t size = 0;
+  if (head.size() < sizeof(nifti_1_header)) return {};
+  std::memcpy(&size, head.data(), sizeof size);
+  std::int32_t swapped_size = size;
+  nifti_swap_4bytes(1, &swapped_size);
+  const std::string name = path.string();
+  if (size == sizeof(nifti_1_header) || swapped_size == sizeof(nifti_1_header)) {
+    auto header = header_from<nifti_1_header>(head);
+    result.other_byte_order = size != sizeof(nifti_1_header);
+    result.analyze = std::memcmp(header.magic, "n+1", 4) != 0 && std::memcmp(header.magic, "ni1", 4) != 0;
+    if (result.other_byte_order)
+      result.analyze ? nifti_swap_as_analyze(reinterpret_cast<nifti_analyze75*>(&header))
+                     : nifti_swap_as_nifti1(&header);
+    if (!plausible(header)) return {};
+    mend_pixdim(header);
+    result.image.reset(nifti_convert_n1hdr2nim(header, name.c_str()));
+  } else if (size == sizeof(nifti_2_header) || swapped_size == sizeof(nifti_2_header)) {
+    if (head.size() < sizeof(nifti_2_header)) return {};
+    auto header = header_from<nifti_2_header>(head);
+    result.other_byte_order = size != sizeof(nifti_2_header);
+    if (result.other_byte_order) nifti_swap_as_nifti2(&header);
+    if (!plausible(header)) return {};
+    mend_pixdim(header);
+    result.image.reset(nifti_convert_n2hdr2nim(header, name.c_str()));
+  }
+  if (!result.image) return {};
+  return result;
+}
+
+Result<StoredType> stored_type(const nifti_image& image, const fs::path& path) {
+  switch (image.datatype) {
+    case NIFTI_TYPE_UINT8:
+      return StoredType::Uint8;
+    case NIFTI_TYPE_INT8:
+      return StoredType::Int8;
+    case NIFTI_TYPE_UINT16:
+      return StoredType::Uint16;
+    case NIFTI_TYPE_INT16:
+      return StoredType::Int16;
+    case NIFTI_TYPE_UINT32:
+      return StoredType::Uint32;
+    case NIFTI_TYPE_INT32:
+      return StoredType::Int32;
+    case NIFTI_TYPE_UINT64:
+      return StoredType::Uint64;
+    case NIFTI_TYPE_INT64:
+      return StoredType::Int64;
+    case NIFTI_TYPE_FLOAT32:
+      return StoredType::Float32;
+    case NIFTI_TYPE_FLOAT64:
+      return StoredType::Float64;
+    default:
+      return fail(path.string(), std::string("holds voxels of type ") + nifti_datatype_to_string(image.datatype) +
+                                     " (colour, complex or extended); export one scalar channel");
+  }
+}
+
+struct Affine {
+  Mat3 steps;
+  Vec3 origin;
+};
+
+Affine to_lps(const nifti_dmat44& ras, double mm_per_unit) {
+  Affine affine;
+  for (int row = 0; row < 3; ++row) {
+    const double sign = row < 2 ? -mm_per_unit : mm_per_unit;
+    for (int column = 0; column < 3; ++column) affine.steps(row, column) = sign * ras.m[row][column];
+    affine.origin[row] = sign * ras.m[row][3];
+  }
+  return affine;
+}
+
+double mm_per_unit(int units) {
+  return units == NIFTI_UNITS_METER ? 1e3 : units == NIFTI_UNITS_MICRON ? 1e-3 : 1;
+}
+
+double seconds_per_unit(int units) {
+  switch (units) {
+    case NIFTI_UNITS_MSEC:
+      return 1e-3;
+    case NIFTI_UNITS_USEC:
+      return 1e-6;
+    case NIFTI_UNITS_SEC:
+    case NIFTI_UNITS_UNKNOWN:
+      return 1;
+    default:
+      return 0;  // hertz, ppm, radians: the fourth axis is not time
+  }
+}
+
+/// The sform where it is given and at right angles, else the qform [nifti1.h, methods 3 and 2]. nibabel prefers the
+/// sform likewise; ITK falls back to the qform where the sform is sheared. Without either, the axes are taken for LPS
+/// with the origin at the first voxel, as ITK does.
+Result<VolumeGeometry> geometry_of(const NiftiHeader& header, const fs::path& path,
+                                   std::vector<std::string>& warnings) {
+  const nifti_image& image = *header.image;
+  const std::array<std::int64_t, 3> dims{image.nx, image.ny, image.nz};
+  const double scale = mm_per_unit(image.xyz_units);
+  const Affine qform = to_lps(image.qto_xyz, scale), sform = to_lps(image.sto_xyz, scale);
+  const bool has_qform = image.qform_code > 0 && !header.analyze;
+  if (image.sform_code > 0 && !header.analyze) {
+    auto by_sform = make_geometry(path, dims, sform.steps, sform.origin);
+    if (by_sform || !has_qform) return by_sform;
+    auto by_qform = make_geometry(path, dims, qform.steps, qform.origin);
+    if (!by_qform) return by_sform;
+    warnings.push_back(path.string() + ": its sform is sheared or damaged; placed by its qform instead");
+    return by_qform;
+  }
+  if (has_qform) return make_geometry(path, dims, qform.steps, qform.origin);
+  warnings.push_back(path.string() +
+                     ": says nothing of the patient's orientation; its axes are taken to run to the "
+                     "left, back and head");
+  return make_geometry(path, dims, scale * Vec3(image.dx, image.dy, image.dz).asDiagonal().toDenseMatrix(),
+                       Vec3::Zero());
+}
+
+}  // namespace
+
+Result<VolumeRead> read_nifti(const fs::path& path, Progress* progress) {
+  const auto pair = find_pair(path);
+  if (!pair) return fail(pair.error());
+  const auto head = read_head(pair->header, sizeof(nifti_2_header));
+  if (!head) return fail(head.error());
+  const auto header = parse_header(*head, pair->header);
+  if (!header)
+    return fail(pair->header.string(),
+                "is not a NIfTI file, or its header is damaged; check what it is and export it again");
+  const nifti_image& image = *header->image;
+  if (image.nu > 1 || image.nv > 1 || image.nw > 1)
+    return fail(path.string(),
+                "has more than four dimensions (vectors or several channels); export one scalar volume, "
+                "or a series of frames in the fourth");
+  const auto type = stored_type(image, path);
+  if (!type) return fail(type.error());
+
+  VolumeRead result;
+  Volume& volume = result.volume;
+  auto geometry = geometry_of(*header, path, result.warnings);
+  if (!geometry) return fail(geometry.error());
+  volume.geometry = *geometry;
+  if (image.nt > 1) volume.frame_seconds = std::max(0.0, image.dt * seconds_per_unit(image.time_units));
+  Rescale rescale;
+  if (std::isfinite(image.scl_slope) && image.scl_slope != 0 && std::isfinite(image.scl_inter))
+    rescale = {image.scl_slope, image.scl_inter};
+
+  const VoxelRun run{{.file = pair->voxels,
+                      .skip = static_cast<std::uintmax_t>(std::max<std::int64_t>(image.iname_offset, 0)),
+                      .compression = compression_of(pair->voxels)},
+                     *type,
+                     header->other_byte_order};
+  const std::int64_t frames = std::max<std::int64_t>(image.nt, 1);
+  auto stored = read_run(run, volume.geometry, frames, !rescale.identity(), progress);
+  if (!stored) return fail(stored.error());
+  volume.frames = static_cast<int>(frames);
+  if (auto kept = keep_voxels(std::move(*stored), rescale, path.string(), volume, result.warnings); !kept)
+    return fail(kept.error());
+  return result;
+}
+
+}  // namespace homolog

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+/// Voxels in the type in which a file stores them, native byte order.
+using StoredVoxels =
+    std::variant<std::vector<std::uint8_t>, std::vector<std::int8_t>, std::vector<std::uint16_t>,
+                 std::vector<std::int16_t>, std::vector<std::uint32_t>, std::vector<std::int32_t>,
+                 std::vector<std::uint64_t>, std::vector<std::int64_t>, std::vector<float>, std::vector<double>>;
+
+/// The alternatives of StoredVoxels, in its order.
+enum class StoredType { Uint8, Int8, Uint16, Int16, Uint32, Int32, Uint64, Int64, Float32, Float64 };
+
+std::size_t bytes_per_voxel(StoredType type);
+
+/// The most bytes that a volume of `voxels` occupies while it is read: the stored and, where another type is kept, the
+/// kept voxels.
+double bytes_while_reading(StoredType type, double voxels, bool rescaled);
+
+/// `count` voxels of value 0.
+StoredVoxels make_stored_voxels(StoredType type, std::size_t count);
+
+std::span<std::byte> bytes_of(StoredVoxels& voxels);
+
+/// Turns voxels of the other byte order into native ones.
+void swap_byte_order(StoredVoxels& voxels);
+
+/// Intensity = slope · stored value + intercept.
+struct Rescale {
+  double slope = 1, intercept = 0;
+  bool identity() const { return slope == 1 && intercept == 0; }
+  bool operator==(const Rescale&) const = default;
+};
+
+/// Stored voxels as intensities in the type that a Volume keeps, with their range. uint8, int16, uint16 and float32
+/// that need no rescaling are moved, not copied; other integers go to the smallest of uint8, int16 and uint16 that
+/// holds every value, everything else to float32. Fails where a finite value exceeds float32; warns where integers are
+/// rounded. `subject` is the file that the sentences name.
+Result<void> keep_voxels(StoredVoxels voxels, const Rescale& rescale, const std::string& subject, Volume& volume,
+                         std::vector<std::string>& warnings);
+
+}  // namespace homolog

@@ -1,0 +1,175 @@
+#include "core/volume/volume.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <random>
+#include <type_traits>
+
+namespace homolog {
+namespace {
+
+std::array<Vec3, 8> corners(const VolumeGeometry& geometry, double margin_vox) {
+  std::array<Vec3, 8> result;
+  for (int c = 0; c < 8; ++c) {
+    Vec3 voxel;
+    for (int a = 0; a < 3; ++a) {
+      const double last = geometry.dims[static_cast<std::size_t>(a)] - 1;
+      voxel[a] = (c >> a & 1) ? last + margin_vox : -margin_vox;
+    }
+    result[static_cast<std::size_t>(c)] = geometry.to_mm(voxel);
+  }
+  return result;
+}
+
+std::size_t index_of(const VolumeGeometry& geometry, int i, int j, int k, int frame) {
+  const auto [ni, nj, nk] = geometry.dims;
+  assert(i >= 0 && j >= 0 && k >= 0 && frame >= 0 && i < ni && j < nj && k < nk);
+  const auto row = (static_cast<std::size_t>(frame) * static_cast<std::size_t>(nk) + static_cast<std::size_t>(k)) *
+                       static_cast<std::size_t>(nj) +
+                   static_cast<std::size_t>(j);
+  return row * static_cast<std::size_t>(ni) + static_cast<std::size_t>(i);
+}
+
+constexpr std::size_t most_labels = 65535;
+
+template <class T>
+std::map<int, std::size_t> count_integers(const T* begin, std::size_t count) {
+  constexpr int lowest = std::numeric_limits<T>::min();
+  std::vector<std::size_t> counts(static_cast<std::size_t>(std::numeric_limits<T>::max() - lowest) + 1, 0);
+  for (std::size_t i = 0; i < count; ++i) ++counts[static_cast<std::size_t>(begin[i] - lowest)];
+  std::map<int, std::size_t> labels;
+  for (std::size_t c = 0; c < counts.size(); ++c) {
+    const int value = static_cast<int>(c) + lowest;
+    if (counts[c] > 0 && value != 0) labels.emplace_hint(labels.end(), value, counts[c]);
+  }
+  return labels;
+}
+
+/// Label maps saved as floats: values are rounded. Labels come in runs, so that the map is asked once a run.
+std::map<int, std::size_t> count_floats(const float* begin, std::size_t count) {
+  std::map<int, std::size_t> labels;
+  for (std::size_t i = 0; i < count;) {
+    std::size_t end = i + 1;
+    while (end < count && begin[end] == begin[i]) ++end;
+    const float value = std::rint(begin[i]);
+    if (std::abs(value) < 2147483648.0f && value != 0) {
+      const int label = static_cast<int>(value);
+      if (const auto known = labels.find(label); known != labels.end())
+        known->second += end - i;
+      else if (labels.size() < most_labels)
+        labels.emplace(label, end - i);
+    }
+    i = end;
+  }
+  return labels;
+}
+
+}  // namespace
+
+Box VolumeGeometry::bounds_mm() const {
+  Box box;
+  for (const Vec3& corner : corners(*this, 0.5)) box.extend(corner);
+  return box;
+}
+
+bool same_grid(const VolumeGeometry& a, const VolumeGeometry& b) {
+  if (a.dims != b.dims) return false;
+  const auto in_a = corners(a, 0), in_b = corners(b, 0);
+  for (std::size_t c = 0; c < in_a.size(); ++c)
+    if ((a.to_voxel(in_b[c]) - a.to_voxel(in_a[c])).cwiseAbs().maxCoeff() > 0.01) return false;
+  return true;
+}
+
+std::string geometry_hash(const VolumeGeometry& geometry) {
+  std::uint64_t hash = 14695981039346656037u;  // FNV-1a, 64 bits
+  const auto add = [&hash](std::int64_t value) {
+    for (int byte = 0; byte < 8; ++byte) {
+      hash ^= static_cast<std::uint64_t>(value) >> (8 * byte) & 0xff;
+      hash *= 1099511628211u;
+    }
+  };
+  const auto add_rounded = [&add](double value) { add(std::llround(value * 1e4)); };
+  for (const int n : geometry.dims) add(n);
+  for (const double value : geometry.spacing_mm) add_rounded(value);
+  for (const double value : geometry.origin_mm) add_rounded(value);
+  for (const double value : geometry.direction.reshaped()) add_rounded(value);
+  std::string text(16, '0');
+  for (std::size_t digit = 0; digit < 16; ++digit) text[digit] = "0123456789abcdef"[hash >> (60 - 4 * digit) & 0xf];
+  return text;
+}
+
+const char* voxel_type_name(const VoxelData& data) {
+  static constexpr std::array<const char*, 4> names{"uint8", "int16", "uint16", "float32"};
+  return names[data.index()];
+}
+
+double Volume::at(int i, int j, int k, int frame) const {
+  const std::size_t index = index_of(geometry, i, j, k, frame);
+  return std::visit([index](const auto& values) { return static_cast<double>(values[index]); }, data);
+}
+
+double Volume::sample(const Vec3& p_mm, double outside, int frame) const {
+  const Vec3 voxel = geometry.to_voxel(p_mm);
+  std::array<int, 3> low, high;
+  Vec3 part;
+  for (int a = 0; a < 3; ++a) {
+    const auto axis = static_cast<std::size_t>(a);
+    const int last = geometry.dims[axis] - 1;
+    if (!(voxel[a] >= -0.5 && voxel[a] <= last + 0.5)) return outside;
+    const double inside = std::clamp(voxel[a], 0.0, static_cast<double>(last));
+    low[axis] = std::min(static_cast<int>(inside), std::max(last - 1, 0));
+    high[axis] = std::min(low[axis] + 1, last);
+    part[a] = inside - low[axis];
+  }
+  double value = 0;
+  for (int c = 0; c < 8; ++c) {
+    const bool i = c & 1, j = c & 2, k = c & 4;
+    const double weight = (i ? part[0] : 1 - part[0]) * (j ? part[1] : 1 - part[1]) * (k ? part[2] : 1 - part[2]);
+    if (weight > 0) value += weight * at(i ? high[0] : low[0], j ? high[1] : low[1], k ? high[2] : low[2], frame);
+  }
+  return value;
+}
+
+std::pair<double, double> default_window(const Volume& volume) {
+  if (volume.file_window && volume.file_window->second > 0) {
+    const auto [centre, width] = *volume.file_window;
+    return {centre - width / 2, centre + width / 2};
+  }
+  return std::visit(
+      [](const auto& values) -> std::pair<double, double> {
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        // About a million voxels fix the tails to a few hundredths of their 0.1 %. Steps of random length, since a
+        // fixed one would meet the same columns in every row.
+        constexpr std::size_t enough = std::size_t{1} << 20;
+        const std::size_t step = values.size() / enough + 1;
+        std::vector<T> sample;
+        sample.reserve(values.size() / step + values.size() / step / 4);
+        std::minstd_rand random;
+        for (std::size_t i = 0; i < values.size(); i += step == 1 ? 1 : 1 + random() % (2 * step - 1))
+          if (std::isfinite(static_cast<float>(values[i]))) sample.push_back(values[i]);
+        if (sample.empty()) return {0, 1};
+        const auto tail = static_cast<std::ptrdiff_t>(sample.size() / 1000);
+        const auto low = sample.begin() + tail, high = sample.end() - 1 - tail;
+        std::nth_element(sample.begin(), low, sample.end());
+        if (low < high) std::nth_element(low + 1, high, sample.end());
+        const double from = static_cast<double>(*low), to = static_cast<double>(*high);
+        return {from, std::max(to, from + 1)};
+      },
+      volume.data);
+}
+
+std::map<int, std::size_t> labels_of(const Volume& label_map, int frame) {
+  const std::size_t count = label_map.geometry.voxels(), first = static_cast<std::size_t>(frame) * count;
+  return std::visit(
+      [first, count](const auto& values) {
+        using T = typename std::decay_t<decltype(values)>::value_type;
+        if constexpr (std::is_integral_v<T>)
+          return count_integers(values.data() + first, count);
+        else
+          return count_floats(values.data() + first, count);
+      },
+      label_map.data);
+}
+
+}  // namespace homolog

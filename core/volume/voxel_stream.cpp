@@ -1,0 +1,283 @@
+#include "core/volume/voxel_stream.h"
+
+#include <bzlib.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "core/base/files.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t chunk_bytes = std::size_t{4} << 20;  ///< of output between two questions for cancellation
+constexpr std::size_t input_bytes = std::size_t{256} << 10;
+
+tl::unexpected<Error> damaged(const fs::path& file) {
+  return fail(file.string(), "is damaged: its compressed voxels do not decode; copy or download it again");
+}
+
+tl::unexpected<Error> cut_short(const fs::path& file, double got, double wanted) {
+  char text[160];
+  std::snprintf(text, sizeof text, "is cut short: it holds %.0f of %.0f bytes of voxels; copy or download it again",
+                got, wanted);
+  return fail(file.string(), text);
+}
+
+/// Bytes in order; fewer than asked for only at the end.
+class Source {
+ public:
+  Source(const ByteBlock& block) : file_(block.file), in_(block.file, std::ios::binary) {
+    in_.seekg(static_cast<std::streamoff>(block.offset));
+  }
+  virtual ~Source() = default;
+  Source(const Source&) = delete;
+  Source& operator=(const Source&) = delete;
+
+  bool open() const { return in_.is_open(); }
+  virtual Result<std::size_t> read(std::span<std::byte> out) { return take(out); }
+  /// Reads what a compressed stream holds behind the bytes asked for, so that its end and checksum are seen.
+  virtual Result<void> finish() { return {}; }
+
+ protected:
+  std::size_t take(std::span<std::byte> out) {
+    in_.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(out.size()));
+    return static_cast<std::size_t>(in_.gcount());
+  }
+  const fs::path& file() const { return file_; }
+
+ private:
+  fs::path file_;
+  std::ifstream in_;
+};
+
+/// What zlib and bzip2 share: a decoder that is fed from a buffer and may find several streams behind one another.
+class CompressedSource : public Source {
+ public:
+  using Source::Source;
+
+  Result<std::size_t> read(std::span<std::byte> out) override {
+    std::size_t got = 0;
+    while (got < out.size() && !ended_) {
+      if (unread_.empty()) {
+        unread_ = std::span(buffer_).first(take(buffer_));
+        if (unread_.empty()) {
+          if (started_)
+            return fail(file().string(), "is cut short within its compressed voxels; copy or download it again");
+          ended_ = true;  // between two streams: nothing follows
+          break;
+        }
+      }
+      if (!started_ && !begin(unread_)) {
+        if (got_any_)
+          ended_ = true;  // padding behind the last stream
+        else
+          return damaged(file());
+        break;
+      }
+      started_ = got_any_ = true;
+      bool stream_ended = false;
+      if (!decode(unread_, out, got, stream_ended)) return damaged(file());
+      if (stream_ended) started_ = false;
+    }
+    return got;
+  }
+
+  Result<void> finish() override {
+    std::vector<std::byte> rest(input_bytes);
+    for (;;) {
+      const auto got = read(rest);
+      if (!got) return fail(got.error());
+      if (*got == 0) return {};
+    }
+  }
+
+ protected:
+  /// Prepares for a stream that begins with `input`; false where it is none.
+  virtual bool begin(std::span<const std::byte> input) = 0;
+  /// Decodes from the front of `input` (and shortens it) into out[got…]; false where the stream is damaged.
+  virtual bool decode(std::span<std::byte>& input, std::span<std::byte> out, std::size_t& got, bool& stream_ended) = 0;
+
+ private:
+  std::vector<std::byte> buffer_ = std::vector<std::byte>(input_bytes);
+  std::span<std::byte> unread_;
+  bool started_ = false, got_any_ = false, ended_ = false;
+};
+
+constexpr unsigned at_most_unsigned(std::size_t n) {
+  return static_cast<unsigned>(std::min<std::size_t>(n, 1u << 30));
+}
+
+class DeflateSource final : public CompressedSource {
+ public:
+  DeflateSource(const ByteBlock& block) : CompressedSource(block) {
+    constexpr int gzip_or_zlib = 15 + 32, raw = -15;
+    ready_ = inflateInit2(&stream_, block.compression == Compression::RawDeflate ? raw : gzip_or_zlib) == Z_OK;
+  }
+  ~DeflateSource() override { inflateEnd(&stream_); }
+
+ private:
+  bool begin(std::span<const std::byte> input) override {
+    // Only gzip streams may follow one another (bgzip and pigz write such files).
+    const bool first = std::exchange(first_, false);
+    return ready_ && (first || input[0] == std::byte{0x1f}) && inflateReset(&stream_) == Z_OK;
+  }
+  bool decode(std::span<std::byte>& input, std::span<std::byte> out, std::size_t& got, bool& stream_ended) override {
+    stream_.next_in = reinterpret_cast<Bytef*>(input.data());
+    stream_.avail_in = at_most_unsigned(input.size());
+    stream_.next_out = reinterpret_cast<Bytef*>(out.data() + got);
+    stream_.avail_out = at_most_unsigned(out.size() - got);
+    const int status = inflate(&stream_, Z_NO_FLUSH);
+    input = input.subspan(input.size() - stream_.avail_in);
+    got = static_cast<std::size_t>(reinterpret_cast<std::byte*>(stream_.next_out) - out.data());
+    stream_ended = status == Z_STREAM_END;
+    return status == Z_OK || status == Z_STREAM_END || status == Z_BUF_ERROR;
+  }
+
+  z_stream stream_{};
+  bool ready_ = false, first_ = true;
+};
+
+class Bzip2Source final : public CompressedSource {
+ public:
+  using CompressedSource::CompressedSource;
+  ~Bzip2Source() override { BZ2_bzDecompressEnd(&stream_); }
+
+ private:
+  bool begin(std::span<const std::byte> input) override {
+    BZ2_bzDecompressEnd(&stream_);
+    stream_ = {};
+    return input[0] == std::byte{'B'} && BZ2_bzDecompressInit(&stream_, 0, 0) == BZ_OK;
+  }
+  bool decode(std::span<std::byte>& input, std::span<std::byte> out, std::size_t& got, bool& stream_ended) override {
+    stream_.next_in = reinterpret_cast<char*>(input.data());
+    stream_.avail_in = at_most_unsigned(input.size());
+    stream_.next_out = reinterpret_cast<char*>(out.data() + got);
+    stream_.avail_out = at_most_unsigned(out.size() - got);
+    const int status = BZ2_bzDecompress(&stream_);
+    input = input.subspan(input.size() - stream_.avail_in);
+    got = static_cast<std::size_t>(reinterpret_cast<std::byte*>(stream_.next_out) - out.data());
+    stream_ended = status == BZ_STREAM_END;
+    return status == BZ_OK || status == BZ_STREAM_END;
+  }
+
+  bz_stream stream_{};
+};
+
+Result<std::unique_ptr<Source>> open_source(const ByteBlock& block) {
+  std::unique_ptr<Source> source;
+  if (block.compression == Compression::None)
+    source = std::make_unique<Source>(block);
+  else if (block.compression == Compression::Bzip2)
+    source = std::make_unique<Bzip2Source>(block);
+  else
+    source = std::make_unique<DeflateSource>(block);
+  std::error_code ignored;
+  if (!fs::exists(block.file, ignored)) return fail(block.file.string(), "does not exist; check the name");
+  if (fs::is_directory(block.file, ignored)) return fail(block.file.string(), "is a folder, not a file");
+  if (!source->open()) return fail(block.file.string(), "cannot be read; check its permissions");
+  std::vector<std::byte> passed_over(static_cast<std::size_t>(std::min<std::uintmax_t>(block.skip, input_bytes)));
+  for (std::uintmax_t left = block.skip; left > 0;) {
+    const auto step = static_cast<std::size_t>(std::min<std::uintmax_t>(left, passed_over.size()));
+    const auto got = source->read(std::span(passed_over).first(step));
+    if (!got) return fail(got.error());
+    if (*got < step) return fail(block.file.string(), "ends within its header; copy or download it again");
+    left -= step;
+  }
+  return source;
+}
+
+}  // namespace
+
+Compression compression_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return in.get() == 0x1f && in.get() == 0x8b ? Compression::Deflate : Compression::None;
+}
+
+double available_memory_bytes() {
+  std::ifstream in("/proc/meminfo");
+  for (std::string line; std::getline(in, line);) {
+    double kilobytes = 0;
+    if (std::sscanf(line.c_str(), "MemAvailable: %lf kB", &kilobytes) == 1) return kilobytes * 1024;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+Result<void> check_memory(const fs::path& file, double needed_bytes) {
+  const double available = available_memory_bytes();
+  if (needed_bytes <= available) return {};
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "needs %.1f GB of memory and %.1f GB are free; close other programs, or crop or resample the volume",
+                needed_bytes / 1e9, available / 1e9);
+  return fail(file.string(), text);
+}
+
+Result<void> check_claim(const ByteBlock& block, double bytes, double memory_bytes) {
+  std::error_code error;
+  const auto size = static_cast<double>(fs::file_size(block.file, error));
+  if (error) return fail(block.file.string(), "cannot be read (" + error.message() + ")");
+  const double present = std::max(0.0, size - static_cast<double>(block.offset));
+  const double skip = static_cast<double>(block.skip);
+  // Deflate reaches 1032 : 1 at most (zlib's technical details); bzip2 packs 45,899,235 equal bytes into 46.
+  const double best_ratio = block.compression == Compression::None    ? 1
+                            : block.compression == Compression::Bzip2 ? 1e6
+                                                                      : 1032;
+  if (skip + bytes > present * best_ratio) {
+    if (block.compression == Compression::None) return cut_short(block.file, std::max(0.0, present - skip), bytes);
+    return fail(block.file.string(), "is far too small for the size its header claims; copy or download it again");
+  }
+  return check_memory(block.file, memory_bytes);
+}
+
+Result<void> read_block(const ByteBlock& block, std::span<std::byte> bytes, Progress* progress) {
+  const auto source = open_source(block);
+  if (!source) return fail(source.error());
+  for (std::size_t done = 0; done < bytes.size();) {
+    if (progress) {
+      if (progress->cancelled()) return fail(block.file.string(), "was not read: cancelled");
+      progress->report(static_cast<double>(done) / static_cast<double>(bytes.size()));
+    }
+    const std::size_t step = std::min(chunk_bytes, bytes.size() - done);
+    const auto got = (*source)->read(bytes.subspan(done, step));
+    if (!got) return fail(got.error());
+    done += *got;
+    if (*got < step) return cut_short(block.file, static_cast<double>(done), static_cast<double>(bytes.size()));
+  }
+  return (*source)->finish();
+}
+
+Result<std::string> read_to_end(const ByteBlock& block, std::uintmax_t limit_bytes) {
+  const auto source = open_source(block);
+  if (!source) return fail(source.error());
+  std::string text;
+  std::vector<std::byte> chunk(input_bytes);
+  for (;;) {
+    const auto got = (*source)->read(chunk);
+    if (!got) return fail(got.error());
+    if (*got == 0) return text;
+    text.append(reinterpret_cast<const char*>(chunk.data()), *got);
+    if (text.size() > limit_bytes) return fail(block.file.string(), "is too large to be a file of this kind");
+  }
+}
+
+Result<std::string> read_head(const fs::path& file, std::size_t count) {
+  const auto source = open_source({.file = file, .compression = compression_of(file)});
+  if (!source) return fail(source.error());
+  std::string head(count, '\0');
+  const auto got = (*source)->read(std::as_writable_bytes(std::span(head)));
+  if (!got) return fail(got.error());
+  head.resize(*got);
+  return head;
+}
+
+}  // namespace homolog

@@ -36,8 +36,7 @@ Mesh mesh_of(HalfEdgeMesh& half_edges) {
   Mesh mesh;
   mesh.points.resize(static_cast<Eigen::Index>(half_edges.n_vertices()), 3);
   for (const auto v : half_edges.vertices())
-    for (int axis = 0; axis < 3; ++axis)
-      mesh.points(v.idx(), axis) = half_edges.point(v)[static_cast<unsigned>(axis)];
+    for (int axis = 0; axis < 3; ++axis) mesh.points(v.idx(), axis) = half_edges.point(v)[static_cast<unsigned>(axis)];
   Triangles triangles(static_cast<Eigen::Index>(half_edges.n_faces()), 3);
   for (const auto f : half_edges.faces()) {
     int corner = 0;

@@ -47,9 +47,7 @@ Deformation::Deformation(int subject, std::uint64_t organ_seed, const Variation&
     const int a = (along + 1) % 3, b = (along + 2) % 3;
     for (const auto& [first, second] : {std::pair(a, a), std::pair(b, b), std::pair(a, b)}) {
       const double end_mm2 = variation.half_size_mm[first] * variation.half_size_mm[second];
-      const double share = 0.5;  // the bends of one axis add up
-      shears_.push_back(
-          {along, first, second, share * variation.bend_mm * normal_within_two(random) / end_mm2, reach_mm});
+      shears_.push_back({along, first, second, variation.bend_mm * normal_within_two(random) / end_mm2, reach_mm});
     }
   }
   for (int i = 0; i < variation.bumps; ++i) {
@@ -63,7 +61,7 @@ Deformation::Deformation(int subject, std::uint64_t organ_seed, const Variation&
 
 double Deformation::Shear::displacement(const Vec3& p) const {
   const double u = p[first], v = p[second];
-  return per_mm * u * v / (1 + (u * u + v * v) / (4 * reach_mm * reach_mm));
+  return per_mm * u * v / (1 + (u * u + v * v) / (2 * reach_mm * reach_mm));
 }
 
 Vec3 Deformation::Bump::apply(const Vec3& p) const {

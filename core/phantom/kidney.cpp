@@ -1,4 +1,3 @@
-#include "core/mesh/voxelise.h"
 #include "core/phantom/imaging.h"
 #include "core/phantom/implicit.h"
 #include "core/phantom/noise.h"
@@ -47,7 +46,7 @@ double kidney_solid(const Vec3& p) {
 const SolidTemplate& mean_kidney() {
   static const SolidTemplate kidney = [] {
     const auto place = [](double x, double y, double z) { return Vec3(scene_from_kidney * Vec3(x, y, z)); };
-    SolidTemplate made = template_of(kidney_solid, Box(Vec3(-45, -45, -65), Vec3(45, 45, 65)), 2.75,
+    SolidTemplate made = template_of(kidney_solid, Box(Vec3(-45, -45, -65), Vec3(45, 45, 65)), 2.6,
                                      {{"hilum", place(10, -0.5, -1)},
                                       {"superior pole", place(6, 0, 56)},
                                       {"inferior pole", place(6, 0, -56)},
@@ -73,11 +72,12 @@ struct Contrast {
 /// The neighbourhood of the mean kidney; a subject's voxels look their tissue up here through the deformation.
 class Abdomen {
  public:
-  Abdomen(int number, double blur_mm) : seed_(mix_bits(organ_seed ^ static_cast<std::uint64_t>(number))), blur_mm_(blur_mm) {
+  Abdomen(int number, double blur_mm)
+      : seed_(mix_bits(organ_seed ^ static_cast<std::uint64_t>(number))), blur_mm_(blur_mm) {
     Random random(seed_);
     if (number == 0) return;
     contrast_.cortex += random.uniform(-20, 20);
-    contrast_.medulla = contrast_.cortex - random.uniform(15, 35);
+    contrast_.medulla = contrast_.cortex - random.uniform(25, 45);
     contrast_.liver += random.uniform(-12, 12);
     contrast_.vessels += random.uniform(-15, 15);
     liver_edge_mm_ += random.uniform(-12, 12);
@@ -131,32 +131,46 @@ class Abdomen {
 
   /// Loops in front of the kidney: a wall, and contents with gas above the fluid level.
   void paint_bowel(Voxel& voxel, const Vec3& p, double skin, double coarse, double fine) const {
-    const double flexure = round_cone(p, {-30, -58, -60}, {22, -74, -34}, 19, 16) + 3 * coarse;
-    const double ascending = round_cone(p, {-30, -58, -60}, {-34, -40, -110}, 19, 22) + 3 * coarse;
-    const double duodenum = round_cone(p, {24, -46, 10}, {20, -44, -62}, 11, 12) + 2 * coarse;
-    const double jejunum = std::min(ellipsoid(p - Vec3(82, -86, -40), {24, 16, 22}), ellipsoid(p - Vec3(62, -92, 8), {30, 14, 15})) + 3 * coarse;
-    const double colon = smooth_min(flexure, ascending, 6);
-    const double inside_wall = skin + 32;
-    for (const auto& [loop, contents] : {std::pair(jejunum, 30.0), std::pair(duodenum, 35.0), std::pair(colon, 15.0)}) {
-      const double loop_inside = smooth_max(loop, inside_wall, 4);
-      voxel.paint(loop_inside, 62);
-      voxel.paint(loop_inside + 2.5, contents + 45 * fine);
+    const double ripple = 3 * coarse;
+    const double flexure = round_cone(p, {-34, -54, -62}, {22, -76, -36}, 18, 15);
+    const double ascending = round_cone(p, {-34, -54, -62}, {-38, -42, -110}, 18, 21);
+    const double duodenum = round_cone(p, {27, -48, 10}, {22, -46, -62}, 11, 12);
+    const double jejunum =
+        std::min({ellipsoid(p - Vec3(86, -84, -40), {20, 15, 22}), ellipsoid(p - Vec3(66, -98, 4), {30, 11, 15}),
+                  ellipsoid(p - Vec3(52, -84, -58), {15, 14, 17})});
+    const double colon = smooth_min(flexure, ascending, 6) + ripple;
+    for (const auto& [loop, contents] :
+         {std::pair(jejunum + ripple, 32.0), std::pair(duodenum + ripple, 38.0), std::pair(colon, 18.0)}) {
+      const double within_wall = smooth_max(loop, skin + 32, 4);
+      voxel.paint(within_wall, 66);
+      voxel.paint(within_wall + 2.5, contents + 40 * fine);
     }
-    voxel.paint(smooth_max(colon + 3, p.y() + 66 + 4 * coarse, 2), -850);
+    voxel.paint(smooth_max(colon + 3, p.y() + 62 + 5 * coarse, 2), -850);
+    const double mesenteric = std::min(round_cone(p, {70, -66, 40}, {58, -72, -80}, 3.2, 2.4),
+                                       round_cone(p, {76, -64, 30}, {78, -70, -80}, 2.6, 1.8));
+    voxel.paint(mesenteric, contrast_.vessels);
   }
 
   void paint_liver(Voxel& voxel, const Vec3& p, double skin, double kidney, double coarse) const {
-    const double lobe = ellipsoid(p - Vec3(-22, -46, 62), Vec3(70, 62, liver_edge_mm_));
+    const double lobe = ellipsoid(p - Vec3(-26, -42, 66), Vec3(80, 76, liver_edge_mm_)) + 2 * coarse;
     // The liver lies on the upper front of the kidney with almost no fat between them.
-    const double gap_mm = perirenal_fat_mm_ + 9 * smooth_step(-10, 25, p.y() - 0.35 * p.z()) + 5 * smooth_step(10, -30, p.z());
-    double liver = smooth_max(lobe, skin + 31, 6);
+    const double gap_mm =
+        perirenal_fat_mm_ + 9 * smooth_step(-10, 25, p.y() - 0.35 * p.z()) + 5 * smooth_step(10, -30, p.z());
+    double liver = smooth_max(lobe, skin + 31, 8);
     liver = smooth_max(liver, gap_mm - kidney, 5);
+    liver = smooth_max(liver, 16 - elliptic_cylinder(p.x() - 62, p.y() + 40, 22, 14), 8);  // clear of the great vessels
     voxel.paint(liver, contrast_.liver + 7 * coarse);
+    const double gallbladder = ellipsoid(p - Vec3(14, -74, 4), {12, 15, 21});
+    voxel.paint(gallbladder - 1.5, 70);
+    voxel.paint(gallbladder, 9);
     if (liver > 0) return;
     const Vec3 bent = p + Vec3(0, 6 * coarse, 0);
-    const double vein = std::min({round_cone(bent, {30, -48, 70}, {-25, -38, 62}, 5, 3), round_cone(bent, {-25, -38, 62}, {-55, -20, 40}, 3, 1.6),
-                                  round_cone(bent, {-10, -40, 64}, {-30, -75, 34}, 3.4, 1.6), round_cone(bent, {20, -50, 92}, {-40, -55, 60}, 4.4, 1.8)});
-    voxel.paint(std::max(vein, liver + 4), contrast_.vessels - 10);
+    const double vein = std::min({round_cone(bent, {30, -48, 70}, {-25, -38, 62}, 5, 3),
+                                  round_cone(bent, {-25, -38, 62}, {-55, -20, 40}, 3, 1.6),
+                                  round_cone(bent, {-10, -40, 64}, {-30, -75, 34}, 3.4, 1.6),
+                                  round_cone(bent, {20, -50, 92}, {-40, -55, 60}, 4.4, 1.8),
+                                  round_cone(bent, {-30, -48, 60}, {-48, -70, 30}, 2.6, 1.2)});
+    voxel.paint(smooth_max(vein, liver + 4, 2), contrast_.vessels);
   }
 
   void paint_vessels(Voxel& voxel, const Vec3& p) const {
@@ -174,25 +188,25 @@ class Abdomen {
     voxel.paint(std::max(std::abs(aorta) - 0.7, p.x() - 84), 260);  // a little calcium
   }
 
-  /// Cortex outside, pyramids of medulla towards the recess.
+  /// Cortex outside and in columns, pyramids of medulla between them, two calyces with their fat.
   void paint_kidney(Voxel& voxel, const Vec3& p, double kidney, double coarse, double fine) const {
     if (kidney > blur_mm_) return;
     voxel.paint(kidney, contrast_.cortex + 6 * coarse);
     const Vec3 q = straightened(p);
-    const double shell = kidney + 7.5 + 1.5 * fine;
-    if (shell > 0) return;
-    const Vec3 from_core = q - Vec3(8, 0, std::clamp(0.72 * q.z(), -30.0, 30.0));
-    const Vec3 direction = from_core.normalized();
-    // Columns of cortex part the pyramids: about every 14 mm along the organ and three times around it.
-    const double columns = std::abs(smooth_noise(Vec3(q.z() / 15, 2.1 * direction.y() + 5, 2.1 * direction.x()), organ_seed));
-    voxel.paint(std::max(shell, 1.5 - 22 * (columns - 0.06)), contrast_.medulla + 4 * coarse);
-    const double sinus = smooth_max(2.5 - recess(q), -1e3, 1);
-    (void)sinus;
+    const double depth = kidney + 6.5 + 1.5 * fine;
+    const Vec3 outward = (q - Vec3(8, 0, 0.72 * q.z())).normalized();
+    // Columns part the pyramids about every 15 mm along the organ and a few times around it.
+    const double columns = std::abs(smooth_noise(Vec3(q.z() / 13, 2.2 * outward.y(), 2.2 * outward.x()), organ_seed));
+    voxel.paint(smooth_max(depth, 1.2 - 20 * (columns - 0.05), 2), contrast_.medulla + 4 * coarse);
+    const double calyces =
+        std::min(round_cone(q, {12, 0, 8}, {8, 1, 26}, 1.5, 2.6), round_cone(q, {12, 0, -10}, {8, 1, -27}, 1.5, 2.6));
+    voxel.paint(calyces - 1.8, -30);
+    voxel.paint(calyces, 14);
   }
 
   static inline const Vec3 spine_centre{66, -14, 10};
-  Contrast contrast_{168, 142, 116, 155};
-  double liver_edge_mm_ = 74;     ///< vertical half size of the right lobe
+  Contrast contrast_{176, 138, 118, 158};
+  double liver_edge_mm_ = 74;      ///< vertical half size of the right lobe
   double perirenal_fat_mm_ = 0.5;  ///< between liver and kidney where they lie closest
   std::uint64_t seed_;
   double blur_mm_;
@@ -209,20 +223,13 @@ PhantomSubject kidney_subject(int number, double spacing_mm) {
   Variation variation;
   variation.half_size_mm = Vec3(28, 24, 52);
   const Deformation deformation(number, organ_seed, variation);
-  const auto grid = grid_over(Box(Vec3(-93, -112, -96), Vec3(99, 80, 96)), spacing_mm, 1.5);
+  const VolumeGeometry grid = grid_over(Box(Vec3(-93, -112, -96), Vec3(99, 80, 96)), spacing_mm, 1.5);
   const Abdomen abdomen(number, 1.3 * grid.spacing_mm[0]);
-
-  PhantomSubject subject;
-  subject.image = ct_image(
-      grid, [&](const Vec3& p_mm) { return abdomen.hounsfield(deformation.to_mean(p_mm) + mean.centre_mm); }, 11,
-      mix_bits(organ_seed + static_cast<std::uint64_t>(number)));
-  MeshFile truth = mean.mesh;
-  truth.points = deformation.to_subject(truth.points);
-  for (Landmark& landmark : truth.landmarks) landmark.position = deformation.to_subject(landmark.position);
-  subject.landmarks = truth.landmarks;
-  (void)voxelise;
-  subject.truth.push_back(std::move(truth));
-  return subject;
+  const auto hounsfield = [&](const Vec3& p_mm) {
+    return abdomen.hounsfield(deformation.to_mean(p_mm) + mean.centre_mm);
+  };
+  const std::uint64_t noise_seed = mix_bits(organ_seed + static_cast<std::uint64_t>(number));
+  return solid_subject(mean, deformation, ct_image(grid, hounsfield, 13, noise_seed));
 }
 
 }  // namespace homolog::phantom

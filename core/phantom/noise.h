@@ -49,8 +49,8 @@ inline double smooth_noise(const Vec3& p, std::uint64_t seed) {
   const Eigen::Array3d s = t * t * (3 - 2 * t);
   const auto corner = [&](int dx, int dy, int dz) {
     const auto lattice = [](double c, int d) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(c) + d); };
-    const std::uint64_t key = lattice(cell.x(), dx) * 0x8da6b343U + lattice(cell.y(), dy) * 0xd8163841U +
-                              lattice(cell.z(), dz) * 0xcb1ab31fU;
+    const std::uint64_t key =
+        lattice(cell.x(), dx) * 0x8da6b343U + lattice(cell.y(), dy) * 0xd8163841U + lattice(cell.z(), dz) * 0xcb1ab31fU;
     return 2 * unit_of(mix_bits(key ^ seed)) - 1;
   };
   const auto along_x = [&](int dy, int dz) { return corner(0, dy, dz) * (1 - s.x()) + corner(1, dy, dz) * s.x(); };

@@ -5,6 +5,8 @@
 #include "core/correspondence/colours.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/remesh.h"
+#include "core/mesh/voxelise.h"
+#include "core/phantom/imaging.h"
 
 namespace homolog::phantom {
 namespace {
@@ -40,7 +42,8 @@ Volume mask_of(Solid solid, const Box& box, double spacing_mm) {
   voxels.reserve(mask.geometry.voxels());
   for (int k = 0; k < mask.geometry.dims[2]; ++k)
     for (int j = 0; j < mask.geometry.dims[1]; ++j)
-      for (int i = 0; i < mask.geometry.dims[0]; ++i) voxels.push_back(solid(mask.geometry.to_mm({1.0 * i, 1.0 * j, 1.0 * k})) < 0);
+      for (int i = 0; i < mask.geometry.dims[0]; ++i)
+        voxels.push_back(solid(mask.geometry.to_mm({1.0 * i, 1.0 * j, 1.0 * k})) < 0);
   mask.data = std::move(voxels);
   mask.range_max = 1;
   return mask;
@@ -58,7 +61,8 @@ MeshFile renumbered(const Mesh& mesh, Eigen::Index first) {
   result.points.resize(mesh.points.rows(), 3);
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
     result.points.row(rank[static_cast<std::size_t>(i)]) = mesh.points.row(i);
-  result.triangles = mesh.topology->triangles().unaryExpr([&](std::int32_t v) { return rank[static_cast<std::size_t>(v)]; });
+  result.triangles =
+      mesh.topology->triangles().unaryExpr([&](std::int32_t v) { return rank[static_cast<std::size_t>(v)]; });
   return result;
 }
 
@@ -81,6 +85,22 @@ SolidTemplate template_of(Solid solid, const Box& box, double edge_mm, const std
   result.mesh.points.rowwise() -= result.centre_mm.transpose();
   result.mesh.stiffness = VertexScalars::Ones(result.mesh.points.rows());
   return result;
+}
+
+PhantomSubject solid_subject(const SolidTemplate& mean, const Deformation& deformation, Volume image) {
+  PhantomSubject subject;
+  MeshFile truth = mean.mesh;
+  truth.points = deformation.to_subject(truth.points);
+  for (Landmark& landmark : truth.landmarks) landmark.position = deformation.to_subject(landmark.position);
+  const auto topology = Topology::make(truth.points.rows(), truth.triangles);
+  assert(topology);
+  subject.label_map.geometry = image.geometry;
+  subject.label_map.data = voxelise({*topology, truth.points}, image.geometry);
+  note_range(subject.label_map);
+  subject.image = std::move(image);
+  subject.landmarks = truth.landmarks;
+  subject.truth.push_back(std::move(truth));
+  return subject;
 }
 
 }  // namespace homolog::phantom

@@ -25,11 +25,10 @@ double canal(const Vec3& p) {
 double arch(const Vec3& p) {
   const double pedicle = round_cone(Vec3(p.x(), p.y(), 0.72 * p.z()), {13, 8, 3.2}, {15.5, 25, 2.4}, 5.4, 5.2);
   const double lamina = round_cone(Vec3(p.x(), p.y(), 0.5 * p.z()), {14, 28, 0}, {1.5, 36.5, -2}, 4.6, 4.6);
-  const double spinous =
-      round_box(Vec3(p.x(), p.y() - 49, p.z() + 6.5 + 0.12 * (p.y() - 49)), Vec3(3.6, 15, 8.2), 3.4);
+  const double spinous = round_box(Vec3(p.x(), p.y() - 49, p.z() + 6.5 + 0.12 * (p.y() - 49)), Vec3(3.6, 15, 8.2), 3.4);
   const double transverse = round_cone(p, {15, 26, 2.5}, {40, 32, 4.5}, 5.6, 4.4);
-  const double superior = round_cone(p, {16, 27.5, 2}, {18.5, 29, 16}, 5.4, 4.4);
-  const double inferior = round_cone(p, {9.5, 33.5, -5}, {11.5, 38.5, -19}, 5.2, 4.4);
+  const double superior = round_cone(p, {16, 28, 2}, {17.5, 30.5, 16}, 5.4, 4.6);
+  const double inferior = round_cone(p, {9.5, 33.5, -5}, {11, 38.5, -18.5}, 5.2, 4.1);
   double d = smooth_min(pedicle, lamina, 5);
   d = smooth_min(d, spinous, 5);
   d = smooth_min(d, transverse, 5);
@@ -51,13 +50,13 @@ void paint_spine(Voxel& voxel, const Vec3& p, double grain) {
   const Vec3 neighbour(q.x(), q.y(), q.z() - std::copysign(vertebra_pitch_mm, q.z()));
   if (q.x() * q.x() + (q.y() - 20) * (q.y() - 20) > 52 * 52) return;
 
-  voxel.paint(elliptic_cylinder(q.x(), q.y(), 22.5, 16.5), 78);  // discs, where no bone is painted over them
-  voxel.paint(canal(q), -60);                                    // epidural fat
+  voxel.paint(smooth_max(elliptic_cylinder(q.x(), q.y(), 23, 17), 12 - std::abs(q.z()), 3), 82);  // discs
+  voxel.paint(canal(q), -60);                                                                     // epidural fat
   voxel.paint(elliptic_cylinder(q.x(), q.y() - 22.5, 8.8, 6.6), 22);
   voxel.paint(elliptic_cylinder(q.x(), q.y() - 23.5, 4.6, 3.4), 42);
   const double bone = std::min(vertebra_solid(q), vertebra_solid(neighbour));
-  voxel.paint(bone, 620);
-  voxel.paint(bone + 1.6, 190 + 55 * grain);
+  voxel.paint(bone, 680);
+  voxel.paint(bone + 1.2, 190 + 30 * grain);
 }
 
 }  // namespace homolog::phantom

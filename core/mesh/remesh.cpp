@@ -1,0 +1,159 @@
+#include "core/mesh/remesh.h"
+
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <cassert>
+#include <cmath>
+#include <cstdlib>
+
+namespace homolog {
+namespace {
+
+struct Traits : OpenMesh::DefaultTraits {
+  using Point = OpenMesh::Vec3d;
+  using Normal = OpenMesh::Vec3d;
+  VertexAttributes(OpenMesh::Attributes::Status);
+  EdgeAttributes(OpenMesh::Attributes::Status);
+  FaceAttributes(OpenMesh::Attributes::Status);
+  HalfedgeAttributes(OpenMesh::Attributes::PrevHalfedge);
+};
+using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
+using OpenMesh::Vec3d;
+
+HalfEdgeMesh half_edges_of(const Mesh& mesh) {
+  HalfEdgeMesh result;
+  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
+    result.add_vertex(Vec3d(mesh.points(i, 0), mesh.points(i, 1), mesh.points(i, 2)));
+  const Triangles& triangles = mesh.topology->triangles();
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
+    result.add_face(result.vertex_handle(static_cast<unsigned>(triangles(f, 0))),
+                    result.vertex_handle(static_cast<unsigned>(triangles(f, 1))),
+                    result.vertex_handle(static_cast<unsigned>(triangles(f, 2))));
+  return result;
+}
+
+Mesh mesh_of(HalfEdgeMesh& half_edges) {
+  half_edges.garbage_collection();
+  Mesh mesh;
+  mesh.points.resize(static_cast<Eigen::Index>(half_edges.n_vertices()), 3);
+  for (const auto v : half_edges.vertices())
+    for (int axis = 0; axis < 3; ++axis) mesh.points(v.idx(), axis) = half_edges.point(v)[static_cast<unsigned>(axis)];
+  Triangles triangles(static_cast<Eigen::Index>(half_edges.n_faces()), 3);
+  for (const auto f : half_edges.faces()) {
+    int corner = 0;
+    for (const auto v : f.vertices()) triangles(f.idx(), corner++) = v.idx();
+  }
+  auto topology = Topology::make(mesh.points.rows(), std::move(triangles));
+  assert(topology && "splits, collapses and flips keep a closed manifold closed and manifold");
+  mesh.topology = *topology;
+  return mesh;
+}
+
+double length(const HalfEdgeMesh& mesh, HalfEdgeMesh::HalfedgeHandle h) {
+  return mesh.calc_edge_length(h);
+}
+
+void split_long_edges(HalfEdgeMesh& mesh, double limit_mm) {
+  const auto edges = static_cast<int>(mesh.n_edges());  // edges made here are not looked at again in this round
+  for (int e = 0; e < edges; ++e) {
+    const OpenMesh::EdgeHandle edge(e);
+    if (mesh.calc_edge_length(edge) > limit_mm) mesh.split(edge, mesh.calc_edge_midpoint(edge));
+  }
+}
+
+/// Whether moving `vertex` to `target` turns none of its faces except those at `other`, which vanish, and leaves none
+/// of its edges longer than `limit_mm`.
+bool may_move(const HalfEdgeMesh& mesh, HalfEdgeMesh::VertexHandle vertex, HalfEdgeMesh::VertexHandle other,
+              const Vec3d& target, double limit_mm) {
+  for (const auto h : mesh.voh_range(vertex)) {
+    const auto a = h.to(), b = h.next().to();
+    if ((mesh.point(a) - target).norm() > limit_mm) return false;
+    if (h.is_boundary() || a == other || b == other) continue;
+    const Vec3d pa = mesh.point(a), pb = mesh.point(b);
+    const Vec3d before = (pa - mesh.point(vertex)).cross(pb - mesh.point(vertex));
+    const Vec3d after = (pa - target).cross(pb - target);
+    if (before.dot(after) < 0.5 * before.norm() * after.norm()) return false;
+  }
+  return true;
+}
+
+void collapse_short_edges(HalfEdgeMesh& mesh, double least_mm, double limit_mm) {
+  for (int e = 0; e < static_cast<int>(mesh.n_edges()); ++e) {
+    const OpenMesh::EdgeHandle edge(e);
+    if (mesh.status(edge).deleted() || mesh.calc_edge_length(edge) >= least_mm) continue;
+    const auto h = mesh.halfedge_handle(edge, 0);
+    const auto from = mesh.from_vertex_handle(h), to = mesh.to_vertex_handle(h);
+    const Vec3d middle = mesh.calc_edge_midpoint(edge);
+    if (!mesh.is_collapse_ok(h) || !may_move(mesh, from, to, middle, limit_mm) ||
+        !may_move(mesh, to, from, middle, limit_mm))
+      continue;
+    mesh.collapse(h);
+    mesh.set_point(to, middle);
+  }
+  mesh.garbage_collection();
+}
+
+/// Flips edges where that brings the valences nearer to six, unless the surface would fold there.
+void even_valences(HalfEdgeMesh& mesh) {
+  const auto excess = [&](HalfEdgeMesh::VertexHandle v, int change) {
+    return std::abs(static_cast<int>(mesh.valence(v)) + change - 6);
+  };
+  for (const auto edge : mesh.edges()) {
+    if (!mesh.is_flip_ok(edge)) continue;
+    const auto h = edge.h0(), opposite = edge.h1();
+    const auto a = h.from(), b = h.to(), c = h.next().to(), d = opposite.next().to();
+    const int now = excess(a, 0) + excess(b, 0) + excess(c, 0) + excess(d, 0);
+    const int then = excess(a, -1) + excess(b, -1) + excess(c, 1) + excess(d, 1);
+    if (then >= now) continue;
+    const Vec3d pa = mesh.point(a), pb = mesh.point(b), pc = mesh.point(c), pd = mesh.point(d);
+    const Vec3d old_normal = (pb - pa).cross(pc - pa).normalized() + (pa - pb).cross(pd - pb).normalized();
+    const Vec3d new_c = (pc - pd).cross(pa - pd), new_d = (pb - pd).cross(pc - pd);
+    const double worst_cosine = 0.5;
+    if (new_c.dot(old_normal) < worst_cosine * new_c.norm() * old_normal.norm() ||
+        new_d.dot(old_normal) < worst_cosine * new_d.norm() * old_normal.norm())
+      continue;
+    mesh.flip(edge);
+  }
+}
+
+/// Every vertex to the area-weighted centre of the faces around it, along the surface only, then back onto it.
+void relax_tangentially(HalfEdgeMesh& mesh, const std::function<Vec3(const Vec3&)>& project) {
+  std::vector<Vec3d> moved(mesh.n_vertices());
+  for (const auto v : mesh.vertices()) {
+    Vec3d normal(0, 0, 0), centre(0, 0, 0);
+    double area = 0;
+    for (const auto f : v.faces()) {
+      const Vec3d face_normal = mesh.calc_face_normal(f) * mesh.calc_face_area(f);
+      normal += face_normal;
+      centre += mesh.calc_face_centroid(f) * face_normal.norm();
+      area += face_normal.norm();
+    }
+    const Vec3d step = centre / area - mesh.point(v);
+    normal.normalize();
+    moved[static_cast<std::size_t>(v.idx())] = mesh.point(v) + step - normal * normal.dot(step);
+  }
+  for (const auto v : mesh.vertices()) {
+    const Vec3d& p = moved[static_cast<std::size_t>(v.idx())];
+    const Vec3 on_surface = project(Vec3(p[0], p[1], p[2]));
+    mesh.set_point(v, Vec3d(on_surface.x(), on_surface.y(), on_surface.z()));
+  }
+}
+
+}  // namespace
+
+Mesh remesh(const Mesh& mesh, double edge_mm, const std::function<Vec3(const Vec3&)>& project) {
+  assert(mesh.topology->closed());
+  HalfEdgeMesh half_edges = half_edges_of(mesh);
+  for (int round = 0; round < 10; ++round) {
+    split_long_edges(half_edges, edge_mm * 4 / 3);
+    collapse_short_edges(half_edges, edge_mm * 4 / 5, edge_mm * 4 / 3);
+    even_valences(half_edges);
+    relax_tangentially(half_edges, project);
+  }
+  for (int round = 0; round < 20; ++round) {  // the count is settled; only the spread still improves
+    even_valences(half_edges);
+    relax_tangentially(half_edges, project);
+  }
+  return mesh_of(half_edges);
+}
+
+}  // namespace homolog

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "core/phantom/deformation.h"
+#include "core/phantom/phantom.h"
+
+/// What phantom.cpp asks of each organ.
+namespace homolog::phantom {
+
+MeshFile kidney_template();
+MeshFile vertebra_template();
+MeshFile ventricle_template();
+
+PhantomSubject kidney_subject(int number, double spacing_mm);
+PhantomSubject vertebra_subject(int number, double spacing_mm);
+PhantomSubject ventricle_subject(int number, double spacing_mm);
+
+}  // namespace homolog::phantom

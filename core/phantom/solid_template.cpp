@@ -1,0 +1,106 @@
+#include "core/phantom/solid_template.h"
+
+#include <cassert>
+
+#include "core/correspondence/colours.h"
+#include "core/mesh/isosurface.h"
+#include "core/mesh/remesh.h"
+#include "core/mesh/voxelise.h"
+#include "core/phantom/imaging.h"
+
+namespace homolog::phantom {
+namespace {
+
+Vec3 gradient(Solid solid, const Vec3& p) {
+  const double step_mm = 1e-4;
+  Vec3 slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 offset = step_mm * Vec3::Unit(axis);
+    slope[axis] = (solid(p + offset) - solid(p - offset)) / (2 * step_mm);
+  }
+  return slope;
+}
+
+/// The point of the solid's surface reached from `p` down its gradient.
+Vec3 onto_surface(Solid solid, Vec3 p) {
+  for (int round = 0; round < 8; ++round) {
+    const double d = solid(p);
+    if (std::abs(d) < 1e-9) break;
+    const Vec3 slope = gradient(solid, p);
+    p -= d / std::max(slope.squaredNorm(), 0.25) * slope;
+  }
+  return p;
+}
+
+Volume mask_of(Solid solid, const Box& box, double spacing_mm) {
+  Volume mask;
+  mask.geometry.spacing_mm.setConstant(spacing_mm);
+  mask.geometry.origin_mm = box.min();
+  for (int axis = 0; axis < 3; ++axis)
+    mask.geometry.dims[static_cast<std::size_t>(axis)] = static_cast<int>(box.sizes()[axis] / spacing_mm) + 1;
+  std::vector<std::uint8_t> voxels;
+  voxels.reserve(mask.geometry.voxels());
+  for (int k = 0; k < mask.geometry.dims[2]; ++k)
+    for (int j = 0; j < mask.geometry.dims[1]; ++j)
+      for (int i = 0; i < mask.geometry.dims[0]; ++i)
+        voxels.push_back(solid(mask.geometry.to_mm({1.0 * i, 1.0 * j, 1.0 * k})) < 0);
+  mask.data = std::move(voxels);
+  mask.range_max = 1;
+  return mask;
+}
+
+Eigen::Index vertex_nearest(const Points& points, const Vec3& place) {
+  Eigen::Index nearest = 0;
+  (points.rowwise() - place.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
+  return nearest;
+}
+
+MeshFile renumbered(const Mesh& mesh, Eigen::Index first) {
+  const auto rank = breadth_first_rank(*mesh.topology, static_cast<std::int32_t>(first));
+  MeshFile result;
+  result.points.resize(mesh.points.rows(), 3);
+  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
+    result.points.row(rank[static_cast<std::size_t>(i)]) = mesh.points.row(i);
+  result.triangles =
+      mesh.topology->triangles().unaryExpr([&](std::int32_t v) { return rank[static_cast<std::size_t>(v)]; });
+  return result;
+}
+
+}  // namespace
+
+SolidTemplate template_of(Solid solid, const Box& box, double edge_mm, const std::vector<NamedPlace>& places) {
+  auto rough = mask_surface(mask_of(solid, box, edge_mm), 1);
+  assert(rough && "the solid lies inside the box");
+  for (Eigen::Index i = 0; i < rough->points.rows(); ++i)
+    rough->points.row(i) = onto_surface(solid, Vec3(rough->points.row(i))).transpose();
+  const Mesh even = remesh(*rough, edge_mm, [solid](const Vec3& p) { return onto_surface(solid, p); });
+
+  SolidTemplate result;
+  result.mesh = renumbered(even, vertex_nearest(even.points, places.front().near));
+  result.centre_mm = even.points.colwise().mean().transpose();
+  for (const auto& [name, near] : places) {
+    const Vec3 place = result.mesh.points.row(vertex_nearest(result.mesh.points, near));
+    result.mesh.landmarks.push_back({name, place - result.centre_mm});
+  }
+  result.mesh.points.rowwise() -= result.centre_mm.transpose();
+  result.mesh.stiffness = VertexScalars::Ones(result.mesh.points.rows());
+  return result;
+}
+
+PhantomSubject solid_subject(const SolidTemplate& mean, const Deformation& deformation, Volume image) {
+  PhantomSubject subject;
+  MeshFile truth = mean.mesh;
+  truth.points = deformation.to_subject(truth.points);
+  for (Landmark& landmark : truth.landmarks) landmark.position = deformation.to_subject(landmark.position);
+  const auto topology = Topology::make(truth.points.rows(), truth.triangles);
+  assert(topology);
+  subject.label_map.geometry = image.geometry;
+  subject.label_map.data = voxelise({*topology, truth.points}, image.geometry);
+  note_range(subject.label_map);
+  subject.image = std::move(image);
+  subject.landmarks = truth.landmarks;
+  subject.truth.push_back(std::move(truth));
+  return subject;
+}
+
+}  // namespace homolog::phantom

@@ -2,21 +2,15 @@
 
 #include <doctest/doctest.h>
 
-#include <unistd.h>
 #include <filesystem>
-
 #include <iterator>
+
+#include "tests/temporary_folder.h"
 
 namespace fs = std::filesystem;
 using namespace homolog;
 
 namespace {
-
-struct TemporaryFolder {
-  fs::path path = fs::temp_directory_path() / ("homolog-files-" + std::to_string(::getpid()));
-  TemporaryFolder() { fs::create_directories(path); }
-  ~TemporaryFolder() { fs::remove_all(path); }
-};
 
 std::size_t entries(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));

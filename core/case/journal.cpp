@@ -56,6 +56,12 @@ Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path, std::uintma
   if (::ftruncate(descriptor, static_cast<off_t>(keep_bytes)) != 0 || ::fsync(descriptor) != 0) {
     return fail(path.string(), std::string("cannot be written (") + std::strerror(errno) + ")");
   }
+  // A script may have left out the last line feed; the next line must not continue its last one.
+  char last = '\n';
+  if (keep_bytes > 0 && ::pread(descriptor, &last, 1, static_cast<off_t>(keep_bytes) - 1) == 1 && last != '\n' &&
+      write_all(descriptor, "\n") != 0) {
+    return fail(path.string(), std::string("cannot be written (") + std::strerror(errno) + ")");
+  }
   return journal;
 }
 

@@ -1,0 +1,88 @@
+#include "core/case/session_thread.h"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "tests/shapes.h"
+
+using namespace homolog;
+
+namespace {
+
+Document ball() {
+  const Mesh mesh = shapes::icosphere(3, 40);
+  return new_document("", nullptr, make_template({mesh.points, mesh.topology->triangles()}, "ball").value());
+}
+
+Stroke pull(double to_mm, double sigma_mm = 10) {
+  return {Tool::pull, Vec3(0, 0, 40), Vec3(0, 0, to_mm), sigma_mm, {}, false, 1};
+}
+
+/// Waits until `reached` holds of the latest snapshot; gives up after a time that no healthy machine needs.
+template <class Reached>
+bool wait_for(const SessionThread& thread, const Reached& reached) {
+  for (int k = 0; k < 20000; ++k) {
+    if (reached(*thread.snapshot())) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+double height(const Document& document) {
+  return document.shape().points->col(2).maxCoeff();
+}
+
+}  // namespace
+
+TEST_CASE("no queued action is lost and they come in order") {
+  std::atomic<int> wakes{0};
+  SessionThread thread(EditSession(ball()), [&] { ++wakes; });
+  for (int k = 0; k < 20; ++k) {
+    thread.preview(pull(41 + k));
+    thread.apply(pull(45));
+    thread.apply(Undo{});
+  }
+  thread.apply(pull(50));
+  const EditSession session = thread.finish();
+  CHECK(session.strokes() == 1);
+  CHECK(height(session.document()) == doctest::Approx(50).epsilon(0.01));
+  CHECK(wakes > 40);
+}
+
+TEST_CASE("the latest preview wins and its end shows the document again") {
+  SessionThread thread(EditSession(ball()), nullptr);
+  for (double to = 40; to <= 50; to += 0.05) thread.preview(pull(to));
+  REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.preview && height(*s.shown) > 49.9; }));
+  CHECK(thread.snapshot()->document != thread.snapshot()->shown);
+  CHECK(height(*thread.snapshot()->document) < 40.1);
+  thread.preview(std::nullopt);
+  REQUIRE(wait_for(thread, [](const Snapshot& s) { return !s.preview; }));
+  CHECK(thread.snapshot()->document == thread.snapshot()->shown);
+}
+
+TEST_CASE("a stale preview never outlives the action that ends its gesture") {
+  SessionThread thread(EditSession(ball()), nullptr);
+  for (int k = 1; k <= 50; ++k) {
+    thread.preview(pull(60));
+    thread.apply(pull(41));
+    thread.apply(Undo{});
+    REQUIRE(wait_for(thread, [&](const Snapshot& s) { return s.committed == static_cast<std::uint64_t>(2 * k); }));
+    CHECK(!thread.snapshot()->preview);
+    CHECK(height(*thread.snapshot()->shown) < 40.1);
+  }
+}
+
+TEST_CASE("a refused action is told in a sentence and changes nothing") {
+  SessionThread thread(EditSession(ball()), nullptr);
+  thread.apply(SetStiffnessBase{-1});
+  REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.committed == 1; }));
+  CHECK(!thread.snapshot()->error.empty());
+  CHECK(!thread.snapshot()->can_undo);
+  thread.apply(SetStiffnessBase{5});
+  REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.committed == 2; }));
+  CHECK(thread.snapshot()->error.empty());
+  CHECK(thread.snapshot()->can_undo);
+}

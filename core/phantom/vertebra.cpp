@@ -60,7 +60,7 @@ class LumbarSpine {
     voxel.paint(erector + streaks, muscle - 4);
     voxel.paint(multifidus, -20);  // its fascia
     voxel.paint(multifidus + 0.8 * blur_mm_ + streaks, muscle);
-    voxel.paint(70 - 0.004 * side * side - p.y(), -104 + 10 * fine);                                // under the skin
+    voxel.paint(70 - 0.004 * side * side - p.y(), -104 + 10 * fine);  // under the skin
   }
 
   std::uint64_t seed_;

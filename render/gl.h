@@ -72,7 +72,7 @@ using FramebufferObject = Object<FramebufferKind>;
 class Program {
  public:
   /// Errors: the driver refuses a shader; `what` holds its log.
-  static Result<Program> make(std::string_view vertex, std::string_view fragment, std::string_view shared = {});
+  static Result<Program> make(std::string_view vertex, std::string_view fragment, std::string_view shared = "");
   Program() = default;
   Program(Program&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
   Program& operator=(Program&& other) noexcept {

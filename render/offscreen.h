@@ -20,13 +20,18 @@ class OffscreenContext {
   std::unique_ptr<Parts> parts_;
 };
 
-/// A framebuffer of a given size (multisampled inside) in the current context, whichever made it.
+/// A framebuffer of a given size in the current context, whichever made it: to read back, or to show as a texture.
 class Framebuffer {
  public:
+  /// `samples` a pixel, as far as the driver goes; 1 is enough for slices. Errors: wider or higher than the driver's
+  /// limit, or than its memory holds.
   static Result<std::unique_ptr<Framebuffer>> make(int width, int height, int samples = 4);
   ~Framebuffer();
   void bind();
-  /// Resolves and reads back what was drawn.
+  /// What was drawn, as an OpenGL texture (GL_TEXTURE_2D, first row at the bottom, premultiplied) that lives as long as
+  /// this; good until the next draw.
+  unsigned int texture();
+  /// What was drawn, read back.
   Picture read();
 
  private:

@@ -14,15 +14,17 @@ struct Target {
 };
 
 /// Draws scenes with OpenGL 3.3 core. Needs a current context at construction, at every call and at destruction;
-/// belongs to that context's thread. Keeps textures and buffers between calls and uploads only what changed.
+/// belongs to that context's thread. Colour in the framebuffer is premultiplied by alpha. Keeps textures and buffers
+/// between calls and uploads only what changed.
 class Renderer {
  public:
-  /// Errors: no context, or one older than OpenGL 3.3.
+  /// Errors: a context older than OpenGL 3.3, or a driver that refuses a shader.
   static Result<std::unique_ptr<Renderer>> make();
   ~Renderer();
 
-  /// Errors: the volume is larger than the GPU's 3-D texture limit (it is then shown at reduced resolution where
-  /// possible; the sentence says so) or does not fit its memory. The rest of the scene is drawn all the same.
+  /// Clears the target and draws into it, nothing outside it. Slices need no multisampling, their edges are soft by
+  /// themselves; the 3D view does. Errors, once a volume: it is larger than the GPU's 3-D texture limit or memory and
+  /// is shown at reduced resolution, or not at all. The rest of the scene is drawn all the same.
   Result<void> draw(const Scene& scene, const SliceView& view, const Target& target);
   Result<void> draw(const Scene& scene, const Camera3D& view, const Target& target);
 
@@ -39,7 +41,7 @@ struct Ray {
   Vec3 from = Vec3::Zero(), direction = Vec3::UnitX();
 };
 Ray camera_ray(const Camera3D& camera, const Target& target, double x_px, double y_px);
-/// px position of a point; z component: > 0 in front of the eye.
+/// px position of a point; z is its depth before the eye in mm (> 0 in front of it).
 Vec3 camera_point_px(const Camera3D& camera, const Target& target, const Vec3& p_mm);
 
 }  // namespace homolog

@@ -26,27 +26,30 @@ struct ImageLayer {
 };
 
 struct LabelLayer {
-  std::shared_ptr<const Volume> labels;  ///< any grid; resliced by nearest voxel
+  std::shared_ptr<const Volume> labels;  ///< any grid; resliced by nearest voxel, coloured by label_colour()
   int frame = 0;
-  float opacity = 0.4f;
+  float opacity = 0.4f;  ///< twice that on the edges of a label
 };
+
+/// Of a mesh without colours of its own: bone.
+inline constexpr Rgb kMeshColour{0.93f, 0.88f, 0.80f};
 
 struct MeshLayer {
   std::shared_ptr<const Topology> topology;
   std::shared_ptr<const Points> points;
   std::uint64_t points_revision = 0;
-  std::shared_ptr<const std::vector<Rgb>> colours;  ///< one a vertex
+  std::shared_ptr<const std::vector<Rgb>> colours;  ///< one a vertex; null is kMeshColour
   std::uint64_t colours_revision = 0;
   bool outline = true;   ///< its intersection with slice planes, exact, anti-aliased
   float outline_px = 2;  ///< times the content scale
   float outline_opacity = 1;
-  bool surface = true;  ///< shaded in the 3D view
+  bool surface = true;  ///< shaded in the 3D view; below opacity 1 drawn after all else
   float surface_opacity = 1;
   bool wireframe = false;         ///< its edges over the surface
   bool saturated_outline = true;  ///< outline colours at full saturation, for contrast on grey
 };
 
-/// Spheres in the 3D view; discs in slices closer than `radius_mm` to the plane.
+/// Spheres in the 3D view; the discs in which they meet the plane in slices.
 struct GlyphLayer {
   struct Glyph {
     Vec3 position = Vec3::Zero();
@@ -56,7 +59,8 @@ struct GlyphLayer {
   std::vector<Glyph> glyphs;
 };
 
-/// Polylines in mm (axes, rulers, frames of planes), drawn with a width in px in every view they lie in.
+/// Straight lines in mm (axes, rulers), drawn with a width in px in the 3D view and in every slice in whose plane both
+/// ends lie within half a pixel.
 struct LineLayer {
   struct Line {
     Vec3 from = Vec3::Zero(), to = Vec3::Zero();
@@ -66,7 +70,7 @@ struct LineLayer {
   std::vector<Line> lines;
 };
 
-/// A plane through the volume: right and down on the screen are unit vectors in LPS; the plane holds `centre`.
+/// A plane through the volume: `right` and `down` on the screen are unit vectors in LPS; the plane holds `centre`.
 struct SliceView {
   Vec3 centre = Vec3::Zero();  ///< in the middle of the view, mm
   Vec3 right = Vec3::UnitX(), down = Vec3::UnitY();
@@ -74,7 +78,9 @@ struct SliceView {
   Vec3 normal() const { return right.cross(down); }  ///< into the screen
 };
 
-/// A camera that looks at `target`. `to_eye` and `up` are unit vectors in LPS; orthographic where fov is 0.
+/// A camera that looks at `target`. `to_eye` and `up` are directions in LPS, not parallel. `fov_deg` is seen across the
+/// shorter side of the view; 0 is orthographic, as large as 30° show the target. What is nearer to the eye than
+/// distance_mm / 50 is cut off.
 struct Camera3D {
   Vec3 target = Vec3::Zero();
   Vec3 to_eye = Vec3(0, -1, 0);
@@ -96,8 +102,8 @@ struct Scene {
   std::vector<MeshLayer> meshes;
   GlyphLayer glyphs;
   LineLayer lines;
-  std::vector<PlaneInSpace> planes;  ///< 3D view only
-  std::array<float, 4> background{0, 0, 0, 1};
+  std::vector<PlaneInSpace> planes;             ///< 3D view only
+  std::array<float, 4> background{0, 0, 0, 1};  ///< alpha 0 leaves what is not drawn on transparent
 };
 
 }  // namespace homolog

@@ -1,0 +1,155 @@
+#include "render/mesh_pass.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+#include "core/mesh/mesh_quality.h"
+#include "render/shaders.h"
+
+namespace homolog {
+namespace {
+
+/// Distance from the eye to the nearest corner of a box, along the line of sight; mm.
+float nearest_depth_mm(const Box& box, const Projection& projection) {
+  float depth = std::numeric_limits<float>::max();
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p_mm = box.corner(static_cast<Box::CornerType>(corner));
+    depth = std::min(depth, -(projection.eye_from_mm * glm::vec4(to_glm(p_mm), 1)).z);
+  }
+  return depth;
+}
+
+}  // namespace
+
+template <class T>
+bool MeshPass::Uploaded<T>::update(const std::shared_ptr<const T>& now, std::uint64_t now_revision) {
+  const bool same = owner.lock() == now && now != nullptr && revision == now_revision;
+  owner = now;
+  revision = now_revision;
+  return !same;
+}
+
+Result<MeshPass> MeshPass::make() {
+  auto program = gl::Program::make(shaders::mesh_vert(), shaders::mesh_frag(), shaders::light_glsl());
+  if (!program) return fail(program.error());
+  MeshPass pass;
+  pass.program_ = std::move(*program);
+  return pass;
+}
+
+MeshPass::Surface MeshPass::make_surface() {
+  Surface surface;
+  surface.attributes = gl::VertexArray::make();
+  surface.points_and_normals = gl::Buffer::make();
+  surface.colours = gl::Buffer::make();
+  surface.triangles = gl::Buffer::make();
+  glBindVertexArray(surface.attributes.name());
+  glBindBuffer(GL_ARRAY_BUFFER, surface.points_and_normals.name());
+  gl::attribute(0, 3, 6 * sizeof(float), 0, 0);
+  gl::attribute(1, 3, 6 * sizeof(float), 3 * sizeof(float), 0);
+  glBindBuffer(GL_ARRAY_BUFFER, surface.colours.name());
+  gl::attribute(2, 3, sizeof(Rgb), 0, 0);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, surface.triangles.name());
+  glBindVertexArray(0);
+  return surface;
+}
+
+void MeshPass::update(const std::vector<MeshLayer>& meshes) {
+  while (surfaces_.size() < meshes.size()) surfaces_.push_back(make_surface());
+  surfaces_.resize(meshes.size());
+  for (std::size_t i = 0; i < meshes.size(); ++i) update(surfaces_[i], meshes[i]);
+}
+
+void MeshPass::update(Surface& surface, const MeshLayer& mesh) {
+  surface.shown = mesh.topology && mesh.points && mesh.surface_opacity > 0 && (mesh.surface || mesh.wireframe);
+  if (!surface.shown) return;
+  assert(mesh.points->rows() == mesh.topology->vertices());
+  surface.wireframe = mesh.wireframe;
+  surface.opacity = std::min(mesh.surface_opacity, 1.0f);
+  const bool new_topology = surface.topology.update(mesh.topology);
+  if (new_topology) {
+    const Triangles& triangles = mesh.topology->triangles();
+    surface.indices = static_cast<GLsizei>(triangles.size());
+    glBindVertexArray(surface.attributes.name());
+    gl::upload(surface.triangles, GL_ELEMENT_ARRAY_BUFFER,
+               std::span(triangles.data(), static_cast<std::size_t>(triangles.size())), GL_STATIC_DRAW);
+    glBindVertexArray(0);
+  }
+  if (surface.points.update(mesh.points, mesh.points_revision) || new_topology) {
+    Eigen::Matrix<float, Eigen::Dynamic, 6, Eigen::RowMajor> vertices(mesh.points->rows(), 6);
+    vertices.leftCols<3>() = mesh.points->cast<float>();
+    vertices.rightCols<3>() = vertex_normals({mesh.topology, *mesh.points}).cast<float>();
+    gl::upload(surface.points_and_normals, GL_ARRAY_BUFFER,
+               std::span<const float>(vertices.data(), static_cast<std::size_t>(vertices.size())), GL_DYNAMIC_DRAW);
+    surface.box = bounds_of(*mesh.points);
+  }
+  if (surface.colour_values.update(mesh.colours, mesh.colours_revision) || new_topology) {
+    const std::vector<Rgb> plain(mesh.colours ? 0 : static_cast<std::size_t>(mesh.points->rows()), kMeshColour);
+    gl::upload(surface.colours, GL_ARRAY_BUFFER, std::span<const Rgb>(mesh.colours ? *mesh.colours : plain),
+               GL_DYNAMIC_DRAW);
+  }
+}
+
+void MeshPass::use(const Projection& projection) const {
+  program_.use();
+  program_.set("eye_from_mm", projection.eye_from_mm);
+  program_.set("clip_from_eye", projection.clip_from_eye);
+}
+
+void MeshPass::draw_faces(const Surface& surface) const {
+  program_.set("opacity", surface.opacity);
+  program_.set("wire", 0);
+  glBindVertexArray(surface.attributes.name());
+  glDrawElements(GL_TRIANGLES, surface.indices, GL_UNSIGNED_INT, nullptr);
+}
+
+void MeshPass::draw_edges(const Surface& surface) const {
+  program_.set("opacity", surface.opacity);
+  program_.set("wire", 1);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  glEnable(GL_POLYGON_OFFSET_LINE);
+  glPolygonOffset(-1, -1);
+  glDepthMask(GL_FALSE);
+  glBindVertexArray(surface.attributes.name());
+  glDrawElements(GL_TRIANGLES, surface.indices, GL_UNSIGNED_INT, nullptr);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_POLYGON_OFFSET_LINE);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+}
+
+void MeshPass::draw_opaque(const Projection& projection) {
+  use(projection);
+  for (const Surface& surface : surfaces_) {
+    if (!surface.shown || surface.opacity < 1) continue;
+    draw_faces(surface);
+    if (surface.wireframe) draw_edges(surface);
+  }
+}
+
+void MeshPass::draw_transparent(const Projection& projection) {
+  std::vector<const Surface*> far_to_near;
+  for (const Surface& surface : surfaces_) {
+    if (surface.shown && surface.opacity < 1) far_to_near.push_back(&surface);
+  }
+  std::stable_sort(far_to_near.begin(), far_to_near.end(), [&](const Surface* a, const Surface* b) {
+    return nearest_depth_mm(a->box, projection) > nearest_depth_mm(b->box, projection);
+  });
+  use(projection);
+  glEnable(GL_CULL_FACE);
+  for (const Surface* surface : far_to_near) {
+    glCullFace(GL_FRONT);
+    glDepthMask(GL_FALSE);
+    draw_faces(*surface);
+    glDepthMask(GL_TRUE);
+    glCullFace(GL_BACK);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    draw_faces(*surface);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    draw_faces(*surface);
+    if (surface->wireframe) draw_edges(*surface);
+  }
+  glDisable(GL_CULL_FACE);
+}
+
+}  // namespace homolog

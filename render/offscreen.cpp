@@ -1,0 +1,195 @@
+#include "render/offscreen.h"
+
+#include <epoxy/egl.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "render/gl.h"
+
+namespace homolog {
+namespace {
+
+constexpr const char* kNoContext =
+    "no OpenGL 3.3 without a display: install libegl1 and libgl1-mesa-dri (software rendering), or the graphics card's "
+    "own EGL driver";
+
+bool has(EGLDisplay display, const char* extension) {
+  return epoxy_has_egl_extension(display, extension);
+}
+
+/// The displays to try, best first: Mesa without any window system, each graphics device, whatever EGL takes.
+std::vector<EGLDisplay> displays() {
+  std::vector<EGLDisplay> found;
+  const bool platforms = has(EGL_NO_DISPLAY, "EGL_EXT_platform_base");
+  if (platforms && has(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
+    found.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
+  }
+  if (platforms && has(EGL_NO_DISPLAY, "EGL_EXT_platform_device") &&
+      has(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration")) {
+    std::array<EGLDeviceEXT, 16> devices{};
+    EGLint count = 0;
+    eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count);
+    for (EGLint i = 0; i < count; ++i) {
+      found.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr));
+    }
+  }
+  found.push_back(eglGetDisplay(EGL_DEFAULT_DISPLAY));
+  std::erase(found, EGL_NO_DISPLAY);
+  return found;
+}
+
+struct Egl {
+  EGLDisplay display = EGL_NO_DISPLAY;
+  EGLContext context = EGL_NO_CONTEXT;
+};
+
+/// A current OpenGL 3.3 core context without a surface; no context where the display gives none.
+Egl make_current(EGLDisplay display) {
+  if (eglInitialize(display, nullptr, nullptr) != EGL_TRUE) return {};
+  constexpr std::array<EGLint, 5> kConfig{EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+  constexpr std::array<EGLint, 7> kContext{
+      EGL_CONTEXT_MAJOR_VERSION,           3,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+      EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+  EGLConfig config = nullptr;
+  EGLint configs = 0;
+  if (eglBindAPI(EGL_OPENGL_API) == EGL_TRUE && has(display, "EGL_KHR_surfaceless_context") &&
+      eglChooseConfig(display, kConfig.data(), &config, 1, &configs) == EGL_TRUE && configs > 0) {
+    const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, kContext.data());
+    if (context != EGL_NO_CONTEXT) {
+      if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE) return {display, context};
+      eglDestroyContext(display, context);
+    }
+  }
+  eglTerminate(display);
+  return {};
+}
+
+}  // namespace
+
+struct OffscreenContext::Parts {
+  Egl egl;
+};
+
+OffscreenContext::OffscreenContext(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+
+OffscreenContext::~OffscreenContext() {
+  eglMakeCurrent(parts_->egl.display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  eglDestroyContext(parts_->egl.display, parts_->egl.context);
+  eglTerminate(parts_->egl.display);
+}
+
+Result<std::unique_ptr<OffscreenContext>> OffscreenContext::make() {
+  if (!epoxy_has_egl()) return fail("", kNoContext);
+  for (const EGLDisplay display : displays()) {
+    const Egl egl = make_current(display);
+    if (egl.context == EGL_NO_CONTEXT) continue;
+    return std::unique_ptr<OffscreenContext>(new OffscreenContext(std::make_unique<Parts>(Parts{egl})));
+  }
+  return fail("", kNoContext);
+}
+
+struct Framebuffer::Parts {
+  int width = 0, height = 0;
+  gl::Renderbuffer colour, depth;
+  gl::FramebufferObject drawn, resolved;
+  gl::Texture texture;
+};
+
+Framebuffer::Framebuffer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Framebuffer::~Framebuffer() = default;
+
+Result<std::unique_ptr<Framebuffer>> Framebuffer::make(int width, int height, int samples) {
+  GLint largest = 0, most_samples = 0;
+  glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+  glGetIntegerv(GL_MAX_SAMPLES, &most_samples);
+  const std::string size = std::to_string(width) + " × " + std::to_string(height);
+  if (width < 1 || height < 1 || width > largest || height > largest) {
+    return fail("", "a picture of " + size + " pixels cannot be drawn; this graphics driver takes 1 to " +
+                        std::to_string(largest) + " a side");
+  }
+  const GLsizei used_samples = samples > 1 ? std::min(samples, most_samples) : 0;
+  auto parts = std::make_unique<Parts>();
+  parts->width = width;
+  parts->height = height;
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  parts->colour = gl::Renderbuffer::make();
+  glBindRenderbuffer(GL_RENDERBUFFER, parts->colour.name());
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, used_samples, GL_RGBA8, width, height);
+  parts->depth = gl::Renderbuffer::make();
+  glBindRenderbuffer(GL_RENDERBUFFER, parts->depth.name());
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, used_samples, GL_DEPTH_COMPONENT24, width, height);
+  glBindRenderbuffer(GL_RENDERBUFFER, 0);
+  parts->texture = gl::Texture::make();
+  glBindTexture(GL_TEXTURE_2D, parts->texture.name());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, axis, GL_CLAMP_TO_EDGE);
+  glBindTexture(GL_TEXTURE_2D, 0);
+
+  GLint before = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);
+  parts->resolved = gl::FramebufferObject::make();
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, parts->resolved.name());
+  glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, parts->texture.name(), 0);
+  parts->drawn = gl::FramebufferObject::make();
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, parts->drawn.name());
+  glFramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, parts->colour.name());
+  glFramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, parts->depth.name());
+  const bool complete = glCheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(before));
+  if (!complete || glGetError() != GL_NO_ERROR) {
+    return fail("", "a picture of " + size + " pixels does not fit the graphics memory; ask for a smaller one");
+  }
+  return std::unique_ptr<Framebuffer>(new Framebuffer(std::move(parts)));
+}
+
+void Framebuffer::bind() {
+  glBindFramebuffer(GL_FRAMEBUFFER, parts_->drawn.name());
+}
+
+unsigned int Framebuffer::texture() {
+  GLint draw_before = 0, read_before = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_before);
+  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_before);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, parts_->drawn.name());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, parts_->resolved.name());
+  glBlitFramebuffer(0, 0, parts_->width, parts_->height, 0, 0, parts_->width, parts_->height, GL_COLOR_BUFFER_BIT,
+                    GL_NEAREST);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_before));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read_before));
+  return parts_->texture.name();
+}
+
+Picture Framebuffer::read() {
+  texture();
+  const auto width = static_cast<std::size_t>(parts_->width), height = static_cast<std::size_t>(parts_->height);
+  std::vector<std::uint8_t> rows(4 * width * height);
+  GLint before = 0;
+  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &before);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, parts_->resolved.name());
+  glReadPixels(0, 0, parts_->width, parts_->height, GL_RGBA, GL_UNSIGNED_BYTE, rows.data());
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(before));
+
+  Picture picture{parts_->width, parts_->height, std::vector<std::uint8_t>(rows.size())};
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::uint8_t* from = rows.data() + 4 * width * (height - 1 - y);
+    std::uint8_t* to = picture.rgba.data() + 4 * width * y;
+    for (std::size_t x = 0; x < width; ++x, from += 4, to += 4) {
+      const unsigned alpha = from[3];
+      for (int channel = 0; channel < 3; ++channel) {
+        to[channel] =
+            static_cast<std::uint8_t>(alpha == 0 ? 0 : std::min(255u, (255u * from[channel] + alpha / 2) / alpha));
+      }
+      to[3] = static_cast<std::uint8_t>(alpha);
+    }
+  }
+  return picture;
+}
+
+}  // namespace homolog

@@ -1,0 +1,152 @@
+#include "render/renderer.h"
+
+#include <cmath>
+
+#include "render/gl.h"
+#include "render/glyph_pass.h"
+#include "render/line_pass.h"
+#include "render/mesh_pass.h"
+#include "render/outline_pass.h"
+#include "render/projection.h"
+#include "render/slice_pass.h"
+
+namespace homolog {
+namespace {
+
+/// Confines drawing to a target, clears it and sets premultiplied blending; gives OpenGL back as a new context has it
+/// (but for the viewport, which is as before), since the window's own drawing shares the context.
+class Drawing {
+ public:
+  Drawing(const Target& target, const std::array<float, 4>& background) {
+    glGetIntegerv(GL_VIEWPORT, viewport_before_.data());
+    glViewport(target.x, target.y, target.width, target.height);
+    glScissor(target.x, target.y, target.width, target.height);
+    glEnable(GL_SCISSOR_TEST);
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_FUNC_ADD);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glDepthFunc(GL_LEQUAL);
+    glDepthMask(GL_TRUE);
+    const float alpha = background[3];
+    glClearColor(background[0] * alpha, background[1] * alpha, background[2] * alpha, alpha);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  }
+  Drawing(const Drawing&) = delete;
+  Drawing& operator=(const Drawing&) = delete;
+  ~Drawing() {
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_BLEND);
+    glDisable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+    glBindVertexArray(0);
+    glUseProgram(0);
+    for (const GLenum unit : {GL_TEXTURE2, GL_TEXTURE1, GL_TEXTURE0}) {
+      glActiveTexture(unit);
+      glBindTexture(GL_TEXTURE_2D, 0);
+      glBindTexture(GL_TEXTURE_3D, 0);
+    }
+    glViewport(viewport_before_[0], viewport_before_[1], viewport_before_[2], viewport_before_[3]);
+  }
+
+ private:
+  std::array<GLint, 4> viewport_before_{};
+};
+
+LineInstance instance_of(const LineLayer::Line& line) {
+  return {to_floats(line.from), to_floats(line.to), line.colour, line.colour, line.width_px};
+}
+
+std::vector<LineInstance> lines_in_slice(const LineLayer& layer, const SliceView& view) {
+  const double tolerance_mm = view.mm_per_px / 2;
+  const auto in_plane = [&](const Vec3& p_mm) {
+    return std::abs(view.normal().dot(p_mm - view.centre)) <= tolerance_mm;
+  };
+  std::vector<LineInstance> lines;
+  for (const LineLayer::Line& line : layer.lines) {
+    if (in_plane(line.from) && in_plane(line.to)) lines.push_back(instance_of(line));
+  }
+  return lines;
+}
+
+void add_frame(const PlaneInSpace& part, std::vector<LineInstance>& lines) {
+  constexpr float kFrame_px = 2;
+  const Vec3 right = part.half_width_mm * part.plane.right, down = part.half_height_mm * part.plane.down;
+  const std::array<Vec3, 4> corners{Vec3(part.plane.centre - right - down), Vec3(part.plane.centre + right - down),
+                                    Vec3(part.plane.centre + right + down), Vec3(part.plane.centre - right + down)};
+  const auto& rgb = part.frame_colour;
+  for (std::size_t i = 0; i < 4; ++i) {
+    lines.push_back(instance_of({corners[i], corners[(i + 1) % 4], {rgb[0], rgb[1], rgb[2], 1}, kFrame_px}));
+  }
+}
+
+}  // namespace
+
+struct Renderer::Parts {
+  SlicePass slice;
+  OutlinePass outline;
+  LinePass lines;
+  MeshPass meshes;
+  GlyphPass glyphs;
+
+  Result<void> report() {
+    if (auto complaint = slice.take_complaint()) return fail("", *complaint);
+    return {};
+  }
+};
+
+Renderer::Renderer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Renderer::~Renderer() = default;
+
+Result<std::unique_ptr<Renderer>> Renderer::make() {
+  if (!epoxy_is_desktop_gl() || epoxy_gl_version() < 33) {
+    return fail("", "the graphics driver offers OpenGL " + std::to_string(epoxy_gl_version() / 10) + "." +
+                        std::to_string(epoxy_gl_version() % 10) +
+                        " and 3.3 is needed; update it, or set LIBGL_ALWAYS_SOFTWARE=1 for software rendering");
+  }
+  auto slice = SlicePass::make();
+  if (!slice) return fail(slice.error());
+  auto outline = OutlinePass::make();
+  if (!outline) return fail(outline.error());
+  auto lines = LinePass::make();
+  if (!lines) return fail(lines.error());
+  auto meshes = MeshPass::make();
+  if (!meshes) return fail(meshes.error());
+  auto glyphs = GlyphPass::make();
+  if (!glyphs) return fail(glyphs.error());
+  return std::unique_ptr<Renderer>(new Renderer(std::make_unique<Parts>(
+      Parts{std::move(*slice), std::move(*outline), std::move(*lines), std::move(*meshes), std::move(*glyphs)})));
+}
+
+Result<void> Renderer::draw(const Scene& scene, const SliceView& view, const Target& target) {
+  if (target.width <= 0 || target.height <= 0) return {};
+  const Drawing drawing(target, scene.background);
+  const Projection projection = projection_of(view, target);
+  const PlaneInSpace whole_view{view, target.width * view.mm_per_px / 2, target.height * view.mm_per_px / 2, {}};
+  parts_->slice.draw(scene, whole_view, projection);
+  for (const MeshLayer& mesh : scene.meshes) parts_->outline.draw(mesh, view, target, parts_->lines);
+  parts_->glyphs.draw_in_slice(scene.glyphs, view, projection);
+  parts_->lines.draw(lines_in_slice(scene.lines, view), projection);
+  return parts_->report();
+}
+
+Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Target& target) {
+  if (target.width <= 0 || target.height <= 0) return {};
+  const Drawing drawing(target, scene.background);
+  const Projection projection = projection_of(view, target);
+  glEnable(GL_DEPTH_TEST);
+  parts_->meshes.update(scene.meshes);
+  for (const PlaneInSpace& part : scene.planes) parts_->slice.draw(scene, part, projection);
+  parts_->meshes.draw_opaque(projection);
+  parts_->glyphs.draw(scene.glyphs, projection);
+  std::vector<LineInstance> lines;
+  for (const LineLayer::Line& line : scene.lines.lines) lines.push_back(instance_of(line));
+  for (const PlaneInSpace& part : scene.planes) add_frame(part, lines);
+  parts_->lines.draw(lines, projection);
+  parts_->meshes.draw_transparent(projection);
+  return parts_->report();
+}
+
+}  // namespace homolog

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "render/gl.h"
+#include "render/projection.h"
+#include "render/scene.h"
+#include "render/volume_textures.h"
+
+namespace homolog {
+
+/// The image and its label map on a plane: one shader for all planes, in slices and in space.
+class SlicePass {
+ public:
+  static Result<SlicePass> make();
+  /// Draws where the image or a label is, over what is there.
+  void draw(const Scene& scene, const PlaneInSpace& part, const Projection& projection);
+  /// See VolumeTextures.
+  std::optional<std::string> take_complaint() { return textures_.take_complaint(); }
+
+ private:
+  gl::Program program_;
+  gl::VertexArray no_attributes_;
+  gl::Texture label_colours_;
+  VolumeTextures textures_;
+};
+
+}  // namespace homolog

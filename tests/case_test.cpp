@@ -286,7 +286,7 @@ TEST_CASE("after kill minus nine at any moment everything shown as done is resto
       ::_exit(1);
     }
     ::close(report[1]);
-    ::usleep(20000 + random() % 60000);
+    ::usleep(static_cast<useconds_t>(20000 + random() % 60000));
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
     int shown = 0;

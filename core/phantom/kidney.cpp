@@ -212,17 +212,25 @@ class Abdomen {
   double blur_mm_;
 };
 
+Deformation kidney_deformation(int number) {
+  Variation variation;
+  variation.half_size_mm = Vec3(28, 24, 52);
+  return {number, organ_seed, variation};
+}
+
 }  // namespace
 
 MeshFile kidney_template() {
   return mean_kidney().mesh;
 }
 
+std::vector<MeshFile> kidney_truth(int number) {
+  return {deformed(mean_kidney().mesh, kidney_deformation(number))};
+}
+
 PhantomSubject kidney_subject(int number, double spacing_mm) {
   const SolidTemplate& mean = mean_kidney();
-  Variation variation;
-  variation.half_size_mm = Vec3(28, 24, 52);
-  const Deformation deformation(number, organ_seed, variation);
+  const Deformation deformation = kidney_deformation(number);
   const VolumeGeometry grid = grid_over(Box(Vec3(-93, -112, -96), Vec3(99, 80, 96)), spacing_mm, 1.5);
   const Abdomen abdomen(number, 1.3 * grid.spacing_mm[0]);
   const auto hounsfield = [&](const Vec3& p_mm) {

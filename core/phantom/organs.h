@@ -12,6 +12,10 @@ MeshFile kidney_template();
 MeshFile vertebra_template();
 MeshFile ventricle_template();
 
+std::vector<MeshFile> kidney_truth(int number);
+std::vector<MeshFile> vertebra_truth(int number);
+std::vector<MeshFile> ventricle_truth(int number);
+
 PhantomSubject kidney_subject(int number, double spacing_mm);
 PhantomSubject vertebra_subject(int number, double spacing_mm);
 PhantomSubject ventricle_subject(int number, double spacing_mm);

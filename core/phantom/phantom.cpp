@@ -19,6 +19,19 @@ PhantomSubject make_phantom(Organ organ, int number, double spacing_mm) {
   return {};
 }
 
+std::vector<MeshFile> phantom_truth(Organ organ, int number) {
+  switch (organ) {
+    case Organ::kidney:
+      return phantom::kidney_truth(number);
+    case Organ::vertebra:
+      return phantom::vertebra_truth(number);
+    case Organ::ventricle:
+      return phantom::ventricle_truth(number);
+  }
+  assert(false);
+  return {};
+}
+
 MeshFile built_in_template(Organ organ) {
   switch (organ) {
     case Organ::kidney:

@@ -20,8 +20,11 @@ struct PhantomSubject {
 };
 
 /// Subject `number` (0 is the mean shape) of an organ; the same number gives the same voxels on every machine.
-/// `spacing_mm` ≤ 0 takes the organ's own voxel size.
+/// `spacing_mm` ≤ 0 takes the organ's own voxel size (the ventricle's slices stay 8 mm thick).
 PhantomSubject make_phantom(Organ organ, int number, double spacing_mm = 0);
+
+/// The `truth` of make_phantom alone, without the cost of the images.
+std::vector<MeshFile> phantom_truth(Organ organ, int number);
 
 /// The built-in template of an organ, in its own frame around the origin (axes parallel to the patient's): closed
 /// (ventricle: open at the base), ≈ 2,500 vertices, with named landmarks and stiffness factors.

@@ -87,11 +87,16 @@ SolidTemplate template_of(Solid solid, const Box& box, double edge_mm, const std
   return result;
 }
 
+MeshFile deformed(const MeshFile& mean, const Deformation& deformation) {
+  MeshFile subject = mean;
+  subject.points = deformation.to_subject(mean.points);
+  for (Landmark& landmark : subject.landmarks) landmark.position = deformation.to_subject(landmark.position);
+  return subject;
+}
+
 PhantomSubject solid_subject(const SolidTemplate& mean, const Deformation& deformation, Volume image) {
   PhantomSubject subject;
-  MeshFile truth = mean.mesh;
-  truth.points = deformation.to_subject(truth.points);
-  for (Landmark& landmark : truth.landmarks) landmark.position = deformation.to_subject(landmark.position);
+  MeshFile truth = deformed(mean.mesh, deformation);
   const auto topology = Topology::make(truth.points.rows(), truth.triangles);
   assert(topology);
   subject.label_map.geometry = image.geometry;

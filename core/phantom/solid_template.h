@@ -26,6 +26,9 @@ struct SolidTemplate {
 /// Meshes the surface of `solid`, which lies inside `box`, with edges near `edge_mm`. `places` must not be empty.
 SolidTemplate template_of(Solid solid, const Box& box, double edge_mm, const std::vector<NamedPlace>& places);
 
+/// The mean shape and its landmarks carried to a subject.
+MeshFile deformed(const MeshFile& mean, const Deformation& deformation);
+
 /// The subject that a deformation makes of the mean shape, seen in `image`: label map, truth and landmarks.
 PhantomSubject solid_subject(const SolidTemplate& mean, const Deformation& deformation, Volume image);
 

@@ -21,6 +21,11 @@ constexpr int rings = 40, sectors = 64;
 constexpr double slice_mm = 8;
 constexpr int slices = 14, samples_per_slice = 4;
 
+/// Heartbeats since end-diastole.
+double time_of(int frame) {
+  return static_cast<double>(frame) / frames;
+}
+
 /// The ventricle's axes as columns in LPS: lateral, inferior, apex to base. The apex points left, forward and down.
 Mat3 ventricle_axes() {
   const Vec3 to_base = Vec3(-0.63, 0.61, 0.48).normalized();
@@ -107,14 +112,14 @@ MeshFile surface(const BeatingVentricle::Dimensions& dimensions, double time, co
   return mesh;
 }
 
-Variation variation() {
+Deformation deformation_of(int number) {
   Variation small;
   small.size = 0.05;
   small.elongation = 0.03;
   small.bump_mm = 1.8;
   small.half_size_mm = Vec3::Constant(38);
   small.bend_mm = 2;
-  return small;
+  return {number, organ_seed, small};
 }
 
 BeatingVentricle::Dimensions dimensions_of(int number) {
@@ -222,24 +227,31 @@ std::vector<Vec3> voxel_centres(const VolumeGeometry& grid, const ToMean& to_mea
 }  // namespace
 
 MeshFile ventricle_template() {
-  return surface({}, 0, Deformation(0, organ_seed, variation()));
+  return surface({}, 0, deformation_of(0));
+}
+
+std::vector<MeshFile> ventricle_truth(int number) {
+  const auto dimensions = dimensions_of(number);
+  const Deformation deformation = deformation_of(number);
+  std::vector<MeshFile> truth;
+  for (int frame = 0; frame < frames; ++frame) truth.push_back(surface(dimensions, time_of(frame), deformation));
+  return truth;
 }
 
 PhantomSubject ventricle_subject(int number, double spacing_mm) {
   const auto dimensions = dimensions_of(number);
-  const Deformation deformation(number, organ_seed, variation());
+  const Deformation deformation = deformation_of(number);
   const ToMean to_mean = [&](const Vec3& p_mm) { return deformation.to_mean(p_mm); };
   const VolumeGeometry grid = short_axis_grid(spacing_mm);
   const std::vector<Vec3> centres = voxel_centres(grid, to_mean);
 
   PhantomSubject subject;
+  subject.truth = ventricle_truth(number);
   std::vector<Heart> hearts;
   std::vector<std::uint8_t> labels;
   for (int frame = 0; frame < frames; ++frame) {
-    const double time = static_cast<double>(frame) / frames;
-    hearts.emplace_back(dimensions, time);
-    subject.truth.push_back(surface(dimensions, time, deformation));
-    const auto here = labels_of_frame(grid, subject.truth.back(), hearts.back(), centres);
+    hearts.emplace_back(dimensions, time_of(frame));
+    const auto here = labels_of_frame(grid, subject.truth[static_cast<std::size_t>(frame)], hearts.back(), centres);
     labels.insert(labels.end(), here.begin(), here.end());
   }
   subject.landmarks = subject.truth.front().landmarks;

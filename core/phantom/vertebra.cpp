@@ -67,21 +67,29 @@ class LumbarSpine {
   double blur_mm_;
 };
 
-}  // namespace
-
-MeshFile vertebra_template() {
-  return mean_vertebra().mesh;
-}
-
-PhantomSubject vertebra_subject(int number, double spacing_mm) {
-  const SolidTemplate& mean = mean_vertebra();
+Deformation vertebra_deformation(int number) {
   Variation variation;
   variation.half_size_mm = Vec3(40, 36, 20);
   variation.bump_radius_mm = 28;
   variation.bump_mm = 1.8;
   variation.bend_mm = 1.8;
   variation.bumps = 12;
-  const Deformation deformation(number, organ_seed, variation);
+  return {number, organ_seed, variation};
+}
+
+}  // namespace
+
+MeshFile vertebra_template() {
+  return mean_vertebra().mesh;
+}
+
+std::vector<MeshFile> vertebra_truth(int number) {
+  return {deformed(mean_vertebra().mesh, vertebra_deformation(number))};
+}
+
+PhantomSubject vertebra_subject(int number, double spacing_mm) {
+  const SolidTemplate& mean = mean_vertebra();
+  const Deformation deformation = vertebra_deformation(number);
   const VolumeGeometry grid = grid_over(Box(Vec3(-60, -66, -50), Vec3(60, 60, 50)), spacing_mm, 1);
   const LumbarSpine spine(number, 1.3 * grid.spacing_mm[0]);
   const auto hounsfield = [&](const Vec3& p_mm) {

@@ -1,0 +1,70 @@
+#include "core/mesh/landmark_io.h"
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+using namespace homolog;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct LandmarkFolder {
+  fs::path path = fs::temp_directory_path() / ("homolog-landmarks-" + std::to_string(::getpid()));
+  LandmarkFolder() { fs::create_directories(path); }
+  ~LandmarkFolder() { fs::remove_all(path); }
+
+  fs::path file(const char* name, const std::string& text) const {
+    std::ofstream(path / name) << text;
+    return path / name;
+  }
+  std::string refusal(const std::string& text) const {
+    const auto read = read_landmarks(file("bad.json", text));
+    return read ? "" : read.error().what;
+  }
+};
+
+const std::vector<Landmark> two_poles{{"superior pole", Vec3(1.25, -2.5, 0.1)},
+                                      {"untere Öffnung", Vec3(1e-3, 7, -300)}};
+
+}  // namespace
+
+TEST_CASE("landmarks survive a round trip through the files of 3D Slicer and of scalismo") {
+  const LandmarkFolder folder;
+  for (const char* name : {"points.mrk.json", "points.json"}) {
+    REQUIRE(write_landmarks(two_poles, folder.path / name));
+    CHECK(read_landmarks(folder.path / name).value() == two_poles);
+  }
+}
+
+TEST_CASE("landmarks that Slicer saved in RAS are turned to LPS and those not placed are left out") {
+  const LandmarkFolder folder;
+  const auto read = read_landmarks(folder.file("ras.mrk.json", R"({"markups": [{"coordinateSystem": "RAS",
+      "controlPoints": [{"id": "1", "label": "hilum", "position": [1, 2, 3], "positionStatus": "defined"},
+                        {"id": "2", "label": "pole", "position": [0, 0, 0], "positionStatus": "undefined"},
+                        {"id": "7", "label": "", "position": [4, 5, 6]}]}]})"));
+  REQUIRE(read);
+  CHECK(*read == std::vector<Landmark>{{"hilum", Vec3(-1, -2, 3)}, {"7", Vec3(-4, -5, 6)}});
+}
+
+TEST_CASE("a landmark file that cannot be understood is refused with a sentence") {
+  const LandmarkFolder folder;
+  CHECK(folder.refusal("[{\"id\":").find("no valid JSON") != std::string::npos);
+  CHECK(folder.refusal("{\"points\": []}").find("neither markups") != std::string::npos);
+  CHECK(folder.refusal("3").find("neither markups") != std::string::npos);
+  CHECK(folder.refusal(R"([{"coordinates": [1, 2, 3]}])").find("without a name") != std::string::npos);
+  CHECK(folder.refusal(R"([{"id": "a", "coordinates": [1, 2]}])").find("three coordinates") != std::string::npos);
+  CHECK(folder.refusal(R"([{"id": "a", "coordinates": [1, 2, null]}])").find("three coordinates") != std::string::npos);
+  CHECK(folder.refusal(R"([{"id": "a", "coordinates": [1, 2, 1e999]}])") != "");
+  CHECK(folder.refusal(R"([1])").find("without a name") != std::string::npos);
+  CHECK(folder.refusal(R"([{"id": "a", "coordinates": [1, 2, 3]}, {"id": "a", "coordinates": [1, 2, 4]}])")
+            .find("two points named \"a\"") != std::string::npos);
+  CHECK(folder.refusal(R"({"markups": [{"coordinateSystem": "IJK", "controlPoints": []}]})").find("IJK") !=
+        std::string::npos);
+  CHECK(folder.refusal(R"({"markups": [{"coordinateUnits": "m", "controlPoints": []}]})").find("mm") !=
+        std::string::npos);
+  CHECK(folder.refusal(R"({"markups": [7]})").find("control points") != std::string::npos);
+  CHECK(read_landmarks(folder.path / "absent.json").error().what.find("does not exist") != std::string::npos);
+  CHECK(!write_landmarks(two_poles, folder.path / "points.txt"));
+}

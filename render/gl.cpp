@@ -37,7 +37,7 @@ Result<void> compile(const Shader& shader, std::string_view shared, std::string_
 
 Result<Program> Program::make(std::string_view vertex, std::string_view fragment, std::string_view shared) {
   const Shader vertex_shader(GL_VERTEX_SHADER), fragment_shader(GL_FRAGMENT_SHADER);
-  if (auto done = compile(vertex_shader, "", vertex); !done) return fail(done.error());
+  if (auto done = compile(vertex_shader, shared, vertex); !done) return fail(done.error());
   if (auto done = compile(fragment_shader, shared, fragment); !done) return fail(done.error());
   Program program;
   program.name_ = glCreateProgram();

@@ -31,10 +31,13 @@ bool MeshPass::Uploaded<T>::update(const std::shared_ptr<const T>& now, std::uin
 }
 
 Result<MeshPass> MeshPass::make() {
-  auto program = gl::Program::make(shaders::mesh_vert(), shaders::mesh_frag(), shaders::light_glsl());
-  if (!program) return fail(program.error());
+  auto faces = gl::Program::make(shaders::mesh_vert(), shaders::mesh_frag(), shaders::light_glsl());
+  if (!faces) return fail(faces.error());
+  auto edges = gl::Program::make(shaders::mesh_vert(), shaders::mesh_frag(), "#define EDGES\n");
+  if (!edges) return fail(edges.error());
   MeshPass pass;
-  pass.program_ = std::move(*program);
+  pass.faces_ = std::move(*faces);
+  pass.edges_ = std::move(*edges);
   return pass;
 }
 
@@ -65,7 +68,8 @@ void MeshPass::update(Surface& surface, const MeshLayer& mesh) {
   surface.shown = mesh.topology && mesh.points && mesh.surface_opacity > 0 && (mesh.surface || mesh.wireframe);
   if (!surface.shown) return;
   assert(mesh.points->rows() == mesh.topology->vertices());
-  surface.wireframe = mesh.wireframe;
+  surface.faces = mesh.surface;
+  surface.edges = mesh.wireframe;
   surface.opacity = std::min(mesh.surface_opacity, 1.0f);
   const bool new_topology = surface.topology.update(mesh.topology);
   if (new_topology) {
@@ -91,39 +95,31 @@ void MeshPass::update(Surface& surface, const MeshLayer& mesh) {
   }
 }
 
-void MeshPass::use(const Projection& projection) const {
-  program_.use();
-  program_.set("eye_from_mm", projection.eye_from_mm);
-  program_.set("clip_from_eye", projection.clip_from_eye);
-}
-
-void MeshPass::draw_faces(const Surface& surface) const {
-  program_.set("opacity", surface.opacity);
-  program_.set("wire", 0);
+void MeshPass::draw_triangles(const gl::Program& program, const Surface& surface, const Projection& projection) const {
+  program.use();
+  program.set("eye_from_mm", projection.eye_from_mm);
+  program.set("clip_from_eye", projection.clip_from_eye);
+  program.set("opacity", surface.opacity);
   glBindVertexArray(surface.attributes.name());
   glDrawElements(GL_TRIANGLES, surface.indices, GL_UNSIGNED_INT, nullptr);
 }
 
-void MeshPass::draw_edges(const Surface& surface) const {
-  program_.set("opacity", surface.opacity);
-  program_.set("wire", 1);
+void MeshPass::draw_edges(const Surface& surface, const Projection& projection) const {
   glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
   glEnable(GL_POLYGON_OFFSET_LINE);
   glPolygonOffset(-1, -1);
   glDepthMask(GL_FALSE);
-  glBindVertexArray(surface.attributes.name());
-  glDrawElements(GL_TRIANGLES, surface.indices, GL_UNSIGNED_INT, nullptr);
+  draw_triangles(edges_, surface, projection);
   glDepthMask(GL_TRUE);
   glDisable(GL_POLYGON_OFFSET_LINE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
 void MeshPass::draw_opaque(const Projection& projection) {
-  use(projection);
   for (const Surface& surface : surfaces_) {
     if (!surface.shown || surface.opacity < 1) continue;
-    draw_faces(surface);
-    if (surface.wireframe) draw_edges(surface);
+    if (surface.faces) draw_triangles(faces_, surface, projection);
+    if (surface.edges) draw_edges(surface, projection);
   }
 }
 
@@ -135,20 +131,24 @@ void MeshPass::draw_transparent(const Projection& projection) {
   std::stable_sort(far_to_near.begin(), far_to_near.end(), [&](const Surface* a, const Surface* b) {
     return nearest_depth_mm(a->box, projection) > nearest_depth_mm(b->box, projection);
   });
-  use(projection);
+  for (const Surface* surface : far_to_near) draw_transparent(*surface, projection);
+}
+
+void MeshPass::draw_transparent(const Surface& surface, const Projection& projection) const {
   glEnable(GL_CULL_FACE);
-  for (const Surface* surface : far_to_near) {
+  if (surface.faces) {
     glCullFace(GL_FRONT);
     glDepthMask(GL_FALSE);
-    draw_faces(*surface);
+    draw_triangles(faces_, surface, projection);
     glDepthMask(GL_TRUE);
     glCullFace(GL_BACK);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    draw_faces(*surface);
+    draw_triangles(faces_, surface, projection);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    draw_faces(*surface);
-    if (surface->wireframe) draw_edges(*surface);
+    draw_triangles(faces_, surface, projection);
   }
+  glCullFace(GL_BACK);
+  if (surface.edges) draw_edges(surface, projection);
   glDisable(GL_CULL_FACE);
 }
 

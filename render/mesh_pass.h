@@ -38,16 +38,16 @@ class MeshPass {
     Uploaded<std::vector<Rgb>> colour_values;
     GLsizei indices = 0;
     Box box;
-    bool shown = false, wireframe = false;
+    bool shown = false, faces = false, edges = false;
     float opacity = 1;
   };
   static Surface make_surface();
   void update(Surface& surface, const MeshLayer& mesh);
-  void use(const Projection& projection) const;
-  void draw_faces(const Surface& surface) const;
-  void draw_edges(const Surface& surface) const;
+  void draw_triangles(const gl::Program& program, const Surface& surface, const Projection& projection) const;
+  void draw_edges(const Surface& surface, const Projection& projection) const;
+  void draw_transparent(const Surface& surface, const Projection& projection) const;
 
-  gl::Program program_;
+  gl::Program faces_, edges_;
   std::vector<Surface> surfaces_;  ///< by the index of the layer
 };
 

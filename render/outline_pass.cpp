@@ -36,6 +36,22 @@ std::vector<LineInstance> outline_lines(const MeshLayer& mesh, const SliceView& 
   return lines;
 }
 
+/// The part of the target that an outline can touch, in px from the target's lower left corner.
+Eigen::AlignedBox2i reach_of(const std::vector<LineInstance>& outline, const MeshLayer& mesh, const SliceView& view,
+                             const Target& target) {
+  Eigen::AlignedBox2d reach;
+  for (const LineInstance& line : outline) {
+    for (const auto& end : {line.from_mm, line.to_mm}) {
+      const Eigen::Vector2d px = slice_point_px(view, target, Vec3(end[0], end[1], end[2]));
+      reach.extend(Eigen::Vector2d(px.x(), target.height - px.y()));
+    }
+  }
+  const double margin_px = mesh.outline_px * target.content_scale / 2 + 2;
+  const Eigen::Vector2d size(target.width, target.height), margin(margin_px, margin_px);
+  return {(reach.min() - margin).cwiseMax(0).cwiseMin(size).cast<int>(),
+          (reach.max() + margin).cwiseMax(0).cwiseMin(size).cast<int>()};
+}
+
 }  // namespace
 
 Result<OutlinePass> OutlinePass::make() {
@@ -64,13 +80,14 @@ void OutlinePass::draw(const MeshLayer& mesh, const SliceView& view, const Targe
   if (!mesh.topology || !mesh.points || !mesh.outline || mesh.outline_opacity <= 0) return;
   const std::vector<LineInstance> outline = outline_lines(mesh, view);
   if (outline.empty()) return;
+  const Eigen::AlignedBox2i reach = reach_of(outline, mesh, view, target);
 
   GLint picture = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &picture);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.name());
   make_layer(target.width, target.height);
   glViewport(0, 0, target.width, target.height);
-  glScissor(0, 0, target.width, target.height);
+  glScissor(reach.min().x(), reach.min().y(), reach.sizes().x(), reach.sizes().y());
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT);
   glBlendEquation(GL_MAX);
@@ -79,7 +96,7 @@ void OutlinePass::draw(const MeshLayer& mesh, const SliceView& view, const Targe
 
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(picture));
   glViewport(target.x, target.y, target.width, target.height);
-  glScissor(target.x, target.y, target.width, target.height);
+  glScissor(target.x + reach.min().x(), target.y + reach.min().y(), reach.sizes().x(), reach.sizes().y());
   program_.use();
   program_.set("layer", 0);
   program_.set("origin_px", glm::vec2(target.x, target.y));
@@ -88,6 +105,7 @@ void OutlinePass::draw(const MeshLayer& mesh, const SliceView& view, const Targe
   glBindTexture(GL_TEXTURE_2D, layer_.name());
   glBindVertexArray(no_attributes_.name());
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  glScissor(target.x, target.y, target.width, target.height);
 }
 
 }  // namespace homolog

@@ -21,5 +21,8 @@ Projection projection_of(const Camera3D& camera, const Target& target);
 inline glm::vec3 to_glm(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
+inline glm::vec3 to_glm(const std::array<int, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
 
 }  // namespace homolog

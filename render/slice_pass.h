@@ -17,7 +17,7 @@ class SlicePass {
   std::optional<std::string> take_complaint() { return textures_.take_complaint(); }
 
  private:
-  gl::Program program_;
+  gl::Program plain_, labelled_;
   gl::VertexArray no_attributes_;
   gl::Texture label_colours_;
   VolumeTextures textures_;

@@ -120,8 +120,6 @@ std::optional<VolumeTexture> make_texture(const Volume& volume, const std::vecto
   for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R}) {
     glTexParameteri(GL_TEXTURE_3D, axis, GL_CLAMP_TO_EDGE);
   }
-  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   const T* voxels = data.data() + volume.geometry.voxels() * static_cast<std::size_t>(frame);
   if (made.reduced() || std::is_same_v<T, float>) {

@@ -14,7 +14,7 @@ namespace homolog {
 
 /// One frame of a volume on the GPU.
 struct VolumeTexture {
-  gl::Texture texture;
+  gl::Texture texture;  ///< clamped to its edge; who binds it chooses nearest or linear
   /// Voxels along each axis that one texel stands for; 1 where the volume fits.
   std::array<int, 3> voxels_per_texel{1, 1, 1};
   std::array<int, 3> dims{0, 0, 0};  ///< texels

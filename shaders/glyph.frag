@@ -1,5 +1,6 @@
 uniform mat4 clip_from_eye;
-uniform int disc;  // flat, with a dark rim: in slices
+uniform int disc;           // flat, with a dark rim: in slices
+uniform int premultiplied;  // else alpha becomes coverage of samples
 
 in vec3 on_square_eye;
 flat in vec3 centre_eye, glyph_colour;
@@ -28,5 +29,5 @@ void main() {
   } else {
     shade = lit(glyph_colour, normalize(hit - centre_eye), -along);
   }
-  colour = vec4(shade, 1.0) * coverage;
+  colour = premultiplied != 0 ? vec4(shade, 1.0) * coverage : vec4(shade, coverage);
 }

@@ -7,7 +7,9 @@ vec3 lit(vec3 colour, vec3 normal, vec3 to_viewer) {
   float facing = max(dot(normal, to_viewer), 0.0);
   float diffuse = 0.78 * max(dot(normal, key), 0.0) + 0.16 * max(dot(normal, fill), 0.0) +
                   mix(0.05, 0.16, 0.5 + 0.5 * normal.y);
-  float shine = 0.10 * pow(max(dot(normal, normalize(key + to_viewer)), 0.0), 48.0);
+  float half_way = max(dot(normal, normalize(key + to_viewer)), 0.0);
+  float half_way_4 = half_way * half_way * half_way * half_way, half_way_16 = half_way_4 * half_way_4 * half_way_4 * half_way_4;
+  float shine = 0.10 * half_way_16 * half_way_16 * half_way_16;
   float edge = 1.0 - facing;
   float rim = 0.14 * edge * edge * edge;
   return sqrt(colour * colour * diffuse + vec3(shine) + rim * mix(vec3(0.75, 0.85, 1.0), colour, 0.4));

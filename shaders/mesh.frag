@@ -1,22 +1,22 @@
 uniform mat4 clip_from_eye;
 uniform float opacity;
-uniform int wire;  // edges: dark, unlit
 
 in vec3 position_eye, normal_eye, surface_colour;
 out vec4 colour;
 
 void main() {
-  if (wire != 0) {
-    colour = vec4(surface_colour * 0.12, 1.0) * (0.7 * opacity);
-    return;
-  }
+#ifdef EDGES
+  colour = vec4(surface_colour * 0.12, 1.0) * (0.7 * opacity);
+#else
   vec3 viewer = towards_viewer(position_eye, clip_from_eye);
-  vec3 normal = dot(normal_eye, normal_eye) > 0.0 ? normalize(normal_eye) : viewer;
+  // A vertex whose faces all have no area has no normal.
+  vec3 normal = normal_eye * inversesqrt(max(dot(normal_eye, normal_eye), 1e-12));
   // The inside of a surface is greyer and darker, so that a hole or a turned-over face is seen as such.
   vec3 side = gl_FrontFacing ? surface_colour : mix(surface_colour, vec3(0.45), 0.5) * 0.75;
   vec3 shade = lit(side, gl_FrontFacing ? normal : -normal, viewer);
   // A thin shell hides more where it is seen at a grazing angle; that keeps the shape of a faint surface readable.
   float facing = max(abs(dot(normal, viewer)), 0.2);
-  float alpha = opacity < 1.0 ? 1.0 - pow(1.0 - opacity, 1.0 / facing) : 1.0;
+  float alpha = opacity < 1.0 ? min(opacity / facing, 0.5 + 0.5 * opacity) : 1.0;
   colour = vec4(shade, 1.0) * alpha;
+#endif
 }

@@ -1,23 +1,129 @@
 #include "core/mesh/mesh_quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
 namespace homolog {
-Points vertex_normals(const Mesh& m) {
-  Points n = Points::Zero(m.points.rows(), 3);
-  for (Eigen::Index f = 0; f < m.topology->triangles().rows(); ++f) {
-    auto t = m.topology->triangles().row(f);
-    Vec3 a = m.points.row(t[0]), b = m.points.row(t[1]), c = m.points.row(t[2]);
-    Vec3 k = (b - a).cross(c - a);
-    for (int i = 0; i < 3; ++i) n.row(t[i]) += k.transpose();
+namespace {
+
+Vec3 corner(const Mesh& mesh, Eigen::Index face, int k) {
+  return mesh.points.row(mesh.topology->triangles()(face, k));
+}
+
+/// Normal of a face whose length is twice its area.
+Vec3 area_normal(const Mesh& mesh, Eigen::Index face) {
+  const Vec3 a = corner(mesh, face, 0);
+  return (corner(mesh, face, 1) - a).cross(corner(mesh, face, 2) - a);
+}
+
+Vec3 centre_of(const std::vector<std::int32_t>& loop, const Points& points) {
+  Vec3 sum = Vec3::Zero();
+  for (const std::int32_t v : loop) sum += points.row(v);
+  return sum / static_cast<double>(loop.size());
+}
+
+void measure_edges(const Mesh& mesh, MeshQuality& quality) {
+  const auto& edges = mesh.topology->edges();
+  double sum = 0, squares = 0;
+  quality.edge_min = std::numeric_limits<double>::infinity();
+  for (const auto& [a, b] : edges) {
+    const double length = (mesh.points.row(a) - mesh.points.row(b)).norm();
+    sum += length;
+    squares += length * length;
+    quality.edge_min = std::min(quality.edge_min, length);
+    quality.edge_max = std::max(quality.edge_max, length);
   }
-  n.rowwise().normalize();
-  return n;
+  const auto count = static_cast<double>(edges.size());
+  quality.edge_mean = sum / count;
+  const double variance = std::max(0.0, squares / count - quality.edge_mean * quality.edge_mean);
+  quality.edge_cv = quality.edge_mean > 0 ? std::sqrt(variance) / quality.edge_mean : 0;
 }
-double mean_edge_mm(const Topology& t, const Points& p) {
-  double s = 0;
-  for (auto [a, b] : t.edges()) s += (p.row(a) - p.row(b)).norm();
-  return s / double(t.edges().size());
+
+double angle(const Vec3& u, const Vec3& v) {
+  return std::atan2(u.cross(v).norm(), u.dot(v));
 }
+
+}  // namespace
+
+MeshQuality mesh_quality(const Mesh& mesh) {
+  MeshQuality quality;
+  measure_edges(mesh, quality);
+  double smallest = std::numbers::pi;
+  for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f) {
+    quality.area_mm2 += area_normal(mesh, f).norm() / 2;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 at = corner(mesh, f, k);
+      smallest = std::min(smallest, angle(corner(mesh, f, (k + 1) % 3) - at, corner(mesh, f, (k + 2) % 3) - at));
+    }
+  }
+  quality.min_angle_deg = smallest * 180 / std::numbers::pi;
+  quality.self_intersections = self_intersections(mesh).size();
+  quality.volume_ml = enclosed_volume_ml(mesh);
+  return quality;
+}
+
+Points vertex_normals(const Mesh& mesh) {
+  Points normals = Points::Zero(mesh.points.rows(), 3);
+  const Triangles& triangles = mesh.topology->triangles();
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    const Vec3 normal = area_normal(mesh, f);
+    for (int k = 0; k < 3; ++k) normals.row(triangles(f, k)) += normal.transpose();
+  }
+  for (Eigen::Index i = 0; i < normals.rows(); ++i) {
+    const double length = normals.row(i).norm();
+    if (length > 0) normals.row(i) /= length;
+  }
+  return normals;
+}
+
+double enclosed_volume_ml(const Mesh& mesh) {
+  // Tetrahedra from a point nearby: far from the origin they would cancel badly.
+  const Vec3 apex = mesh.points.row(0);
+  double six_volumes = 0;
+  for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f)
+    six_volumes += area_normal(mesh, f).dot(corner(mesh, f, 0) - apex);
+  for (const auto& loop : mesh.topology->boundary_loops()) {
+    const Vec3 centre = centre_of(loop, mesh.points);
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec3 a = mesh.points.row(loop[(i + 1) % loop.size()]), b = mesh.points.row(loop[i]);
+      six_volumes += (a - apex).cross(b - apex).dot(centre - apex);
+    }
+  }
+  return six_volumes / 6 / 1000;
+}
+
+Mesh capped(const Mesh& mesh) {
+  const auto& loops = mesh.topology->boundary_loops();
+  if (loops.empty()) return mesh;
+  const Eigen::Index vertices = mesh.points.rows(), faces = mesh.topology->triangles().rows();
+  Eigen::Index rim = 0;
+  for (const auto& loop : loops) rim += static_cast<Eigen::Index>(loop.size());
+
+  Points points(vertices + static_cast<Eigen::Index>(loops.size()), 3);
+  points.topRows(vertices) = mesh.points;
+  Triangles triangles(faces + rim, 3);
+  triangles.topRows(faces) = mesh.topology->triangles();
+  Eigen::Index face = faces, centre = vertices;
+  for (const auto& loop : loops) {
+    points.row(centre) = centre_of(loop, mesh.points);
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      triangles.row(face++) << loop[(i + 1) % loop.size()], loop[i], static_cast<std::int32_t>(centre);
+    ++centre;
+  }
+  return {Topology::make(points.rows(), std::move(triangles)).value(), std::move(points)};
+}
+
+double mean_edge_mm(const Topology& topology, const Points& points) {
+  double sum = 0;
+  for (const auto& [a, b] : topology.edges()) sum += (points.row(a) - points.row(b)).norm();
+  return sum / static_cast<double>(topology.edges().size());
+}
+
 double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c) {
-  double l = (b - a).squaredNorm() + (c - a).squaredNorm() + (c - b).squaredNorm();
-  return l > 0 ? 2 * std::sqrt(3.0) * (b - a).cross(c - a).norm() / l : 0;
+  const double squares = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
+  return squares > 0 ? 2 * std::numbers::sqrt3 * (b - a).cross(c - a).norm() / squares : 0;
 }
+
 }  // namespace homolog

@@ -1,0 +1,155 @@
+#include "core/mesh/isosurface.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <limits>
+
+#include "core/mesh/cube_cases.h"
+
+namespace homolog {
+namespace {
+
+std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// One slice of the mask with a margin of one voxel, and each row's first and last voxel inside (first > last: none).
+struct Slice {
+  int width = 0;
+  std::vector<std::uint8_t> inside;
+  std::vector<int> first, last;
+
+  Slice(int padded_i, int padded_j)
+      : width(padded_i),
+        inside(index(padded_i) * index(padded_j), 0),
+        first(index(padded_j), no_voxel),
+        last(index(padded_j), -1) {}
+
+  const std::uint8_t* row(int j) const { return inside.data() + index(j) * index(width); }
+  bool empty() const {
+    return std::all_of(last.begin(), last.end(), [](int i) { return i < 0; });
+  }
+  void set(int i, int j) {
+    inside[index(j) * index(width) + index(i)] = 1;
+    first[index(j)] = std::min(first[index(j)], i);
+    last[index(j)] = i;
+  }
+  void clear() {
+    for (std::size_t j = 0; j < last.size(); ++j) {
+      if (last[j] < 0) continue;
+      std::fill_n(inside.begin() + static_cast<std::ptrdiff_t>(j * index(width)), width, std::uint8_t{0});
+      first[j] = no_voxel;
+      last[j] = -1;
+    }
+  }
+
+ private:
+  static constexpr int no_voxel = std::numeric_limits<int>::max() / 2;
+};
+
+/// Marching cubes over a padded grid, one layer of cubes after the other. The middle of a crossed grid edge becomes a
+/// vertex in the first cube that has the edge, which has it at its far side (the margin sees to that); later cubes find
+/// it, so that indices of two slices are all that is kept.
+class Marcher {
+ public:
+  Marcher(int padded_i, int padded_j) : width_(padded_i), height_(padded_j) {
+    const std::size_t size = index(padded_i) * index(padded_j);
+    for (auto& layer : {&along_i_[0], &along_i_[1], &along_j_[0], &along_j_[1], &along_k_}) layer->resize(size);
+  }
+
+  /// The cubes between slices k and k + 1.
+  void march(const Slice& below, const Slice& above, int k) {
+    for (int j = 0; j + 1 < height_; ++j) {
+      const std::array rows{below.row(j), below.row(j + 1), above.row(j), above.row(j + 1)};
+      const int first = std::min(
+          {below.first[index(j)], below.first[index(j + 1)], above.first[index(j)], above.first[index(j + 1)]});
+      const int last =
+          std::max({below.last[index(j)], below.last[index(j + 1)], above.last[index(j)], above.last[index(j + 1)]});
+      unsigned cube = 0;
+      for (int i = first - 1; i <= last; ++i) {
+        cube = cube >> 1 & 0x55u;  // the far corners of the cube before are the near ones of this
+        for (unsigned r = 0; r < 4; ++r) cube |= static_cast<unsigned>(rows[r][i + 1]) << (2 * r + 1);
+        if (cube != 0 && cube != 255) add_cube(cube, {i, j, k});
+      }
+    }
+  }
+
+  const std::vector<Vec3>& vertices() const { return vertices_; }  ///< in padded voxels
+  const std::vector<std::int32_t>& corners() const { return corners_; }
+
+ private:
+  /// Where the vertex of an edge is kept; `edge` as in CubeCases.
+  std::int32_t& vertex_on(unsigned edge, std::array<int, 3> at) {
+    const std::size_t axis = edge / 4;
+    at[(axis + 1) % 3] += static_cast<int>(edge & 1u);
+    at[(axis + 2) % 3] += static_cast<int>(edge >> 1 & 1u);
+    auto& layer = axis == 2 ? along_k_ : (axis == 0 ? along_i_ : along_j_)[index(at[2] % 2)];
+    return layer[index(at[1]) * index(width_) + index(at[0])];
+  }
+
+  void add_cube(unsigned cube, const std::array<int, 3>& at) {
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      if ((cube >> 7 & 1u) == (cube >> (7 ^ 1u << axis) & 1u)) continue;
+      vertex_on(4 * axis + 3, at) = static_cast<std::int32_t>(vertices_.size());
+      Vec3 middle = Vec3(at[0], at[1], at[2]) + Vec3::Ones();
+      middle[axis] -= 0.5;
+      vertices_.push_back(middle);
+    }
+    for (const auto& triangle : cases_.triangles[cube])
+      for (const std::uint8_t edge : triangle) corners_.push_back(vertex_on(edge, at));
+  }
+
+  int width_, height_;
+  const CubeCases& cases_ = cube_cases();
+  std::array<std::vector<std::int32_t>, 2> along_i_, along_j_;  ///< of even and odd slices
+  std::vector<std::int32_t> along_k_;
+  std::vector<Vec3> vertices_;
+  std::vector<std::int32_t> corners_;
+};
+
+/// Fills `slice` from the voxels of slice k (outside the grid: with nothing).
+void read_slice(const Volume& mask, int label, int frame, int k, Slice& slice) {
+  const auto [size_i, size_j, size_k] = mask.geometry.dims;
+  slice.clear();
+  if (k < 0 || k >= size_k) return;
+  const std::size_t start = (index(frame) * index(size_k) + index(k)) * index(size_j) * index(size_i);
+  std::visit(
+      [&](const auto& voxels) {
+        auto voxel = voxels.begin() + static_cast<std::ptrdiff_t>(start);
+        for (int j = 1; j <= size_j; ++j)
+          for (int i = 1; i <= size_i; ++i)
+            if (has_label(*voxel++, label)) slice.set(i, j);
+      },
+      mask.data);
+}
+
+}  // namespace
+
+Result<Mesh> mask_surface(const Volume& mask, int label, int frame) {
+  assert(frame >= 0 && frame < mask.frames);
+  const VolumeGeometry& grid = mask.geometry;
+  Marcher marcher(grid.dims[0] + 2, grid.dims[1] + 2);
+  Slice below(grid.dims[0] + 2, grid.dims[1] + 2), above = below;
+  for (int k = -1; k < grid.dims[2]; ++k) {  // slice k of the grid is slice k + 1 of the padded one
+    read_slice(mask, label, frame, k + 1, above);
+    if (!below.empty() || !above.empty()) marcher.march(below, above, k + 1);
+    std::swap(below, above);
+  }
+  if (marcher.corners().empty())
+    return fail("", "label " + std::to_string(label) + " does not occur in the label map; name one that does");
+
+  Mesh mesh;
+  mesh.points.resize(static_cast<Eigen::Index>(marcher.vertices().size()), 3);
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
+    mesh.points.row(v) = grid.to_mm(marcher.vertices()[static_cast<std::size_t>(v)] - Vec3::Ones());
+  Triangles triangles =
+      Eigen::Map<const Triangles>(marcher.corners().data(), static_cast<Eigen::Index>(marcher.corners().size() / 3), 3);
+  if (grid.direction.determinant() < 0) triangles.col(1).swap(triangles.col(2));
+  auto topology = Topology::make(mesh.points.rows(), std::move(triangles));
+  if (!topology) return fail(topology.error());
+  mesh.topology = std::move(*topology);
+  return mesh;
+}
+
+}  // namespace homolog

@@ -115,4 +115,8 @@ Result<void> write_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   return write_mesh_file(file, path);
 }
 
+bool is_mesh_name(const std::filesystem::path& path) {
+  return format_of(path).has_value();
+}
+
 }  // namespace homolog

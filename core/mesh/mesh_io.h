@@ -37,6 +37,9 @@ Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 /// where the format can, whole or not at all. Landmarks, stiffness and comments are kept by PLY only.
 Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& path);
 
+/// Whether the name ends as one of the formats that read_mesh_file takes does.
+bool is_mesh_name(const std::filesystem::path& path);
+
 /// read_mesh_file, then Topology::make with the file named in the error.
 Result<Mesh> read_mesh(const std::filesystem::path& path);
 Result<void> write_mesh(const Mesh& mesh, const std::filesystem::path& path);

@@ -1,0 +1,118 @@
+#include <unistd.h>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <thread>
+
+#include "app/editor/editor.h"
+#include "app/verbs/verb.h"
+#include "app/version.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr int done = 0, refused = 1, wrong_command_line = 2;
+
+Progress* interrupted_progress = nullptr;
+
+void on_interrupt(int) {
+  if (interrupted_progress != nullptr) interrupted_progress->cancel();
+}
+
+/// Shows progress on stderr while it is a terminal and the work takes longer than half a second.
+class ProgressLine {
+ public:
+  explicit ProgressLine(const Progress& progress) {
+    if (::isatty(STDERR_FILENO) == 0) return;
+    thread_ = std::jthread([&progress](const std::stop_token& stop) {
+      bool shown = false;
+      for (int tick = 0; !stop.stop_requested(); ++tick) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        if (tick < 5 || stop.stop_requested()) continue;
+        std::fprintf(stderr, "\r%3.0f %% (Ctrl-C stops)", 100 * progress.fraction());
+        shown = true;
+      }
+      if (shown) std::fputs("\r\033[K", stderr);
+    });
+  }
+
+ private:
+  std::jthread thread_;
+};
+
+void print_lines(const Json& values, const std::string& indent = "") {
+  for (const auto& [key, value] : values.items()) {
+    if (value.is_object()) {
+      std::cout << indent << key << ":\n";
+      print_lines(value, indent + "  ");
+    } else {
+      std::cout << indent << key << ": " << (value.is_string() ? value.get<std::string>() : value.dump()) << '\n';
+    }
+  }
+}
+
+int run_verb(const VerbRun& run, bool json) {
+  Progress progress;
+  interrupted_progress = &progress;
+  std::signal(SIGINT, on_interrupt);
+  Result<Report> report = [&] {
+    const ProgressLine line(progress);
+    return run(progress);
+  }();
+  if (!report) {
+    std::cerr << "homolog: " << report.error().sentence() << '\n';
+    return refused;
+  }
+  for (const std::string& warning : report->warnings) std::cerr << "homolog: warning: " << warning << '\n';
+  if (json) {
+    std::cout << report->values.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  } else {
+    print_lines(report->values);
+  }
+  return std::cout.flush() ? done : refused;
+}
+
+int run_main(int argc, char** argv) {
+  CLI::App app(
+      "Homolog: segment organs and put their surfaces in correspondence in one stroke.\n"
+      "Without a verb it is the editor; see docs/ for the walk through.",
+      "homolog");
+  app.set_version_flag("--version", std::string("homolog ") + version);
+  app.require_subcommand(0, 1);
+  app.fallthrough(false);
+  VerbRun run;
+  for (const auto add : {add_demo, add_info, add_replay, add_compare, add_label_map, add_mirror, add_phantom,
+                         add_picture, add_convert, add_study, add_bench}) {
+    add(app, run);
+  }
+  EditorOptions editor;
+  const auto add_editor_options = [&editor](CLI::App& to) {
+    to.add_option("FILES", editor.files, "A case, or volumes and meshes");
+    to.add_option("--template", editor.template_source, "Template mesh to start with");
+  };
+  add_editor_options(app);
+  add_editor_options(*app.add_subcommand("edit", "The editor on these files"));
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::Error& error) {
+    std::cerr << "homolog: " << error.what() << "; see homolog --help\n";
+    return wrong_command_line;
+  }
+  if (!run) return run_editor(editor);
+  const CLI::App* verb = &app;
+  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  const CLI::Option* json = verb->get_option_no_throw("--json");
+  return run_verb(run, json != nullptr && json->count() > 0);
+}
+
+}  // namespace
+
+}  // namespace homolog
+
+int main(int argc, char** argv) {
+  return homolog::run_main(argc, argv);
+}

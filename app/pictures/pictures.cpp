@@ -1,0 +1,197 @@
+#include "app/pictures/pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "core/correspondence/colours.h"
+#include "render/offscreen.h"
+#include "render/renderer.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr std::array<float, 4> dark{0.07f, 0.075f, 0.085f, 1};
+constexpr int gap_px = 4;
+
+/// Colours and glyphs of a topology, the same for every shape that has it.
+struct Colouring {
+  std::vector<float> hues;
+  std::shared_ptr<const std::vector<Rgb>> surface;
+  std::vector<std::int32_t> glyphs;
+  double glyph_radius_mm = 1;
+
+  Colouring(const Mesh& mesh, double spacing_mm) : hues(landmark_hues(*mesh.topology)) {
+    std::vector<Rgb> colours;
+    colours.reserve(hues.size());
+    for (const float hue : hues) colours.push_back(hsv_to_rgb(hue, 0.4f, 1));
+    surface = std::make_shared<const std::vector<Rgb>>(std::move(colours));
+    const double spacing = spacing_mm > 0 ? spacing_mm : bounds_of(mesh.points).diagonal().norm() / 12;
+    glyphs = glyph_landmarks(mesh, spacing);
+    glyph_radius_mm = 0.15 * spacing;
+  }
+
+  void add_to(Scene& scene, const Mesh& mesh) const {
+    MeshLayer layer;
+    layer.topology = mesh.topology;
+    layer.points = std::make_shared<const Points>(mesh.points);
+    layer.colours = surface;
+    scene.meshes.push_back(std::move(layer));
+    for (const std::int32_t i : glyphs) {
+      scene.glyphs.glyphs.push_back({Vec3(mesh.points.row(i)), hsv_to_rgb(hues[static_cast<std::size_t>(i)], 1, 1),
+                                     static_cast<float>(glyph_radius_mm)});
+    }
+  }
+};
+
+/// Orthographic, so that shapes in a grid compare; shows a sphere of `radius_mm` around `target`.
+Camera3D camera_on(const Vec3& target, double radius_mm, const Vec3& from) {
+  Camera3D camera;
+  camera.target = target;
+  camera.to_eye = from.normalized();
+  camera.up = std::abs(camera.to_eye.z()) > 0.95 ? Vec3(0, -1, 0) : Vec3::UnitZ();
+  camera.fov_deg = 0;
+  camera.distance_mm = radius_mm / std::tan(15 * std::numbers::pi / 180);
+  return camera;
+}
+
+double radius_of(const Mesh& mesh, const Vec3& centre) {
+  return (mesh.points.rowwise() - centre.transpose()).rowwise().norm().maxCoeff();
+}
+
+/// A renderer with everything it needs to draw without a display.
+struct Studio {
+  std::unique_ptr<OffscreenContext> context;
+  std::unique_ptr<Framebuffer> framebuffer;
+  std::unique_ptr<Renderer> renderer;
+
+  static Result<Studio> make(const PictureOptions& options) {
+    auto context = OffscreenContext::make();
+    if (!context) return fail(context.error());
+    auto framebuffer = Framebuffer::make(options.width_px, options.height_px);
+    if (!framebuffer) return fail(framebuffer.error());
+    auto renderer = Renderer::make();
+    if (!renderer) return fail(renderer.error());
+    (*framebuffer)->bind();
+    return Studio{std::move(*context), std::move(*framebuffer), std::move(*renderer)};
+  }
+};
+
+std::array<float, 4> background(const PictureOptions& options) {
+  return options.transparent ? std::array<float, 4>{0, 0, 0, 0} : dark;
+}
+
+/// Columns of a grid of `count` cells whose cells are as square as they can be.
+int columns_for(int count, const PictureOptions& options) {
+  int best = 1;
+  double best_side = 0;
+  for (int columns = 1; columns <= count; ++columns) {
+    const int rows = (count + columns - 1) / columns;
+    const double side =
+        std::min(static_cast<double>(options.width_px) / columns, static_cast<double>(options.height_px) / rows);
+    if (side > best_side) best_side = side, best = columns;
+  }
+  return best;
+}
+
+/// Cell k of a grid, counted from the upper left, as a rectangle from the lower left.
+Target cell(int k, int columns, int rows, const PictureOptions& options) {
+  const int column = k % columns, row = k / columns;
+  const int x0 = column * options.width_px / columns, x1 = (column + 1) * options.width_px / columns;
+  const int y0 = row * options.height_px / rows, y1 = (row + 1) * options.height_px / rows;
+  return {x0 + gap_px / 2, options.height_px - y1 + gap_px / 2, x1 - x0 - gap_px, y1 - y0 - gap_px, 1};
+}
+
+/// A slice through `centre` that shows the mesh with some room around it. Radiological: the patient's right on the
+/// left.
+SliceView slice_on(const Mesh& mesh, const Vec3& centre, const Vec3& right, const Vec3& down, const Target& target) {
+  const Points from_centre = mesh.points.rowwise() - centre.transpose();
+  const double half_width = (from_centre * right).cwiseAbs().maxCoeff();
+  const double half_height = (from_centre * down).cwiseAbs().maxCoeff();
+  const double mm_per_px = 1.35 * std::max(2 * half_width / target.width, 2 * half_height / target.height);
+  return {centre, right, down, mm_per_px};
+}
+
+}  // namespace
+
+Result<Vec3> direction_from_name(const std::string& name) {
+  const std::array<std::pair<const char*, Vec3>, 6> names{{{"anterior", -Vec3::UnitY()},
+                                                           {"posterior", Vec3::UnitY()},
+                                                           {"left", Vec3::UnitX()},
+                                                           {"right", -Vec3::UnitX()},
+                                                           {"superior", Vec3::UnitZ()},
+                                                           {"inferior", -Vec3::UnitZ()}}};
+  for (const auto& [known, direction] : names) {
+    if (name == known) return direction;
+  }
+  std::istringstream in(name);
+  Vec3 direction;
+  char comma1 = 0, comma2 = 0;
+  if (in >> direction[0] >> comma1 >> direction[1] >> comma2 >> direction[2] && comma1 == ',' && comma2 == ',' &&
+      (in >> std::ws).eof() && direction.allFinite() && direction.norm() > 1e-9) {
+    return direction.normalized();
+  }
+  return fail("--view " + name, "is no direction; use anterior, posterior, left, right, superior, inferior or x,y,z");
+}
+
+Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const PictureOptions& options) {
+  auto studio = Studio::make(options);
+  if (!studio) return fail(studio.error());
+  const Colouring colouring(shapes.front(), options.glyph_spacing_mm);
+  double radius = 0;
+  for (const Mesh& shape : shapes) radius = std::max(radius, radius_of(shape, shape.points.colwise().mean()));
+  const int count = static_cast<int>(shapes.size());
+  const int columns = columns_for(count, options), rows = (count + columns - 1) / columns;
+  for (int k = 0; k < columns * rows; ++k) {
+    Scene scene;
+    scene.background = background(options);
+    Vec3 centre = Vec3::Zero();
+    if (k < count) {
+      const Mesh& shape = shapes[static_cast<std::size_t>(k)];
+      centre = shape.points.colwise().mean();
+      colouring.add_to(scene, shape);
+    }
+    const Camera3D camera = camera_on(centre, 1.05 * radius, options.from);
+    if (auto drawn = studio->renderer->draw(scene, camera, cell(k, columns, rows, options)); !drawn) {
+      return fail(drawn.error());
+    }
+  }
+  return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size())};
+}
+
+Result<MadePicture> case_picture(const Document& document, const PictureOptions& options) {
+  if (!document.reference || !document.has_shape()) return fail("", "has no mesh to show");
+  auto studio = Studio::make(options);
+  if (!studio) return fail(studio.error());
+  const Mesh mesh = document.mesh();
+  const Vec3 centre = mesh.points.colwise().mean();
+  const Colouring colouring(mesh, options.glyph_spacing_mm);
+  Scene scene;
+  scene.background = background(options);
+  if (document.volume) {
+    scene.image.volume = document.volume;
+    scene.image.frame = document.frame;
+    std::tie(scene.image.window_low, scene.image.window_high) = default_window(*document.volume);
+  }
+  colouring.add_to(scene, mesh);
+  const GlyphLayer glyphs = std::exchange(scene.glyphs, {});
+  const std::array<std::pair<Vec3, Vec3>, 3> planes{{{Vec3::UnitX(), Vec3::UnitY()},     // axial
+                                                     {Vec3::UnitY(), -Vec3::UnitZ()},    // sagittal
+                                                     {Vec3::UnitX(), -Vec3::UnitZ()}}};  // coronal
+  for (int k = 0; k < 3; ++k) {
+    const auto& [right, down] = planes[static_cast<std::size_t>(k)];
+    const Target target = cell(k, 2, 2, options);
+    if (auto drawn = studio->renderer->draw(scene, slice_on(mesh, centre, right, down, target), target); !drawn) {
+      return fail(drawn.error());
+    }
+  }
+  scene.glyphs = glyphs;
+  const Camera3D camera = camera_on(centre, 1.05 * radius_of(mesh, centre), options.from);
+  if (auto drawn = studio->renderer->draw(scene, camera, cell(3, 2, 2, options)); !drawn) return fail(drawn.error());
+  return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size())};
+}
+
+}  // namespace homolog

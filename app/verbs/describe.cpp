@@ -1,0 +1,126 @@
+#include "app/verbs/describe.h"
+
+#include "core/case/case_file.h"
+#include "core/mesh/landmark_io.h"
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+namespace {
+
+Result<Report> describe_case(const std::filesystem::path& path, Progress& progress) {
+  ReplayOptions options;
+  options.progress = &progress;
+  auto read = read_case(path, options);
+  if (!read) return fail(read.error());
+  const Document& document = read->session.document();
+  Report report;
+  report.warnings = read->warnings;
+  Json& values = report.values;
+  values["kind"] = "case";
+  values["volume"] = document.volume_source;
+  values["template"] = document.reference ? document.reference->source : "";
+  values["vertices"] = document.reference ? document.reference->topology->vertices() : 0;
+  values["strokes"] = read->session.strokes();
+  values["frame"] = document.frame;
+  Json frames = Json::array();
+  for (const auto& [frame, shape] : document.shapes) frames.push_back(frame);
+  values["frames_with_mesh"] = std::move(frames);
+  return report;
+}
+
+Result<Report> describe_mesh(const std::filesystem::path& path) {
+  auto file = read_mesh_file(path);
+  if (!file) return fail(file.error());
+  Report report;
+  report.warnings = file->warnings;
+  if (file->triangles.rows() == 0) {
+    const Box box = bounds_of(file->points);
+    report.values = {{"kind", "particles"},
+                     {"vertices", file->points.rows()},
+                     {"bounds_mm", Json::array({json_of(box.min()), json_of(box.max())})}};
+    return report;
+  }
+  auto topology = Topology::make(file->points.rows(), file->triangles);
+  if (!topology) return fail(path.string(), topology.error().what);
+  report.values = describe(Mesh{*topology, file->points});
+  if (file->stiffness || !file->landmarks.empty()) report.values["kind"] = "template";
+  if (file->stiffness) {
+    report.values["stiffness"] = {{"base", file->stiffness_base},
+                                  {"factor_min", file->stiffness->minCoeff()},
+                                  {"factor_max", file->stiffness->maxCoeff()}};
+  }
+  Json names = Json::array();
+  for (const Landmark& landmark : file->landmarks) names.push_back(landmark.name);
+  if (!names.empty()) report.values["landmarks"] = std::move(names);
+  return report;
+}
+
+}  // namespace
+
+Json json_of(const Vec3& p) {
+  return Json::array({p[0], p[1], p[2]});
+}
+
+Json describe(const Mesh& mesh) {
+  const MeshQuality quality = mesh_quality(mesh);
+  const Box box = bounds_of(mesh.points);
+  return {
+      {"kind", "mesh"},
+      {"vertices", mesh.topology->vertices()},
+      {"faces", mesh.topology->triangles().rows()},
+      {"components", mesh.topology->components()},
+      {"genus", mesh.topology->genus()},
+      {"closed", mesh.topology->closed()},
+      {"oriented", true},  // Topology holds no other
+      {"bounds_mm", Json::array({json_of(box.min()), json_of(box.max())})},
+      {"edge_length_mm",
+       {{"mean", quality.edge_mean}, {"cv", quality.edge_cv}, {"min", quality.edge_min}, {"max", quality.edge_max}}},
+      {"min_angle_deg", quality.min_angle_deg},
+      {"self_intersections", quality.self_intersections},
+      {"area_mm2", quality.area_mm2},
+      {"volume_ml", quality.volume_ml}};
+}
+
+Json describe(const Volume& volume) {
+  const VolumeGeometry& g = volume.geometry;
+  Json direction = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) direction.push_back(g.direction(row, column));
+  }
+  Json values{{"kind", "volume"},
+              {"dims", g.dims},
+              {"voxel", voxel_type_name(volume.data)},
+              {"spacing_mm", json_of(g.spacing_mm)},
+              {"origin_mm", json_of(g.origin_mm)},
+              {"direction", std::move(direction)},
+              {"frames", volume.frames},
+              {"range", Json::array({volume.range_min, volume.range_max})}};
+  if (volume.frame_seconds > 0) values["frame_seconds"] = volume.frame_seconds;
+  if (!volume.modality.empty()) values["modality"] = volume.modality;
+  if (!volume.series_uid.empty()) values["series"] = Json::array({volume.series_uid});
+  return values;
+}
+
+Result<Report> describe_file(const std::filesystem::path& path, const std::string& series_uid, Progress& progress) {
+  if (path.extension() == ".homolog") return describe_case(path, progress);
+  if (is_mesh_name(path)) return describe_mesh(path);
+  if (is_landmark_name(path)) {
+    auto landmarks = read_landmarks(path);
+    if (!landmarks) return fail(landmarks.error());
+    Report report;
+    report.values = {{"kind", "landmarks"}, {"landmarks", Json::object()}};
+    for (const Landmark& landmark : *landmarks) report.values["landmarks"][landmark.name] = json_of(landmark.position);
+    return report;
+  }
+  VolumeReadOptions options;
+  options.series_uid = series_uid;
+  options.progress = &progress;
+  auto read = read_volume(path, options);
+  if (!read) return fail(read.error());
+  return Report{describe(read->volume), read->warnings};
+}
+
+}  // namespace homolog

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+
+#include "app/verbs/verb.h"
+#include "core/mesh/topology.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+// The JSON that `info` prints, shared by every verb that reports "as info".
+Json describe(const Mesh& mesh);
+Json describe(const Volume& volume);
+/// Reads and describes whatever the file is. Errors: the reader's.
+Result<Report> describe_file(const std::filesystem::path& path, const std::string& series_uid, Progress& progress);
+
+Json json_of(const Vec3& p);
+
+}  // namespace homolog

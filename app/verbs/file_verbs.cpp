@@ -1,0 +1,203 @@
+#include <filesystem>
+
+#include "app/verbs/describe.h"
+#include "core/measure/compare.h"
+#include "core/mesh/label_map.h"
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/mirror.h"
+#include "core/phantom/phantom_files.h"
+#include "core/volume/volume_io.h"
+
+// Verbs that read files and write a file or a report: info, convert, mirror, label-map, compare, phantom.
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+void add_info(CLI::App& app, VerbRun& run) {
+  struct Options {
+    fs::path file;
+    std::string series;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, "info", "What a volume, mesh, template or case is");
+  verb->add_option("FILE", options->file, "A volume (or DICOM folder), mesh, template or case")->required();
+  verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
+  verb->callback([options, &run] {
+    run = [options](Progress& progress) { return describe_file(options->file, options->series, progress); };
+  });
+}
+
+void add_convert(CLI::App& app, VerbRun& run) {
+  struct Options {
+    fs::path in, out;
+    std::string series;
+    std::vector<double> spacing_mm;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, "convert", "Any readable volume or mesh to any writable format");
+  verb->add_option("IN", options->in, "A volume or mesh")->required();
+  verb->add_option("OUT", options->out, "The file to write; its extension chooses the format")->required();
+  verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
+  verb->add_option("--spacing-mm", options->spacing_mm, "x,y,z spacing of a PNG or TIFF stack")
+      ->delimiter(',')
+      ->expected(3);
+  const auto convert = [options](Progress& progress) -> Result<Report> {
+    if (is_mesh_name(options->in) != is_mesh_name(options->out)) {
+      return fail(options->out.string(), "is not of the same kind as " + options->in.string() +
+                                             "; a mesh becomes a volume by label-map, a volume a mesh by template");
+    }
+    if (is_mesh_name(options->in)) {
+      auto mesh = read_mesh_file(options->in);
+      if (!mesh) return fail(mesh.error());
+      if (auto written = write_mesh_file(*mesh, options->out); !written) return fail(written.error());
+      return describe_file(options->out, "", progress);
+    }
+    VolumeReadOptions read_options;
+    read_options.series_uid = options->series;
+    read_options.progress = &progress;
+    if (options->spacing_mm.size() == 3) read_options.stack_spacing_mm = Vec3(options->spacing_mm.data());
+    auto read = read_volume(options->in, read_options);
+    if (!read) return fail(read.error());
+    if (auto written = write_volume(read->volume, options->out); !written) return fail(written.error());
+    return Report{describe(read->volume), read->warnings};
+  };
+  verb->callback([convert, &run] { run = convert; });
+}
+
+void add_mirror(CLI::App& app, VerbRun& run) {
+  struct Options {
+    fs::path in, out;
+    std::string plane = "sagittal";
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, "mirror", "The template of the other side: same numbering, faces turned");
+  verb->add_option("TEMPLATE", options->in, "A template or mesh")->required();
+  verb->add_option("-o,--output", options->out, "The file to write")->required();
+  verb->add_option("--plane", options->plane, "Plane to mirror across")
+      ->check(CLI::IsMember({"sagittal", "coronal", "axial"}));
+  const auto mirror = [options](Progress& progress) -> Result<Report> {
+    auto mesh = read_mesh_file(options->in);
+    if (!mesh) return fail(mesh.error());
+    const AnatomicalPlane plane = options->plane == "sagittal"  ? AnatomicalPlane::sagittal
+                                  : options->plane == "coronal" ? AnatomicalPlane::coronal
+                                                                : AnatomicalPlane::axial;
+    if (auto written = write_mesh_file(mirrored(*mesh, plane), options->out); !written) return fail(written.error());
+    return describe_file(options->out, "", progress);
+  };
+  verb->callback([mirror, &run] { run = mirror; });
+}
+
+void add_label_map(CLI::App& app, VerbRun& run) {
+  struct Options {
+    fs::path mesh, like, out;
+    int value = 1;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, "label-map", "The segmentation as voxels on a volume's grid");
+  verb->add_option("MESH", options->mesh, "The mesh")->required();
+  verb->add_option("--like", options->like, "The volume whose grid to use")->required();
+  verb->add_option("-o,--output", options->out, "The label map to write (.nii.gz, .nrrd, .mha)")->required();
+  verb->add_option("--value", options->value, "Label of the voxels inside")->check(CLI::Range(1, 32767));
+  const auto label = [options](Progress& progress) -> Result<Report> {
+    auto mesh = read_mesh(options->mesh);
+    if (!mesh) return fail(mesh.error());
+    VolumeReadOptions read_options;
+    read_options.progress = &progress;
+    auto like = read_volume(options->like, read_options);
+    if (!like) return fail(like.error());
+    const Volume labels = label_map(*mesh, like->volume.geometry, options->value);
+    if (auto written = write_volume(labels, options->out); !written) return fail(written.error());
+    const auto counted = labels_of(labels);
+    const std::size_t voxels = counted.contains(options->value) ? counted.at(options->value) : 0;
+    Report report;
+    report.warnings = like->warnings;
+    if (voxels == 0) {
+      report.warnings.push_back(options->mesh.string() + " lies outside " + options->like.string() +
+                                ", so the label map is empty; check that both are in the same space (LPS or RAS)");
+    }
+    report.values = {{"voxels", voxels},
+                     {"volume_ml", static_cast<double>(voxels) * labels.geometry.voxel_volume_mm3() / 1000}};
+    return report;
+  };
+  verb->callback([label, &run] { run = label; });
+}
+
+namespace {
+
+Json describe(const Agreement& agreement) {
+  Json values{{"dice", agreement.dice},
+              {"assd_mm", agreement.assd_mm},
+              {"hd95_mm", agreement.hd95_mm},
+              {"hausdorff_mm", agreement.hausdorff_mm}};
+  if (agreement.vertex_mean_mm) {
+    values["vertex_distance_mm"] = {{"mean", *agreement.vertex_mean_mm}, {"max", *agreement.vertex_max_mm}};
+  }
+  return values;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, VerbRun& run) {
+  struct Options {
+    fs::path mesh, mask, other;
+    int label = 0;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, "compare", "How well a mesh agrees with a mask or another mesh");
+  verb->add_option("MESH", options->mesh, "The mesh")->required();
+  auto* mask_option = verb->add_option("--mask", options->mask, "A label map to compare with");
+  verb->add_option("--label", options->label, "Which label of the mask")->needs(mask_option);
+  verb->add_option("--mesh", options->other, "Another mesh to compare with")->excludes(mask_option);
+  verb->final_callback([options] {
+    if (options->mask.empty() == options->other.empty()) throw CLI::RequiredError("exactly one of --mask and --mesh");
+  });
+  const auto compare = [options](Progress& progress) -> Result<Report> {
+    auto mesh = read_mesh(options->mesh);
+    if (!mesh) return fail(mesh.error());
+    if (!options->other.empty()) {
+      auto other = read_mesh(options->other);
+      if (!other) return fail(other.error());
+      return Report{describe(compare_meshes(*mesh, *other)), {}};
+    }
+    VolumeReadOptions read_options;
+    read_options.progress = &progress;
+    auto mask = read_volume(options->mask, read_options);
+    if (!mask) return fail(mask.error());
+    const auto label = options->label != 0 ? Result<int>(options->label) : only_label(mask->volume);
+    if (!label) return fail(options->mask.string(), label.error().what);
+    const auto agreement = compare_with_mask(*mesh, mask->volume, *label);
+    if (!agreement) return fail(options->mask.string(), agreement.error().what);
+    return Report{describe(*agreement), mask->warnings};
+  };
+  verb->callback([compare, &run] { run = compare; });
+}
+
+void add_phantom(CLI::App& app, VerbRun& run) {
+  struct Options {
+    std::string organ;
+    int subject = 0;
+    fs::path folder;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, "phantom", "A phantom subject: volume, label map, true landmarks");
+  verb->add_option("ORGAN", options->organ, "Which organ")
+      ->required()
+      ->check(CLI::IsMember({"kidney", "vertebra", "ventricle"}));
+  verb->add_option("--subject", options->subject, "Number of the subject; 0 is the mean shape")
+      ->required()
+      ->check(CLI::NonNegativeNumber);
+  verb->add_option("-o,--output", options->folder, "Folder for the files")->required();
+  const auto make = [options](Progress&) -> Result<Report> {
+    const auto organ = organ_from_name(options->organ);
+    if (!organ) return fail(organ.error());
+    auto paths = write_phantom(*organ, options->subject, options->folder);
+    if (!paths) return fail(paths.error());
+    Json written = Json::array();
+    for (const auto& path : *paths) written.push_back(path.string());
+    return Report{{{"paths", std::move(written)}}, {}};
+  };
+  verb->callback([make, &run] { run = make; });
+}
+
+}  // namespace homolog

@@ -1,0 +1,110 @@
+#include <charconv>
+#include <filesystem>
+
+#include "app/pictures/pictures.h"
+#include "app/verbs/verb.h"
+#include "core/base/picture_io.h"
+#include "core/case/case_file.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct PictureVerb {
+  std::vector<fs::path> in;
+  fs::path out;
+  std::string size = "1280x960", view = "anterior";
+  double glyph_spacing_mm = 0;
+  bool transparent = false;
+};
+
+constexpr int largest_side_px = 16384;
+
+Result<PictureOptions> picture_options(const PictureVerb& verb) {
+  PictureOptions options;
+  const char *begin = verb.size.data(), *end = begin + verb.size.size();
+  const auto width = std::from_chars(begin, end, options.width_px);
+  const bool sized = width.ec == std::errc() && width.ptr < end && *width.ptr == 'x' &&
+                     std::from_chars(width.ptr + 1, end, options.height_px).ptr == end;
+  if (!sized || std::min(options.width_px, options.height_px) < 64 ||
+      std::max(options.width_px, options.height_px) > largest_side_px) {
+    return fail("--size " + verb.size, "is not WIDTHxHEIGHT in pixels between 64 and 16384");
+  }
+  const auto from = direction_from_name(verb.view);
+  if (!from) return fail(from.error());
+  options.from = *from;
+  options.glyph_spacing_mm = verb.glyph_spacing_mm;
+  options.transparent = verb.transparent;
+  return options;
+}
+
+Result<Report> write(const Result<MadePicture>& made, const PictureVerb& verb) {
+  if (!made) {
+    Error error = made.error();
+    if (error.subject.empty()) error.subject = verb.in.front().string();
+    return fail(std::move(error));
+  }
+  if (auto written = write_picture(made->picture, verb.out); !written) return fail(written.error());
+  return Report{{{"glyphs", made->glyphs}, {"size", Json::array({made->picture.width, made->picture.height})}}, {}};
+}
+
+Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
+  const auto options = picture_options(verb);
+  if (!options) return fail(options.error());
+  std::vector<Mesh> shapes;
+  for (const fs::path& path : verb.in) {
+    auto mesh = read_mesh(path);
+    if (!mesh) return fail(mesh.error());
+    if (!shapes.empty() && mesh->topology->hash() != shapes.front().topology->hash()) {
+      return fail(path.string(), "has another numbering or other faces than " + verb.in.front().string() +
+                                     "; only shapes in correspondence can be shown together");
+    }
+    shapes.push_back(std::move(*mesh));
+    progress.report(static_cast<double>(shapes.size()) / static_cast<double>(verb.in.size()));
+    if (progress.cancelled()) return fail(verb.out.string(), "was not written: stopped");
+  }
+  return write(correspondence_picture(shapes, *options), verb);
+}
+
+Result<Report> of_case(const PictureVerb& verb, Progress& progress) {
+  const auto options = picture_options(verb);
+  if (!options) return fail(options.error());
+  ReplayOptions replay;
+  replay.progress = &progress;
+  const auto read = read_case(verb.in.front(), replay);
+  if (!read) return fail(read.error());
+  auto report = write(case_picture(read->session.document(), *options), verb);
+  if (report) report->warnings = read->warnings;
+  return report;
+}
+
+void add_options(CLI::App& verb, PictureVerb& options) {
+  verb.add_option("-o,--output", options.out, "The picture to write (.png)")->required();
+  verb.add_option("--size", options.size, "WIDTHxHEIGHT in pixels");
+  verb.add_option("--view", options.view,
+                  "Where the 3D view looks from: anterior, posterior, left, right, superior, inferior or x,y,z");
+  verb.add_option("--glyph-spacing", options.glyph_spacing_mm, "Least distance between glyphs in mm")
+      ->check(CLI::PositiveNumber);
+  verb.add_flag("--transparent", options.transparent, "Transparent background");
+}
+
+}  // namespace
+
+void add_picture(CLI::App& app, VerbRun& run) {
+  CLI::App* picture = app.add_subcommand("picture", "Pictures without a display");
+  picture->require_subcommand(1);
+  auto options = std::make_shared<PictureVerb>();
+  CLI::App* all = add_verb(*picture, "correspondence", "Shapes in a grid, hue and glyphs by landmark");
+  all->add_option("MESH", options->in, "Shapes in correspondence")->required();
+  add_options(*all, *options);
+  all->callback(
+      [options, &run] { run = [options](Progress& progress) { return correspondence(*options, progress); }; });
+  CLI::App* one = add_verb(*picture, "case", "A case: three slices with the outline, and the shape in 3D");
+  one->add_option("CASE", options->in, "The case file")->required()->expected(1);
+  add_options(*one, *options);
+  one->callback([options, &run] { run = [options](Progress& progress) { return of_case(*options, progress); }; });
+}
+
+}  // namespace homolog

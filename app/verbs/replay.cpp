@@ -1,0 +1,75 @@
+#include <chrono>
+#include <filesystem>
+
+#include "app/verbs/verb.h"
+#include "core/case/case_file.h"
+#include "core/deform/fold_guard.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ReplayVerb {
+  fs::path file, out;
+  std::string scheme;
+  double spacing = -1;
+  int events = 0;
+  int frame = -1;
+};
+
+ReplayOptions replay_options(const ReplayVerb& verb, Progress& progress) {
+  ReplayOptions options;
+  if (verb.scheme == "anchored") options.scheme = Scheme::anchored;
+  if (verb.scheme == "paper") options.scheme = Scheme::paper;
+  if (verb.scheme == "raw") options.scheme = Scheme::raw;
+  if (verb.spacing >= 0) options.spacing = verb.spacing;
+  if (verb.events > 0) options.paper_events = verb.events;
+  options.progress = &progress;
+  return options;
+}
+
+Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  auto read = read_case(verb.file, replay_options(verb, progress));
+  if (!read) return fail(read.error());
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Document& document = read->session.document();
+  const int frame = verb.frame >= 0 ? verb.frame : document.frame;
+  const auto found = document.shapes.find(frame);
+  if (found == document.shapes.end()) {
+    return fail(verb.file.string(), "has no mesh in frame " + std::to_string(frame) + "; choose another with --frame");
+  }
+  MeshFile mesh;
+  mesh.points = *found->second.points;
+  mesh.triangles = document.reference->topology->triangles();
+  mesh.stiffness = *document.stiffness;
+  mesh.stiffness_base = document.stiffness_base;
+  if (auto written = write_mesh_file(mesh, verb.out); !written) return fail(written.error());
+  const auto turned = turned_triangles(*document.reference->topology, *found->second.placed, mesh.points);
+  return Report{{{"strokes", read->session.strokes()},
+                 {"turned_triangles", turned.size()},
+                 {"solves", read->session.solves()},
+                 {"seconds", seconds}},
+                read->warnings};
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, VerbRun& run) {
+  auto options = std::make_shared<ReplayVerb>();
+  CLI::App* verb = add_verb(app, "replay", "Plays a case file and writes the mesh it gives");
+  verb->add_option("CASE", options->file, "The case file")->required();
+  verb->add_option("-o,--output", options->out, "The mesh to write")->required();
+  verb->add_option("--scheme", options->scheme, "Overrides the case's scheme")
+      ->check(CLI::IsMember({"anchored", "paper", "raw"}));
+  verb->add_option("--spacing", options->spacing, "Overrides the case's spacing strength")->check(CLI::Range(0.0, 1.0));
+  verb->add_option("--events", options->events, "Mouse events a stroke counts for in the scheme paper")
+      ->check(CLI::Range(1, 1000));
+  verb->add_option("--frame", options->frame, "Which frame's mesh to write (default: the one shown last)")
+      ->check(CLI::NonNegativeNumber);
+  verb->callback([options, &run] { run = [options](Progress& progress) { return replay(*options, progress); }; });
+}
+
+}  // namespace homolog

@@ -1,0 +1,31 @@
+# Sourced by the scripts of this folder: installs the Debian packages that are missing, and only those.
+
+build_packages="g++ cmake ninja-build pkg-config
+  libglfw3-dev libimgui-dev libstb-dev libfreetype-dev libglm-dev libepoxy-dev libegl-dev libgl-dev
+  libeigen3-dev libmetis-dev libopenmesh-dev libopenimageio-dev libinsighttoolkit5-dev libnifti2-dev
+  libbz2-dev zlib1g-dev libpugixml-dev libcli11-dev nlohmann-json3-dev libexpected-dev doctest-dev
+  fonts-inter fonts-fork-awesome libegl1 libgl1-mesa-dri"
+
+# install_missing PACKAGE…: needs neither root nor the network where everything is there already.
+install_missing() {
+  local missing="" package as_root=""
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing="$missing $package"
+  done
+  [ -n "$missing" ] || return 0
+  if [ "$(id -u)" != 0 ]; then
+    command -v sudo >/dev/null || { echo "These Debian packages are missing; install them as root:$missing" >&2; return 1; }
+    as_root=sudo
+  fi
+  echo "Installing:$missing" >&2
+  $as_root apt-get update -qq &&
+    $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
+}
+
+# build PRESET [TARGET…]
+build() {
+  local preset=$1; shift
+  cmake --preset "$preset" >"build-$preset.log" 2>&1 || { cat "build-$preset.log" >&2; return 1; }
+  rm -f "build-$preset.log"
+  cmake --build --preset "$preset" ${1:+--target "$@"}
+}

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Every test there is, from a bare Debian 12 on: builds the release, checks formatting and lint, runs the unit tests, the
+# command-line contract, the pictures and the real window, then core and the editor's state under the sanitizers.
+# Closes with "N passed, N failed". Real data is looked for in HOMOLOG_DATA, else in ../shared/data.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+. scripts/packages.sh
+install_missing $build_packages xvfb xdotool imagemagick clang-format clang-tidy || exit 1
+
+passed=0 failed=0
+# step NAME COMMAND…: one check that passes or fails as a whole.
+step() {
+  local name=$1 start=$SECONDS; shift
+  if "$@"; then passed=$((passed + 1)); else failed=$((failed + 1)); echo "FAILED: $name" >&2; fi
+  echo "-- $name: $((SECONDS - start)) s"
+}
+# suite PRESET: the preset's ctest, counted test by test.
+suite() {
+  local preset=$1 start=$SECONDS log
+  log=$(mktemp)
+  ctest --test-dir "build/$preset" --output-on-failure -j2 2>&1 | tee "$log" | grep -vE '^ *(Start|[0-9]+/[0-9]+ Test .*Passed)'
+  local of bad
+  of=$(sed -n 's/.*tests failed out of \([0-9]*\).*/\1/p' "$log"); bad=$(sed -n 's/.*, \([0-9]*\) tests failed out of.*/\1/p' "$log")
+  [ -n "$of" ] || { of=1 bad=1; echo "FAILED: $preset ran no test" >&2; }
+  passed=$((passed + of - bad)) failed=$((failed + bad))
+  rm -f "$log"
+  echo "-- tests of $preset: $((SECONDS - start)) s"
+}
+
+step "release build" build release
+suite release
+step "formatting" bash -c 'git ls-files "*.cpp" "*.h" | xargs -r clang-format --dry-run -Werror'
+step "sanitized build (address, undefined)" build debug
+suite debug
+step "sanitized build (thread)" build tsan
+suite tsan
+echo "$passed passed, $failed failed"
+[ "$failed" = 0 ]

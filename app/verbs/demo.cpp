@@ -1,0 +1,122 @@
+#include <filesystem>
+
+#include "app/editor/demo.h"
+#include "app/editor/editor.h"
+#include "app/pictures/pictures.h"
+#include "app/verbs/verb.h"
+#include "core/base/picture_io.h"
+#include "core/case/case_file.h"
+#include "core/measure/compare.h"
+#include "core/mesh/isosurface.h"
+#include "core/mesh/label_map.h"
+#include "core/study/scripted_user.h"
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int demo_subject = 1;
+
+/// The whole job without a display: template, placement by landmarks, strokes, mesh, label map, pictures.
+class HeadlessDemo {
+ public:
+  HeadlessDemo(fs::path folder, Progress& progress) : folder_(std::move(folder)), progress_(progress) {}
+
+  Result<Report> play() {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    if (error) return fail(folder_.string(), "cannot be made (" + error.message() + "); choose another folder with -o");
+    auto document = demo_document(Organ::kidney, demo_subject);
+    if (!document) return fail(document.error());
+    auto session = create_case(std::move(*document), written("demo.homolog"));
+    if (!session) return fail(session.error());
+    const Volume truth = make_phantom(Organ::kidney, demo_subject).label_map;
+    for (const auto step : {&HeadlessDemo::adapt, &HeadlessDemo::export_mesh, &HeadlessDemo::export_pictures}) {
+      if (auto done = (this->*step)(*session, truth); !done) return fail(done.error());
+    }
+    report_.values["paths"] = paths_;
+    return report_;
+  }
+
+ private:
+  fs::path written(const char* name) {
+    paths_.push_back((folder_ / name).string());
+    return folder_ / name;
+  }
+
+  Result<void> adapt(EditSession& session, const Volume& truth) {
+    const auto before = compare_with_mask(session.document().mesh(), truth, 1);
+    const auto target = mask_surface(truth, 1);
+    if (!before || !target) return fail(before ? target.error() : before.error());
+    ScriptedUserOptions options;
+    options.most_pulls = 30;
+    options.progress = &progress_;
+    const auto pulled = pull_to_target(session, *target, options);
+    if (!pulled) return fail(pulled.error());
+    const auto after = compare_with_mask(session.document().mesh(), truth, 1);
+    if (!after) return fail(after.error());
+    report_.values["placed"] = {{"assd_mm", before->assd_mm}, {"dice", before->dice}};
+    report_.values["pulled"] = {{"pulls", pulled->pulls}, {"assd_mm", after->assd_mm}, {"dice", after->dice}};
+    return {};
+  }
+
+  Result<void> export_mesh(EditSession& session, const Volume& truth) {
+    const Mesh mesh = session.document().mesh();
+    MeshFile file = to_mesh_file(*session.document().reference);
+    if (auto done = write_mesh_file(file, written("template.ply")); !done) return done;
+    file.points = mesh.points;
+    file.landmarks.clear();
+    if (auto done = write_mesh_file(file, written("kidney.ply")); !done) return done;
+    const Volume labels = label_map(mesh, truth.geometry);
+    report_.values["volume_ml"] = static_cast<double>(labels_of(labels)[1]) * truth.geometry.voxel_volume_mm3() / 1000;
+    return write_volume(labels, written("kidney.nii.gz"));
+  }
+
+  Result<void> export_pictures(EditSession& session, const Volume&) {
+    PictureOptions options;
+    auto picture = case_picture(session.document(), options);
+    if (!picture) return fail(picture.error());
+    if (auto done = write_picture(picture->picture, written("case.png")); !done) return done;
+    options.height_px = options.width_px / 2;
+    const Mesh before{session.document().reference->topology, *session.document().shape().placed};
+    picture = correspondence_picture({before, session.document().mesh()}, options);
+    if (!picture) return fail(picture.error());
+    return write_picture(picture->picture, written("correspondence.png"));
+  }
+
+  fs::path folder_;
+  Progress& progress_;
+  std::vector<std::string> paths_;
+  Report report_;
+};
+
+bool has_display() {
+  return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app, VerbRun& run) {
+  struct Options {
+    bool headless = false;
+    fs::path folder = "homolog-demo";
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, "demo", "The built-in phantom case in the editor, ready to drag");
+  verb->add_flag("--headless", options->headless, "Without a window: plays the whole job and writes its files");
+  verb->add_option("-o,--output", options->folder, "Folder for the files of --headless");
+  verb->callback([options, &run] {
+    run = [options](Progress& progress) -> Result<Report> {
+      if (options->headless || !has_display()) return HeadlessDemo(options->folder, progress).play();
+      EditorOptions editor;
+      editor.demo = Organ::kidney;
+      if (run_editor(editor) != 0) return fail("", "The window could not be opened; use homolog demo --headless");
+      return Report{};
+    };
+  });
+}
+
+}  // namespace homolog

@@ -1,0 +1,245 @@
+// The command-line contract of docs/commands.md, checked on the program itself.
+#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/base/files.h"
+#include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
+#include "tests/real_data.h"
+#include "tests/shapes.h"
+#include "tests/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace homolog;
+using Json = nlohmann::json;
+
+namespace {
+
+struct Ran {
+  int status = -1;
+  std::string out, errors;
+  Json json() const { return Json::parse(out, nullptr, false); }
+};
+
+/// Runs the program with `arguments` as a shell would, without a display.
+Ran run(const TemporaryFolder& folder, const std::string& arguments) {
+  const fs::path errors = folder.path / "stderr";
+  const std::string command = "cd '" + folder.path.string() +
+                              "' && env -u DISPLAY -u WAYLAND_DISPLAY '" HOMOLOG_PROGRAM "' " + arguments + " 2>'" +
+                              errors.string() + "' </dev/null";
+  FILE* pipe = ::popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  Ran ran;
+  std::array<char, 4096> buffer{};
+  for (std::size_t got = 0; (got = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+    ran.out.append(buffer.data(), got);
+  const int status = ::pclose(pipe);
+  ran.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  ran.errors = read_whole_file(errors).value_or("");
+  return ran;
+}
+
+std::size_t lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+/// A refusal: status 1, nothing on stdout, one line on stderr that starts as the contract says and names `subject`.
+void check_refused(const Ran& ran, const std::string& subject) {
+  INFO(ran.errors);
+  CHECK(ran.status == 1);
+  CHECK(ran.out.empty());
+  CHECK(lines(ran.errors) == 1);
+  CHECK(ran.errors.rfind("homolog: ", 0) == 0);
+  CHECK(ran.errors.find(subject) != std::string::npos);
+}
+
+const char* all_verbs[] = {"demo",       "info",    "replay",  "compare",      "label-map",
+                           "mirror",     "phantom", "convert", "picture case", "picture correspondence",
+                           "study user", "bench"};
+
+}  // namespace
+
+TEST_CASE("help and version answer on stdout with status 0") {
+  const TemporaryFolder folder;
+  CHECK(run(folder, "--version").out.rfind("homolog ", 0) == 0);
+  CHECK(run(folder, "--help").status == 0);
+  for (const std::string verb : all_verbs) {
+    const Ran ran = run(folder, verb + " --help");
+    CHECK_MESSAGE(ran.status == 0, verb);
+    CHECK_MESSAGE(lines(ran.out) > 3, verb);
+  }
+}
+
+TEST_CASE("a wrong command line is one line with status 2 and where the help is") {
+  const TemporaryFolder folder;
+  for (const std::string wrong :
+       {"info", "info --wobble a.ply", "replay case.homolog", "compare a.ply", "phantom liver --subject 1 -o x",
+        "label-map a.ply --like b.nii -o c.nii --value zero", "mirror a.ply -o b.ply --plane oblique",
+        "compare a.ply --mask m.nii --mesh b.ply", "replay a -o b --spacing 2", "study", "picture"}) {
+    const Ran ran = run(folder, wrong);
+    INFO(wrong << ": " << ran.errors);
+    CHECK(ran.status == 2);
+    CHECK(ran.out.empty());
+    CHECK(lines(ran.errors) == 1);
+    CHECK(ran.errors.find("--help") != std::string::npos);
+  }
+}
+
+TEST_CASE("info of a mesh reports every figure of the contract") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(shapes::icosphere(3, 40), folder.path / "ball.ply"));
+  const Ran ran = run(folder, "info ball.ply --json");
+  REQUIRE(ran.status == 0);
+  const Json info = ran.json();
+  CHECK(info["kind"] == "mesh");
+  CHECK(info["vertices"] == 642);
+  CHECK(info["faces"] == 1280);
+  CHECK(info["components"] == 1);
+  CHECK(info["genus"] == 0);
+  CHECK(info["closed"] == true);
+  CHECK(info["oriented"] == true);
+  CHECK(info["self_intersections"] == 0);
+  CHECK(info["bounds_mm"][1][2].get<double>() == doctest::Approx(40));
+  for (const char* key : {"mean", "cv", "min", "max"}) CHECK(info["edge_length_mm"][key].is_number());
+  CHECK(info["min_angle_deg"].get<double>() > 40);
+}
+
+TEST_CASE("a refusal is one line that names the file and leaves nothing half-written") {
+  const TemporaryFolder folder;
+  check_refused(run(folder, "info absent.ply"), "absent.ply");
+  std::ofstream(folder.path / "broken.ply") << "ply\nformat ascii 1.0\nelement vertex 3\nend_header\n";
+  check_refused(run(folder, "info broken.ply --json"), "broken.ply");
+  check_refused(run(folder, "convert broken.ply out.vtk"), "broken.ply");
+  CHECK(!fs::exists(folder.path / "out.vtk"));
+  std::ofstream(folder.path / "broken.nii.gz") << "not a scan";
+  check_refused(run(folder, "info broken.nii.gz"), "broken.nii.gz");
+  REQUIRE(write_mesh(shapes::icosphere(2, 40), folder.path / "ball.ply"));
+  check_refused(run(folder, "convert ball.ply nowhere/ball.ply"), "nowhere/ball.ply");
+  check_refused(run(folder, "convert ball.ply ball.nii.gz"), "ball.nii.gz");
+}
+
+TEST_CASE("meshes that cannot carry correspondence are refused with the fault named") {
+  const TemporaryFolder folder;
+  const auto refuse = [&](const std::string& body, const std::string& fault) {
+    std::ofstream(folder.path / "bad.obj") << body;
+    const Ran ran = run(folder, "info bad.obj");
+    check_refused(ran, "bad.obj");
+    CHECK_MESSAGE(ran.errors.find(fault) != std::string::npos, ran.errors);
+  };
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  refuse("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "vertex");
+  refuse(corners + "v 5 5 5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", "vertex 4");
+  refuse(corners + "v 1 1 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n", "edge");
+  refuse(corners, "face");
+}
+
+TEST_CASE("UTF-8 paths work in every place") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(shapes::icosphere(2, 40), folder.path / "Nière–腎臓.ply"));
+  CHECK(run(folder, "convert 'Nière–腎臓.ply' 'Ça va.vtk'").status == 0);
+  CHECK(fs::exists(folder.path / "Ça va.vtk"));
+}
+
+TEST_CASE("a phantom goes through replay and compare and label map") {
+  const TemporaryFolder folder;
+  const Ran made = run(folder, "phantom kidney --subject 2 -o phantom --json");
+  REQUIRE(made.status == 0);
+  const Json paths = made.json()["paths"];
+  REQUIRE(paths.size() == 4);
+  const std::string image = paths[0], labels = paths[1], truth = paths[2];
+  const Ran user = run(
+      folder, "study user built-in:kidney --mask " + labels + " --image " + image + " --pulls 6 -o k.homolog --json");
+  REQUIRE_MESSAGE(user.status == 0, user.errors);
+  const Ran played = run(folder, "replay k.homolog -o k.ply --json");
+  REQUIRE_MESSAGE(played.status == 0, played.errors);
+  CHECK(played.json()["strokes"] == user.json()["pulls"]);
+  CHECK(played.json()["turned_triangles"] == 0);
+  const Ran compared = run(folder, "compare k.ply --mask " + labels + " --json");
+  REQUIRE(compared.status == 0);
+  CHECK(compared.json()["assd_mm"].get<double>() == doctest::Approx(user.json()["assd_mm"].get<double>()));
+  CHECK(run(folder, "compare k.ply --mesh " + truth + " --json").json()["vertex_distance_mm"]["mean"].is_number());
+  const Ran voxels = run(folder, "label-map k.ply --like " + image + " -o k.nii.gz --value 7 --json");
+  REQUIRE(voxels.status == 0);
+  CHECK(labels_of(read_volume(folder.path / "k.nii.gz")->volume).at(7) == voxels.json()["voxels"].get<std::size_t>());
+  CHECK(compared.json()["dice"].get<double>() > 0.8);
+
+  const Ran raw = run(folder, "replay k.homolog -o raw.ply --scheme raw --json");
+  CHECK(raw.status == 0);
+  CHECK(read_mesh(folder.path / "raw.ply")->points != read_mesh(folder.path / "k.ply")->points);
+  check_refused(run(folder, "replay k.homolog -o k2.ply --frame 3"), "k.homolog");
+  CHECK(run(folder, "info k.homolog --json").json()["kind"] == "case");
+}
+
+TEST_CASE("a mirrored template keeps its numbering and turns its faces") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(shapes::icosphere(2, 40, Vec3(100, 20, 30)), folder.path / "right.ply"));
+  REQUIRE(run(folder, "mirror right.ply -o left.ply").status == 0);
+  const Mesh right = read_mesh(folder.path / "right.ply").value(), left = read_mesh(folder.path / "left.ply").value();
+  CHECK(left.points.col(0) == -right.points.col(0));
+  CHECK(left.points.col(1) == right.points.col(1));
+  CHECK(run(folder, "info left.ply --json").json()["volume_ml"].get<double>() > 0);
+}
+
+TEST_CASE("pictures are written at the size asked for") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(shapes::icosphere(3, 40), folder.path / "a.ply"));
+  REQUIRE(write_mesh(shapes::icosphere(3, 45), folder.path / "b.ply"));
+  REQUIRE(write_mesh(shapes::icosphere(2, 45), folder.path / "c.ply"));
+  const Ran ran =
+      run(folder, "picture correspondence a.ply b.ply -o ab.png --size 400x200 --view 1,-1,0.5 --transparent --json");
+  if (ran.status == 1 && ran.errors.find("OpenGL") != std::string::npos) {
+    MESSAGE("skipped: no OpenGL here");
+    return;
+  }
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["size"] == Json::array({400, 200}));
+  CHECK(ran.json()["glyphs"].get<int>() > 10);
+  CHECK(fs::file_size(folder.path / "ab.png") > 1000);
+  check_refused(run(folder, "picture correspondence a.ply c.ply -o ac.png"), "c.ply");
+  check_refused(run(folder, "picture correspondence a.ply -o a.png --view sideways"), "sideways");
+}
+
+TEST_CASE("the demo plays the whole job without a display") {
+  const TemporaryFolder folder;
+  const Ran ran = run(folder, "demo --headless -o out --json");
+  if (ran.status == 1 && ran.errors.find("OpenGL") != std::string::npos) {
+    MESSAGE("skipped: no OpenGL here");
+    return;
+  }
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  for (const std::string path : ran.json()["paths"]) CHECK_MESSAGE(fs::exists(folder.path / path), path);
+  CHECK(ran.json()["pulled"]["assd_mm"].get<double>() < ran.json()["placed"]["assd_mm"].get<double>());
+  CHECK(run(folder, "replay out/demo.homolog -o again.ply").status == 0);
+  CHECK(read_mesh(folder.path / "again.ply")->points == read_mesh(folder.path / "out/kidney.ply")->points);
+}
+
+TEST_CASE("real scans: three organs adapted by boundary pulls from case files come within 1.5 mm") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  const TemporaryFolder folder;
+  const std::string image = "'" + (data / "ct/totalseg_example_ct_3mm.nii.gz").string() + "'";
+  const std::string mask = "'" + (data / "ct/totalseg_example_ct_3mm_label.nii.gz").string() + "'";
+  struct Organ {
+    std::string reference, label, extra;
+  };
+  for (const Organ& organ : {Organ{"kidney", "1", ""}, Organ{"kidney", "2", " --mirror"}, Organ{"vertebra", "5", ""}}) {
+    const std::string name = organ.reference + organ.label;
+    const Ran user =
+        run(folder, "study user built-in:" + organ.reference + " --mask " + mask + " --label " + organ.label +
+                        " --image " + image + organ.extra + " -o " + name + ".homolog --json");
+    REQUIRE_MESSAGE(user.status == 0, user.errors);
+    const Ran played = run(folder, "replay " + name + ".homolog -o " + name + ".ply --json");
+    REQUIRE_MESSAGE(played.status == 0, played.errors);
+    CHECK(played.json()["turned_triangles"] == 0);
+    const Ran compared = run(folder, "compare " + name + ".ply --mask " + mask + " --label " + organ.label + " --json");
+    REQUIRE_MESSAGE(compared.status == 0, compared.errors);
+    CHECK_MESSAGE(compared.json()["assd_mm"].get<double>() <= 1.5, name);
+  }
+  check_refused(run(folder, "compare kidney1.ply --mask " + mask), "totalseg_example_ct_3mm_label.nii.gz");
+}

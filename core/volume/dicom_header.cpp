@@ -1,5 +1,6 @@
 #include "core/volume/dicom_header.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace homolog {
@@ -71,15 +72,23 @@ DicomPlane plane_from(const DicomItem& data, std::size_t index, bool big_endian)
   return plane;
 }
 
-/// The number of planes; a damaged one counts as one.
+/// The number of planes; where the file's own is damaged, what its pixels hold.
 std::size_t plane_count(const DicomItem& data, DicomHeader& header) {
   const std::string text = text_of(data, tag::frame_count);
   if (text.empty()) return 1;
-  if (const auto number = number_of(data, tag::frame_count); number && *number >= 1 && *number < 1e6)
+  constexpr double most = 1e6;
+  if (const auto number = number_of(data, tag::frame_count); number && *number >= 1 && *number < most)
     return static_cast<std::size_t>(*number);
+  const double plane_bytes = static_cast<double>(header.rows) * header.columns * header.bits_allocated / 8;
+  double planes = 1;
+  if (header.pixels && header.pixels->fragments > 0)
+    planes = static_cast<double>(header.pixels->fragments);
+  else if (header.pixels && plane_bytes > 0)
+    planes = std::floor(static_cast<double>(header.pixels->bytes) / plane_bytes);
+  planes = std::clamp(planes, 1.0, most);
   header.warnings.push_back(header.path.string() + ": its number of frames, \"" + text +
-                            "\", is no number; it is read as one frame");
-  return 1;
+                            "\", is no number; its pixels hold " + std::to_string(static_cast<int>(planes)));
+  return static_cast<std::size_t>(planes);
 }
 
 }  // namespace

@@ -1,12 +1,19 @@
 #include "core/volume/readers.h"
 
 #include <bit>
+#include <cctype>
 #include <limits>
 
 namespace homolog {
 
 bool native_big_endian() {
   return std::endian::native == std::endian::big;
+}
+
+std::string lower_case_name(const std::filesystem::path& path) {
+  std::string name = path.filename().string();
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
 }
 
 Result<VolumeGeometry> make_geometry(const std::filesystem::path& path, const std::array<std::int64_t, 3>& dims,
@@ -22,8 +29,8 @@ Result<VolumeGeometry> make_geometry(const std::filesystem::path& path, const st
   if (!origin_mm.allFinite() || !lengths.allFinite() || lengths.minCoeff() <= 0)
     return fail(path.string(), "gives its voxels no size or place; its header is damaged, export the volume again");
   geometry.spacing_mm = lengths;
-  geometry.origin_mm = origin_mm;
-  geometry.direction = steps_mm * lengths.cwiseInverse().asDiagonal();
+  geometry.origin_mm = origin_mm.array() + 0.0;  // no negative zeros in reports
+  geometry.direction = (steps_mm * lengths.cwiseInverse().asDiagonal()).array() + 0.0;
   // Files keep directions in single precision or a few decimals; a thousandth is half a voxel in 500.
   const Mat3 turned_back = geometry.direction.transpose() * geometry.direction;
   if ((turned_back - Mat3::Identity()).cwiseAbs().maxCoeff() > 1e-3)

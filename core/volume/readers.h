@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,12 @@ Result<VolumeRead> read_dicom_file(const std::filesystem::path& path, Progress* 
 Result<VolumeRead> read_dicom_folder(const std::filesystem::path& folder, const std::string& series_uid,
                                      Progress* progress);
 
+/// Slices of a folder in the order of their names, or the pages of one file.
+Result<VolumeRead> read_stack(const std::filesystem::path& path, const std::optional<Vec3>& spacing_mm,
+                              Progress* progress);
+/// Whether a name is that of a PNG or TIFF file.
+bool is_picture_name(const std::filesystem::path& path);
+
 /// The grid whose axis a steps by the vector `steps_mm.col(a)`. Fails on sizes that are none, on axes that are not at
 /// right angles and on steps of length zero.
 Result<VolumeGeometry> make_geometry(const std::filesystem::path& path, const std::array<std::int64_t, 3>& dims,
@@ -36,6 +43,9 @@ struct VoxelRun {
 /// Reads all voxels of a geometry and its frames; the claim is checked against the file and the memory first.
 Result<StoredVoxels> read_run(const VoxelRun& run, const VolumeGeometry& geometry, std::int64_t frames, bool rescaled,
                               Progress* progress);
+
+/// A file's name without its folder, in lower case: what extensions are compared with.
+std::string lower_case_name(const std::filesystem::path& path);
 
 /// Whether this machine stores the most significant byte first.
 bool native_big_endian();

@@ -1,0 +1,53 @@
+#include "core/base/picture_io.h"
+
+#include <dlfcn.h>
+
+#include "core/base/files.h"
+#include "core/base/picture_module.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+Result<const PictureModule*> load_module() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path folder = program.parent_path();
+  std::string reason = "not found";
+  // Beside the program; the tests lie one folder below it.
+  for (const fs::path& candidate : {folder / HOMOLOG_PICTURES, folder.parent_path() / HOMOLOG_PICTURES}) {
+    if (!fs::exists(candidate, error)) continue;
+    if (void* library = ::dlopen(candidate.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+      if (void* entry = ::dlsym(library, picture_module_entry)) return reinterpret_cast<PictureModuleEntry>(entry)();
+    }
+    if (const char* text = ::dlerror()) reason = text;
+  }
+  return fail((folder / HOMOLOG_PICTURES).string(),
+              "cannot be loaded (" + reason +
+                  "), so that pictures can be neither read nor written; build or install "
+                  "the program again");
+}
+
+}  // namespace
+
+Result<const PictureModule*> picture_module() {
+  static const Result<const PictureModule*> module = load_module();
+  return module;
+}
+
+Result<void> write_picture(const Picture& picture, const fs::path& path) {
+  const auto module = picture_module();
+  if (!module) return fail(module.error());
+  return write_through_temporary(path, [&](const fs::path& temporary) { return (*module)->write(picture, temporary); });
+}
+
+Result<Picture> read_picture(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return fail(path.string(), "does not exist; check the name");
+  const auto module = picture_module();
+  if (!module) return fail(module.error());
+  return (*module)->read(path);
+}
+
+}  // namespace homolog

@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <cctype>
+
+#include "core/base/picture_module.h"
+#include "core/volume/readers.h"
+
+// Stacks of PNG or TIFF slices, through the picture module.
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+StoredType stored_type(PictureValues values) {
+  switch (values) {
+    case PictureValues::Uint8:
+      return StoredType::Uint8;
+    case PictureValues::Int8:
+      return StoredType::Int8;
+    case PictureValues::Uint16:
+      return StoredType::Uint16;
+    case PictureValues::Int16:
+      return StoredType::Int16;
+    case PictureValues::Uint32:
+      return StoredType::Uint32;
+    case PictureValues::Int32:
+      return StoredType::Int32;
+    case PictureValues::Float32:
+      return StoredType::Float32;
+    default:
+      return StoredType::Float64;
+  }
+}
+
+/// slice2 before slice10: runs of digits are compared as numbers.
+bool natural_less(const std::string& a, const std::string& b) {
+  const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (digit(a[i]) && digit(b[j])) {
+      while (i < a.size() && a[i] == '0') ++i;
+      while (j < b.size() && b[j] == '0') ++j;
+      const std::size_t begin_a = i, begin_b = j;
+      while (i < a.size() && digit(a[i])) ++i;
+      while (j < b.size() && digit(b[j])) ++j;
+      if (i - begin_a != j - begin_b) return i - begin_a < j - begin_b;
+      const int order = a.compare(begin_a, i - begin_a, b, begin_b, j - begin_b);
+      if (order != 0) return order < 0;
+    } else {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i;
+      ++j;
+    }
+  }
+  return a.size() - i < b.size() - j;
+}
+
+struct Stack {
+  std::vector<fs::path> files;
+  PicturePages pages;  ///< of every file
+};
+
+Result<Stack> find_stack(const fs::path& path, const PictureModule& module) {
+  Stack stack;
+  if (fs::is_directory(path)) {
+    for (const auto& entry : fs::directory_iterator(path))
+      if (entry.is_regular_file() && is_picture_name(entry.path())) stack.files.push_back(entry.path());
+    std::sort(stack.files.begin(), stack.files.end(), [](const fs::path& a, const fs::path& b) {
+      return natural_less(a.filename().string(), b.filename().string());
+    });
+  } else {
+    stack.files.push_back(path);
+  }
+  for (const fs::path& file : stack.files) {
+    const auto pages = module.pages(file);
+    if (!pages) return fail(pages.error());
+    if (file == stack.files.front()) stack.pages = *pages;
+    if (*pages != stack.pages)
+      return fail(path.string(), "mixes slices of different sizes or types (" +
+                                     stack.files.front().filename().string() + " and " + file.filename().string() +
+                                     "); keep those of one stack");
+  }
+  return stack;
+}
+
+}  // namespace
+
+bool is_picture_name(const fs::path& path) {
+  const std::string name = lower_case_name(path);
+  return name.ends_with(".png") || name.ends_with(".tif") || name.ends_with(".tiff");
+}
+
+Result<VolumeRead> read_stack(const fs::path& path, const std::optional<Vec3>& spacing_mm, Progress* progress) {
+  if (!spacing_mm)
+    return fail(path.string(),
+                "is a stack of pictures, which do not say how large a voxel is; give it in mm with "
+                "--spacing X,Y,Z");
+  const auto module = picture_module();
+  if (!module) return fail(module.error());
+  const auto stack = find_stack(path, **module);
+  if (!stack) return fail(stack.error());
+  const auto& [width, height, pages, values] = stack->pages;
+  const auto slices = static_cast<std::int64_t>(stack->files.size()) * pages;
+
+  VolumeRead result;
+  // Pictures say nothing of the patient: columns to the left, rows to the back, slices to the head.
+  auto geometry = make_geometry(path, {width, height, slices}, spacing_mm->asDiagonal(), Vec3::Zero());
+  if (!geometry) return fail(geometry.error());
+  result.volume.geometry = *geometry;
+  const StoredType type = stored_type(values);
+  if (const auto enough = check_memory(path, bytes_while_reading(type, static_cast<double>(geometry->voxels()), false));
+      !enough)
+    return fail(enough.error());
+  StoredVoxels stored = make_stored_voxels(type, geometry->voxels());
+  const auto bytes = bytes_of(stored);
+  const std::size_t page_bytes = bytes.size() / static_cast<std::size_t>(slices);
+  for (std::int64_t slice = 0; slice < slices; ++slice) {
+    if (progress) {
+      if (progress->cancelled()) return fail(path.string(), "was not read: cancelled");
+      progress->report(static_cast<double>(slice) / static_cast<double>(slices));
+    }
+    const fs::path& file = stack->files[static_cast<std::size_t>(slice / pages)];
+    const auto out = bytes.subspan(static_cast<std::size_t>(slice) * page_bytes, page_bytes);
+    if (const auto read = (*module)->read_page(file, static_cast<int>(slice % pages), out); !read)
+      return fail(read.error());
+  }
+  if (auto kept = keep_voxels(std::move(stored), {}, path.string(), result.volume, result.warnings); !kept)
+    return fail(kept.error());
+  return result;
+}
+
+}  // namespace homolog

@@ -9,16 +9,18 @@
 
 namespace homolog {
 
-/// How well two closed surfaces agree. Distances are surface to surface, area-weighted, both directions, in mm.
+/// How well two surfaces agree. Distances are exact ones from points of each surface to the other surface, in mm, the
+/// points at the centres of equal parts of every face, none larger than 1/20,000 of the surface, weighted by area.
 struct Agreement {
   double dice = 0;
-  double assd_mm = 0;                                   ///< average symmetric surface distance
+  double assd_mm = 0;                                   ///< mean over both surfaces' area together
   double hd95_mm = 0;                                   ///< the larger of the two directions' 95th percentiles
-  double hausdorff_mm = 0;                              ///< the largest distance either way
+  double hausdorff_mm = 0;                              ///< the largest either way, vertices looked at too
   std::optional<double> vertex_mean_mm, vertex_max_mm;  ///< between equal indices, where topologies are equal
 };
 
-/// Against another mesh; Dice on a 0.5 mm grid (open meshes capped flat).
+/// Against another mesh; Dice on a 0.5 mm grid, open meshes capped flat (coarser by powers of 2 beyond 2³¹ voxels; 1
+/// where both meshes are too small to hold a voxel).
 Agreement compare_meshes(const Mesh& a, const Mesh& b);
 
 /// Against label `label` of a mask: surfaces against the mask's 0.5 isosurface, Dice on the mask's grid.

@@ -58,7 +58,8 @@ unsigned faces_of_edge(std::uint8_t edge) {
   return 1u << (2 * b + (edge & 1u)) | 1u << (2 * c + (edge >> 1 & 1u));
 }
 
-/// Triangles of loop[first … last], whose closing edge is (last, first); every other inner edge joins faces that differ.
+/// Triangles of loop[first … last], whose closing edge is (last, first); every other inner edge joins faces that
+/// differ.
 bool triangulate(const Loop& loop, std::size_t first, std::size_t last, std::vector<CubeCases::Triangle>& triangles) {
   if (last - first < 2) return true;
   const auto allowed = [&](std::size_t a, std::size_t b) {

@@ -62,8 +62,8 @@ class Marcher {
   void march(const Slice& below, const Slice& above, int k) {
     for (int j = 0; j + 1 < height_; ++j) {
       const std::array rows{below.row(j), below.row(j + 1), above.row(j), above.row(j + 1)};
-      const int first =
-          std::min({below.first[index(j)], below.first[index(j + 1)], above.first[index(j)], above.first[index(j + 1)]});
+      const int first = std::min(
+          {below.first[index(j)], below.first[index(j + 1)], above.first[index(j)], above.first[index(j + 1)]});
       const int last =
           std::max({below.last[index(j)], below.last[index(j + 1)], above.last[index(j)], above.last[index(j + 1)]});
       unsigned cube = 0;
@@ -119,7 +119,7 @@ void read_slice(const Volume& mask, int label, int frame, int k, Slice& slice) {
         auto voxel = voxels.begin() + static_cast<std::ptrdiff_t>(start);
         for (int j = 1; j <= size_j; ++j)
           for (int i = 1; i <= size_i; ++i)
-            if (static_cast<double>(*voxel++) == label) slice.set(i, j);
+            if (has_label(*voxel++, label)) slice.set(i, j);
       },
       mask.data);
 }
@@ -143,8 +143,8 @@ Result<Mesh> mask_surface(const Volume& mask, int label, int frame) {
   mesh.points.resize(static_cast<Eigen::Index>(marcher.vertices().size()), 3);
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
     mesh.points.row(v) = grid.to_mm(marcher.vertices()[static_cast<std::size_t>(v)] - Vec3::Ones());
-  Triangles triangles = Eigen::Map<const Triangles>(marcher.corners().data(),
-                                                    static_cast<Eigen::Index>(marcher.corners().size() / 3), 3);
+  Triangles triangles =
+      Eigen::Map<const Triangles>(marcher.corners().data(), static_cast<Eigen::Index>(marcher.corners().size() / 3), 3);
   if (grid.direction.determinant() < 0) triangles.col(1).swap(triangles.col(2));
   auto topology = Topology::make(mesh.points.rows(), std::move(triangles));
   if (!topology) return fail(topology.error());

@@ -1,10 +1,22 @@
 #pragma once
 
+#include <cmath>
+#include <type_traits>
+
 #include "core/base/result.h"
 #include "core/mesh/topology.h"
 #include "core/volume/volume.h"
 
 namespace homolog {
+
+/// Whether a voxel of a label map has a label; floats are rounded, as labels_of() does.
+template <class T>
+bool has_label(T voxel, int label) {
+  if constexpr (std::is_floating_point_v<T>)
+    return std::rint(voxel) == static_cast<T>(label);
+  else
+    return voxel == label;
+}
 
 /// The 0.5 isosurface of the voxels that equal `label` (1 inside, 0 outside, 0 beyond the grid), LPS mm, by marching
 /// cubes: closed, manifold, outward oriented, whatever the handedness of the grid. Errors: the label does not occur.

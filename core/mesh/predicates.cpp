@@ -1,91 +1,96 @@
 #include "core/mesh/predicates.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
-#include <vector>
 
 namespace homolog {
 namespace {
 
 constexpr double half_ulp = std::numeric_limits<double>::epsilon() / 2;
 
-/// An exact sum of doubles that do not overlap, by increasing magnitude.
-using Expansion = std::vector<double>;
-
 int sign_of(double x) {
   return (x > 0) - (x < 0);
 }
 
-/// x + y as rounded sum and its error, exactly (Two-Sum).
-std::pair<double, double> two_sum(double x, double y) {
-  const double sum = x + y, part = sum - x;
-  return {sum, (x - (sum - part)) + (y - part)};
-}
+/// An exact sum of at most `capacity` doubles that do not overlap, none of them zero, by increasing magnitude.
+template <std::size_t capacity>
+struct Expansion {
+  std::array<double, capacity> terms;  // left uninitialised beyond `size`
+  std::size_t size = 0;
 
-Expansion operator+(Expansion sum, const Expansion& terms) {
-  for (double carry : terms) {  // Grow-Expansion, once a term
-    for (double& component : sum) {
-      const auto [high, low] = two_sum(carry, component);
-      component = low;
-      carry = high;
+  /// Adds a number (Grow-Expansion, its sums by Two-Sum).
+  void add(double x) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const double sum = x + terms[i], part = sum - x;
+      const double error = (x - (sum - part)) + (terms[i] - part);
+      if (error != 0) terms[kept++] = error;
+      x = sum;
     }
-    sum.push_back(carry);
+    if (x != 0) terms[kept++] = x;
+    size = kept;
   }
-  return sum;
+  int sign() const { return size == 0 ? 0 : sign_of(terms[size - 1]); }
+};
+
+template <std::size_t a_size, std::size_t b_size>
+Expansion<a_size + b_size> sum(const Expansion<a_size>& a, const Expansion<b_size>& b, double b_sign = 1) {
+  Expansion<a_size + b_size> result;
+  for (std::size_t i = 0; i < a.size; ++i) result.terms[i] = a.terms[i];
+  result.size = a.size;
+  for (std::size_t i = 0; i < b.size; ++i) result.add(b_sign * b.terms[i]);
+  return result;
 }
 
-Expansion operator*(const Expansion& a, const Expansion& b) {
-  Expansion product;
-  for (const double x : a)
-    for (const double y : b) product = std::move(product) + Expansion{std::fma(x, y, -(x * y)), x * y};
-  return product;
+template <std::size_t a_size, std::size_t b_size>
+Expansion<2 * a_size * b_size> product(const Expansion<a_size>& a, const Expansion<b_size>& b) {
+  Expansion<2 * a_size * b_size> result;
+  for (std::size_t i = 0; i < a.size; ++i) {
+    for (std::size_t j = 0; j < b.size; ++j) {
+      const double rounded = a.terms[i] * b.terms[j];
+      result.add(std::fma(a.terms[i], b.terms[j], -rounded));
+      result.add(rounded);
+    }
+  }
+  return result;
 }
 
-Expansion operator-(Expansion a) {
-  for (double& component : a) component = -component;
-  return a;
+Expansion<2> difference(double x, double y) {
+  Expansion<2> result;
+  result.add(x);
+  result.add(-y);
+  return result;
 }
 
-Expansion difference(double x, double y) {
-  const auto [high, low] = two_sum(x, -y);
-  return {low, high};
-}
-
-int sign_of(const Expansion& e) {
-  for (auto component = e.rbegin(); component != e.rend(); ++component)
-    if (*component != 0) return sign_of(*component);
-  return 0;
+/// a · d − b · c
+Expansion<16> determinant(const Expansion<2>& a, const Expansion<2>& b, const Expansion<2>& c, const Expansion<2>& d) {
+  return sum(product(a, d), product(b, c), -1);
 }
 
 int exact_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  Expansion rows[3][3];
-  for (int k = 0; k < 3; ++k) {
-    rows[0][k] = difference(b[k], a[k]);
-    rows[1][k] = difference(c[k], a[k]);
-    rows[2][k] = difference(d[k], a[k]);
-  }
-  Expansion determinant;
-  for (int k = 0; k < 3; ++k) {
-    const int l = (k + 1) % 3, m = (k + 2) % 3;
-    const Expansion minor = rows[1][l] * rows[2][m] + -(rows[1][m] * rows[2][l]);
-    determinant = std::move(determinant) + rows[0][k] * minor;
-  }
-  return sign_of(determinant);
+  const auto row = [&a](const Vec3& p) {
+    return std::array{difference(p.x(), a.x()), difference(p.y(), a.y()), difference(p.z(), a.z())};
+  };
+  const auto u = row(b), v = row(c), w = row(d);
+  const auto x = product(u[0], determinant(v[1], v[2], w[1], w[2]));
+  const auto y = product(u[1], determinant(v[2], v[0], w[2], w[0]));
+  const auto z = product(u[2], determinant(v[0], v[1], w[0], w[1]));
+  return sum(sum(x, y), z).sign();
 }
 
 }  // namespace
 
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 u = b - a, v = c - a, w = d - a;
-  double determinant = 0, permanent = 0;
+  double value = 0, permanent = 0;
   for (int k = 0; k < 3; ++k) {
     const double p = v[(k + 1) % 3] * w[(k + 2) % 3], q = v[(k + 2) % 3] * w[(k + 1) % 3];
-    determinant += u[k] * (p - q);
+    value += u[k] * (p - q);
     permanent += std::abs(u[k]) * (std::abs(p) + std::abs(q));
   }
   constexpr double bound = (7 + 56 * half_ulp) * half_ulp;
-  if (std::abs(determinant) > bound * permanent) return sign_of(determinant);
+  if (std::abs(value) > bound * permanent) return sign_of(value);
   return exact_orientation(a, b, c, d);
 }
 
@@ -94,8 +99,9 @@ int orientation(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen:
   const double p = u.x() * v.y(), q = u.y() * v.x();
   constexpr double bound = (3 + 16 * half_ulp) * half_ulp;
   if (std::abs(p - q) > bound * (std::abs(p) + std::abs(q))) return sign_of(p - q);
-  return sign_of(difference(b.x(), a.x()) * difference(c.y(), a.y()) +
-                 -(difference(b.y(), a.y()) * difference(c.x(), a.x())));
+  return determinant(difference(b.x(), a.x()), difference(b.y(), a.y()), difference(c.x(), a.x()),
+                     difference(c.y(), a.y()))
+      .sign();
 }
 
 }  // namespace homolog

@@ -62,9 +62,12 @@ class Face {
   }
   /// First voxel i, at most `size`, whose centre lies behind the face on the ray through (j, k), which it covers.
   int first_behind(int j, int k, int size) const {
-    const auto behind = [&](int i) { return orientation(corners_[0], corners_[1], corners_[2], Vec3(i, j, k)) * turn_ >= 0; };
+    const auto behind = [&](int i) {
+      return orientation(corners_[0], corners_[1], corners_[2], Vec3(i, j, k)) * turn_ >= 0;
+    };
     const Vec3 normal = (corners_[1] - corners_[0]).cross(corners_[2] - corners_[0]);
-    const double crossing = corners_[0].x() - (normal.y() * (j - corners_[0].y()) + normal.z() * (k - corners_[0].z())) / normal.x();
+    const double crossing =
+        corners_[0].x() - (normal.y() * (j - corners_[0].y()) + normal.z() * (k - corners_[0].z())) / normal.x();
     int i = !(crossing > 0) ? 0 : crossing < size ? static_cast<int>(std::ceil(crossing)) : size;
     while (i > 0 && behind(i - 1)) --i;
     while (i < size && !behind(i)) ++i;
@@ -111,7 +114,8 @@ std::vector<std::uint8_t> voxelise(const Mesh& mesh, const VolumeGeometry& grid)
   for (std::size_t row = 0; row < row_is_crossed.size(); ++row) {
     if (!row_is_crossed[row]) continue;
     std::uint8_t parity = 0;
-    for (std::uint8_t* voxel = inside.data() + row * row_length; voxel != inside.data() + (row + 1) * row_length; ++voxel)
+    for (std::uint8_t* voxel = inside.data() + row * row_length; voxel != inside.data() + (row + 1) * row_length;
+         ++voxel)
       *voxel = parity ^= *voxel;
   }
   return inside;

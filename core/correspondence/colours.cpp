@@ -1,0 +1,146 @@
+#include "core/correspondence/colours.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+
+namespace homolog {
+namespace {
+
+std::size_t index(Eigen::Index i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// |number[i] − number[j]| of every edge, in no order.
+std::vector<std::int32_t> edge_steps(const Topology& topology, const std::vector<std::int32_t>& number) {
+  std::vector<std::int32_t> steps;
+  steps.reserve(topology.edges().size());
+  for (const auto& [a, b] : topology.edges()) steps.push_back(std::abs(number[index(a)] - number[index(b)]));
+  return steps;
+}
+
+std::int32_t median(std::vector<std::int32_t> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// A ring × sector grid steps by 1 around a ring, by the ring's length along the axis, and by one more or less across:
+/// three steps make up nearly all of its edges.
+bool is_grid(const std::vector<std::int32_t>& steps) {
+  std::unordered_map<std::int32_t, std::size_t> counts;
+  for (const std::int32_t step : steps) ++counts[step];
+  std::vector<std::size_t> sizes;
+  for (const auto& [step, count] : counts) sizes.push_back(count);
+  std::sort(sizes.rbegin(), sizes.rend());
+  const std::size_t commonest =
+      std::accumulate(sizes.begin(), sizes.begin() + std::min<std::ptrdiff_t>(3, std::ssize(sizes)), std::size_t{0});
+  return counts.contains(1) && 5 * commonest >= 4 * steps.size();
+}
+
+std::vector<std::int32_t> indices_of(const Topology& topology) {
+  std::vector<std::int32_t> indices(index(topology.vertices()));
+  std::iota(indices.begin(), indices.end(), 0);
+  return indices;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> breadth_first_rank(const Topology& topology, std::int32_t first) {
+  assert(first >= 0 && first < topology.vertices());
+  std::vector<std::int32_t> rank(index(topology.vertices()), -1), queue;
+  queue.reserve(rank.size());
+  const auto visit = [&](std::int32_t v) {
+    if (rank[index(v)] >= 0) return;
+    rank[index(v)] = static_cast<std::int32_t>(queue.size());
+    queue.push_back(v);
+  };
+  std::size_t next = 0;
+  const auto search_from = [&](std::int32_t start) {
+    for (visit(start); next < queue.size(); ++next)
+      for (const std::int32_t w : topology.one_ring(queue[next])) visit(w);
+  };
+  search_from(first);
+  for (std::int32_t v = 0; v < topology.vertices(); ++v) search_from(v);
+  return rank;
+}
+
+bool indices_are_local(const Topology& topology) {
+  const auto steps = edge_steps(topology, indices_of(topology));
+  return is_grid(steps) || median(steps) <= 2 * median(edge_steps(topology, breadth_first_rank(topology)));
+}
+
+std::vector<float> landmark_hues(const Topology& topology) {
+  const auto number = indices_are_local(topology) ? indices_of(topology) : breadth_first_rank(topology);
+  std::vector<float> hues(number.size());
+  for (std::size_t i = 0; i < hues.size(); ++i)
+    hues[i] = static_cast<float>(static_cast<double>(number[i]) / static_cast<double>(hues.size()));
+  return hues;
+}
+
+Rgb hsv_to_rgb(float hue, float saturation, float value) {
+  const auto channel = [&](float shift) {
+    const float sixth = std::fmod(shift + 6 * hue, 6.0f);
+    return value * (1 - saturation * std::clamp(std::min(sixth, 4 - sixth), 0.0f, 1.0f));
+  };
+  return {channel(5), channel(3), channel(1)};
+}
+
+VertexScalars gaussian_curvature(const Mesh& mesh) {
+  const Triangles& triangles = mesh.topology->triangles();
+  VertexScalars curvature(mesh.points.rows()), area = VertexScalars::Zero(mesh.points.rows());
+  for (Eigen::Index i = 0; i < curvature.size(); ++i)
+    curvature[i] = (mesh.topology->on_boundary(i) ? 1 : 2) * std::numbers::pi;
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 at = mesh.points.row(triangles(f, k));
+      const Vec3 u = Vec3(mesh.points.row(triangles(f, (k + 1) % 3))) - at;
+      const Vec3 v = Vec3(mesh.points.row(triangles(f, (k + 2) % 3))) - at;
+      const double twice_area = u.cross(v).norm();
+      curvature[triangles(f, k)] -= std::atan2(twice_area, u.dot(v));
+      area[triangles(f, k)] += twice_area / 2;
+    }
+  }
+  return (area.array() > 0).select(3 * curvature.array() / area.array(), 0.0);
+}
+
+std::vector<std::int32_t> glyph_landmarks(const Mesh& mesh, double spacing_mm) {
+  std::vector<std::int32_t> order = indices_of(*mesh.topology);
+  const VertexScalars curvature = gaussian_curvature(mesh);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::int32_t a, std::int32_t b) { return curvature[a] > curvature[b]; });
+  if (!(spacing_mm > 0)) return order;
+
+  // Chosen landmarks by the cell of a grid of that spacing: only neighbouring cells can hold one that is too near.
+  std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t>, std::vector<std::int32_t>> chosen_in_cell;
+  const Vec3 origin = bounds_of(mesh.points).min();
+  const auto cell_of = [&](std::int32_t v) {
+    const Vec3 cell = ((Vec3(mesh.points.row(v)) - origin) / spacing_mm).array().floor();
+    return std::array{static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
+                      static_cast<std::int64_t>(cell.z())};
+  };
+  const auto is_taken = [&](std::int32_t v, const std::array<std::int64_t, 3>& cell) {
+    for (std::int64_t n = 0; n < 27; ++n) {
+      const auto near = chosen_in_cell.find({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
+      if (near == chosen_in_cell.end()) continue;
+      for (const std::int32_t w : near->second)
+        if ((mesh.points.row(v) - mesh.points.row(w)).norm() <= spacing_mm) return true;
+    }
+    return false;
+  };
+  std::vector<std::int32_t> chosen;
+  for (const std::int32_t v : order) {
+    const auto cell = cell_of(v);
+    if (is_taken(v, cell)) continue;
+    chosen.push_back(v);
+    chosen_in_cell[{cell[0], cell[1], cell[2]}].push_back(v);
+  }
+  return chosen;
+}
+
+}  // namespace homolog

@@ -1,0 +1,167 @@
+#include "core/measure/compare.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "core/mesh/isosurface.h"
+#include "core/mesh/surface_search.h"
+#include "core/mesh/voxelise.h"
+
+namespace homolog {
+namespace {
+
+constexpr double dice_spacing_mm = 0.5;
+constexpr double largest_grid = 0x1p31;        ///< voxels of the grid for Dice; coarser beyond
+constexpr std::size_t slab_voxels = 1u << 24;  ///< voxelised at a time
+constexpr double samples_per_surface = 20000;
+
+struct Sample {
+  double distance_mm, area_mm2;
+};
+
+/// Distances from one surface to another. Each face is cut into n² equal triangles of at most 1/20,000 of the whole
+/// area, sampled at their centres; its corners count for the largest distance only.
+struct DirectedDistances {
+  std::vector<Sample> samples;
+  double area_mm2 = 0, sum_mm3 = 0, largest_mm = 0;
+
+  double percentile(double share) {
+    std::sort(samples.begin(), samples.end(),
+              [](const Sample& a, const Sample& b) { return a.distance_mm < b.distance_mm; });
+    double below = 0;
+    for (const Sample& sample : samples)
+      if ((below += sample.area_mm2) >= share * area_mm2) return sample.distance_mm;
+    return samples.empty() ? 0 : samples.back().distance_mm;
+  }
+};
+
+double face_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return (b - a).cross(c - a).norm() / 2;
+}
+
+DirectedDistances distances(const Mesh& from, const SurfaceSearch& to) {
+  const Triangles& triangles = from.topology->triangles();
+  const auto corner = [&](Eigen::Index f, int k) { return Vec3(from.points.row(triangles(f, k))); };
+  DirectedDistances result;
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
+    result.area_mm2 += face_area(corner(f, 0), corner(f, 1), corner(f, 2));
+  const double largest_part = result.area_mm2 / samples_per_surface;
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    const Vec3 a = corner(f, 0), u = corner(f, 1) - a, v = corner(f, 2) - a;
+    const double area = u.cross(v).norm() / 2;
+    if (!(area > 0)) continue;
+    const int n = std::max(1, static_cast<int>(std::ceil(std::sqrt(area / largest_part))));
+    const auto add = [&](double i, double j) {  // the part whose centre is (i, j) thirds of a step along u and v
+      const double distance = to.nearest(a + (i * u + j * v) / (3.0 * n)).distance_mm;
+      result.samples.push_back({distance, area / (n * n)});
+      result.sum_mm3 += distance * area / (n * n);
+      result.largest_mm = std::max(result.largest_mm, distance);
+    };
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; i + j < n; ++j) {
+        add(3 * i + 1, 3 * j + 1);
+        if (i + j + 1 < n) add(3 * i + 2, 3 * j + 2);
+      }
+    }
+  }
+  for (Eigen::Index i = 0; i < from.points.rows(); ++i)
+    result.largest_mm = std::max(result.largest_mm, to.nearest(from.points.row(i)).distance_mm);
+  return result;
+}
+
+void compare_surfaces(const Mesh& a, const Mesh& b, Agreement& agreement) {
+  DirectedDistances there = distances(a, SurfaceSearch(b)), back = distances(b, SurfaceSearch(a));
+  const double area = there.area_mm2 + back.area_mm2;
+  agreement.assd_mm = area > 0 ? (there.sum_mm3 + back.sum_mm3) / area : 0;
+  agreement.hd95_mm = std::max(there.percentile(0.95), back.percentile(0.95));
+  agreement.hausdorff_mm = std::max(there.largest_mm, back.largest_mm);
+}
+
+/// Voxels that two sets hold, each and both.
+struct Overlap {
+  std::size_t a = 0, b = 0, both = 0;
+
+  void add(bool in_a, bool in_b) {
+    a += in_a;
+    b += in_b;
+    both += in_a && in_b;
+  }
+  /// 1 where both are empty.
+  double dice() const { return a + b > 0 ? 2.0 * static_cast<double>(both) / static_cast<double>(a + b) : 1; }
+};
+
+double dice_of_meshes(const Mesh& a, const Mesh& b) {
+  const Box box_a = bounds_of(a.points), box_b = bounds_of(b.points);
+  if (!box_a.intersects(box_b)) return 0;
+  const Box box = box_a.merged(box_b);
+  double spacing = dice_spacing_mm;
+  while ((box.sizes() / spacing + Vec3::Ones()).prod() > largest_grid) spacing *= 2;
+  VolumeGeometry grid;
+  grid.spacing_mm.setConstant(spacing);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    grid.dims[axis] = 1 + static_cast<int>(box.sizes()[static_cast<Eigen::Index>(axis)] / spacing);
+
+  const int slices = grid.dims[2];
+  const std::size_t slice_voxels = static_cast<std::size_t>(grid.dims[0]) * static_cast<std::size_t>(grid.dims[1]);
+  const int slab =
+      static_cast<int>(std::clamp<std::size_t>(slab_voxels / slice_voxels, 1, static_cast<std::size_t>(slices)));
+  Overlap overlap;
+  for (int first = 0; first < slices; first += slab) {
+    grid.dims[2] = std::min(slab, slices - first);
+    grid.origin_mm = box.min() + Vec3(0.5, 0.5, 0.5 + first) * spacing;
+    const auto in_a = voxelise(a, grid), in_b = voxelise(b, grid);
+    for (std::size_t i = 0; i < in_a.size(); ++i) overlap.add(in_a[i] != 0, in_b[i] != 0);
+  }
+  return overlap.dice();
+}
+
+}  // namespace
+
+Agreement compare_meshes(const Mesh& a, const Mesh& b) {
+  Agreement agreement;
+  compare_surfaces(a, b, agreement);
+  agreement.dice = dice_of_meshes(a, b);
+  if (a.topology->hash() == b.topology->hash()) {
+    const VertexScalars distance = (a.points - b.points).rowwise().norm();
+    agreement.vertex_mean_mm = distance.mean();
+    agreement.vertex_max_mm = distance.maxCoeff();
+  }
+  return agreement;
+}
+
+Result<Agreement> compare_with_mask(const Mesh& mesh, const Volume& mask, int label, int frame) {
+  const auto surface = mask_surface(mask, label, frame);
+  if (!surface) return fail(surface.error());
+  Agreement agreement;
+  compare_surfaces(mesh, *surface, agreement);
+  const auto in_mesh = voxelise(mesh, mask.geometry);
+  Overlap overlap;
+  std::visit(
+      [&](const auto& voxels) {
+        const auto in_frame =
+            voxels.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(frame) * in_mesh.size());
+        for (std::size_t i = 0; i < in_mesh.size(); ++i)
+          overlap.add(in_mesh[i] != 0, has_label(in_frame[static_cast<std::ptrdiff_t>(i)], label));
+      },
+      mask.data);
+  agreement.dice = overlap.dice();
+  return agreement;
+}
+
+Result<int> only_label(const Volume& mask, int frame) {
+  const auto labels = labels_of(mask, frame);
+  if (labels.size() == 1) return labels.begin()->first;
+  if (labels.empty()) return fail("", "holds no label (every voxel is 0); choose a label map that does");
+  std::string names;
+  for (const auto& [label, voxels] : labels) {
+    if (names.size() > 100) {
+      names += ", …";
+      break;
+    }
+    names += (names.empty() ? "" : ", ") + std::to_string(label);
+  }
+  return fail("", "holds several labels (" + names + "); name one of them");
+}
+
+}  // namespace homolog

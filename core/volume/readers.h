@@ -16,6 +16,10 @@ namespace homolog {
 Result<VolumeRead> read_nifti(const std::filesystem::path& path, Progress* progress);
 Result<VolumeRead> read_nrrd(const std::filesystem::path& path, Progress* progress);
 Result<VolumeRead> read_metaimage(const std::filesystem::path& path, Progress* progress);
+Result<VolumeRead> read_dicom_file(const std::filesystem::path& path, Progress* progress);
+/// `series_uid` chooses where the folder holds several series.
+Result<VolumeRead> read_dicom_folder(const std::filesystem::path& folder, const std::string& series_uid,
+                                     Progress* progress);
 
 /// The grid whose axis a steps by the vector `steps_mm.col(a)`. Fails on sizes that are none, on axes that are not at
 /// right angles and on steps of length zero.

@@ -32,7 +32,8 @@ Result<VolumeRead> read_any(const fs::path& path, const VolumeReadOptions& optio
   if (ends_with_any(name, nifti_ends)) return read_nifti(path, options.progress);
   if (ends_with_any(name, nrrd_ends)) return read_nrrd(path, options.progress);
   if (ends_with_any(name, meta_ends)) return read_metaimage(path, options.progress);
-  return fail(path.string(), "is no volume that can be read");
+  if (fs::is_directory(path)) return read_dicom_folder(path, options.series_uid, options.progress);
+  return read_dicom_file(path, options.progress);
 }
 
 }  // namespace

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/geometry.h"
+#include "core/base/result.h"
+#include "core/volume/dicom_set.h"
+#include "core/volume/stored_voxels.h"
+
+namespace homolog {
+
+/// One plane of a DICOM file; an ordinary file has one.
+struct DicomPlane {
+  std::optional<Vec3> position_mm;                    ///< LPS, centre of the first voxel
+  std::optional<std::pair<Vec3, Vec3>> axes;          ///< unit directions of increasing column and row index
+  std::optional<std::pair<double, double>> pixel_mm;  ///< distance between columns, between rows
+  std::optional<double> slice_step_mm;                ///< distance between planes, or their thickness
+  Rescale rescale;
+  std::optional<std::pair<double, double>> window;  ///< centre, width
+  double time_ms = 0;  ///< within the heart beat, or an index where no time is given; orders planes at one place
+};
+
+/// What a volume needs to know of a DICOM file besides its pixels.
+struct DicomHeader {
+  std::filesystem::path path;
+  std::string series_uid, series_description, modality;
+  double instance_number = 0;
+  int rows = 0, columns = 0, samples_per_pixel = 1;
+  int bits_allocated = 0, bits_stored = 0, high_bit = 0;
+  bool is_signed = false;
+  std::string photometric;
+  bool big_endian = false;
+  std::optional<DicomPixels> pixels;
+  double frame_ms = 0;         ///< time between the planes of a cine; 0 where they are not a cine
+  bool step_is_given = false;  ///< the file says how far its planes lie apart
+  std::vector<DicomPlane> planes;
+  std::vector<std::string> warnings;
+
+  bool is_image() const { return rows > 0 && columns > 0 && pixels; }
+};
+
+/// Collects what is needed from a file's structure; every field may be missing in it.
+DicomHeader dicom_header(const DicomSet& set);
+
+}  // namespace homolog

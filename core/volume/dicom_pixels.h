@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/volume/dicom_header.h"
+
+namespace homolog {
+
+/// The type in which a file stores its pixels; fails on colour and on sizes other than 8, 16 and 32 bits.
+Result<StoredType> dicom_stored_type(const DicomHeader& header);
+
+/// Reads and decodes all planes of a file, in its order, into rows · columns · planes values of its stored type. Fails
+/// where pixels are missing or do not decode.
+Result<void> read_dicom_pixels(const DicomHeader& header, std::span<std::byte> out, Progress* progress);
+
+}  // namespace homolog

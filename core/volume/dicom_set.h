@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/volume/voxel_stream.h"
+
+namespace homolog {
+
+/// (group, element) as one number: 0x00280010 for (0028,0010).
+using DicomTag = std::uint32_t;
+
+struct DicomElement;
+using DicomItem = std::map<DicomTag, DicomElement>;
+
+/// A value of up to 64 KiB as it lies in the file, or the items of a sequence.
+struct DicomElement {
+  std::string value;
+  std::vector<DicomItem> items;
+};
+
+/// Where a file keeps its pixels.
+struct DicomPixels {
+  ByteBlock block;  ///< of pixels that are not encoded
+  std::uint64_t bytes = 0;
+  std::size_t fragments = 0;  ///< of encoded pixels; 0 where they are not encoded
+};
+
+/// The structure of a DICOM file, checked to its last byte: every element lies within the file.
+struct DicomSet {
+  std::filesystem::path path;
+  std::string transfer_syntax;
+  bool big_endian = false;
+  DicomItem elements;
+  std::optional<DicomPixels> pixels;
+};
+
+/// Whether a file bears DICOM's mark or the extension .dcm.
+bool looks_like_dicom(const std::filesystem::path& path);
+
+/// Parses a file's structure [DICOM PS3.5 §7, PS3.10 §7] without reading its pixels. Fails where it is no DICOM file
+/// or ends within an element. GDCM is given only files that pass: it aborts or loops on many others.
+Result<DicomSet> parse_dicom(const std::filesystem::path& path);
+
+/// A text value without its padding; empty where it is missing.
+std::string text_of(const DicomItem& item, DicomTag tag);
+
+/// The numbers of a decimal or integer string (DS, IS); empty where it is missing or damaged.
+std::vector<double> numbers_of(const DicomItem& item, DicomTag tag);
+
+/// The first of these numbers.
+std::optional<double> number_of(const DicomItem& item, DicomTag tag);
+
+/// A binary value of two or four bytes (US, UL) or eight (FD), by its length.
+std::optional<double> binary_number_of(const DicomItem& item, DicomTag tag, bool big_endian);
+
+/// The item of a sequence, counted from 0; null where there is none.
+const DicomItem* item_of(const DicomItem& item, DicomTag sequence, std::size_t index);
+
+}  // namespace homolog

@@ -1,0 +1,355 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <tuple>
+
+#include "core/volume/dicom_header.h"
+#include "core/volume/dicom_pixels.h"
+#include "core/volume/readers.h"
+
+// DICOM: planes from one file or a folder, put in their place.
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+Result<void> check_image(const DicomHeader& header) {
+  if (header.is_image()) return {};
+  return fail(header.path.string(), "holds no image" +
+                                        (header.modality.empty() ? "" : " (its modality is " + header.modality + ")") +
+                                        "; open the image series instead");
+}
+
+/// A plane and where it comes from.
+struct PlaneSource {
+  std::size_t file = 0, plane_in_file = 0;
+  const DicomPlane* plane = nullptr;
+  double along_normal_mm = 0;
+};
+
+/// The planes in the order of the volume (slices fastest, then frames), and its grid.
+struct Arrangement {
+  std::vector<PlaneSource> planes;
+  int slices = 0, frames = 1;
+  Mat3 steps_mm = Mat3::Identity();
+  Vec3 origin_mm = Vec3::Zero();
+  double frame_seconds = 0;
+};
+
+std::string mm_text(double mm) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f mm", mm);
+  return text;
+}
+
+std::vector<PlaneSource> all_planes(const std::vector<DicomHeader>& headers) {
+  std::vector<PlaneSource> planes;
+  for (std::size_t f = 0; f < headers.size(); ++f)
+    for (std::size_t p = 0; p < headers[f].planes.size(); ++p) planes.push_back({f, p, &headers[f].planes[p], 0});
+  return planes;
+}
+
+Result<void> check_alike(const fs::path& path, const std::vector<DicomHeader>& headers) {
+  const DicomHeader& first = headers.front();
+  for (const DicomHeader& header : headers) {
+    if (header.rows != first.rows || header.columns != first.columns)
+      return fail(path.string(), "mixes slices of different sizes in one series (" + first.path.filename().string() +
+                                     " and " + header.path.filename().string() + "); keep those of one scan");
+    for (const DicomPlane& plane : header.planes) {
+      const DicomPlane& model = first.planes.front();
+      const bool same_axes = plane.axes.has_value() == model.axes.has_value() &&
+                             (!plane.axes || ((plane.axes->first - model.axes->first).norm() < 1e-3 &&
+                                              (plane.axes->second - model.axes->second).norm() < 1e-3));
+      const bool same_pixels = plane.pixel_mm.has_value() == model.pixel_mm.has_value() &&
+                               (!plane.pixel_mm || (std::abs(plane.pixel_mm->first - model.pixel_mm->first) < 1e-4 &&
+                                                    std::abs(plane.pixel_mm->second - model.pixel_mm->second) < 1e-4));
+      if (!same_axes || !same_pixels)
+        return fail(path.string(), "mixes slices of different directions or pixel sizes in one series (" +
+                                       first.path.filename().string() + " and " + header.path.filename().string() +
+                                       "); keep those of one scan");
+    }
+  }
+  return {};
+}
+
+/// Sorts by place, then time; several planes at every place are the frames of a cine.
+Result<void> sort_planes(const fs::path& path, const std::vector<DicomHeader>& headers, const Vec3& normal,
+                         Arrangement& result) {
+  auto& planes = result.planes;
+  for (PlaneSource& source : planes) source.along_normal_mm = source.plane->position_mm->dot(normal);
+  std::stable_sort(planes.begin(), planes.end(),
+                   [](const PlaneSource& a, const PlaneSource& b) { return a.along_normal_mm < b.along_normal_mm; });
+  std::vector<std::vector<PlaneSource>> places;
+  for (const PlaneSource& source : planes) {
+    if (places.empty() || source.along_normal_mm - places.back().front().along_normal_mm > 1e-2) places.emplace_back();
+    places.back().push_back(source);
+  }
+  result.slices = static_cast<int>(places.size());
+  result.frames = static_cast<int>(places.front().size());
+  for (auto& place : places) {
+    if (place.size() != places.front().size())
+      return fail(path.string(), "has " + std::to_string(places.front().size()) + " slices at " +
+                                     mm_text(places.front().front().along_normal_mm) + " and " +
+                                     std::to_string(place.size()) + " at " + mm_text(place.front().along_normal_mm) +
+                                     " along its normal; copy the whole series again, or keep one acquisition of it");
+    std::stable_sort(place.begin(), place.end(), [&](const PlaneSource& a, const PlaneSource& b) {
+      return std::tuple(a.plane->time_ms, headers[a.file].instance_number, a.plane_in_file) <
+             std::tuple(b.plane->time_ms, headers[b.file].instance_number, b.plane_in_file);
+    });
+  }
+  planes.clear();
+  for (std::size_t frame = 0; frame < places.front().size(); ++frame)
+    for (const auto& place : places) planes.push_back(place[frame]);
+  return {};
+}
+
+/// The step from slice to slice; refuses where one is missing or they are not stacked straight.
+Result<Vec3> slice_step(const fs::path& path, const std::vector<DicomHeader>& headers, const Arrangement& arrangement,
+                        const Vec3& normal, double pixel_mm) {
+  const auto slices = static_cast<std::size_t>(arrangement.slices);
+  std::vector<double> gaps;
+  for (std::size_t s = 1; s < slices; ++s)
+    gaps.push_back(arrangement.planes[s].along_normal_mm - arrangement.planes[s - 1].along_normal_mm);
+  std::vector<double> sorted = gaps;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+  const double usual = sorted[sorted.size() / 2];
+  for (std::size_t s = 0; s < gaps.size(); ++s) {
+    // Positions are often rounded to a tenth of a millimetre.
+    if (std::abs(gaps[s] - usual) <= std::max(0.1, 0.02 * usual)) continue;
+    const PlaneSource &before = arrangement.planes[s], &after = arrangement.planes[s + 1];
+    const std::string where = headers[before.file].path.filename().string() + " (" + mm_text(before.along_normal_mm) +
+                              ") and " + headers[after.file].path.filename().string() + " (" +
+                              mm_text(after.along_normal_mm) + ")";
+    return fail(path.string(), (gaps[s] > 1.5 * usual ? "lacks slices between " : "has unevenly spaced slices: ") +
+                                   where + " lie " + mm_text(gaps[s]) + " apart, the others " + mm_text(usual) +
+                                   "; copy the whole series again or resample it evenly");
+  }
+  const Vec3 whole = *arrangement.planes[slices - 1].plane->position_mm - *arrangement.planes[0].plane->position_mm;
+  if ((whole - whole.dot(normal) * normal).norm() > 0.5 * pixel_mm)
+    return fail(path.string(),
+                "has slices that are shifted sideways against one another (a tilted gantry); resample it "
+                "to a rectangular grid first");
+  return whole.dot(normal) / static_cast<double>(slices - 1) * normal;
+}
+
+/// Planes without a position stay in the order of their file.
+Result<Arrangement> arrange_unplaced(const fs::path& path, const std::vector<DicomHeader>& headers, Arrangement result,
+                                     std::vector<std::string>& warnings) {
+  if (headers.size() > 1)
+    return fail(path.string(),
+                "gives no positions for its slices, so that their order is unknown; convert it with the "
+                "scanner's tools, or open it as a stack of pictures");
+  const DicomHeader& header = headers.front();
+  const bool cine = header.planes.size() > 1 && header.frame_ms > 0 && !header.step_is_given;
+  (cine ? result.frames : result.slices) = static_cast<int>(header.planes.size());
+  if (cine) result.slices = 1;
+  if (cine) result.frame_seconds = header.frame_ms / 1000;
+  warnings.push_back(path.string() +
+                     ": says nothing of its place in the patient; its axes are taken to run to the left, "
+                     "back and head");
+  return result;
+}
+
+Result<Arrangement> arrange(const fs::path& path, const std::vector<DicomHeader>& headers,
+                            std::vector<std::string>& warnings) {
+  if (const auto alike = check_alike(path, headers); !alike) return fail(alike.error());
+  Arrangement result;
+  result.planes = all_planes(headers);
+  const DicomPlane& first = headers.front().planes.front();
+  if (!first.pixel_mm) warnings.push_back(path.string() + ": gives no pixel size; 1 mm is assumed");
+  const auto [dx, dy] = first.pixel_mm.value_or(std::pair(1.0, 1.0));
+  const bool placed =
+      first.axes && std::all_of(result.planes.begin(), result.planes.end(),
+                                [](const PlaneSource& source) { return source.plane->position_mm.has_value(); });
+  const auto [along_columns, along_rows] = placed ? *first.axes : std::pair<Vec3, Vec3>(Vec3::UnitX(), Vec3::UnitY());
+  const Vec3 normal = along_columns.cross(along_rows).normalized();
+  if (placed) {
+    if (const auto sorted = sort_planes(path, headers, normal, result); !sorted) return fail(sorted.error());
+  } else {
+    auto unplaced = arrange_unplaced(path, headers, std::move(result), warnings);
+    if (!unplaced) return unplaced;
+    result = std::move(*unplaced);
+  }
+  Vec3 step = first.slice_step_mm.value_or(1) * normal;
+  if (placed && result.slices > 1) {
+    const auto found = slice_step(path, headers, result, normal, std::min(dx, dy));
+    if (!found) return fail(found.error());
+    step = *found;
+  } else if (!first.slice_step_mm) {
+    warnings.push_back(path.string() + ": gives no slice thickness; 1 mm is assumed");
+  }
+  result.steps_mm << dx * along_columns, dy * along_rows, step;
+  if (placed) result.origin_mm = *result.planes.front().plane->position_mm;
+  if (placed && result.frames > 1) {
+    const double ms =
+        result.planes[static_cast<std::size_t>(result.slices)].plane->time_ms - result.planes[0].plane->time_ms;
+    if (headers.front().frame_ms > 0)
+      result.frame_seconds = headers.front().frame_ms / 1000;
+    else if (ms > 1)
+      result.frame_seconds = ms / 1000;
+  }
+  return result;
+}
+
+/// Refuses sizes that a file's pixels cannot hold, before memory is taken for them.
+Result<void> check_pixel_claim(const DicomHeader& header, std::size_t plane_bytes) {
+  const double claimed = static_cast<double>(plane_bytes) * static_cast<double>(header.planes.size());
+  // An evenly grey picture of 512 × 512 takes about a hundred bytes in JPEG 2000.
+  constexpr double best_ratio = 20000, best_deflate_ratio = 1032;
+  const bool deflated = header.pixels->block.compression != Compression::None;
+  const double ratio = header.pixels->fragments > 0 ? best_ratio : deflated ? best_deflate_ratio : 1;
+  if (claimed <= static_cast<double>(header.pixels->bytes) * ratio) return {};
+  return fail(header.path.string(), "is cut short: pixels are missing; copy or download it again");
+}
+
+/// Decodes every plane into its place.
+Result<StoredVoxels> read_planes(const fs::path& path, const std::vector<DicomHeader>& headers,
+                                 const Arrangement& arrangement, Progress* progress) {
+  const auto type = dicom_stored_type(headers.front());
+  if (!type) return fail(type.error());
+  const std::size_t places = arrangement.planes.size();
+  const std::size_t plane_voxels =
+      static_cast<std::size_t>(headers.front().rows) * static_cast<std::size_t>(headers.front().columns);
+  const std::size_t plane_bytes = plane_voxels * bytes_per_voxel(*type);
+  for (const DicomHeader& header : headers)
+    if (const auto credible = check_pixel_claim(header, plane_bytes); !credible) return fail(credible.error());
+  const double voxels = static_cast<double>(places) * static_cast<double>(plane_voxels);
+  if (const auto enough = check_memory(path, bytes_while_reading(*type, voxels, true)); !enough)
+    return fail(enough.error());
+  std::vector<std::vector<std::size_t>> place_of(headers.size());
+  for (std::size_t f = 0; f < headers.size(); ++f) place_of[f].resize(headers[f].planes.size());
+  for (std::size_t place = 0; place < places; ++place)
+    place_of[arrangement.planes[place].file][arrangement.planes[place].plane_in_file] = place;
+
+  StoredVoxels stored = make_stored_voxels(*type, places * plane_voxels);
+  const auto bytes = bytes_of(stored);
+  for (std::size_t f = 0; f < headers.size(); ++f) {
+    const DicomHeader& header = headers[f];
+    if (progress) {
+      if (progress->cancelled()) return fail(path.string(), "was not read: cancelled");
+      progress->report(static_cast<double>(f) / static_cast<double>(headers.size()));
+    }
+    if (const auto own = dicom_stored_type(header); !own || *own != *type)
+      return fail(header.path.string(), "stores its pixels otherwise than the rest of its series; export it again");
+    Progress* const within = headers.size() == 1 ? progress : nullptr;
+    const std::size_t first = place_of[f].front(), count = place_of[f].size();
+    bool in_order = true;
+    for (std::size_t p = 0; p < count; ++p) in_order = in_order && place_of[f][p] == first + p;
+    if (in_order) {
+      const auto read = read_dicom_pixels(header, bytes.subspan(first * plane_bytes, count * plane_bytes), within);
+      if (!read) return fail(read.error());
+      continue;
+    }
+    std::vector<std::byte> planes(count * plane_bytes);
+    if (const auto read = read_dicom_pixels(header, planes, within); !read) return fail(read.error());
+    for (std::size_t p = 0; p < count; ++p)
+      std::memcpy(bytes.data() + place_of[f][p] * plane_bytes, planes.data() + p * plane_bytes, plane_bytes);
+  }
+  return stored;
+}
+
+/// Planes that are rescaled each in its own way (PET) become floats.
+StoredVoxels rescaled_by_plane(const StoredVoxels& stored, const std::vector<PlaneSource>& planes) {
+  return std::visit(
+      [&](const auto& values) -> StoredVoxels {
+        std::vector<float> result(values.size());
+        const std::size_t plane = values.size() / planes.size();
+        for (std::size_t p = 0; p < planes.size(); ++p) {
+          const Rescale& rescale = planes[p].plane->rescale;
+          for (std::size_t i = p * plane; i < (p + 1) * plane; ++i)
+            result[i] = static_cast<float>(rescale.slope * static_cast<double>(values[i]) + rescale.intercept);
+        }
+        return result;
+      },
+      stored);
+}
+
+Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHeader>& headers, Progress* progress) {
+  VolumeRead result;
+  Volume& volume = result.volume;
+  for (const DicomHeader& header : headers)
+    result.warnings.insert(result.warnings.end(), header.warnings.begin(), header.warnings.end());
+  auto arrangement = arrange(path, headers, result.warnings);
+  if (!arrangement) return fail(arrangement.error());
+  auto geometry = make_geometry(path, {headers.front().columns, headers.front().rows, arrangement->slices},
+                                arrangement->steps_mm, arrangement->origin_mm);
+  if (!geometry) return fail(geometry.error());
+  volume.geometry = *geometry;
+  volume.frames = arrangement->frames;
+  volume.frame_seconds = arrangement->frame_seconds;
+  volume.series_uid = headers.front().series_uid;
+  volume.modality = headers.front().modality;
+  volume.file_window = arrangement->planes[static_cast<std::size_t>(arrangement->slices / 2)].plane->window;
+  auto stored = read_planes(path, headers, *arrangement, progress);
+  if (!stored) return fail(stored.error());
+  Rescale rescale = arrangement->planes.front().plane->rescale;
+  if (std::any_of(arrangement->planes.begin(), arrangement->planes.end(),
+                  [&](const PlaneSource& source) { return !(source.plane->rescale == rescale); })) {
+    stored = rescaled_by_plane(*stored, arrangement->planes);
+    rescale = {};
+  }
+  if (auto kept = keep_voxels(std::move(*stored), rescale, path.string(), volume, result.warnings); !kept)
+    return fail(kept.error());
+  return result;
+}
+
+/// The image headers in a folder, by series.
+Result<std::map<std::string, std::vector<DicomHeader>>> scan_folder(const fs::path& folder, Progress* progress) {
+  std::map<std::string, std::vector<DicomHeader>> series;
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error))
+    if (entry->is_regular_file()) files.push_back(entry->path());
+  if (error) return fail(folder.string(), "cannot be listed (" + error.message() + ")");
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) {
+    if (progress && progress->cancelled()) return fail(folder.string(), "was not read: cancelled");
+    if (!looks_like_dicom(file)) continue;
+    const auto set = parse_dicom(file);
+    if (!set) return fail(set.error());
+    DicomHeader header = dicom_header(*set);
+    if (header.is_image()) series[header.series_uid].push_back(std::move(header));
+  }
+  return series;
+}
+
+}  // namespace
+
+Result<VolumeRead> read_dicom_file(const fs::path& path, Progress* progress) {
+  const auto set = parse_dicom(path);
+  if (!set) return fail(set.error());
+  DicomHeader header = dicom_header(*set);
+  if (const auto image = check_image(header); !image) return fail(image.error());
+  return read_headers(path, {std::move(header)}, progress);
+}
+
+Result<VolumeRead> read_dicom_folder(const fs::path& folder, const std::string& series_uid, Progress* progress) {
+  auto series = scan_folder(folder, progress);
+  if (!series) return fail(series.error());
+  if (series->empty()) return fail(folder.string(), "holds no DICOM images; choose the folder that does");
+  auto chosen = series_uid.empty() ? series->begin() : series->find(series_uid);
+  if (chosen != series->end() && (!series_uid.empty() || series->size() == 1))
+    return read_headers(folder, chosen->second, progress);
+  std::string list;
+  for (const auto& [uid, headers] : *series)
+    list += (list.empty() ? "" : ", ") + uid + " (" + headers.front().modality + " \"" +
+            headers.front().series_description + "\", " + std::to_string(headers.size()) +
+            (headers.size() == 1 ? " file)" : " files)");
+  if (!series_uid.empty()) return fail(folder.string(), "holds no series " + series_uid + "; it holds " + list);
+  return fail(folder.string(),
+              "holds " + std::to_string(series->size()) + " series; choose one with --series UID: " + list);
+}
+
+Result<std::vector<SeriesInfo>> list_series(const fs::path& folder) {
+  const auto series = scan_folder(folder, nullptr);
+  if (!series) return fail(series.error());
+  std::vector<SeriesInfo> list;
+  for (const auto& [uid, headers] : *series)
+    list.push_back(
+        {uid, headers.front().series_description, headers.front().modality, static_cast<int>(headers.size())});
+  return list;
+}
+
+}  // namespace homolog

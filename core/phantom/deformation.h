@@ -14,8 +14,8 @@ struct Variation {
   double bump_mm = 3;          ///< largest displacement of a local bump
   double bump_radius_mm = 40;  ///< where a bump ends
   int bumps = 10;
-  double rotation_deg = 4;
-  double shift_mm = 3;
+  double rotation_deg = 3;
+  double shift_mm = 2.5;
   Vec3 half_size_mm = Vec3::Constant(40);  ///< of the organ, around the origin of the mean shape
 };
 

@@ -66,20 +66,16 @@ void GlyphPass::draw(std::span<const GlyphLayer::Glyph> glyphs, const Projection
   program_.set("clip_from_eye", projection.clip_from_eye);
   program_.set("size_px", projection.size_px);
   program_.set("disc", discs ? 1 : 0);
-  // Where there are several samples a pixel, the soft edge is spread over them with the depth of each; else it is
-  // blended.
-  GLint samples = 0;
-  glGetIntegerv(GL_SAMPLES, &samples);
-  program_.set("premultiplied", samples > 1 ? 0 : 1);
   gl::upload(instances_, GL_ARRAY_BUFFER, std::span<const Instance>(instances), GL_STREAM_DRAW);
   glBindVertexArray(attributes_.name());
-  if (samples > 1) {
-    glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-    glEnable(GL_SAMPLE_ALPHA_TO_ONE);
-  }
-  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(instances.size()));
-  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-  glDisable(GL_SAMPLE_ALPHA_TO_ONE);
+  // The soft edge is blended after all insides and leaves no depth: what is drawn later is not kept off it.
+  const auto count = static_cast<GLsizei>(instances.size());
+  program_.set("edge", 0);
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
+  program_.set("edge", 1);
+  glDepthMask(GL_FALSE);
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
+  glDepthMask(GL_TRUE);
 }
 
 }  // namespace homolog

@@ -20,6 +20,12 @@ float nearest_depth_mm(const Box& box, const Projection& projection) {
   return depth;
 }
 
+/// px that a mm in the middle of a box takes on the screen.
+float px_per_mm(const Box& box, const Projection& projection) {
+  const glm::vec4 clip = projection.clip_from_eye * projection.eye_from_mm * glm::vec4(to_glm(box.center()), 1);
+  return projection.clip_from_eye[1][1] * projection.size_px.y / 2 / clip.w;
+}
+
 }  // namespace
 
 template <class T>
@@ -87,6 +93,7 @@ void MeshPass::update(Surface& surface, const MeshLayer& mesh) {
     gl::upload(surface.points_and_normals, GL_ARRAY_BUFFER,
                std::span<const float>(vertices.data(), static_cast<std::size_t>(vertices.size())), GL_DYNAMIC_DRAW);
     surface.box = bounds_of(*mesh.points);
+    surface.edge_mm = mean_edge_mm(*mesh.topology, *mesh.points);
   }
   if (surface.colour_values.update(mesh.colours, mesh.colours_revision) || new_topology) {
     const std::vector<Rgb> plain(mesh.colours ? 0 : static_cast<std::size_t>(mesh.points->rows()), kMeshColour);
@@ -100,6 +107,9 @@ void MeshPass::draw_triangles(const gl::Program& program, const Surface& surface
   program.set("eye_from_mm", projection.eye_from_mm);
   program.set("clip_from_eye", projection.clip_from_eye);
   program.set("opacity", surface.opacity);
+  // Edges only a few pixels long would hide the surface: they fade.
+  const float edge_px = static_cast<float>(surface.edge_mm) * px_per_mm(surface.box, projection);
+  program.set("edge_opacity", surface.opacity * std::clamp(edge_px / 30, 0.05f, 0.5f));
   glBindVertexArray(surface.attributes.name());
   glDrawElements(GL_TRIANGLES, surface.indices, GL_UNSIGNED_INT, nullptr);
 }

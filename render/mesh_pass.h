@@ -38,6 +38,7 @@ class MeshPass {
     Uploaded<std::vector<Rgb>> colour_values;
     GLsizei indices = 0;
     Box box;
+    double edge_mm = 0;  ///< mean length
     bool shown = false, faces = false, edges = false;
     float opacity = 1;
   };

@@ -1,6 +1,6 @@
 uniform mat4 clip_from_eye;
-uniform int disc;           // flat, with a dark rim: in slices
-uniform int premultiplied;  // else alpha becomes coverage of samples
+uniform int disc;  // flat, with a dark rim: in slices
+uniform int edge;  // only the soft edge, else only what it encloses
 
 in vec3 on_square_eye;
 flat in vec3 centre_eye, glyph_colour;
@@ -15,7 +15,7 @@ void main() {
   vec3 miss = from + to_middle_mm * along - centre_eye;
   float miss_mm = length(miss);
   float coverage = clamp((radius_mm - miss_mm) / pixel_mm + 0.5, 0.0, 1.0);
-  if (coverage == 0.0) discard;
+  if (coverage == 0.0 || (edge != 0) != (coverage < 1.0)) discard;
 
   float half_chord_mm = sqrt(max(radius_mm * radius_mm - miss_mm * miss_mm, 0.0));
   vec3 hit = from + (to_middle_mm - half_chord_mm) * along;
@@ -27,7 +27,7 @@ void main() {
     float rim = clamp((radius_mm - miss_mm) / pixel_mm - 0.5, 0.0, 1.0);
     shade = glyph_colour * mix(0.25, 1.0, rim);
   } else {
-    shade = lit(glyph_colour, normalize(hit - centre_eye), -along);
+    shade = lit(glyph_colour, normalize(hit - centre_eye), -along, 0.0);
   }
-  colour = premultiplied != 0 ? vec4(shade, 1.0) * coverage : vec4(shade, coverage);
+  colour = vec4(shade, 1.0) * coverage;
 }

@@ -36,6 +36,11 @@ struct OpenPhantom {
   Organ organ = Organ::kidney;
   int subject = 1;
 };
+/// PNG or TIFF slices, whose voxel size was asked for.
+struct OpenStack {
+  std::filesystem::path path;
+  Vec3 spacing_mm = Vec3::Ones();
+};
 /// A path, or "built-in:kidney".
 struct OpenTemplate {
   std::string source;
@@ -67,6 +72,8 @@ struct RecoverCase {
 struct DiscardCase {
   std::filesystem::path path;
 };
+/// Does what the file dialog's choice is for.
+struct AcceptFileDialog {};
 /// Commits the frame that a slider went to.
 struct ShowFrame {
   int frame = 0;
@@ -80,9 +87,9 @@ struct Quit {
   bool sure = false;  ///< an unsaved case is not asked about again
 };
 
-using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenPhantom, OpenTemplate, OpenLabels,
+using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenStack, OpenPhantom, OpenTemplate, OpenLabels,
                              CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
-                             ExportPicture, RecoverCase, DiscardCase, ShowFrame, PlayFrames, FitViews, Quit>;
+                             ExportPicture, RecoverCase, DiscardCase, AcceptFileDialog, ShowFrame, PlayFrames, FitViews, Quit>;
 
 /// Commands in the order they were given.
 class Outbox {

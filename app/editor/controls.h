@@ -67,7 +67,7 @@ void show_file_dialog(EditorState& state, FilePurpose purpose, std::string name 
 void accept_file_dialog(EditorState& state, Outbox& out);
 
 /// One stamp of the stiffness or the confirm brush.
-std::optional<Action> brush_action(const EditorState& state, const Vec3& at);
+std::optional<Action> brush_action(const EditorState& state, const Document& document, const Vec3& at);
 /// What the drag would do, as it is now: shown while it goes on, committed when it ends. Nothing where it edits
 /// nothing (yet).
 std::optional<Action> drag_action(const EditorState& state);

@@ -42,7 +42,7 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
     }
   } else if ((state.tool == MouseTool::stiffness || state.tool == MouseTool::confirm) && hover.on_mesh) {
     state.drag = BrushDrag{hover.view, *hover.on_mesh, event.alt};
-    out.apply(*brush_action(state, *hover.on_mesh));
+    out.apply(*brush_action(state, context.document, *hover.on_mesh));
     return;
   } else if (state.tool == MouseTool::ruler && hover.p_mm) {
     state.ruler = Ruler{*hover.p_mm, *hover.p_mm};
@@ -54,12 +54,12 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
 
 }  // namespace
 
-std::optional<Action> brush_action(const EditorState& state, const Vec3& at) {
+std::optional<Action> brush_action(const EditorState& state, const Document& document, const Vec3& at) {
   const auto* drag = state.drag ? std::get_if<BrushDrag>(&*state.drag) : nullptr;
   const bool reversed = drag != nullptr && drag->reversed;
   if (state.tool == MouseTool::stiffness)
-    return PaintStiffness{
-        at, state.brush.radius_mm, reversed ? 1 : state.brush.stiffness, state.brush.soft};
+    return PaintStiffness{at, state.brush.radius_mm,
+                          document.stiffness_base * (reversed ? 1 : state.brush.stiffness_factor), state.brush.soft};
   if (state.tool == MouseTool::confirm) return Confirm{at, state.brush.radius_mm, state.brush.hold != reversed};
   return std::nullopt;
 }
@@ -123,7 +123,7 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
     const double step_mm = state.brush.radius_mm / 2;
     if (state.hover && state.hover->on_mesh && (*state.hover->on_mesh - brush->last_at).norm() >= step_mm) {
       brush->last_at = *state.hover->on_mesh;
-      out.apply(*brush_action(state, brush->last_at));
+      out.apply(*brush_action(state, context.document, brush->last_at));
     }
   } else if (auto* ruler = std::get_if<RulerDrag>(&*state.drag)) {
     state.ruler->to = map_of(ruler->view).on_facing_plane(event.x_px, event.y_px, state.ruler->from);

@@ -167,6 +167,7 @@ void refresh(FileBrowser& browser) {
 
 void press_key(FileBrowser& browser, BrowserKey key) {
   constexpr int page = 10;
+  browser.scroll_to_selected = true;
   const int count = static_cast<int>(browser.visible().size());
   const auto select = [&](int index) { browser.selected = count == 0 ? -1 : std::clamp(index, 0, count - 1); };
   switch (key) {

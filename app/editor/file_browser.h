@@ -31,6 +31,7 @@ struct FileBrowser {
   std::vector<Place> places;   ///< home, working folder, roots of mounted media
   std::string name;            ///< typed: filters when opening, the new file's name when saving
   int selected = -1;           ///< index into visible(); −1 nothing
+  bool scroll_to_selected = false;  ///< the keyboard moved the selection
   bool show_all = false;       ///< also files of other kinds and hidden ones
   std::string error;           ///< why the folder cannot be read; empty where it can
 

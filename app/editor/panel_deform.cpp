@@ -40,7 +40,7 @@ void draw_brush(const UiContext& ui, Outbox& out) {
   changed |= slider(theme, "Brush radius", brush.radius_mm, {1, 100, "%.1f", "mm", true},
                     "Of the stiffness and the confirm brush", released);
   if (ui.state.tool == MouseTool::stiffness) {
-    changed |= slider(theme, "Paints factor", brush.stiffness, {0.1, 50, "%.1f", "\xc3\x97", true},
+    changed |= slider(theme, "Paints factor", brush.stiffness_factor, {0.1, 50, "%.1f", "\xc3\x97", true},
                       "Stiffness relative to the base; Alt paints 1", released);
     double soft = 100 * brush.soft;
     changed |= slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false}, "Share of the radius that blends", released);

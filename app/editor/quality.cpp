@@ -13,7 +13,7 @@ QualityFigures quality_figures(const Document& document) {
   const Topology& topology = *document.reference->topology;
   const Shape& shape = document.shape();
   const Points& p = *shape.points;
-  const Points placed = shape.placement.apply(document.reference->points);
+  const Points& placed = *shape.placed;
 
   QualityFigures figures;
   std::vector<double> stretch;

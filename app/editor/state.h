@@ -35,7 +35,7 @@ struct ShownParts {
 
 struct BrushSettings {
   double radius_mm = 10;
-  double stiffness = 10;  ///< painted by the stiffness brush
+  double stiffness_factor = 5;  ///< painted by the stiffness brush, relative to the base
   double soft = 0.5;      ///< share of the radius over which it blends
   bool hold = true;       ///< the confirm brush holds, else it frees
 };

@@ -2,9 +2,7 @@
 
 #include <imgui.h>
 
-#include <array>
-
-#include "app/editor/view_geometry.h"
+#include "app/editor/theme_colours.h"
 
 namespace homolog {
 
@@ -35,13 +33,11 @@ inline constexpr ImU32 on_accent = IM_COL32(0x08, 0x16, 0x26, 255);
 inline constexpr ImU32 amber = IM_COL32(0xFF, 0xA9, 0x3F, 255);  ///< the fold guard, warnings
 inline constexpr ImU32 bad = IM_COL32(0xFF, 0x7A, 0x73, 255);
 inline constexpr ImU32 good = IM_COL32(0x67, 0xCF, 0x96, 255);
-/// Hues of the axial, sagittal, coronal and 3D views.
-inline constexpr std::array<ImU32, 4> views{IM_COL32(0xEC, 0x7F, 0x7A, 255), IM_COL32(0xD9, 0xCF, 0x62, 255),
-                                            IM_COL32(0x6F, 0xC9, 0x83, 255), IM_COL32(0x8F, 0xA6, 0xC4, 255)};
 }  // namespace palette
 
 inline ImU32 view_hue(ViewKind kind) {
-  return palette::views[index_of(kind)];
+  const auto& [r, g, b] = view_colour(kind);
+  return ImGui::ColorConvertFloat4ToU32({r, g, b, 1});
 }
 ImU32 with_alpha(ImU32 colour, float alpha);
 

@@ -26,6 +26,7 @@ struct UiContext {
   const Layout& layout;
   const EditorState& state;
   const Snapshot& snapshot;
+  std::shared_ptr<const Document> displayed;  ///< what is shown: the preview, at the frame that plays
   const std::optional<QualityFigures>& quality;
   const std::optional<Opening>& opening;
   std::shared_ptr<const Volume> labels;  ///< the overlay; null without one
@@ -33,7 +34,7 @@ struct UiContext {
   std::array<unsigned int, 4> textures{};  ///< what the renderer drew for each view; 0 for a view not shown
   double frames_per_second = 0;
 
-  const Document& document() const { return *snapshot.shown; }
+  const Document& document() const { return *displayed; }
   bool has_shape() const { return document().has_shape(); }
   /// Why a control that needs a mesh is disabled; empty where there is one.
   std::string needs_shape() const {

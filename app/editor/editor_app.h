@@ -44,7 +44,9 @@ class EditorApp {
   /// Whether something moves by itself (a cine, a progress bar), and so needs frames without events.
   bool animated() const;
   void ask_to_quit() { out_.send(Quit{}); }
-  /// Waits for the session and the quality figures (pictures and tests).
+  /// Shows an edit as if it were dragged, and waits until it is shown.
+  void preview(Action action);
+  /// Waits for what is being opened and for the quality figures.
   void settle();
   const Snapshot& snapshot() const { return *snapshot_; }
   const Layout& layout() const { return layout_; }
@@ -55,10 +57,10 @@ class EditorApp {
   void take_snapshot();
   void take_opened(Opened opened);
   void start_document(Document document);
-  void start_document_at(Document document, const std::optional<Similarity>& placement);
   void run_commands();
   void offer_flip(const Document& document);
-  Result<void> export_picture(const ExportPicture& request);
+  /// The window or one view in another size.
+  Result<Picture> picture(const PictureOptions& options);
 
   std::function<void()> wake_;
   EditorState state_;

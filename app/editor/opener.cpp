@@ -5,6 +5,7 @@
 #include <chrono>
 #include <mutex>
 
+#include "app/editor/demo.h"
 #include "app/editor/file_browser.h"
 
 namespace homolog {
@@ -34,6 +35,12 @@ Result<std::shared_ptr<const Template>> flipped(const Template& reference) {
 
 Result<void> open_parts(Opened& opened, Progress& progress) {
   OpenRequest& request = opened.request;
+  if (request.demo) {
+    auto demo = demo_document(request.demo->first, request.demo->second);
+    if (!demo) return fail(demo.error());
+    opened.demo = std::move(*demo);
+    return {};
+  }
   if (!request.case_file.empty()) {
     auto read = open_case(request.case_file, &progress);
     if (!read) return fail(read.error());
@@ -104,7 +111,8 @@ void Opener::start(OpenRequest request) {
   if (thread_.joinable()) thread_.join();
   progress_ = std::make_shared<Progress>();
   box_ = std::make_shared<Box>();
-  const std::string source = !request.case_file.empty()       ? request.case_file.string()
+  const std::string source = request.demo                     ? std::string("the demo case")
+                              : !request.case_file.empty() ? request.case_file.string()
                               : !request.volume_source.empty() ? request.volume_source
                               : !request.labels.empty()        ? request.labels.string()
                                                                : request.template_source;

@@ -12,17 +12,19 @@
 
 #include "core/base/progress.h"
 #include "core/case/case_file.h"
+#include "core/phantom/phantom.h"
 
 namespace homolog {
 
 /// What is to be opened; empty parts are not asked for.
 struct OpenRequest {
   std::filesystem::path case_file;
-  std::string volume_source;  ///< path, or "phantom:kidney:1"
+  std::string volume_source;
   VolumeReadOptions volume_options;
   std::string template_source;  ///< path, or "built-in:kidney"
   bool flip_lps_ras = false;    ///< the template's x and y are negated
   std::filesystem::path labels;
+  std::optional<std::pair<Organ, int>> demo;  ///< a phantom's subject, with its template placed
 };
 
 /// Sorts paths into a case, a volume, a template, by their names. Errors: more than one of a kind, an unknown kind.
@@ -31,6 +33,7 @@ Result<OpenRequest> sort_files(const std::vector<std::filesystem::path>& paths);
 struct Opened {
   OpenRequest request;
   std::optional<CaseRead> opened_case;
+  std::optional<Document> demo;
   std::shared_ptr<const Volume> volume;
   std::shared_ptr<const Template> reference;
   std::shared_ptr<const Volume> labels;

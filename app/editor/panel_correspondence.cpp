@@ -1,7 +1,38 @@
+#include <cmath>
+
+#include "app/editor/mesh_overlay.h"
 #include "app/editor/ui_context.h"
 #include "app/editor/widgets.h"
 
 namespace homolog {
+
+void draw_overlay_legend(const UiContext& ui) {
+  const Theme& theme = ui.theme;
+  const Legend legend = overlay_legend(ui.document(), ui.state.overlay);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, bar = theme.px(6), height = theme.px(26);
+  ImGui::Dummy({width, height});
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const auto colour = [&](std::size_t i) {
+    const auto& [r, g, b] = legend.colours[i];
+    return ImGui::ColorConvertFloat4ToU32({r, g, b, 1});
+  };
+  const std::size_t parts = legend.colours.size() - 1;
+  for (std::size_t i = 0; i < parts; ++i) {
+    const auto x = [&](std::size_t k) {
+      return std::round(at.x + width * static_cast<float>(k) / static_cast<float>(parts));
+    };
+    draw.AddRectFilledMultiColor({x(i), at.y}, {x(i + 1), at.y + bar}, colour(i), colour(i + 1), colour(i + 1),
+                                 colour(i));
+  }
+  ImGui::PushFont(theme.small);
+  const float y = at.y + bar + theme.px(3);
+  draw.AddText({at.x, y}, palette::dim, legend.low.c_str());
+  const float middle = ImGui::CalcTextSize(legend.middle.c_str()).x, high = ImGui::CalcTextSize(legend.high.c_str()).x;
+  draw.AddText({std::round(at.x + (width - middle) / 2), y}, palette::dim, legend.middle.c_str());
+  draw.AddText({at.x + width - high, y}, palette::dim, legend.high.c_str());
+  ImGui::PopFont();
+}
 
 void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;

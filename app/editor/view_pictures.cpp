@@ -82,8 +82,9 @@ unsigned int ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceV
     drawn.scene = scene;
     drawn.slice = view;
     drawn.content_scale = target.content_scale;
+    drawn.texture = drawn.framebuffer->texture();
   }
-  return drawn.framebuffer->texture();
+  return drawn.texture;
 }
 
 unsigned int ViewPictures::space(const Scene& scene, const Camera3D& camera, const Target& target) {
@@ -97,8 +98,9 @@ unsigned int ViewPictures::space(const Scene& scene, const Camera3D& camera, con
     drawn.scene = scene;
     drawn.camera = camera;
     drawn.content_scale = target.content_scale;
+    drawn.texture = drawn.framebuffer->texture();
   }
-  return drawn.framebuffer->texture();
+  return drawn.texture;
 }
 
 }  // namespace homolog

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "app/editor/view_geometry.h"
 #include "render/offscreen.h"
@@ -16,6 +17,7 @@ class ViewPictures {
  public:
   static Result<ViewPictures> make();
 
+  // Both bind a framebuffer of their own where they draw.
   /// The texture of a view. `scene` and the view's geometry decide whether it is drawn again. 0 where the driver has no
   /// room for it.
   unsigned int slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target);
@@ -32,6 +34,7 @@ class ViewPictures {
     SliceView slice;
     Camera3D camera;
     float content_scale = 0;
+    unsigned int texture = 0;
   };
   explicit ViewPictures(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
   /// False where the framebuffer could not be made.

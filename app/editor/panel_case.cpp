@@ -88,6 +88,7 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   const auto& document = ui.document();
   if (document.volume) {
     draw_volume_figures(ui);
+    gap(theme, 0);
     draw_window_presets(ui, out);
   } else {
     explanation(theme, "No image is open. Open a DICOM folder, NIfTI, NRRD or MetaImage file, or drop one here.");

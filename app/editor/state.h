@@ -78,7 +78,7 @@ struct Hints {
 struct Preferences {
   int window_width = 1280, window_height = 800;
   bool panel_open = true;
-  std::array<bool, 6> sections_open{true, true, true, true, true, false};  ///< Case … Export
+  std::array<bool, 6> sections_open{true, false, false, true, true, false};  ///< Case … Export
   bool radiological = true;
   bool linear = true;
   ShownParts show;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "app/editor/icons.h"
@@ -66,12 +67,14 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   }
   draw.AddText({bar.x + std::max(theme.px(420), bar.width * 0.36f), y}, colour, message.c_str());
 
-  const std::string right = format("%.2f ms    %.0f fps", snapshot.solver_ms, ui.frames_per_second);
+  std::string right;
+  if (snapshot.solver_ms > 0) right = format("%.2f ms", snapshot.solver_ms);
+  if (ui.frames_per_second > 0) right += format("    %.0f fps", ui.frames_per_second);
   const ImVec2 size = ImGui::CalcTextSize(right.c_str());
   const ImVec2 at{bar.x + bar.width - theme.px(12) - size.x, y};
   draw.AddText(at, palette::dim, right.c_str());
   ImGui::SetCursorScreenPos(at);
-  ImGui::InvisibleButton("timings", size);
+  ImGui::InvisibleButton("timings", {std::max(size.x, 1.0f), size.y});
   if (ImGui::IsItemHovered()) tooltip(theme, "Core work of the last edit, job in to points out · frames drawn a second");
   ImGui::PopFont();
   ImGui::End();

@@ -56,7 +56,7 @@ void draw_scale_bar(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
     draw.AddLine({x + length_px + shift, y - tick + shift}, {x + length_px + shift, y + 1 + shift}, colour);
   }
   const std::string text = length_mm >= 10 ? format("%.0f mm", length_mm) : format("%g mm", length_mm);
-  shadowed_text(draw, ui.theme.small, {x + length_px + ui.theme.px(6), y - ui.theme.px(12)}, palette::text, text);
+  shadowed_text(draw, ui.theme.small, {x + length_px + ui.theme.px(8), std::round(y - ui.theme.small->FontSize / 2)}, palette::text, text);
 }
 
 /// Lines of the other two planes, in their hues, with a gap around the cross-hair's middle.

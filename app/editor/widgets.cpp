@@ -185,14 +185,16 @@ bool number_field(const Theme& theme, const char* id, double& value, double per_
   const float height = theme.px(24);
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {theme.px(6), (height - ImGui::GetFontSize()) / 2});
   ImGui::SetNextItemWidth(width_px);
-  const ImGuiID item = ImGui::GetID(id);
+  ImGui::PushID(id);
+  const ImGuiID item = ImGui::GetID("##number");
   const bool typing = ImGui::TempInputIsActive(item);
   // ImGui centres the number of a drag field: hidden here and drawn again at the right edge.
   if (!typing) ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32_BLACK_TRANS);
-  const bool changed = ImGui::DragScalar(id, ImGuiDataType_Double, &value, static_cast<float>(per_px), nullptr,
+  const bool changed = ImGui::DragScalar("##number", ImGuiDataType_Double, &value, static_cast<float>(per_px), nullptr,
                                          nullptr, pattern);
   if (!typing) ImGui::PopStyleColor();
   ImGui::PopStyleVar();
+  ImGui::PopID();
   released = ImGui::IsItemDeactivatedAfterEdit();
   if (ImGui::IsItemHovered() && !tip.empty() && !typing) tooltip(theme, tip);
   if (!ImGui::TempInputIsActive(item)) {

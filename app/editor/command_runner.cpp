@@ -1,0 +1,144 @@
+#include "app/editor/editor_app.h"
+#include "core/base/picture_io.h"
+#include "core/mesh/voxelise.h"
+
+namespace homolog {
+
+namespace {
+
+Result<void> export_mesh(const Document& document, const std::filesystem::path& path) {
+  MeshFile mesh = to_mesh_file(*document.reference);
+  mesh.points = *document.shape().points;
+  mesh.stiffness = *document.stiffness;
+  mesh.stiffness_base = document.stiffness_base;
+  mesh.landmarks.clear();
+  for (const auto& [name, position] : document.shape().landmarks) mesh.landmarks.push_back({name, position});
+  return write_mesh_file(mesh, path);
+}
+
+Result<void> export_label_map(const Document& document, int value, const std::filesystem::path& path) {
+  Volume labels;
+  labels.geometry = document.volume->geometry;
+  std::vector<std::uint8_t> voxels = voxelise(document.mesh(), labels.geometry);
+  for (auto& voxel : voxels) voxel = static_cast<std::uint8_t>(voxel * value);
+  labels.data = std::move(voxels);
+  labels.range_max = value;
+  return write_volume(labels, path);
+}
+
+}  // namespace
+
+/// Does one command; one overload a kind.
+struct CommandRunner {
+  EditorApp& app;
+  EditorState& state = app.state_;
+
+  void operator()(const ChangeState& command) const { command.change(state); }
+  void operator()(const PreviewEdit& command) const { app.session_->preview(command.action); }
+  void operator()(const ApplyEdit& command) const {
+    stop_playing();
+    app.session_->apply(command.action);
+  }
+  void operator()(const OpenFiles& command) const {
+    auto request = sort_files(command.paths);
+    if (!request) return add_notice(state, request.error().sentence());
+    request->volume_options.series_uid = command.series_uid;
+    app.opener_.start(std::move(*request));
+  }
+  void operator()(const OpenStack& command) const {
+    OpenRequest request;
+    request.volume_source = command.path.string();
+    request.volume_options.stack_spacing_mm = command.spacing_mm;
+    app.opener_.start(std::move(request));
+  }
+  void operator()(const OpenPhantom& command) const {
+    OpenRequest request;
+    request.demo = {command.organ, command.subject};
+    app.opener_.start(std::move(request));
+  }
+  void operator()(const OpenTemplate& command) const {
+    OpenRequest request;
+    request.template_source = command.source;
+    request.flip_lps_ras = command.flip_lps_ras;
+    app.opener_.start(std::move(request));
+  }
+  void operator()(const OpenLabels& command) const {
+    OpenRequest request;
+    request.labels = command.path;
+    app.opener_.start(std::move(request));
+  }
+  void operator()(const CloseLabels&) const { app.labels_.reset(); }
+  void operator()(const CancelOpening&) const { app.opener_.cancel(); }
+  void operator()(const SaveCase&) const {
+    const auto& file = app.snapshot_->file;
+    if (file.empty() || file.parent_path() == unsaved_folder()) return show_file_dialog(state, FilePurpose::save_case);
+    add_notice(state, "Every edit is on the disk already, in " + file.string(), false);
+  }
+  void operator()(const SaveCaseAs& command) const {
+    app.session_->save_as(command.path);
+    remember_recent(state.preferences, command.path);
+  }
+  void operator()(const ExportMesh& command) const {
+    tell(export_mesh(*app.snapshot_->document, command.path), command.path);
+  }
+  void operator()(const ExportLabelMap& command) const {
+    tell(export_label_map(*app.snapshot_->document, command.value, command.path), command.path);
+  }
+  void operator()(const ExportPicture& command) const {
+    const auto picture = app.picture(command.options);
+    tell(picture ? write_picture(*picture, command.path) : fail(picture.error()), command.path);
+  }
+  void operator()(const RecoverCase& command) const {
+    OpenRequest request;
+    request.case_file = command.path;
+    app.opener_.start(std::move(request));
+  }
+  void operator()(const DiscardCase& command) const {
+    std::error_code ignored;
+    std::filesystem::remove(command.path, ignored);
+    if (!state.dialog) return;
+    auto* recover = std::get_if<RecoverDialog>(&*state.dialog);
+    if (recover == nullptr) return;
+    std::erase_if(recover->found, [&](const auto& found) { return found.journal == command.path; });
+    if (recover->found.empty()) state.dialog.reset();
+  }
+  void operator()(const AcceptFileDialog&) const {
+    if (state.dialog && std::holds_alternative<FileDialog>(*state.dialog)) accept_file_dialog(state, app.out_);
+  }
+  void operator()(const ShowFrame& command) const {
+    app.session_->apply(SetFrame{command.frame});
+    state.shown_frame.reset();
+  }
+  void operator()(const PlayFrames& command) const {
+    if (command.play)
+      state.playing = true;
+    else
+      stop_playing();
+  }
+  void operator()(const FitViews&) const { fit_views(state, *app.displayed_, app.layout_); }
+  void operator()(const Quit& command) const {
+    const bool unsaved = app.snapshot_->can_undo && app.snapshot_->file.parent_path() == unsaved_folder();
+    if (unsaved && !command.sure)
+      state.dialog = QuitDialog{};
+    else
+      app.quit_ = true;
+  }
+
+ private:
+  void stop_playing() const {
+    state.playing = false;
+    if (state.shown_frame) app.session_->apply(SetFrame{*state.shown_frame});
+    state.shown_frame.reset();
+  }
+  void tell(const Result<void>& done, const std::filesystem::path& path) const {
+    add_notice(state, done ? "Written: " + path.string() : done.error().sentence(), !done);
+  }
+};
+
+void EditorApp::run_commands() {
+  // Commands may send further ones.
+  for (auto commands = out_.take(); !commands.empty(); commands = out_.take())
+    for (const Command& command : commands) std::visit(CommandRunner{*this}, command);
+}
+
+}  // namespace homolog

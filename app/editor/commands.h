@@ -1,0 +1,107 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "app/editor/state.h"
+#include "core/case/action.h"
+#include "core/phantom/phantom.h"
+
+namespace homolog {
+
+// What the interface asks the editor to do; nothing is done while it draws.
+
+/// A change of what the editor remembers.
+struct ChangeState {
+  std::function<void(EditorState&)> change;
+};
+/// Shows what an action would give; nullopt ends the preview.
+struct PreviewEdit {
+  std::optional<Action> action;
+};
+struct ApplyEdit {
+  Action action;
+};
+/// Opens cases, volumes and templates, told apart by their content.
+struct OpenFiles {
+  std::vector<std::filesystem::path> paths;
+  std::string series_uid;
+};
+struct OpenPhantom {
+  Organ organ = Organ::kidney;
+  int subject = 1;
+};
+/// PNG or TIFF slices, whose voxel size was asked for.
+struct OpenStack {
+  std::filesystem::path path;
+  Vec3 spacing_mm = Vec3::Ones();
+};
+/// A path, or "built-in:kidney".
+struct OpenTemplate {
+  std::string source;
+  bool flip_lps_ras = false;
+};
+struct OpenLabels {
+  std::filesystem::path path;
+};
+struct CloseLabels {};
+struct CancelOpening {};
+struct SaveCase {};  ///< asks for a name where the case has none
+struct SaveCaseAs {
+  std::filesystem::path path;
+};
+struct ExportMesh {
+  std::filesystem::path path;
+};
+struct ExportLabelMap {
+  std::filesystem::path path;
+  int value = 1;
+};
+struct ExportPicture {
+  std::filesystem::path path;
+  PictureOptions options;
+};
+struct RecoverCase {
+  std::filesystem::path path;
+};
+struct DiscardCase {
+  std::filesystem::path path;
+};
+/// Does what the file dialog's choice is for.
+struct AcceptFileDialog {};
+/// Commits the frame that a slider went to.
+struct ShowFrame {
+  int frame = 0;
+};
+/// Plays a cine, or stops and commits the frame that is shown.
+struct PlayFrames {
+  bool play = true;
+};
+struct FitViews {};
+struct Quit {
+  bool sure = false;  ///< an unsaved case is not asked about again
+};
+
+using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenStack, OpenPhantom, OpenTemplate, OpenLabels,
+                             CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
+                             ExportPicture, RecoverCase, DiscardCase, AcceptFileDialog, ShowFrame, PlayFrames, FitViews, Quit>;
+
+/// Commands in the order they were given.
+class Outbox {
+ public:
+  void send(Command command) { commands_.push_back(std::move(command)); }
+  void change(std::function<void(EditorState&)> change) { send(ChangeState{std::move(change)}); }
+  void apply(Action action) { send(ApplyEdit{std::move(action)}); }
+  void preview(std::optional<Action> action) { send(PreviewEdit{std::move(action)}); }
+  std::vector<Command> take() { return std::exchange(commands_, {}); }
+
+ private:
+  std::vector<Command> commands_;
+};
+
+}  // namespace homolog

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "app/editor/file_browser.h"
+#include "app/editor/view_geometry.h"
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+/// Which part of the window a picture shows, and how large it is.
+struct PictureOptions {
+  std::optional<ViewKind> view;  ///< the whole window where none
+  int width = 1600, height = 1200;
+  bool transparent = false;  ///< 3D view only
+};
+
+// The dialogs that cover the window; one at a time.
+
+struct KeysDialog {};
+struct FileDialog {
+  FilePurpose purpose = FilePurpose::open;
+  FileBrowser browser;
+};
+/// Several series in a DICOM folder: one is chosen.
+struct SeriesDialog {
+  std::filesystem::path folder;
+  std::vector<SeriesInfo> series;
+};
+/// A mesh beside the volume that would lie in it with left-right and front-back exchanged.
+struct FlipDialog {
+  std::string source;
+};
+/// A journal of a case that was never saved.
+struct RecoverDialog {
+  struct Found {
+    std::filesystem::path journal;
+    std::string description;  ///< "kidney:1 · 12 edits · 14 March, 16:02"
+  };
+  std::vector<Found> found;
+};
+/// The window is closed over a case that was never saved.
+struct QuitDialog {};
+/// The stack's voxel size, which PNG and TIFF do not tell.
+struct SpacingDialog {
+  std::filesystem::path path;
+  Vec3 spacing_mm = Vec3::Ones();
+};
+
+using Dialog =
+    std::variant<KeysDialog, FileDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog, SpacingDialog>;
+
+}  // namespace homolog

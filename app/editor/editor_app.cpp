@@ -1,0 +1,262 @@
+#include "app/editor/editor_app.h"
+
+#include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <ctime>
+
+#include "app/editor/demo.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double progress_after_seconds = 0.5;
+
+std::string describe_journal(const std::filesystem::path& journal) {
+  std::error_code ignored;
+  const auto bytes = std::filesystem::file_size(journal, ignored);
+  const auto on_system = std::chrono::file_clock::to_sys(std::filesystem::last_write_time(journal, ignored));
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(on_system);
+  std::tm local{};
+  localtime_r(&seconds, &local);
+  std::array<char, 96> text{};
+  std::strftime(text.data(), text.size(), "%d %B %Y, %H:%M", &local);
+  return std::string(text.data()) + "   " + std::to_string(bytes / 1024 + 1) + " kB";
+}
+
+}  // namespace
+
+EditorApp::EditorApp(std::function<void()> wake) : wake_(std::move(wake)), opener_(wake_), quality_(wake_) {}
+
+EditorApp::~EditorApp() = default;
+
+Result<void> EditorApp::start_drawing(float scale) {
+  auto pictures = ViewPictures::make();
+  if (!pictures) return fail(pictures.error());
+  pictures_ = std::move(*pictures);
+  set_scale(scale);
+  return {};
+}
+
+void EditorApp::set_scale(float scale) {
+  scale_ = scale;
+  if (theme_) ImGui_ImplOpenGL3_DestroyFontsTexture();
+  theme_ = make_theme(scale);
+}
+
+void EditorApp::start(const EditorOptions& options) {
+  start_session(EditSession(new_document({}, nullptr, nullptr)));
+  if (options.demo) {
+    out_.send(OpenPhantom{*options.demo, 1});
+  } else if (!options.files.empty() || !options.template_source.empty()) {
+    auto request = sort_files(options.files);
+    if (!request) return add_notice(state_, request.error().sentence());
+    if (!options.template_source.empty()) request->template_source = options.template_source;
+    opener_.start(std::move(*request));
+  } else {
+    RecoverDialog recover;
+    for (const auto& journal : unsaved_cases()) recover.found.push_back({journal, describe_journal(journal)});
+    if (!recover.found.empty()) state_.dialog = std::move(recover);
+    out_.send(OpenPhantom{Organ::kidney, 1});
+  }
+}
+
+void EditorApp::open(const std::vector<std::filesystem::path>& paths) {
+  out_.send(OpenFiles{paths, {}});
+}
+
+void EditorApp::start_session(EditSession session) {
+  session_.reset();  // its journal is closed before another one is opened
+  session_ = std::make_unique<SessionThread>(std::move(session), wake_);
+  snapshot_ = session_->snapshot();
+  displayed_ = snapshot_->shown;
+  last_error_.clear();
+  show_document(state_, *displayed_, layout_);
+  fit_wanted_ = layout_.scale <= 0 || layout_.status_line.width <= 0;
+  quality_.post(displayed_);
+}
+
+ControlsContext EditorApp::controls_context() const {
+  return {layout_, *displayed_, snapshot_->can_undo, snapshot_->can_redo};
+}
+
+void EditorApp::handle(const InputEvent& event) {
+  handle_event(state_, event, controls_context(), out_);
+}
+
+bool EditorApp::animated() const {
+  return state_.playing || opener_.busy();
+}
+
+void EditorApp::take_snapshot() {
+  const auto latest = session_->snapshot();
+  const bool changed = latest != snapshot_;
+  snapshot_ = latest;
+  if (!snapshot_->error.empty() && snapshot_->error != last_error_) add_notice(state_, snapshot_->error);
+  last_error_ = snapshot_->error;
+  const int frame = shown_frame(state_, *snapshot_->shown);
+  const bool other_frame = displayed_->frame != frame;
+  if (!changed && !other_frame) return;
+  const auto before = displayed_;
+  displayed_ = snapshot_->shown;
+  if (frame != displayed_->frame) {
+    auto at_frame = std::make_shared<Document>(*displayed_);
+    at_frame->frame = frame;
+    displayed_ = std::move(at_frame);
+  }
+  const bool moved = before->has_shape() != displayed_->has_shape() ||
+                     (displayed_->has_shape() && before->shape().points != displayed_->shape().points);
+  if (moved) quality_.post(displayed_);
+}
+
+bool EditorApp::update(double seconds) {
+  run_commands();
+  if (auto opened = opener_.take()) take_opened(std::move(*opened));
+  if (state_.playing && seconds >= frame_due_ && displayed_->volume && displayed_->volume->frames > 1) {
+    const Volume& volume = *displayed_->volume;
+    const double pace = volume.frame_seconds > 0 ? volume.frame_seconds : 0.05;
+    frame_due_ = std::max(frame_due_ + pace, seconds);
+    state_.shown_frame = (shown_frame(state_, *displayed_) + 1) % volume.frames;
+  }
+  const auto before = snapshot_;
+  take_snapshot();
+  const auto figures = quality_.latest();
+  const bool new_figures = figures.has_value() != figures_.has_value();
+  figures_ = figures;
+  return before != snapshot_ || new_figures || animated();
+}
+
+void EditorApp::preview(Action action) {
+  const auto before = session_->snapshot();
+  session_->preview(std::move(action));
+  while (session_->snapshot() == before) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+void EditorApp::settle() {
+  run_commands();
+  while (opener_.busy()) {
+    if (auto opened = opener_.take()) take_opened(std::move(*opened));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  take_snapshot();
+  quality_.finish();
+  figures_ = quality_.latest();
+}
+
+void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
+  layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
+                        {state_.maximised, state_.preferences.panel_open});
+  if (std::exchange(fit_wanted_, false)) fit_views(state_, *displayed_, layout_);
+  GLint target_framebuffer = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target_framebuffer);
+  const SceneBuilder::Input input{state_, displayed_, snapshot_->preview, labels_};
+  scenes_.update(input);
+  std::array<unsigned int, 4> textures{};
+  for (const ViewKind kind : all_views) {
+    const RectPx& rect = layout_.image(kind);
+    if (rect.width < 1 || rect.height < 1) continue;
+    const Target target{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale_};
+    const Scene scene = scenes_.scene(input, kind);
+    textures[index_of(kind)] =
+        kind == ViewKind::space
+            ? pictures_->space(scene, state_.camera, target)
+            : pictures_->slice(kind, scene, slice_view(state_, kind, geometry_of(*displayed_)), target);
+  }
+  if (auto error = pictures_->take_error(); !error.empty()) add_notice(state_, std::move(error));
+  glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target_framebuffer));
+  glViewport(0, 0, width_px, height_px);
+  glDisable(GL_SCISSOR_TEST);
+  glClearColor(0.055f, 0.059f, 0.067f, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::NewFrame();
+  std::optional<Opening> opening;
+  if (opener_.busy()) opening = {opener_.what(), opener_.fraction(), opener_.seconds() > progress_after_seconds};
+  const UiContext ui{*theme_, layout_,  state_,       *snapshot_, displayed_,       figures_,
+                     opening, labels_, labels_name_, textures,   frames_per_second};
+  draw_interface(ui, out_);
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+Result<Picture> EditorApp::picture(const PictureOptions& options) {
+  auto framebuffer = Framebuffer::make(options.width, options.height, 4);
+  if (!framebuffer) return fail(framebuffer.error());
+  (*framebuffer)->bind();
+  if (!options.view) {
+    ImGui::GetIO().DisplaySize = {static_cast<float>(options.width), static_cast<float>(options.height)};
+    draw(options.width, options.height, 0);
+    return (*framebuffer)->read();
+  }
+  const ViewKind kind = *options.view;
+  const RectPx& rect = layout_.image(kind);
+  const double smaller = std::max(rect.width / static_cast<float>(options.width),
+                                  rect.height / static_cast<float>(options.height));
+  const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / std::max(smaller, 1e-3))};
+  const SceneBuilder::Input input{state_, displayed_, snapshot_->preview, labels_};
+  Scene scene = scenes_.scene(input, kind);
+  if (options.transparent && kind == ViewKind::space) scene.background = {0, 0, 0, 0};
+  SliceView slice = kind == ViewKind::space ? SliceView() : slice_view(state_, kind, geometry_of(*displayed_));
+  slice.mm_per_px *= smaller;
+  const auto drawn = kind == ViewKind::space ? pictures_->renderer().draw(scene, state_.camera, target)
+                                             : pictures_->renderer().draw(scene, slice, target);
+  if (!drawn) return fail(drawn.error());
+  return (*framebuffer)->read();
+}
+
+void EditorApp::take_opened(Opened opened) {
+  for (auto& warning : opened.warnings) add_notice(state_, std::move(warning), false);
+  if (opened.cancelled) return;
+  if (!opened.error.empty()) return add_notice(state_, std::move(opened.error));
+  if (!opened.series.empty()) {
+    state_.dialog = SeriesDialog{opened.request.volume_source, std::move(opened.series)};
+    return;
+  }
+  if (opened.labels) {
+    labels_ = std::move(opened.labels);
+    labels_name_ = opened.request.labels.filename().string();
+    return;
+  }
+  if (opened.opened_case) {
+    start_session(std::move(opened.opened_case->session));
+    remember_recent(state_.preferences, opened.request.case_file);
+    return;
+  }
+  const Document& now = *snapshot_->document;
+  const bool new_image = opened.volume != nullptr;
+  const auto volume = new_image ? opened.volume : now.volume;
+  const std::string source = new_image ? opened.request.volume_source : now.volume_source;
+  const auto reference = opened.reference ? opened.reference : now.reference;
+  start_document(opened.demo ? std::move(*opened.demo) : new_document(source, volume, reference));
+  if (new_image && !source.starts_with("phantom:")) remember_recent(state_.preferences, source);
+  if (opened.reference && !opened.request.flip_lps_ras) offer_flip(*snapshot_->document);
+}
+
+void EditorApp::start_document(Document document) {
+  const bool edited = snapshot_->committed > 0 && snapshot_->can_undo && snapshot_->file.parent_path() == unsaved_folder();
+  auto session = create_unsaved_case(document);
+  if (!session) {
+    add_notice(state_, session.error().sentence());
+    start_session(EditSession(std::move(document)));
+    return;
+  }
+  start_session(std::move(*session));
+  if (edited) add_notice(state_, "The case before was not saved; it is kept, and offered at the next start.", false);
+}
+
+void EditorApp::offer_flip(const Document& document) {
+  if (!document.volume || !document.reference || document.reference->source.starts_with("built-in:")) return;
+  const Box image = document.volume->geometry.bounds_mm();
+  const Box mesh = bounds_of(document.reference->points);
+  if (image.intersects(mesh)) return;
+  const Vec3 flip(-1, -1, 1);
+  Box flipped;
+  flipped.extend(Vec3(mesh.min().cwiseProduct(flip)));
+  flipped.extend(Vec3(mesh.max().cwiseProduct(flip)));
+  if (image.intersects(flipped)) state_.dialog = FlipDialog{document.reference->source};
+}
+
+}  // namespace homolog

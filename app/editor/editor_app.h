@@ -1,0 +1,87 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/editor/controls.h"
+#include "app/editor/editor.h"
+#include "app/editor/opener.h"
+#include "app/editor/quality_monitor.h"
+#include "app/editor/scene_builder.h"
+#include "app/editor/view_pictures.h"
+#include "app/editor/ui_context.h"
+
+namespace homolog {
+
+/// The editor without a window system: takes events, keeps the case's session and background work, and draws into the
+/// framebuffer that is bound. The window and the pictures made without a display run the same one.
+class EditorApp {
+ public:
+  /// `wake` may be called from any thread when there is something new to draw.
+  explicit EditorApp(std::function<void()> wake);
+  ~EditorApp();
+
+  /// Needs a current OpenGL context and ImGui's; both must outlive the drawing calls.
+  Result<void> start_drawing(float scale);
+  /// Starts a case at once (no thread reads anything); its journal is the caller's matter.
+  void start_session(EditSession session);
+  void start(const EditorOptions& options);
+  void open(const std::vector<std::filesystem::path>& paths);
+
+  void handle(const InputEvent& event);
+  /// Takes in what the threads did, and moves what moves by itself. True where there is something new to draw.
+  bool update(double seconds);
+  /// Draws the window; ImGui's frame must not have begun. `fps` is shown.
+  void draw(int width_px, int height_px, double frames_per_second);
+  /// Sets the scale of the interface; the next draw uses it.
+  void set_scale(float scale);
+
+  const EditorState& state() const { return state_; }
+  EditorState& state() { return state_; }
+  bool wants_to_quit() const { return quit_; }
+  /// Whether something moves by itself (a cine, a progress bar), and so needs frames without events.
+  bool animated() const;
+  void ask_to_quit() { out_.send(Quit{}); }
+  /// Shows an edit as if it were dragged, and waits until it is shown.
+  void preview(Action action);
+  /// Waits for what is being opened and for the quality figures.
+  void settle();
+  const Snapshot& snapshot() const { return *snapshot_; }
+  const Layout& layout() const { return layout_; }
+
+ private:
+  friend struct CommandRunner;
+  ControlsContext controls_context() const;
+  void take_snapshot();
+  void take_opened(Opened opened);
+  void start_document(Document document);
+  void run_commands();
+  void offer_flip(const Document& document);
+  /// The window or one view in another size.
+  Result<Picture> picture(const PictureOptions& options);
+
+  std::function<void()> wake_;
+  EditorState state_;
+  Outbox out_;
+  Layout layout_;
+  float scale_ = 1;
+  std::unique_ptr<SessionThread> session_;
+  std::shared_ptr<const Snapshot> snapshot_;
+  std::shared_ptr<const Document> displayed_;
+  Opener opener_;
+  QualityMonitor quality_;
+  std::optional<QualityFigures> figures_;
+  std::shared_ptr<const Volume> labels_;
+  std::string labels_name_;
+  SceneBuilder scenes_;
+  std::optional<ViewPictures> pictures_;
+  std::optional<Theme> theme_;
+  std::string last_error_;
+  double frame_due_ = 0;
+  bool fit_wanted_ = true;
+  bool quit_ = false;
+};
+
+}  // namespace homolog

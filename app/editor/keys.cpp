@@ -1,0 +1,216 @@
+#include <algorithm>
+
+#include "app/editor/controls.h"
+
+namespace homolog {
+
+namespace {
+
+/// Keys of an open dialog; all keys stop there.
+void press_dialog_key(EditorState& state, int key, Outbox& out) {
+  auto* files = std::get_if<FileDialog>(&*state.dialog);
+  if (key == key::escape) {
+    state.dialog.reset();
+    return;
+  }
+  if (files == nullptr) {
+    if (key == key::f1 && std::holds_alternative<KeysDialog>(*state.dialog)) state.dialog.reset();
+    return;
+  }
+  switch (key) {
+    case key::up:
+      return press_key(files->browser, BrowserKey::up);
+    case key::down:
+      return press_key(files->browser, BrowserKey::down);
+    case key::page_up:
+      return press_key(files->browser, BrowserKey::page_up);
+    case key::page_down:
+      return press_key(files->browser, BrowserKey::page_down);
+    case key::backspace:
+      if (files->browser.name.empty()) press_key(files->browser, BrowserKey::parent);
+      return;
+    case key::enter:
+    case key::keypad_enter:
+      return accept_file_dialog(state, out);
+    default:
+      return;
+  }
+}
+
+void press_command_key(EditorState& state, const InputEvent& event, int key, const ControlsContext& context,
+                       Outbox& out) {
+  switch (key) {
+    case 'O':
+      return show_file_dialog(state, FilePurpose::open);
+    case 'S':
+      return event.shift ? show_file_dialog(state, FilePurpose::save_case) : out.send(SaveCase{});
+    case 'Z':
+      if (event.shift ? context.can_redo : context.can_undo)
+        event.shift ? out.apply(Redo{}) : out.apply(Undo{});
+      return;
+    case 'Y':
+      if (context.can_redo) out.apply(Redo{});
+      return;
+    case 'Q':
+      return out.send(Quit{});
+    default:
+      return;
+  }
+}
+
+bool press_look_key(EditorState& state, int key) {
+  switch (key) {
+    case 'A':
+      look_from(state, LookFrom::anterior);
+      return true;
+    case 'P':
+      look_from(state, LookFrom::posterior);
+      return true;
+    case 'L':
+      look_from(state, LookFrom::left);
+      return true;
+    case 'R':
+      look_from(state, LookFrom::right);
+      return true;
+    case 'S':
+      look_from(state, LookFrom::superior);
+      return true;
+    case 'I':
+      look_from(state, LookFrom::inferior);
+      return true;
+    default:
+      return false;
+  }
+}
+
+void choose_sigma(EditorState& state, std::size_t preset, Outbox& out) {
+  state.sigma_preset = preset;
+  if (!state.drag) return;
+  if (auto* stroke = std::get_if<StrokeDrag>(&*state.drag)) {
+    stroke->stroke.sigma_mm = state.sigma_mm();
+    if (const auto action = drag_action(state)) out.preview(action);
+  }
+}
+
+void scroll_by_key(EditorState& state, const ControlsContext& context, double steps) {
+  const ViewKind kind = state.hover ? state.hover->view : ViewKind::axial;
+  if (kind != ViewKind::space) scroll_slice(state, kind, geometry_of(context.document), steps);
+}
+
+std::optional<MouseTool> tool_of_key(int key) {
+  switch (key) {
+    case 'P':
+      return MouseTool::pull;
+    case 'G':
+      return MouseTool::grab;
+    case 'S':
+      return MouseTool::slide;
+    case 'R':
+      return MouseTool::relax;
+    case 'M':
+      return MouseTool::place;
+    case 'L':
+      return MouseTool::landmark;
+    case 'B':
+      return MouseTool::stiffness;
+    case 'C':
+      return MouseTool::confirm;
+    case 'D':
+      return MouseTool::ruler;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
+
+void press_key(EditorState& state, const InputEvent& event, int key, const ControlsContext& context, Outbox& out) {
+  if (state.dialog) return press_dialog_key(state, key, out);
+  if (event.ctrl) return press_command_key(state, event, key, context, out);
+  if (event.shift && press_look_key(state, key)) return;
+  if (const auto tool = tool_of_key(key); tool && !state.drag) {
+    state.tool = *tool;
+    return;
+  }
+  switch (key) {
+    case '1':
+    case '2':
+    case '3':
+      return choose_sigma(state, static_cast<std::size_t>(key - '1'), out);
+    case key::escape:
+      if (state.drag)
+        cancel_drag(state, out);
+      else if (state.ruler)
+        state.ruler.reset();
+      else
+        state.maximised.reset();
+      return;
+    case key::f1:
+      state.dialog = KeysDialog{};
+      return;
+    case key::up:
+    case key::right:
+      return scroll_by_key(state, context, 1);
+    case key::down:
+    case key::left:
+      return scroll_by_key(state, context, -1);
+    case key::page_up:
+      return scroll_by_key(state, context, 10);
+    case key::page_down:
+      return scroll_by_key(state, context, -10);
+    case 'F':
+      return out.send(FitViews{});
+    case 'O':
+      state.preferences.show.outline = !state.preferences.show.outline;
+      return;
+    case 'X':
+      state.preferences.show.crosshair = !state.preferences.show.crosshair;
+      return;
+    case ' ':
+      if (context.document.volume && context.document.volume->frames > 1) out.send(PlayFrames{!state.playing});
+      return;
+    default:
+      return;
+  }
+}
+
+void show_file_dialog(EditorState& state, FilePurpose purpose, std::string name) {
+  const auto& preferences = state.preferences;
+  FileDialog dialog;
+  dialog.purpose = purpose;
+  dialog.browser = browse(purpose, preferences.folder, std::move(name));
+  state.dialog = std::move(dialog);
+}
+
+void accept_file_dialog(EditorState& state, Outbox& out) {
+  auto& dialog = std::get<FileDialog>(*state.dialog);
+  const auto path = accept(dialog.browser);
+  if (!path) return;
+  state.preferences.folder = path->parent_path();
+  switch (dialog.purpose) {
+    case FilePurpose::open:
+      out.send(OpenFiles{{*path}, {}});
+      break;
+    case FilePurpose::open_template:
+      out.send(OpenTemplate{path->string()});
+      break;
+    case FilePurpose::open_labels:
+      out.send(OpenLabels{*path});
+      break;
+    case FilePurpose::save_case:
+      out.send(SaveCaseAs{*path});
+      break;
+    case FilePurpose::export_mesh:
+      out.send(ExportMesh{*path});
+      break;
+    case FilePurpose::export_label_map:
+      out.send(ExportLabelMap{*path});
+      break;
+    case FilePurpose::export_picture:
+      out.send(ExportPicture{*path, state.picture});
+      break;
+  }
+  state.dialog.reset();
+}
+
+}  // namespace homolog

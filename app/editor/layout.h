@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "app/editor/view_geometry.h"
+
+namespace homolog {
+
+/// A rectangle of the window, px from its upper left corner.
+struct RectPx {
+  float x = 0, y = 0, width = 0, height = 0;
+  bool contains(double px_x, double px_y) const {
+    return px_x >= x && px_y >= y && px_x < x + width && px_y < y + height;
+  }
+  bool operator==(const RectPx&) const = default;
+};
+
+/// Where everything lies in the window. A view that is not shown (another one is maximised) has no size.
+struct Layout {
+  RectPx top_bar, tool_strip, panel, status_line;
+  std::array<RectPx, 4> headers;  ///< title and buttons of each view
+  std::array<RectPx, 4> images;   ///< what each view shows
+  float scale = 1;                ///< px a layout unit: the monitor's content scale
+
+  const RectPx& image(ViewKind kind) const { return images[index_of(kind)]; }
+  std::optional<ViewKind> view_at(double x_px, double y_px) const;
+};
+
+struct LayoutWishes {
+  std::optional<ViewKind> maximised;
+  bool panel_open = true;
+};
+
+Layout make_layout(float width_px, float height_px, float scale, const LayoutWishes& wishes);
+
+}  // namespace homolog

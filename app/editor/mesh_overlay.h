@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/editor/state.h"
+#include "core/correspondence/colours.h"
+
+namespace homolog {
+
+/// Colour of every vertex for an overlay; `hues` are the template's landmark hues.
+std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, const std::vector<float>& hues);
+/// Brightened towards white where a gesture takes the surface along (`response`, 0…1), greyed where it does not.
+std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response, bool stopped);
+
+/// Length of every edge relative to the unwarped template's at the shape's placement, by vertex: the mean over the
+/// one-ring.
+VertexScalars edge_stretch(const Document& document);
+/// Distance of every vertex from the shape's reference, mm.
+VertexScalars moved_mm(const Document& document);
+
+/// The figures at the ends and in the middle of an overlay's scale, as its legend shows them, and the colours there.
+struct Legend {
+  std::string low, middle, high;
+  std::vector<Rgb> colours;  ///< evenly spaced from low to high
+};
+Legend overlay_legend(const Document& document, Overlay overlay);
+
+}  // namespace homolog

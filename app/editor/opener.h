@@ -1,0 +1,76 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/case/case_file.h"
+#include "core/phantom/phantom.h"
+
+namespace homolog {
+
+/// What is to be opened; empty parts are not asked for.
+struct OpenRequest {
+  std::filesystem::path case_file;
+  std::string volume_source;
+  VolumeReadOptions volume_options;
+  std::string template_source;  ///< path, or "built-in:kidney"
+  bool flip_lps_ras = false;    ///< the template's x and y are negated
+  std::filesystem::path labels;
+  std::optional<std::pair<Organ, int>> demo;  ///< a phantom's subject, with its template placed
+};
+
+/// Sorts paths into a case, a volume, a template, by their names. Errors: more than one of a kind, an unknown kind.
+Result<OpenRequest> sort_files(const std::vector<std::filesystem::path>& paths);
+
+struct Opened {
+  OpenRequest request;
+  std::optional<CaseRead> opened_case;
+  std::optional<Document> demo;
+  std::shared_ptr<const Volume> volume;
+  std::shared_ptr<const Template> reference;
+  std::shared_ptr<const Volume> labels;
+  std::vector<std::string> warnings;
+  std::vector<SeriesInfo> series;  ///< the folder holds several and none was chosen: nothing was opened
+  std::string error;               ///< the sentence, where it failed; empty also where it was cancelled
+  bool cancelled = false;
+};
+
+/// Reads files on a thread of its own, one request at a time.
+class Opener {
+ public:
+  /// `wake` is called from the thread when it is done.
+  explicit Opener(std::function<void()> wake) : wake_(std::move(wake)) {}
+  ~Opener();
+  Opener(const Opener&) = delete;
+  Opener& operator=(const Opener&) = delete;
+
+  /// Cancels what runs, then starts.
+  void start(OpenRequest request);
+  void cancel() { progress_->cancel(); }
+  bool busy() const { return busy_; }
+  double fraction() const { return progress_->fraction(); }
+  const std::string& what() const { return what_; }
+  double seconds() const;
+  /// The result, once.
+  std::optional<Opened> take();
+
+ private:
+  struct Box;
+  std::function<void()> wake_;
+  std::shared_ptr<Progress> progress_ = std::make_shared<Progress>();
+  std::shared_ptr<Box> box_;
+  std::thread thread_;
+  std::string what_;
+  std::chrono::steady_clock::time_point started_;
+  bool busy_ = false;
+};
+
+}  // namespace homolog

@@ -1,0 +1,39 @@
+#include "app/editor/ui_context.h"
+#include "app/editor/widgets.h"
+
+namespace homolog {
+
+void draw_side_panel(const UiContext& ui, Outbox& out) {
+  struct Section {
+    const char* title;
+    void (*draw)(const UiContext&, Outbox&);
+  };
+  static constexpr std::array<Section, 6> sections{{{"Case", draw_case_section},
+                                                    {"Reference", draw_reference_section},
+                                                    {"Place", draw_place_section},
+                                                    {"Deform", draw_deform_section},
+                                                    {"Correspondence", draw_correspondence_section},
+                                                    {"Export", draw_export_section}}};
+  const Theme& theme = ui.theme;
+  begin_region("side panel", ui.layout.panel, palette::surface);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(12), 0});
+  ImGui::BeginChild("sections", {0, 0}, false, ImGuiWindowFlags_AlwaysUseWindowPadding);
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    bool toggled = false;
+    const bool open = section(theme, sections[i].title, ui.state.preferences.sections_open[i], toggled);
+    if (toggled)
+      out.change([i](EditorState& s) {
+        s.preferences.sections_open[i] = !s.preferences.sections_open[i];
+      });
+    if (!open) continue;
+    ImGui::PushID(sections[i].title);
+    sections[i].draw(ui, out);
+    ImGui::PopID();
+    gap(theme, 8);
+  }
+  ImGui::EndChild();
+  ImGui::PopStyleVar();
+  ImGui::End();
+}
+
+}  // namespace homolog

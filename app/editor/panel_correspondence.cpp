@@ -1,0 +1,73 @@
+#include <cmath>
+
+#include "app/editor/mesh_overlay.h"
+#include "app/editor/ui_context.h"
+#include "app/editor/widgets.h"
+
+namespace homolog {
+
+void draw_overlay_legend(const UiContext& ui) {
+  const Theme& theme = ui.theme;
+  const Legend legend = overlay_legend(ui.document(), ui.state.overlay);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, bar = theme.px(6), height = theme.px(26);
+  ImGui::Dummy({width, height});
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const auto colour = [&](std::size_t i) {
+    const auto& [r, g, b] = legend.colours[i];
+    return ImGui::ColorConvertFloat4ToU32({r, g, b, 1});
+  };
+  const std::size_t parts = legend.colours.size() - 1;
+  for (std::size_t i = 0; i < parts; ++i) {
+    const auto x = [&](std::size_t k) {
+      return std::round(at.x + width * static_cast<float>(k) / static_cast<float>(parts));
+    };
+    draw.AddRectFilledMultiColor({x(i), at.y}, {x(i + 1), at.y + bar}, colour(i), colour(i + 1), colour(i + 1),
+                                 colour(i));
+  }
+  ImGui::PushFont(theme.small);
+  const float y = at.y + bar + theme.px(3);
+  draw.AddText({at.x, y}, palette::dim, legend.low.c_str());
+  const float middle = ImGui::CalcTextSize(legend.middle.c_str()).x, high = ImGui::CalcTextSize(legend.high.c_str()).x;
+  draw.AddText({std::round(at.x + (width - middle) / 2), y}, palette::dim, legend.middle.c_str());
+  draw.AddText({at.x + width - high, y}, palette::dim, legend.high.c_str());
+  ImGui::PopFont();
+}
+
+void draw_correspondence_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!ui.has_shape()) {
+    explanation(theme, "Shows, during a drag, whether the landmarks stay in correspondence.");
+    return;
+  }
+  static const std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Shape"};
+  int overlay = static_cast<int>(ui.state.overlay);
+  if (choice(theme, "overlay", names, overlay,
+             {"Each landmark in the hue of its index",
+              "Edge length against the template's: blue shorter, red longer",
+              "How far each landmark is from the placed template",
+              "Stiffness factor: dark soft, bright stiff; confirmed regions white",
+              "Shape of the triangles: red thin or turned"}))
+    out.change([overlay](EditorState& s) { s.overlay = static_cast<Overlay>(overlay); });
+  draw_overlay_legend(ui);
+  if (!ui.quality) {
+    explanation(theme, "Measuring…");
+    return;
+  }
+  const QualityFigures& q = *ui.quality;
+  figure(theme, "Volume", format("%.2f ml", q.volume_ml), "Enclosed by the mesh; openings are capped flat");
+  figure(theme, "Edge stretch",
+         format("%.2f · %.2f · %.2f", q.stretch_low, q.stretch_median, q.stretch_high),
+         "Edge length / the template's at this placement: 5 %, median, 95 %");
+  figure(theme, "Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg), {},
+         q.min_angle_deg < 10 ? palette::amber : palette::text);
+  figure(theme, "Moved", format("%.1f mm, at most %.1f mm", q.moved_mean_mm, q.moved_max_mm),
+         "Mean and largest distance of a landmark from the placed template");
+  figure(theme, "Turned triangles", format("%zu", q.turned),
+         "Over 90° from their normal on the template, carried along by the local rotations",
+         q.turned > 0 ? palette::bad : palette::good);
+  figure(theme, "Intersecting pairs", format("%zu", q.intersecting), "Triangles that pass through each other",
+         q.intersecting > 0 ? palette::bad : palette::good);
+}
+
+}  // namespace homolog

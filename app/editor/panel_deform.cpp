@@ -1,0 +1,101 @@
+#include <cmath>
+
+#include "app/editor/ui_context.h"
+#include "app/editor/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+void draw_sigma(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const auto& presets = ui.state.sigma_presets_mm;
+  int chosen = static_cast<int>(ui.state.sigma_preset);
+  const auto label = [&](std::size_t i) { return format("%zu   %.1f mm", i + 1, presets[i]); };
+  if (choice(theme, "sigma", {label(0), label(1), label(2)}, chosen,
+             {"A vicinity (key 1, also while dragging)", "A part (key 2)", "A whole pole (key 3)"}, ui.needs_shape()))
+    out.change([chosen](EditorState& s) { s.sigma_preset = static_cast<std::size_t>(chosen); });
+  double sigma_mm = ui.state.sigma_mm();
+  bool released = false;
+  if (slider(theme, "Reach \xcf\x83", sigma_mm, {smallest_sigma_mm, 100, "%.1f", "mm", true},
+             "How far along the surface an edit reaches; the wheel changes it during a drag", released,
+             ui.needs_shape()))
+    out.change([sigma_mm](EditorState& s) { set_sigma(s, sigma_mm); });
+}
+
+/// A slider whose value belongs to the case: previewed while it is dragged where that is cheap, an edit at the end.
+template <class MakeAction>
+void case_slider(const UiContext& ui, Outbox& out, const char* label, double value, const SliderRange& range,
+                 const std::string& tip, MakeAction make_action) {
+  bool released = false;
+  double now = value;
+  if (slider(ui.theme, label, now, range, tip, released, ui.needs_shape())) out.preview(make_action(now));
+  if (released) out.apply(make_action(now));
+}
+
+void draw_brush(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  BrushSettings brush = ui.state.brush;
+  bool released = false, changed = false;
+  changed |= slider(theme, "Brush radius", brush.radius_mm, {1, 100, "%.1f", "mm", true},
+                    "Of the stiffness and the confirm brush", released);
+  if (ui.state.tool == MouseTool::stiffness) {
+    changed |= slider(theme, "Paints factor", brush.stiffness_factor, {0.1, 50, "%.1f", "\xc3\x97", true},
+                      "Stiffness relative to the base; Alt paints 1", released);
+    double soft = 100 * brush.soft;
+    changed |= slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false}, "Share of the radius that blends", released);
+    brush.soft = soft / 100;
+  } else {
+    int frees = brush.hold ? 0 : 1;
+    changed |= choice(theme, "confirm", {"Hold", "Free"}, frees,
+                      {"Later strokes leave the region where it is", "The region follows strokes again"});
+    brush.hold = frees == 0;
+  }
+  if (changed) out.change([brush](EditorState& s) { s.brush = brush; });
+}
+
+void draw_scheme(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const Document& document = ui.document();
+  int scheme = static_cast<int>(document.scheme);
+  if (choice(theme, "scheme", {"Anchored", "Paper", "Raw"}, scheme,
+             {"An edit never relaxes an earlier one; the default",
+              "Literally as published: every solve pulls back towards the template",
+              "No optimisation: only the dragged falloff moves"}))
+    out.apply(SetScheme{static_cast<Scheme>(scheme), document.paper_events});
+}
+
+}  // namespace
+
+void draw_deform_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  draw_sigma(ui, out);
+  if (!ui.has_shape()) return;
+  const MouseTool tool = ui.state.tool;
+  if (tool == MouseTool::relax) {
+    double strength = 100 * ui.state.relax_strength;
+    bool released = false;
+    if (slider(theme, "Strength", strength, {0, 100, "%.0f", "%", false}, "How far towards the template's local shape",
+               released))
+      out.change([strength](EditorState& s) { s.relax_strength = strength / 100; });
+  }
+  if (tool == MouseTool::stiffness || tool == MouseTool::confirm) draw_brush(ui, out);
+  const Document& document = ui.document();
+  case_slider(ui, out, "Stiffness", document.stiffness_base, {0.1, 200, "%.1f", "", true},
+              "Base w of the whole surface: a stiffer one spreads an edit wider",
+              [](double value) { return SetStiffnessBase{value}; });
+  case_slider(ui, out, "Even spacing", 100 * document.spacing, {0, 100, "%.0f", "%", false},
+              "How strongly landmarks are kept evenly spread along with an edit",
+              [](double value) { return SetSpacing{value / 100}; });
+  bool through = ui.state.through_space;
+  const bool sheets = document.reference->topology->components() > 1;
+  if (toggle(theme, "Reach through space", through, "The falloff reaches other sheets of the mesh too",
+             sheets ? "" : "For meshes of several sheets; this one has one."))
+    out.change([through](EditorState& s) { s.through_space = through; });
+  draw_scheme(ui, out);
+  figure(theme, "Strokes", format("%d", document.shape().strokes));
+  figure(theme, "Last solve", format("%.2f ms", ui.snapshot.solver_ms),
+         "Core work of the last edit: job in, points out");
+}
+
+}  // namespace homolog

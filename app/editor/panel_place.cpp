@@ -1,0 +1,138 @@
+#include <cmath>
+#include <numbers>
+
+#include "app/editor/icons.h"
+#include "app/editor/ui_context.h"
+#include "app/editor/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double degrees_per_radian = 180 / std::numbers::pi;
+
+/// A number of the placement: previewed while it is dragged, an edit when it is let go.
+class PlacementFields {
+ public:
+  PlacementFields(const UiContext& ui, Outbox& out) : ui_(ui), out_(out), placement_(ui.document().shape().placement) {}
+
+  void draw() {
+    const Theme& theme = ui_.theme;
+    const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3);
+    caption(theme, "Centre (L, P, S)");
+    // Turning and scaling keep this centre where it is.
+    Vec3 centre = bounds_of(*ui_.document().shape().points).center();
+    const Vec3 before = centre;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axis > 0) ImGui::SameLine(0, theme.px(4));
+      field(format("centre %d", axis), centre[axis], 0.1, "%.1f", "mm", width,
+            std::string("mm towards the patient's ") + (axis == 0 ? "left" : axis == 1 ? "back" : "head"));
+    }
+    Similarity change;
+    change.translation = centre - before;
+    caption(theme, "Turn about L, P, S");
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axis > 0) ImGui::SameLine(0, theme.px(4));
+      const Vec3 angles = angles_deg();
+      double angle = angles[axis];
+      if (field(format("angle %d", axis), angle, 0.25, "%.1f", "\xc2\xb0", width, "Degrees about the patient's axis")) {
+        const Eigen::AngleAxisd turn((angle - angles[axis]) / degrees_per_radian, Vec3::Unit(axis));
+        change.rotation = Eigen::Quaterniond(turn);
+      }
+    }
+    double scale = placement_.scale;
+    bool released = false;
+    if (slider(theme, "Scale", scale, {0.5, 2, "%.3f", "", true}, "1 is the template's own size", released))
+      change.scale = scale / placement_.scale;
+    change.translation += before - change.scale * (change.rotation * before);
+    const bool moved = !(change == Similarity{Eigen::Quaterniond::Identity(), 1, Vec3::Zero()});
+    if (moved) out_.preview(SetPlacement{change.after(placement_)});
+    if (released || released_) out_.apply(SetPlacement{change.after(placement_)});
+  }
+
+ private:
+  bool field(const std::string& id, double& value, double per_px, const char* pattern, const char* unit, float width,
+             const std::string& tip) {
+    bool released = false;
+    const bool changed = number_field(ui_.theme, id.c_str(), value, per_px, pattern, unit, width, tip, released);
+    released_ = released_ || released;
+    return changed;
+  }
+  Vec3 angles_deg() const {
+    const Mat3 r = placement_.rotation.toRotationMatrix();
+    // R = Rz · Ry · Rx
+    return degrees_per_radian * Vec3(std::atan2(r(2, 1), r(2, 2)),
+                                     std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2))), std::atan2(r(1, 0), r(0, 0)));
+  }
+
+  const UiContext& ui_;
+  Outbox& out_;
+  const Similarity& placement_;
+  bool released_ = false;
+};
+
+void draw_landmark_list(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const auto& landmarks = ui.document().reference->landmarks;
+  const auto& placed = ui.document().shape().landmarks;
+  for (const Landmark& landmark : landmarks) {
+    ImGui::PushID(landmark.name.c_str());
+    const auto place = placed.find(landmark.name);
+    const bool done = place != placed.end();
+    const bool next = ui.state.tool == MouseTool::landmark && ui.state.landmark == landmark.name;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float width = ImGui::GetContentRegionAvail().x, height = theme.px(24);
+    const float remove = done ? theme.px(24) : 0.0f;
+    if (ImGui::InvisibleButton("row", {width - remove, height})) {
+      out.change([name = landmark.name, done, position = done ? place->second : Vec3()](EditorState& s) {
+        s.tool = MouseTool::landmark;
+        s.landmark = name;
+        if (done) s.crosshair_mm = position;
+      });
+    }
+    const bool hovered = ImGui::IsItemHovered();
+    if (hovered) tooltip(theme, done ? "Go there; drag it in a view to move it" : "Then click where it is in a slice");
+    ImDrawList& draw = *ImGui::GetWindowDrawList();
+    if (next || hovered)
+      draw.AddRectFilled(at, {at.x + width, at.y + height}, next ? with_alpha(palette::accent, 0.18f) : palette::raised,
+                         theme.px(4));
+    const float text_y = std::floor(at.y + (height - ImGui::GetFontSize()) / 2);
+    draw.AddText({at.x + theme.px(6), text_y}, done ? palette::good : palette::faint,
+                 done ? icon::check : icon::outline);
+    draw.AddText({at.x + theme.px(28), text_y}, palette::text, landmark.name.c_str());
+    if (done) {
+      ImGui::SameLine(0, 0);
+      if (icon_button(theme, icon::close, "remove", "Take this landmark away", {}, false, 24))
+        out.apply(PlaceLandmark{landmark.name, std::nullopt});
+    }
+    ImGui::PopID();
+  }
+}
+
+}  // namespace
+
+void draw_place_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!ui.has_shape()) {
+    explanation(theme, "Load a template above, then place it on the organ.");
+    return;
+  }
+  PlacementFields(ui, out).draw();
+  gap(theme, 4);
+  const auto& landmarks = ui.document().reference->landmarks;
+  if (landmarks.empty()) {
+    explanation(theme, "This template has no named landmarks; place it with the tool Place (M).");
+    return;
+  }
+  caption(theme, format("Landmarks placed: %zu of %zu", ui.document().shape().landmarks.size(), landmarks.size()).c_str());
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(8), theme.px(2)});
+  draw_landmark_list(ui, out);
+  ImGui::PopStyleVar();
+  int fit = static_cast<int>(ui.document().landmark_fit);
+  if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,
+             {"Landmarks are only recorded", "Move, turn and scale the template so that the landmarks meet",
+              "The similarity, and from the fourth landmark on a smooth warp"}))
+    out.apply(SetLandmarkFit{static_cast<LandmarkFit>(fit)});
+}
+
+}  // namespace homolog

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+
+#include "core/case/document.h"
+
+namespace homolog {
+
+/// How good the shown mesh is as a carrier of correspondence, against the unwarped template at the same placement.
+struct QualityFigures {
+  double stretch_low = 1, stretch_median = 1, stretch_high = 1;  ///< edge length / reference's: 5 %, 50 %, 95 %
+  double min_angle_deg = 0;
+  std::size_t turned = 0;       ///< triangles over 90° from their reference normal, carried by the local rotations
+  std::size_t intersecting = 0; ///< pairs of faces
+  double moved_mean_mm = 0, moved_max_mm = 0;
+  double volume_ml = 0;
+};
+QualityFigures quality_figures(const Document& document);
+
+}  // namespace homolog

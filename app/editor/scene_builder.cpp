@@ -1,0 +1,115 @@
+#include "app/editor/scene_builder.h"
+
+#include "app/editor/mesh_overlay.h"
+#include "app/editor/theme_colours.h"
+
+namespace homolog {
+
+void SceneBuilder::update(const Input& input) {
+  const Document& document = *input.document;
+  if (document.reference != reference_) {
+    reference_ = document.reference;
+    hues_ = reference_ ? landmark_hues(*reference_->topology) : std::vector<float>();
+    points_.reset();
+    colours_.reset();
+    glyphs_.clear();
+    glyph_spacing_mm_ = 0;
+  }
+  if (!document.has_shape()) {
+    points_.reset();
+    return;
+  }
+  update_mesh(input);
+  update_glyphs(input);
+}
+
+void SceneBuilder::update_mesh(const Input& input) {
+  const Document& document = *input.document;
+  const auto response = input.preview ? input.preview->response : nullptr;
+  const bool stopped = input.preview && input.preview->stopped_by_guard;
+  const bool moved = document.shape().points != points_;
+  if (moved) {
+    points_ = document.shape().points;
+    ++points_revision_;
+  }
+  const bool follows_points = input.state.overlay != Overlay::landmark_hue && input.state.overlay != Overlay::stiffness;
+  const bool same = colours_ && overlay_ == input.state.overlay && response_ == response && stopped_ == stopped &&
+                    stiffness_ == document.stiffness && confirmed_ == document.confirmed && !(moved && follows_points);
+  if (same) return;
+  overlay_ = input.state.overlay;
+  response_ = response;
+  stopped_ = stopped;
+  stiffness_ = document.stiffness;
+  confirmed_ = document.confirmed;
+  auto colours = overlay_colours(document, overlay_, hues_);
+  if (response) colours = tinted(std::move(colours), *response, stopped);
+  colours_ = std::make_shared<const std::vector<Rgb>>(std::move(colours));
+  ++colours_revision_;
+}
+
+void SceneBuilder::update_glyphs(const Input& input) {
+  if (!input.state.preferences.show.glyphs || glyph_spacing_mm_ == input.state.glyph_spacing_mm) return;
+  glyph_spacing_mm_ = input.state.glyph_spacing_mm;
+  glyphs_ = glyph_landmarks({reference_->topology, reference_->points}, glyph_spacing_mm_);
+}
+
+GlyphLayer SceneBuilder::glyph_layer(const Input& input, ViewKind) const {
+  GlyphLayer layer;
+  if (!input.state.preferences.show.glyphs || !points_) return layer;
+  for (const auto vertex : glyphs_)
+    layer.glyphs.push_back({points_->row(vertex), hsv_to_rgb(hues_[static_cast<std::size_t>(vertex)], 1, 1),
+                            static_cast<float>(0.12 * input.state.glyph_spacing_mm)});
+  return layer;
+}
+
+std::vector<PlaneInSpace> SceneBuilder::planes(const Input& input) const {
+  std::vector<PlaneInSpace> planes;
+  if (!input.state.preferences.show.planes || !input.document->volume) return planes;
+  const VolumeGeometry geometry = geometry_of(*input.document);
+  const Box box = geometry.bounds_mm();
+  const Vec3 reach = box.sizes() / 2;
+  for (const ViewKind kind : slice_views) {
+    PlaneInSpace plane;
+    plane.plane = slice_view(input.state, kind, geometry);
+    const Vec3 normal = plane.plane.normal();
+    plane.plane.centre = box.center() + normal * normal.dot(input.state.crosshair_mm - box.center());
+    plane.half_width_mm = plane.plane.right.cwiseAbs().dot(reach);
+    plane.half_height_mm = plane.plane.down.cwiseAbs().dot(reach);
+    plane.frame_colour = view_colour(kind);
+    planes.push_back(plane);
+  }
+  return planes;
+}
+
+Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
+  const EditorState& state = input.state;
+  const auto& show = state.preferences.show;
+  const int frame = input.document->frame;
+  Scene scene;
+  scene.image = {input.document->volume, frame, state.window_low, state.window_high, state.preferences.linear};
+  if (input.labels) {
+    const int label_frame = input.labels->frames > frame ? frame : 0;
+    scene.labels = {input.labels, label_frame, state.label_opacity};
+  }
+  if (points_) {
+    MeshLayer mesh;
+    mesh.topology = reference_->topology;
+    mesh.points = points_;
+    mesh.points_revision = points_revision_;
+    mesh.colours = colours_;
+    mesh.colours_revision = colours_revision_;
+    mesh.outline = show.outline;
+    mesh.surface = show.surface;
+    mesh.wireframe = show.wireframe;
+    mesh.saturated_outline = overlay_ == Overlay::landmark_hue && !response_;
+    scene.meshes.push_back(std::move(mesh));
+  }
+  scene.glyphs = glyph_layer(input, kind);
+  if (kind == ViewKind::space) {
+    scene.planes = planes(input);
+    scene.background = {0.075f, 0.08f, 0.09f, 1};
+  }
+  return scene;
+}
+
+}  // namespace homolog

@@ -1,0 +1,148 @@
+#include "app/editor/state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace homolog {
+
+SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry) {
+  const auto [right, down] =
+      screen_axes(kind, slice_axes(geometry, state.own_planes), state.preferences.radiological);
+  const SlicePan& pan = state.slices[index_of(kind)];
+  SliceView view;
+  view.right = right;
+  view.down = down;
+  const Vec3 normal = view.normal();
+  view.centre = pan.centre_mm + normal * normal.dot(state.crosshair_mm - pan.centre_mm);
+  view.mm_per_px = pan.mm_per_px;
+  return view;
+}
+
+VolumeGeometry geometry_of(const Document& document) {
+  if (document.volume) return document.volume->geometry;
+  VolumeGeometry geometry;
+  const Box box = document.has_shape() ? bounds_of(*document.shape().points) : Box(Vec3(-50, -50, -50), Vec3(50, 50, 50));
+  const Vec3 margin = 0.25 * box.sizes();
+  geometry.origin_mm = box.min() - margin;
+  for (int axis = 0; axis < 3; ++axis)
+    geometry.dims[static_cast<std::size_t>(axis)] =
+        std::max(1, static_cast<int>(std::lround(1.5 * box.sizes()[axis])));
+  return geometry;
+}
+
+std::array<double, 3> default_sigmas_mm(const Points& placed_reference) {
+  const double diagonal = bounds_of(placed_reference).diagonal().norm();
+  const auto share = [&](double part) {
+    return std::clamp(std::round(2 * part * diagonal) / 2, smallest_sigma_mm, largest_sigma_mm);
+  };
+  return {share(0.03), share(0.08), share(0.2)};
+}
+
+void show_document(EditorState& state, const Document& document, const Layout& layout) {
+  state.drag.reset();
+  state.ruler.reset();
+  state.shown_frame.reset();
+  state.playing = false;
+  if (document.volume) std::tie(state.window_low, state.window_high) = default_window(*document.volume);
+  if (document.has_shape()) {
+    state.crosshair_mm = bounds_of(*document.shape().points).center();
+    state.sigma_presets_mm = default_sigmas_mm(*document.shape().reference);
+    state.landmark = next_unplaced_landmark(document);
+  } else {
+    state.crosshair_mm = geometry_of(document).bounds_mm().center();
+  }
+  fit_views(state, document, layout);
+}
+
+void fit_views(EditorState& state, const Document& document, const Layout& layout) {
+  const VolumeGeometry geometry = geometry_of(document);
+  const Box box = geometry.bounds_mm();
+  const Vec3 reach = box.sizes() / 2;
+  for (const ViewKind kind : slice_views) {
+    const auto [right, down] =
+        screen_axes(kind, slice_axes(geometry, state.own_planes), state.preferences.radiological);
+    const RectPx& rect = layout.image(kind);
+    if (rect.width <= 0 || rect.height <= 0) continue;
+    const double half_width_mm = right.cwiseAbs().dot(reach), half_height_mm = down.cwiseAbs().dot(reach);
+    SlicePan& pan = state.slices[index_of(kind)];
+    pan.centre_mm = box.center();
+    pan.mm_per_px = 2.04 * std::max(half_width_mm / rect.width, half_height_mm / rect.height);
+  }
+  const Box target = document.has_shape() ? bounds_of(*document.shape().points) : box;
+  state.camera = camera_from(LookFrom::anterior, target);
+  state.camera.distance_mm *= 1.4;
+}
+
+void look_from(EditorState& state, LookFrom from) {
+  const Camera3D camera = camera_from(from, Box());
+  state.camera.to_eye = camera.to_eye;
+  state.camera.up = camera.up;
+}
+
+void scroll_slice(EditorState& state, ViewKind kind, const VolumeGeometry& geometry, double steps) {
+  // Away from the radiological viewer (axial: towards the head), whichever side is shown on the left.
+  const Vec3 normal = screen_axes(kind, slice_axes(geometry, state.own_planes), true).normal();
+  const Box box = geometry.bounds_mm();
+  const Vec3 moved = state.crosshair_mm + normal * steps * slice_step_mm(geometry, normal);
+  state.crosshair_mm = moved.cwiseMax(box.min()).cwiseMin(box.max());
+}
+
+void set_sigma(EditorState& state, double sigma_mm) {
+  state.sigma_presets_mm[state.sigma_preset] = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
+}
+
+std::string next_unplaced_landmark(const Document& document, const std::string& after) {
+  if (!document.reference || !document.has_shape()) return {};
+  const auto& landmarks = document.reference->landmarks;
+  const auto& placed = document.shape().landmarks;
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < landmarks.size(); ++i)
+    if (landmarks[i].name == after) start = i + 1;
+  for (std::size_t k = 0; k < landmarks.size(); ++k) {
+    const auto& name = landmarks[(start + k) % landmarks.size()].name;
+    if (!placed.contains(name) && name != after) return name;
+  }
+  return {};
+}
+
+void add_notice(EditorState& state, std::string text, bool error) {
+  constexpr std::size_t most = 4;
+  if (std::any_of(state.notices.begin(), state.notices.end(), [&](const Notice& n) { return n.text == text; })) return;
+  state.notices.push_back({std::move(text), error});
+  if (state.notices.size() > most) state.notices.erase(state.notices.begin());
+}
+
+void remember_recent(Preferences& preferences, const std::filesystem::path& path) {
+  constexpr std::size_t most = 8;
+  std::erase(preferences.recent, path);
+  preferences.recent.insert(preferences.recent.begin(), path);
+  if (preferences.recent.size() > most) preferences.recent.resize(most);
+}
+
+int shown_frame(const EditorState& state, const Document& document) {
+  return state.shown_frame.value_or(document.frame);
+}
+
+const char* tool_name(MouseTool tool) {
+  static constexpr std::array names{"Pull",     "Grab",      "Slide",   "Relax", "Place",
+                                    "Landmark", "Stiffness", "Confirm", "Ruler"};
+  return names[static_cast<std::size_t>(tool)];
+}
+
+std::optional<Tool> stroke_tool(MouseTool tool) {
+  switch (tool) {
+    case MouseTool::pull:
+      return Tool::pull;
+    case MouseTool::grab:
+      return Tool::grab;
+    case MouseTool::slide:
+      return Tool::slide;
+    case MouseTool::relax:
+      return Tool::relax;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace homolog

@@ -1,0 +1,162 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/editor/dialogs.h"
+#include "app/editor/drag.h"
+#include "app/editor/layout.h"
+#include "app/editor/view_geometry.h"
+#include "core/case/document.h"
+
+namespace homolog {
+
+/// What the left mouse button does in a view.
+enum class MouseTool { pull, grab, slide, relax, place, landmark, stiffness, confirm, ruler };
+
+/// What the colours of the mesh mean.
+enum class Overlay { landmark_hue, edge_stretch, moved, stiffness, quality };
+
+/// Where a slice view looks within its plane; the plane itself goes through the cross-hair.
+struct SlicePan {
+  Vec3 centre_mm = Vec3::Zero();
+  double mm_per_px = 0.5;
+  bool operator==(const SlicePan&) const = default;
+};
+
+struct ShownParts {
+  bool outline = true, surface = true, planes = true, glyphs = false, wireframe = false, crosshair = true,
+       letters = true, image = true;
+  bool operator==(const ShownParts&) const = default;
+};
+
+struct BrushSettings {
+  double radius_mm = 10;
+  double stiffness_factor = 5;  ///< painted by the stiffness brush, relative to the base
+  double soft = 0.5;      ///< share of the radius over which it blends
+  bool hold = true;       ///< the confirm brush holds, else it frees
+};
+
+/// What the pointer is over; nothing while it is outside the views.
+struct Hover {
+  ViewKind view = ViewKind::axial;
+  double x_px = 0, y_px = 0;        ///< from the window's upper left corner
+  std::optional<Vec3> p_mm;         ///< on the slice, or on the surface in the 3D view
+  std::optional<Vec3> on_mesh;      ///< the surface point that a press would take hold of
+  std::string landmark;             ///< name of the placed landmark under the pointer
+  PlacePart part = PlacePart::none; ///< of the placement handles
+};
+
+/// For double clicks.
+struct LastPress {
+  double x_px = 0, y_px = 0, seconds = -1;
+};
+
+/// Radius of the ball that shows a placed landmark.
+inline constexpr double landmark_radius_mm = 1.5;
+
+struct Ruler {
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
+  double length_mm() const { return (to - from).norm(); }
+};
+
+struct Notice {
+  std::string text;  ///< one sentence
+  bool error = true;
+};
+
+/// Things a newcomer has to do once; each hint goes away when done, all when dismissed.
+struct Hints {
+  bool dragged = false, scrolled = false, turned_camera = false;
+  bool done() const { return dragged && scrolled && turned_camera; }
+};
+
+/// What is kept between runs.
+struct Preferences {
+  int window_width = 1280, window_height = 800;
+  bool panel_open = true;
+  std::array<bool, 6> sections_open{true, false, false, true, true, false};  ///< Case … Export
+  bool radiological = true;
+  bool linear = true;
+  ShownParts show;
+  Hints hints;
+  std::vector<std::filesystem::path> recent;  ///< newest first
+  std::filesystem::path folder;               ///< last used in the file dialog
+};
+
+/// Everything the editor remembers that is not part of the case. Changed by the free functions below and in
+/// controls.h; drawing reads it as const.
+struct EditorState {
+  Preferences preferences;
+
+  Vec3 crosshair_mm = Vec3::Zero();
+  std::array<SlicePan, 3> slices;
+  Camera3D camera;
+  bool own_planes = false;
+  std::optional<ViewKind> maximised;
+
+  double window_low = 0, window_high = 1;
+  float label_opacity = 0.4f;
+  std::optional<int> shown_frame;  ///< of a cine while it plays or its slider is dragged; else the document's
+  bool playing = false;
+
+  MouseTool tool = MouseTool::pull;
+  std::array<double, 3> sigma_presets_mm{4, 10, 25};
+  std::size_t sigma_preset = 1;
+  double relax_strength = 0.5;
+  bool through_space = false;
+  BrushSettings brush;
+  std::string landmark;  ///< the one that the next click places
+  Overlay overlay = Overlay::landmark_hue;
+  double glyph_spacing_mm = 12;
+
+  std::optional<Hover> hover;
+  LastPress last_press;
+  std::optional<Drag> drag;
+  std::optional<Ruler> ruler;
+
+  PictureOptions picture;
+
+  std::optional<Dialog> dialog;
+  std::vector<Notice> notices;
+
+  double sigma_mm() const { return sigma_presets_mm[sigma_preset]; }
+};
+
+/// The plane of a slice view.
+SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry);
+
+/// Shows a case from the start: cross-hair in the middle of the mesh (or volume), everything in view, σ presets from
+/// the size of the placed reference, window from the volume.
+void show_document(EditorState& state, const Document& document, const Layout& layout);
+void fit_views(EditorState& state, const Document& document, const Layout& layout);
+/// σ presets as shares of the placed reference's diagonal: a vicinity, a part, a whole pole.
+std::array<double, 3> default_sigmas_mm(const Points& placed_reference);
+
+/// Turns the 3D view to a standard direction; what it looks at, and from how far, stays.
+void look_from(EditorState& state, LookFrom from);
+void scroll_slice(EditorState& state, ViewKind kind, const VolumeGeometry& geometry, double steps);
+void set_sigma(EditorState& state, double sigma_mm);
+/// Limits of σ, mm: what a slider offers.
+inline constexpr double smallest_sigma_mm = 0.5, largest_sigma_mm = 200;
+
+/// The next landmark of the template that the shape has no place for; empty where all are placed.
+std::string next_unplaced_landmark(const Document& document, const std::string& after = {});
+
+void add_notice(EditorState& state, std::string text, bool error = true);
+void remember_recent(Preferences& preferences, const std::filesystem::path& path);
+
+/// The case's frame, or the one that is shown while a cine plays.
+int shown_frame(const EditorState& state, const Document& document);
+
+/// The volume's geometry; a box around the mesh where there is no volume.
+VolumeGeometry geometry_of(const Document& document);
+
+const char* tool_name(MouseTool tool);
+/// The tool's gesture, for the four that move the mesh.
+std::optional<Tool> stroke_tool(MouseTool tool);
+
+}  // namespace homolog

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/editor/commands.h"
+#include "app/editor/quality.h"
+#include "app/editor/theme.h"
+#include "core/case/session_thread.h"
+
+namespace homolog {
+
+/// Background work that the window shows with a progress bar.
+struct Opening {
+  std::string what;  ///< "ct.nii.gz"
+  double fraction = 0;
+  bool shown = false;  ///< it takes longer than half a second
+};
+
+/// Everything that the interface is drawn from, at one moment. Drawing changes nothing in it; what the user asks for
+/// goes to an Outbox.
+struct UiContext {
+  const Theme& theme;
+  const Layout& layout;
+  const EditorState& state;
+  const Snapshot& snapshot;
+  std::shared_ptr<const Document> displayed;  ///< what is shown: the preview, at the frame that plays
+  const std::optional<QualityFigures>& quality;
+  const std::optional<Opening>& opening;
+  std::shared_ptr<const Volume> labels;  ///< the overlay; null without one
+  std::string labels_name;
+  std::array<unsigned int, 4> textures{};  ///< what the renderer drew for each view; 0 for a view not shown
+  double frames_per_second = 0;
+
+  const Document& document() const { return *displayed; }
+  bool has_shape() const { return document().has_shape(); }
+  /// Why a control that needs a mesh is disabled; empty where there is one.
+  std::string needs_shape() const {
+    return has_shape() ? std::string() : "Load a template first: there is no mesh yet.";
+  }
+  std::string needs_volume() const {
+    return document().volume ? std::string() : "Open an image first.";
+  }
+};
+
+// The parts of the window, from top to bottom; each in a file of its own.
+void draw_top_bar(const UiContext& ui, Outbox& out);
+void draw_tool_strip(const UiContext& ui, Outbox& out);
+void draw_views(const UiContext& ui, Outbox& out);
+void draw_side_panel(const UiContext& ui, Outbox& out);
+void draw_status_line(const UiContext& ui, Outbox& out);
+void draw_dialogs(const UiContext& ui, Outbox& out);
+void draw_notices(const UiContext& ui, Outbox& out);
+
+// Sections of the side panel, in the order of the work.
+void draw_case_section(const UiContext& ui, Outbox& out);
+void draw_reference_section(const UiContext& ui, Outbox& out);
+void draw_place_section(const UiContext& ui, Outbox& out);
+void draw_deform_section(const UiContext& ui, Outbox& out);
+void draw_correspondence_section(const UiContext& ui, Outbox& out);
+void draw_export_section(const UiContext& ui, Outbox& out);
+
+/// What the overlay's colours mean, as a bar with figures.
+void draw_overlay_legend(const UiContext& ui);
+
+/// The whole window, inside an ImGui frame.
+void draw_interface(const UiContext& ui, Outbox& out);
+
+/// A borderless ImGui window that fills a rectangle of the layout. Pair with ImGui::End().
+void begin_region(const char* name, const RectPx& rect, ImU32 colour, float padding_px = 0);
+
+}  // namespace homolog

@@ -1,0 +1,229 @@
+#include "app/editor/view_overlay.h"
+
+#include <cmath>
+
+#include "app/editor/controls.h"
+#include "app/editor/icons.h"
+#include "app/editor/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+ImVec2 to_im(const Eigen::Vector2d& p) {
+  return {static_cast<float>(p.x()), static_cast<float>(p.y())};
+}
+
+/// Text that stays readable on any image.
+void shadowed_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text) {
+  const float size = font->FontSize;
+  draw.AddText(font, size, {at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 200), text.c_str());
+  draw.AddText(font, size, at, colour, text.c_str());
+}
+
+ImVec2 text_size(ImFont* font, const std::string& text) {
+  return font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str());
+}
+
+void draw_letters(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const RectPx& rect = map.rect();
+  ImFont* font = ui.theme.strong;
+  const float inset = ui.theme.px(8);
+  const Vec3 right = map.right();
+  const Vec3 down = map.is_slice() ? map.slice().down : Vec3(-ui.state.camera.up);
+  const auto put = [&](const Vec3& direction, float share_x, float share_y) {
+    const std::string letters = direction_letters(direction);
+    const ImVec2 size = text_size(font, letters);
+    const ImVec2 at{std::round(rect.x + inset + (rect.width - 2 * inset - size.x) * share_x),
+                    std::round(rect.y + inset + (rect.height - 2 * inset - size.y) * share_y)};
+    shadowed_text(draw, font, at, palette::text, letters);
+  };
+  put(-right, 0, 0.5f);
+  put(right, 1, 0.5f);
+  put(-down, 0.5f, 0);
+  put(down, 0.5f, 1);
+}
+
+void draw_scale_bar(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const RectPx& rect = map.rect();
+  const double mm_per_px = map.mm_per_px(ui.state.crosshair_mm);
+  const double length_mm = scale_bar_mm(mm_per_px, 0.25 * rect.width);
+  const auto length_px = static_cast<float>(std::round(length_mm / mm_per_px));
+  const float x = rect.x + ui.theme.px(12), y = rect.y + rect.height - ui.theme.px(14), tick = ui.theme.px(4);
+  for (const auto& [shift, colour] : {std::pair(1.0f, IM_COL32(0, 0, 0, 160)), std::pair(0.0f, palette::text)}) {
+    draw.AddLine({x + shift, y + shift}, {x + length_px + shift, y + shift}, colour);
+    draw.AddLine({x + shift, y - tick + shift}, {x + shift, y + 1 + shift}, colour);
+    draw.AddLine({x + length_px + shift, y - tick + shift}, {x + length_px + shift, y + 1 + shift}, colour);
+  }
+  const std::string text = length_mm >= 10 ? format("%.0f mm", length_mm) : format("%g mm", length_mm);
+  shadowed_text(draw, ui.theme.small, {x + length_px + ui.theme.px(8), std::round(y - ui.theme.small->FontSize / 2)}, palette::text, text);
+}
+
+/// Lines of the other two planes, in their hues, with a gap around the cross-hair's middle.
+void draw_crosshair(const UiContext& ui, ViewKind kind, const ViewMap& map, ImDrawList& draw) {
+  const auto middle = map.to_px(ui.state.crosshair_mm);
+  if (!middle) return;
+  const VolumeGeometry geometry = geometry_of(ui.document());
+  const float gap_px = ui.theme.px(12);
+  const RectPx& rect = map.rect();
+  const float reach = rect.width + rect.height;
+  for (const ViewKind other : slice_views) {
+    if (other == kind) continue;
+    const Vec3 along_mm = slice_view(ui.state, other, geometry).normal().cross(map.into_screen());
+    const Eigen::Vector2d along(along_mm.dot(map.slice().right), along_mm.dot(map.slice().down));
+    const Eigen::Vector2d unit = along.normalized();
+    const ImU32 colour = with_alpha(view_hue(other), 0.55f);
+    for (const double sign : {-1.0, 1.0})
+      draw.AddLine(to_im(*middle + sign * static_cast<double>(gap_px) * unit),
+                   to_im(*middle + sign * static_cast<double>(reach) * unit), colour);
+  }
+}
+
+void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const auto& placed = ui.document().shape().landmarks;
+  const double step = slice_step_mm(geometry_of(ui.document()), map.into_screen());
+  for (const auto& [name, p_mm] : placed) {
+    const auto px = map.to_px(p_mm);
+    if (!px) continue;
+    const double off_mm = map.is_slice() ? std::abs(map.into_screen().dot(p_mm - map.slice().centre)) : 0;
+    if (off_mm > 4 * step) continue;
+    const float alpha = static_cast<float>(1 - 0.7 * off_mm / (4 * step));
+    const ImVec2 at = to_im(*px);
+    const bool lit = ui.state.hover && ui.state.hover->landmark == name;
+    draw.AddCircleFilled(at, ui.theme.px(lit ? 5 : 4), with_alpha(palette::accent, alpha));
+    draw.AddCircle(at, ui.theme.px(lit ? 6 : 5), with_alpha(IM_COL32_BLACK, 0.6f * alpha));
+    shadowed_text(draw, ui.theme.small, {at.x + ui.theme.px(9), at.y - ui.theme.px(8)},
+                  with_alpha(palette::text, alpha), name);
+  }
+}
+
+void draw_placement_handles(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const auto handles = placement_handles(map, *ui.document().shape().points, ui.theme.scale);
+  if (!handles) return;
+  PlacePart lit = PlacePart::none;
+  if (ui.state.drag) {
+    if (const auto* drag = std::get_if<PlaceDrag>(&*ui.state.drag)) lit = drag->part;
+  } else if (ui.state.hover && map.rect().contains(ui.state.hover->x_px, ui.state.hover->y_px)) {
+    lit = ui.state.hover->part;
+  }
+  const auto colour = [&](PlacePart part) { return lit == part ? palette::accent : with_alpha(palette::text, 0.7f); };
+  const auto radius = static_cast<float>(handles->radius_px);
+  draw.AddCircle(to_im(handles->centre_px), radius, colour(PlacePart::ring), 0, lit == PlacePart::ring ? 2.0f : 1.5f);
+  draw.AddCircleFilled(to_im(handles->knob_px), ui.theme.px(6), palette::window);
+  draw.AddCircle(to_im(handles->knob_px), ui.theme.px(6), colour(PlacePart::knob), 0, 2);
+  const ImVec2 centre = to_im(handles->centre_px);
+  const float arm = ui.theme.px(6);
+  draw.AddLine({centre.x - arm, centre.y}, {centre.x + arm, centre.y}, colour(PlacePart::body), 1.5f);
+  draw.AddLine({centre.x, centre.y - arm}, {centre.x, centre.y + arm}, colour(PlacePart::body), 1.5f);
+}
+
+void draw_ring(ImDrawList& draw, const ViewMap& map, const Vec3& at_mm, double radius_mm, ImU32 colour) {
+  const auto px = map.to_px(at_mm);
+  if (px) draw.AddCircle(to_im(*px), static_cast<float>(radius_mm / map.mm_per_px(at_mm)), colour, 0, 1.5f);
+}
+
+/// The gesture's hold on the surface, its σ as a ring, and how far it moved, at the cursor.
+void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map, ImDrawList& draw) {
+  const bool stopped = ui.snapshot.preview && ui.snapshot.preview->stopped_by_guard;
+  const ImU32 colour = stopped ? palette::amber : palette::text;
+  const Vec3 held = ui.snapshot.preview && ui.snapshot.preview->on ? *ui.snapshot.preview->on : drag.stroke.at;
+  draw_ring(draw, map, held, drag.stroke.sigma_mm, with_alpha(colour, 0.55f));
+  if (const auto px = map.to_px(held)) draw.AddCircleFilled(to_im(*px), ui.theme.px(3), colour);
+  if (!ui.state.hover || !drag.moved) return;
+  const double moved_mm = ui.snapshot.preview ? ui.snapshot.preview->moved_mm : 0;
+  const std::string text =
+      format("%.1f mm%s", moved_mm, stopped ? "  held" : "");
+  const ImVec2 at{static_cast<float>(ui.state.hover->x_px) + ui.theme.px(16),
+                  static_cast<float>(ui.state.hover->y_px) + ui.theme.px(10)};
+  shadowed_text(draw, ui.theme.strong, at, colour, text);
+  shadowed_text(draw, ui.theme.small, {at.x, at.y + ui.theme.px(18)}, palette::dim,
+                format("\xcf\x83 %.1f mm", drag.stroke.sigma_mm));
+}
+
+/// What a press would do: the point that would be taken hold of, with σ or the brush around it.
+void draw_hover(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const Hover& hover = *ui.state.hover;
+  if (!hover.on_mesh) return;
+  const MouseTool tool = ui.state.tool;
+  const bool brush = tool == MouseTool::stiffness || tool == MouseTool::confirm;
+  if (!brush && !stroke_tool(tool)) return;
+  const double radius_mm = brush ? ui.state.brush.radius_mm : ui.state.sigma_mm();
+  draw_ring(draw, map, *hover.on_mesh, radius_mm, with_alpha(palette::text, 0.35f));
+  if (const auto px = map.to_px(*hover.on_mesh)) {
+    draw.AddCircleFilled(to_im(*px), ui.theme.px(4), palette::text);
+    draw.AddCircle(to_im(*px), ui.theme.px(5), IM_COL32(0, 0, 0, 160));
+  }
+}
+
+void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const Ruler& ruler = *ui.state.ruler;
+  const auto from = map.to_px(ruler.from), to = map.to_px(ruler.to);
+  if (!from || !to) return;
+  const bool in_plane =
+      !map.is_slice() || std::abs(map.into_screen().dot(ruler.from - map.slice().centre)) < 0.5;
+  const ImU32 colour = with_alpha(palette::accent, in_plane ? 1.0f : 0.35f);
+  draw.AddLine(to_im(*from), to_im(*to), colour, 1.5f);
+  for (const auto& end : {*from, *to}) draw.AddCircleFilled(to_im(end), ui.theme.px(3), colour);
+  const Eigen::Vector2d middle = (*from + *to) / 2;
+  if (in_plane)
+    shadowed_text(draw, ui.theme.strong, {to_im(middle).x + ui.theme.px(8), to_im(middle).y + ui.theme.px(4)},
+                  palette::text, format("%.1f mm", ruler.length_mm()));
+}
+
+void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
+  const Hints& hints = ui.state.preferences.hints;
+  if (!ui.has_shape() || ui.state.drag) return;
+  std::string text;
+  if (kind == ViewKind::axial && !hints.dragged)
+    text = "Drag the coloured outline to the organ's edge";
+  else if (kind == ViewKind::sagittal && !hints.scrolled)
+    text = "Turn the wheel to go through the slices";
+  else if (kind == ViewKind::space && !hints.turned_camera)
+    text = "Drag beside the mesh to turn it";
+  if (text.empty()) return;
+  const RectPx& rect = ui.layout.image(kind);
+  const ImVec2 size = text_size(ui.theme.body, text);
+  const ImVec2 at{std::round(rect.x + (rect.width - size.x) / 2), rect.y + rect.height - ui.theme.px(60)};
+  const float pad_x = ui.theme.px(12), pad_y = ui.theme.px(7);
+  const ImVec2 low{at.x - pad_x, at.y - pad_y}, high{at.x + size.x + pad_x, at.y + size.y + pad_y};
+  draw.AddRectFilled(low, high, IM_COL32(0x1A, 0x1C, 0x1F, 225), (high.y - low.y) / 2);
+  draw.AddRect(low, high, with_alpha(palette::accent, 0.5f), (high.y - low.y) / 2);
+  draw.AddText(ui.theme.body, ui.theme.body->FontSize, at, palette::text, text.c_str());
+}
+
+void draw_empty_state(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
+  const bool nothing = !ui.document().volume && !ui.has_shape();
+  if (!nothing || kind != ViewKind::axial) return;
+  const RectPx& rect = ui.layout.image(kind);
+  const std::string title = "Nothing is open", text = "Ctrl+O opens an image, a case or a template";
+  const ImVec2 a = text_size(ui.theme.strong, title), b = text_size(ui.theme.body, text);
+  const float x = rect.x + rect.width / 2, y = rect.y + rect.height / 2;
+  draw.AddText(ui.theme.strong, ui.theme.strong->FontSize, {std::round(x - a.x / 2), y - ui.theme.px(20)},
+               palette::text, title.c_str());
+  draw.AddText(ui.theme.body, ui.theme.body->FontSize, {std::round(x - b.x / 2), y + ui.theme.px(4)}, palette::dim,
+               text.c_str());
+}
+
+}  // namespace
+
+void draw_view_overlay(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
+  const ControlsContext context{ui.layout, ui.document(), false, false};
+  const ViewMap map = view_map(ui.state, context, kind);
+  const auto& show = ui.state.preferences.show;
+  const bool nothing = !ui.document().volume && !ui.has_shape();
+  if (nothing) return draw_empty_state(ui, kind, draw);
+  if (show.crosshair && map.is_slice()) draw_crosshair(ui, kind, map, draw);
+  if (ui.state.ruler) draw_ruler(ui, map, draw);
+  if (ui.has_shape()) {
+    draw_landmarks(ui, map, draw);
+    if (ui.state.tool == MouseTool::place) draw_placement_handles(ui, map, draw);
+  }
+  const auto* stroke = ui.state.drag ? std::get_if<StrokeDrag>(&*ui.state.drag) : nullptr;
+  if (stroke != nullptr && stroke->view == kind) draw_stroke(ui, *stroke, map, draw);
+  if (!ui.state.drag && ui.state.hover && ui.state.hover->view == kind) draw_hover(ui, map, draw);
+  if (show.letters) draw_letters(ui, map, draw);
+  if (map.is_slice()) draw_scale_bar(ui, map, draw);
+  draw_hints(ui, kind, draw);
+}
+
+}  // namespace homolog

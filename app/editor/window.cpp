@@ -1,0 +1,221 @@
+// clang-format off: the GL loader comes before GLFW, which would bring its own headers.
+#include <epoxy/gl.h>
+#include <GLFW/glfw3.h>
+// clang-format on
+#include <backends/imgui_impl_glfw.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+#include "app/editor/editor.h"
+#include "app/editor/editor_app.h"
+#include "app/editor/imgui_context.h"
+#include "app/editor/preferences.h"
+
+namespace homolog {
+
+namespace {
+
+static_assert(key::escape == GLFW_KEY_ESCAPE && key::enter == GLFW_KEY_ENTER && key::f1 == GLFW_KEY_F1 &&
+              key::up == GLFW_KEY_UP && key::page_down == GLFW_KEY_PAGE_DOWN && key::backspace == GLFW_KEY_BACKSPACE &&
+              key::keypad_enter == GLFW_KEY_KP_ENTER && GLFW_KEY_A == 'A' && GLFW_KEY_1 == '1');
+
+/// Frames drawn after each event: ImGui reacts to an event in the first and has settled in the third.
+constexpr int frames_per_event = 3;
+
+struct Window {
+  GLFWwindow* handle = nullptr;
+  EditorApp* app = nullptr;
+  int frames_due = frames_per_event;
+
+  static Window& of(GLFWwindow* handle) { return *static_cast<Window*>(glfwGetWindowUserPointer(handle)); }
+
+  /// Events carry framebuffer px; the window system may count in larger units.
+  void send(decltype(InputEvent::what) what, int mods, bool typing = false) {
+    frames_due = frames_per_event;
+    InputEvent event;
+    event.what = what;
+    int width = 1, height = 1, pixels_x = 1, pixels_y = 1;
+    glfwGetWindowSize(handle, &width, &height);
+    glfwGetFramebufferSize(handle, &pixels_x, &pixels_y);
+    glfwGetCursorPos(handle, &event.x_px, &event.y_px);
+    event.x_px *= static_cast<double>(pixels_x) / std::max(width, 1);
+    event.y_px *= static_cast<double>(pixels_y) / std::max(height, 1);
+    event.shift = (mods & GLFW_MOD_SHIFT) != 0;
+    event.ctrl = (mods & GLFW_MOD_CONTROL) != 0;
+    event.alt = (mods & GLFW_MOD_ALT) != 0;
+    event.seconds = glfwGetTime();
+    event.over_panel = !app->layout().view_at(event.x_px, event.y_px) || interface_at(event.x_px, event.y_px);
+    if (!typing) app->handle(event);
+  }
+  int held_mods() const {
+    const auto held = [&](int a, int b) {
+      return glfwGetKey(handle, a) == GLFW_PRESS || glfwGetKey(handle, b) == GLFW_PRESS;
+    };
+    return (held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT) ? GLFW_MOD_SHIFT : 0) |
+           (held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL) ? GLFW_MOD_CONTROL : 0) |
+           (held(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT) ? GLFW_MOD_ALT : 0);
+  }
+};
+
+std::optional<MouseButton> button_of(int button) {
+  switch (button) {
+    case GLFW_MOUSE_BUTTON_LEFT:
+      return MouseButton::left;
+    case GLFW_MOUSE_BUTTON_RIGHT:
+      return MouseButton::right;
+    case GLFW_MOUSE_BUTTON_MIDDLE:
+      return MouseButton::middle;
+    default:
+      return std::nullopt;
+  }
+}
+
+/// The views' events are taken here, as they come: at slow frame rates ImGui would lose presses. ImGui's own callbacks
+/// are installed after these and call them first.
+void install_callbacks(GLFWwindow* handle) {
+  glfwSetCursorPosCallback(handle, [](GLFWwindow* w, double, double) {
+    Window& window = Window::of(w);
+    window.send(MouseMove{}, window.held_mods());
+  });
+  glfwSetMouseButtonCallback(handle, [](GLFWwindow* w, int button, int action, int mods) {
+    const auto known = button_of(button);
+    if (!known) return;
+    if (action == GLFW_PRESS)
+      Window::of(w).send(MousePress{*known}, mods);
+    else
+      Window::of(w).send(MouseRelease{*known}, mods);
+  });
+  glfwSetScrollCallback(handle, [](GLFWwindow* w, double, double steps) {
+    Window& window = Window::of(w);
+    window.send(Wheel{steps}, window.held_mods());
+  });
+  glfwSetKeyCallback(handle, [](GLFWwindow* w, int pressed, int, int action, int mods) {
+    if (action == GLFW_RELEASE) return Window::of(w).send(MouseMove{}, mods);
+    Window& window = Window::of(w);
+    // A field that is typed into keeps its keys; a dialog's list is moved through all the same.
+    const bool printable = pressed < GLFW_KEY_ESCAPE && (mods & GLFW_MOD_CONTROL) == 0;
+    const bool typing = ImGui::GetIO().WantTextInput && (printable || !window.app->state().dialog);
+    window.send(KeyPress{pressed}, mods, typing);
+  });
+  glfwSetCharCallback(handle, [](GLFWwindow* w, unsigned int) { Window::of(w).frames_due = frames_per_event; });
+  glfwSetDropCallback(handle, [](GLFWwindow* w, int count, const char** paths) {
+    Window::of(w).app->open({paths, paths + count});
+    Window::of(w).frames_due = frames_per_event;
+  });
+  glfwSetFramebufferSizeCallback(handle,
+                                 [](GLFWwindow* w, int, int) { Window::of(w).frames_due = frames_per_event; });
+  glfwSetWindowRefreshCallback(handle, [](GLFWwindow* w) { Window::of(w).frames_due = frames_per_event; });
+  glfwSetWindowContentScaleCallback(handle, [](GLFWwindow* w, float x, float) {
+    Window::of(w).app->set_scale(x);
+    Window::of(w).frames_due = frames_per_event;
+  });
+}
+
+double display_period_seconds() {
+  const GLFWvidmode* mode = nullptr;
+  if (GLFWmonitor* monitor = glfwGetPrimaryMonitor()) mode = glfwGetVideoMode(monitor);
+  const int rate = mode != nullptr && mode->refreshRate > 0 ? mode->refreshRate : 60;
+  return 1.0 / rate;
+}
+
+/// Draws when there is something new, at most once in a display's period; sleeps otherwise.
+void run_loop(Window& window) {
+  const double period = display_period_seconds();
+  double drawn_at = 0, smoothed_period = 0;
+  while (!window.app->wants_to_quit()) {
+    if (window.frames_due > 0)
+      glfwPollEvents();
+    else if (window.app->animated())
+      glfwWaitEventsTimeout(period);
+    else
+      glfwWaitEvents();
+    if (glfwWindowShouldClose(window.handle)) {
+      glfwSetWindowShouldClose(window.handle, GLFW_FALSE);
+      window.app->ask_to_quit();
+      window.frames_due = frames_per_event;
+    }
+    if (window.app->update(glfwGetTime())) window.frames_due = std::max(window.frames_due, 2);
+    if (window.frames_due == 0) continue;
+    const double wait = drawn_at + period - glfwGetTime();
+    // What arrives meanwhile is taken in by this frame too.
+    if (wait > 0) {
+      std::this_thread::sleep_for(std::chrono::duration<double>(wait));
+      glfwPollEvents();
+      window.app->update(glfwGetTime());
+    }
+    const double now = glfwGetTime();
+    const bool steady = now - drawn_at < 0.25;
+    smoothed_period = steady && smoothed_period > 0 ? 0.9 * smoothed_period + 0.1 * (now - drawn_at) : now - drawn_at;
+    drawn_at = now;
+    --window.frames_due;
+
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window.handle, &width, &height);
+    if (width == 0 || height == 0) continue;
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    ImGui_ImplGlfw_NewFrame();
+    window.app->draw(width, height, steady ? 1 / smoothed_period : 0);
+    glfwSwapBuffers(window.handle);
+  }
+}
+
+int show_window(GLFWwindow* handle, const EditorOptions& options, const Preferences& preferences) {
+  glfwMakeContextCurrent(handle);
+  glfwSwapInterval(0);
+  Window window;
+  window.handle = handle;
+  glfwSetWindowUserPointer(handle, &window);
+  const ImGuiOnOpenGl imgui;
+  EditorApp app([] { glfwPostEmptyEvent(); });
+  window.app = &app;
+  app.state().preferences = preferences;
+  float scale = 1, scale_y = 1;
+  glfwGetWindowContentScale(handle, &scale, &scale_y);
+  if (auto started = app.start_drawing(scale); !started) {
+    std::fprintf(stderr, "homolog: %s\n", started.error().sentence().c_str());
+    return 1;
+  }
+  install_callbacks(handle);
+  ImGui_ImplGlfw_InitForOpenGL(handle, true);
+  app.start(options);
+  run_loop(window);
+
+  Preferences kept = app.state().preferences;
+  glfwGetWindowSize(handle, &kept.window_width, &kept.window_height);
+  if (auto written = write_preferences(kept, preferences_file()); !written)
+    std::fprintf(stderr, "homolog: warning: %s\n", written.error().sentence().c_str());
+  ImGui_ImplGlfw_Shutdown();
+  return 0;
+}
+
+}  // namespace
+
+int run_editor(const EditorOptions& options) {
+  if (glfwInit() != GLFW_TRUE) {
+    std::fprintf(stderr, "homolog: there is no display; set DISPLAY, or use a verb that needs none (see --help)\n");
+    return 1;
+  }
+  const Preferences preferences = read_preferences(preferences_file());
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+  glfwWindowHintString(GLFW_X11_CLASS_NAME, "homolog");
+  GLFWwindow* handle =
+      glfwCreateWindow(preferences.window_width, preferences.window_height, "Homolog", nullptr, nullptr);
+  int status = 1;
+  if (handle == nullptr) {
+    std::fprintf(stderr, "homolog: this display offers no OpenGL 3.3; install libgl1-mesa-dri for software rendering\n");
+  } else {
+    status = show_window(handle, options, preferences);
+    glfwDestroyWindow(handle);
+  }
+  glfwTerminate();
+  return status;
+}
+
+}  // namespace homolog

@@ -1,9 +1,10 @@
-#include <algorithm>
-#include <chrono>
-#include <numeric>
+#include <array>
+#include <cmath>
+#include <map>
 #include <thread>
 
 #include "app/verbs/bench_pictures.h"
+#include "app/verbs/median.h"
 #include "app/verbs/verb.h"
 #include "core/case/session.h"
 #include "core/deform/shape_solver.h"
@@ -14,24 +15,6 @@ namespace homolog {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double milliseconds(Clock::duration d) {
-  return std::chrono::duration<double, std::milli>(d).count();
-}
-
-/// Median time of `work` in ms over enough repetitions to fill about `budget_ms`, at least 5.
-template <class Work>
-double median_ms(const Work& work, double budget_ms = 300) {
-  std::vector<double> times;
-  const auto start = Clock::now();
-  while (times.size() < 5 || (milliseconds(Clock::now() - start) < budget_ms && times.size() < 2000)) {
-    const auto before = Clock::now();
-    work(static_cast<int>(times.size()));
-    times.push_back(milliseconds(Clock::now() - before));
-  }
-  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
-  return times[times.size() / 2];
-}
 
 /// A sphere of 10·4^level + 2 evenly spread vertices on radius 40 mm.
 Mesh ball(int level) {

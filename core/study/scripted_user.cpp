@@ -14,6 +14,7 @@ namespace homolog {
 
 namespace {
 
+constexpr Eigen::Index looked_at = 5000;
 constexpr double largest_tilt = 40 * std::numbers::pi / 180;
 
 /// σ presets as fractions of the placed reference's bounding-box diagonal, large to small: the editor's defaults.
@@ -50,8 +51,10 @@ std::vector<Deviation> deviations(const Mesh& mesh, const SurfaceSearch& target)
     const auto nearest = target.nearest(mesh.points.row(i));
     found.push_back({mesh.points.row(i), nearest.position, nearest.distance_mm});
   }
+  // A fine mask has far more vertices than a person looks at.
   const Points& there = target.mesh().points;
-  for (Eigen::Index i = 0; i < there.rows(); ++i) {
+  const Eigen::Index stride = 1 + there.rows() / looked_at;
+  for (Eigen::Index i = 0; i < there.rows(); i += stride) {
     const auto nearest = own.nearest(there.row(i));
     found.push_back({nearest.position, there.row(i), nearest.distance_mm});
   }

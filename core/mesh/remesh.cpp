@@ -48,10 +48,6 @@ Mesh mesh_of(HalfEdgeMesh& half_edges) {
   return mesh;
 }
 
-double length(const HalfEdgeMesh& mesh, HalfEdgeMesh::HalfedgeHandle h) {
-  return mesh.calc_edge_length(h);
-}
-
 void split_long_edges(HalfEdgeMesh& mesh, double limit_mm) {
   const auto edges = static_cast<int>(mesh.n_edges());  // edges made here are not looked at again in this round
   for (int e = 0; e < edges; ++e) {

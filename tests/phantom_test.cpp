@@ -1,22 +1,16 @@
 #include "core/phantom/phantom.h"
 
 #include <doctest/doctest.h>
-#include <unistd.h>
 
 #include <set>
 
-#include "core/base/files.h"
 #include "core/deform/fold_guard.h"
-#include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/voxelise.h"
 #include "core/phantom/deformation.h"
 #include "core/phantom/noise.h"
-#include "core/phantom/phantom_files.h"
-#include "core/volume/volume_io.h"
 
 using namespace homolog;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -230,20 +224,4 @@ TEST_CASE("the image changes at the true surface of the kidney from tissue to fa
   }
   CHECK((inside - outside) / static_cast<double>(truth.points.rows()) > 100);
   for (const double hu : {subject.image.range_min, subject.image.range_max}) CHECK(std::abs(hu) < 1500);
-}
-
-TEST_CASE("a phantom's files hold what was made") {
-  const fs::path folder = fs::temp_directory_path() / ("homolog-phantom-" + std::to_string(::getpid()));
-  const auto paths = write_phantom(Organ::ventricle, 1, folder / "new");
-  REQUIRE(paths);
-  CHECK(paths->size() == 23);
-  for (const fs::path& path : *paths) CHECK(fs::exists(path));
-  const auto truth = phantom_truth(Organ::ventricle, 1);
-  const auto image = read_volume(folder / "new" / "ventricle-1-image.nii.gz");
-  REQUIRE(image);
-  CHECK(image->volume.frames == 20);
-  CHECK(read_mesh_file(folder / "new" / "ventricle-1-truth-07.ply")->points == truth[7].points);
-  CHECK(read_landmarks(folder / "new" / "ventricle-1-landmarks.mrk.json").value() == truth[0].landmarks);
-  fs::remove_all(folder);
-  CHECK(!write_phantom(Organ::kidney, 0, "/dev/null/folder"));
 }

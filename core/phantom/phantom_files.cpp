@@ -22,7 +22,7 @@ Result<std::vector<fs::path>> write_phantom(Organ organ, int number, const fs::p
   written = write_volume(subject.image, path_of("-image.nii.gz"));
   if (written) written = write_volume(subject.label_map, path_of("-labels.nii.gz"));
   for (std::size_t frame = 0; written && frame < subject.truth.size(); ++frame) {
-    const std::string two_digits = (frame < 10 ? "0" : "") + std::to_string(frame);
+    const std::string two_digits = std::to_string(100 + frame).substr(1);
     written = write_mesh_file(subject.truth[frame],
                               path_of(subject.truth.size() == 1 ? "-truth.ply" : "-truth-" + two_digits + ".ply"));
   }

@@ -1,0 +1,323 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "core/volume/volume_io.h"
+#include "temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace homolog;
+
+namespace {
+
+std::string little(std::uint32_t value, std::size_t bytes) {
+  std::string text;
+  for (std::size_t b = 0; b < bytes; ++b) text += static_cast<char>(value >> 8 * b & 0xff);
+  return text;
+}
+
+/// An element with explicit type and little-endian numbers [DICOM PS3.5, §7.1.2].
+std::string element(std::uint32_t tag, const std::string& type, std::string value) {
+  if (value.size() % 2 != 0) value += type == "UI" || type == "OW" ? '\0' : ' ';
+  const auto size = static_cast<std::uint32_t>(value.size());
+  const bool long_form = type == "OW" || type == "SQ";
+  return little(tag >> 16, 2) + little(tag & 0xffff, 2) + type +
+         (long_form ? std::string(2, '\0') + little(size, 4) : little(size, 2)) + value;
+}
+
+std::string us(std::uint32_t tag, std::uint32_t value) {
+  return element(tag, "US", little(value, 2));
+}
+
+std::string item(const std::string& content) {
+  return little(0xfffe, 2) + little(0xe000, 2) + little(static_cast<std::uint32_t>(content.size()), 4) + content;
+}
+
+std::string sequence(std::uint32_t tag, const std::string& items) {
+  return element(tag, "SQ", items);
+}
+
+std::string position(double x, double y, double z) {
+  return element(0x00200032, "DS", std::to_string(x) + "\\" + std::to_string(y) + "\\" + std::to_string(z));
+}
+
+/// A slice of 3 × 2 pixels of 16 bits; members that tests change.
+struct Slice {
+  std::string series = "1.2.3", description = "axial", modality = "CT", orientation = "1\\0\\0\\0\\1\\0";
+  double x = 0, y = 0, z = 0;
+  std::string before_pixels;  ///< further elements of groups between 0028,0103 and 7fe0
+  std::string frames;         ///< number of frames
+  double trigger_ms = 0;
+  int instance = 1, columns = 3, bits_stored = 16, is_signed = 1, samples = 1;
+  std::string photometric = "MONOCHROME2";
+  std::vector<std::int16_t> pixels{0, 1, 2, 3, 4, 5};
+
+  std::string bytes() const {
+    const std::string pixel_bytes(reinterpret_cast<const char*>(pixels.data()), 2 * pixels.size());
+    std::string data = element(0x00080060, "CS", modality) + element(0x0008103e, "LO", description);
+    if (trigger_ms > 0) data += element(0x00181060, "DS", std::to_string(trigger_ms));
+    data += element(0x0020000e, "UI", series) + element(0x00200013, "IS", std::to_string(instance));
+    if (!orientation.empty()) data += position(x, y, z) + element(0x00200037, "DS", orientation);
+    data += us(0x00280002, static_cast<std::uint32_t>(samples)) + element(0x00280004, "CS", photometric);
+    if (!frames.empty()) data += element(0x00280008, "IS", frames);
+    data += us(0x00280010, 2) + us(0x00280011, static_cast<std::uint32_t>(columns)) +
+            element(0x00280030, "DS", "0.5\\0.25") + us(0x00280100, 16) +
+            us(0x00280101, static_cast<std::uint32_t>(bits_stored)) +
+            us(0x00280102, static_cast<std::uint32_t>(bits_stored - 1)) +
+            us(0x00280103, static_cast<std::uint32_t>(is_signed)) + before_pixels +
+            element(0x7fe00010, "OW", pixel_bytes);
+    const std::string syntax = element(0x00020010, "UI", "1.2.840.10008.1.2.1");
+    return std::string(128, '\0') + "DICM" +
+           element(0x00020000, "UL", little(static_cast<std::uint32_t>(syntax.size()), 4)) + syntax + data;
+  }
+};
+
+void save(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+/// Slices 2.5 mm apart whose files are named in another order than they lie.
+void save_series(const fs::path& folder, const std::vector<double>& z, Slice slice = {}) {
+  for (std::size_t s = 0; s < z.size(); ++s) {
+    slice.z = z[s];
+    slice.instance = static_cast<int>(s);
+    for (auto& pixel : slice.pixels) pixel = static_cast<std::int16_t>(10 * z[s]);
+    save(folder / (slice.series + "-" + std::to_string((s * 7) % 100) + ".dcm"), slice.bytes());
+  }
+}
+
+bool says(const Result<VolumeRead>& read, const std::string& what) {
+  if (read) return false;
+  INFO(read.error().sentence());
+  return read.error().sentence().find(what) != std::string::npos;
+}
+
+Result<VolumeRead> read_slice(const Slice& slice) {
+  const TemporaryFolder folder;
+  save(folder.path / "slice.dcm", slice.bytes());
+  return read_volume(folder.path / "slice.dcm");
+}
+
+}  // namespace
+
+TEST_CASE("a series is sorted by place and becomes one volume") {
+  const TemporaryFolder folder;
+  save_series(folder.path, {5, -2.5, 0, 7.5, 2.5});
+  save(folder.path / "notes.txt", "not DICOM");
+  const auto read = read_volume(folder.path);
+  REQUIRE(read);
+  const Volume& volume = read->volume;
+  CHECK(read->warnings.empty());
+  CHECK(volume.geometry.dims == std::array{3, 2, 5});
+  CHECK((volume.geometry.spacing_mm - Vec3(0.25, 0.5, 2.5)).norm() < 1e-9);
+  CHECK((volume.geometry.origin_mm - Vec3(0, 0, -2.5)).norm() < 1e-9);
+  for (int k = 0; k < 5; ++k) CHECK(volume.at(2, 1, k) == 10 * (-2.5 + 2.5 * k));
+  CHECK(volume.modality == "CT");
+  CHECK(volume.series_uid == "1.2.3");
+}
+
+TEST_CASE("slices stacked along an oblique normal are placed there") {
+  const TemporaryFolder folder;
+  Slice slice;
+  slice.orientation = "0\\1\\0\\0\\0\\-1";  // sagittal; the normal points to the right
+  for (int s = 0; s < 3; ++s) {
+    slice.x = -4 * s;
+    save(folder.path / (std::to_string(s) + ".dcm"), slice.bytes());
+  }
+  const auto read = read_volume(folder.path);
+  REQUIRE(read);
+  const VolumeGeometry& g = read->volume.geometry;
+  CHECK((g.direction.col(0) - Vec3::UnitY()).norm() < 1e-9);
+  CHECK((g.direction.col(1) + Vec3::UnitZ()).norm() < 1e-9);
+  CHECK((g.direction.col(2) + Vec3::UnitX()).norm() < 1e-9);
+  CHECK(g.spacing_mm[2] == doctest::Approx(4));
+}
+
+TEST_CASE("a missing slice is refused with its neighbours' names") {
+  const TemporaryFolder folder;
+  save_series(folder.path, {0, 2.5, 5, 10, 12.5});
+  const auto read = read_volume(folder.path);
+  CHECK(says(read, "lacks slices between"));
+  CHECK(says(read, "1.2.3-14.dcm (5.00 mm)"));
+  CHECK(says(read, "1.2.3-21.dcm (10.00 mm)"));
+}
+
+TEST_CASE("uneven and doubled and shifted and mixed slices are refused") {
+  {
+    const TemporaryFolder folder;
+    save_series(folder.path, {0, 2.5, 5, 8.5, 11});
+    CHECK(says(read_volume(folder.path), "unevenly"));
+  }
+  {
+    const TemporaryFolder folder;
+    save_series(folder.path, {0, 2.5, 2.5, 5});
+    CHECK(says(read_volume(folder.path), "1 slices at"));
+  }
+  {
+    const TemporaryFolder folder;
+    Slice slice;
+    for (int s = 0; s < 3; ++s) {
+      slice.z = s;
+      slice.y = 0.3 * s;  // a tilted gantry
+      save(folder.path / (std::to_string(s) + ".dcm"), slice.bytes());
+    }
+    CHECK(says(read_volume(folder.path), "tilted"));
+  }
+  {
+    const TemporaryFolder folder;
+    Slice slice;
+    save(folder.path / "a.dcm", slice.bytes());
+    slice.orientation = "1\\0\\0\\0\\0\\-1";
+    save(folder.path / "b.dcm", slice.bytes());
+    CHECK(says(read_volume(folder.path), "different directions"));
+  }
+}
+
+TEST_CASE("several series are listed and one is chosen") {
+  const TemporaryFolder folder;
+  save_series(folder.path, {0, 1, 2});
+  Slice other;
+  other.series = "1.2.4";
+  other.description = "thick";
+  save_series(folder.path, {0, 5}, other);
+  Slice structures;
+  structures.series = "1.2.5";
+  structures.modality = "RTSTRUCT";
+  std::string no_pixels = structures.bytes();
+  save(folder.path / "structures.dcm", no_pixels.substr(0, no_pixels.find("OW") - 4));
+  const auto unchosen = read_volume(folder.path);
+  CHECK(says(unchosen, "holds 2 series"));
+  CHECK(says(unchosen, "--series"));
+  CHECK(says(unchosen, "1.2.4 (CT \"thick\", 2 files)"));
+  const auto chosen = read_volume(folder.path, {.series_uid = "1.2.4"});
+  REQUIRE(chosen);
+  CHECK(chosen->volume.geometry.dims[2] == 2);
+  CHECK(says(read_volume(folder.path, {.series_uid = "9"}), "holds no series 9"));
+  const auto list = list_series(folder.path);
+  REQUIRE(list);
+  REQUIRE(list->size() == 2);
+  CHECK((*list)[1].uid == "1.2.4");
+  CHECK((*list)[1].description == "thick");
+  CHECK((*list)[1].files == 2);
+}
+
+TEST_CASE("several slices at every place are the frames of a cine") {
+  const TemporaryFolder folder;
+  Slice slice;
+  int name = 0;
+  for (const double time : {80.0, 40.0, 120.0})
+    for (const double z : {8.0, 0.0}) {
+      slice.z = z;
+      slice.trigger_ms = time;
+      for (auto& pixel : slice.pixels) pixel = static_cast<std::int16_t>(time + z);
+      save(folder.path / (std::to_string(name++) + ".dcm"), slice.bytes());
+    }
+  const auto read = read_volume(folder.path);
+  REQUIRE(read);
+  CHECK(read->volume.frames == 3);
+  CHECK(read->volume.frame_seconds == doctest::Approx(0.04));
+  for (int frame = 0; frame < 3; ++frame) {
+    CHECK(read->volume.at(0, 0, 0, frame) == 40 * (frame + 1));
+    CHECK(read->volume.at(0, 0, 1, frame) == 40 * (frame + 1) + 8);
+  }
+}
+
+TEST_CASE("rescaling and the window come from the file and may differ from slice to slice") {
+  Slice slice;
+  slice.before_pixels = element(0x00281050, "DS", "40\\300") + element(0x00281051, "DS", "400\\1500") +
+                        element(0x00281052, "DS", "-1024") + element(0x00281053, "DS", "1");
+  const auto read = read_slice(slice);
+  REQUIRE(read);
+  CHECK(read->volume.data == VoxelData(std::vector<std::int16_t>{-1024, -1023, -1022, -1021, -1020, -1019}));
+  CHECK(read->volume.file_window == std::pair(40.0, 400.0));
+  const TemporaryFolder folder;
+  for (int s = 0; s < 2; ++s) {
+    slice.z = s;
+    slice.before_pixels = element(0x00281052, "DS", "0") + element(0x00281053, "DS", s == 0 ? "0.5" : "2");
+    save(folder.path / (std::to_string(s) + ".dcm"), slice.bytes());
+  }
+  const auto each = read_volume(folder.path);
+  REQUIRE(each);
+  CHECK(each->volume.at(2, 1, 0) == 2.5);
+  CHECK(each->volume.at(2, 1, 1) == 10);
+}
+
+TEST_CASE("only the stored bits of a pixel count") {
+  Slice slice;
+  slice.bits_stored = 12;
+  slice.pixels = {0x0fff, 0x07ff, 0x1001, static_cast<std::int16_t>(0xf800), 0, 1};
+  const auto with_sign = read_slice(slice);
+  REQUIRE(with_sign);
+  CHECK(with_sign->volume.data == VoxelData(std::vector<std::int16_t>{-1, 2047, 1, -2048, 0, 1}));
+  slice.is_signed = 0;
+  const auto without = read_slice(slice);
+  REQUIRE(without);
+  CHECK(without->volume.data == VoxelData(std::vector<std::uint16_t>{4095, 2047, 1, 2048, 0, 1}));
+}
+
+TEST_CASE("frames of an enhanced file are put in the order of their places") {
+  Slice slice;
+  slice.orientation = "";
+  slice.frames = "3";
+  slice.pixels.resize(18);
+  for (std::size_t i = 0; i < 18; ++i) slice.pixels[i] = static_cast<std::int16_t>(i);
+  const auto plane = [](double z) { return item(sequence(0x00209113, item(position(1, 2, z)))); };
+  slice.before_pixels =
+      sequence(0x52009229, item(sequence(0x00209116, item(element(0x00200037, "DS", "1\\0\\0\\0\\1\\0"))) +
+                                sequence(0x00289110, item(element(0x00280030, "DS", "2\\3"))))) +
+      sequence(0x52009230, plane(10) + plane(4) + plane(7));
+  const auto read = read_slice(slice);
+  REQUIRE(read);
+  const Volume& volume = read->volume;
+  CHECK((volume.geometry.spacing_mm - Vec3(3, 2, 3)).norm() < 1e-9);
+  CHECK((volume.geometry.origin_mm - Vec3(1, 2, 4)).norm() < 1e-9);
+  CHECK(volume.at(0, 0, 0) == 6);
+  CHECK(volume.at(0, 0, 1) == 12);
+  CHECK(volume.at(0, 0, 2) == 0);
+}
+
+TEST_CASE("a damaged number of frames is mended by what the pixels hold") {
+  Slice slice;
+  slice.frames = "1A";
+  slice.orientation = "";
+  slice.pixels.resize(12);
+  const auto read = read_slice(slice);
+  REQUIRE(read);
+  CHECK(read->volume.geometry.dims[2] * read->volume.frames == 2);
+  CHECK(!read->warnings.empty());
+}
+
+TEST_CASE("colours and contradictory sizes are refused") {
+  Slice colour;
+  colour.photometric = "RGB";
+  colour.samples = 3;
+  CHECK(says(read_slice(colour), "colour"));
+  Slice wide;
+  wide.columns = 60000;
+  CHECK(says(read_slice(wide), "pixels are missing"));
+  Slice frames;
+  frames.frames = "100000";
+  CHECK(says(read_slice(frames), "pixels are missing"));
+}
+
+TEST_CASE("every shortened copy of a DICOM file is refused and never crashes") {
+  const TemporaryFolder folder;
+  Slice slice;
+  slice.before_pixels =
+      sequence(0x52009229, item(sequence(0x00209116, item(element(0x00200037, "DS", "1\\0\\0\\0\\1\\0")))));
+  const std::string whole = slice.bytes();
+  REQUIRE(read_slice(slice));
+  for (std::size_t left = 0; left < whole.size(); ++left) {
+    CAPTURE(left);
+    save(folder.path / "slice.dcm", whole.substr(0, left));
+    CHECK(!read_volume(folder.path / "slice.dcm"));
+  }
+}
+
+TEST_CASE("a damaged file in a folder is named rather than left out") {
+  const TemporaryFolder folder;
+  save_series(folder.path, {0, 1, 2});
+  save(folder.path / "empty.dcm", "");
+  CHECK(says(read_volume(folder.path), "empty.dcm"));
+}

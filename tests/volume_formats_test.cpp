@@ -1,0 +1,303 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+
+#include "core/volume/volume_io.h"
+#include "real_data.h"
+#include "temporary_folder.h"
+
+// Files that other programs wrote.
+namespace fs = std::filesystem;
+using namespace homolog;
+
+namespace {
+
+VolumeRead read(const fs::path& path) {
+  auto result = read_volume(path);
+  INFO(path.string());
+  if (!result) FAIL(result.error().sentence());
+  return std::move(*result);
+}
+
+/// Equal in voxels, place and frames.
+void check_same(const fs::path& a, const fs::path& b) {
+  CAPTURE(a.string());
+  CAPTURE(b.string());
+  const Volume first = read(a).volume, second = read(b).volume;
+  CHECK(first.data == second.data);
+  CHECK(first.geometry.dims == second.geometry.dims);
+  CHECK(same_grid(first.geometry, second.geometry));
+  CHECK(first.frames == second.frames);
+  CHECK(first.range_min == second.range_min);
+  CHECK(first.range_max == second.range_max);
+}
+
+struct Expected {
+  const char* file;
+  const char* type;
+  std::array<int, 3> dims;
+  int frames;
+  Vec3 spacing_mm, origin_mm;
+};
+
+void check_expected(const fs::path& folder, const Expected& expected) {
+  CAPTURE(expected.file);
+  const Volume volume = read(folder / expected.file).volume;
+  CHECK(std::string(voxel_type_name(volume.data)) == expected.type);
+  CHECK(volume.geometry.dims == expected.dims);
+  CHECK(volume.frames == expected.frames);
+  CHECK((volume.geometry.spacing_mm - expected.spacing_mm).norm() < 1e-4);
+  CHECK((volume.geometry.origin_mm - expected.origin_mm).norm() < 1e-3);
+  CHECK(volume.range_max > volume.range_min);
+}
+
+bool refused(const fs::path& path, const std::string& what) {
+  const auto result = read_volume(path);
+  if (result) return false;
+  INFO(result.error().sentence());
+  return result.error().sentence().find(what) != std::string::npos &&
+         result.error().sentence().find(path.filename().string()) != std::string::npos;
+}
+
+std::set<fs::path> files_in(const fs::path& folder) {
+  std::set<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file()) files.insert(entry.path());
+  return files;
+}
+
+}  // namespace
+
+TEST_CASE("NIfTI files of other programs are read with their place") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  const fs::path folder = data / "formats/nifti";
+  for (const Expected& expected : {
+           Expected{"air.hdr.gz", "float32", {79, 67, 64}, 1, {2.38975, 2.36649, 2.38523}, {75.7625, 110.763, 84.4256}},
+           Expected{"avg152T1_LR_nifti2.nii.gz", "float32", {91, 109, 91}, 1, {2, 2, 2}, {-90, 126, -72}},
+           Expected{"big.nii.gz", "float32", {64, 64, 21}, 1, {4, 4, 6}, {0, 0, 0}},
+           Expected{"nibabel_anatomical.nii", "int16", {33, 41, 25}, 1, {2, 2, 2}, {-32, 40, -16}},
+           Expected{"nibabel_example4d.nii.gz", "int16", {128, 96, 24}, 2, {2, 2, 2.2}, {-117.855, 35.7229, -7.2488}},
+           Expected{"nibabel_functional.nii", "float32", {17, 21, 3}, 20, {4, 4, 8}, {-32, 40, 0}},
+           Expected{"nibabel_standard.nii.gz", "uint8", {4, 5, 7}, 1, {1, 3, 2}, {0, 0, 0}},
+           Expected{"vtkdata_minimal_bigendian_noqs.nii.gz", "uint8", {64, 64, 10}, 1, {3, 3, 3}, {0, 0, 0}},
+       })
+    check_expected(folder, expected);
+  check_same(folder / "big.nii.gz", folder / "little.nii.gz");
+  check_same(folder / "air.hdr.gz", folder / "air.img.gz");
+  CHECK(read(folder / "nibabel_functional.nii").volume.frame_seconds == doctest::Approx(2));
+  CHECK(read(folder / "vtkdata_minimal_bigendian_noqs.nii.gz").warnings.size() == 1);
+  CHECK(refused(folder / "5D_small.nii", "four dimensions"));
+}
+
+TEST_CASE("NRRD files of other programs are read with their place") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  const fs::path folder = data / "formats/nrrd";
+  for (const char* form : {"BallBinary30x30x30.nhdr", "BallBinary30x30x30_byteskip_minus_one.nhdr",
+                           "BallBinary30x30x30_gz.nrrd", "BallBinary30x30x30_bz2.nrrd", "BallBinary30x30x30.nii.gz"}) {
+    if (std::string(form).ends_with(".nii.gz")) {  // the same numbers, but RAS
+      const Volume nrrd = read(folder / "BallBinary30x30x30.nrrd").volume, nifti = read(folder / form).volume;
+      CHECK(nrrd.data == nifti.data);
+      CHECK(same_grid(nrrd.geometry, nifti.geometry));
+    } else {
+      check_same(folder / "BallBinary30x30x30.nrrd", folder / form);
+    }
+  }
+  check_expected(folder,
+                 {"brain1_image.nrrd", "int16", {256, 256, 25}, 1, {0.78125, 0.78125, 6.5}, {-99.6094, 99.6094, -78}});
+  check_expected(folder,
+                 {"brain1_label.nrrd", "uint8", {256, 256, 25}, 1, {0.78125, 0.78125, 6.5}, {-99.6094, 99.6094, -78}});
+  CHECK(same_grid(read(folder / "brain1_image.nrrd").volume.geometry,
+                  read(folder / "brain1_label.nrrd").volume.geometry));
+  check_expected(folder, {"beach.nrrd", "uint8", {3, 100, 100}, 1, {1, 1, 1}, {0, 0, 0}});
+  check_expected(folder, {"beach.ascii.nhdr", "float32", {100, 100, 1}, 1, {1, 1, 1}, {0, 0, 0}});
+}
+
+TEST_CASE("MetaImage files of other programs are read with their place") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  const fs::path folder = data / "formats/metaimage";
+  for (const Expected& expected : {
+           Expected{"3DCT_lung_baseline_mask.mha",
+                    "uint8",
+                    {115, 157, 129},
+                    1,
+                    {1.366, 1.366, 2.5},
+                    {-153.827, -150.352, -1434.5}},
+           Expected{"3DCT_lung_baseline_small.mha",
+                    "int16",
+                    {57, 78, 64},
+                    1,
+                    {2.732, 2.732, 5},
+                    {-152.461, -148.986, -1432}},
+           Expected{"BrainProtonDensity3Slices.mha", "uint8", {181, 217, 3}, 1, {1, 1, 1}, {0, 0, 0}},
+           Expected{"BrainT1SliceBorder20DirectionPlus30.mhd", "uint8", {221, 257, 1}, 1, {1, 1, 1}, {0, 0, 0}},
+           Expected{"foot.mha", "uint8", {256, 256, 1}, 1, {1, 1, 1}, {0, 0, 0}},
+           Expected{"frogtissue.mhd", "uint8", {500, 470, 136}, 1, {1, 1, 1.5}, {0, 0, 0}},
+       })
+    check_expected(folder, expected);
+  const Volume raw = read(folder / "BrainProtonDensitySliceBorder20.mhd").volume;
+  const Volume plus = read(folder / "BrainProtonDensitySliceBorder20DirectionPlus30.mhd").volume;
+  const Volume minus = read(folder / "BrainProtonDensitySliceBorder20DirectionMinus30.mhd").volume;
+  const Volume nrrd = read(data / "formats/nrrd/BrainProtonDensitySliceBorder20DirectionPlus30.nhdr").volume;
+  CHECK(raw.data == plus.data);  // stored raw and compressed
+  CHECK(raw.data == minus.data);
+  CHECK(raw.data == nrrd.data);
+  CHECK(same_grid(plus.geometry, nrrd.geometry));
+  CHECK((plus.geometry.direction * minus.geometry.direction - Mat3::Identity()).norm() < 1e-6);
+  CHECK(plus.geometry.direction(1, 0) == doctest::Approx(0.5));
+}
+
+TEST_CASE("DICOM files in every encoding hold the same image") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  const fs::path folder = data / "formats/dicom_single";
+  check_same(folder / "pydicom_MR_small.dcm", folder / "pydicom_MR_small_RLE.dcm");
+  check_same(folder / "pydicom_MR_small.dcm", folder / "pydicom_MR_small_bigendian.dcm");
+  check_same(folder / "emri_small.dcm", folder / "emri_small_RLE.dcm");
+  check_same(folder / "emri_small.dcm", folder / "emri_small_jpeg_ls_lossless.dcm");
+  for (const Expected& expected : {
+           Expected{"pydicom_MR_small.dcm", "int16", {64, 64, 1}, 1, {0.3125, 0.3125, 0.8}, {-83.9063, -91.2, 6.6406}},
+           Expected{"pydicom_CT_small.dcm",
+                    "int16",
+                    {128, 128, 1},
+                    1,
+                    {0.661468, 0.661468, 5},
+                    {-158.1358, -179.0358, -75.7}},
+           Expected{"emri_small.dcm", "uint16", {64, 64, 10}, 1, {1, 1, 1.2}, {0, 0, 0}},
+           Expected{
+               "explicit_big.dcm", "int16", {256, 256, 1}, 1, {0.859375, 0.859375, 2}, {-110.5, -89.6063, 10.5425}},
+           Expected{"implicit_little.dcm", "int16", {256, 256, 1}, 1, {0.859375, 0.859375, 6}, {-110, -109.8, -47.5}},
+           Expected{"jpeg_lossless_sel1.dcm", "int16", {512, 400, 1}, 1, {1, 1, 1}, {-256, 0, 50}},
+           Expected{"deflated.dcm", "uint8", {512, 512, 1}, 1, {1, 1, 1}, {0, 0, 0}},
+       })
+    check_expected(folder, expected);
+  const Volume slice = read(folder / "pydicom_MR_small.dcm").volume;
+  CHECK(slice.modality == "MR");
+  CHECK(slice.file_window == std::pair(600.0, 1600.0));
+  CHECK(slice.range_min == 127);
+  CHECK(slice.range_max == 2145);
+  CHECK(!read(folder / "explicit_big.dcm").volume.file_window);  // its window is 0 wide
+  CHECK(refused(folder / "pydicom_rtstruct.dcm", "holds no image"));
+}
+
+TEST_CASE("a CT series lies on the grid of its label map") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  const fs::path folder = data / "formats/dicom_series";
+  const Volume ct = read(folder / "totalseg_ct_20").volume,
+               labels = read(folder / "totalseg_ct_20_label.nii.gz").volume;
+  CHECK(ct.geometry.dims == std::array{512, 512, 20});
+  CHECK(std::string(voxel_type_name(ct.data)) == "int16");
+  CHECK(ct.range_min == -1024);
+  CHECK(ct.modality == "CT");
+  REQUIRE(ct.file_window);
+  // The label map counts its rows the other way, but covers the same box.
+  CHECK((ct.geometry.bounds_mm().min() - labels.geometry.bounds_mm().min()).norm() < 1e-3);
+  CHECK((ct.geometry.bounds_mm().max() - labels.geometry.bounds_mm().max()).norm() < 1e-3);
+  const auto labels_found = labels_of(labels);
+  REQUIRE(!labels_found.empty());
+  CHECK(labels_found.begin()->first > 0);
+}
+
+TEST_CASE("scans and masks and cines are read") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  for (const Expected& expected : {
+           Expected{"ct/chaos_ct_both_kidneys.nii.gz",
+                    "int16",
+                    {280, 190, 52},
+                    1,
+                    {0.726562, 0.726562, 2},
+                    {-97.8125, 72.7422, 1536.5}},
+           Expected{
+               "ct/totalseg_example_ct_3mm.nii.gz", "int16", {122, 101, 112}, 1, {3, 3, 3}, {177.956, -11.319, 94.302}},
+           Expected{"ct/tptbox_L3_ct.nii.gz", "int16", {73, 47, 73}, 1, {1.5, 1.5, 1.5}, {78, 135, -34.2}},
+           Expected{"lv_cine/sunnybrook_SC-HF-I-1_cine4d.nii.gz",
+                    "int16",
+                    {128, 128, 12},
+                    20,
+                    {1.36719, 1.36719, 9.99997},
+                    {154.974, -71.4243, 8.75846}},
+           Expected{"lv_cine/bivme_patient1_sax_cine4d.nii.gz",
+                    "int16",
+                    {145, 125, 6},
+                    25,
+                    {1.40625, 1.40625, 17.7},
+                    {-91.0598, -95.6931, -111.065}},
+       })
+    check_expected(data, expected);
+  CHECK(read(data / "lv_cine/sunnybrook_SC-HF-I-1_cine4d.nii.gz").volume.frame_seconds == doctest::Approx(0.0375));
+  CHECK(same_grid(read(data / "ct/totalseg_example_ct_3mm.nii.gz").volume.geometry,
+                  read(data / "ct/totalseg_example_ct_3mm_label.nii.gz").volume.geometry));
+  CHECK(same_grid(read(data / "lv_cine/sunnybrook_SC-HF-I-1_cine4d.nii.gz").volume.geometry,
+                  read(data / "lv_cine/sunnybrook_SC-HF-I-1_ED_label.nii.gz").volume.geometry));
+  for (const char* mask : {"case_00000_left_healthy_thin.nii.gz", "case_00036_right_healthy_thick.nii.gz"})
+    CHECK(labels_of(read(data / "kidney_masks" / mask).volume).size() == 1);
+}
+
+TEST_CASE("malformed files get a sentence or are mended with a warning") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  const fs::path folder = data / "formats/malformed";
+  CHECK(refused(folder / "emri_small_jpeg_2k_lossless_too_short.dcm", "cut short"));
+  CHECK(refused(folder / "git_lfs_pointer_named.nii.gz", "git lfs pull"));
+  CHECK(refused(folder / "header_without_img_nibabel_nifti1.hdr", ".img"));
+  CHECK(refused(folder / "mhd_missing_raw_labels.mhd", "labels.raw"));
+  CHECK(refused(folder / "not-nifti.nii", "not a NIfTI"));
+  CHECK(refused(folder / "pydicom_MR_truncated.dcm", "cut short"));
+  CHECK(refused(folder / "pydicom_meta_missing_tsyntax.dcm", "transfer syntax"));
+  CHECK(refused(folder / "pydicom_no_meta.dcm", "not a DICOM"));  // its first byte is missing too
+  CHECK(refused(folder / "pydicom_rtplan_truncated.dcm", "cut short"));
+  const VolumeRead dose = read(folder / "pydicom_badVR.dcm");
+  CHECK(!dose.warnings.empty());
+  CHECK(dose.volume.geometry.dims == std::array{10, 10, 15});
+  CHECK(dose.volume.geometry.spacing_mm[2] == doctest::Approx(5));
+}
+
+TEST_CASE("shortened copies of good files never yield a volume with voxels missing") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  for (const char* kind : {"nifti", "nrrd", "metaimage", "dicom_single"}) {
+    const TemporaryFolder folder;
+    const auto sources = files_in(data / "formats" / kind);
+    for (const fs::path& source : sources) {
+      fs::copy_file(source, folder.path / source.filename());
+      fs::permissions(folder.path / source.filename(), fs::perms::owner_write, fs::perm_options::add);
+    }
+    for (const fs::path& source : sources) {
+      if (!looks_like_volume(source) && source.extension() != ".raw" && source.extension() != ".zraw") continue;
+      const fs::path copy = folder.path / source.filename();
+      // Volumes whose voxels lie in this file: itself, or the headers that name it.
+      std::vector<fs::path> volumes;
+      if (looks_like_volume(source))
+        volumes.push_back(copy);
+      else
+        for (const fs::path& other : files_in(folder.path))
+          if (other.extension() == ".mhd" || other.extension() == ".nhdr" || other.extension() == ".mha") {
+            std::ifstream in(other, std::ios::binary);
+            const std::string head(std::istreambuf_iterator<char>(in), {});
+            if (head.find(source.filename().string()) != std::string::npos) volumes.push_back(other);
+          }
+      const std::uintmax_t size = fs::file_size(source);
+      for (const fs::path& volume : volumes) {
+        const auto whole = read_volume(volume);
+        for (const double part : {0.999, 0.97, 0.6, 0.2, 0.02}) {
+          CAPTURE(source.string());
+          CAPTURE(part);
+          fs::resize_file(copy, static_cast<std::uintmax_t>(part * static_cast<double>(size)));
+          const auto shortened = read_volume(volume);
+          if (shortened) {  // nothing but what follows the voxels was cut off
+            REQUIRE(whole);
+            CHECK(shortened->volume.data == whole->volume.data);
+          }
+        }
+        fs::copy_file(source, copy, fs::copy_options::overwrite_existing);
+        fs::permissions(copy, fs::perms::owner_write, fs::perm_options::add);
+      }
+    }
+  }
+}

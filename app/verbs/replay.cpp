@@ -44,7 +44,7 @@ Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
   MeshFile mesh;
   mesh.points = *found->second.points;
   mesh.triangles = document.reference->topology->triangles();
-  mesh.stiffness = *document.stiffness;
+  mesh.stiffness.emplace(*document.stiffness);
   mesh.stiffness_base = document.stiffness_base;
   if (auto written = write_mesh_file(mesh, verb.out); !written) return fail(written.error());
   const auto turned = turned_triangles(*document.reference->topology, *found->second.placed, mesh.points);

@@ -142,10 +142,10 @@ TEST_CASE("no subject is folded and subject 0 is the template") {
       CAPTURE(organ_name(organ));
       CAPTURE(number);
       const auto frames = phantom_truth(organ, number);
-      for (const MeshFile& truth : frames)
-        CHECK(turned_triangles(*reference.topology, reference.points, truth.points).empty());
-      const MeshFile& some_frame = frames[static_cast<std::size_t>(number) % frames.size()];
-      CHECK(self_intersections({reference.topology, some_frame.points}).empty());
+      const Points& points =
+          frames[static_cast<std::size_t>(number) % frames.size()].points;  // another phase each time
+      CHECK(turned_triangles(*reference.topology, reference.points, points).empty());
+      CHECK(self_intersections({reference.topology, points}).empty());
     }
   }
 }

@@ -11,7 +11,7 @@ struct Variation {
   double size = 0.06;          ///< of log scale
   double elongation = 0.05;    ///< of log scale along each axis
   double bend_mm = 3;          ///< sideways, at the end of an axis
-  double bump_mm = 3;          ///< largest displacement of a local bump
+  double bump_mm = 3;          ///< displacement at the middle of a local bump
   double bump_radius_mm = 40;  ///< where a bump ends
   int bumps = 10;
   double rotation_deg = 3;

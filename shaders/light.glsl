@@ -5,7 +5,7 @@
 vec3 lit(vec3 colour, vec3 normal, vec3 to_viewer, float rim_strength) {
   const vec3 key = vec3(-0.36, 0.48, 0.80), fill = vec3(0.77, -0.15, 0.62);
   float facing = max(dot(normal, to_viewer), 0.0);
-  float diffuse = 0.78 * max(dot(normal, key), 0.0) + 0.16 * max(dot(normal, fill), 0.0) +
+  float diffuse = 0.72 * max(dot(normal, key), 0.0) + 0.16 * max(dot(normal, fill), 0.0) +
                   mix(0.05, 0.16, 0.5 + 0.5 * normal.y);
   float half_way = max(dot(normal, normalize(key + to_viewer)), 0.0);
   float half_way_4 = half_way * half_way * half_way * half_way, half_way_16 = half_way_4 * half_way_4 * half_way_4 * half_way_4;

@@ -190,10 +190,13 @@ TEST_CASE("several series are listed and one is chosen") {
   CHECK(says(unchosen, "holds 2 series"));
   CHECK(says(unchosen, "--series"));
   CHECK(says(unchosen, "1.2.4 (CT \"thick\", 2 files)"));
-  const auto chosen = read_volume(folder.path, {.series_uid = "1.2.4"});
+  VolumeReadOptions options;
+  options.series_uid = "1.2.4";
+  const auto chosen = read_volume(folder.path, options);
   REQUIRE(chosen);
   CHECK(chosen->volume.geometry.dims[2] == 2);
-  CHECK(says(read_volume(folder.path, {.series_uid = "9"}), "holds no series 9"));
+  options.series_uid = "9";
+  CHECK(says(read_volume(folder.path, options), "holds no series 9"));
   const auto list = list_series(folder.path);
   REQUIRE(list);
   REQUIRE(list->size() == 2);

@@ -54,7 +54,7 @@ bool says(const Result<VolumeRead>& read, const std::string& what) {
   return read.error().sentence().find(what) != std::string::npos;
 }
 
-const VolumeReadOptions with_spacing{.stack_spacing_mm = Vec3(0.5, 0.5, 3)};
+const VolumeReadOptions with_spacing{{}, Vec3(0.5, 0.5, 3), nullptr};
 
 }  // namespace
 

@@ -43,7 +43,7 @@ struct Expected {
 };
 
 void check_expected(const fs::path& folder, const Expected& expected) {
-  CAPTURE(expected.file);
+  CAPTURE(std::string(expected.file));
   const Volume volume = read(folder / expected.file).volume;
   CHECK(std::string(voxel_type_name(volume.data)) == expected.type);
   CHECK(volume.geometry.dims == expected.dims);

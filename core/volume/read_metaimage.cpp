@@ -89,7 +89,8 @@ Result<void> parse_header(const fs::path& path, Header& header) {
   const SilencedCerr silence;
   if (!header.image.ReadStream(0, &stream, false))
     return fail(path.string(), "has a damaged MetaImage header; export it again");
-  header.local_offset = static_cast<std::uintmax_t>(std::max<std::streamoff>(0, stream.tellg()));
+  const std::streamoff behind = stream.tellg();
+  header.local_offset = behind >= 0 ? static_cast<std::uintmax_t>(behind) : fs::file_size(path);  // nothing follows
   return {};
 }
 

@@ -1,8 +1,6 @@
-// clang-format off: the GL loader comes before GLFW, which would bring its own headers.
 #include <GLFW/glfw3.h>
-#include <epoxy/gl.h>
-// clang-format on
 #include <backends/imgui_impl_glfw.h>
+#include <epoxy/gl.h>
 
 #include <algorithm>
 #include <chrono>

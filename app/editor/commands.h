@@ -87,9 +87,10 @@ struct Quit {
   bool sure = false;  ///< an unsaved case is not asked about again
 };
 
-using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenStack, OpenPhantom, OpenTemplate, OpenLabels,
-                             CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
-                             ExportPicture, RecoverCase, DiscardCase, AcceptFileDialog, ShowFrame, PlayFrames, FitViews, Quit>;
+using Command =
+    std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenStack, OpenPhantom, OpenTemplate, OpenLabels,
+                 CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ExportPicture,
+                 RecoverCase, DiscardCase, AcceptFileDialog, ShowFrame, PlayFrames, FitViews, Quit>;
 
 /// Commands in the order they were given.
 class Outbox {

@@ -51,7 +51,6 @@ struct SpacingDialog {
   Vec3 spacing_mm = Vec3::Ones();
 };
 
-using Dialog =
-    std::variant<KeysDialog, FileDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog, SpacingDialog>;
+using Dialog = std::variant<KeysDialog, FileDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog, SpacingDialog>;
 
 }  // namespace homolog

@@ -174,8 +174,8 @@ void draw_spacing(const UiContext& ui, const SpacingDialog& dialog, Outbox& out)
   bool released = false, changed = false;
   for (int axis = 0; axis < 3; ++axis) {
     if (axis > 0) ImGui::SameLine(0, theme.px(4));
-    changed |= number_field(theme, format("spacing %d", axis).c_str(), spacing[axis], 0.01, "%.3f", "mm", width, "",
-                            released);
+    changed |=
+        number_field(theme, format("spacing %d", axis).c_str(), spacing[axis], 0.01, "%.3f", "mm", width, "", released);
   }
   spacing = spacing.cwiseMax(1e-3);
   if (changed)

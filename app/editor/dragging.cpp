@@ -90,8 +90,8 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
   if (auto* pan = std::get_if<PanDrag>(&*state.drag)) {
     const ViewMap map = map_of(pan->view);
     const Vec3 anchor = pan->start_mm;
-    const Vec3 moved = map.on_facing_plane(event.x_px, event.y_px, anchor) -
-                       map.on_facing_plane(pan->x_px, pan->y_px, anchor);
+    const Vec3 moved =
+        map.on_facing_plane(event.x_px, event.y_px, anchor) - map.on_facing_plane(pan->x_px, pan->y_px, anchor);
     (pan->view == ViewKind::space ? state.camera.target : state.slices[index_of(pan->view)].centre_mm) =
         pan->start_mm - moved;
   } else if (auto* window = std::get_if<WindowDrag>(&*state.drag)) {

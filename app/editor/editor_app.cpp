@@ -86,8 +86,11 @@ void EditorApp::handle(const InputEvent& event) {
   handle_event(state_, event, controls_context(), out_);
 }
 
-bool EditorApp::animated() const {
-  return state_.playing || opener_.busy();
+std::optional<double> EditorApp::next_move_seconds(double now) const {
+  constexpr double progress_seconds = 0.1;
+  if (state_.playing) return std::max(frame_due_ - now, 0.0);
+  if (opener_.busy()) return progress_seconds;
+  return std::nullopt;
 }
 
 void EditorApp::take_snapshot() {
@@ -125,7 +128,7 @@ bool EditorApp::update(double seconds) {
   const auto figures = quality_.latest();
   const bool new_figures = figures.has_value() != figures_.has_value();
   figures_ = figures;
-  return before != snapshot_ || new_figures || animated();
+  return before != snapshot_ || new_figures || state_.playing || opener_.busy();
 }
 
 void EditorApp::preview(Action action) {
@@ -175,7 +178,7 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   ImGui::NewFrame();
   std::optional<Opening> opening;
   if (opener_.busy()) opening = {opener_.what(), opener_.fraction(), opener_.seconds() > progress_after_seconds};
-  const UiContext ui{*theme_, layout_,  state_,       *snapshot_, displayed_,       figures_,
+  const UiContext ui{*theme_, layout_, state_,       *snapshot_, displayed_,       figures_,
                      opening, labels_, labels_name_, textures,   frames_per_second};
   draw_interface(ui, out_);
   ImGui::Render();
@@ -193,8 +196,8 @@ Result<Picture> EditorApp::picture(const PictureOptions& options) {
   }
   const ViewKind kind = *options.view;
   const RectPx& rect = layout_.image(kind);
-  const double smaller = std::max(rect.width / static_cast<float>(options.width),
-                                  rect.height / static_cast<float>(options.height));
+  const double smaller =
+      std::max(rect.width / static_cast<float>(options.width), rect.height / static_cast<float>(options.height));
   const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / std::max(smaller, 1e-3))};
   const SceneBuilder::Input input{state_, displayed_, snapshot_->preview, labels_};
   Scene scene = scenes_.scene(input, kind);
@@ -230,13 +233,20 @@ void EditorApp::take_opened(Opened opened) {
   const auto volume = new_image ? opened.volume : now.volume;
   const std::string source = new_image ? opened.request.volume_source : now.volume_source;
   const auto reference = opened.reference ? opened.reference : now.reference;
+  const bool demo = opened.demo.has_value();
   start_document(opened.demo ? std::move(*opened.demo) : new_document(source, volume, reference));
+  if (demo && displayed_->volume->modality == "CT") {
+    // Soft tissue: what the demo is about.
+    state_.window_low = -160;
+    state_.window_high = 240;
+  }
   if (new_image && !source.starts_with("phantom:")) remember_recent(state_.preferences, source);
   if (opened.reference && !opened.request.flip_lps_ras) offer_flip(*snapshot_->document);
 }
 
 void EditorApp::start_document(Document document) {
-  const bool edited = snapshot_->committed > 0 && snapshot_->can_undo && snapshot_->file.parent_path() == unsaved_folder();
+  const bool edited =
+      snapshot_->committed > 0 && snapshot_->can_undo && snapshot_->file.parent_path() == unsaved_folder();
   auto session = create_unsaved_case(document);
   if (!session) {
     add_notice(state_, session.error().sentence());

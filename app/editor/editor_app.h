@@ -10,8 +10,8 @@
 #include "app/editor/opener.h"
 #include "app/editor/quality_monitor.h"
 #include "app/editor/scene_builder.h"
-#include "app/editor/view_pictures.h"
 #include "app/editor/ui_context.h"
+#include "app/editor/view_pictures.h"
 
 namespace homolog {
 
@@ -41,8 +41,8 @@ class EditorApp {
   const EditorState& state() const { return state_; }
   EditorState& state() { return state_; }
   bool wants_to_quit() const { return quit_; }
-  /// Whether something moves by itself (a cine, a progress bar), and so needs frames without events.
-  bool animated() const;
+  /// Seconds until something moves by itself (a cine, a progress bar); nothing where only events change the picture.
+  std::optional<double> next_move_seconds(double now) const;
   void ask_to_quit() { out_.send(Quit{}); }
   /// Shows an edit as if it were dragged, and waits until it is shown.
   void preview(Action action);

@@ -79,8 +79,8 @@ const char* purpose_title(FilePurpose purpose) {
 
 const std::vector<std::string>& purpose_extensions(FilePurpose purpose) {
   static const std::vector<std::string> meshes{".ply", ".vtk", ".vtp", ".obj", ".stl"};
-  static const std::vector<std::string> volumes{".nii.gz", ".nii",  ".hdr", ".img", ".nrrd", ".nhdr", ".mha",
-                                                ".mhd",    ".dcm",  ".ima", ".png", ".tif",  ".tiff"};
+  static const std::vector<std::string> volumes{".nii.gz", ".nii", ".hdr", ".img", ".nrrd", ".nhdr", ".mha",
+                                                ".mhd",    ".dcm", ".ima", ".png", ".tif",  ".tiff"};
   static const std::vector<std::string> openable = [] {
     std::vector<std::string> all{".homolog"};
     all.insert(all.end(), volumes.begin(), volumes.end());

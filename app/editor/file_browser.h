@@ -27,13 +27,13 @@ struct FileBrowser {
 
   FilePurpose purpose = FilePurpose::open;
   std::filesystem::path folder;
-  std::vector<Entry> entries;  ///< all that the purpose shows: folders first, then by name
-  std::vector<Place> places;   ///< home, working folder, roots of mounted media
-  std::string name;            ///< typed: filters when opening, the new file's name when saving
-  int selected = -1;           ///< index into visible(); −1 nothing
+  std::vector<Entry> entries;       ///< all that the purpose shows: folders first, then by name
+  std::vector<Place> places;        ///< home, working folder, roots of mounted media
+  std::string name;                 ///< typed: filters when opening, the new file's name when saving
+  int selected = -1;                ///< index into visible(); −1 nothing
   bool scroll_to_selected = false;  ///< the keyboard moved the selection
-  bool show_all = false;       ///< also files of other kinds and hidden ones
-  std::string error;           ///< why the folder cannot be read; empty where it can
+  bool show_all = false;            ///< also files of other kinds and hidden ones
+  std::string error;                ///< why the folder cannot be read; empty where it can
 
   /// Indices of the entries that the typed name leaves: those that hold it, in any case.
   std::vector<int> visible() const;

@@ -98,9 +98,9 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
     for (int shown = clipper.DisplayStart; shown < clipper.DisplayEnd; ++shown) {
       const auto& entry = browser.entries[static_cast<std::size_t>(visible[static_cast<std::size_t>(shown)])];
       bool doubled = false;
-      const bool clicked = row(theme, entry.name.c_str(), entry.folder ? icon::folder : icon::file, entry.name,
-                               date_text(entry.changed), entry.folder ? "" : size_text(entry.bytes),
-                               browser.selected == shown, doubled);
+      const bool clicked =
+          row(theme, entry.name.c_str(), entry.folder ? icon::folder : icon::file, entry.name, date_text(entry.changed),
+              entry.folder ? "" : size_text(entry.bytes), browser.selected == shown, doubled);
       if (clicked)
         change_browser(out, [shown, name = entry.name, folder = entry.folder](FileBrowser& b) {
           b.selected = shown;
@@ -111,7 +111,8 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
     }
   }
   if (browser.selected >= 0 && browser.scroll_to_selected)
-    ImGui::SetScrollY(std::max(0.0f, theme.px(26) * static_cast<float>(browser.selected) - ImGui::GetWindowHeight() / 2));
+    ImGui::SetScrollY(
+        std::max(0.0f, theme.px(26) * static_cast<float>(browser.selected) - ImGui::GetWindowHeight() / 2));
 }
 
 void draw_path_bar(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
@@ -168,7 +169,10 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   if (button(theme, "Cancel", "Escape", {}, theme.px(96))) out.change(close);
   ImGui::SameLine(0, theme.px(8));
   const bool opens_folder = dialog.purpose == FilePurpose::open && browser.selected < 0 && browser.name.empty();
-  if (button(theme, saving ? "Save" : opens_folder ? "Open folder" : "Open",
+  if (button(theme,
+             saving         ? "Save"
+             : opens_folder ? "Open folder"
+                            : "Open",
              opens_folder ? "Open this folder as a DICOM series" : "Enter",
              opens_folder ? std::string() : refusal_of(browser), theme.px(96), true)) {
     if (opens_folder) {

@@ -45,8 +45,7 @@ void press_command_key(EditorState& state, const InputEvent& event, int key, con
     case 'S':
       return event.shift ? show_file_dialog(state, FilePurpose::save_case) : out.send(SaveCase{});
     case 'Z':
-      if (event.shift ? context.can_redo : context.can_undo)
-        event.shift ? out.apply(Redo{}) : out.apply(Undo{});
+      if (event.shift ? context.can_redo : context.can_undo) event.shift ? out.apply(Redo{}) : out.apply(Undo{});
       return;
     case 'Y':
       if (context.can_redo) out.apply(Redo{});

@@ -24,13 +24,19 @@ Rgb on_scale(const std::vector<Rgb>& scale, double share) {
 
 // Scales that differ in lightness as well as in hue, so that they are read without colour vision.
 const std::vector<Rgb>& diverging() {
-  static const std::vector<Rgb> scale{{0.13f, 0.35f, 0.85f}, {0.55f, 0.72f, 0.95f}, {0.93f, 0.93f, 0.93f},
-                                      {0.96f, 0.62f, 0.47f}, {0.82f, 0.16f, 0.16f}};
+  static const std::vector<Rgb> scale{{0.13f, 0.35f, 0.85f},
+                                      {0.55f, 0.72f, 0.95f},
+                                      {0.93f, 0.93f, 0.93f},
+                                      {0.96f, 0.62f, 0.47f},
+                                      {0.82f, 0.16f, 0.16f}};
   return scale;
 }
 const std::vector<Rgb>& rising() {
-  static const std::vector<Rgb> scale{{0.17f, 0.19f, 0.38f}, {0.15f, 0.45f, 0.56f}, {0.29f, 0.69f, 0.49f},
-                                      {0.68f, 0.85f, 0.32f}, {0.99f, 0.95f, 0.55f}};
+  static const std::vector<Rgb> scale{{0.17f, 0.19f, 0.38f},
+                                      {0.15f, 0.45f, 0.56f},
+                                      {0.29f, 0.69f, 0.49f},
+                                      {0.68f, 0.85f, 0.32f},
+                                      {0.99f, 0.95f, 0.55f}};
   return scale;
 }
 const std::vector<Rgb>& quality_scale() {
@@ -91,7 +97,8 @@ VertexScalars edge_stretch(const Document& document) {
   return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
-std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, const std::vector<float>& hues) {
+std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, const std::vector<float>& hues,
+                                 float saturation) {
   const auto n = static_cast<std::size_t>(document.shape().points->rows());
   std::vector<Rgb> colours(n);
   const auto colour_by = [&](const VertexScalars& values, const std::vector<Rgb>& scale, auto share) {
@@ -99,7 +106,7 @@ std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, cons
   };
   switch (overlay) {
     case Overlay::landmark_hue:
-      for (std::size_t i = 0; i < n; ++i) colours[i] = hsv_to_rgb(hues[i], 0.4f, 1);
+      for (std::size_t i = 0; i < n; ++i) colours[i] = hsv_to_rgb(hues[i], saturation, 1);
       break;
     case Overlay::edge_stretch:
       colour_by(edge_stretch(document), diverging(),
@@ -136,7 +143,8 @@ std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response,
 Legend overlay_legend(const Document& document, Overlay overlay) {
   switch (overlay) {
     case Overlay::landmark_hue: {
-      Legend legend{"0", "", figure_text("%.0f", static_cast<double>(document.reference->topology->vertices() - 1)), {}};
+      Legend legend{
+          "0", "", figure_text("%.0f", static_cast<double>(document.reference->topology->vertices() - 1)), {}};
       for (int i = 0; i <= 12; ++i) legend.colours.push_back(hsv_to_rgb(static_cast<float>(i) / 12.5f, 0.4f, 1));
       return legend;
     }

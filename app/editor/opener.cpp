@@ -112,10 +112,10 @@ void Opener::start(OpenRequest request) {
   progress_ = std::make_shared<Progress>();
   box_ = std::make_shared<Box>();
   const std::string source = request.demo                     ? std::string("the demo case")
-                              : !request.case_file.empty() ? request.case_file.string()
-                              : !request.volume_source.empty() ? request.volume_source
-                              : !request.labels.empty()        ? request.labels.string()
-                                                               : request.template_source;
+                             : !request.case_file.empty()     ? request.case_file.string()
+                             : !request.volume_source.empty() ? request.volume_source
+                             : !request.labels.empty()        ? request.labels.string()
+                                                              : request.template_source;
   what_ = fs::path(source).filename().string();
   started_ = std::chrono::steady_clock::now();
   busy_ = true;

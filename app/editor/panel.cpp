@@ -21,10 +21,7 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
   for (std::size_t i = 0; i < sections.size(); ++i) {
     bool toggled = false;
     const bool open = section(theme, sections[i].title, ui.state.preferences.sections_open[i], toggled);
-    if (toggled)
-      out.change([i](EditorState& s) {
-        s.preferences.sections_open[i] = !s.preferences.sections_open[i];
-      });
+    if (toggled) out.change([i](EditorState& s) { s.preferences.sections_open[i] = !s.preferences.sections_open[i]; });
     if (!open) continue;
     ImGui::PushID(sections[i].title);
     sections[i].draw(ui, out);

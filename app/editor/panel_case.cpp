@@ -26,7 +26,8 @@ void draw_volume_figures(const UiContext& ui) {
   figure(ui.theme, "Image", std::filesystem::path(ui.document().volume_source).filename().string(),
          ui.document().volume_source);
   figure(ui.theme, "Voxels", format("%d \xc3\x97 %d \xc3\x97 %d", d[0], d[1], d[2]),
-         format("%s, %s", voxel_type_name(volume.data), volume.modality.empty() ? "kind unknown" : volume.modality.c_str()));
+         format("%s, %s", voxel_type_name(volume.data),
+                volume.modality.empty() ? "kind unknown" : volume.modality.c_str()));
   figure(ui.theme, "Spacing",
          format("%.3g \xc3\x97 %.3g \xc3\x97 %.3g mm", geometry.spacing_mm.x(), geometry.spacing_mm.y(),
                 geometry.spacing_mm.z()));
@@ -68,7 +69,8 @@ void draw_frames(const UiContext& ui, Outbox& out) {
       s.playing = false;
     });
   if (released && ui.state.shown_frame && !ui.state.playing) out.send(ShowFrame{frame});
-  if (button(theme, std::string(ui.state.playing ? icon::pause : icon::play) + (ui.state.playing ? "  Pause" : "  Play"),
+  if (button(theme,
+             std::string(ui.state.playing ? icon::pause : icon::play) + (ui.state.playing ? "  Pause" : "  Play"),
              "Play the frames (Space)"))
     out.send(PlayFrames{!ui.state.playing});
   ImGui::SameLine();
@@ -116,8 +118,7 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
 
   rule(theme);
   if (!ui.labels) {
-    if (button(theme, "Overlay a label map…", "Shown over the slices in colours", {},
-               ImGui::GetContentRegionAvail().x))
+    if (button(theme, "Overlay a label map…", "Shown over the slices in colours", {}, ImGui::GetContentRegionAvail().x))
       out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_labels); });
     return;
   }

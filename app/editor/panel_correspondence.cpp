@@ -43,8 +43,7 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   static const std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Shape"};
   int overlay = static_cast<int>(ui.state.overlay);
   if (choice(theme, "overlay", names, overlay,
-             {"Each landmark in the hue of its index",
-              "Edge length against the template's: blue shorter, red longer",
+             {"Each landmark in the hue of its index", "Edge length against the template's: blue shorter, red longer",
               "How far each landmark is from the placed template",
               "Stiffness factor: dark soft, bright stiff; confirmed regions white",
               "Shape of the triangles: red thin or turned"}))
@@ -56,8 +55,7 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   }
   const QualityFigures& q = *ui.quality;
   figure(theme, "Volume", format("%.2f ml", q.volume_ml), "Enclosed by the mesh; openings are capped flat");
-  figure(theme, "Edge stretch",
-         format("%.2f · %.2f · %.2f", q.stretch_low, q.stretch_median, q.stretch_high),
+  figure(theme, "Edge stretch", format("%.2f · %.2f · %.2f", q.stretch_low, q.stretch_median, q.stretch_high),
          "Edge length / the template's at this placement: 5 %, median, 95 %");
   figure(theme, "Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg), {},
          q.min_angle_deg < 10 ? palette::amber : palette::text);

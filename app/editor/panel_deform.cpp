@@ -43,7 +43,8 @@ void draw_brush(const UiContext& ui, Outbox& out) {
     changed |= slider(theme, "Paints factor", brush.stiffness_factor, {0.1, 50, "%.1f", "\xc3\x97", true},
                       "Stiffness relative to the base; Alt paints 1", released);
     double soft = 100 * brush.soft;
-    changed |= slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false}, "Share of the radius that blends", released);
+    changed |=
+        slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false}, "Share of the radius that blends", released);
     brush.soft = soft / 100;
   } else {
     int frees = brush.hold ? 0 : 1;

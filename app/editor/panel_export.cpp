@@ -26,7 +26,8 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
   const auto ask = [&](FilePurpose purpose, const std::string& name) {
     out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
   };
-  if (button(theme, "Mesh…", "With the template's numbering: goes straight into a shape model", ui.needs_shape(), width))
+  if (button(theme, "Mesh…", "With the template's numbering: goes straight into a shape model", ui.needs_shape(),
+             width))
     ask(FilePurpose::export_mesh, base_name(ui) + ".ply");
   const std::string refusal = ui.needs_shape().empty() ? ui.needs_volume() : ui.needs_shape();
   if (button(theme, "Label map…", "Voxels of the image whose centre is inside the mesh", refusal, width))

@@ -26,7 +26,9 @@ class PlacementFields {
     for (int axis = 0; axis < 3; ++axis) {
       if (axis > 0) ImGui::SameLine(0, theme.px(4));
       field(format("centre %d", axis), centre[axis], 0.1, "%.1f", "mm", width,
-            std::string("mm towards the patient's ") + (axis == 0 ? "left" : axis == 1 ? "back" : "head"));
+            std::string("mm towards the patient's ") + (axis == 0   ? "left"
+                                                        : axis == 1 ? "back"
+                                                                    : "head"));
     }
     Similarity change;
     change.translation = centre - before;
@@ -61,8 +63,8 @@ class PlacementFields {
   Vec3 angles_deg() const {
     const Mat3 r = placement_.rotation.toRotationMatrix();
     // R = Rz · Ry · Rx
-    return degrees_per_radian * Vec3(std::atan2(r(2, 1), r(2, 2)),
-                                     std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2))), std::atan2(r(1, 0), r(0, 0)));
+    return degrees_per_radian * Vec3(std::atan2(r(2, 1), r(2, 2)), std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2))),
+                                     std::atan2(r(1, 0), r(0, 0)));
   }
 
   const UiContext& ui_;
@@ -124,7 +126,8 @@ void draw_place_section(const UiContext& ui, Outbox& out) {
     explanation(theme, "This template has no named landmarks; place it with the tool Place (M).");
     return;
   }
-  caption(theme, format("Landmarks placed: %zu of %zu", ui.document().shape().landmarks.size(), landmarks.size()).c_str());
+  caption(theme,
+          format("Landmarks placed: %zu of %zu", ui.document().shape().landmarks.size(), landmarks.size()).c_str());
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(8), theme.px(2)});
   draw_landmark_list(ui, out);
   ImGui::PopStyleVar();

@@ -20,7 +20,8 @@ void draw_reference_section(const UiContext& ui, Outbox& out) {
            format("%s, genus %d", reference.topology->closed() ? "closed" : "open", reference.topology->genus()),
            "Openings are capped flat for inside and outside; genus counts the tunnels");
   } else {
-    explanation(theme, "The template is the mesh whose vertices are the landmarks. Take a built-in one or load your own.");
+    explanation(theme,
+                "The template is the mesh whose vertices are the landmarks. Take a built-in one or load your own.");
   }
   const float third = (ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3;
   struct BuiltIn {

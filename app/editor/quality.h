@@ -12,8 +12,8 @@ namespace homolog {
 struct QualityFigures {
   double stretch_low = 1, stretch_median = 1, stretch_high = 1;  ///< edge length / reference's: 5 %, 50 %, 95 %
   double min_angle_deg = 0;
-  std::size_t turned = 0;       ///< triangles over 90° from their reference normal, carried by the local rotations
-  std::size_t intersecting = 0; ///< pairs of faces
+  std::size_t turned = 0;        ///< triangles over 90° from their reference normal, carried by the local rotations
+  std::size_t intersecting = 0;  ///< pairs of faces
   double moved_mean_mm = 0, moved_max_mm = 0;
   double volume_ml = 0;
 };

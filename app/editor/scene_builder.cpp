@@ -41,9 +41,10 @@ void SceneBuilder::update_mesh(const Input& input) {
   stopped_ = stopped;
   stiffness_ = document.stiffness;
   confirmed_ = document.confirmed;
-  auto colours = overlay_colours(document, overlay_, hues_);
-  if (response) colours = tinted(std::move(colours), *response, stopped);
-  colours_ = std::make_shared<const std::vector<Rgb>>(std::move(colours));
+  auto outline = overlay_colours(document, overlay_, hues_, 1);
+  if (response) outline = tinted(std::move(outline), *response, stopped);
+  outline_colours_ = std::make_shared<const std::vector<Rgb>>(std::move(outline));
+  colours_ = std::make_shared<const std::vector<Rgb>>(overlay_colours(document, overlay_, hues_, 0.4f));
   ++colours_revision_;
 }
 
@@ -53,7 +54,7 @@ void SceneBuilder::update_glyphs(const Input& input) {
   glyphs_ = glyph_landmarks({reference_->topology, reference_->points}, glyph_spacing_mm_);
 }
 
-GlyphLayer SceneBuilder::glyph_layer(const Input& input, ViewKind) const {
+GlyphLayer SceneBuilder::glyph_layer(const Input& input) const {
   GlyphLayer layer;
   if (!input.state.preferences.show.glyphs || !points_) return layer;
   for (const auto vertex : glyphs_)
@@ -96,15 +97,15 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.topology = reference_->topology;
     mesh.points = points_;
     mesh.points_revision = points_revision_;
-    mesh.colours = colours_;
+    mesh.colours = kind == ViewKind::space ? colours_ : outline_colours_;
     mesh.colours_revision = colours_revision_;
     mesh.outline = show.outline;
     mesh.surface = show.surface;
     mesh.wireframe = show.wireframe;
-    mesh.saturated_outline = overlay_ == Overlay::landmark_hue && !response_;
+    mesh.saturated_outline = false;
     scene.meshes.push_back(std::move(mesh));
   }
-  scene.glyphs = glyph_layer(input, kind);
+  scene.glyphs = glyph_layer(input);
   if (kind == ViewKind::space) {
     scene.planes = planes(input);
     scene.background = {0.075f, 0.08f, 0.09f, 1};

@@ -29,14 +29,15 @@ class SceneBuilder {
  private:
   void update_mesh(const Input& input);
   void update_glyphs(const Input& input);
-  GlyphLayer glyph_layer(const Input& input, ViewKind kind) const;
+  GlyphLayer glyph_layer(const Input& input) const;
   std::vector<PlaneInSpace> planes(const Input& input) const;
 
   std::shared_ptr<const Template> reference_;
   std::vector<float> hues_;
   std::shared_ptr<const Points> points_;
   std::uint64_t points_revision_ = 0;
-  std::shared_ptr<const std::vector<Rgb>> colours_;
+  std::shared_ptr<const std::vector<Rgb>> colours_;          ///< of the surface
+  std::shared_ptr<const std::vector<Rgb>> outline_colours_;  ///< of the outlines: more saturated, tinted by a drag
   std::uint64_t colours_revision_ = 0;
   // What the colours were made for.
   std::shared_ptr<const VertexScalars> response_, stiffness_, confirmed_;

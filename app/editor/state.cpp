@@ -7,8 +7,7 @@
 namespace homolog {
 
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry) {
-  const auto [right, down] =
-      screen_axes(kind, slice_axes(geometry, state.own_planes), state.preferences.radiological);
+  const auto [right, down] = screen_axes(kind, slice_axes(geometry, state.own_planes), state.preferences.radiological);
   const SlicePan& pan = state.slices[index_of(kind)];
   SliceView view;
   view.right = right;
@@ -22,12 +21,12 @@ SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeomet
 VolumeGeometry geometry_of(const Document& document) {
   if (document.volume) return document.volume->geometry;
   VolumeGeometry geometry;
-  const Box box = document.has_shape() ? bounds_of(*document.shape().points) : Box(Vec3(-50, -50, -50), Vec3(50, 50, 50));
+  const Box box =
+      document.has_shape() ? bounds_of(*document.shape().points) : Box(Vec3(-50, -50, -50), Vec3(50, 50, 50));
   const Vec3 margin = 0.25 * box.sizes();
   geometry.origin_mm = box.min() - margin;
   for (int axis = 0; axis < 3; ++axis)
-    geometry.dims[static_cast<std::size_t>(axis)] =
-        std::max(1, static_cast<int>(std::lround(1.5 * box.sizes()[axis])));
+    geometry.dims[static_cast<std::size_t>(axis)] = std::max(1, static_cast<int>(std::lround(1.5 * box.sizes()[axis])));
   return geometry;
 }
 
@@ -70,8 +69,10 @@ void fit_views(EditorState& state, const Document& document, const Layout& layou
     pan.mm_per_px = 2.04 * std::max(half_width_mm / rect.width, half_height_mm / rect.height);
   }
   const Box target = document.has_shape() ? bounds_of(*document.shape().points) : box;
-  state.camera = camera_from(LookFrom::anterior, target);
-  state.camera.distance_mm *= 1.4;
+  // From the front, a little from the patient's left and from above: the planes do not hide each other.
+  constexpr double left_px = 70, up_px = 45;
+  state.camera = turned(camera_from(LookFrom::anterior, target), -left_px, up_px);
+  state.camera.distance_mm *= 1.5;
 }
 
 void look_from(EditorState& state, LookFrom from) {

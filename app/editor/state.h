@@ -36,18 +36,18 @@ struct ShownParts {
 struct BrushSettings {
   double radius_mm = 10;
   double stiffness_factor = 5;  ///< painted by the stiffness brush, relative to the base
-  double soft = 0.5;      ///< share of the radius over which it blends
-  bool hold = true;       ///< the confirm brush holds, else it frees
+  double soft = 0.5;            ///< share of the radius over which it blends
+  bool hold = true;             ///< the confirm brush holds, else it frees
 };
 
 /// What the pointer is over; nothing while it is outside the views.
 struct Hover {
   ViewKind view = ViewKind::axial;
-  double x_px = 0, y_px = 0;        ///< from the window's upper left corner
-  std::optional<Vec3> p_mm;         ///< on the slice, or on the surface in the 3D view
-  std::optional<Vec3> on_mesh;      ///< the surface point that a press would take hold of
-  std::string landmark;             ///< name of the placed landmark under the pointer
-  PlacePart part = PlacePart::none; ///< of the placement handles
+  double x_px = 0, y_px = 0;         ///< from the window's upper left corner
+  std::optional<Vec3> p_mm;          ///< on the slice, or on the surface in the 3D view
+  std::optional<Vec3> on_mesh;       ///< the surface point that a press would take hold of
+  std::string landmark;              ///< name of the placed landmark under the pointer
+  PlacePart part = PlacePart::none;  ///< of the placement handles
 };
 
 /// For double clicks.

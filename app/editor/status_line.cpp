@@ -75,7 +75,8 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   draw.AddText(at, palette::dim, right.c_str());
   ImGui::SetCursorScreenPos(at);
   ImGui::InvisibleButton("timings", {std::max(size.x, 1.0f), size.y});
-  if (ImGui::IsItemHovered()) tooltip(theme, "Core work of the last edit, job in to points out · frames drawn a second");
+  if (ImGui::IsItemHovered())
+    tooltip(theme, "Core work of the last edit, job in to points out · frames drawn a second");
   ImGui::PopFont();
   ImGui::End();
 }

@@ -19,12 +19,12 @@ namespace homolog {
 namespace {
 
 // Latin, Greek, Cyrillic, punctuation, arrows and mathematical signs that file names and texts hold.
-constexpr ImWchar text_ranges[] = {0x20, 0x24F, 0x370, 0x3FF, 0x400, 0x4FF, 0x2010, 0x2044, 0x2070, 0x209C,
-                                   0x2190, 0x21FF, 0x2200, 0x22FF, 0x232B, 0x232B, 0};
+constexpr ImWchar text_ranges[] = {0x20,   0x24F,  0x370,  0x3FF,  0x400,  0x4FF,  0x2010, 0x2044, 0x2070,
+                                   0x209C, 0x2190, 0x21FF, 0x2200, 0x22FF, 0x232B, 0x232B, 0};
 constexpr ImWchar icon_ranges[] = {0xF000, 0xF330, 0};
 
-ImFont* add_font(const unsigned char* bytes, std::size_t size, float size_px, const ImWchar* ranges,
-                 bool merge = false, float down_px = 0) {
+ImFont* add_font(const unsigned char* bytes, std::size_t size, float size_px, const ImWchar* ranges, bool merge = false,
+                 float down_px = 0) {
   ImFontConfig config;
   config.FontDataOwnedByAtlas = false;
   config.MergeMode = merge;

@@ -40,9 +40,7 @@ struct UiContext {
   std::string needs_shape() const {
     return has_shape() ? std::string() : "Load a template first: there is no mesh yet.";
   }
-  std::string needs_volume() const {
-    return document().volume ? std::string() : "Open an image first.";
-  }
+  std::string needs_volume() const { return document().volume ? std::string() : "Open an image first."; }
 };
 
 // The parts of the window, from top to bottom; each in a file of its own.

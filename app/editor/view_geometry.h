@@ -13,7 +13,9 @@ enum class ViewKind { axial, sagittal, coronal, space };
 inline constexpr std::array<ViewKind, 4> all_views{ViewKind::axial, ViewKind::sagittal, ViewKind::coronal,
                                                    ViewKind::space};
 inline constexpr std::array<ViewKind, 3> slice_views{ViewKind::axial, ViewKind::sagittal, ViewKind::coronal};
-inline std::size_t index_of(ViewKind kind) { return static_cast<std::size_t>(kind); }
+inline std::size_t index_of(ViewKind kind) {
+  return static_cast<std::size_t>(kind);
+}
 
 /// The axes that slices are parallel to, as columns near patient x, y, z: the identity, or the volume's own
 /// directions, permuted and turned so that they lie closest to it.
@@ -49,7 +51,9 @@ Camera3D camera_from(LookFrom from, const Box& box_mm);
 /// Turned about its target as a trackball by a movement of the mouse.
 Camera3D turned(const Camera3D& camera, double right_px, double down_px);
 /// Right direction on the screen.
-inline Vec3 camera_right(const Camera3D& camera) { return camera.up.cross(camera.to_eye); }
+inline Vec3 camera_right(const Camera3D& camera) {
+  return camera.up.cross(camera.to_eye);
+}
 /// mm that one px covers at the target, for a view whose shorter side is `side_px`.
 double camera_mm_per_px(const Camera3D& camera, double side_px);
 

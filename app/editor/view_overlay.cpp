@@ -56,7 +56,8 @@ void draw_scale_bar(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
     draw.AddLine({x + length_px + shift, y - tick + shift}, {x + length_px + shift, y + 1 + shift}, colour);
   }
   const std::string text = length_mm >= 10 ? format("%.0f mm", length_mm) : format("%g mm", length_mm);
-  shadowed_text(draw, ui.theme.small, {x + length_px + ui.theme.px(8), std::round(y - ui.theme.small->FontSize / 2)}, palette::text, text);
+  shadowed_text(draw, ui.theme.small, {x + length_px + ui.theme.px(8), std::round(y - ui.theme.small->FontSize / 2)},
+                palette::text, text);
 }
 
 /// Lines of the other two planes, in their hues, with a gap around the cross-hair's middle.
@@ -131,8 +132,7 @@ void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map
   if (const auto px = map.to_px(held)) draw.AddCircleFilled(to_im(*px), ui.theme.px(3), colour);
   if (!ui.state.hover || !drag.moved) return;
   const double moved_mm = ui.snapshot.preview ? ui.snapshot.preview->moved_mm : 0;
-  const std::string text =
-      format("%.1f mm%s", moved_mm, stopped ? "  held" : "");
+  const std::string text = format("%.1f mm%s", moved_mm, stopped ? "  held" : "");
   const ImVec2 at{static_cast<float>(ui.state.hover->x_px) + ui.theme.px(16),
                   static_cast<float>(ui.state.hover->y_px) + ui.theme.px(10)};
   shadowed_text(draw, ui.theme.strong, at, colour, text);
@@ -159,8 +159,7 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const Ruler& ruler = *ui.state.ruler;
   const auto from = map.to_px(ruler.from), to = map.to_px(ruler.to);
   if (!from || !to) return;
-  const bool in_plane =
-      !map.is_slice() || std::abs(map.into_screen().dot(ruler.from - map.slice().centre)) < 0.5;
+  const bool in_plane = !map.is_slice() || std::abs(map.into_screen().dot(ruler.from - map.slice().centre)) < 0.5;
   const ImU32 colour = with_alpha(palette::accent, in_plane ? 1.0f : 0.35f);
   draw.AddLine(to_im(*from), to_im(*to), colour, 1.5f);
   for (const auto& end : {*from, *to}) draw.AddCircleFilled(to_im(end), ui.theme.px(3), colour);

@@ -74,8 +74,8 @@ bool ViewPictures::fit(Drawn& drawn, const Target& target, int samples) {
 unsigned int ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target) {
   Drawn& drawn = drawn_[index_of(kind)];
   if (!fit(drawn, target, 1)) return 0;
-  const bool current = drawn.content_scale == target.content_scale && same(drawn.slice, view) &&
-                       same_scene(drawn.scene, scene);
+  const bool current =
+      drawn.content_scale == target.content_scale && same(drawn.slice, view) && same_scene(drawn.scene, scene);
   if (!current) {
     drawn.framebuffer->bind();
     if (auto done = renderer_->draw(scene, view, target); !done) error_ = done.error().sentence();
@@ -90,8 +90,8 @@ unsigned int ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceV
 unsigned int ViewPictures::space(const Scene& scene, const Camera3D& camera, const Target& target) {
   Drawn& drawn = drawn_[index_of(ViewKind::space)];
   if (!fit(drawn, target, 4)) return 0;
-  const bool current = drawn.content_scale == target.content_scale && same(drawn.camera, camera) &&
-                       same_scene(drawn.scene, scene);
+  const bool current =
+      drawn.content_scale == target.content_scale && same(drawn.camera, camera) && same_scene(drawn.scene, scene);
   if (!current) {
     drawn.framebuffer->bind();
     if (auto done = renderer_->draw(scene, camera, target); !done) error_ = done.error().sentence();

@@ -40,8 +40,7 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
     static constexpr std::array<LookFrom, 6> directions{LookFrom::anterior, LookFrom::posterior, LookFrom::left,
                                                         LookFrom::right,    LookFrom::superior,  LookFrom::inferior};
     static constexpr std::array<const char*, 6> letters{"A", "P", "L", "R", "S", "I"};
-    static constexpr std::array<const char*, 6> names{"anterior", "posterior", "left",
-                                                      "right",    "superior",  "inferior"};
+    static constexpr std::array<const char*, 6> names{"anterior", "posterior", "left", "right", "superior", "inferior"};
     for (std::size_t i = 0; i < directions.size(); ++i) {
       ImGui::SetCursorPos({rect.width - side * static_cast<float>(8 - i) - theme.px(4), top});
       if (icon_button(theme, letters[i], names[i], format("Look from %s (Shift+%s)", names[i], letters[i]), {}, false,

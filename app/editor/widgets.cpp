@@ -167,10 +167,10 @@ bool choice(const Theme& theme, const char* id, const std::vector<std::string>& 
     const bool lit = index == before;
     if (lit) draw.AddRectFilled(low, high, with_alpha(palette::accent, 0.22f), theme.px(4));
     if (lit) draw.AddRect(low, high, with_alpha(palette::accent, 0.7f), theme.px(4));
-    const ImU32 colour = control.disabled()          ? palette::faint
-                         : lit                       ? palette::text
-                         : ImGui::IsItemHovered()    ? palette::text
-                                                     : palette::dim;
+    const ImU32 colour = control.disabled()       ? palette::faint
+                         : lit                    ? palette::text
+                         : ImGui::IsItemHovered() ? palette::text
+                                                  : palette::dim;
     text_in(low, high, colour, labels[i], 0.5f);
     control.tip();
   }

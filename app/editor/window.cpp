@@ -1,8 +1,6 @@
-// clang-format off: the GL loader comes before GLFW, which would bring its own headers.
-#include <epoxy/gl.h>
 #include <GLFW/glfw3.h>
-// clang-format on
 #include <backends/imgui_impl_glfw.h>
+#include <epoxy/gl.h>
 
 #include <algorithm>
 #include <chrono>
@@ -105,8 +103,7 @@ void install_callbacks(GLFWwindow* handle) {
     Window::of(w).app->open({paths, paths + count});
     Window::of(w).frames_due = frames_per_event;
   });
-  glfwSetFramebufferSizeCallback(handle,
-                                 [](GLFWwindow* w, int, int) { Window::of(w).frames_due = frames_per_event; });
+  glfwSetFramebufferSizeCallback(handle, [](GLFWwindow* w, int, int) { Window::of(w).frames_due = frames_per_event; });
   glfwSetWindowRefreshCallback(handle, [](GLFWwindow* w) { Window::of(w).frames_due = frames_per_event; });
   glfwSetWindowContentScaleCallback(handle, [](GLFWwindow* w, float x, float) {
     Window::of(w).app->set_scale(x);
@@ -128,8 +125,8 @@ void run_loop(Window& window) {
   while (!window.app->wants_to_quit()) {
     if (window.frames_due > 0)
       glfwPollEvents();
-    else if (window.app->animated())
-      glfwWaitEventsTimeout(period);
+    else if (const auto wait = window.app->next_move_seconds(glfwGetTime()))
+      glfwWaitEventsTimeout(std::max(*wait, period));
     else
       glfwWaitEvents();
     if (glfwWindowShouldClose(window.handle)) {
@@ -137,7 +134,7 @@ void run_loop(Window& window) {
       window.app->ask_to_quit();
       window.frames_due = frames_per_event;
     }
-    if (window.app->update(glfwGetTime())) window.frames_due = std::max(window.frames_due, 2);
+    if (window.app->update(glfwGetTime())) window.frames_due = std::max(window.frames_due, 1);
     if (window.frames_due == 0) continue;
     const double wait = drawn_at + period - glfwGetTime();
     // What arrives meanwhile is taken in by this frame too.
@@ -209,7 +206,8 @@ int run_editor(const EditorOptions& options) {
       glfwCreateWindow(preferences.window_width, preferences.window_height, "Homolog", nullptr, nullptr);
   int status = 1;
   if (handle == nullptr) {
-    std::fprintf(stderr, "homolog: this display offers no OpenGL 3.3; install libgl1-mesa-dri for software rendering\n");
+    std::fprintf(stderr,
+                 "homolog: this display offers no OpenGL 3.3; install libgl1-mesa-dri for software rendering\n");
   } else {
     status = show_window(handle, options, preferences);
     glfwDestroyWindow(handle);

@@ -81,8 +81,8 @@ std::size_t plane_count(const DicomItem& data, DicomHeader& header) {
     return static_cast<std::size_t>(*number);
   const double plane_bytes = static_cast<double>(header.rows) * header.columns * header.bits_allocated / 8;
   double planes = 1;
-  if (header.pixels && header.pixels->fragments > 0)
-    planes = static_cast<double>(header.pixels->fragments);
+  if (header.pixels && !header.pixels->fragments.empty())
+    planes = static_cast<double>(header.pixels->fragments.size());
   else if (header.pixels && plane_bytes > 0)
     planes = std::floor(static_cast<double>(header.pixels->bytes) / plane_bytes);
   planes = std::clamp(planes, 1.0, most);
@@ -101,6 +101,7 @@ DicomHeader dicom_header(const DicomSet& set) {
   };
   DicomHeader header;
   header.path = set.path;
+  header.transfer_syntax = set.transfer_syntax;
   header.big_endian = set.big_endian;
   header.pixels = set.pixels;
   header.series_uid = text_of(data, tag::series_uid);

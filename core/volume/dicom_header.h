@@ -33,6 +33,7 @@ struct DicomHeader {
   int bits_allocated = 0, bits_stored = 0, high_bit = 0;
   bool is_signed = false;
   std::string photometric;
+  std::string transfer_syntax;
   bool big_endian = false;
   std::optional<DicomPixels> pixels;
   double frame_ms = 0;         ///< time between the planes of a cine; 0 where they are not a cine

@@ -1,28 +1,28 @@
 #include "core/volume/dicom_pixels.h"
 
+#include <fcntl.h>
 #include <gdcmImage.h>
-#include <gdcmImageReader.h>
+#include <gdcmSequenceOfFragments.h>
 #include <gdcmTrace.h>
+#include <unistd.h>
 
-#include <array>
+#include <algorithm>
+#include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <mutex>
 #include <type_traits>
+#include <vector>
 
 #include "core/volume/readers.h"
 
-// Encoded pixels (RLE, JPEG, JPEG-LS, JPEG 2000) through GDCM, the library behind ITK's reader. It is called directly
-// because ITK hides what is needed to refuse missing pixels and to place the planes of enhanced files.
+// Encoded pixels (RLE, JPEG, JPEG-LS, JPEG 2000) through GDCM, the library behind ITK's reader. Only its decoders are
+// used: its parser fills missing pixels with zeros and, as Debian builds it, aborts the program on damaged files.
 namespace homolog {
 namespace {
 
 tl::unexpected<Error> pixels_missing(const DicomHeader& header) {
   return fail(header.path.string(), "is cut short: pixels are missing; copy or download it again");
-}
-
-void silence_gdcm() {
-  gdcm::Trace::DebugOff();
-  gdcm::Trace::WarningOff();
-  gdcm::Trace::ErrorOff();
 }
 
 /// The stored bits of each value, shifted down and sign-extended; other bits may hold overlays.
@@ -73,13 +73,100 @@ Result<void> read_plain(const DicomHeader& header, StoredType type, std::span<st
   return {};
 }
 
-Result<void> decode(const DicomHeader& header, std::span<std::byte> out) {
-  silence_gdcm();
-  gdcm::ImageReader reader;
-  reader.SetFileName(header.path.c_str());
-  if (!reader.Read() || reader.GetImage().GetBufferLength() != out.size() ||
-      !reader.GetImage().GetBuffer(reinterpret_cast<char*>(out.data())))
-    return fail(header.path.string(), "holds pixels that do not decode; copy it again or export it uncompressed");
+tl::unexpected<Error> not_decodable(const DicomHeader& header) {
+  return fail(header.path.string(), "holds pixels that do not decode; copy it again or export it uncompressed");
+}
+
+/// The decoders of JPEG print on file descriptor 2 what they dislike, whatever GDCM is told.
+class SilencedErrors {
+ public:
+  SilencedErrors() : lock_(mutex()) {
+    gdcm::Trace::DebugOff();
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+    std::fflush(stderr);
+    before_ = ::dup(STDERR_FILENO);
+    if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) {
+      ::dup2(nowhere, STDERR_FILENO);
+      ::close(nowhere);
+    }
+  }
+  ~SilencedErrors() {
+    std::fflush(stderr);
+    if (before_ < 0) return;
+    ::dup2(before_, STDERR_FILENO);
+    ::close(before_);
+  }
+  SilencedErrors(const SilencedErrors&) = delete;
+  SilencedErrors& operator=(const SilencedErrors&) = delete;
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex only;
+    return only;
+  }
+  std::lock_guard<std::mutex> lock_;
+  int before_ = -1;
+};
+
+/// Streams of the JPEG family end with the marker FFD9, perhaps padded; decoders make up what a cut one lacks.
+bool is_closed(const std::string& transfer_syntax, const std::vector<char>& stream) {
+  if (!transfer_syntax.starts_with("1.2.840.10008.1.2.4.")) return true;
+  const auto last = std::find_if(stream.rbegin(), stream.rend(), [](char c) { return c != 0; });
+  return stream.rend() - last >= 2 && last[0] == '\xd9' && last[1] == '\xff';
+}
+
+/// A picture that is given to GDCM without its file.
+gdcm::Image empty_image(const DicomHeader& header, gdcm::TransferSyntax::TSType syntax) {
+  gdcm::Image image;
+  image.SetTransferSyntax(syntax);
+  image.SetNumberOfDimensions(2);
+  image.SetDimension(0, static_cast<unsigned>(header.columns));
+  image.SetDimension(1, static_cast<unsigned>(header.rows));
+  const auto bits = [](int count) { return static_cast<unsigned short>(count); };
+  image.SetPixelFormat(gdcm::PixelFormat(1, bits(header.bits_allocated), bits(header.bits_stored),
+                                         bits(header.high_bit), header.is_signed ? 1 : 0));
+  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+  return image;
+}
+
+/// Decodes every plane from its fragments: one each, or all of them for a single plane.
+Result<void> decode(const DicomHeader& header, std::span<std::byte> out, Progress* progress) {
+  const auto& fragments = header.pixels->fragments;
+  const std::size_t planes = header.planes.size();
+  if (fragments.size() < planes) return pixels_missing(header);
+  if (planes > 1 && fragments.size() != planes)
+    return fail(header.path.string(), "keeps its frames in pieces; export it uncompressed");
+  const auto syntax = gdcm::TransferSyntax::GetTSType(header.transfer_syntax.c_str());
+  if (syntax == gdcm::TransferSyntax::TS_END) return not_decodable(header);
+  std::ifstream in(header.path, std::ios::binary);
+  const std::size_t plane_bytes = out.size() / planes;
+  for (std::size_t p = 0; p < planes; ++p) {
+    if (progress) {
+      if (progress->cancelled()) return fail(header.path.string(), "was not read: cancelled");
+      progress->report(static_cast<double>(p) / static_cast<double>(planes));
+    }
+    const auto sequence = gdcm::SequenceOfFragments::New();
+    std::vector<char> stream;
+    for (const auto& piece : planes == 1 ? std::span(fragments) : std::span(fragments).subspan(p, 1)) {
+      const std::size_t before = stream.size();
+      stream.resize(before + piece.bytes);
+      in.seekg(static_cast<std::streamoff>(piece.offset));
+      if (!in.read(stream.data() + before, piece.bytes)) return pixels_missing(header);
+      gdcm::Fragment fragment;
+      fragment.SetByteValue(stream.data() + before, piece.bytes);
+      sequence->AddFragment(fragment);
+    }
+    if (!is_closed(header.transfer_syntax, stream)) return pixels_missing(header);
+    gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010), gdcm::VL(0xffffffff), gdcm::VR::OB);
+    pixels.SetValue(*sequence);
+    gdcm::Image image = empty_image(header, syntax);
+    image.SetDataElement(pixels);
+    const SilencedErrors silence;
+    if (image.GetBufferLength() != plane_bytes ||
+        !image.GetBuffer(reinterpret_cast<char*>(out.data() + p * plane_bytes)))
+      return not_decodable(header);
+  }
   return {};
 }
 
@@ -101,9 +188,7 @@ Result<StoredType> dicom_stored_type(const DicomHeader& header) {
 Result<void> read_dicom_pixels(const DicomHeader& header, std::span<std::byte> out, Progress* progress) {
   const auto type = dicom_stored_type(header);
   if (!type) return fail(type.error());
-  if (header.pixels->fragments == 0) return read_plain(header, *type, out, progress);
-  if (header.pixels->fragments < header.planes.size()) return pixels_missing(header);
-  return decode(header, out);
+  return header.pixels->fragments.empty() ? read_plain(header, *type, out, progress) : decode(header, out, progress);
 }
 
 }  // namespace homolog

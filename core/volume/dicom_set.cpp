@@ -152,12 +152,13 @@ class Parser {
       const auto fragment_length = read_number<std::uint32_t>(end);
       if (!tag || !fragment_length) return false;
       if (*tag == sequence_end) break;
+      const std::uint64_t offset = position_;
       if (*tag != item_tag || !skip(*fragment_length, end)) return false;
       if (offset_table) continue;
-      ++pixels.fragments;
+      pixels.fragments.push_back({offset, *fragment_length});
       pixels.bytes += *fragment_length;
     }
-    if (pixels.fragments > 0) set_.pixels = pixels;
+    if (!pixels.fragments.empty()) set_.pixels = pixels;
     return true;
   }
 

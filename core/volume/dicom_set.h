@@ -26,9 +26,13 @@ struct DicomElement {
 
 /// Where a file keeps its pixels.
 struct DicomPixels {
+  struct Fragment {
+    std::uint64_t offset = 0;
+    std::uint32_t bytes = 0;
+  };
   ByteBlock block;  ///< of pixels that are not encoded
   std::uint64_t bytes = 0;
-  std::size_t fragments = 0;  ///< of encoded pixels; 0 where they are not encoded
+  std::vector<Fragment> fragments;  ///< of encoded pixels; none where they are not encoded
 };
 
 /// The structure of a DICOM file, checked to its last byte: every element lies within the file.
@@ -44,7 +48,7 @@ struct DicomSet {
 bool looks_like_dicom(const std::filesystem::path& path);
 
 /// Parses a file's structure [DICOM PS3.5 §7, PS3.10 §7] without reading its pixels. Fails where it is no DICOM file
-/// or ends within an element. GDCM is given only files that pass: it aborts or loops on many others.
+/// or ends within an element. GDCM does not parse files here: it aborts on many damaged ones.
 Result<DicomSet> parse_dicom(const std::filesystem::path& path);
 
 /// A text value without its padding; empty where it is missing.

@@ -198,7 +198,7 @@ Result<void> check_pixel_claim(const DicomHeader& header, std::size_t plane_byte
   // An evenly grey picture of 512 × 512 takes about a hundred bytes in JPEG 2000.
   constexpr double best_ratio = 20000, best_deflate_ratio = 1032;
   const bool deflated = header.pixels->block.compression != Compression::None;
-  const double ratio = header.pixels->fragments > 0 ? best_ratio : deflated ? best_deflate_ratio : 1;
+  const double ratio = !header.pixels->fragments.empty() ? best_ratio : deflated ? best_deflate_ratio : 1;
   if (claimed <= static_cast<double>(header.pixels->bytes) * ratio) return {};
   return fail(header.path.string(), "is cut short: pixels are missing; copy or download it again");
 }

@@ -1,127 +1,163 @@
-#include <metaImage.h>
-
-#include <cstdlib>
-#include <fstream>
-#include <iostream>
-#include <mutex>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
 #include <optional>
+#include <string_view>
 
 #include "core/volume/readers.h"
 
-// MetaImage through MetaIO, the library behind ITK's reader: it parses the header; the voxels are read here, which adds
-// progress, cancellation and a check that all are there (MetaIO fills the rest of a short file with zeros).
+// MetaImage: a few lines "Key = Value", then the voxels [itk.org/Wiki/MetaIO/Documentation]. Read here rather than by
+// ITK's MetaIO, which writes beyond its buffers on damaged headers and leaves the rest of a short file at zero.
 namespace homolog {
 namespace fs = std::filesystem;
 
 namespace {
 
-/// MetaIO reports to std::cerr and offers no other way.
-class SilencedCerr {
- public:
-  SilencedCerr() : lock_(mutex()), before_(std::cerr.rdbuf(nullptr)) {}
-  ~SilencedCerr() {
-    std::cerr.rdbuf(before_);
-    std::cerr.clear();
-  }
-  SilencedCerr(const SilencedCerr&) = delete;
-  SilencedCerr& operator=(const SilencedCerr&) = delete;
-
- private:
-  static std::mutex& mutex() {
-    static std::mutex only;
-    return only;
-  }
-  std::lock_guard<std::mutex> lock_;
-  std::streambuf* before_;
-};
-
-std::optional<StoredType> stored_type(MET_ValueEnumType type) {
-  switch (type) {
-    case MET_CHAR:
-      return StoredType::Int8;
-    case MET_UCHAR:
-      return StoredType::Uint8;
-    case MET_SHORT:
-      return StoredType::Int16;
-    case MET_USHORT:
-      return StoredType::Uint16;
-    case MET_INT:
-    case MET_LONG:
-      return StoredType::Int32;  // MetaIO's long has four bytes everywhere
-    case MET_UINT:
-    case MET_ULONG:
-      return StoredType::Uint32;
-    case MET_LONG_LONG:
-      return StoredType::Int64;
-    case MET_ULONG_LONG:
-      return StoredType::Uint64;
-    case MET_FLOAT:
-      return StoredType::Float32;
-    case MET_DOUBLE:
-      return StoredType::Float64;
-    default:
-      return {};
-  }
-}
-
-/// MetaIO keeps ten dimensions and writes beyond them where a header claims more.
-bool claims_sane_dimensions(const std::string& head) {
-  const auto key = head.find("NDims");
-  if (key == std::string::npos) return false;
-  const auto value = head.find_first_not_of(" \t=", key + 5);
-  if (value == std::string::npos) return false;
-  const int dimensions = std::atoi(head.c_str() + value);
-  return dimensions >= 1 && dimensions <= 10;
-}
+constexpr std::size_t longest_header = std::size_t{1} << 16;
 
 struct Header {
-  MetaImage image;
+  std::map<std::string, std::string, std::less<>> fields;
   std::uintmax_t local_offset = 0;  ///< of voxels that follow in the same file
+
+  /// The value under the first of several names that is there; empty without any.
+  std::string text(std::initializer_list<std::string_view> names) const {
+    for (const std::string_view name : names)
+      if (const auto found = fields.find(name); found != fields.end()) return found->second;
+    return {};
+  }
+  bool is_true(std::initializer_list<std::string_view> names) const {
+    const std::string value = text(names);
+    return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
+  }
+  /// The numbers of a value; fewer where one of them is none.
+  std::vector<double> numbers(std::initializer_list<std::string_view> names) const {
+    std::vector<double> result;
+    const std::string value = text(names);
+    for (const char *c = value.data(), *end = c + value.size(); c < end;) {
+      if (*c == ' ' || *c == '\t' || *c == ',' || *c == '+') {
+        ++c;
+        continue;
+      }
+      double number = 0;
+      const auto [rest, error] = std::from_chars(c, end, number);
+      if (error != std::errc() || !std::isfinite(number)) break;
+      result.push_back(number);
+      c = rest;
+    }
+    return result;
+  }
+  double number(std::initializer_list<std::string_view> names, double otherwise) const {
+    const auto all = numbers(names);
+    return all.empty() ? otherwise : all.front();
+  }
 };
 
-Result<void> parse_header(const fs::path& path, Header& header) {
-  const auto head = read_head(path, 8192);
-  if (!head) return fail(head.error());
-  if (!claims_sane_dimensions(*head))
-    return fail(path.string(),
-                "is not a MetaImage file, or its header is damaged; check what it is and export it again");
-  std::ifstream stream(path, std::ios::binary);
-  const SilencedCerr silence;
-  if (!header.image.ReadStream(0, &stream, false))
-    return fail(path.string(), "has a damaged MetaImage header; export it again");
-  const std::streamoff behind = stream.tellg();
-  header.local_offset = behind >= 0 ? static_cast<std::uintmax_t>(behind) : fs::file_size(path);  // nothing follows
+std::string trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r"), last = text.find_last_not_of(" \t\r");
+  return first == std::string_view::npos ? std::string() : std::string(text.substr(first, last - first + 1));
+}
+
+/// ElementDataFile is the last line of every header.
+std::optional<Header> parse_header(std::string_view head) {
+  Header header;
+  for (std::size_t begin = 0; begin < head.size();) {
+    const auto end = head.find('\n', begin);
+    if (end == std::string_view::npos && head.size() >= longest_header) return {};
+    const std::string_view line = head.substr(begin, end == std::string_view::npos ? end : end - begin);
+    begin = end == std::string_view::npos ? head.size() : end + 1;
+    const auto equals = line.find('=');
+    if (equals == std::string_view::npos) {
+      if (trimmed(line).empty()) continue;
+      return {};
+    }
+    const std::string key = trimmed(line.substr(0, equals));
+    header.fields[key] = trimmed(line.substr(equals + 1));
+    if (key == "ElementDataFile") {
+      header.local_offset = begin;
+      return header;
+    }
+  }
   return {};
 }
 
-double mm_per_unit(const MetaImage& image) {
-  const std::string units = image.DistanceUnitsName();
-  return units == "um" ? 1e-3 : units == "cm" ? 10 : 1;
+std::optional<StoredType> stored_type(const std::string& name) {
+  static const std::map<std::string, StoredType, std::less<>> types{
+      {"MET_CHAR", StoredType::Int8},       {"MET_UCHAR", StoredType::Uint8},       {"MET_SHORT", StoredType::Int16},
+      {"MET_USHORT", StoredType::Uint16},   {"MET_INT", StoredType::Int32},         {"MET_UINT", StoredType::Uint32},
+      {"MET_LONG", StoredType::Int32},      {"MET_ULONG", StoredType::Uint32},  // four bytes everywhere
+      {"MET_LONG_LONG", StoredType::Int64}, {"MET_ULONG_LONG", StoredType::Uint64}, {"MET_FLOAT", StoredType::Float32},
+      {"MET_DOUBLE", StoredType::Float64}};
+  const auto found = types.find(name);
+  if (found == types.end()) return {};
+  return found->second;
 }
 
-Result<VolumeGeometry> geometry_of(const MetaImage& image, const fs::path& path) {
+tl::unexpected<Error> damaged_header(const fs::path& path) {
+  return fail(path.string(), "is not a MetaImage file, or its header is damaged; check what it is and export it again");
+}
+
+std::int64_t as_integer(double number) {
+  constexpr double most = 1e15;
+  return static_cast<std::int64_t>(std::clamp(number, -most, most));
+}
+
+/// The header's numbers for two to four dimensions; frames are the fourth.
+struct Shape {
+  VolumeGeometry geometry;
+  int frames = 1;
+  double frame_seconds = 0;
+};
+
+Result<Shape> shape_of(const Header& header, const fs::path& path) {
+  const std::vector<double> sizes = header.numbers({"DimSize"});
+  const auto n = static_cast<std::size_t>(std::clamp(header.number({"NDims"}, 0), 0.0, 100.0));
+  if (n < 1 || sizes.size() < n) return damaged_header(path);
+  for (std::size_t d = 4; d < n; ++d)
+    if (sizes[d] != 1)
+      return fail(path.string(), "has more than four dimensions; export one volume or series of frames");
+  std::vector<double> spacing = header.numbers({"ElementSpacing", "ElementSize"});
+  std::vector<double> origin = header.numbers({"Offset", "Position", "Origin"});
+  std::vector<double> matrix = header.numbers({"TransformMatrix", "Rotation", "Orientation"});
+  spacing.resize(std::max<std::size_t>(n, 4), 1);
+  origin.resize(std::max<std::size_t>(n, 4), 0);
+  const bool directed = matrix.size() == n * n;
+  const std::string units = header.text({"DistanceUnits"});
+  const double scale = units == "um" ? 1e-3 : units == "cm" ? 10 : 1;
   std::array<std::int64_t, 3> dims{1, 1, 1};
   Mat3 steps = Mat3::Identity();
-  Vec3 origin = Vec3::Zero();
-  const int n = std::min(image.NDims(), 3);
-  const double scale = mm_per_unit(image);
-  for (int a = 0; a < n; ++a) {
-    dims[static_cast<std::size_t>(a)] = image.DimSize(a);
-    origin[a] = scale * image.Offset(a);
-    for (int r = 0; r < n; ++r) steps(r, a) = scale * image.ElementSpacing(a) * image.TransformMatrix(a, r);
+  Vec3 origin_mm = Vec3::Zero();
+  for (std::size_t a = 0; a < std::min<std::size_t>(n, 3); ++a) {
+    const auto column = static_cast<Eigen::Index>(a);
+    dims[a] = as_integer(sizes[a]);
+    origin_mm[column] = scale * origin[a];
+    for (std::size_t r = 0; r < std::min<std::size_t>(n, 3); ++r)  // an axis's direction after the other
+      steps(static_cast<Eigen::Index>(r), column) = scale * spacing[a] *
+                                                    (directed ? matrix[a * n + r]
+                                                     : r == a ? 1
+                                                              : 0);
   }
-  return make_geometry(path, dims, steps, origin);
+  auto geometry = make_geometry(path, dims, steps, origin_mm);
+  if (!geometry) return fail(geometry.error());
+  Shape shape{*geometry, 1, 0};
+  if (n > 3) {
+    if (!(sizes[3] >= 1 && sizes[3] <= 1e6)) return damaged_header(path);
+    shape.frames = static_cast<int>(sizes[3]);
+    if (shape.frames > 1) shape.frame_seconds = std::max(0.0, spacing[3]);
+  }
+  return shape;
 }
 
-Result<VoxelRun> find_run(const Header& header, StoredType type, double voxels, const fs::path& path) {
-  const MetaImage& image = header.image;
-  const std::string data_file = image.ElementDataFileName();
-  if (!image.BinaryData() || data_file.starts_with("LIST") || data_file.find('%') != std::string::npos)
+Result<VoxelRun> find_run(const Header& header, StoredType type, double bytes, const fs::path& path) {
+  const std::string data_file = header.text({"ElementDataFile"});
+  const std::string binary = header.text({"BinaryData"});
+  if ((!binary.empty() && !header.is_true({"BinaryData"})) || data_file.starts_with("LIST") ||
+      data_file.find('%') != std::string::npos)
     return fail(path.string(), "keeps its voxels as text or in several files; save it as one binary .mha");
   VoxelRun run;
   run.type = type;
-  run.other_byte_order = image.BinaryDataByteOrderMSB() != native_big_endian();
-  run.block.compression = image.CompressedData() ? Compression::Deflate : Compression::None;
+  run.other_byte_order = header.is_true({"BinaryDataByteOrderMSB", "ElementByteOrderMSB"}) != native_big_endian();
+  run.block.compression = header.is_true({"CompressedData"}) ? Compression::Deflate : Compression::None;
   if (data_file == "LOCAL" || data_file == "Local" || data_file == "local") {
     run.block.file = path;
     run.block.offset = header.local_offset;
@@ -132,45 +168,39 @@ Result<VoxelRun> find_run(const Header& header, StoredType type, double voxels, 
   const auto size = static_cast<double>(fs::file_size(run.block.file, absent));
   if (absent)
     return fail(path.string(), "has no voxels: its file " + data_file + " is missing; put it into the same folder");
-  if (image.HeaderSize() > 0) run.block.offset = static_cast<std::uintmax_t>(image.HeaderSize());
-  if (image.HeaderSize() == -1)  // the voxels end with the file
-    run.block.offset =
-        static_cast<std::uintmax_t>(std::max(0.0, size - voxels * static_cast<double>(bytes_per_voxel(type))));
+  const double skipped = header.number({"HeaderSize"}, 0);
+  if (skipped == -1)  // the voxels end with the file
+    run.block.offset = static_cast<std::uintmax_t>(std::max(0.0, size - bytes));
+  else if (skipped > 0 && skipped <= size)
+    run.block.offset = static_cast<std::uintmax_t>(skipped);
   return run;
 }
 
 }  // namespace
 
 Result<VolumeRead> read_metaimage(const fs::path& path, Progress* progress) {
-  Header header;
-  if (const auto parsed = parse_header(path, header); !parsed) return fail(parsed.error());
-  const MetaImage& image = header.image;
-  double extra = 1;
-  for (int d = 4; d < image.NDims(); ++d) extra *= image.DimSize(d);
-  if (image.ElementNumberOfChannels() != 1 || extra != 1)
-    return fail(path.string(),
-                "holds several values for each voxel (vectors, colours or five dimensions); export one "
-                "scalar volume or a series of frames");
-  const auto type = stored_type(image.ElementType());
-  if (!type) return fail(path.string(), "holds voxels that are no numbers; export it as a scalar volume");
+  const auto head = read_head(path, longest_header);
+  if (!head) return fail(head.error());
+  const auto header = parse_header(*head);
+  if (!header) return damaged_header(path);
+  if (header->number({"ElementNumberOfChannels"}, 1) != 1)
+    return fail(path.string(), "holds several values for each voxel (vectors or colours); export one scalar volume");
+  const auto type = stored_type(header->text({"ElementType"}));
+  if (!type) return fail(path.string(), "holds voxels that are no plain numbers; export it as a scalar volume");
+  const auto shape = shape_of(*header, path);
+  if (!shape) return fail(shape.error());
 
   VolumeRead result;
-  Volume& volume = result.volume;
-  auto geometry = geometry_of(image, path);
-  if (!geometry) return fail(geometry.error());
-  volume.geometry = *geometry;
-  if (image.NDims() > 3) {
-    volume.frames = image.DimSize(3);
-    if (volume.frames < 1) return fail(path.string(), "claims no frames; its header is damaged, export it again");
-    if (volume.frames > 1) volume.frame_seconds = std::max(0.0, image.ElementSpacing(3));
-  }
-  double voxels = volume.frames;
-  for (const int n : volume.geometry.dims) voxels *= n;
-  const auto run = find_run(header, *type, voxels, path);
+  result.volume.geometry = shape->geometry;
+  result.volume.frames = shape->frames;
+  result.volume.frame_seconds = shape->frame_seconds;
+  double bytes = static_cast<double>(bytes_per_voxel(*type)) * shape->frames;
+  for (const int size : shape->geometry.dims) bytes *= size;
+  const auto run = find_run(*header, *type, bytes, path);
   if (!run) return fail(run.error());
-  auto stored = read_run(*run, volume.geometry, volume.frames, false, progress);
+  auto stored = read_run(*run, shape->geometry, shape->frames, false, progress);
   if (!stored) return fail(stored.error());
-  if (auto kept = keep_voxels(std::move(*stored), {}, path.string(), volume, result.warnings); !kept)
+  if (auto kept = keep_voxels(std::move(*stored), {}, path.string(), result.volume, result.warnings); !kept)
     return fail(kept.error());
   return result;
 }

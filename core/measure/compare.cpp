@@ -16,47 +16,55 @@ constexpr double largest_grid = 0x1p31;        ///< voxels of the grid for Dice;
 constexpr std::size_t slab_voxels = 1u << 24;  ///< voxelised at a time
 constexpr double samples_per_surface = 20000;
 
-struct Sample {
-  double distance_mm, area_mm2;
-};
-
 /// Distances from one surface to another. Each face is cut into n² equal triangles of at most 1/20,000 of the whole
 /// area, sampled at their centres; its corners count for the largest distance only.
-struct DirectedDistances {
-  std::vector<Sample> samples;
-  double area_mm2 = 0, sum_mm3 = 0, largest_mm = 0;
+class DirectedDistances {
+ public:
+  DirectedDistances(const Mesh& from, const SurfaceSearch& to) : from_(from), to_(to) {
+    const Eigen::Index faces = from.topology->triangles().rows();
+    for (Eigen::Index f = 0; f < faces; ++f) area_mm2_ += area_of(f);
+    found_in_face_.reserve(static_cast<std::size_t>(faces));
+    for (Eigen::Index f = 0; f < faces; ++f) {
+      sample_face(f);
+      found_in_face_.push_back(found_.position);
+    }
+    for (Eigen::Index f = 0; f < faces; ++f)
+      for (int k = 0; k < 3; ++k) look_at_corner(corner(f, k), found_in_face_[static_cast<std::size_t>(f)]);
+  }
 
+  double area_mm2() const { return area_mm2_; }
+  double integral_mm3() const { return integral_mm3_; }
+  double largest_mm() const { return largest_mm_; }
+  /// The distance below which `share` of the area is.
   double percentile(double share) {
-    std::sort(samples.begin(), samples.end(),
+    std::sort(samples_.begin(), samples_.end(),
               [](const Sample& a, const Sample& b) { return a.distance_mm < b.distance_mm; });
     double below = 0;
-    for (const Sample& sample : samples)
-      if ((below += sample.area_mm2) >= share * area_mm2) return sample.distance_mm;
-    return samples.empty() ? 0 : samples.back().distance_mm;
+    for (const Sample& sample : samples_)
+      if ((below += sample.area_mm2) >= share * area_mm2_) return sample.distance_mm;
+    return samples_.empty() ? 0 : samples_.back().distance_mm;
   }
-};
 
-double face_area(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return (b - a).cross(c - a).norm() / 2;
-}
+ private:
+  struct Sample {
+    double distance_mm, area_mm2;
+  };
 
-DirectedDistances distances(const Mesh& from, const SurfaceSearch& to) {
-  const Triangles& triangles = from.topology->triangles();
-  const auto corner = [&](Eigen::Index f, int k) { return Vec3(from.points.row(triangles(f, k))); };
-  DirectedDistances result;
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-    result.area_mm2 += face_area(corner(f, 0), corner(f, 1), corner(f, 2));
-  const double largest_part = result.area_mm2 / samples_per_surface;
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+  Vec3 corner(Eigen::Index f, int k) const { return from_.points.row(from_.topology->triangles()(f, k)); }
+  double area_of(Eigen::Index f) const {
+    return (corner(f, 1) - corner(f, 0)).cross(corner(f, 2) - corner(f, 0)).norm() / 2;
+  }
+
+  void sample_face(Eigen::Index f) {
     const Vec3 a = corner(f, 0), u = corner(f, 1) - a, v = corner(f, 2) - a;
-    const double area = u.cross(v).norm() / 2;
-    if (!(area > 0)) continue;
-    const int n = std::max(1, static_cast<int>(std::ceil(std::sqrt(area / largest_part))));
-    const auto add = [&](double i, double j) {  // the part whose centre is (i, j) thirds of a step along u and v
-      const double distance = to.nearest(a + (i * u + j * v) / (3.0 * n)).distance_mm;
-      result.samples.push_back({distance, area / (n * n)});
-      result.sum_mm3 += distance * area / (n * n);
-      result.largest_mm = std::max(result.largest_mm, distance);
+    const double area = area_of(f);
+    const double parts = area > 0 ? area / area_mm2_ * samples_per_surface : 1;
+    const int n = std::max(1, static_cast<int>(std::ceil(std::sqrt(parts))));
+    const auto add = [&](int i, int j) {  // the part whose centre is i and j thirds of a step along u and v
+      found_ = to_.nearest(a + (i * u + j * v) / (3.0 * n), found_.at.face);
+      samples_.push_back({found_.distance_mm, area / (n * n)});
+      integral_mm3_ += found_.distance_mm * area / (n * n);
+      largest_mm_ = std::max(largest_mm_, found_.distance_mm);
     };
     for (int i = 0; i < n; ++i) {
       for (int j = 0; i + j < n; ++j) {
@@ -65,17 +73,27 @@ DirectedDistances distances(const Mesh& from, const SurfaceSearch& to) {
       }
     }
   }
-  for (Eigen::Index i = 0; i < from.points.rows(); ++i)
-    result.largest_mm = std::max(result.largest_mm, to.nearest(from.points.row(i)).distance_mm);
-  return result;
-}
+
+  /// A point of the other surface found close by bounds the corner's distance, nearly always well enough.
+  void look_at_corner(const Vec3& at, const Vec3& found_beside) {
+    if ((at - found_beside).norm() > largest_mm_) largest_mm_ = std::max(largest_mm_, to_.nearest(at).distance_mm);
+  }
+
+  const Mesh& from_;
+  const SurfaceSearch& to_;
+  SurfaceSearch::Nearest found_;
+  std::vector<Vec3> found_in_face_;
+  std::vector<Sample> samples_;
+  double area_mm2_ = 0, integral_mm3_ = 0, largest_mm_ = 0;
+};
 
 void compare_surfaces(const Mesh& a, const Mesh& b, Agreement& agreement) {
-  DirectedDistances there = distances(a, SurfaceSearch(b)), back = distances(b, SurfaceSearch(a));
-  const double area = there.area_mm2 + back.area_mm2;
-  agreement.assd_mm = area > 0 ? (there.sum_mm3 + back.sum_mm3) / area : 0;
+  const SurfaceSearch search_a(a), search_b(b);
+  DirectedDistances there(a, search_b), back(b, search_a);
+  const double area = there.area_mm2() + back.area_mm2();
+  agreement.assd_mm = area > 0 ? (there.integral_mm3() + back.integral_mm3()) / area : 0;
   agreement.hd95_mm = std::max(there.percentile(0.95), back.percentile(0.95));
-  agreement.hausdorff_mm = std::max(there.largest_mm, back.largest_mm);
+  agreement.hausdorff_mm = std::max(there.largest_mm(), back.largest_mm());
 }
 
 /// Voxels that two sets hold, each and both.

@@ -9,7 +9,7 @@
 namespace homolog {
 namespace {
 
-constexpr std::int32_t leaf_faces = 4;
+constexpr std::int32_t leaf_faces = 2;
 constexpr int stack_depth = 64;  // median splits: depth ≤ log2(faces) + 1, two entries a level
 
 /// Nodes still to visit, nearer ones on top.
@@ -32,6 +32,10 @@ struct Visit {
   std::int32_t node;
   double key;  ///< lower bound of what the node can offer
 };
+
+double squared_distance(const Box& box, const Vec3& p) {
+  return (box.min() - p).cwiseMax(p - box.max()).cwiseMax(0).squaredNorm();  // unlike Eigen's, without branches
+}
 
 /// Weight of `b` at the point of segment (a, b) nearest to `p`.
 double nearest_in_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -170,9 +174,18 @@ SurfaceSearch::Nearest SurfaceSearch::at(std::int32_t face, const Vec3& weights,
   return {{face, weights}, position, (position - p).norm()};
 }
 
-SurfaceSearch::Nearest SurfaceSearch::nearest(const Vec3& p) const {
+SurfaceSearch::Nearest SurfaceSearch::nearest(const Vec3& p, std::int32_t likely_face) const {
   SurfacePoint best;
   double best2 = std::numeric_limits<double>::infinity();
+  const auto try_face = [&](std::int32_t face) {
+    const auto [a, b, c] = corners(face);
+    const Vec3 weights = nearest_in_triangle(p, a, b, c);
+    const double distance2 = (weights[0] * a + weights[1] * b + weights[2] * c - p).squaredNorm();
+    if (distance2 >= best2) return;
+    best2 = distance2;
+    best = {face, weights};
+  };
+  try_face(likely_face);
   Stack<Visit> stack;
   stack.push({0, 0});
   while (!stack.empty()) {
@@ -180,21 +193,13 @@ SurfaceSearch::Nearest SurfaceSearch::nearest(const Vec3& p) const {
     if (visit.key >= best2) continue;
     const Node& node = nodes_[static_cast<std::size_t>(visit.node)];
     if (node.count == 0) {
-      Visit near{node.first, nodes_[static_cast<std::size_t>(node.first)].box.squaredExteriorDistance(p)};
-      Visit far{node.first + 1, nodes_[static_cast<std::size_t>(node.first) + 1].box.squaredExteriorDistance(p)};
+      Visit near{node.first, squared_distance(nodes_[static_cast<std::size_t>(node.first)].box, p)};
+      Visit far{node.first + 1, squared_distance(nodes_[static_cast<std::size_t>(node.first) + 1].box, p)};
       if (far.key < near.key) std::swap(near, far);
       stack.push(far);
       stack.push(near);
     }
-    for (std::int32_t i = 0; i < node.count; ++i) {
-      const std::int32_t face = order_[static_cast<std::size_t>(node.first + i)];
-      const auto [a, b, c] = corners(face);
-      const Vec3 weights = nearest_in_triangle(p, a, b, c);
-      const double distance2 = (weights[0] * a + weights[1] * b + weights[2] * c - p).squaredNorm();
-      if (distance2 >= best2) continue;
-      best2 = distance2;
-      best = {face, weights};
-    }
+    for (std::int32_t i = 0; i < node.count; ++i) try_face(order_[static_cast<std::size_t>(node.first + i)]);
   }
   return at(best.face, best.weights, p);
 }

@@ -35,8 +35,9 @@ class SurfaceSearch {
     Vec3 position = Vec3::Zero();
     double distance_mm = 0;
   };
-  /// The surface point nearest to `p`, exactly.
-  Nearest nearest(const Vec3& p) const;
+  /// The surface point nearest to `p`, exactly. A face that is likely to be near (the answer for a neighbouring point)
+  /// makes it faster and changes nothing else but which of several equally near faces is named.
+  Nearest nearest(const Vec3& p, std::int32_t likely_face = 0) const;
   /// First hit of the ray `from + t · direction`, t ≥ 0 (direction need not be unit), either side of a face.
   std::optional<Nearest> first_hit(const Vec3& from, const Vec3& direction) const;
   /// Faces whose boxes meet `box`.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/predicates.h"
@@ -80,6 +81,22 @@ class Face {
   int turn_;
 };
 
+/// Turns a row whose ones are crossings into one whose ones are inside: from every odd crossing up to the next.
+void fill_between_crossings(std::uint8_t* row, std::size_t length) {
+  std::uint8_t* const end = row + length;
+  const auto next_crossing = [end](std::uint8_t* from) {
+    void* found = std::memchr(from, 1, static_cast<std::size_t>(end - from));
+    return found != nullptr ? static_cast<std::uint8_t*>(found) : end;
+  };
+  for (std::uint8_t* entry = next_crossing(row); entry != end;) {
+    std::uint8_t* const exit = next_crossing(entry + 1);
+    std::fill(entry, exit, std::uint8_t{1});
+    if (exit == end) return;
+    *exit = 0;
+    entry = next_crossing(exit + 1);
+  }
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> voxelise(const Mesh& mesh, const VolumeGeometry& grid) {
@@ -111,13 +128,8 @@ std::vector<std::uint8_t> voxelise(const Mesh& mesh, const VolumeGeometry& grid)
       }
     }
   }
-  for (std::size_t row = 0; row < row_is_crossed.size(); ++row) {
-    if (!row_is_crossed[row]) continue;
-    std::uint8_t parity = 0;
-    for (std::uint8_t* voxel = inside.data() + row * row_length; voxel != inside.data() + (row + 1) * row_length;
-         ++voxel)
-      *voxel = parity ^= *voxel;
-  }
+  for (std::size_t row = 0; row < row_is_crossed.size(); ++row)
+    if (row_is_crossed[row]) fill_between_crossings(inside.data() + row * row_length, row_length);
   return inside;
 }
 

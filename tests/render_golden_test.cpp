@@ -1,44 +1,14 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <string>
 
-#include "core/base/picture_io.h"
 #include "core/correspondence/colours.h"
+#include "tests/golden.h"
 #include "tests/render_help.h"
 
 namespace homolog {
 namespace {
-
-/// Share of pixels that differ visibly; 1 where the sizes do.
-double differing_share(const Picture& a, const Picture& b) {
-  constexpr int kVisible = 12;
-  if (a.width != b.width || a.height != b.height) return 1;
-  std::size_t differing = 0;
-  for (std::size_t i = 0; i < a.rgba.size(); i += 4) {
-    int largest = 0;
-    for (std::size_t k = i; k < i + 4; ++k) largest = std::max(largest, std::abs(a.rgba[k] - b.rgba[k]));
-    differing += largest > kVisible;
-  }
-  return 4.0 * static_cast<double>(differing) / static_cast<double>(a.rgba.size());
-}
-
-/// Compares a picture with tests/golden/NAME.png. CPUs and drivers round differently: 1.5 % of the pixels may differ.
-void check_golden(const Picture& picture, const std::string& name) {
-  const std::filesystem::path golden = std::filesystem::path(HOMOLOG_SOURCE_DIR) / "tests/golden" / (name + ".png");
-  const std::filesystem::path drawn = std::filesystem::path(HOMOLOG_BINARY_DIR) / "golden" / (name + ".png");
-  const Result<Picture> expected = read_picture(golden);
-  const double share = expected ? differing_share(picture, *expected) : 1;
-  if (share <= 0.015) return;
-  std::filesystem::create_directories(drawn.parent_path());
-  const auto written = write_picture(picture, drawn);
-  const std::string what = expected ? std::to_string(100 * share) + " % of its pixels differ from the golden picture"
-                                    : "there is no golden picture of it";
-  FAIL(what << "; look at " << (written ? drawn.string() : written.error().sentence())
-            << " and, if it is right, copy it to " << golden.string());
-}
 
 /// A body with two organs and a spine in it, soft-edged, in CT numbers; and a label map of the organs.
 struct Body {
@@ -120,7 +90,7 @@ TEST_CASE("golden picture of a slice with labels and an outline") {
   Scene scene = make_scene();
   scene.glyphs.glyphs.clear();
   scene.labels = {make_body().labels, 0, 0.3f};
-  check_golden(test::picture_of(scene, test::axial(Vec3(0, 0, 6), 0.7), 320, 240), "slice_with_labels");
+  test::check_golden(test::picture_of(scene, test::axial(Vec3(0, 0, 6), 0.7), 320, 240), "slice_with_labels");
 }
 
 TEST_CASE("golden picture of an oblique slice by nearest voxel with lines and discs") {
@@ -135,7 +105,7 @@ TEST_CASE("golden picture of an oblique slice by nearest voxel with lines and di
                                slice_point_mm(view, {0, 0, 320, 240, 1}, 140, 180),
                                {1, 1, 1, 1},
                                3});
-  check_golden(test::picture_of(scene, view, 320, 240), "oblique_slice");
+  test::check_golden(test::picture_of(scene, view, 320, 240), "oblique_slice");
 }
 
 TEST_CASE("golden picture of slices and a surface with glyphs in space") {
@@ -143,21 +113,21 @@ TEST_CASE("golden picture of slices and a surface with glyphs in space") {
   scene.planes = {{test::axial(Vec3(0, 0, -20), 1), 100, 75, {0.93f, 0.36f, 0.32f}},
                   {test::sagittal(Vec3(-20, 0, 0), 1), 75, 75, {0.95f, 0.77f, 0.3f}},
                   {test::coronal(Vec3(0, 40, 0), 1), 100, 75, {0.4f, 0.78f, 0.45f}}};
-  check_golden(test::picture_of(scene, camera_at(Vec3::Zero(), 480), 400, 300, 4), "space");
+  test::check_golden(test::picture_of(scene, camera_at(Vec3::Zero(), 480), 400, 300, 4), "space");
 }
 
 TEST_CASE("golden picture of a faint surface on a transparent background") {
   Scene scene = make_scene();
   scene.background = {0, 0, 0, 0};
   scene.meshes[0].surface_opacity = 0.4f;
-  check_golden(test::picture_of(scene, camera_at(Vec3(-45, 15, 5), 220), 320, 240, 4), "faint_surface");
+  test::check_golden(test::picture_of(scene, camera_at(Vec3(-45, 15, 5), 220), 320, 240, 4), "faint_surface");
 }
 
 TEST_CASE("golden picture of a surface with its edges") {
   Scene scene = make_scene();
   scene.glyphs.glyphs.clear();
   scene.meshes[0].wireframe = true;
-  check_golden(test::picture_of(scene, camera_at(Vec3(-45, 15, 5), 220), 320, 240, 4), "edges");
+  test::check_golden(test::picture_of(scene, camera_at(Vec3(-45, 15, 5), 220), 320, 240, 4), "edges");
 }
 
 }  // namespace homolog

@@ -74,12 +74,16 @@ xdotool click --repeat 4 --delay 30 5
 
 xdotool key 1
 drag 262,311 262,318
-eventually "a smaller reach after the key 1" in_case 1 '"sigma_mm":4[,}]'
+eventually "a smaller reach after the key 1" in_case 1 '"sigma_mm":4\(\.0\)\?[,}]'
 
 xdotool key ctrl+z
 eventually "undo is in the case" in_case 1 '"undo"'
 
-xdotool key ctrl+shift+s sleep 0.5 type "$folder/saved"
+dialog=400x100+300+560
+before=$(view $dialog)
+xdotool key ctrl+shift+s
+eventually "the file dialog is open" differs $dialog "$before"
+xdotool type "$folder/saved"
 xdotool key Return
 eventually "the case is saved" exists "$folder/saved.homolog"
 has_case && failed "the unsaved case was left behind"

@@ -113,8 +113,10 @@ void handle_event(EditorState& state, const InputEvent& event, const ControlsCon
     state.hover.reset();
     return;
   }
+  // A key that is let go with Shift held comes as a movement to where the pointer is already.
+  const bool moved = state.hover && (state.hover->x_px != event.x_px || state.hover->y_px != event.y_px);
   update_hover(state, context, event.x_px, event.y_px);
-  const bool moves_crosshair = std::holds_alternative<MouseMove>(event.what) && event.shift && !state.drag;
+  const bool moves_crosshair = std::holds_alternative<MouseMove>(event.what) && moved && event.shift && !state.drag;
   if (moves_crosshair && state.hover && state.hover->p_mm) state.crosshair_mm = *state.hover->p_mm;
 }
 

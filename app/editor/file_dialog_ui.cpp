@@ -160,11 +160,15 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   std::string name = browser.name;
   // The field has the keyboard from the start: typing filters (or names) at once.
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  if (ImGui::InputTextWithHint("##name", saving ? "Name" : "Type to filter", &name))
+  const bool entered = ImGui::InputTextWithHint("##name", saving ? "Name" : "Type to filter", &name,
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  if (entered) ImGui::SetKeyboardFocusHere(-1);
+  if (name != browser.name)
     change_browser(out, [name](FileBrowser& b) {
       b.name = name;
       b.selected = saves(b.purpose) || name.empty() ? -1 : 0;
     });
+  if (entered) out.send(AcceptFileDialog{});
   ImGui::SameLine(0, theme.px(12));
   if (button(theme, "Cancel", "Escape", {}, theme.px(96))) out.change(close);
   ImGui::SameLine(0, theme.px(8));

@@ -93,8 +93,8 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
               "Base w of the whole surface: a stiffer one spreads an edit wider",
               [](double value) { return SetStiffnessBase{value}; });
   const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().reference);
-  figure(theme, "Carries over \xe2\x84\x93", format("%.1f mm", stiffness_length_mm(document.stiffness_base, edge_mm)),
-         "Length over which this stiffness carries an edit: \xe2\x84\x93 = h\xe2\x88\x9a(3w), with h the mean edge");
+  figure(theme, "Carries an edit over", format("%.1f mm", stiffness_length_mm(document.stiffness_base, edge_mm)),
+         "The stiffness as a length: mean edge of the mesh \xc3\x97 \xe2\x88\x9a(3w)");
   case_slider(ui, out, "Even spacing", 100 * document.spacing, {0, 100, "%.0f", "%", false},
               "How strongly landmarks are kept evenly spread along with an edit",
               [](double value) { return SetSpacing{value / 100}; });

@@ -27,7 +27,7 @@ std::string read_out(const UiContext& ui) {
 
 std::string default_hint(const UiContext& ui) {
   if (!ui.document().volume && !ui.has_shape()) return "Open an image, or drop one on the window.";
-  if (!ui.has_shape()) return "Load a template in the panel to start.";
+  if (!ui.has_shape()) return ui.needs_shape();
   switch (ui.state.tool) {
     case MouseTool::place:
       return "Drag the mesh to move it, the ring to turn it, the knob to scale it.";

@@ -37,7 +37,9 @@ struct UiContext {
   bool has_shape() const { return document().has_shape(); }
   /// Why a control that needs a mesh is disabled; empty where there is one.
   std::string needs_shape() const {
-    return has_shape() ? std::string() : "Load a template first: there is no mesh yet.";
+    if (has_shape()) return {};
+    return document().reference ? "This frame has no mesh yet: Start from previous (Case) copies one."
+                                : "Load a template first (Reference): there is no mesh yet.";
   }
   std::string needs_volume() const { return document().volume ? std::string() : "Open an image first."; }
 };

@@ -96,9 +96,11 @@ void install_callbacks(GLFWwindow* handle) {
   glfwSetKeyCallback(handle, [](GLFWwindow* w, int pressed, int, int action, int mods) {
     if (action == GLFW_RELEASE) return Window::of(w).send(MouseMove{}, mods);
     Window& window = Window::of(w);
-    // A field that is typed into keeps its keys; a dialog's list is moved through all the same.
+    // A field that is typed into keeps its keys (what was typed before Enter may not have reached it yet); a dialog's
+    // list is moved through all the same.
     const bool printable = pressed < GLFW_KEY_ESCAPE && (mods & GLFW_MOD_CONTROL) == 0;
-    const bool typing = ImGui::GetIO().WantTextInput && (printable || !window.app->state().dialog);
+    const bool of_field = printable || pressed == GLFW_KEY_ENTER || pressed == GLFW_KEY_KP_ENTER;
+    const bool typing = ImGui::GetIO().WantTextInput && (of_field || !window.app->state().dialog);
     window.send(KeyPress{pressed}, mods, typing);
   });
   glfwSetCharCallback(handle, [](GLFWwindow* w, unsigned int) { Window::of(w).frames_due = frames_per_event; });

@@ -1,0 +1,213 @@
+#include <doctest/doctest.h>
+
+#include "app/editor/controls.h"
+#include "app/editor/demo.h"
+#include "tests/render_help.h"
+
+namespace homolog {
+
+namespace {
+
+const Document& demo() {
+  static const Document document = test::must(demo_document(Organ::kidney, 1));
+  return document;
+}
+
+/// The demo case as the editor shows it at 1280 × 800, with the events a user would send.
+struct Desk {
+  Document document = demo();
+  EditorState state;
+  Layout layout = make_layout(1280, 800, 1, {});
+  Outbox out;
+  double seconds = 0;
+
+  Desk() { show_document(state, document, layout); }
+  ControlsContext context() const { return {layout, document, true, false}; }
+
+  template <class What>
+  void send(What what, double x, double y, bool shift = false, bool ctrl = false) {
+    InputEvent event{what, x, y, shift, ctrl, false, seconds += 1, !layout.view_at(x, y).has_value()};
+    handle_event(state, event, context(), out);
+  }
+  void press(int key, bool ctrl = false) { send(KeyPress{key}, 300, 250, false, ctrl); }
+  Eigen::Vector2d middle_of(ViewKind kind) const {
+    const RectPx& rect = layout.image(kind);
+    return {rect.x + rect.width / 2, rect.y + rect.height / 2};
+  }
+  /// A px on the outline in a slice view: sideways from the cross-hair.
+  Eigen::Vector2d on_outline(ViewKind kind) {
+    const ViewMap map = view_map(state, context(), kind);
+    const Eigen::Vector2d start = *map.to_px(state.crosshair_mm);
+    for (double x = start.x(); x > layout.image(kind).x; x -= 1) {
+      update_hover(state, context(), x, start.y());
+      if (state.hover && state.hover->on_mesh) return *map.to_px(*state.hover->on_mesh);
+    }
+    FAIL("the cross-hair's row does not meet the outline");
+    return start;
+  }
+  template <class Kind>
+  std::vector<Kind> sent() {
+    std::vector<Kind> found;
+    for (const Command& command : out.take())
+      if (const auto* one = std::get_if<Kind>(&command)) found.push_back(*one);
+    return found;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("dragging the outline previews a stroke and commits it once when let go") {
+  Desk desk;
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseMove{}, at.x() - 10, at.y());
+  const auto previews = desk.sent<PreviewEdit>();
+  REQUIRE(previews.size() == 1);
+  const auto& shown = std::get<Stroke>(*previews[0].action);
+  desk.send(MouseRelease{}, at.x() - 10, at.y());
+  const auto applied = desk.sent<ApplyEdit>();
+  REQUIRE(applied.size() == 1);
+  const auto& stroke = std::get<Stroke>(applied[0].action);
+  CHECK(stroke == shown);
+  CHECK(stroke.tool == Tool::pull);
+  CHECK(stroke.sigma_mm == desk.state.sigma_mm());
+  const double mm_per_px = desk.state.slices[index_of(ViewKind::axial)].mm_per_px;
+  CHECK((stroke.to - stroke.at - Vec3(-10 * mm_per_px, 0, 0)).norm() < 1e-9);
+}
+
+TEST_CASE("a press without a movement edits nothing") {
+  Desk desk;
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::coronal);
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseRelease{}, at.x(), at.y());
+  CHECK(desk.sent<ApplyEdit>().empty());
+  CHECK_FALSE(desk.state.drag);
+}
+
+TEST_CASE("Escape takes a drag back") {
+  Desk desk;
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseMove{}, at.x() - 10, at.y());
+  desk.out.take();
+  desk.press(key::escape);
+  const auto previews = desk.sent<PreviewEdit>();
+  REQUIRE(previews.size() == 1);
+  CHECK_FALSE(previews[0].action);
+  desk.send(MouseRelease{}, at.x() - 10, at.y());
+  CHECK(desk.sent<ApplyEdit>().empty());
+}
+
+TEST_CASE("the wheel changes the reach during a drag and the slice otherwise") {
+  Desk desk;
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+  const Vec3 before = desk.state.crosshair_mm;
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseMove{}, at.x() - 10, at.y());
+  const double sigma_mm = desk.state.sigma_mm();
+  desk.send(Wheel{1}, at.x() - 10, at.y());
+  CHECK(desk.state.sigma_mm() > sigma_mm);
+  CHECK(desk.state.crosshair_mm == before);
+  desk.send(MouseRelease{}, at.x() - 10, at.y());
+  CHECK(std::get<Stroke>(desk.sent<ApplyEdit>().at(0).action).sigma_mm == desk.state.sigma_mm());
+  desk.send(Wheel{1}, at.x(), at.y());
+  CHECK(desk.state.crosshair_mm.z() - before.z() == doctest::Approx(1.5));
+}
+
+TEST_CASE("scrolling stops at the ends of the image") {
+  Desk desk;
+  const Eigen::Vector2d at = desk.middle_of(ViewKind::axial);
+  for (int i = 0; i < 300; ++i) desk.send(Wheel{1}, at.x(), at.y());
+  CHECK(desk.state.crosshair_mm.z() == doctest::Approx(desk.document.volume->geometry.bounds_mm().max().z()));
+}
+
+TEST_CASE("Ctrl with the wheel keeps the point under the pointer") {
+  Desk desk;
+  const auto under = [&] {
+    return view_map(desk.state, desk.context(), ViewKind::sagittal).on_facing_plane(650, 200, desk.state.crosshair_mm);
+  };
+  const Vec3 before = under();
+  desk.send(Wheel{3}, 650, 200, false, true);
+  CHECK((under() - before).norm() < 1e-9);
+  CHECK(desk.state.crosshair_mm == Desk().state.crosshair_mm);
+}
+
+TEST_CASE("Shift with the mouse moves the cross-hair") {
+  Desk desk;
+  desk.send(MouseMove{}, 290, 200);
+  desk.send(MouseMove{}, 300, 200, true);
+  const Vec3 moved = desk.state.crosshair_mm;
+  CHECK(moved == *desk.state.hover->p_mm);
+  desk.send(Wheel{1}, 300, 200);
+  const Vec3 scrolled = desk.state.crosshair_mm;
+  desk.send(MouseMove{}, 300, 200, true);
+  CHECK(desk.state.crosshair_mm == scrolled);
+}
+
+TEST_CASE("a right drag changes the grey window and keeps its centre when it goes sideways") {
+  Desk desk;
+  const double centre = (desk.state.window_low + desk.state.window_high) / 2;
+  const double width = desk.state.window_high - desk.state.window_low;
+  desk.send(MousePress{MouseButton::right}, 300, 200);
+  desk.send(MouseMove{}, 400, 200);
+  desk.send(MouseRelease{MouseButton::right}, 400, 200);
+  CHECK((desk.state.window_low + desk.state.window_high) / 2 == doctest::Approx(centre));
+  CHECK(desk.state.window_high - desk.state.window_low > width);
+}
+
+TEST_CASE("keys choose tools and reaches and ask for undo") {
+  Desk desk;
+  desk.press('G');
+  CHECK(desk.state.tool == MouseTool::grab);
+  desk.press('1');
+  CHECK(desk.state.sigma_mm() == desk.state.sigma_presets_mm[0]);
+  desk.press('Z', true);
+  const auto applied = desk.sent<ApplyEdit>();
+  REQUIRE(applied.size() == 1);
+  CHECK(std::holds_alternative<Undo>(applied[0].action));
+}
+
+TEST_CASE("a click of the landmark tool places the landmark and goes on to the next") {
+  Desk desk;
+  desk.press('L');
+  const std::string first = desk.state.landmark;
+  REQUIRE_FALSE(first.empty());
+  const Eigen::Vector2d at = desk.middle_of(ViewKind::sagittal);
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseRelease{}, at.x(), at.y());
+  const auto applied = desk.sent<ApplyEdit>();
+  REQUIRE(applied.size() == 1);
+  const auto& placed = std::get<PlaceLandmark>(applied[0].action);
+  CHECK(placed.name == first);
+  CHECK(desk.state.landmark != first);
+}
+
+TEST_CASE("a double click fills the window with a view and another brings the four back") {
+  Desk desk;
+  const auto click = [&](double seconds) {
+    desk.seconds = seconds - 1;
+    desk.send(MousePress{}, 60, 80);
+    desk.send(MouseRelease{}, 60, 80);
+  };
+  click(10);
+  click(10.2);
+  CHECK(desk.state.maximised == ViewKind::axial);
+  click(20);
+  click(20.2);
+  CHECK_FALSE(desk.state.maximised);
+}
+
+TEST_CASE("reach presets grow with the mesh") {
+  const Points& reference = *demo().shape().reference;
+  const auto once = default_sigmas_mm(reference), twice = default_sigmas_mm(2 * reference);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(twice[i] == doctest::Approx(2 * once[i]).epsilon(0.1));
+}
+
+TEST_CASE("a notice is shown once and old ones make room") {
+  EditorState state;
+  for (int i = 0; i < 9; ++i) add_notice(state, "notice " + std::to_string(i / 2));
+  CHECK(state.notices.size() == 4);
+  CHECK(state.notices.back().text == "notice 4");
+}
+
+}  // namespace homolog

@@ -63,8 +63,9 @@ class PlacementFields {
   Vec3 angles_deg() const {
     const Mat3 r = placement_.rotation.toRotationMatrix();
     // R = Rz · Ry · Rx
-    return degrees_per_radian * Vec3(std::atan2(r(2, 1), r(2, 2)), std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2))),
-                                     std::atan2(r(1, 0), r(0, 0)));
+    const Vec3 angles(std::atan2(r(2, 1), r(2, 2)), std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2))),
+                      std::atan2(r(1, 0), r(0, 0)));
+    return degrees_per_radian * angles.array() + 0.0;  // no negative zero
   }
 
   const UiContext& ui_;

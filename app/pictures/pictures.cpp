@@ -105,6 +105,26 @@ Target cell(int k, int columns, int rows, const PictureOptions& options) {
   return {x0 + gap_px / 2, options.height_px - y1 + gap_px / 2, x1 - x0 - gap_px, y1 - y0 - gap_px, 1};
 }
 
+/// Black and white of what is shown: the range, without its 1 % tails, of the voxels around the mesh.
+std::pair<double, double> window_around(const Volume& volume, const Mesh& mesh, int frame) {
+  const Box box = bounds_of(mesh.points);
+  const Vec3 middle = box.center(), reach = 0.7 * box.sizes();
+  constexpr int samples = 48;
+  std::vector<double> values;
+  for (int k = 0; k < samples * samples * samples; ++k) {
+    const Vec3 share(k % samples, k / samples % samples, k / samples / samples);
+    const Vec3 p = middle + reach.cwiseProduct((2.0 / (samples - 1)) * share - Vec3::Ones());
+    const double value = volume.sample(p, std::nan(""), frame);
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  if (values.size() < 100) return default_window(volume);
+  const auto tail = static_cast<std::ptrdiff_t>(values.size() / 100);
+  std::nth_element(values.begin(), values.begin() + tail, values.end());
+  const double low = values[static_cast<std::size_t>(tail)];
+  std::nth_element(values.begin(), values.end() - 1 - tail, values.end());
+  return {low, std::max(low + 1, values[values.size() - 1 - static_cast<std::size_t>(tail)])};
+}
+
 /// A slice through `centre` that shows the mesh with some room around it. Radiological: the patient's right on the
 /// left.
 SliceView slice_on(const Mesh& mesh, const Vec3& centre, const Vec3& right, const Vec3& down, const Target& target) {
@@ -174,7 +194,7 @@ Result<MadePicture> case_picture(const Document& document, const PictureOptions&
   if (document.volume) {
     scene.image.volume = document.volume;
     scene.image.frame = document.frame;
-    std::tie(scene.image.window_low, scene.image.window_high) = default_window(*document.volume);
+    std::tie(scene.image.window_low, scene.image.window_high) = window_around(*document.volume, mesh, document.frame);
   }
   colouring.add_to(scene, mesh);
   const GlyphLayer glyphs = std::exchange(scene.glyphs, {});

@@ -116,7 +116,8 @@ Result<Vec3> slice_step(const fs::path& path, const std::vector<DicomHeader>& he
   const double usual = sorted[sorted.size() / 2];
   for (std::size_t s = 0; s < gaps.size(); ++s) {
     // Positions are often rounded to a tenth of a millimetre.
-    if (std::abs(gaps[s] - usual) <= std::max(0.1, 0.02 * usual)) continue;
+    const double tolerance = std::min(std::max(0.1, 0.02 * usual), 0.25 * usual);
+    if (std::abs(gaps[s] - usual) <= tolerance) continue;
     const PlaneSource &before = arrangement.planes[s], &after = arrangement.planes[s + 1];
     const std::string where = headers[before.file].path.filename().string() + " (" + mm_text(before.along_normal_mm) +
                               ") and " + headers[after.file].path.filename().string() + " (" +

@@ -204,6 +204,16 @@ Result<void> check_pixel_claim(const DicomHeader& header, std::size_t plane_byte
   return fail(header.path.string(), "is cut short: pixels are missing; copy or download it again");
 }
 
+/// Where each plane of each file lies in the volume.
+std::vector<std::vector<std::size_t>> places_by_file(const std::vector<DicomHeader>& headers,
+                                                     const Arrangement& arrangement) {
+  std::vector<std::vector<std::size_t>> place_of(headers.size());
+  for (std::size_t f = 0; f < headers.size(); ++f) place_of[f].resize(headers[f].planes.size());
+  for (std::size_t place = 0; place < arrangement.planes.size(); ++place)
+    place_of[arrangement.planes[place].file][arrangement.planes[place].plane_in_file] = place;
+  return place_of;
+}
+
 /// Decodes every plane into its place.
 Result<StoredVoxels> read_planes(const fs::path& path, const std::vector<DicomHeader>& headers,
                                  const Arrangement& arrangement, Progress* progress) {
@@ -218,11 +228,7 @@ Result<StoredVoxels> read_planes(const fs::path& path, const std::vector<DicomHe
   const double voxels = static_cast<double>(places) * static_cast<double>(plane_voxels);
   if (const auto enough = check_memory(path, bytes_while_reading(*type, voxels, true)); !enough)
     return fail(enough.error());
-  std::vector<std::vector<std::size_t>> place_of(headers.size());
-  for (std::size_t f = 0; f < headers.size(); ++f) place_of[f].resize(headers[f].planes.size());
-  for (std::size_t place = 0; place < places; ++place)
-    place_of[arrangement.planes[place].file][arrangement.planes[place].plane_in_file] = place;
-
+  const auto place_of = places_by_file(headers, arrangement);
   StoredVoxels stored = make_stored_voxels(*type, places * plane_voxels);
   const auto bytes = bytes_of(stored);
   for (std::size_t f = 0; f < headers.size(); ++f) {
@@ -298,11 +304,11 @@ Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHea
 /// The image headers in a folder, by series.
 Result<std::map<std::string, std::vector<DicomHeader>>> scan_folder(const fs::path& folder, Progress* progress) {
   std::map<std::string, std::vector<DicomHeader>> series;
-  std::error_code error;
+  std::error_code error, not_a_file;
   std::vector<fs::path> files;
   for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
        entry.increment(error))
-    if (entry->is_regular_file()) files.push_back(entry->path());
+    if (entry->is_regular_file(not_a_file)) files.push_back(entry->path());
   if (error) return fail(folder.string(), "cannot be listed (" + error.message() + ")");
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) {

@@ -10,9 +10,9 @@ namespace homolog {
 
 namespace {
 
-Result<Report> describe_case(const std::filesystem::path& path, Progress& progress) {
+Result<Report> describe_case(const std::filesystem::path& path, Progress* progress) {
   ReplayOptions options;
-  options.progress = &progress;
+  options.progress = progress;
   auto read = read_case(path, options);
   if (!read) return fail(read.error());
   const Document& document = read->session.document();
@@ -104,8 +104,8 @@ Json describe(const Volume& volume) {
   return values;
 }
 
-Result<Report> describe_file(const std::filesystem::path& path, const std::string& series_uid, Progress& progress) {
-  if (path.extension() == ".homolog") return describe_case(path, progress);
+Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options) {
+  if (path.extension() == ".homolog") return describe_case(path, options.progress);
   if (is_mesh_name(path)) return describe_mesh(path);
   if (is_landmark_name(path)) {
     auto landmarks = read_landmarks(path);
@@ -115,9 +115,6 @@ Result<Report> describe_file(const std::filesystem::path& path, const std::strin
     for (const Landmark& landmark : *landmarks) report.values["landmarks"][landmark.name] = json_of(landmark.position);
     return report;
   }
-  VolumeReadOptions options;
-  options.series_uid = series_uid;
-  options.progress = &progress;
   auto read = read_volume(path, options);
   if (!read) return fail(read.error());
   return Report{describe(read->volume), read->warnings};

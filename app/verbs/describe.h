@@ -4,7 +4,7 @@
 
 #include "app/verbs/verb.h"
 #include "core/mesh/topology.h"
-#include "core/volume/volume.h"
+#include "core/volume/volume_io.h"
 
 namespace homolog {
 
@@ -12,7 +12,7 @@ namespace homolog {
 Json describe(const Mesh& mesh);
 Json describe(const Volume& volume);
 /// Reads and describes whatever the file is. Errors: the reader's.
-Result<Report> describe_file(const std::filesystem::path& path, const std::string& series_uid, Progress& progress);
+Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options);
 
 Json json_of(const Vec3& p);
 

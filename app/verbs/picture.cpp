@@ -1,10 +1,12 @@
 #include <charconv>
 #include <filesystem>
 
+#include "app/editor/editor_picture.h"
 #include "app/pictures/pictures.h"
 #include "app/verbs/verb.h"
 #include "core/base/picture_io.h"
 #include "core/case/case_file.h"
+#include "render/offscreen.h"
 
 namespace homolog {
 
@@ -80,6 +82,24 @@ Result<Report> of_case(const PictureVerb& verb, Progress& progress) {
   return report;
 }
 
+Result<Report> of_window(const PictureVerb& verb, Progress& progress) {
+  const auto options = picture_options(verb);
+  if (!options) return fail(options.error());
+  ReplayOptions replay;
+  replay.progress = &progress;
+  auto read = read_case(verb.in.front(), replay);
+  if (!read) return fail(read.error());
+  const auto context = OffscreenContext::make();
+  if (!context) return fail(context.error());
+  EditorPictureOptions window;
+  window.width_px = options->width_px;
+  window.height_px = options->height_px;
+  const auto picture = editor_picture(std::move(read->session), window);
+  if (!picture) return fail(picture.error());
+  if (auto written = write_picture(*picture, verb.out); !written) return fail(written.error());
+  return Report{{{"size", Json::array({picture->width, picture->height})}}, read->warnings};
+}
+
 void add_options(CLI::App& verb, PictureVerb& options) {
   verb.add_option("-o,--output", options.out, "The picture to write (.png)")->required();
   verb.add_option("--size", options.size, "WIDTHxHEIGHT in pixels");
@@ -104,6 +124,11 @@ void add_picture(CLI::App& app, VerbRun& run) {
   CLI::App* one = add_verb(*picture, "case", "A case: three slices with the outline, and the shape in 3D");
   one->add_option("CASE", options->in, "The case file")->required()->expected(1);
   add_options(*one, *options);
+  CLI::App* window = add_verb(*picture, "window", "A case as the editor's window shows it");
+  window->add_option("CASE", options->in, "The case file")->required()->expected(1);
+  window->add_option("-o,--output", options->out, "The picture to write (.png)")->required();
+  window->add_option("--size", options->size, "WIDTHxHEIGHT in pixels");
+  window->callback([options, &run] { run = [options](Progress& progress) { return of_window(*options, progress); }; });
   one->callback([options, &run] { run = [options](Progress& progress) { return of_case(*options, progress); }; });
 }
 

@@ -68,7 +68,7 @@ struct Studio {
   std::unique_ptr<Framebuffer> framebuffer;
   std::unique_ptr<Renderer> renderer;
 
-  static Result<Studio> make(const PictureOptions& options) {
+  static Result<Studio> make(const MontageOptions& options) {
     auto context = OffscreenContext::make();
     if (!context) return fail(context.error());
     auto framebuffer = Framebuffer::make(options.width_px, options.height_px);
@@ -80,12 +80,12 @@ struct Studio {
   }
 };
 
-std::array<float, 4> background(const PictureOptions& options) {
+std::array<float, 4> background(const MontageOptions& options) {
   return options.transparent ? std::array<float, 4>{0, 0, 0, 0} : dark;
 }
 
 /// Columns of a grid of `count` cells whose cells are as square as they can be.
-int columns_for(int count, const PictureOptions& options) {
+int columns_for(int count, const MontageOptions& options) {
   int best = 1;
   double best_side = 0;
   for (int columns = 1; columns <= count; ++columns) {
@@ -98,7 +98,7 @@ int columns_for(int count, const PictureOptions& options) {
 }
 
 /// Cell k of a grid, counted from the upper left, as a rectangle from the lower left.
-Target cell(int k, int columns, int rows, const PictureOptions& options) {
+Target cell(int k, int columns, int rows, const MontageOptions& options) {
   const int column = k % columns, row = k / columns;
   const int x0 = column * options.width_px / columns, x1 = (column + 1) * options.width_px / columns;
   const int y0 = row * options.height_px / rows, y1 = (row + 1) * options.height_px / rows;
@@ -157,7 +157,7 @@ Result<Vec3> direction_from_name(const std::string& name) {
   return fail("--view " + name, "is no direction; use anterior, posterior, left, right, superior, inferior or x,y,z");
 }
 
-Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const PictureOptions& options) {
+Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const MontageOptions& options) {
   auto studio = Studio::make(options);
   if (!studio) return fail(studio.error());
   const Colouring colouring(shapes.front(), options.glyph_spacing_mm);
@@ -182,7 +182,7 @@ Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, cons
   return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size())};
 }
 
-Result<MadePicture> case_picture(const Document& document, const PictureOptions& options) {
+Result<MadePicture> case_picture(const Document& document, const MontageOptions& options) {
   if (!document.reference || !document.has_shape()) return fail("", "has no mesh to show");
   auto studio = Studio::make(options);
   if (!studio) return fail(studio.error());

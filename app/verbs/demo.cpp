@@ -76,7 +76,7 @@ class HeadlessDemo {
   }
 
   Result<void> export_pictures(EditSession& session, const Volume&) {
-    PictureOptions options;
+    MontageOptions options;
     auto picture = case_picture(session.document(), options);
     if (!picture) return fail(picture.error());
     if (auto done = write_picture(picture->picture, written("case.png")); !done) return done;

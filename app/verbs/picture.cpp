@@ -24,8 +24,8 @@ struct PictureVerb {
 
 constexpr int largest_side_px = 16384;
 
-Result<PictureOptions> picture_options(const PictureVerb& verb) {
-  PictureOptions options;
+Result<MontageOptions> montage_options(const PictureVerb& verb) {
+  MontageOptions options;
   const char *begin = verb.size.data(), *end = begin + verb.size.size();
   const auto width = std::from_chars(begin, end, options.width_px);
   const bool sized = width.ec == std::errc() && width.ptr < end && *width.ptr == 'x' &&
@@ -53,7 +53,7 @@ Result<Report> write(const Result<MadePicture>& made, const PictureVerb& verb) {
 }
 
 Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
-  const auto options = picture_options(verb);
+  const auto options = montage_options(verb);
   if (!options) return fail(options.error());
   std::vector<Mesh> shapes;
   for (const fs::path& path : verb.in) {
@@ -71,7 +71,7 @@ Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
 }
 
 Result<Report> of_case(const PictureVerb& verb, Progress& progress) {
-  const auto options = picture_options(verb);
+  const auto options = montage_options(verb);
   if (!options) return fail(options.error());
   ReplayOptions replay;
   replay.progress = &progress;
@@ -83,7 +83,7 @@ Result<Report> of_case(const PictureVerb& verb, Progress& progress) {
 }
 
 Result<Report> of_window(const PictureVerb& verb, Progress& progress) {
-  const auto options = picture_options(verb);
+  const auto options = montage_options(verb);
   if (!options) return fail(options.error());
   ReplayOptions replay;
   replay.progress = &progress;

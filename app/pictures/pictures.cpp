@@ -165,6 +165,9 @@ Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, cons
   for (const Mesh& shape : shapes) radius = std::max(radius, radius_of(shape, shape.points.colwise().mean()));
   const int count = static_cast<int>(shapes.size());
   const int columns = columns_for(count, options), rows = (count + columns - 1) / columns;
+  if (std::min(options.width_px / columns, options.height_px / rows) < 4 * gap_px) {
+    return fail("", "one of " + std::to_string(count) + " shapes, which need a larger picture; raise --size");
+  }
   for (int k = 0; k < columns * rows; ++k) {
     Scene scene;
     scene.background = background(options);

@@ -30,6 +30,18 @@ VolumeReadOptions read_options(const std::string& series, const std::vector<doub
   return options;
 }
 
+/// Reads a mesh, changes it, and writes it once it is known to be one that can be read again.
+Result<Report> describe_and_write(const fs::path& in, const fs::path& out,
+                                  const std::function<MeshFile(MeshFile)>& change) {
+  auto mesh = read_mesh_file(in);
+  if (!mesh) return fail(mesh.error());
+  const MeshFile changed = change(std::move(*mesh));
+  auto report = describe(changed, in);
+  if (!report) return report;
+  if (auto written = write_mesh_file(changed, out); !written) return fail(written.error());
+  return report;
+}
+
 }  // namespace
 
 void add_info(CLI::App& app, VerbRun& run) {
@@ -68,10 +80,7 @@ void add_convert(CLI::App& app, VerbRun& run) {
                                              "; a mesh becomes a volume by label-map, a volume a mesh by template");
     }
     if (is_mesh_name(options->in)) {
-      auto mesh = read_mesh_file(options->in);
-      if (!mesh) return fail(mesh.error());
-      if (auto written = write_mesh_file(*mesh, options->out); !written) return fail(written.error());
-      return describe_file(options->out, {});
+      return describe_and_write(options->in, options->out, [](MeshFile mesh) { return mesh; });
     }
     auto read = read_volume(options->in, read_options(options->series, options->spacing_mm, progress));
     if (!read) return fail(read.error());
@@ -93,13 +102,11 @@ void add_mirror(CLI::App& app, VerbRun& run) {
   verb->add_option("--plane", options->plane, "Plane to mirror across")
       ->check(CLI::IsMember({"sagittal", "coronal", "axial"}));
   const auto mirror = [options](Progress&) -> Result<Report> {
-    auto mesh = read_mesh_file(options->in);
-    if (!mesh) return fail(mesh.error());
     const AnatomicalPlane plane = options->plane == "sagittal"  ? AnatomicalPlane::sagittal
                                   : options->plane == "coronal" ? AnatomicalPlane::coronal
                                                                 : AnatomicalPlane::axial;
-    if (auto written = write_mesh_file(mirrored(*mesh, plane), options->out); !written) return fail(written.error());
-    return describe_file(options->out, {});
+    return describe_and_write(options->in, options->out,
+                              [plane](const MeshFile& mesh) { return mirrored(mesh, plane); });
   };
   verb->callback([mirror, &run] { run = mirror; });
 }

@@ -170,9 +170,6 @@ void add_compare(CLI::App& app, VerbRun& run) {
   auto* mask_option = verb->add_option("--mask", options->mask, "A label map to compare with");
   verb->add_option("--label", options->label, "Which label of the mask")->needs(mask_option);
   verb->add_option("--mesh", options->other, "Another mesh to compare with")->excludes(mask_option);
-  verb->final_callback([options] {
-    if (options->mask.empty() == options->other.empty()) throw CLI::RequiredError("exactly one of --mask and --mesh");
-  });
   const auto compare = [options](Progress& progress) -> Result<Report> {
     auto mesh = read_mesh(options->mesh);
     if (!mesh) return fail(mesh.error());
@@ -189,7 +186,10 @@ void add_compare(CLI::App& app, VerbRun& run) {
     if (!agreement) return fail(options->mask.string(), agreement.error().what);
     return Report{describe(*agreement), mask->warnings};
   };
-  verb->callback([compare, &run] { run = compare; });
+  verb->callback([options, compare, &run] {
+    if (options->mask.empty() == options->other.empty()) throw CLI::RequiredError("exactly one of --mask and --mesh");
+    run = compare;
+  });
 }
 
 void add_phantom(CLI::App& app, VerbRun& run) {

@@ -93,9 +93,20 @@ Result<std::unique_ptr<OffscreenContext>> OffscreenContext::make() {
 
 struct Framebuffer::Parts {
   int width = 0, height = 0;
-  gl::Renderbuffer colour, depth;
-  gl::FramebufferObject drawn, resolved;
-  gl::Texture texture;
+  gl::Renderbuffer colour, depth, resolved_colour;
+  gl::FramebufferObject drawn, resolved;  ///< `resolved` (one sample a pixel) only where `drawn` has several
+
+  /// Binds for reading what holds the picture with one sample a pixel.
+  void bind_for_reading() const {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn.name());
+    if (resolved.name() == 0) return;
+    GLint draw_before = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_before);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved.name());
+    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_before));
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved.name());
+  }
 };
 
 Framebuffer::Framebuffer(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -122,21 +133,19 @@ Result<std::unique_ptr<Framebuffer>> Framebuffer::make(int width, int height, in
   parts->depth = gl::Renderbuffer::make();
   glBindRenderbuffer(GL_RENDERBUFFER, parts->depth.name());
   glRenderbufferStorageMultisample(GL_RENDERBUFFER, used_samples, GL_DEPTH_COMPONENT24, width, height);
-  glBindRenderbuffer(GL_RENDERBUFFER, 0);
-  parts->texture = gl::Texture::make();
-  glBindTexture(GL_TEXTURE_2D, parts->texture.name());
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, axis, GL_CLAMP_TO_EDGE);
-  glBindTexture(GL_TEXTURE_2D, 0);
 
   GLint before = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &before);
-  parts->resolved = gl::FramebufferObject::make();
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, parts->resolved.name());
-  glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, parts->texture.name(), 0);
+  if (used_samples > 0) {
+    parts->resolved_colour = gl::Renderbuffer::make();
+    glBindRenderbuffer(GL_RENDERBUFFER, parts->resolved_colour.name());
+    glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);
+    parts->resolved = gl::FramebufferObject::make();
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, parts->resolved.name());
+    glFramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
+                              parts->resolved_colour.name());
+  }
+  glBindRenderbuffer(GL_RENDERBUFFER, 0);
   parts->drawn = gl::FramebufferObject::make();
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, parts->drawn.name());
   glFramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, parts->colour.name());
@@ -153,26 +162,21 @@ void Framebuffer::bind() {
   glBindFramebuffer(GL_FRAMEBUFFER, parts_->drawn.name());
 }
 
-unsigned int Framebuffer::texture() {
-  GLint draw_before = 0, read_before = 0;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_before);
-  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_before);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, parts_->drawn.name());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, parts_->resolved.name());
-  glBlitFramebuffer(0, 0, parts_->width, parts_->height, 0, 0, parts_->width, parts_->height, GL_COLOR_BUFFER_BIT,
-                    GL_NEAREST);
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_before));
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read_before));
-  return parts_->texture.name();
+void Framebuffer::copy_to(int x, int y) const {
+  GLint before = 0;
+  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &before);
+  parts_->bind_for_reading();
+  const int width = parts_->width, height = parts_->height;
+  glBlitFramebuffer(0, 0, width, height, x, y, x + width, y + height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(before));
 }
 
-Picture Framebuffer::read() {
-  texture();
+Picture Framebuffer::read() const {
   const auto width = static_cast<std::size_t>(parts_->width), height = static_cast<std::size_t>(parts_->height);
   std::vector<std::uint8_t> rows(4 * width * height);
   GLint before = 0;
   glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &before);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, parts_->resolved.name());
+  parts_->bind_for_reading();
   glReadPixels(0, 0, parts_->width, parts_->height, GL_RGBA, GL_UNSIGNED_BYTE, rows.data());
   glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(before));
 

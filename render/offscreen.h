@@ -20,7 +20,7 @@ class OffscreenContext {
   std::unique_ptr<Parts> parts_;
 };
 
-/// A framebuffer of a given size in the current context, whichever made it: to read back, or to show as a texture.
+/// A framebuffer of a given size in the current context, whichever made it: to read back, or to copy.
 class Framebuffer {
  public:
   /// `samples` a pixel, as far as the driver goes; 1 is enough for slices. Errors: wider or higher than the driver's
@@ -28,11 +28,11 @@ class Framebuffer {
   static Result<std::unique_ptr<Framebuffer>> make(int width, int height, int samples = 4);
   ~Framebuffer();
   void bind();
-  /// What was drawn, as an OpenGL texture (GL_TEXTURE_2D, first row at the bottom, premultiplied) that lives as long as
-  /// this; good until the next draw.
-  unsigned int texture();
+  /// Copies what was drawn into the framebuffer that is bound, its lower left corner to (x, y): much cheaper than a
+  /// textured rectangle where rendering is in software.
+  void copy_to(int x, int y) const;
   /// What was drawn, read back.
-  Picture read();
+  Picture read() const;
 
  private:
   struct Parts;

@@ -17,7 +17,7 @@ namespace {
 /// (but for the viewport, which is as before), since the window's own drawing shares the context.
 class Drawing {
  public:
-  Drawing(const Target& target, const std::array<float, 4>& background) {
+  Drawing(const Target& target, const std::optional<std::array<float, 4>>& background) {
     glGetIntegerv(GL_VIEWPORT, viewport_before_.data());
     glViewport(target.x, target.y, target.width, target.height);
     glScissor(target.x, target.y, target.width, target.height);
@@ -29,9 +29,11 @@ class Drawing {
     glDisable(GL_CULL_FACE);
     glDepthFunc(GL_LEQUAL);
     glDepthMask(GL_TRUE);
-    const float alpha = background[3];
-    glClearColor(background[0] * alpha, background[1] * alpha, background[2] * alpha, alpha);
-    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    if (!background) return;
+    const auto& [red, green, blue, alpha] = *background;
+    glClearColor(red * alpha, green * alpha, blue * alpha, alpha);
+    glClear(GL_COLOR_BUFFER_BIT);
   }
   Drawing(const Drawing&) = delete;
   Drawing& operator=(const Drawing&) = delete;

@@ -22,9 +22,10 @@ class Renderer {
   static Result<std::unique_ptr<Renderer>> make();
   ~Renderer();
 
-  /// Clears the target and draws into it, nothing outside it. Slices need no multisampling, their edges are soft by
-  /// themselves; the 3D view does. Errors, once a volume: it is larger than the GPU's 3-D texture limit or memory and
-  /// is shown at reduced resolution, or not at all. The rest of the scene is drawn all the same.
+  /// Clears the target (where the scene has a background) and draws into it, nothing outside it. Slices need no
+  /// multisampling, their edges are soft by themselves; the 3D view does. Errors, once a volume: it is larger than the
+  /// GPU's 3-D texture limit or memory and is shown at reduced resolution, or not at all. The rest of the scene is
+  /// drawn all the same.
   Result<void> draw(const Scene& scene, const SliceView& view, const Target& target);
   Result<void> draw(const Scene& scene, const Camera3D& view, const Target& target);
 

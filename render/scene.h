@@ -102,8 +102,9 @@ struct Scene {
   std::vector<MeshLayer> meshes;
   GlyphLayer glyphs;
   LineLayer lines;
-  std::vector<PlaneInSpace> planes;             ///< 3D view only
-  std::array<float, 4> background{0, 0, 0, 1};  ///< alpha 0 leaves what is not drawn on transparent
+  std::vector<PlaneInSpace> planes;  ///< 3D view only
+  /// Alpha 0 leaves what is not drawn on transparent; nothing draws over the picture that is there.
+  std::optional<std::array<float, 4>> background{{0, 0, 0, 1}};
 };
 
 }  // namespace homolog

@@ -203,7 +203,7 @@ TEST_CASE("what lies outside the volume has the background's colour and alpha") 
   Picture picture = picture_of(scene, axial(Vec3(1.5, 1.5, 1.5), 0.1), 80, 80);
   CHECK(pixel(picture, 5, 5) == std::array{0, 0, 0, 0});
   CHECK(pixel(picture, 40, 40) == std::array{255, 255, 255, 255});
-  scene.background[3] = 1;
+  scene.background = {0.5f, 0.25f, 0, 1};
   picture = picture_of(scene, axial(Vec3(1.5, 1.5, 1.5), 0.1), 80, 80);
   CHECK(pixel(picture, 5, 5) == std::array{128, 64, 0, 255});
 }

@@ -69,9 +69,16 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
     const Topology& topology = *context.document.reference->topology;
     const float scale = context.layout.scale;
     const double reach_mm = pick_reach_units * scale * map.mm_per_px(state.crosshair_mm);
-    hover.on_mesh = map.is_slice() ? nearest_on_outline(topology, points, map.slice(), *hover.p_mm, reach_mm)
-                                   : first_on_surface(topology, points, map.ray(x_px, y_px));
-    if (!map.is_slice()) hover.p_mm = hover.on_mesh;
+    if (map.is_slice()) {
+      hover.on_mesh = nearest_on_outline(topology, points, map.slice(), *hover.p_mm, reach_mm);
+    } else {
+      const Ray ray = map.ray(x_px, y_px);
+      hover.on_mesh = first_on_surface(topology, points, ray);
+      const bool hidden = hover.on_mesh && hidden_by_planes(shown_planes(state, context.document),
+                                                            geometry_of(context.document), ray, *hover.on_mesh);
+      if (hidden) hover.on_mesh.reset();
+      hover.p_mm = hover.on_mesh;
+    }
     const double slice_reach_mm =
         0.75 * slice_step_mm(geometry_of(context.document), map.into_screen()) + landmark_radius_mm;
     hover.landmark =

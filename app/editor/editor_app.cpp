@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <fstream>
 
 #include "app/editor/demo.h"
 
@@ -26,11 +27,23 @@ std::string describe_journal(const std::filesystem::path& journal) {
   return std::string(text.data()) + "   " + std::to_string(bytes / 1024 + 1) + " kB";
 }
 
+/// The journal of a case that was left as it was opened holds its first line alone: nothing to offer again.
+void remove_without_edits(const std::filesystem::path& journal) {
+  if (journal.empty() || journal.parent_path() != unsaved_folder()) return;
+  std::ifstream file(journal);
+  std::string line;
+  const bool edited = std::getline(file, line) && std::getline(file, line);
+  std::error_code ignored;
+  if (file.is_open() && !edited) std::filesystem::remove(journal, ignored);
+}
+
 }  // namespace
 
 EditorApp::EditorApp(std::function<void()> wake) : wake_(std::move(wake)), opener_(wake_), quality_(wake_) {}
 
-EditorApp::~EditorApp() = default;
+EditorApp::~EditorApp() {
+  close_session();
+}
 
 Result<void> EditorApp::start_drawing(float scale) {
   auto pictures = ViewPictures::make();
@@ -67,8 +80,14 @@ void EditorApp::open(const std::vector<std::filesystem::path>& paths) {
   out_.send(OpenFiles{paths, {}});
 }
 
+void EditorApp::close_session() {
+  if (!session_) return;
+  session_.reset();  // what was asked for is done, and the journal closed
+  remove_without_edits(snapshot_->file);
+}
+
 void EditorApp::start_session(EditSession session) {
-  session_.reset();  // its journal is closed before another one is opened
+  close_session();
   session_ = std::make_unique<SessionThread>(std::move(session), wake_);
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
@@ -156,15 +175,15 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target_framebuffer);
   const SceneBuilder::Input input{state_, displayed_, snapshot_->preview, labels_};
   scenes_.update(input);
-  std::array<unsigned int, 4> textures{};
+  std::array<const Framebuffer*, 4> views{};
   for (const ViewKind kind : all_views) {
     const RectPx& rect = layout_.image(kind);
     if (rect.width < 1 || rect.height < 1) continue;
     const Target target{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale_};
     const Scene scene = scenes_.scene(input, kind);
-    textures[index_of(kind)] =
+    views[index_of(kind)] =
         kind == ViewKind::space
-            ? pictures_->space(scene, state_.camera, target)
+            ? pictures_->space(scene, state_.camera, target, state_.drag.has_value())
             : pictures_->slice(kind, scene, slice_view(state_, kind, geometry_of(*displayed_)), target);
   }
   if (auto error = pictures_->take_error(); !error.empty()) add_notice(state_, std::move(error));
@@ -173,20 +192,25 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   glDisable(GL_SCISSOR_TEST);
   glClearColor(0.055f, 0.059f, 0.067f, 1);
   glClear(GL_COLOR_BUFFER_BIT);
+  for (const ViewKind kind : all_views) {
+    const RectPx& rect = layout_.image(kind);
+    if (const Framebuffer* view = views[index_of(kind)])
+      view->copy_to(static_cast<int>(rect.x), height_px - static_cast<int>(rect.y + rect.height));
+  }
 
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
   std::optional<Opening> opening;
   if (opener_.busy()) opening = {opener_.what(), opener_.fraction(), opener_.seconds() > progress_after_seconds};
-  const UiContext ui{*theme_, layout_, state_,       *snapshot_, displayed_,       figures_,
-                     opening, labels_, labels_name_, textures,   frames_per_second};
+  const UiContext ui{*theme_,  layout_, state_,  *snapshot_,   displayed_,
+                     figures_, opening, labels_, labels_name_, frames_per_second};
   draw_interface(ui, out_);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 Result<Picture> EditorApp::picture(const PictureOptions& options) {
-  auto framebuffer = Framebuffer::make(options.width, options.height, 4);
+  auto framebuffer = Framebuffer::make(options.width, options.height, options.view == ViewKind::space ? 4 : 1);
   if (!framebuffer) return fail(framebuffer.error());
   (*framebuffer)->bind();
   if (!options.view) {
@@ -214,6 +238,10 @@ void EditorApp::take_opened(Opened opened) {
   for (auto& warning : opened.warnings) add_notice(state_, std::move(warning), false);
   if (opened.cancelled) return;
   if (!opened.error.empty()) return add_notice(state_, std::move(opened.error));
+  if (opened.needs_spacing) {
+    state_.dialog = SpacingDialog{opened.request.volume_source};
+    return;
+  }
   if (!opened.series.empty()) {
     state_.dialog = SeriesDialog{opened.request.volume_source, std::move(opened.series)};
     return;

@@ -54,6 +54,7 @@ class EditorApp {
  private:
   friend struct CommandRunner;
   ControlsContext controls_context() const;
+  void close_session();
   void take_snapshot();
   void take_opened(Opened opened);
   void start_document(Document document);

@@ -51,6 +51,10 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
   if (!request.volume_source.empty()) {
     VolumeReadOptions options = request.volume_options;
     options.progress = &progress;
+    if (!options.stack_spacing_mm && is_picture_stack(request.volume_source)) {
+      opened.needs_spacing = true;
+      return {};
+    }
     std::error_code ignored;
     if (options.series_uid.empty() && fs::is_directory(request.volume_source, ignored)) {
       auto series = list_series(request.volume_source);

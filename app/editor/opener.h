@@ -39,6 +39,7 @@ struct Opened {
   std::shared_ptr<const Volume> labels;
   std::vector<std::string> warnings;
   std::vector<SeriesInfo> series;  ///< the folder holds several and none was chosen: nothing was opened
+  bool needs_spacing = false;      ///< a stack of pictures, whose voxel size was not told: nothing was opened
   std::string error;               ///< the sentence, where it failed; empty also where it was cancelled
   bool cancelled = false;
 };

@@ -49,6 +49,13 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
               "Shape of the triangles: red thin or turned"}))
     out.change([overlay](EditorState& s) { s.overlay = static_cast<Overlay>(overlay); });
   draw_overlay_legend(ui);
+  if (ui.state.preferences.show.glyphs) {
+    double spacing_mm = ui.state.glyph_spacing_mm;
+    bool released = false;
+    if (slider(theme, "Glyph spacing", spacing_mm, {3, 60, "%.0f", "mm", true},
+               "Glyphs are at least this far from each other on the template", released))
+      out.change([spacing_mm](EditorState& s) { s.glyph_spacing_mm = spacing_mm; });
+  }
   if (!ui.quality) {
     explanation(theme, "Measuring…");
     return;

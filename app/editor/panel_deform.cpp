@@ -2,6 +2,8 @@
 
 #include "app/editor/ui_context.h"
 #include "app/editor/widgets.h"
+#include "core/deform/shape_solver.h"
+#include "core/mesh/mesh_quality.h"
 
 namespace homolog {
 
@@ -64,6 +66,11 @@ void draw_scheme(const UiContext& ui, Outbox& out) {
               "Literally as published: every solve pulls back towards the template",
               "No optimisation: only the dragged falloff moves"}))
     out.apply(SetScheme{static_cast<Scheme>(scheme), document.paper_events});
+  if (document.scheme == Scheme::paper)
+    case_slider(ui, out, "Mouse events", document.paper_events, {1, 100, "%.0f", "", true},
+                "How many mouse events a stroke counts for: every one is a solve of its own", [](double value) {
+                  return SetScheme{Scheme::paper, static_cast<int>(std::lround(value))};
+                });
 }
 
 }  // namespace
@@ -85,6 +92,9 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   case_slider(ui, out, "Stiffness", document.stiffness_base, {0.1, 200, "%.1f", "", true},
               "Base w of the whole surface: a stiffer one spreads an edit wider",
               [](double value) { return SetStiffnessBase{value}; });
+  const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().reference);
+  figure(theme, "Carries over \xe2\x84\x93", format("%.1f mm", stiffness_length_mm(document.stiffness_base, edge_mm)),
+         "Length over which this stiffness carries an edit: \xe2\x84\x93 = h\xe2\x88\x9a(3w), with h the mean edge");
   case_slider(ui, out, "Even spacing", 100 * document.spacing, {0, 100, "%.0f", "%", false},
               "How strongly landmarks are kept evenly spread along with an edit",
               [](double value) { return SetSpacing{value / 100}; });

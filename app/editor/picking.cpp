@@ -108,6 +108,21 @@ std::optional<Vec3> first_on_surface(const Topology& topology, const Points& poi
   return ray.from + first * ray.direction;
 }
 
+bool hidden_by_planes(const std::vector<PlaneInSpace>& planes, const VolumeGeometry& image, const Ray& ray,
+                      const Vec3& p_mm) {
+  const double reach = ray.direction.dot(p_mm - ray.from) / ray.direction.squaredNorm();
+  return std::any_of(planes.begin(), planes.end(), [&](const PlaneInSpace& part) {
+    const Vec3 normal = part.plane.normal();
+    const double facing = normal.dot(ray.direction);
+    if (std::abs(facing) < 1e-9) return false;
+    const double along = normal.dot(part.plane.centre - ray.from) / facing;
+    if (along <= 0 || along > reach * (1 - 1e-6)) return false;
+    const Vec3 voxel = image.to_voxel(ray.from + along * ray.direction);
+    const Vec3 last(image.dims[0], image.dims[1], image.dims[2]);
+    return (voxel.array() > -0.5).all() && (voxel.array() < last.array() - 0.5).all();
+  });
+}
+
 std::optional<PlacementHandles> placement_handles(const ViewMap& map, const Points& points, float scale) {
   PlacementHandles handles;
   handles.centre_mm = bounds_of(points).center();

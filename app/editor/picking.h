@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/editor/drag.h"
 #include "app/editor/layout.h"
@@ -46,6 +47,10 @@ std::optional<Vec3> nearest_on_outline(const Topology& topology, const Points& p
                                        const Vec3& p_mm, double radius_mm);
 /// First point of the mesh along a ray.
 std::optional<Vec3> first_on_surface(const Topology& topology, const Points& points, const Ray& ray);
+
+/// Whether the image on a slice plane hides a point that the ray meets.
+bool hidden_by_planes(const std::vector<PlaneInSpace>& planes, const VolumeGeometry& image, const Ray& ray,
+                      const Vec3& p_mm);
 
 /// A ring around the mesh with a knob, in px of the window.
 struct PlacementHandles {

@@ -1,8 +1,14 @@
 #include "app/editor/quality_monitor.h"
 
+#include <chrono>
 #include <utility>
 
 namespace homolog {
+
+namespace {
+/// A drag posts meshes faster than they are measured; this leaves the processor to drawing it.
+constexpr int share_of_rest = 9;
+}  // namespace
 
 QualityMonitor::QualityMonitor(std::function<void()> wake) : wake_(std::move(wake)), thread_([this] { run(); }) {}
 
@@ -35,7 +41,10 @@ std::optional<QualityFigures> QualityMonitor::latest() const {
 
 void QualityMonitor::finish() {
   std::unique_lock lock(mutex_);
+  hurried_ = true;
+  changed_.notify_all();
   changed_.wait(lock, [this] { return !next_ && !measuring_; });
+  hurried_ = false;
 }
 
 void QualityMonitor::run() {
@@ -46,7 +55,9 @@ void QualityMonitor::run() {
     const auto document = std::exchange(next_, nullptr);
     measuring_ = true;
     lock.unlock();
+    const auto started = std::chrono::steady_clock::now();
     const QualityFigures figures = quality_figures(*document);
+    const auto rest = share_of_rest * (std::chrono::steady_clock::now() - started);
     lock.lock();
     measuring_ = false;
     latest_ = figures;
@@ -54,6 +65,7 @@ void QualityMonitor::run() {
     lock.unlock();
     wake_();
     lock.lock();
+    changed_.wait_for(lock, rest, [this] { return stopping_ || hurried_; });
   }
 }
 

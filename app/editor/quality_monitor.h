@@ -11,7 +11,8 @@
 
 namespace homolog {
 
-/// Measures the shown mesh on a thread of its own; the latest mesh posted wins.
+/// Measures the shown mesh on a thread of its own; the latest mesh posted wins. It rests between meshes that
+/// follow each other closely, as during a drag.
 class QualityMonitor {
  public:
   /// `wake` is called from the thread after every new result.
@@ -33,7 +34,7 @@ class QualityMonitor {
   std::condition_variable changed_;
   std::shared_ptr<const Document> next_;
   std::optional<QualityFigures> latest_;
-  bool measuring_ = false, stopping_ = false;
+  bool measuring_ = false, hurried_ = false, stopping_ = false;
   std::thread thread_;
 };
 

@@ -1,7 +1,6 @@
 #include "app/editor/scene_builder.h"
 
 #include "app/editor/mesh_overlay.h"
-#include "app/editor/theme_colours.h"
 
 namespace homolog {
 
@@ -64,25 +63,6 @@ GlyphLayer SceneBuilder::glyph_layer(const Input& input) const {
   return layer;
 }
 
-std::vector<PlaneInSpace> SceneBuilder::planes(const Input& input) const {
-  std::vector<PlaneInSpace> planes;
-  if (!input.state.preferences.show.planes || !input.document->volume) return planes;
-  const VolumeGeometry geometry = geometry_of(*input.document);
-  const Box box = geometry.bounds_mm();
-  const Vec3 reach = box.sizes() / 2;
-  for (const ViewKind kind : slice_views) {
-    PlaneInSpace plane;
-    plane.plane = slice_view(input.state, kind, geometry);
-    const Vec3 normal = plane.plane.normal();
-    plane.plane.centre = box.center() + normal * normal.dot(input.state.crosshair_mm - box.center());
-    plane.half_width_mm = plane.plane.right.cwiseAbs().dot(reach);
-    plane.half_height_mm = plane.plane.down.cwiseAbs().dot(reach);
-    plane.frame_colour = view_colour(kind);
-    planes.push_back(plane);
-  }
-  return planes;
-}
-
 Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
   const EditorState& state = input.state;
   const auto& show = state.preferences.show;
@@ -108,7 +88,7 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
   }
   scene.glyphs = glyph_layer(input);
   if (kind == ViewKind::space) {
-    scene.planes = planes(input);
+    scene.planes = shown_planes(state, *input.document);
     scene.background = {0.075f, 0.08f, 0.09f, 1};
   }
   return scene;

@@ -30,7 +30,6 @@ class SceneBuilder {
   void update_mesh(const Input& input);
   void update_glyphs(const Input& input);
   GlyphLayer glyph_layer(const Input& input) const;
-  std::vector<PlaneInSpace> planes(const Input& input) const;
 
   std::shared_ptr<const Template> reference_;
   std::vector<float> hues_;

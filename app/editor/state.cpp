@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "app/editor/theme_colours.h"
+
 namespace homolog {
 
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry) {
@@ -28,6 +30,25 @@ VolumeGeometry geometry_of(const Document& document) {
   for (int axis = 0; axis < 3; ++axis)
     geometry.dims[static_cast<std::size_t>(axis)] = std::max(1, static_cast<int>(std::lround(1.5 * box.sizes()[axis])));
   return geometry;
+}
+
+std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document& document) {
+  std::vector<PlaneInSpace> planes;
+  if (!state.preferences.show.planes || !document.volume) return planes;
+  const VolumeGeometry& geometry = document.volume->geometry;
+  const Box box = geometry.bounds_mm();
+  const Vec3 reach = box.sizes() / 2;
+  for (const ViewKind kind : slice_views) {
+    PlaneInSpace plane;
+    plane.plane = slice_view(state, kind, geometry);
+    const Vec3 normal = plane.plane.normal();
+    plane.plane.centre = box.center() + normal * normal.dot(state.crosshair_mm - box.center());
+    plane.half_width_mm = plane.plane.right.cwiseAbs().dot(reach);
+    plane.half_height_mm = plane.plane.down.cwiseAbs().dot(reach);
+    plane.frame_colour = view_colour(kind);
+    planes.push_back(plane);
+  }
+  return planes;
 }
 
 std::array<double, 3> default_sigmas_mm(const Points& placed_reference) {

@@ -129,6 +129,9 @@ struct EditorState {
 /// The plane of a slice view.
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry);
 
+/// The slice planes that the 3D view shows; none where they are switched off.
+std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document& document);
+
 /// Shows a case from the start: cross-hair in the middle of the mesh (or volume), everything in view, σ presets from
 /// the size of the placed reference, window from the volume.
 void show_document(EditorState& state, const Document& document, const Layout& layout);

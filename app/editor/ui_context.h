@@ -31,7 +31,6 @@ struct UiContext {
   const std::optional<Opening>& opening;
   std::shared_ptr<const Volume> labels;  ///< the overlay; null without one
   std::string labels_name;
-  std::array<unsigned int, 4> textures{};  ///< what the renderer drew for each view; 0 for a view not shown
   double frames_per_second = 0;
 
   const Document& document() const { return *displayed; }

@@ -1,5 +1,6 @@
 #include "app/editor/view_overlay.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "app/editor/controls.h"
@@ -133,11 +134,15 @@ void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map
   if (!ui.state.hover || !drag.moved) return;
   const double moved_mm = ui.snapshot.preview ? ui.snapshot.preview->moved_mm : 0;
   const std::string text = format("%.1f mm%s", moved_mm, stopped ? "  held" : "");
-  const ImVec2 at{static_cast<float>(ui.state.hover->x_px) + ui.theme.px(16),
-                  static_cast<float>(ui.state.hover->y_px) + ui.theme.px(10)};
-  shadowed_text(draw, ui.theme.strong, at, colour, text);
-  shadowed_text(draw, ui.theme.small, {at.x, at.y + ui.theme.px(18)}, palette::dim,
-                format("\xcf\x83 %.1f mm", drag.stroke.sigma_mm));
+  const std::string sigma = format("\xcf\x83 %.1f mm", drag.stroke.sigma_mm);
+  const ImVec2 a = text_size(ui.theme.strong, text), b = text_size(ui.theme.small, sigma);
+  const ImVec2 at{static_cast<float>(ui.state.hover->x_px) + ui.theme.px(20),
+                  static_cast<float>(ui.state.hover->y_px) + ui.theme.px(12)};
+  const float pad = ui.theme.px(6);
+  draw.AddRectFilled({at.x - pad, at.y - pad / 2}, {at.x + std::max(a.x, b.x) + pad, at.y + a.y + b.y + pad / 2},
+                     IM_COL32(0x1A, 0x1C, 0x1F, 205), ui.theme.px(4));
+  draw.AddText(ui.theme.strong, ui.theme.strong->FontSize, at, colour, text.c_str());
+  draw.AddText(ui.theme.small, ui.theme.small->FontSize, {at.x, at.y + a.y}, palette::dim, sigma.c_str());
 }
 
 /// What a press would do: the point that would be taken hold of, with σ or the brush around it.

@@ -71,25 +71,35 @@ bool ViewPictures::fit(Drawn& drawn, const Target& target, int samples) {
   return true;
 }
 
-unsigned int ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target) {
-  Drawn& drawn = drawn_[index_of(kind)];
-  if (!fit(drawn, target, 1)) return 0;
+bool ViewPictures::draw_slice(Drawn& drawn, const Scene& scene, const SliceView& view, const Target& target,
+                              const Framebuffer* below) {
   const bool current =
       drawn.content_scale == target.content_scale && same(drawn.slice, view) && same_scene(drawn.scene, scene);
-  if (!current) {
-    drawn.framebuffer->bind();
-    if (auto done = renderer_->draw(scene, view, target); !done) error_ = done.error().sentence();
-    drawn.scene = scene;
-    drawn.slice = view;
-    drawn.content_scale = target.content_scale;
-    drawn.texture = drawn.framebuffer->texture();
-  }
-  return drawn.texture;
+  if (current) return false;
+  drawn.framebuffer->bind();
+  if (below != nullptr) below->copy_to(0, 0);
+  if (auto done = renderer_->draw(scene, view, target); !done) error_ = done.error().sentence();
+  drawn.scene = scene;
+  drawn.slice = view;
+  drawn.content_scale = target.content_scale;
+  return true;
 }
 
-unsigned int ViewPictures::space(const Scene& scene, const Camera3D& camera, const Target& target) {
-  Drawn& drawn = drawn_[index_of(ViewKind::space)];
-  if (!fit(drawn, target, 4)) return 0;
+const Framebuffer* ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target) {
+  DrawnSlice& drawn = slices_[index_of(kind)];
+  if (!fit(drawn.image, target, 1) || !fit(drawn.whole, target, 1)) return nullptr;
+  Scene image, over = scene;
+  image.image = std::exchange(over.image, {});
+  image.labels = std::exchange(over.labels, {});
+  image.background = std::exchange(over.background, std::nullopt);
+  if (draw_slice(drawn.image, image, view, target, nullptr)) drawn.whole.content_scale = 0;
+  draw_slice(drawn.whole, over, view, target, drawn.image.framebuffer.get());
+  return drawn.whole.framebuffer.get();
+}
+
+const Framebuffer* ViewPictures::space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving) {
+  Drawn& drawn = moving ? moving_space_ : still_space_;
+  if (!fit(drawn, target, moving ? 1 : 4)) return nullptr;
   const bool current =
       drawn.content_scale == target.content_scale && same(drawn.camera, camera) && same_scene(drawn.scene, scene);
   if (!current) {
@@ -98,9 +108,8 @@ unsigned int ViewPictures::space(const Scene& scene, const Camera3D& camera, con
     drawn.scene = scene;
     drawn.camera = camera;
     drawn.content_scale = target.content_scale;
-    drawn.texture = drawn.framebuffer->texture();
   }
-  return drawn.texture;
+  return drawn.framebuffer.get();
 }
 
 }  // namespace homolog

@@ -12,21 +12,23 @@
 
 namespace homolog {
 
-/// The pictures of the four views as textures, drawn again only when what they show changed.
+/// The pictures of the four views, drawn again only when what they show changed. What a drag leaves as it is (the image
+/// of a slice) is kept apart: rendering in software samples a volume slowly.
 class ViewPictures {
  public:
   static Result<ViewPictures> make();
 
   // Both bind a framebuffer of their own where they draw.
-  /// The texture of a view. `scene` and the view's geometry decide whether it is drawn again. 0 where the driver has no
-  /// room for it.
-  unsigned int slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target);
-  unsigned int space(const Scene& scene, const Camera3D& camera, const Target& target);
+  /// `scene` and the view's geometry decide whether a view is drawn again. Null where the driver has no room for it.
+  const Framebuffer* slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target);
+  /// `moving` draws with one sample a pixel.
+  const Framebuffer* space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving);
   /// What the renderer refused since the last call; empty where nothing.
   std::string take_error() { return std::exchange(error_, {}); }
   Renderer& renderer() { return *renderer_; }
 
  private:
+  /// A picture, and what it shows.
   struct Drawn {
     std::unique_ptr<Framebuffer> framebuffer;
     int width = 0, height = 0;
@@ -34,14 +36,20 @@ class ViewPictures {
     SliceView slice;
     Camera3D camera;
     float content_scale = 0;
-    unsigned int texture = 0;
+  };
+  struct DrawnSlice {
+    Drawn image, whole;
   };
   explicit ViewPictures(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
   /// False where the framebuffer could not be made.
   bool fit(Drawn& drawn, const Target& target, int samples);
+  /// Draws `scene` where `drawn` shows another one, over `below` where given. True where it did.
+  bool draw_slice(Drawn& drawn, const Scene& scene, const SliceView& view, const Target& target,
+                  const Framebuffer* below);
 
   std::unique_ptr<Renderer> renderer_;
-  std::array<Drawn, 4> drawn_;
+  std::array<DrawnSlice, 3> slices_;
+  Drawn still_space_, moving_space_;
   std::string error_;
 };
 

@@ -51,6 +51,35 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
   ImGui::End();
 }
 
+ImGuiMouseCursor shape_over(const Hover& hover, MouseTool tool) {
+  if (tool == MouseTool::place) {
+    switch (hover.part) {
+      case PlacePart::none:
+        return ImGuiMouseCursor_Arrow;
+      case PlacePart::body:
+        return ImGuiMouseCursor_ResizeAll;
+      case PlacePart::ring:
+        return ImGuiMouseCursor_Hand;
+      case PlacePart::knob:
+        return ImGuiMouseCursor_ResizeNWSE;
+    }
+  }
+  const bool takes_mesh = tool != MouseTool::landmark && tool != MouseTool::ruler;
+  return (takes_mesh && hover.on_mesh) || !hover.landmark.empty() ? ImGuiMouseCursor_Hand : ImGuiMouseCursor_Arrow;
+}
+
+/// What the pointer's shape tells: what a press would take hold of, or what the drag does.
+ImGuiMouseCursor pointer_shape(const EditorState& state) {
+  if (!state.drag) return state.hover ? shape_over(*state.hover, state.tool) : ImGuiMouseCursor_Arrow;
+  const Drag& drag = *state.drag;
+  if (const auto* place = std::get_if<PlaceDrag>(&drag))
+    return place->part == PlacePart::knob ? ImGuiMouseCursor_ResizeNWSE : ImGuiMouseCursor_ResizeAll;
+  if (std::holds_alternative<RulerDrag>(drag)) return ImGuiMouseCursor_Arrow;
+  const bool of_view = std::holds_alternative<PanDrag>(drag) || std::holds_alternative<WindowDrag>(drag) ||
+                       std::holds_alternative<TurnDrag>(drag);
+  return of_view ? ImGuiMouseCursor_ResizeAll : ImGuiMouseCursor_Hand;
+}
+
 }  // namespace
 
 void draw_views(const UiContext& ui, Outbox& out) {
@@ -59,10 +88,6 @@ void draw_views(const UiContext& ui, Outbox& out) {
     const RectPx& rect = ui.layout.image(kind);
     if (rect.width < 1 || rect.height < 1) continue;
     const ImVec2 low{rect.x, rect.y}, high{rect.x + rect.width, rect.y + rect.height};
-    const unsigned int texture = ui.textures[index_of(kind)];
-    // The textures' first row is at the bottom.
-    if (texture != 0)
-      draw.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)), low, high, {0, 1}, {1, 0});
     draw.PushClipRect(low, high);
     draw_view_overlay(ui, kind, draw);
     draw.PopClipRect();
@@ -70,6 +95,7 @@ void draw_views(const UiContext& ui, Outbox& out) {
     draw.AddRect(low, high, with_alpha(view_hue(kind), under_pointer ? 0.9f : 0.35f));
     draw_header(ui, kind, out);
   }
+  if (ui.state.drag || ui.state.hover) ImGui::SetMouseCursor(pointer_shape(ui.state));
 }
 
 }  // namespace homolog

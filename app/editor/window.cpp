@@ -27,6 +27,8 @@ struct Window {
   GLFWwindow* handle = nullptr;
   EditorApp* app = nullptr;
   int frames_due = frames_per_event;
+  double cursor_x = 0,
+         cursor_y = 0;  ///< of the latest event, in units of the window system; it may be elsewhere by now
 
   static Window& of(GLFWwindow* handle) { return *static_cast<Window*>(glfwGetWindowUserPointer(handle)); }
 
@@ -38,9 +40,8 @@ struct Window {
     int width = 1, height = 1, pixels_x = 1, pixels_y = 1;
     glfwGetWindowSize(handle, &width, &height);
     glfwGetFramebufferSize(handle, &pixels_x, &pixels_y);
-    glfwGetCursorPos(handle, &event.x_px, &event.y_px);
-    event.x_px *= static_cast<double>(pixels_x) / std::max(width, 1);
-    event.y_px *= static_cast<double>(pixels_y) / std::max(height, 1);
+    event.x_px = cursor_x * pixels_x / std::max(width, 1);
+    event.y_px = cursor_y * pixels_y / std::max(height, 1);
     event.shift = (mods & GLFW_MOD_SHIFT) != 0;
     event.ctrl = (mods & GLFW_MOD_CONTROL) != 0;
     event.alt = (mods & GLFW_MOD_ALT) != 0;
@@ -74,8 +75,10 @@ std::optional<MouseButton> button_of(int button) {
 /// The views' events are taken here, as they come: at slow frame rates ImGui would lose presses. ImGui's own callbacks
 /// are installed after these and call them first.
 void install_callbacks(GLFWwindow* handle) {
-  glfwSetCursorPosCallback(handle, [](GLFWwindow* w, double, double) {
+  glfwSetCursorPosCallback(handle, [](GLFWwindow* w, double x, double y) {
     Window& window = Window::of(w);
+    window.cursor_x = x;
+    window.cursor_y = y;
     window.send(MouseMove{}, window.held_mods());
   });
   glfwSetMouseButtonCallback(handle, [](GLFWwindow* w, int button, int action, int mods) {

@@ -93,6 +93,10 @@ Result<VolumeRead> read_volume(const fs::path& path, const VolumeReadOptions& op
   }
 }
 
+bool is_picture_stack(const fs::path& path) {
+  return kind_of(path) == Kind::Stack;
+}
+
 bool looks_like_volume(const fs::path& path) {
   return kind_of(path) != Kind::None;
 }

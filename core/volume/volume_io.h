@@ -44,6 +44,9 @@ Result<std::vector<SeriesInfo>> list_series(const std::filesystem::path& folder)
 /// Whether the name (or, for a folder, the content) is that of a volume that read_volume takes.
 bool looks_like_volume(const std::filesystem::path& path);
 
+/// Whether a path holds PNG or TIFF slices: reading them needs stack_spacing_mm.
+bool is_picture_stack(const std::filesystem::path& path);
+
 /// Writes NIfTI (.nii, .nii.gz; qform and sform, RAS on disk), NRRD (.nrrd) or MetaImage (.mha), chosen by the
 /// extension, whole or not at all. NIfTI-1 keeps directions in single precision.
 Result<void> write_volume(const Volume& volume, const std::filesystem::path& path);

@@ -1,7 +1,13 @@
 #include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
+#include <mutex>
+#include <new>
 #include <thread>
 
 #include "app/editor/editor.h"
@@ -14,21 +20,24 @@ namespace {
 
 constexpr int done = 0, refused = 1, wrong_command_line = 2;
 
-Progress* interrupted_progress = nullptr;
+/// Lives as long as the program, since Ctrl-C may come at any moment.
+Progress progress;
 
 void on_interrupt(int) {
-  if (interrupted_progress != nullptr) interrupted_progress->cancel();
+  progress.cancel();
+  std::signal(SIGINT, SIG_DFL);  // a second Ctrl-C ends what does not listen
 }
 
 /// Shows progress on stderr while it is a terminal and the work takes longer than half a second.
 class ProgressLine {
  public:
-  explicit ProgressLine(const Progress& progress) {
+  ProgressLine() {
     if (::isatty(STDERR_FILENO) == 0) return;
-    thread_ = std::jthread([&progress](const std::stop_token& stop) {
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      std::unique_lock lock(mutex_);
       bool shown = false;
       for (int tick = 0; !stop.stop_requested(); ++tick) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        stopped_.wait_for(lock, stop, std::chrono::milliseconds(100), [] { return false; });
         if (tick < 5 || stop.stop_requested()) continue;
         std::fprintf(stderr, "\r%3.0f %% (Ctrl-C stops)", 100 * progress.fraction());
         shown = true;
@@ -38,6 +47,8 @@ class ProgressLine {
   }
 
  private:
+  std::mutex mutex_;
+  std::condition_variable_any stopped_;
   std::jthread thread_;
 };
 
@@ -47,18 +58,25 @@ void print_lines(const Json& values, const std::string& indent = "") {
       std::cout << indent << key << ":\n";
       print_lines(value, indent + "  ");
     } else {
-      std::cout << indent << key << ": " << (value.is_string() ? value.get<std::string>() : value.dump()) << '\n';
+      std::cout << indent << key << ": "
+                << (value.is_string() ? value.get<std::string>()
+                                      : value.dump(-1, ' ', false, Json::error_handler_t::replace))
+                << '\n';
     }
   }
 }
 
 int run_verb(const VerbRun& run, bool json) {
-  Progress progress;
-  interrupted_progress = &progress;
   std::signal(SIGINT, on_interrupt);
-  Result<Report> report = [&] {
-    const ProgressLine line(progress);
-    return run(progress);
+  Result<Report> report = [&]() -> Result<Report> {
+    const ProgressLine line;
+    try {
+      return run(progress);
+    } catch (const std::bad_alloc&) {
+      return fail("", "memory ran out; close other programs, or use a machine with more memory");
+    } catch (const std::filesystem::filesystem_error& error) {
+      return fail(error.path1().string(), error.code().message());
+    }
   }();
   if (!report) {
     std::cerr << "homolog: " << report.error().sentence() << '\n';
@@ -70,7 +88,9 @@ int run_verb(const VerbRun& run, bool json) {
   } else {
     print_lines(report->values);
   }
-  return std::cout.flush() ? done : refused;
+  if (std::cout.flush()) return done;
+  std::cerr << "homolog: standard output: cannot be written; free some space or choose another place\n";
+  return refused;
 }
 
 int run_main(int argc, char** argv) {
@@ -82,11 +102,12 @@ int run_main(int argc, char** argv) {
   app.require_subcommand(0, 1);
   app.fallthrough(false);
   VerbRun run;
-  for (const auto add : {add_demo, add_info, add_replay, add_compare, add_label_map, add_mirror, add_phantom,
-                         add_picture, add_convert, add_study, add_bench}) {
+  EditorOptions editor;
+  add_demo(app, run, editor);
+  for (const auto add : {add_info, add_replay, add_compare, add_label_map, add_mirror, add_phantom, add_picture,
+                         add_convert, add_study, add_bench}) {
     add(app, run);
   }
-  EditorOptions editor;
   const auto add_editor_options = [&editor](CLI::App& to) {
     to.add_option("FILES", editor.files, "A case, or volumes and meshes");
     to.add_option("--template", editor.template_source, "Template mesh to start with");

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -193,7 +194,8 @@ TEST_CASE("lines that are no action are errors that name the line") {
   for (const std::string bad : {R"({"wobble":1})", R"({"tool":"push","at":[0,0,0],"to":[0,0,0],"sigma_mm":1})",
                                 R"({"tool":"pull","at":[0,0],"to":[0,0,0],"sigma_mm":1})", R"({"tool":"pull"})",
                                 R"({"tool":"pull","at":[0,0,40],"to":[0,0,45],"sigma_mm":-1})", R"({"undo":true})",
-                                R"({"frame":3})", R"([1,2])", R"(nonsense)", R"({"stiffness_base":"soft"})"}) {
+                                R"({"frame":3})", R"({"frame":0.5})", R"({"frame":1e300})", R"({"undo":false})",
+                                R"([1,2])", R"(nonsense)", R"({"stiffness_base":"soft"})"}) {
     folder.append("{\"note\":\"fine\"}\n" + bad + "\n{\"note\":\"fine\"}\n");
     const auto read = read_case(folder.case_path);
     REQUIRE_MESSAGE(!read, bad);
@@ -251,20 +253,65 @@ TEST_CASE("saving under another name goes on there with relative paths") {
 }
 
 TEST_CASE("an edit that cannot be written is not made") {
-  if (!fs::exists("/dev/full")) return;
   const CaseFolder folder;
-  EditSession session = folder.create();
-  // A full disk: the journal's file stands for one that every write to fails.
-  fs::remove(folder.case_path);
-  fs::create_symlink("/dev/full", folder.case_path);
-  auto full = Journal::open(folder.case_path, 0);
-  if (!full) return;  // some systems let nobody truncate a device
-  session.write_to(std::move(*full));
-  const Points before = *session.document().shape().points;
-  const auto done = session.apply(pull(pole, Vec3(0, 0, 50)));
-  REQUIRE(!done);
-  CHECK(done.error().what.find("the edit was not made") != std::string::npos);
-  CHECK(*session.document().shape().points == before);
+  { const EditSession session = folder.create(); }
+  const std::string before = folder.text();
+  const pid_t child = ::fork();
+  if (child == 0) {  // with a disk that is full a few bytes on
+    auto opened = open_case(folder.case_path);
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{before.size() + 10, before.size() + 10};
+    if (!opened || ::setrlimit(RLIMIT_FSIZE, &limit) != 0) ::_exit(2);
+    const Points points = *opened->session.document().shape().points;
+    const auto done = opened->session.apply(pull(pole, Vec3(0, 0, 50)));
+    const bool refused = !done && done.error().what.find("the edit was not made") != std::string::npos;
+    ::_exit(refused && *opened->session.document().shape().points == points && !opened->session.can_undo() ? 0 : 1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+  CHECK(folder.text() == before);
+}
+
+TEST_CASE("looking for unsaved cases does not mend what opening must find torn") {
+  const CaseFolder folder;
+  ::setenv("XDG_STATE_HOME", folder.folder.path.c_str(), 1);
+  {
+    auto session = create_unsaved_case(folder.document()).value();
+    REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
+  }
+  REQUIRE(unsaved_cases().size() == 1);
+  const fs::path left = unsaved_cases().front();
+  std::ofstream(left, std::ios::app) << "{\"tool\":\"pu";
+  REQUIRE(unsaved_cases().size() == 1);
+  const auto opened = open_case(left);
+  REQUIRE(opened);
+  CHECK(opened->warnings.size() == 1);
+  CHECK(opened->session.strokes() == 1);
+  ::unsetenv("XDG_STATE_HOME");
+}
+
+TEST_CASE("a session that could not be journalled is saved whole") {
+  const CaseFolder folder;
+  EditSession session(folder.document());
+  REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
+  REQUIRE(session.apply(pull(-pole, Vec3(0, 0, -50))));
+  REQUIRE(session.apply(Undo{}));
+  REQUIRE(save_case_as(session, folder.case_path));
+  REQUIRE(session.apply(pull(Vec3(40, 0, 0), Vec3(45, 0, 0))));
+  const auto read = read_case(folder.case_path);
+  REQUIRE(read);
+  CHECK(largest_difference(*read->session.document().shape().points, *session.document().shape().points) < 1e-9);
+}
+
+TEST_CASE("a case behind a linked folder finds its template") {
+  const CaseFolder folder;
+  const fs::path real = folder.folder.path / "a" / "b", link = folder.folder.path / "link";
+  fs::create_directories(real);
+  fs::create_directory_symlink(real, link);
+  { REQUIRE(create_case(folder.document(), link / "case.homolog")); }
+  CHECK(read_case(link / "case.homolog"));
 }
 
 TEST_CASE("after kill minus nine at any moment everything shown as done is restored") {

@@ -202,7 +202,8 @@ TEST_CASE("pictures are written at the size asked for") {
   CHECK(ran.json()["glyphs"].get<int>() > 10);
   CHECK(fs::file_size(folder.path / "ab.png") > 1000);
   check_refused(run(folder, "picture correspondence a.ply c.ply -o ac.png"), "c.ply");
-  check_refused(run(folder, "picture correspondence a.ply -o a.png --view sideways"), "sideways");
+  CHECK(run(folder, "picture correspondence a.ply -o a.png --view sideways").status == 2);
+  CHECK(run(folder, "picture correspondence a.ply -o a.png --size 9").status == 2);
 }
 
 TEST_CASE("the demo plays the whole job without a display") {
@@ -216,7 +217,8 @@ TEST_CASE("the demo plays the whole job without a display") {
   for (const std::string path : ran.json()["paths"]) CHECK_MESSAGE(fs::exists(folder.path / path), path);
   CHECK(ran.json()["pulled"]["assd_mm"].get<double>() < ran.json()["placed"]["assd_mm"].get<double>());
   CHECK(run(folder, "replay out/demo.homolog -o again.ply").status == 0);
-  CHECK(read_mesh(folder.path / "again.ply")->points == read_mesh(folder.path / "out/kidney.ply")->points);
+  const Points again = read_mesh(folder.path / "again.ply")->points;
+  CHECK((again - read_mesh(folder.path / "out/kidney.ply")->points).cwiseAbs().maxCoeff() < 1e-9);
 }
 
 TEST_CASE("real scans: three organs adapted by boundary pulls from case files come within 1.5 mm") {

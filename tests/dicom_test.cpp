@@ -324,3 +324,13 @@ TEST_CASE("a damaged file in a folder is named rather than left out") {
   save(folder.path / "empty.dcm", "");
   CHECK(says(read_volume(folder.path), "empty.dcm"));
 }
+
+TEST_CASE("a data set without preamble and meta information is read") {
+  const TemporaryFolder folder;
+  const std::string whole = Slice().bytes();
+  save(folder.path / "IM0001", whole.substr(whole.find(element(0x00080060, "CS", "CT"))));
+  CHECK(looks_like_volume(folder.path / "IM0001"));
+  const auto read = read_volume(folder.path / "IM0001");
+  REQUIRE(read);
+  CHECK(read->volume.range_max == 5);
+}

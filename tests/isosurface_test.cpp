@@ -46,6 +46,7 @@ TEST_CASE("masks of noise have closed manifold surfaces that enclose their voxel
     const auto surface = mask_surface(mask, 3);
     REQUIRE_MESSAGE(surface, surface.error().sentence());
     CHECK(surface->topology->closed());
+    CHECK(self_intersections(*surface).empty());
     const auto inside = voxelise(*surface, mask.geometry);
     const auto& voxels = std::get<std::vector<std::uint8_t>>(mask.data);
     for (std::size_t i = 0; i < voxels.size(); ++i) REQUIRE((inside[i] != 0) == (voxels[i] == 3));

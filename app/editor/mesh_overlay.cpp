@@ -120,8 +120,8 @@ std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, cons
       const double most = std::max(document.stiffness->maxCoeff(), 1e-6);
       colour_by(*document.stiffness, rising(), [most](double factor) { return factor / most; });
       for (std::size_t i = 0; i < n; ++i)
-        if (document.confirmed)
-          colours[i] = mix(colours[i], {1, 1, 1}, (*document.confirmed)[static_cast<Eigen::Index>(i)]);
+        if (document.shape().confirmed)
+          colours[i] = mix(colours[i], {1, 1, 1}, (*document.shape().confirmed)[static_cast<Eigen::Index>(i)]);
       break;
     }
     case Overlay::quality:

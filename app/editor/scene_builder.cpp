@@ -33,13 +33,14 @@ void SceneBuilder::update_mesh(const Input& input) {
   }
   const bool follows_points = input.state.overlay != Overlay::landmark_hue && input.state.overlay != Overlay::stiffness;
   const bool same = colours_ && overlay_ == input.state.overlay && response_ == response && stopped_ == stopped &&
-                    stiffness_ == document.stiffness && confirmed_ == document.confirmed && !(moved && follows_points);
+                    stiffness_ == document.stiffness && confirmed_ == document.shape().confirmed &&
+                    !(moved && follows_points);
   if (same) return;
   overlay_ = input.state.overlay;
   response_ = response;
   stopped_ = stopped;
   stiffness_ = document.stiffness;
-  confirmed_ = document.confirmed;
+  confirmed_ = document.shape().confirmed;
   auto outline = overlay_colours(document, overlay_, hues_, 1);
   if (response) outline = tinted(std::move(outline), *response, stopped);
   outline_colours_ = std::make_shared<const std::vector<Rgb>>(std::move(outline));

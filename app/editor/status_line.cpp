@@ -60,7 +60,7 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   std::string message = snapshot.preview ? snapshot.preview->message : snapshot.message;
   ImU32 colour = palette::dim;
   if (snapshot.preview && snapshot.preview->stopped_by_guard) {
-    message = std::string(icon::warning) + "  Held: going on would fold the surface.";
+    message.assign(icon::warning).append("  Held: going on would fold the surface.");
     colour = palette::amber;
   } else if (message.empty()) {
     message = default_hint(ui);

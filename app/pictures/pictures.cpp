@@ -68,7 +68,7 @@ struct Studio {
   std::unique_ptr<Framebuffer> framebuffer;
   std::unique_ptr<Renderer> renderer;
 
-  static Result<Studio> make(const PictureOptions& options) {
+  static Result<Studio> make(const MontageOptions& options) {
     auto context = OffscreenContext::make();
     if (!context) return fail(context.error());
     auto framebuffer = Framebuffer::make(options.width_px, options.height_px);
@@ -80,12 +80,12 @@ struct Studio {
   }
 };
 
-std::array<float, 4> background(const PictureOptions& options) {
+std::array<float, 4> background(const MontageOptions& options) {
   return options.transparent ? std::array<float, 4>{0, 0, 0, 0} : dark;
 }
 
 /// Columns of a grid of `count` cells whose cells are as square as they can be.
-int columns_for(int count, const PictureOptions& options) {
+int columns_for(int count, const MontageOptions& options) {
   int best = 1;
   double best_side = 0;
   for (int columns = 1; columns <= count; ++columns) {
@@ -98,11 +98,31 @@ int columns_for(int count, const PictureOptions& options) {
 }
 
 /// Cell k of a grid, counted from the upper left, as a rectangle from the lower left.
-Target cell(int k, int columns, int rows, const PictureOptions& options) {
+Target cell(int k, int columns, int rows, const MontageOptions& options) {
   const int column = k % columns, row = k / columns;
   const int x0 = column * options.width_px / columns, x1 = (column + 1) * options.width_px / columns;
   const int y0 = row * options.height_px / rows, y1 = (row + 1) * options.height_px / rows;
   return {x0 + gap_px / 2, options.height_px - y1 + gap_px / 2, x1 - x0 - gap_px, y1 - y0 - gap_px, 1};
+}
+
+/// Black and white of what is shown: the range, without its 1 % tails, of the voxels around the mesh.
+std::pair<double, double> window_around(const Volume& volume, const Mesh& mesh, int frame) {
+  const Box box = bounds_of(mesh.points);
+  const Vec3 middle = box.center(), reach = 0.7 * box.sizes();
+  constexpr int samples = 48;
+  std::vector<double> values;
+  for (int k = 0; k < samples * samples * samples; ++k) {
+    const Vec3 share(k % samples, k / samples % samples, k / samples / samples);
+    const Vec3 p = middle + reach.cwiseProduct((2.0 / (samples - 1)) * share - Vec3::Ones());
+    const double value = volume.sample(p, std::nan(""), frame);
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  if (values.size() < 100) return default_window(volume);
+  const auto tail = static_cast<std::ptrdiff_t>(values.size() / 100);
+  std::nth_element(values.begin(), values.begin() + tail, values.end());
+  const double low = values[static_cast<std::size_t>(tail)];
+  std::nth_element(values.begin(), values.end() - 1 - tail, values.end());
+  return {low, std::max(low + 1, values[values.size() - 1 - static_cast<std::size_t>(tail)])};
 }
 
 /// A slice through `centre` that shows the mesh with some room around it. Radiological: the patient's right on the
@@ -137,7 +157,7 @@ Result<Vec3> direction_from_name(const std::string& name) {
   return fail("--view " + name, "is no direction; use anterior, posterior, left, right, superior, inferior or x,y,z");
 }
 
-Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const PictureOptions& options) {
+Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const MontageOptions& options) {
   auto studio = Studio::make(options);
   if (!studio) return fail(studio.error());
   const Colouring colouring(shapes.front(), options.glyph_spacing_mm);
@@ -145,6 +165,9 @@ Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, cons
   for (const Mesh& shape : shapes) radius = std::max(radius, radius_of(shape, shape.points.colwise().mean()));
   const int count = static_cast<int>(shapes.size());
   const int columns = columns_for(count, options), rows = (count + columns - 1) / columns;
+  if (std::min(options.width_px / columns, options.height_px / rows) < 4 * gap_px) {
+    return fail("", "one of " + std::to_string(count) + " shapes, which need a larger picture; raise --size");
+  }
   for (int k = 0; k < columns * rows; ++k) {
     Scene scene;
     scene.background = background(options);
@@ -162,7 +185,7 @@ Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, cons
   return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size())};
 }
 
-Result<MadePicture> case_picture(const Document& document, const PictureOptions& options) {
+Result<MadePicture> case_picture(const Document& document, const MontageOptions& options) {
   if (!document.reference || !document.has_shape()) return fail("", "has no mesh to show");
   auto studio = Studio::make(options);
   if (!studio) return fail(studio.error());
@@ -174,7 +197,7 @@ Result<MadePicture> case_picture(const Document& document, const PictureOptions&
   if (document.volume) {
     scene.image.volume = document.volume;
     scene.image.frame = document.frame;
-    std::tie(scene.image.window_low, scene.image.window_high) = default_window(*document.volume);
+    std::tie(scene.image.window_low, scene.image.window_high) = window_around(*document.volume, mesh, document.frame);
   }
   colouring.add_to(scene, mesh);
   const GlyphLayer glyphs = std::exchange(scene.glyphs, {});

@@ -10,7 +10,7 @@
 namespace homolog {
 
 /// How a picture is made without a window.
-struct PictureOptions {
+struct MontageOptions {
   int width_px = 1280, height_px = 960;
   Vec3 from = Vec3(0, -1, 0);   ///< the direction to look from, LPS
   double glyph_spacing_mm = 0;  ///< 0: a twelfth of the bounding-box diagonal
@@ -27,10 +27,10 @@ Result<Vec3> direction_from_name(const std::string& name);
 
 /// All shapes as a grid under one camera: hue by landmark, the same glyphs on each [Erdt 2009, §3.1, Fig. 5]. Shapes
 /// are moved to their centroids. Errors: no OpenGL, shapes of different topology (the caller names them).
-Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const PictureOptions& options);
+Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const MontageOptions& options);
 
 /// A case as the paper's Fig. 3: axial, sagittal and coronal slice through the mesh's middle with its outline, and the
 /// shape in 3D. Errors: no OpenGL, a case without a mesh.
-Result<MadePicture> case_picture(const Document& document, const PictureOptions& options);
+Result<MadePicture> case_picture(const Document& document, const MontageOptions& options);
 
 }  // namespace homolog

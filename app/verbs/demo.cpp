@@ -1,7 +1,6 @@
 #include <filesystem>
 
 #include "app/editor/demo.h"
-#include "app/editor/editor.h"
 #include "app/pictures/pictures.h"
 #include "app/verbs/verb.h"
 #include "core/base/picture_io.h"
@@ -76,7 +75,7 @@ class HeadlessDemo {
   }
 
   Result<void> export_pictures(EditSession& session, const Volume&) {
-    PictureOptions options;
+    MontageOptions options;
     auto picture = case_picture(session.document(), options);
     if (!picture) return fail(picture.error());
     if (auto done = write_picture(picture->picture, written("case.png")); !done) return done;
@@ -99,7 +98,7 @@ bool has_display() {
 
 }  // namespace
 
-void add_demo(CLI::App& app, VerbRun& run) {
+void add_demo(CLI::App& app, VerbRun& run, EditorOptions& editor) {
   struct Options {
     bool headless = false;
     fs::path folder = "homolog-demo";
@@ -108,14 +107,12 @@ void add_demo(CLI::App& app, VerbRun& run) {
   CLI::App* verb = add_verb(app, "demo", "The built-in phantom case in the editor, ready to drag");
   verb->add_flag("--headless", options->headless, "Without a window: plays the whole job and writes its files");
   verb->add_option("-o,--output", options->folder, "Folder for the files of --headless");
-  verb->callback([options, &run] {
-    run = [options](Progress& progress) -> Result<Report> {
-      if (options->headless || !has_display()) return HeadlessDemo(options->folder, progress).play();
-      EditorOptions editor;
+  verb->callback([options, &run, &editor] {
+    if (options->headless || !has_display()) {
+      run = [options](Progress& progress) { return HeadlessDemo(options->folder, progress).play(); };
+    } else {
       editor.demo = Organ::kidney;
-      if (run_editor(editor) != 0) return fail("", "The window could not be opened; use homolog demo --headless");
-      return Report{};
-    };
+    }
   });
 }
 

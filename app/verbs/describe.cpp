@@ -10,9 +10,9 @@ namespace homolog {
 
 namespace {
 
-Result<Report> describe_case(const std::filesystem::path& path, Progress& progress) {
+Result<Report> describe_case(const std::filesystem::path& path, Progress* progress) {
   ReplayOptions options;
-  options.progress = &progress;
+  options.progress = progress;
   auto read = read_case(path, options);
   if (!read) return fail(read.error());
   const Document& document = read->session.document();
@@ -28,33 +28,6 @@ Result<Report> describe_case(const std::filesystem::path& path, Progress& progre
   Json frames = Json::array();
   for (const auto& [frame, shape] : document.shapes) frames.push_back(frame);
   values["frames_with_mesh"] = std::move(frames);
-  return report;
-}
-
-Result<Report> describe_mesh(const std::filesystem::path& path) {
-  auto file = read_mesh_file(path);
-  if (!file) return fail(file.error());
-  Report report;
-  report.warnings = file->warnings;
-  if (file->triangles.rows() == 0) {
-    const Box box = bounds_of(file->points);
-    report.values = {{"kind", "particles"},
-                     {"vertices", file->points.rows()},
-                     {"bounds_mm", Json::array({json_of(box.min()), json_of(box.max())})}};
-    return report;
-  }
-  auto topology = Topology::make(file->points.rows(), file->triangles);
-  if (!topology) return fail(path.string(), topology.error().what);
-  report.values = describe(Mesh{*topology, file->points});
-  if (file->stiffness || !file->landmarks.empty()) report.values["kind"] = "template";
-  if (file->stiffness) {
-    report.values["stiffness"] = {{"base", file->stiffness_base},
-                                  {"factor_min", file->stiffness->minCoeff()},
-                                  {"factor_max", file->stiffness->maxCoeff()}};
-  }
-  Json names = Json::array();
-  for (const Landmark& landmark : file->landmarks) names.push_back(landmark.name);
-  if (!names.empty()) report.values["landmarks"] = std::move(names);
   return report;
 }
 
@@ -84,6 +57,31 @@ Json describe(const Mesh& mesh) {
       {"volume_ml", quality.volume_ml}};
 }
 
+Result<Report> describe(const MeshFile& file, const std::filesystem::path& path) {
+  Report report;
+  report.warnings = file.warnings;
+  if (file.triangles.rows() == 0) {
+    const Box box = bounds_of(file.points);
+    report.values = {{"kind", "particles"},
+                     {"vertices", file.points.rows()},
+                     {"bounds_mm", Json::array({json_of(box.min()), json_of(box.max())})}};
+    return report;
+  }
+  auto topology = Topology::make(file.points.rows(), file.triangles);
+  if (!topology) return fail(path.string(), topology.error().what);
+  report.values = describe(Mesh{*topology, file.points});
+  if (file.stiffness || !file.landmarks.empty()) report.values["kind"] = "template";
+  if (file.stiffness) {
+    report.values["stiffness"] = {{"base", file.stiffness_base},
+                                  {"factor_min", file.stiffness->minCoeff()},
+                                  {"factor_max", file.stiffness->maxCoeff()}};
+  }
+  Json names = Json::array();
+  for (const Landmark& landmark : file.landmarks) names.push_back(landmark.name);
+  if (!names.empty()) report.values["landmarks"] = std::move(names);
+  return report;
+}
+
 Json describe(const Volume& volume) {
   const VolumeGeometry& g = volume.geometry;
   Json direction = Json::array();
@@ -104,9 +102,12 @@ Json describe(const Volume& volume) {
   return values;
 }
 
-Result<Report> describe_file(const std::filesystem::path& path, const std::string& series_uid, Progress& progress) {
-  if (path.extension() == ".homolog") return describe_case(path, progress);
-  if (is_mesh_name(path)) return describe_mesh(path);
+Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options) {
+  if (path.extension() == ".homolog") return describe_case(path, options.progress);
+  if (is_mesh_name(path)) {
+    const auto file = read_mesh_file(path);
+    return file ? describe(*file, path) : fail(file.error());
+  }
   if (is_landmark_name(path)) {
     auto landmarks = read_landmarks(path);
     if (!landmarks) return fail(landmarks.error());
@@ -115,9 +116,6 @@ Result<Report> describe_file(const std::filesystem::path& path, const std::strin
     for (const Landmark& landmark : *landmarks) report.values["landmarks"][landmark.name] = json_of(landmark.position);
     return report;
   }
-  VolumeReadOptions options;
-  options.series_uid = series_uid;
-  options.progress = &progress;
   auto read = read_volume(path, options);
   if (!read) return fail(read.error());
   return Report{describe(read->volume), read->warnings};

@@ -3,16 +3,18 @@
 #include <filesystem>
 
 #include "app/verbs/verb.h"
-#include "core/mesh/topology.h"
-#include "core/volume/volume.h"
+#include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
 
 namespace homolog {
 
 // The JSON that `info` prints, shared by every verb that reports "as info".
 Json describe(const Mesh& mesh);
 Json describe(const Volume& volume);
+/// With its stiffness, landmarks and warnings. Errors: faces that are no manifold surface; `path` is named.
+Result<Report> describe(const MeshFile& file, const std::filesystem::path& path);
 /// Reads and describes whatever the file is. Errors: the reader's.
-Result<Report> describe_file(const std::filesystem::path& path, const std::string& series_uid, Progress& progress);
+Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options);
 
 Json json_of(const Vec3& p);
 

@@ -14,17 +14,51 @@ namespace homolog {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+void add_spacing(CLI::App& verb, std::vector<double>& spacing_mm) {
+  verb.add_option("--spacing", spacing_mm, "X,Y,Z spacing in mm of a stack of PNG or TIFF slices")
+      ->delimiter(',')
+      ->expected(3);
+}
+
+VolumeReadOptions read_options(const std::string& series, const std::vector<double>& spacing_mm, Progress& progress) {
+  VolumeReadOptions options;
+  options.series_uid = series;
+  options.progress = &progress;
+  if (spacing_mm.size() == 3) options.stack_spacing_mm = Vec3(spacing_mm.data());
+  return options;
+}
+
+/// Reads a mesh, changes it, and writes it once it is known to be one that can be read again.
+Result<Report> describe_and_write(const fs::path& in, const fs::path& out,
+                                  const std::function<MeshFile(MeshFile)>& change) {
+  auto mesh = read_mesh_file(in);
+  if (!mesh) return fail(mesh.error());
+  const MeshFile changed = change(std::move(*mesh));
+  auto report = describe(changed, in);
+  if (!report) return report;
+  if (auto written = write_mesh_file(changed, out); !written) return fail(written.error());
+  return report;
+}
+
+}  // namespace
+
 void add_info(CLI::App& app, VerbRun& run) {
   struct Options {
     fs::path file;
     std::string series;
+    std::vector<double> spacing_mm;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "info", "What a volume, mesh, template or case is");
   verb->add_option("FILE", options->file, "A volume (or DICOM folder), mesh, template or case")->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
+  add_spacing(*verb, options->spacing_mm);
   verb->callback([options, &run] {
-    run = [options](Progress& progress) { return describe_file(options->file, options->series, progress); };
+    run = [options](Progress& progress) {
+      return describe_file(options->file, read_options(options->series, options->spacing_mm, progress));
+    };
   });
 }
 
@@ -39,25 +73,16 @@ void add_convert(CLI::App& app, VerbRun& run) {
   verb->add_option("IN", options->in, "A volume or mesh")->required();
   verb->add_option("OUT", options->out, "The file to write; its extension chooses the format")->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
-  verb->add_option("--spacing-mm", options->spacing_mm, "x,y,z spacing of a PNG or TIFF stack")
-      ->delimiter(',')
-      ->expected(3);
+  add_spacing(*verb, options->spacing_mm);
   const auto convert = [options](Progress& progress) -> Result<Report> {
     if (is_mesh_name(options->in) != is_mesh_name(options->out)) {
       return fail(options->out.string(), "is not of the same kind as " + options->in.string() +
                                              "; a mesh becomes a volume by label-map, a volume a mesh by template");
     }
     if (is_mesh_name(options->in)) {
-      auto mesh = read_mesh_file(options->in);
-      if (!mesh) return fail(mesh.error());
-      if (auto written = write_mesh_file(*mesh, options->out); !written) return fail(written.error());
-      return describe_file(options->out, "", progress);
+      return describe_and_write(options->in, options->out, [](MeshFile mesh) { return mesh; });
     }
-    VolumeReadOptions read_options;
-    read_options.series_uid = options->series;
-    read_options.progress = &progress;
-    if (options->spacing_mm.size() == 3) read_options.stack_spacing_mm = Vec3(options->spacing_mm.data());
-    auto read = read_volume(options->in, read_options);
+    auto read = read_volume(options->in, read_options(options->series, options->spacing_mm, progress));
     if (!read) return fail(read.error());
     if (auto written = write_volume(read->volume, options->out); !written) return fail(written.error());
     return Report{describe(read->volume), read->warnings};
@@ -76,14 +101,12 @@ void add_mirror(CLI::App& app, VerbRun& run) {
   verb->add_option("-o,--output", options->out, "The file to write")->required();
   verb->add_option("--plane", options->plane, "Plane to mirror across")
       ->check(CLI::IsMember({"sagittal", "coronal", "axial"}));
-  const auto mirror = [options](Progress& progress) -> Result<Report> {
-    auto mesh = read_mesh_file(options->in);
-    if (!mesh) return fail(mesh.error());
+  const auto mirror = [options](Progress&) -> Result<Report> {
     const AnatomicalPlane plane = options->plane == "sagittal"  ? AnatomicalPlane::sagittal
                                   : options->plane == "coronal" ? AnatomicalPlane::coronal
                                                                 : AnatomicalPlane::axial;
-    if (auto written = write_mesh_file(mirrored(*mesh, plane), options->out); !written) return fail(written.error());
-    return describe_file(options->out, "", progress);
+    return describe_and_write(options->in, options->out,
+                              [plane](const MeshFile& mesh) { return mirrored(mesh, plane); });
   };
   verb->callback([mirror, &run] { run = mirror; });
 }
@@ -102,9 +125,7 @@ void add_label_map(CLI::App& app, VerbRun& run) {
   const auto label = [options](Progress& progress) -> Result<Report> {
     auto mesh = read_mesh(options->mesh);
     if (!mesh) return fail(mesh.error());
-    VolumeReadOptions read_options;
-    read_options.progress = &progress;
-    auto like = read_volume(options->like, read_options);
+    auto like = read_volume(options->like, read_options("", {}, progress));
     if (!like) return fail(like.error());
     const Volume labels = label_map(*mesh, like->volume.geometry, options->value);
     if (auto written = write_volume(labels, options->out); !written) return fail(written.error());
@@ -149,9 +170,6 @@ void add_compare(CLI::App& app, VerbRun& run) {
   auto* mask_option = verb->add_option("--mask", options->mask, "A label map to compare with");
   verb->add_option("--label", options->label, "Which label of the mask")->needs(mask_option);
   verb->add_option("--mesh", options->other, "Another mesh to compare with")->excludes(mask_option);
-  verb->final_callback([options] {
-    if (options->mask.empty() == options->other.empty()) throw CLI::RequiredError("exactly one of --mask and --mesh");
-  });
   const auto compare = [options](Progress& progress) -> Result<Report> {
     auto mesh = read_mesh(options->mesh);
     if (!mesh) return fail(mesh.error());
@@ -160,9 +178,7 @@ void add_compare(CLI::App& app, VerbRun& run) {
       if (!other) return fail(other.error());
       return Report{describe(compare_meshes(*mesh, *other)), {}};
     }
-    VolumeReadOptions read_options;
-    read_options.progress = &progress;
-    auto mask = read_volume(options->mask, read_options);
+    auto mask = read_volume(options->mask, read_options("", {}, progress));
     if (!mask) return fail(mask.error());
     const auto label = options->label != 0 ? Result<int>(options->label) : only_label(mask->volume);
     if (!label) return fail(options->mask.string(), label.error().what);
@@ -170,7 +186,10 @@ void add_compare(CLI::App& app, VerbRun& run) {
     if (!agreement) return fail(options->mask.string(), agreement.error().what);
     return Report{describe(*agreement), mask->warnings};
   };
-  verb->callback([compare, &run] { run = compare; });
+  verb->callback([options, compare, &run] {
+    if (options->mask.empty() == options->other.empty()) throw CLI::RequiredError("exactly one of --mask and --mesh");
+    run = compare;
+  });
 }
 
 void add_phantom(CLI::App& app, VerbRun& run) {

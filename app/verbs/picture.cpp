@@ -1,10 +1,16 @@
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <optional>
+#include <tuple>
+#include <utility>
 
+#include "app/editor/editor_picture.h"
 #include "app/pictures/pictures.h"
 #include "app/verbs/verb.h"
 #include "core/base/picture_io.h"
 #include "core/case/case_file.h"
+#include "render/offscreen.h"
 
 namespace homolog {
 
@@ -22,19 +28,28 @@ struct PictureVerb {
 
 constexpr int largest_side_px = 16384;
 
-Result<PictureOptions> picture_options(const PictureVerb& verb) {
-  PictureOptions options;
-  const char *begin = verb.size.data(), *end = begin + verb.size.size();
-  const auto width = std::from_chars(begin, end, options.width_px);
-  const bool sized = width.ec == std::errc() && width.ptr < end && *width.ptr == 'x' &&
-                     std::from_chars(width.ptr + 1, end, options.height_px).ptr == end;
-  if (!sized || std::min(options.width_px, options.height_px) < 64 ||
-      std::max(options.width_px, options.height_px) > largest_side_px) {
-    return fail("--size " + verb.size, "is not WIDTHxHEIGHT in pixels between 64 and 16384");
-  }
-  const auto from = direction_from_name(verb.view);
-  if (!from) return fail(from.error());
-  options.from = *from;
+/// {width, height}; nullopt where the text is no size.
+std::optional<std::pair<int, int>> parsed_size(const std::string& text) {
+  const char *begin = text.data(), *end = begin + text.size();
+  int width = 0, height = 0;
+  const auto first = std::from_chars(begin, end, width);
+  if (first.ec != std::errc() || first.ptr == end || *first.ptr != 'x') return std::nullopt;
+  if (std::from_chars(first.ptr + 1, end, height).ptr != end) return std::nullopt;
+  if (std::min(width, height) < 64 || std::max(width, height) > largest_side_px) return std::nullopt;
+  return std::pair(width, height);
+}
+
+void add_size(CLI::App& verb, std::string& size) {
+  verb.add_option("--size", size, "WIDTHxHEIGHT in pixels")->check([](const std::string& text) {
+    return parsed_size(text) ? std::string() : text + " is not WIDTHxHEIGHT in pixels between 64 and 16384";
+  });
+}
+
+/// The command line was checked when it was parsed.
+MontageOptions montage_options(const PictureVerb& verb) {
+  MontageOptions options;
+  std::tie(options.width_px, options.height_px) = parsed_size(verb.size).value();
+  options.from = direction_from_name(verb.view).value();
   options.glyph_spacing_mm = verb.glyph_spacing_mm;
   options.transparent = verb.transparent;
   return options;
@@ -51,8 +66,7 @@ Result<Report> write(const Result<MadePicture>& made, const PictureVerb& verb) {
 }
 
 Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
-  const auto options = picture_options(verb);
-  if (!options) return fail(options.error());
+  const MontageOptions options = montage_options(verb);
   std::vector<Mesh> shapes;
   for (const fs::path& path : verb.in) {
     auto mesh = read_mesh(path);
@@ -65,26 +79,46 @@ Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
     progress.report(static_cast<double>(shapes.size()) / static_cast<double>(verb.in.size()));
     if (progress.cancelled()) return fail(verb.out.string(), "was not written: stopped");
   }
-  return write(correspondence_picture(shapes, *options), verb);
+  return write(correspondence_picture(shapes, options), verb);
 }
 
 Result<Report> of_case(const PictureVerb& verb, Progress& progress) {
-  const auto options = picture_options(verb);
-  if (!options) return fail(options.error());
+  const MontageOptions options = montage_options(verb);
   ReplayOptions replay;
   replay.progress = &progress;
   const auto read = read_case(verb.in.front(), replay);
   if (!read) return fail(read.error());
-  auto report = write(case_picture(read->session.document(), *options), verb);
+  auto report = write(case_picture(read->session.document(), options), verb);
   if (report) report->warnings = read->warnings;
   return report;
 }
 
+Result<Report> of_window(const PictureVerb& verb, Progress& progress) {
+  const MontageOptions options = montage_options(verb);
+  ReplayOptions replay;
+  replay.progress = &progress;
+  auto read = read_case(verb.in.front(), replay);
+  if (!read) return fail(read.error());
+  const auto context = OffscreenContext::make();
+  if (!context) return fail(context.error());
+  EditorPictureOptions window;
+  window.width_px = options.width_px;
+  window.height_px = options.height_px;
+  const auto picture = editor_picture(std::move(read->session), window);
+  if (!picture) return fail(picture.error());
+  if (auto written = write_picture(*picture, verb.out); !written) return fail(written.error());
+  return Report{{{"size", Json::array({picture->width, picture->height})}}, read->warnings};
+}
+
 void add_options(CLI::App& verb, PictureVerb& options) {
   verb.add_option("-o,--output", options.out, "The picture to write (.png)")->required();
-  verb.add_option("--size", options.size, "WIDTHxHEIGHT in pixels");
+  add_size(verb, options.size);
   verb.add_option("--view", options.view,
-                  "Where the 3D view looks from: anterior, posterior, left, right, superior, inferior or x,y,z");
+                  "Where the 3D view looks from: anterior, posterior, left, right, superior, inferior or x,y,z")
+      ->check([](const std::string& text) {
+        const auto direction = direction_from_name(text);
+        return direction ? std::string() : direction.error().sentence();
+      });
   verb.add_option("--glyph-spacing", options.glyph_spacing_mm, "Least distance between glyphs in mm")
       ->check(CLI::PositiveNumber);
   verb.add_flag("--transparent", options.transparent, "Transparent background");
@@ -104,6 +138,11 @@ void add_picture(CLI::App& app, VerbRun& run) {
   CLI::App* one = add_verb(*picture, "case", "A case: three slices with the outline, and the shape in 3D");
   one->add_option("CASE", options->in, "The case file")->required()->expected(1);
   add_options(*one, *options);
+  CLI::App* window = add_verb(*picture, "window", "A case as the editor's window shows it");
+  window->add_option("CASE", options->in, "The case file")->required()->expected(1);
+  window->add_option("-o,--output", options->out, "The picture to write (.png)")->required();
+  add_size(*window, options->size);
+  window->callback([options, &run] { run = [options](Progress& progress) { return of_window(*options, progress); }; });
   one->callback([options, &run] { run = [options](Progress& progress) { return of_case(*options, progress); }; });
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/editor.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 
@@ -27,7 +28,8 @@ using VerbRun = std::function<Result<Report>(Progress&)>;
 void add_bench(CLI::App& app, VerbRun& run);
 void add_compare(CLI::App& app, VerbRun& run);
 void add_convert(CLI::App& app, VerbRun& run);
-void add_demo(CLI::App& app, VerbRun& run);
+/// With a display the demo is the editor: then `editor` says what to open and `run` stays empty.
+void add_demo(CLI::App& app, VerbRun& run, EditorOptions& editor);
 void add_info(CLI::App& app, VerbRun& run);
 void add_label_map(CLI::App& app, VerbRun& run);
 void add_mirror(CLI::App& app, VerbRun& run);

@@ -1,6 +1,8 @@
 #include "core/case/action_json.h"
 
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace homolog {
@@ -38,6 +40,18 @@ auto named(const Names& names, const Json& value) {
     known_names += std::string(known_names.empty() ? "" : ", ") + name;
   }
   throw Unreadable{"\"" + given + "\" is not one of " + known_names};
+}
+
+int integer(const Json& value) {
+  if (!value.is_number_integer()) throw Unreadable{value.dump() + " is not a whole number"};
+  const auto number = value.get<std::int64_t>();
+  if (number < 0 || number > 1000000) throw Unreadable{value.dump() + " is out of range"};
+  return static_cast<int>(number);
+}
+
+Action when_true(const Json& value, Action action) {
+  if (value != true) throw Unreadable{"\"undo\" and \"redo\" take true"};
+  return action;
 }
 
 Json json_of(const Vec3& p) {
@@ -103,7 +117,7 @@ const Spelling spellings[] = {
     {"confirm", [](const Json& value, const Json&) { return confirm(value); }},
     {"scheme",
      [](const Json& value, const Json& line) -> Action {
-       return SetScheme{named(scheme_names, value), line.value("events", 1)};
+       return SetScheme{named(scheme_names, value), line.contains("events") ? integer(line.at("events")) : 1};
      }},
     {"spacing", [](const Json& value, const Json&) -> Action { return SetSpacing{value.get<double>()}; }},
     {"landmark", [](const Json& value, const Json&) { return landmark(value); }},
@@ -113,11 +127,11 @@ const Spelling spellings[] = {
        if (value != "sagittal") throw Unreadable{"\"mirror\" is not \"sagittal\""};
        return MirrorTemplate{};
      }},
-    {"frame", [](const Json& value, const Json&) -> Action { return SetFrame{value.get<int>()}; }},
-    {"start_frame_from", [](const Json& value, const Json&) -> Action { return StartFrameFrom{value.get<int>()}; }},
+    {"frame", [](const Json& value, const Json&) -> Action { return SetFrame{integer(value)}; }},
+    {"start_frame_from", [](const Json& value, const Json&) -> Action { return StartFrameFrom{integer(value)}; }},
     {"note", [](const Json& value, const Json&) -> Action { return Note{value.get<std::string>()}; }},
-    {"undo", [](const Json&, const Json&) -> Action { return Undo{}; }},
-    {"redo", [](const Json&, const Json&) -> Action { return Redo{}; }},
+    {"undo", [](const Json& value, const Json&) { return when_true(value, Undo{}); }},
+    {"redo", [](const Json& value, const Json&) { return when_true(value, Redo{}); }},
 };
 
 struct Writer {

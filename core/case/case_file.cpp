@@ -18,6 +18,11 @@ using Json = nlohmann::ordered_json;
 constexpr int format_version = 1;
 constexpr const char* extension = ".homolog";
 
+/// A line of the file; bytes that are no UTF-8 (a path of another encoding) become a replacement character.
+std::string dumped(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 /// "built-in:kidney" and "phantom:kidney:1" name no file.
 bool is_file(const std::string& source) {
   return !source.empty() && !source.starts_with("built-in:") && !source.starts_with("phantom:");
@@ -25,8 +30,11 @@ bool is_file(const std::string& source) {
 
 std::string relative_to(const fs::path& folder, const std::string& source) {
   if (!is_file(source)) return source;
-  const fs::path relative = fs::proximate(fs::absolute(source), fs::absolute(folder.empty() ? fs::path(".") : folder));
-  return relative.generic_string();
+  // Textual, as `resolved` is: following links here and not there would name another file.
+  std::error_code error;
+  const fs::path from = fs::absolute(folder.empty() ? fs::path(".") : folder, error);
+  const fs::path to = fs::absolute(source, error);
+  return error ? source : to.lexically_normal().lexically_proximate(from.lexically_normal()).generic_string();
 }
 
 std::string resolved(const fs::path& folder, const std::string& source) {
@@ -160,11 +168,11 @@ std::string case_header(const Document& document, const fs::path& folder) {
     const Vec3& spacing = volume.geometry.spacing_mm;
     header["spacing_mm"] = Json::array({spacing[0], spacing[1], spacing[2]});
   }
-  return header.dump();
+  return dumped(header);
 }
 
 std::string action_line(const Action& action) {
-  return to_json(action).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return dumped(to_json(action));
 }
 
 Result<Action> parse_action(const std::string& line) {
@@ -213,12 +221,14 @@ Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
 }
 
 Result<CaseRead> open_case(const fs::path& path, Progress* progress) {
+  // Locked before it is read: what another program writes until then is read, and nobody writes afterwards.
+  auto journal = Journal::open(path);
+  if (!journal) return fail(journal.error());
   ReplayOptions options;
   options.progress = progress;
   auto read = read_case(path, options);
   if (!read) return read;
-  auto journal = Journal::open(path, read->whole_bytes);
-  if (!journal) return fail(journal.error());
+  if (auto cut = (*journal)->keep_first(read->whole_bytes); !cut) return fail(cut.error());
   read->session.write_to(std::move(*journal));
   return read;
 }
@@ -247,17 +257,25 @@ Result<EditSession> create_unsaved_case(Document initial) {
 std::vector<fs::path> unsaved_cases() {
   std::vector<fs::path> found;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(unsaved_folder(), error)) {
-    if (entry.path().extension() != extension) continue;
-    const auto text = read_whole_file(entry.path(), std::uintmax_t{1} << 30);
-    if (!text || std::count(text->begin(), text->end(), '\n') < 2) continue;
-    if (Journal::open(entry.path(), text->size())) found.push_back(entry.path());
+  for (fs::directory_iterator entry(unsaved_folder(), error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->path().extension() != extension || Journal::in_use(entry->path())) continue;
+    const auto text = read_whole_file(entry->path(), std::uintmax_t{1} << 30);
+    if (text && std::count(text->begin(), text->end(), '\n') >= 2) found.push_back(entry->path());
   }
   std::sort(found.rbegin(), found.rend());
   return found;
 }
 
 Result<void> save_case_as(EditSession& session, const fs::path& path) {
+  if (session.journal() == nullptr) {
+    // Nothing could be journalled so far: the file begins with the case as it was opened.
+    std::string lines = case_header(session.initial_document(), path.parent_path()) + '\n';
+    for (const Action& action : session.actions_done()) lines += action_line(action) + '\n';
+    auto journal = Journal::create(path, lines);
+    if (!journal) return fail(journal.error());
+    session.write_to(std::move(*journal));
+    return {};
+  }
   const fs::path old = session.journal()->path();
   std::error_code error;
   if (fs::equivalent(old, path, error)) return {};
@@ -271,7 +289,7 @@ Result<void> save_case_as(EditSession& session, const fs::path& path) {
     const std::string source = resolved(old.parent_path(), header[key].get<std::string>());
     header[key] = relative_to(path.parent_path(), source);
   }
-  auto journal = Journal::create(path, header.dump() + text->substr(end));
+  auto journal = Journal::create(path, dumped(header) + text->substr(end));
   if (!journal) return fail(journal.error());
   session.write_to(std::move(*journal));
   if (old.parent_path() == unsaved_folder()) fs::remove(old, error);

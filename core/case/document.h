@@ -38,7 +38,8 @@ struct Shape {
   std::shared_ptr<const Points> placed;     ///< the template placed, not warped: quality compares with it
   std::shared_ptr<const Points> reference;  ///< R: `placed`, warped to the landmarks where asked; else the same pointer
   std::shared_ptr<const Points> points;     ///< P: the deformed mesh
-  int strokes = 0;                          ///< edits of P since it was last equal to R
+  std::shared_ptr<const VertexScalars> confirmed;  ///< 0 free … 1 held where it is; null: all free
+  int strokes = 0;                                 ///< edits of P since it was last equal to R
 };
 
 /// Everything of a case that is saved, as a value: a copy is a few reference counts, and undo keeps copies.
@@ -51,7 +52,6 @@ struct Document {
 
   std::shared_ptr<const VertexScalars> stiffness;  ///< factor_i, the template's until painted
   double stiffness_base = 10;
-  std::shared_ptr<const VertexScalars> confirmed;  ///< 0 free … 1 held where it is
   Scheme scheme = Scheme::anchored;
   int paper_events = 1;  ///< mouse events a stroke counts for in the scheme `paper`
   double spacing = 0;    ///< strength 0…1 of keeping landmarks evenly spread along with an edit

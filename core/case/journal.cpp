@@ -27,42 +27,51 @@ int write_all(int descriptor, std::string_view bytes) {
   return 0;
 }
 
+Error open_elsewhere(const fs::path& path) {
+  return {path.string(), "is open in another program; close it there, or open a copy"};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Journal>> Journal::create(const fs::path& path, std::string_view first_lines) {
   // A case that another program has open must not be replaced under it.
-  std::error_code error;
-  if (fs::exists(path, error)) {
-    if (auto opened = open(path, fs::file_size(path, error)); !opened) return opened;
-  }
+  if (in_use(path)) return fail(open_elsewhere(path));
   auto written = write_whole_file(path, [&](std::ostream& out) -> Result<void> {
     out << first_lines;
     return {};
   });
   if (!written) return fail(written.error());
-  return open(path, first_lines.size());
+  return open(path);
 }
 
-Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path, std::uintmax_t keep_bytes) {
+Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC);
   if (descriptor < 0) {
     return fail(path.string(), std::string("cannot be opened for writing (") + std::strerror(errno) +
                                    "); make it writable or save the case elsewhere");
   }
   std::unique_ptr<Journal> journal(new Journal(path, descriptor));
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    return fail(path.string(), "is open in another program; close it there, or open a copy");
-  }
-  if (::ftruncate(descriptor, static_cast<off_t>(keep_bytes)) != 0 || ::fsync(descriptor) != 0) {
-    return fail(path.string(), std::string("cannot be written (") + std::strerror(errno) + ")");
-  }
-  // A script may have left out the last line feed; the next line must not continue its last one.
-  char last = '\n';
-  if (keep_bytes > 0 && ::pread(descriptor, &last, 1, static_cast<off_t>(keep_bytes) - 1) == 1 && last != '\n' &&
-      write_all(descriptor, "\n") != 0) {
-    return fail(path.string(), std::string("cannot be written (") + std::strerror(errno) + ")");
-  }
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return fail(open_elsewhere(path));
   return journal;
+}
+
+bool Journal::in_use(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool used = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0;
+  ::close(descriptor);
+  return used;
+}
+
+Result<void> Journal::keep_first(std::uintmax_t keep_bytes) {
+  char last = '\n';
+  int error = ::ftruncate(descriptor_, static_cast<off_t>(keep_bytes)) == 0 ? 0 : errno;
+  if (error == 0 && keep_bytes > 0 && ::pread(descriptor_, &last, 1, static_cast<off_t>(keep_bytes) - 1) < 0)
+    error = errno;
+  if (error == 0 && last != '\n') error = write_all(descriptor_, "\n");
+  if (error == 0 && ::fsync(descriptor_) != 0) error = errno;
+  if (error == 0) return {};
+  return fail(path_.string(), std::string("cannot be written (") + std::strerror(error) + "); save the case elsewhere");
 }
 
 Journal::~Journal() {

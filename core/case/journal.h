@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -16,9 +17,13 @@ class Journal {
   /// Makes the file with `first_lines` in it (written whole, synced, renamed), or replaces one; then opens and locks
   /// it.
   static Result<std::unique_ptr<Journal>> create(const std::filesystem::path& path, std::string_view first_lines);
-  /// Opens an existing file for appending after its first `keep_bytes` (what follows is a torn line and is cut).
-  /// Errors: absent, unwritable, locked by another program (the sentence says so).
-  static Result<std::unique_ptr<Journal>> open(const std::filesystem::path& path, std::uintmax_t keep_bytes);
+  /// Opens an existing file and locks it; nothing is written yet. Errors: absent, unwritable, locked by another program
+  /// (the sentence says so).
+  static Result<std::unique_ptr<Journal>> open(const std::filesystem::path& path);
+  /// Cuts off what follows the first `keep_bytes` (a torn line), and ends the last line where a script did not.
+  Result<void> keep_first(std::uintmax_t keep_bytes);
+  /// Whether another program has the file open as its journal. Changes nothing.
+  static bool in_use(const std::filesystem::path& path);
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;

@@ -1,19 +1,12 @@
 #include "core/case/session.h"
 
 #include <chrono>
-#include <type_traits>
 
 #include "core/case/case_file.h"
 
 namespace homolog {
 
 namespace {
-
-/// A pull remembers where on the surface it ended, so that replaying it needs no cursor path.
-void resolve(Action& action, const EditReport& report) {
-  auto* stroke = std::get_if<Stroke>(&action);
-  if (stroke != nullptr && stroke->tool == Tool::pull && !stroke->on) stroke->on = report.on;
-}
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -57,10 +50,11 @@ Result<EditReport> EditSession::apply(Action action) {
   const auto start = std::chrono::steady_clock::now();
   auto updated = update(document(), action, deformer_, Pass::commit);
   if (!updated) return fail(updated.error());
-  const auto* stroke = std::get_if<Stroke>(&action);
+  auto* stroke = std::get_if<Stroke>(&action);
   if (stroke != nullptr && stroke->tool == Tool::pull && !stroke->on) {
-    // What is kept is what the line in the file gives, to the last bit: computed from the resolved stroke.
-    resolve(action, updated->report);
+    // A pull remembers where on the surface it ended, so that replaying it needs no cursor path; what is kept is what
+    // the line in the file gives, to the last bit: computed from the resolved stroke.
+    stroke->on = updated->report.on;
     const int solves = updated->report.solves;
     updated = update(document(), action, deformer_, Pass::commit);
     if (!updated) return fail(updated.error());
@@ -88,7 +82,7 @@ std::string EditSession::redo_name() const {
 
 int EditSession::strokes() const {
   int count = 0;
-  for (std::size_t k = 0; k < current_; ++k) count += std::holds_alternative<Stroke>(actions_[k]) ? 1 : 0;
+  for (const Action& action : actions_done()) count += std::holds_alternative<Stroke>(action) ? 1 : 0;
   return count;
 }
 

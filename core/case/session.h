@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/case/action.h"
@@ -32,6 +33,9 @@ class EditSession {
   /// From now on every action is appended to `journal`, which holds the actions so far already.
   void write_to(std::unique_ptr<Journal> journal) { journal_ = std::move(journal); }
   Journal* journal() { return journal_.get(); }
+  const Document& initial_document() const { return *history_.front(); }
+  /// The actions that led from the initial document to the present one.
+  std::span<const Action> actions_done() const { return {actions_.data(), current_}; }
   int strokes() const;  ///< those left after undo
   int solves() const { return solves_; }
 

@@ -3,7 +3,10 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <new>
+#include <optional>
 #include <thread>
+#include <utility>
 #include <variant>
 
 #include "core/case/case_file.h"
@@ -118,9 +121,16 @@ struct SessionThread::Shared {
           return;  // stopping, and nothing is left to do
         }
       }
-      if (job && std::holds_alternative<Action>(*job)) do_action(std::get<Action>(std::move(*job)));
-      if (job && std::holds_alternative<SaveAs>(*job)) do_save(std::get<SaveAs>(*job).path);
-      if (preview) show_preview(*preview);
+      try {
+        if (job && std::holds_alternative<Action>(*job)) do_action(std::get<Action>(std::move(*job)));
+        if (job && std::holds_alternative<SaveAs>(*job)) do_save(std::get<SaveAs>(*job).path);
+        if (preview) show_preview(*preview);
+      } catch (const std::bad_alloc&) {
+        Snapshot snapshot = *latest;
+        snapshot.committed += job ? 1 : 0;
+        snapshot.error = "Memory ran out, so this was not done; close other programs and try again.";
+        publish(std::move(snapshot));
+      }
     }
   }
 

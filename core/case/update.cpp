@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/case/action.h"
 #include "core/deform/fold_guard.h"
@@ -25,8 +27,10 @@ std::shared_ptr<const Points> share(Points points) {
   return std::make_shared<const Points>(std::move(points));
 }
 
-/// The shape as it is before any edit: template, placement, and the warp where landmarks ask for it.
-void start_anew(const Template& reference, LandmarkFit fit, const Points& from, const Points& to, Shape& shape) {
+/// The shape as it is before any edit: template, placement, and the warp where landmarks ask for it. Gives a sentence
+/// where the warp could not be followed.
+std::string start_anew(const Template& reference, LandmarkFit fit, const Points& from, const Points& to, Shape& shape) {
+  std::string message;
   shape.placed = share(shape.placement.apply(reference.points));
   shape.reference = shape.placed;
   if (fit == LandmarkFit::warp && from.rows() >= warp_from_landmarks) {
@@ -34,13 +38,15 @@ void start_anew(const Template& reference, LandmarkFit fit, const Points& from, 
     Points warped = warp.apply(*shape.placed);
     // Landmarks placed in the wrong order could fold space; then as much of the warp is used as folds nothing.
     const FoldGuard guard(*reference.topology, *shape.placed, *shape.placed);
-    for (double step = 0.5; !guard.accepts(warped) && step > 1e-2; step /= 2) {
-      warped = *shape.placed + step * (warp.apply(*shape.placed) - *shape.placed);
-    }
-    if (guard.accepts(warped)) shape.reference = share(std::move(warped));
+    const Points offset = warp.apply(*shape.placed) - *shape.placed;
+    const auto at = [&](double step) { return Points(*shape.placed + step * offset); };
+    const double step = guard.accepted_step(1, at);
+    if (step > 0) shape.reference = share(at(step));
+    if (step < 1) message = "The landmarks would fold the mesh, so they are not met; check that each is in its place.";
   }
   shape.points = shape.reference;
   shape.strokes = 0;
+  return message;
 }
 
 /// Placed landmarks the template knows too: template positions and image positions, row by row.
@@ -58,13 +64,19 @@ std::pair<Points, Points> matched_landmarks(const Template& reference, const Sha
   return {from, to};
 }
 
-/// Before the first stroke, landmarks carry the template along.
-void follow_landmarks(const Template& reference, LandmarkFit fit, Shape& shape) {
-  if (shape.strokes > 0 || fit == LandmarkFit::off) return;
+/// Before the first stroke, landmarks carry the template along. Errors: landmarks that collapse it to nothing.
+Result<EditReport> follow_landmarks(const Template& reference, LandmarkFit fit, Shape& shape) {
+  EditReport report;
+  if (shape.strokes > 0 || fit == LandmarkFit::off) return report;
   const auto [from, to] = matched_landmarks(reference, shape);
-  if (from.rows() == 0) return;
-  shape.placement = fit_similarity(from, to, shape.placement);
-  start_anew(reference, fit, from, to, shape);
+  if (from.rows() == 0) return report;
+  const Similarity placement = fit_similarity(from, to, shape.placement);
+  if (!usable(placement) || placement.scale < 1e-3) {
+    return fail("landmarks", "contradict each other, so that the template would shrink to nothing; check their places");
+  }
+  shape.placement = placement;
+  report.message = start_anew(reference, fit, from, to, shape);
+  return report;
 }
 
 /// R and P move along with the placement.
@@ -112,8 +124,8 @@ struct Updater {
   Result<Updated> operator()(const Stroke& stroke) const {
     if (auto ready = needs_shape(); !ready) return fail(ready.error());
     const Shape& shape = before.shape();
-    const StrokeStart start{before.reference->topology, shape.placed,          shape.reference,  shape.points,
-                            before.stiffness,           before.stiffness_base, before.confirmed, before.scheme,
+    const StrokeStart start{before.reference->topology, shape.placed,          shape.reference, shape.points,
+                            before.stiffness,           before.stiffness_base, shape.confirmed, before.scheme,
                             before.paper_events,        before.spacing};
     auto outcome = deformer.stroke(start, stroke, pass);
     if (!outcome) return fail(outcome.error());
@@ -164,12 +176,13 @@ struct Updater {
   Result<Updated> operator()(const Confirm& action) const {
     if (auto ready = needs_shape(); !ready) return fail(ready.error());
     if (!(action.radius_mm > 0) || !action.at.allFinite()) return fail("confirm", "needs a positive radius");
-    auto confirmed = before.confirmed ? std::make_shared<VertexScalars>(*before.confirmed)
-                                      : std::make_shared<VertexScalars>(VertexScalars::Zero(before.stiffness->size()));
+    const auto& held = before.shape().confirmed;
+    auto confirmed = held ? std::make_shared<VertexScalars>(*held)
+                          : std::make_shared<VertexScalars>(VertexScalars::Zero(before.stiffness->size()));
     const int touched = brush(*before.shape().points, action.at, action.radius_mm, 0,
                               [&](Eigen::Index i, double) { (*confirmed)[i] = action.hold ? 1 : 0; });
     Document after = before;
-    after.confirmed = confirmed->any() ? confirmed : nullptr;
+    shape_of(after).confirmed = confirmed->any() ? confirmed : nullptr;
     EditReport report;
     report.message = std::to_string(touched) + (action.hold ? " landmarks confirmed." : " landmarks released.");
     return done(std::move(after), std::move(report));
@@ -202,8 +215,9 @@ struct Updater {
     } else {
       shape.landmarks.erase(action.name);
     }
-    follow_landmarks(*before.reference, before.landmark_fit, shape);
-    return done(std::move(after));
+    auto report = follow_landmarks(*before.reference, before.landmark_fit, shape);
+    if (!report) return fail(report.error());
+    return done(std::move(after), std::move(*report));
   }
 
   Result<Updated> operator()(const SetLandmarkFit& action) const {
@@ -212,8 +226,9 @@ struct Updater {
     after.landmark_fit = action.fit;
     Shape& shape = shape_of(after);
     if (shape.strokes == 0) start_anew(*before.reference, LandmarkFit::off, {}, {}, shape);
-    follow_landmarks(*before.reference, action.fit, shape);
-    return done(std::move(after));
+    auto report = follow_landmarks(*before.reference, action.fit, shape);
+    if (!report) return fail(report.error());
+    return done(std::move(after), std::move(*report));
   }
 
   Result<Updated> operator()(const MirrorTemplate&) const {
@@ -223,10 +238,10 @@ struct Updater {
     if (!made) return fail(made.error());
     Document after = before;
     after.reference = *made;
-    after.confirmed.reset();
     for (auto& [frame, shape] : after.shapes) {
+      shape.confirmed.reset();
       start_anew(**made, LandmarkFit::off, {}, {}, shape);
-      follow_landmarks(**made, before.landmark_fit, shape);
+      if (auto report = follow_landmarks(**made, before.landmark_fit, shape); !report) return fail(report.error());
     }
     return done(std::move(after));
   }

@@ -36,6 +36,7 @@ bool is_grid(const std::vector<std::int32_t>& steps) {
   std::unordered_map<std::int32_t, std::size_t> counts;
   for (const std::int32_t step : steps) ++counts[step];
   std::vector<std::size_t> sizes;
+  sizes.reserve(counts.size());
   for (const auto& [step, count] : counts) sizes.push_back(count);
   std::sort(sizes.rbegin(), sizes.rend());
   const std::size_t commonest =

@@ -1,12 +1,21 @@
 #include "core/deform/deformer.h"
 
+#include <cmath>
+
 namespace homolog {
 
 namespace {
 
-// How firmly confirmed vertices are held against the solve, relative to E_force: they follow by a 10,000th and are then
-// set still; the firm hold lets the response fade towards them instead of tearing at their edge.
-constexpr double hold_weight = 1e4;
+/// How firmly confirmed vertices are held against the solve, relative to what else pulls at them: they follow by a
+/// 10,000th and are then set still; the firm hold lets the response fade towards them instead of tearing at their edge.
+VertexScalars hold_weights(const Topology& topology, const VertexScalars& w, const VertexScalars& confirmed) {
+  VertexScalars pull = VertexScalars::Ones(w.size());
+  for (const auto& [i, j] : topology.edges()) {
+    pull[i] += w[i] + w[j];
+    pull[j] += w[i] + w[j];
+  }
+  return 1e4 * pull.cwiseProduct(confirmed);
+}
 
 bool usable(const Stroke& stroke) {
   return stroke.at.allFinite() && stroke.to.allFinite() && std::isfinite(stroke.sigma_mm) && stroke.sigma_mm > 0 &&
@@ -25,8 +34,9 @@ Result<void> Deformer::prepare(const StrokeStart& start) {
   stiffness_.reset();  // nothing is factorised until the line below succeeds
   if (new_topology) solver_ = std::make_unique<ShapeSolver>(start.topology);
   const bool held = start.confirmed && start.confirmed->any();
-  const VertexScalars hold = held ? VertexScalars(hold_weight * *start.confirmed) : VertexScalars();
-  if (auto done = solver_->factorise(start.stiffness_base * *start.stiffness, hold); !done) return done;
+  const VertexScalars w = start.stiffness_base * *start.stiffness;
+  const VertexScalars hold = held ? hold_weights(*start.topology, w, *start.confirmed) : VertexScalars();
+  if (auto done = solver_->factorise(w, hold); !done) return done;
   stiffness_ = start.stiffness;
   stiffness_base_ = start.stiffness_base;
   confirmed_ = start.confirmed;

@@ -6,8 +6,8 @@
 
 namespace homolog {
 
-/// Keeps what is worth keeping between strokes: the factorisation and the running gesture. Never changes a result: the
-/// same start and stroke give the same points with a fresh Deformer, except that a pull without `on` follows the
+/// Keeps what is worth keeping between strokes: the factorisation and the running gesture. It is a cache: the same
+/// start and stroke give the same points with a fresh Deformer, except that a pull without `on` follows the
 /// cursor positions seen so far.
 class Deformer {
  public:

@@ -107,6 +107,13 @@ double FoldGuard::largest_step(const Vec3& d) const {
   return step;
 }
 
+double FoldGuard::accepted_step(double longest, const std::function<Points(double)>& at) const {
+  for (double step = longest; step > 1e-3; step /= 2) {
+    if (accepts(at(step))) return step;
+  }
+  return 0;
+}
+
 bool FoldGuard::accepts(const Points& points) const {
   const Points carried = carried_normals(topology_, reference_, fit_local_rotations(topology_, reference_, points));
   const Triangles& triangles = topology_.triangles();

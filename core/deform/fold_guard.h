@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "core/mesh/topology.h"
@@ -19,14 +20,17 @@ class FoldGuard {
 
   /// Prepares `largest_step` for the path start + t·response·dᵀ; O(faces).
   void set_response(const VertexScalars& response);
-  /// The largest t in 0…1 for which no triangle of start + t·response·dᵀ is turned against its normal carried to the
-  /// gesture's start or falls below the floor. Closed form: along the path a triangle's normal is linear in t, since d
-  /// × d = 0.
+  /// A t in 0…1, the largest that the closed form vouches for, at which no triangle of start + t·response·dᵀ is turned
+  /// against its normal carried to the gesture's start or falls below the floor. Closed form: along the path a
+  /// triangle's normal is linear in t, since d × d = 0.
   double largest_step(const Vec3& d) const;
 
   /// Whether `points` (reached in any way) holds no triangle that is turned, by the definition above, or below its
   /// floor, other than those that were so at the start.
   bool accepts(const Points& points) const;
+  /// The first of the steps `longest`, half of it, a quarter … whose points are accepted; 0 where none above a
+  /// thousandth is. `at(step)` gives the points.
+  double accepted_step(double longest, const std::function<Points(double)>& at) const;
 
  private:
   const Topology& topology_;

@@ -96,14 +96,18 @@ Result<StrokeOutcome> Gesture::move(const Stroke& stroke, Pass pass) {
   } else if (start_.scheme == Scheme::paper) {
     outcome.points = paper_points(d, stroke.sigma_mm, outcome);
   } else {
+    const auto at = [&](double step) { return Points(*start_.points + *response_ * (step * d).transpose()); };
     double step = guard_.largest_step(d);
-    outcome.points = *start_.points + *response_ * (step * d).transpose();
-    while (pass == Pass::commit && step > 0 && !guard_.accepts(outcome.points)) {
-      step = step > 1e-3 ? step / 2 : 0;
-      outcome.points = *start_.points + *response_ * (step * d).transpose();
-    }
+    // The closed form measures against the rotations at the start; what is kept is held to those at the end.
+    if (pass == Pass::commit) step = guard_.accepted_step(step, at);
+    outcome.points = at(step);
     outcome.stopped_by_guard = step < 1;
     if (start_.spacing > 0) keep_spacing(d, outcome);
+  }
+  if (start_.confirmed) {
+    for (Eigen::Index i = 0; i < outcome.points.rows(); ++i) {
+      if ((*start_.confirmed)[i] >= 1) outcome.points.row(i) = start_.points->row(i);
+    }
   }
   outcome.moved_mm = (centre.interpolate(*start_.topology, outcome.points).transpose() - position).norm();
   return outcome;
@@ -117,32 +121,21 @@ Points Gesture::paper_points(const Vec3& d, double sigma_mm, StrokeOutcome& outc
   for (int event = 0; event < start_.paper_events; ++event) {
     const VertexScalars g = gaussian_falloff(*start_.topology, p, centre_, sigma_mm, edge_mm_, through_space_);
     p += g * (d / start_.paper_events).transpose();
-    p = r + solver_.solve(Points(p - r));
+    Points b = p - r;
+    if (solver_.hold().size() > 0) b += solver_.hold().asDiagonal() * (*start_.points - r);
+    p = r + solver_.solve(b);
     ++outcome.solves;
   }
   return p;
 }
 
-Points Gesture::slid_points(const Vec3& d, double step) const {
-  const Points& from = *start_.points;
-  const Points normals = vertex_normals({start_.topology, from});
-  Points offset = *response_ * (step * d).transpose();
-  for (Eigen::Index i = 0; i < offset.rows(); ++i) {
-    const Eigen::RowVector3d n = normals.row(i);
-    offset.row(i) -= offset.row(i).dot(n) * n;
-  }
-  return slid_along_surface({start_.topology, from}, offset);
-}
-
 void Gesture::slide(const Vec3& d, StrokeOutcome& outcome) const {
-  double step = 1;
-  outcome.points = slid_points(d, step);
-  while (!guard_.accepts(outcome.points)) {
-    outcome.stopped_by_guard = true;
-    step = step > 1e-3 ? step / 2 : 0;
-    outcome.points = step > 0 ? slid_points(d, step) : *start_.points;
-    if (step == 0) break;
-  }
+  const Mesh from{start_.topology, *start_.points};
+  const Points along = tangential(from, *response_ * d.transpose());
+  const auto at = [&](double step) { return slid_along_surface(from, step * along); };
+  const double step = guard_.accepted_step(1, at);
+  outcome.stopped_by_guard = step < 1;
+  outcome.points = at(step);
 }
 
 void Gesture::keep_spacing(const Vec3& d, StrokeOutcome& outcome) const {
@@ -153,13 +146,9 @@ void Gesture::keep_spacing(const Vec3& d, StrokeOutcome& outcome) const {
   // Nothing far away moves, and a click moves nothing.
   const double reach = start_.spacing * std::min(1.0, d.norm() / edge_mm_);
   offset = (reach * response_->array()).matrix().asDiagonal() * offset;
-  for (double step = 1; step > 1e-2; step /= 2) {
-    const Points spaced = outcome.points + step * offset;
-    if (guard_.accepts(spaced)) {
-      outcome.points = spaced;
-      return;
-    }
-  }
+  const Points unspaced = outcome.points;
+  const auto at = [&](double step) { return Points(unspaced + step * offset); };
+  outcome.points = at(guard_.accepted_step(1, at));
 }
 
 }  // namespace homolog

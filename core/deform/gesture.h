@@ -57,7 +57,6 @@ class Gesture {
   bool held(const SurfacePoint& at) const;
   void aim(const SurfacePoint& centre, double sigma_mm, StrokeOutcome& outcome);
   Points paper_points(const Vec3& d, double sigma_mm, StrokeOutcome& outcome) const;
-  Points slid_points(const Vec3& d, double step) const;
   void slide(const Vec3& d, StrokeOutcome& outcome) const;
   void keep_spacing(const Vec3& d, StrokeOutcome& outcome) const;
 
@@ -78,8 +77,8 @@ class Gesture {
   double sigma_mm_ = -1;
 };
 
-/// Relax: (3) solved with S = P and locally rotated reference, blended in by strength·exp(−‖p_i − at‖²/2σ²)
-/// [docs/method.md §3]. Never turns a triangle.
+/// Relax: (3) solved with S = P and locally rotated reference, blended in by strength times the Gaussian falloff around
+/// the surface point nearest to `stroke.at`. Never turns a triangle.
 StrokeOutcome relax(const StrokeStart& start, const ShapeSolver& solver, const Stroke& stroke);
 
 /// Where (3) would move the points with S = P and a reference that turns with the shape, minus P: C of docs/method.md

@@ -1,5 +1,7 @@
+#include "core/deform/falloff.h"
 #include "core/deform/gesture.h"
 #include "core/deform/local_rotations.h"
+#include "core/mesh/mesh_quality.h"
 
 namespace homolog {
 
@@ -15,22 +17,19 @@ StrokeOutcome relax(const StrokeStart& start, const ShapeSolver& solver, const S
   const Topology& topology = *start.topology;
   const Points& from = *start.points;
   const FoldGuard guard(topology, *start.placed, from);
-  VertexScalars brush = (from.rowwise() - stroke.at.transpose()).rowwise().squaredNorm();
-  brush = stroke.strength * (-brush.array() / (2 * stroke.sigma_mm * stroke.sigma_mm)).exp();
+  const auto nearest = SurfaceSearch({start.topology, from}).nearest(stroke.at);
+  VertexScalars brush = stroke.strength * gaussian_falloff(topology, from, nearest.at, stroke.sigma_mm,
+                                                           mean_edge_mm(topology, from), stroke.through_space);
   if (start.confirmed) brush = brush.cwiseProduct((1 - start.confirmed->array()).matrix());
 
   StrokeOutcome outcome;
   outcome.solves = 1;
-  outcome.on = stroke.at;
+  outcome.on = nearest.position;
   const Points offset = brush.asDiagonal() * relaxation_offset(topology, solver, *start.reference, from);
   outcome.response = std::make_shared<const VertexScalars>(std::move(brush));
-  double step = 1;
-  outcome.points = from + offset;
-  while (!guard.accepts(outcome.points) && step > 1e-3) {
-    step /= 2;
-    outcome.points = from + step * offset;
-  }
-  if (step <= 1e-3) outcome.points = from;
+  const auto at = [&](double step) { return Points(from + step * offset); };
+  const double step = guard.accepted_step(1, at);
+  outcome.points = at(step);
   outcome.stopped_by_guard = step < 1;
   outcome.moved_mm = (outcome.points - from).rowwise().norm().maxCoeff();
   return outcome;

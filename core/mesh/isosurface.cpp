@@ -110,7 +110,7 @@ class Marcher {
 
 /// Fills `slice` from the voxels of slice k (outside the grid: with nothing).
 void read_slice(const Volume& mask, int label, int frame, int k, Slice& slice) {
-  const auto [size_i, size_j, size_k] = mask.geometry.dims;
+  const int size_i = mask.geometry.dims[0], size_j = mask.geometry.dims[1], size_k = mask.geometry.dims[2];
   slice.clear();
   if (k < 0 || k >= size_k) return;
   const std::size_t start = (index(frame) * index(size_k) + index(k)) * index(size_j) * index(size_i);

@@ -8,7 +8,9 @@
 namespace homolog {
 
 /// Whether the name is that of a landmark file (.mrk.json, .json).
-inline bool is_landmark_name(const std::filesystem::path& path) { return path.extension() == ".json"; }
+inline bool is_landmark_name(const std::filesystem::path& path) {
+  return path.extension() == ".json";
+}
 
 /// Reads named points from 3D Slicer's `.mrk.json` (control points of all its markups; RAS is turned to LPS, points not
 /// yet placed are left out) or from scalismo's JSON array of {`id`, `coordinates`}; which of the two is told by the

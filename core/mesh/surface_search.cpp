@@ -147,8 +147,7 @@ void SurfaceSearch::compute_boxes() {
       const auto child = static_cast<std::size_t>(node.first);
       node.box.extend(nodes_[child].box).extend(nodes_[child + 1].box);
     }
-    for (std::int32_t i = 0; i < node.count; ++i)
-      node.box.extend(face_box(order_[static_cast<std::size_t>(node.first + i)]));
+    for (std::int32_t i = 0; i < node.count; ++i) node.box.extend(face_box(face_in(node, i)));
   }
 }
 
@@ -156,6 +155,10 @@ void SurfaceSearch::refit(const Points& points) {
   assert(points.rows() == mesh_.points.rows());
   mesh_.points = points;
   compute_boxes();
+}
+
+std::int32_t SurfaceSearch::face_in(const Node& leaf, std::int32_t i) const {
+  return order_[static_cast<std::size_t>(leaf.first) + static_cast<std::size_t>(i)];
 }
 
 std::array<Vec3, 3> SurfaceSearch::corners(std::int32_t face) const {
@@ -199,7 +202,7 @@ SurfaceSearch::Nearest SurfaceSearch::nearest(const Vec3& p, std::int32_t likely
       stack.push(far);
       stack.push(near);
     }
-    for (std::int32_t i = 0; i < node.count; ++i) try_face(order_[static_cast<std::size_t>(node.first + i)]);
+    for (std::int32_t i = 0; i < node.count; ++i) try_face(face_in(node, i));
   }
   return at(best.face, best.weights, p);
 }
@@ -223,7 +226,7 @@ std::optional<SurfaceSearch::Nearest> SurfaceSearch::first_hit(const Vec3& from,
       stack.push(near);
     }
     for (std::int32_t i = 0; i < node.count; ++i) {
-      const std::int32_t face = order_[static_cast<std::size_t>(node.first + i)];
+      const std::int32_t face = face_in(node, i);
       const auto [a, b, c] = corners(face);
       const auto weights = ray.crosses(a, b, c);
       if (!weights) continue;
@@ -249,7 +252,7 @@ std::vector<std::int32_t> SurfaceSearch::faces_near(const Box& box) const {
       stack.push(node.first);
     }
     for (std::int32_t i = 0; i < node.count; ++i) {
-      const std::int32_t face = order_[static_cast<std::size_t>(node.first + i)];
+      const std::int32_t face = face_in(node, i);
       if (face_box(face).intersects(box)) found.push_back(face);
     }
   }

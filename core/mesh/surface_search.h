@@ -52,6 +52,7 @@ class SurfaceSearch {
     std::int32_t first = 0, count = 0;
   };
   void compute_boxes();
+  std::int32_t face_in(const Node& leaf, std::int32_t i) const;
   std::array<Vec3, 3> corners(std::int32_t face) const;
   Box face_box(std::int32_t face) const;
   Nearest at(std::int32_t face, const Vec3& weights, const Vec3& p) const;

@@ -104,7 +104,7 @@ std::vector<std::uint8_t> voxelise(const Mesh& mesh, const VolumeGeometry& grid)
   Points voxel_points(closed.points.rows(), 3);
   for (Eigen::Index v = 0; v < closed.points.rows(); ++v) voxel_points.row(v) = grid.to_voxel(closed.points.row(v));
 
-  const auto [size_i, size_j, size_k] = grid.dims;
+  const int size_i = grid.dims[0], size_j = grid.dims[1], size_k = grid.dims[2];
   const auto row_length = static_cast<std::size_t>(size_i);
   std::vector<std::uint8_t> inside(grid.voxels(), 0);
   std::vector<char> row_is_crossed(static_cast<std::size_t>(size_j) * static_cast<std::size_t>(size_k), 0);

@@ -14,7 +14,9 @@ namespace homolog {
 
 namespace {
 
-constexpr Eigen::Index looked_at = 5000;
+constexpr Eigen::Index looked_at = 2500;
+constexpr std::size_t most_tries = 24;
+constexpr double helps = 0.998;  // of the mean square deviation: less is not seen
 constexpr double largest_tilt = 40 * std::numbers::pi / 180;
 
 /// σ presets as fractions of the placed reference's bounding-box diagonal, large to small: the editor's defaults.
@@ -69,26 +71,29 @@ double mean_square(const std::vector<Deviation>& all) {
   return sum / static_cast<double>(all.size());
 }
 
-/// Tries the largest deviations until a pull helps; a person takes back a pull that made things worse, too.
+/// Tries the largest deviations until a pull helps; a person takes back a pull that made things worse, too, and goes
+/// only half the way where the whole is too much.
 Result<bool> pull_once(EditSession& session, const SurfaceSearch& target, const std::vector<Deviation>& seen,
                        double sigma_mm, double visible_mm) {
   const double before = mean_square(seen);
   std::vector<Vec3> tried;
   for (const Deviation& deviation : seen) {
-    if (deviation.distance_mm < visible_mm || tried.size() == 8) break;
-    const bool near_tried =
-        std::any_of(tried.begin(), tried.end(), [&](const Vec3& p) { return (p - deviation.from).norm() < sigma_mm; });
+    if (deviation.distance_mm < visible_mm || tried.size() == most_tries) break;
+    const bool near_tried = std::any_of(tried.begin(), tried.end(),
+                                        [&](const Vec3& p) { return (p - deviation.from).norm() < sigma_mm / 2; });
     if (near_tried) continue;
     tried.push_back(deviation.from);
-    Stroke stroke;
-    stroke.tool = Tool::pull;
-    stroke.at = deviation.from;
-    stroke.to = in_slice(deviation);
-    stroke.sigma_mm = sigma_mm;
-    const auto shown = session.preview(stroke);
-    if (!shown || mean_square(deviations(shown->document.mesh(), target)) > before * 0.9995) continue;
-    if (auto done = session.apply(stroke); !done) return fail(done.error());
-    return true;
+    for (const double share : {1.0, 0.5}) {
+      Stroke stroke;
+      stroke.tool = Tool::pull;
+      stroke.at = deviation.from;
+      stroke.to = deviation.from + share * (in_slice(deviation) - deviation.from);
+      stroke.sigma_mm = sigma_mm;
+      const auto shown = session.preview(stroke);
+      if (!shown || mean_square(deviations(shown->document.mesh(), target)) > before * helps) continue;
+      if (auto done = session.apply(stroke); !done) return fail(done.error());
+      return true;
+    }
   }
   return false;
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace homolog {
-namespace fs = std::filesystem;
 
 namespace {
 

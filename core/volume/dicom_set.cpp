@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -179,7 +180,7 @@ tl::unexpected<Error> no_dicom(const fs::path& path) {
 /// The deflated data set, inflated, since the structure can only be followed there.
 Result<void> parse_deflated(std::uint64_t begin, DicomSet& set) {
   const ByteBlock block{.file = set.path, .offset = begin, .compression = Compression::RawDeflate};
-  auto inflated = read_to_end(block, std::uintmax_t{1} << 32);
+  auto inflated = read_to_end(block, std::uintmax_t{1} << 30);
   if (!inflated) return fail(inflated.error());
   const std::uint64_t size = inflated->size();
   std::istringstream in(std::move(*inflated));
@@ -204,7 +205,10 @@ bool looks_like_dicom(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   char start[132] = {};
   in.read(start, sizeof start);
-  return std::string_view(start + 128, 4) == "DICM" || path.extension() == ".dcm";
+  const bool typed =
+      std::isupper(static_cast<unsigned char>(start[4])) && std::isupper(static_cast<unsigned char>(start[5]));
+  return std::string_view(start + 128, 4) == "DICM" || path.extension() == ".dcm" ||
+         (typed && begins_as_data_set({start, sizeof start}));
 }
 
 Result<DicomSet> parse_dicom(const fs::path& path) {

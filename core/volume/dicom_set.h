@@ -44,7 +44,7 @@ struct DicomSet {
   std::optional<DicomPixels> pixels;
 };
 
-/// Whether a file bears DICOM's mark or the extension .dcm.
+/// Whether a file bears DICOM's mark or its extension .dcm, or begins as an unmarked data set.
 bool looks_like_dicom(const std::filesystem::path& path);
 
 /// Parses a file's structure [DICOM PS3.5 §7, PS3.10 §7] without reading its pixels. Fails where it is no DICOM file

@@ -116,7 +116,8 @@ Result<Vec3> slice_step(const fs::path& path, const std::vector<DicomHeader>& he
   const double usual = sorted[sorted.size() / 2];
   for (std::size_t s = 0; s < gaps.size(); ++s) {
     // Positions are often rounded to a tenth of a millimetre.
-    if (std::abs(gaps[s] - usual) <= std::max(0.1, 0.02 * usual)) continue;
+    const double tolerance = std::min(std::max(0.1, 0.02 * usual), 0.25 * usual);
+    if (std::abs(gaps[s] - usual) <= tolerance) continue;
     const PlaneSource &before = arrangement.planes[s], &after = arrangement.planes[s + 1];
     const std::string where = headers[before.file].path.filename().string() + " (" + mm_text(before.along_normal_mm) +
                               ") and " + headers[after.file].path.filename().string() + " (" +
@@ -203,6 +204,16 @@ Result<void> check_pixel_claim(const DicomHeader& header, std::size_t plane_byte
   return fail(header.path.string(), "is cut short: pixels are missing; copy or download it again");
 }
 
+/// Where each plane of each file lies in the volume.
+std::vector<std::vector<std::size_t>> places_by_file(const std::vector<DicomHeader>& headers,
+                                                     const Arrangement& arrangement) {
+  std::vector<std::vector<std::size_t>> place_of(headers.size());
+  for (std::size_t f = 0; f < headers.size(); ++f) place_of[f].resize(headers[f].planes.size());
+  for (std::size_t place = 0; place < arrangement.planes.size(); ++place)
+    place_of[arrangement.planes[place].file][arrangement.planes[place].plane_in_file] = place;
+  return place_of;
+}
+
 /// Decodes every plane into its place.
 Result<StoredVoxels> read_planes(const fs::path& path, const std::vector<DicomHeader>& headers,
                                  const Arrangement& arrangement, Progress* progress) {
@@ -217,11 +228,7 @@ Result<StoredVoxels> read_planes(const fs::path& path, const std::vector<DicomHe
   const double voxels = static_cast<double>(places) * static_cast<double>(plane_voxels);
   if (const auto enough = check_memory(path, bytes_while_reading(*type, voxels, true)); !enough)
     return fail(enough.error());
-  std::vector<std::vector<std::size_t>> place_of(headers.size());
-  for (std::size_t f = 0; f < headers.size(); ++f) place_of[f].resize(headers[f].planes.size());
-  for (std::size_t place = 0; place < places; ++place)
-    place_of[arrangement.planes[place].file][arrangement.planes[place].plane_in_file] = place;
-
+  const auto place_of = places_by_file(headers, arrangement);
   StoredVoxels stored = make_stored_voxels(*type, places * plane_voxels);
   const auto bytes = bytes_of(stored);
   for (std::size_t f = 0; f < headers.size(); ++f) {
@@ -297,11 +304,11 @@ Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHea
 /// The image headers in a folder, by series.
 Result<std::map<std::string, std::vector<DicomHeader>>> scan_folder(const fs::path& folder, Progress* progress) {
   std::map<std::string, std::vector<DicomHeader>> series;
-  std::error_code error;
+  std::error_code error, not_a_file;
   std::vector<fs::path> files;
   for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
        entry.increment(error))
-    if (entry->is_regular_file()) files.push_back(entry->path());
+    if (entry->is_regular_file(not_a_file)) files.push_back(entry->path());
   if (error) return fail(folder.string(), "cannot be listed (" + error.message() + ")");
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) {

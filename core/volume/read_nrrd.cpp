@@ -178,13 +178,18 @@ std::optional<VoxelRun> find_run(const Nrrd& nrrd, const NrrdIoState& state, Sto
   return run;
 }
 
-Result<StoredVoxels> load_by_library(const fs::path& path, StoredType type, const VolumeGeometry& geometry,
-                                     double frames) {
+Result<StoredVoxels> load_by_library(const fs::path& path, const NrrdIoState& state, StoredType type,
+                                     const VolumeGeometry& geometry, double frames) {
   double voxels = frames;
   for (const int n : geometry.dims) voxels *= n;
-  // A lower bound for every layout: text spends two characters on a value, binary files at least a byte.
-  if (const auto enough = check_memory(path, 2 * bytes_while_reading(type, voxels, true)); !enough)
-    return fail(enough.error());
+  if (state.encoding == nrrdEncodingAscii || state.encoding == nrrdEncodingHex) {
+    const ByteBlock text{.file = state.dataFNArr->len == 1 ? path.parent_path() / state.dataFN[0] : path};
+    // Every value takes a character and a separator, the last one perhaps only the character.
+    if (const auto credible = check_claim(text, 2 * voxels - 1, 0); !credible) return fail(credible.error());
+  }
+  // NrrdIO's own copy comes on top.
+  const double twice = 2 * bytes_while_reading(type, voxels, true);
+  if (const auto enough = check_memory(path, twice); !enough) return fail(enough.error());
   const NrrdPointer nrrd(nrrdNew());
   if (nrrdLoad(nrrd.get(), path.c_str(), nullptr) != 0) return refused(path);
   StoredVoxels stored = make_stored_voxels(type, nrrdElementNumber(nrrd.get()));
@@ -224,7 +229,7 @@ Result<VolumeRead> read_nrrd(const fs::path& path, Progress* progress) {
 
   const auto run = find_run(*nrrd, *state, *type, path);
   auto stored = run ? read_run(*run, volume.geometry, volume.frames, false, progress)
-                    : load_by_library(path, *type, volume.geometry, volume.frames);
+                    : load_by_library(path, *state, *type, volume.geometry, volume.frames);
   if (!stored) return fail(stored.error());
   if (axes->frames && *axes->frames == 0 && nrrd->dim > 1) stored = std::visit(FramesToBack{frames}, *stored);
   if (auto kept = keep_voxels(std::move(*stored), {}, path.string(), volume, result.warnings); !kept)

@@ -154,7 +154,7 @@ std::pair<double, double> default_window(const Volume& volume) {
         std::nth_element(sample.begin(), low, sample.end());
         if (low < high) std::nth_element(low + 1, high, sample.end());
         const double from = static_cast<double>(*low), to = static_cast<double>(*high);
-        return {from, std::max(to, from + 1)};
+        return {from, to > from ? to : from + 1};
       },
       volume.data);
 }

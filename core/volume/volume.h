@@ -66,11 +66,12 @@ struct Volume {
   double sample(const Vec3& p_mm, double outside, int frame = 0) const;
 };
 
-/// Window (low, high) for display: the file's own, else the range without its 0.1 % tails (at least 1 wide).
+/// Window (low, high) for display: the file's own, else the range without its 0.1 % tails, never empty. Volumes beyond
+/// a million voxels are judged by a sample of them.
 std::pair<double, double> default_window(const Volume& volume);
 
-/// Label values other than 0 that occur in a label map's frame, with the number of voxels of each. Errors are for the
-/// caller: a volume with more than 65,535 distinct values returns the first 65,535.
+/// Label values other than 0 that occur in a label map's frame, with the number of voxels of each; floats are rounded
+/// to the nearest label. A volume with more than 65,535 distinct values returns the first 65,535.
 std::map<int, std::size_t> labels_of(const Volume& label_map, int frame = 0);
 
 }  // namespace homolog

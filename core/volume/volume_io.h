@@ -30,13 +30,15 @@ struct VolumeRead {
   std::vector<std::string> warnings;
 };
 
-/// Reads a DICOM series folder or file, NIfTI-1/2 (.nii, .nii.gz, .hdr/.img and gzipped pairs; 4-D as frames), NRRD
-/// (.nrrd, .nhdr), MetaImage (.mha, .mhd) or a PNG/TIFF stack. Geometry is LPS mm. Errors: absent, truncated, not an
-/// image of these kinds, several series and none chosen, vector or 5-D data, sheared axes, more voxels than memory
-/// holds, cancelled. Never returns a volume with voxels missing.
+/// Reads a DICOM series folder or file (frames of a cine included), NIfTI-1/2 (.nii, .nii.gz, .hdr/.img and gzipped
+/// pairs; 4-D as frames), NRRD (.nrrd, .nhdr; also bzip2, also frames), MetaImage (.mha, .mhd) or a PNG/TIFF stack (a
+/// folder in the order of its names, or the pages of one TIFF). Geometry is LPS mm; stored values are rescaled to
+/// intensities. Errors: absent, truncated, not an image of these kinds, several series and none chosen, a missing slice
+/// or uneven ones, vector or 5-D data, sheared axes, more voxels than memory holds, cancelled (within a fraction of a
+/// second). Never returns a volume with voxels missing.
 Result<VolumeRead> read_volume(const std::filesystem::path& path, const VolumeReadOptions& options = {});
 
-/// The series in a DICOM folder, by UID; empty where there is none.
+/// The series of images in a DICOM folder, by UID; empty where there is none.
 Result<std::vector<SeriesInfo>> list_series(const std::filesystem::path& folder);
 
 /// Whether the name (or, for a folder, the content) is that of a volume that read_volume takes.
@@ -45,7 +47,8 @@ bool looks_like_volume(const std::filesystem::path& path);
 /// Whether a path holds PNG or TIFF slices: reading them needs stack_spacing_mm.
 bool is_picture_stack(const std::filesystem::path& path);
 
-/// Writes NIfTI (.nii, .nii.gz), NRRD (.nrrd) or MetaImage (.mha), chosen by the extension, whole or not at all.
+/// Writes NIfTI (.nii, .nii.gz; qform and sform, RAS on disk), NRRD (.nrrd) or MetaImage (.mha), chosen by the
+/// extension, whole or not at all. NIfTI-1 keeps directions in single precision.
 Result<void> write_volume(const Volume& volume, const std::filesystem::path& path);
 
 }  // namespace homolog

@@ -78,6 +78,7 @@ std::vector<To> load_all(std::string_view bytes, Scalar scalar, std::endian orde
   return with_type(scalar, [&]<class T>(std::type_identity<T>) {
     std::vector<To> values(bytes.size() / sizeof(T));
     for (std::size_t i = 0; i < values.size(); ++i)
+      // NOLINTNEXTLINE(bugprone-signed-char-misuse): int8 holds numbers here, not characters
       values[i] = static_cast<To>(load<T>(bytes.data() + i * sizeof(T), order));
     return values;
   });

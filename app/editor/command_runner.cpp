@@ -1,32 +1,8 @@
 #include "app/editor/editor_app.h"
 #include "core/base/picture_io.h"
-#include "core/mesh/voxelise.h"
+#include "core/mesh/label_map.h"
 
 namespace homolog {
-
-namespace {
-
-Result<void> export_mesh(const Document& document, const std::filesystem::path& path) {
-  MeshFile mesh = to_mesh_file(*document.reference);
-  mesh.points = *document.shape().points;
-  mesh.stiffness = *document.stiffness;
-  mesh.stiffness_base = document.stiffness_base;
-  mesh.landmarks.clear();
-  for (const auto& [name, position] : document.shape().landmarks) mesh.landmarks.push_back({name, position});
-  return write_mesh_file(mesh, path);
-}
-
-Result<void> export_label_map(const Document& document, int value, const std::filesystem::path& path) {
-  Volume labels;
-  labels.geometry = document.volume->geometry;
-  std::vector<std::uint8_t> voxels = voxelise(document.mesh(), labels.geometry);
-  for (auto& voxel : voxels) voxel = static_cast<std::uint8_t>(voxel * value);
-  labels.data = std::move(voxels);
-  labels.range_max = value;
-  return write_volume(labels, path);
-}
-
-}  // namespace
 
 /// Does one command; one overload a kind.
 struct CommandRunner {
@@ -79,10 +55,13 @@ struct CommandRunner {
     remember_recent(state.preferences, command.path);
   }
   void operator()(const ExportMesh& command) const {
-    tell(export_mesh(*app.snapshot_->document, command.path), command.path);
+    const Document& document = *app.snapshot_->document;
+    tell(write_mesh_file(to_mesh_file(document, document.frame), command.path), command.path);
   }
   void operator()(const ExportLabelMap& command) const {
-    tell(export_label_map(*app.snapshot_->document, command.value, command.path), command.path);
+    const Document& document = *app.snapshot_->document;
+    tell(write_volume(label_map(document.mesh(), document.volume->geometry, command.value), command.path),
+         command.path);
   }
   void operator()(const ExportPicture& command) const {
     const auto picture = app.picture(command.options);

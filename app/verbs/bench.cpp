@@ -1,6 +1,4 @@
-#include <array>
 #include <cmath>
-#include <map>
 #include <thread>
 
 #include "app/verbs/bench_pictures.h"
@@ -8,7 +6,7 @@
 #include "app/verbs/verb.h"
 #include "core/case/session.h"
 #include "core/deform/shape_solver.h"
-#include "core/mesh/mesh_quality.h"
+#include "core/mesh/icosphere.h"
 
 namespace homolog {
 
@@ -16,49 +14,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A sphere of 10·4^level + 2 evenly spread vertices on radius 40 mm.
-Mesh ball(int level) {
-  const double g = (1 + std::sqrt(5.0)) / 2;
-  std::vector<Vec3> points;
-  for (const Vec3& p :
-       {Vec3(-1, g, 0), Vec3(1, g, 0), Vec3(-1, -g, 0), Vec3(1, -g, 0), Vec3(0, -1, g), Vec3(0, 1, g), Vec3(0, -1, -g),
-        Vec3(0, 1, -g), Vec3(g, 0, -1), Vec3(g, 0, 1), Vec3(-g, 0, -1), Vec3(-g, 0, 1)}) {
-    points.push_back(p.normalized());
-  }
-  std::vector<std::array<std::int32_t, 3>> faces{{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
-                                                 {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                                                 {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
-                                                 {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
-  for (int l = 0; l < level; ++l) {
-    std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middles;
-    const auto middle = [&](std::int32_t a, std::int32_t b) {
-      const auto [at, added] = middles.try_emplace(std::minmax(a, b), static_cast<std::int32_t>(points.size()));
-      if (added)
-        points.push_back((points[static_cast<std::size_t>(a)] + points[static_cast<std::size_t>(b)]).normalized());
-      return at->second;
-    };
-    std::vector<std::array<std::int32_t, 3>> finer;
-    for (const auto& [a, b, c] : faces) {
-      const auto ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      finer.insert(finer.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
-    }
-    faces = std::move(finer);
-  }
-  Mesh mesh;
-  mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    mesh.points.row(static_cast<Eigen::Index>(i)) = 40 * points[i].transpose();
-  Triangles triangles(static_cast<Eigen::Index>(faces.size()), 3);
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    triangles.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
-  }
-  mesh.topology = Topology::make(mesh.points.rows(), std::move(triangles)).value();
-  return mesh;
-}
-
 /// What one frame of a drag costs on the core thread, job in to points out.
 Json drag_figures(int level) {
-  const Mesh mesh = ball(level);
+  const Mesh mesh = icosphere(level, 40);
   EditSession session(
       new_document("", nullptr, make_template({mesh.points, mesh.topology->triangles()}, "ball").value()));
   Stroke pull;

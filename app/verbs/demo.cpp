@@ -63,13 +63,10 @@ class HeadlessDemo {
   }
 
   Result<void> export_mesh(EditSession& session, const Volume& truth) {
-    const Mesh mesh = session.document().mesh();
-    MeshFile file = to_mesh_file(*session.document().reference);
-    if (auto done = write_mesh_file(file, written("template.ply")); !done) return done;
-    file.points = mesh.points;
-    file.landmarks.clear();
-    if (auto done = write_mesh_file(file, written("kidney.ply")); !done) return done;
-    const Volume labels = label_map(mesh, truth.geometry);
+    const Document& document = session.document();
+    if (auto done = write_mesh_file(to_mesh_file(*document.reference), written("template.ply")); !done) return done;
+    if (auto done = write_mesh_file(to_mesh_file(document, document.frame), written("kidney.ply")); !done) return done;
+    const Volume labels = label_map(document.mesh(), truth.geometry);
     report_.values["volume_ml"] = static_cast<double>(labels_of(labels)[1]) * truth.geometry.voxel_volume_mm3() / 1000;
     return write_volume(labels, written("kidney.nii.gz"));
   }

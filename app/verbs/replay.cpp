@@ -41,11 +41,7 @@ Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
   if (found == document.shapes.end()) {
     return fail(verb.file.string(), "has no mesh in frame " + std::to_string(frame) + "; choose another with --frame");
   }
-  MeshFile mesh = to_mesh_file(*document.reference);
-  mesh.points = *found->second.points;
-  mesh.stiffness = *document.stiffness;
-  mesh.stiffness_base = document.stiffness_base;
-  mesh.landmarks.clear();  // they lie where the template has them, not here
+  const MeshFile mesh = to_mesh_file(document, frame);
   if (auto written = write_mesh_file(mesh, verb.out); !written) return fail(written.error());
   const auto turned = turned_triangles(*document.reference->topology, *found->second.placed, mesh.points);
   return Report{{{"strokes", read->session.strokes()},

@@ -37,6 +37,17 @@ MeshFile to_mesh_file(const Template& reference) {
   return file;
 }
 
+MeshFile to_mesh_file(const Document& document, int frame) {
+  const Shape& shape = document.shapes.at(frame);
+  MeshFile file = to_mesh_file(*document.reference);
+  file.points = *shape.points;
+  file.stiffness = *document.stiffness;
+  file.stiffness_base = document.stiffness_base;
+  file.landmarks.clear();
+  for (const auto& [name, position] : shape.landmarks) file.landmarks.push_back({name, position});
+  return file;
+}
+
 Result<std::shared_ptr<const Template>> load_template(const std::string& source) {
   if (source.starts_with(built_in_prefix)) {
     const auto organ = organ_from_name(source.substr(built_in_prefix.size()));

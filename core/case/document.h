@@ -65,6 +65,9 @@ struct Document {
 /// A template from what a file holds; factors default to 1. Errors: Topology::make's.
 Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source);
 MeshFile to_mesh_file(const Template& reference);
+/// A shape of the case as a file holds it: its points, the case's stiffness, and the landmarks where they were placed
+/// in the image. `frame` must have a shape.
+MeshFile to_mesh_file(const Document& document, int frame);
 
 /// Reads a template file, or makes a built-in one ("built-in:kidney").
 Result<std::shared_ptr<const Template>> load_template(const std::string& source);

@@ -48,18 +48,19 @@ Result<void> EditSession::write(const Action& action) {
 Result<EditReport> EditSession::apply(Action action) {
   if (std::holds_alternative<Undo>(action) || std::holds_alternative<Redo>(action)) return travel(action);
   const auto start = std::chrono::steady_clock::now();
-  auto updated = update(document(), action, deformer_, Pass::commit);
-  if (!updated) return fail(updated.error());
+  int solves = 0;
   auto* stroke = std::get_if<Stroke>(&action);
   if (stroke != nullptr && stroke->tool == Tool::pull && !stroke->on) {
     // A pull remembers where on the surface it ended, so that replaying it needs no cursor path; what is kept is what
     // the line in the file gives, to the last bit: computed from the resolved stroke.
-    stroke->on = updated->report.on;
-    const int solves = updated->report.solves;
-    updated = update(document(), action, deformer_, Pass::commit);
-    if (!updated) return fail(updated.error());
-    updated->report.solves += solves;
+    const auto followed = update(document(), action, deformer_, Pass::preview);
+    if (!followed) return fail(followed.error());
+    stroke->on = followed->report.on;
+    solves = followed->report.solves;
   }
+  auto updated = update(document(), action, deformer_, Pass::commit);
+  if (!updated) return fail(updated.error());
+  updated->report.solves += solves;
   if (auto written = write(action); !written) return fail(written.error());
   solves_ += updated->report.solves;
   updated->report.solver_ms = milliseconds_since(start);

@@ -10,6 +10,7 @@ namespace homolog {
 
 namespace {
 
+constexpr double usual_reach_mm = 15;  // most drags are shorter; a longer one looks at more faces
 constexpr double quality_floor = 0.1;
 constexpr double kept_share =
     0.5;  // of a sliver's own quality: equal to it, the next touch of the sliver would freeze the tool
@@ -66,11 +67,17 @@ FoldGuard::FoldGuard(const Topology& topology, const Points& reference, const Po
 }
 
 void FoldGuard::set_response(const VertexScalars& response) {
+  response_ = response;
+  reach_mm_ = usual_reach_mm;
+  collect_strained();
+}
+
+void FoldGuard::collect_strained() {
   strained_.clear();
   const Triangles& triangles = topology_.triangles();
   for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
     const auto t = triangles.row(f);
-    const double du1 = response[t[1]] - response[t[0]], du2 = response[t[2]] - response[t[0]];
+    const double du1 = response_[t[1]] - response_[t[0]], du2 = response_[t[2]] - response_[t[0]];
     const double du3 = du2 - du1;
     const double strain = du1 * du1 + du2 * du2 + du3 * du3;
     if (strain < 1e-16) continue;
@@ -80,24 +87,24 @@ void FoldGuard::set_response(const VertexScalars& response) {
     const Vec3 e1 = b - a, e2 = c - a, e3 = c - b;
     const double area = m.dot(e1.cross(e2));  // twice the area as seen along the carried normal
     const double edges = e1.squaredNorm() + e2.squaredNorm() + e3.squaredNorm();
-    // The projected area never exceeds the true one, so holding the floor with it holds it, and keeps it positive.
     if (area <= 1e-12 * edges) continue;  // degenerate already
+    // The projected area never exceeds the true one, so holding the floor with it holds it, and keeps it positive.
     const double floor = std::min(floor_[f], kept_share * shape_factor * area / edges) / shape_factor;
-    Strained s;
-    s.c0 = area - floor * edges;
-    s.slope = m.cross(du2 * e1 - du1 * e2) - 2 * floor * (du1 * e1 + du2 * e2 + du3 * e3);
-    s.bend = floor * strain;
-    const double slope = s.slope.norm();
-    s.safe = 2 * s.c0 / (slope + std::sqrt(slope * slope + 4 * s.bend * s.c0));
-    strained_.push_back(s);
+    const Strained s{area - floor * edges, floor * strain,
+                     m.cross(du2 * e1 - du1 * e2) - 2 * floor * (du1 * e1 + du2 * e2 + du3 * e3)};
+    const double worst = s.slope.cwiseAbs().sum() + s.bend * reach_mm_;  // no direction is worse, a mm
+    if (s.c0 < worst * reach_mm_) strained_.push_back(s);
   }
 }
 
-double FoldGuard::largest_step(const Vec3& d) const {
+double FoldGuard::largest_step(const Vec3& d) {
   const double length = d.norm();
+  if (length > reach_mm_) {
+    reach_mm_ = 2 * length;
+    collect_strained();
+  }
   double step = 1;
   for (const Strained& s : strained_) {
-    if (s.safe >= length) continue;
     const double slope = s.slope.dot(d), bend = s.bend * length * length;
     if (s.c0 + step * (slope - step * bend) >= 0) continue;
     // Positive root of c0 + slope·t − bend·t² = 0, in the form without cancellation.

@@ -23,7 +23,7 @@ class FoldGuard {
   /// A t in 0…1, the largest that the closed form vouches for, at which no triangle of start + t·response·dᵀ is turned
   /// against its normal carried to the gesture's start or falls below the floor. Closed form: along the path a
   /// triangle's normal is linear in t, since d × d = 0.
-  double largest_step(const Vec3& d) const;
+  double largest_step(const Vec3& d);
 
   /// Whether `points` (reached in any way) holds no triangle that is turned, by the definition above, or below its
   /// floor, other than those that were so at the start.
@@ -33,18 +33,22 @@ class FoldGuard {
   double accepted_step(double longest, const std::function<Points(double)>& at) const;
 
  private:
+  void collect_strained();
+
   const Topology& topology_;
   const Points& reference_;
   const Points& start_;
   Points carried_;  ///< per face: the reference normal carried to the start, unit; zero where turned already
   VertexScalars floor_;
-  /// Per face that the response strains: the condition c0 + slope·d − bend·|d|² ≥ 0 at t = 1; `safe` is the length of d
-  /// below which it holds in every direction.
+  VertexScalars response_;
+  /// The faces that a displacement of up to `reach_mm_` could bring to their limit; with it the condition at t = 1:
+  /// c0 + slope·d − bend·|d|² ≥ 0.
   struct Strained {
-    double c0, bend, safe;
+    double c0, bend;
     Vec3 slope;
   };
   std::vector<Strained> strained_;
+  double reach_mm_ = 0;
 };
 
 }  // namespace homolog

@@ -37,6 +37,7 @@ void add_phantom(CLI::App& app, VerbRun& run);
 void add_picture(CLI::App& app, VerbRun& run);
 void add_replay(CLI::App& app, VerbRun& run);
 void add_study(CLI::App& app, VerbRun& run);
+void add_template(CLI::App& app, VerbRun& run);
 
 /// Adds a verb that reports: its `--json` flag is read by main.
 inline CLI::App* add_verb(CLI::App& app, const char* name, const char* description) {

@@ -136,6 +136,13 @@ double dice_of_meshes(const Mesh& a, const Mesh& b) {
 
 }  // namespace
 
+SurfaceDistance surface_distance(const Mesh& from, const Mesh& to) {
+  const SurfaceSearch search(to);
+  DirectedDistances distances(from, search);
+  const double area = distances.area_mm2();
+  return {area > 0 ? distances.integral_mm3() / area : 0, distances.percentile(0.95), distances.largest_mm()};
+}
+
 Agreement compare_meshes(const Mesh& a, const Mesh& b) {
   Agreement agreement;
   compare_surfaces(a, b, agreement);

@@ -19,6 +19,12 @@ struct Agreement {
   std::optional<double> vertex_mean_mm, vertex_max_mm;  ///< between equal indices, where topologies are equal
 };
 
+/// Distances from points of one surface, as for Agreement, to another, in mm.
+struct SurfaceDistance {
+  double mean_mm = 0, p95_mm = 0, max_mm = 0;
+};
+SurfaceDistance surface_distance(const Mesh& from, const Mesh& to);
+
 /// Against another mesh; Dice on a 0.5 mm grid, open meshes capped flat (coarser by powers of 2 beyond 2³¹ voxels; 1
 /// where both meshes are too small to hold a voxel).
 Agreement compare_meshes(const Mesh& a, const Mesh& b);

@@ -48,12 +48,15 @@ struct Slice {
   static constexpr int no_voxel = std::numeric_limits<int>::max() / 2;
 };
 
-/// Marching cubes over a padded grid, one layer of cubes after the other. The middle of a crossed grid edge becomes a
-/// vertex in the first cube that has the edge, which has it at its far side (the margin sees to that); later cubes find
-/// it, so that indices of two slices are all that is kept.
+/// Marching cubes over a padded grid, one layer of cubes after the other. A crossed grid edge gets a vertex in the
+/// first cube that has the edge, which has it at its far side (the margin sees to that); later cubes find it, so that
+/// indices of two slices are all that is kept. `Crossing(voxel, axis)` says where between `voxel` and the next one
+/// along `axis` the surface runs, as a share of that edge; `voxel` is counted on the grid without padding.
+template <class Crossing>
 class Marcher {
  public:
-  Marcher(int padded_i, int padded_j) : width_(padded_i), height_(padded_j) {
+  Marcher(int padded_i, int padded_j, Crossing crossing)
+      : width_(padded_i), height_(padded_j), crossing_(std::move(crossing)) {
     const std::size_t size = index(padded_i) * index(padded_j);
     for (auto& layer : {&along_i_[0], &along_i_[1], &along_j_[0], &along_j_[1], &along_k_}) layer->resize(size);
   }
@@ -75,7 +78,7 @@ class Marcher {
     }
   }
 
-  const std::vector<Vec3>& vertices() const { return vertices_; }  ///< in padded voxels
+  const std::vector<Vec3>& vertices() const { return vertices_; }  ///< in voxels of the grid without padding
   const std::vector<std::int32_t>& corners() const { return corners_; }
 
  private:
@@ -92,15 +95,18 @@ class Marcher {
     for (unsigned axis = 0; axis < 3; ++axis) {
       if ((cube >> 7 & 1u) == (cube >> (7 ^ 1u << axis) & 1u)) continue;
       vertex_on(4 * axis + 3, at) = static_cast<std::int32_t>(vertices_.size());
-      Vec3 middle = Vec3(at[0], at[1], at[2]) + Vec3::Ones();
-      middle[axis] -= 0.5;
-      vertices_.push_back(middle);
+      std::array<int, 3> voxel = at;  // the cube's far corner is `at` on the grid without padding
+      --voxel[axis];
+      Vec3 vertex(voxel[0], voxel[1], voxel[2]);
+      vertex[axis] += crossing_(voxel, axis);
+      vertices_.push_back(vertex);
     }
     for (const auto& triangle : cases_.triangles[cube])
       for (const std::uint8_t edge : triangle) corners_.push_back(vertex_on(edge, at));
   }
 
   int width_, height_;
+  Crossing crossing_;
   const CubeCases& cases_ = cube_cases();
   std::array<std::vector<std::int32_t>, 2> along_i_, along_j_;  ///< of even and odd slices
   std::vector<std::int32_t> along_k_;
@@ -108,41 +114,21 @@ class Marcher {
   std::vector<std::int32_t> corners_;
 };
 
-/// Fills `slice` from the voxels of slice k (outside the grid: with nothing).
-void read_slice(const Volume& mask, int label, int frame, int k, Slice& slice) {
-  const int size_i = mask.geometry.dims[0], size_j = mask.geometry.dims[1], size_k = mask.geometry.dims[2];
-  slice.clear();
-  if (k < 0 || k >= size_k) return;
-  const std::size_t start = (index(frame) * index(size_k) + index(k)) * index(size_j) * index(size_i);
-  std::visit(
-      [&](const auto& voxels) {
-        auto voxel = voxels.begin() + static_cast<std::ptrdiff_t>(start);
-        for (int j = 1; j <= size_j; ++j)
-          for (int i = 1; i <= size_i; ++i)
-            if (has_label(*voxel++, label)) slice.set(i, j);
-      },
-      mask.data);
-}
-
-}  // namespace
-
-Result<Mesh> mask_surface(const Volume& mask, int label, int frame) {
-  assert(frame >= 0 && frame < mask.frames);
-  const VolumeGeometry& grid = mask.geometry;
-  Marcher marcher(grid.dims[0] + 2, grid.dims[1] + 2);
+/// The surface between the voxels that `fill_slice(k, slice)` sets and the others.
+template <class FillSlice, class Crossing>
+Result<Mesh> marched(const VolumeGeometry& grid, FillSlice fill_slice, Crossing crossing) {
+  Marcher<Crossing> marcher(grid.dims[0] + 2, grid.dims[1] + 2, std::move(crossing));
   Slice below(grid.dims[0] + 2, grid.dims[1] + 2), above = below;
   for (int k = -1; k < grid.dims[2]; ++k) {  // slice k of the grid is slice k + 1 of the padded one
-    read_slice(mask, label, frame, k + 1, above);
+    above.clear();
+    if (k + 1 < grid.dims[2]) fill_slice(k + 1, above);
     if (!below.empty() || !above.empty()) marcher.march(below, above, k + 1);
     std::swap(below, above);
   }
-  if (marcher.corners().empty())
-    return fail("", "label " + std::to_string(label) + " does not occur in the label map; name one that does");
-
   Mesh mesh;
   mesh.points.resize(static_cast<Eigen::Index>(marcher.vertices().size()), 3);
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
-    mesh.points.row(v) = grid.to_mm(marcher.vertices()[static_cast<std::size_t>(v)] - Vec3::Ones());
+    mesh.points.row(v) = grid.to_mm(marcher.vertices()[static_cast<std::size_t>(v)]);
   Triangles triangles =
       Eigen::Map<const Triangles>(marcher.corners().data(), static_cast<Eigen::Index>(marcher.corners().size() / 3), 3);
   if (grid.direction.determinant() < 0) triangles.col(1).swap(triangles.col(2));
@@ -150,6 +136,50 @@ Result<Mesh> mask_surface(const Volume& mask, int label, int frame) {
   if (!topology) return fail(topology.error());
   mesh.topology = std::move(*topology);
   return mesh;
+}
+
+}  // namespace
+
+Result<Mesh> mask_surface(const Volume& mask, int label, int frame) {
+  assert(frame >= 0 && frame < mask.frames);
+  const auto [size_i, size_j, size_k] = mask.geometry.dims;
+  bool occurs = false;
+  const auto fill_slice = [&](int k, Slice& slice) {
+    const std::size_t start = (index(frame) * index(size_k) + index(k)) * index(size_j) * index(size_i);
+    std::visit(
+        [&](const auto& voxels) {
+          auto voxel = voxels.begin() + static_cast<std::ptrdiff_t>(start);
+          for (int j = 1; j <= size_j; ++j)
+            for (int i = 1; i <= size_i; ++i)
+              if (has_label(*voxel++, label)) {
+                slice.set(i, j);
+                occurs = true;
+              }
+        },
+        mask.data);
+  };
+  auto surface = marched(mask.geometry, fill_slice, [](const std::array<int, 3>&, unsigned) { return 0.5; });
+  if (!occurs)
+    return fail("", "label " + std::to_string(label) + " does not occur in the label map; name one that does");
+  return surface;
+}
+
+Result<Mesh> zero_surface(std::span<const float> values, const VolumeGeometry& grid) {
+  assert(values.size() == grid.voxels());
+  const std::array<std::size_t, 3> stride{1, index(grid.dims[0]), index(grid.dims[0]) * index(grid.dims[1])};
+  const auto fill_slice = [&](int k, Slice& slice) {
+    const float* value = values.data() + index(k) * stride[2];
+    for (int j = 1; j <= grid.dims[1]; ++j)
+      for (int i = 1; i <= grid.dims[0]; ++i)
+        if (*value++ < 0) slice.set(i, j);
+  };
+  const auto crossing = [&](const std::array<int, 3>& voxel, unsigned axis) {
+    if (voxel[axis] < 0 || voxel[axis] + 1 >= grid.dims[axis]) return 0.5;
+    const std::size_t v = index(voxel[0]) + index(voxel[1]) * stride[1] + index(voxel[2]) * stride[2];
+    const double here = values[v], there = values[v + stride[axis]];
+    return std::clamp(here / (here - there), 0.01, 0.99);  // apart from the corner, where vertices would coincide
+  };
+  return marched(grid, fill_slice, crossing);
 }
 
 }  // namespace homolog

@@ -47,18 +47,23 @@ double angle(const Vec3& u, const Vec3& v) {
 
 }  // namespace
 
+double smallest_angle_deg(const Mesh& mesh, Eigen::Index face) {
+  double smallest = std::numbers::pi;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 at = corner(mesh, face, k);
+    smallest = std::min(smallest, angle(corner(mesh, face, (k + 1) % 3) - at, corner(mesh, face, (k + 2) % 3) - at));
+  }
+  return smallest * 180 / std::numbers::pi;
+}
+
 MeshQuality mesh_quality(const Mesh& mesh) {
   MeshQuality quality;
   measure_edges(mesh, quality);
-  double smallest = std::numbers::pi;
+  quality.min_angle_deg = 180;
   for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f) {
     quality.area_mm2 += area_normal(mesh, f).norm() / 2;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 at = corner(mesh, f, k);
-      smallest = std::min(smallest, angle(corner(mesh, f, (k + 1) % 3) - at, corner(mesh, f, (k + 2) % 3) - at));
-    }
+    quality.min_angle_deg = std::min(quality.min_angle_deg, smallest_angle_deg(mesh, f));
   }
-  quality.min_angle_deg = smallest * 180 / std::numbers::pi;
   quality.self_intersections = self_intersections(mesh).size();
   quality.volume_ml = enclosed_volume_ml(mesh);
   return quality;

@@ -19,6 +19,9 @@ struct MeshQuality {
 
 MeshQuality mesh_quality(const Mesh& mesh);
 
+/// The smallest of a face's three angles.
+double smallest_angle_deg(const Mesh& mesh, Eigen::Index face);
+
 /// Pairs of faces that share no vertex and intersect, or that share a vertex (or an edge) and intersect beyond it.
 std::vector<std::array<std::int32_t, 2>> self_intersections(const Mesh& mesh);
 

@@ -1,9 +1,12 @@
 #include "core/mesh/remesh.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
+#include <vector>
 
 namespace homolog {
 namespace {
@@ -72,18 +75,24 @@ bool may_move(const HalfEdgeMesh& mesh, HalfEdgeMesh::VertexHandle vertex, HalfE
   return true;
 }
 
+/// Makes one vertex of an edge's two, in its middle; false where that would fold the surface, change its topology or
+/// make an edge longer than `limit_mm`.
+bool collapse(HalfEdgeMesh& mesh, OpenMesh::EdgeHandle edge, double limit_mm) {
+  const auto h = mesh.halfedge_handle(edge, 0);
+  const auto from = mesh.from_vertex_handle(h), to = mesh.to_vertex_handle(h);
+  const Vec3d middle = mesh.calc_edge_midpoint(edge);
+  if (!mesh.is_collapse_ok(h) || !may_move(mesh, from, to, middle, limit_mm) ||
+      !may_move(mesh, to, from, middle, limit_mm))
+    return false;
+  mesh.collapse(h);
+  mesh.set_point(to, middle);
+  return true;
+}
+
 void collapse_short_edges(HalfEdgeMesh& mesh, double least_mm, double limit_mm) {
   for (int e = 0; e < static_cast<int>(mesh.n_edges()); ++e) {
     const OpenMesh::EdgeHandle edge(e);
-    if (mesh.status(edge).deleted() || mesh.calc_edge_length(edge) >= least_mm) continue;
-    const auto h = mesh.halfedge_handle(edge, 0);
-    const auto from = mesh.from_vertex_handle(h), to = mesh.to_vertex_handle(h);
-    const Vec3d middle = mesh.calc_edge_midpoint(edge);
-    if (!mesh.is_collapse_ok(h) || !may_move(mesh, from, to, middle, limit_mm) ||
-        !may_move(mesh, to, from, middle, limit_mm))
-      continue;
-    mesh.collapse(h);
-    mesh.set_point(to, middle);
+    if (!mesh.status(edge).deleted() && mesh.calc_edge_length(edge) < least_mm) collapse(mesh, edge, limit_mm);
   }
   mesh.garbage_collection();
 }
@@ -112,7 +121,7 @@ void even_valences(HalfEdgeMesh& mesh) {
 }
 
 /// Every vertex to the area-weighted centre of the faces around it, along the surface only, then back onto it.
-void relax_tangentially(HalfEdgeMesh& mesh, const std::function<Vec3(const Vec3&)>& project) {
+void relax_tangentially(HalfEdgeMesh& mesh, const Projection& project) {
   std::vector<Vec3d> moved(mesh.n_vertices());
   for (const auto v : mesh.vertices()) {
     Vec3d normal(0, 0, 0), centre(0, 0, 0);
@@ -134,21 +143,79 @@ void relax_tangentially(HalfEdgeMesh& mesh, const std::function<Vec3(const Vec3&
   }
 }
 
+void one_round(HalfEdgeMesh& mesh, double edge_mm, const Projection& project) {
+  split_long_edges(mesh, edge_mm * 4 / 3);
+  collapse_short_edges(mesh, edge_mm * 4 / 5, edge_mm * 4 / 3);
+  even_valences(mesh);
+  relax_tangentially(mesh, project);
+}
+
+/// The count is settled; only the spread still improves.
+void spread_evenly(HalfEdgeMesh& mesh, const Projection& project, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
+    even_valences(mesh);
+    relax_tangentially(mesh, project);
+  }
+}
+
+/// Edges by length, from the longest or from the shortest.
+std::vector<OpenMesh::EdgeHandle> edges_by_length(const HalfEdgeMesh& mesh, bool longest_first) {
+  std::vector<std::pair<double, int>> order;
+  for (const auto edge : mesh.edges()) {
+    const double length = mesh.calc_edge_sqr_length(edge);
+    order.emplace_back(longest_first ? -length : length, edge.idx());
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<OpenMesh::EdgeHandle> edges;
+  for (const auto& [length, edge] : order) edges.emplace_back(edge);
+  return edges;
+}
+
+/// Splits the longest or collapses the shortest edges until there are `vertices`.
+void settle_count(HalfEdgeMesh& mesh, std::size_t vertices) {
+  if (mesh.n_vertices() < vertices) {
+    for (const auto edge : edges_by_length(mesh, true)) {
+      if (mesh.n_vertices() == vertices) break;
+      mesh.split(edge, mesh.calc_edge_midpoint(edge));
+    }
+  } else {
+    std::size_t excess = mesh.n_vertices() - vertices;
+    const double no_limit_mm = std::numeric_limits<double>::infinity();
+    for (const auto edge : edges_by_length(mesh, false)) {
+      if (excess == 0) break;
+      if (!mesh.status(edge).deleted() && collapse(mesh, edge, no_limit_mm)) --excess;
+    }
+    mesh.garbage_collection();
+  }
+}
+
 }  // namespace
 
-Mesh remesh(const Mesh& mesh, double edge_mm, const std::function<Vec3(const Vec3&)>& project) {
+Mesh remesh(const Mesh& mesh, double edge_mm, const Projection& project) {
   assert(mesh.topology->closed());
   HalfEdgeMesh half_edges = half_edges_of(mesh);
-  for (int round = 0; round < 10; ++round) {
-    split_long_edges(half_edges, edge_mm * 4 / 3);
-    collapse_short_edges(half_edges, edge_mm * 4 / 5, edge_mm * 4 / 3);
-    even_valences(half_edges);
-    relax_tangentially(half_edges, project);
+  for (int round = 0; round < 10; ++round) one_round(half_edges, edge_mm, project);
+  spread_evenly(half_edges, project, 20);
+  return mesh_of(half_edges);
+}
+
+Mesh remesh_to_count(const Mesh& mesh, int vertices, const Projection& project, Progress* progress) {
+  assert(mesh.topology->closed() && vertices >= 4);
+  const auto wanted = static_cast<std::size_t>(vertices);
+  HalfEdgeMesh half_edges = half_edges_of(mesh);
+  double area_mm2 = 0;
+  for (const auto f : half_edges.faces()) area_mm2 += half_edges.calc_face_area(f);
+  double edge_mm = std::sqrt(area_mm2 * 2 / (std::sqrt(3.0) * vertices));  // of as many equilateral triangles
+  const int attempts = 8;
+  for (int attempt = 0; attempt < attempts && !(progress && progress->cancelled()); ++attempt) {
+    for (int round = 0; round < (attempt == 0 ? 6 : 3); ++round) one_round(half_edges, edge_mm, project);
+    const double surplus = static_cast<double>(half_edges.n_vertices()) / static_cast<double>(wanted);
+    if (progress) progress->report(0.8 * (attempt + 1) / attempts);
+    if (std::abs(surplus - 1) < 0.01) break;
+    edge_mm *= std::sqrt(surplus);
   }
-  for (int round = 0; round < 20; ++round) {  // the count is settled; only the spread still improves
-    even_valences(half_edges);
-    relax_tangentially(half_edges, project);
-  }
+  settle_count(half_edges, wanted);
+  spread_evenly(half_edges, project, 30);
   return mesh_of(half_edges);
 }
 

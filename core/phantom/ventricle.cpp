@@ -2,6 +2,7 @@
 #include <functional>
 #include <numbers>
 
+#include "core/mesh/tube_mesh.h"
 #include "core/mesh/voxelise.h"
 #include "core/phantom/chest.h"
 #include "core/phantom/deformation.h"
@@ -74,22 +75,6 @@ Points endocardium(const BeatingVentricle& ventricle, const std::vector<double>&
   return points;
 }
 
-Triangles ring_sector_triangles() {
-  Triangles triangles(2 * (rings - 1) * sectors + sectors, 3);
-  Eigen::Index face = 0;
-  const auto vertex = [](int ring, int sector) { return ring * sectors + sector % sectors; };
-  for (int ring = 0; ring + 1 < rings; ++ring)
-    for (int sector = 0; sector < sectors; ++sector) {
-      const int a = vertex(ring, sector), b = vertex(ring, sector + 1);
-      const int c = vertex(ring + 1, sector), d = vertex(ring + 1, sector + 1);
-      triangles.row(face++) << a, c, b;
-      triangles.row(face++) << b, c, d;
-    }
-  for (int sector = 0; sector < sectors; ++sector)
-    triangles.row(face++) << vertex(rings - 1, sector), rings * sectors, vertex(rings - 1, sector + 1);
-  return triangles;
-}
-
 std::vector<Landmark> landmarks_of(const Points& points) {
   const auto at = [&](int ring, int sector) { return Vec3(points.row(ring * sectors + sector)); };
   return {{"apex", Vec3(points.row(rings * sectors))},
@@ -106,7 +91,7 @@ MeshFile surface(const BeatingVentricle::Dimensions& dimensions, double time, co
   mesh.points = endocardium(BeatingVentricle(dimensions, time), ring_heights({}));
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
     mesh.points.row(i) = deformation.to_subject(to_patient(Vec3(mesh.points.row(i)))).transpose();
-  mesh.triangles = ring_sector_triangles();
+  mesh.triangles = tube_triangles(rings, sectors);
   mesh.stiffness = VertexScalars::Ones(mesh.points.rows());
   mesh.landmarks = landmarks_of(mesh.points);
   return mesh;

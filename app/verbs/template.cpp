@@ -1,0 +1,213 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "app/verbs/describe.h"
+#include "app/verbs/verb.h"
+#include "core/mesh/mesh_io.h"
+#include "core/template/mask_template.h"
+#include "core/template/mesh_template.h"
+#include "core/template/tube_template.h"
+#include "core/volume/volume_io.h"
+
+// The verb `template`: a reference mesh from a label map or from an existing surface.
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Options {
+  fs::path in, out;
+  int label = 0, frame = 0, vertices = 2500;
+  double closing_mm = MaskTemplateOptions{}.closing_mm, opening_mm = MaskTemplateOptions{}.opening_mm;
+  std::string genus = "auto";
+  bool tube = false, capped = false;
+  int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;
+  std::vector<double> axis;
+};
+
+Json json_of(const SurfaceDistance& distance) {
+  return {{"mean", distance.mean_mm}, {"p95", distance.p95_mm}, {"max", distance.max_mm}};
+}
+
+std::string how_cut(const CutTunnel& tunnel) {
+  return tunnel.how == CutTunnel::How::filled ? "filled" : "severed";
+}
+
+/// A mesh ready to be written as a template: uniform stiffness, and how it was made.
+MeshFile template_file(const Mesh& mesh, const Json& provenance) {
+  MeshFile file;
+  file.points = mesh.points;
+  file.triangles = mesh.topology->triangles();
+  file.stiffness = VertexScalars::Ones(mesh.points.rows());
+  file.comments.push_back("homolog.units mm");
+  file.comments.push_back("homolog.provenance " + provenance.dump());
+  return file;
+}
+
+Result<Report> finish(const MeshFile& file, const fs::path& out, Json further, std::vector<std::string> warnings) {
+  auto report = describe(file, out);
+  if (!report) return report;
+  report->values.update(further);
+  report->warnings = std::move(warnings);
+  if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
+  return report;
+}
+
+Result<GenusRule> genus_rule(const std::string& text) {
+  GenusRule rule;
+  if (text == "auto") return rule;
+  rule.kind = text == "keep" ? GenusRule::Kind::keep : GenusRule::Kind::number;
+  if (rule.kind == GenusRule::Kind::number) rule.genus = std::stoi(text);  // checked when parsed
+  return rule;
+}
+
+Result<Report> from_mask(const Options& options, const Volume& mask, int label, std::vector<std::string> warnings,
+                         Progress& progress) {
+  MaskTemplateOptions making;
+  making.label = label;
+  making.frame = options.frame;
+  making.vertices = options.vertices;
+  making.closing_mm = options.closing_mm;
+  making.opening_mm = options.opening_mm;
+  making.genus = *genus_rule(options.genus);
+  const auto made = make_mask_template(mask, making, &progress);
+  if (!made) return fail(options.in.string(), made.error().what);
+  warnings.insert(warnings.end(), made->warnings.begin(), made->warnings.end());
+
+  Json tunnels = Json::array();
+  for (const CutTunnel& tunnel : made->tunnels)
+    tunnels.push_back(
+        {{"at_mm", homolog::json_of(tunnel.at_mm)}, {"below_mm", tunnel.width_mm}, {"how", how_cut(tunnel)}});
+  const Json removed{{"islands_ml", made->islands_ml},
+                     {"cavities", made->cavities},
+                     {"cavities_ml", made->cavities_ml},
+                     {"tunnels", tunnels}};
+  const Json provenance{{"source", options.in.filename().string()},
+                        {"label", label},
+                        {"frame", options.frame},
+                        {"vertices", options.vertices},
+                        {"closing_mm", options.closing_mm},
+                        {"opening_mm", options.opening_mm},
+                        {"genus", options.genus}};
+  return finish(template_file(made->mesh, provenance), options.out,
+                {{"distance_to_mask_mm", json_of(made->to_mask)},
+                 {"distance_from_mask_mm", json_of(made->from_mask)},
+                 {"resampled_mm", made->resampled_mm},
+                 {"removed", removed}},
+                std::move(warnings));
+}
+
+Result<Report> tube(const Options& options, const Volume& mask, int label, std::vector<std::string> warnings) {
+  TubeTemplateOptions making;
+  making.label = label;
+  making.frame = options.frame;
+  making.rings = options.rings;
+  making.sectors = options.sectors;
+  making.capped = options.capped;
+  if (options.outer_label != 0) making.outer_label = options.outer_label;
+  if (!options.axis.empty()) making.axis = Vec3(options.axis.data());
+  const auto made = make_tube_template(mask, making);
+  if (!made) return fail(options.in.string(), made.error().what);
+  warnings.insert(warnings.end(), made->warnings.begin(), made->warnings.end());
+  Json provenance{{"source", options.in.filename().string()},
+                  {"label", label},
+                  {"frame", options.frame},
+                  {"tube", true},
+                  {"rings", options.rings},
+                  {"sectors", options.sectors},
+                  {"axis", homolog::json_of(made->axis)}};
+  if (making.outer_label) provenance["outer_label"] = *making.outer_label;
+  return finish(template_file(made->mesh, provenance), options.out,
+                {{"distance_to_mask_mm", json_of(made->to_mask)},
+                 {"distance_from_mask_mm", json_of(made->from_mask)},
+                 {"axis", homolog::json_of(made->axis)}},
+                std::move(warnings));
+}
+
+Result<Report> from_mesh(const Options& options, Progress& progress) {
+  const auto surface = read_mesh_file(options.in);
+  if (!surface) return fail(surface.error());
+  auto made = make_mesh_template(*surface, options.vertices, &progress);
+  if (!made) return fail(options.in.string(), made.error().what);
+  MeshFile file =
+      template_file(made->mesh, {{"source", options.in.filename().string()}, {"vertices", options.vertices}});
+  file.landmarks = surface->landmarks;
+  return finish(file, options.out,
+                {{"distance_to_mesh_mm", json_of(made->to_mesh)}, {"distance_from_mesh_mm", json_of(made->from_mesh)}},
+                std::move(made->warnings));
+}
+
+Result<Report> make_template_file(const Options& options, Progress& progress) {
+  if (is_mesh_name(options.in)) {
+    if (options.tube)
+      return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
+    return from_mesh(options, progress);
+  }
+  VolumeReadOptions reading;
+  reading.progress = &progress;
+  const auto mask = read_volume(options.in, reading);
+  if (!mask) return fail(mask.error());
+  if (options.frame >= mask->volume.frames)
+    return fail(options.in.string(),
+                "has " + std::to_string(mask->volume.frames) + " frames, counted from 0; choose --frame among them");
+  const auto label = options.label != 0 ? Result<int>(options.label) : only_label(mask->volume, options.frame);
+  if (!label) return fail(options.in.string(), label.error().what + std::string(" by --label"));
+  return options.tube ? tube(options, mask->volume, *label, mask->warnings)
+                      : from_mask(options, mask->volume, *label, mask->warnings, progress);
+}
+
+}  // namespace
+
+void add_template(CLI::App& app, VerbRun& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, "template", "A reference mesh from a label map or from an existing surface");
+  verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over")->required();
+  verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness and provenance)")
+      ->required();
+  verb->add_option("--label", options->label, "Which label of the mask, where it holds several")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--frame", options->frame, "Which frame of a cine label map, from 0")->check(CLI::NonNegativeNumber);
+  verb->add_option("--vertices", options->vertices, "How many landmarks")
+      ->check(CLI::Range(100, 200000))
+      ->capture_default_str();
+  verb->add_option("--closing-mm", options->closing_mm, "Radius in mm of the closing: narrower clefts are filled")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  verb->add_option("--opening-mm", options->opening_mm, "Radius in mm of the opening: thinner spurs are removed")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  verb->add_option(
+          "--genus", options->genus,
+          "auto: tunnels narrower than 5 mm are cut; keep: none; a number: the narrowest, until so many are left")
+      ->check(CLI::IsMember({"auto", "keep"}) | CLI::Range(0, 1000))
+      ->capture_default_str();
+  auto* tube_flag =
+      verb->add_flag("--tube", options->tube, "A ring × sector grid along the main axis (left ventricle)");
+  verb->add_option("--rings", options->rings, "Rings of a tube, base to apex")
+      ->check(CLI::Range(3, 1000))
+      ->needs(tube_flag)
+      ->capture_default_str();
+  verb->add_option("--sectors", options->sectors, "Vertices of a ring")
+      ->check(CLI::Range(6, 1000))
+      ->needs(tube_flag)
+      ->capture_default_str();
+  verb->add_option("--axis", options->axis, "X,Y,Z direction from the base to the apex (LPS)")
+      ->delimiter(',')
+      ->expected(3)
+      ->needs(tube_flag);
+  verb->add_flag("--capped", options->capped, "Close the tube's base with a flat fan")->needs(tube_flag);
+  verb->add_option("--outer-label", options->outer_label,
+                   "Label of the wall around: a second sheet (epicardium) in the same mesh")
+      ->check(CLI::PositiveNumber)
+      ->needs(tube_flag);
+  verb->callback([options, &run] {
+    if (!options->axis.empty() && Vec3(options->axis.data()).norm() < 1e-9)
+      throw CLI::ValidationError("--axis", "needs a direction other than 0,0,0");
+    run = [options](Progress& progress) { return make_template_file(*options, progress); };
+  });
+}
+
+}  // namespace homolog

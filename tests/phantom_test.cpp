@@ -64,8 +64,8 @@ TEST_CASE("the deformation of every subject is undone by its inverse and subject
 }
 
 TEST_CASE("the same number gives the same voxels on every machine") {
-  CHECK(hash_of(make_phantom(Organ::kidney, 3, coarse_mm)) == 0x02447e62ef32a808U);
-  CHECK(hash_of(make_phantom(Organ::vertebra, 3, coarse_mm)) == 0x8013976480d57416U);
+  CHECK(hash_of(make_phantom(Organ::kidney, 3, coarse_mm)) == 0x2b5e1b5fd0c2c64aU);
+  CHECK(hash_of(make_phantom(Organ::vertebra, 3, coarse_mm)) == 0xea5f97287ff6ae13U);
   CHECK(hash_of(make_phantom(Organ::ventricle, 3, coarse_mm)) == 0x534e228d155cb333U);
 }
 

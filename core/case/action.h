@@ -22,6 +22,55 @@ struct PaintStiffness {
   double radius_mm = 10, value = 10, soft = 0;
   bool operator==(const PaintStiffness&) const = default;
 };
+/// Draws each factor within `radius_mm` towards the mean of its one-ring; the edge of the brush is soft.
+struct SmoothStiffness {
+  Vec3 at = Vec3::Zero();
+  double radius_mm = 10, strength = 0.5;
+  bool operator==(const SmoothStiffness&) const = default;
+};
+/// Brings landmarks into a named region and gives them its factor, as PaintStiffness does; without a name takes them
+/// out of every region, factor 1.
+struct PaintRegion {
+  std::string name;
+  Vec3 at = Vec3::Zero();
+  double radius_mm = 10, soft = 0;
+  bool operator==(const PaintRegion&) const = default;
+};
+/// Brings all landmarks that hang together with the one nearest to `at` into a region: those of the same region as
+/// it, or of these the ones whose mean curvature differs from its own by at most a tolerance.
+struct FillRegion {
+  enum class By { region, curvature };
+  std::string name;
+  Vec3 at = Vec3::Zero();
+  By by = By::region;
+  double tolerance_per_mm = 0.05;
+  bool operator==(const FillRegion&) const = default;
+};
+/// Adds a region, or gives the one of that name another factor (its landmarks' factors change by the same ratio) and
+/// colour.
+struct SetRegion {
+  Region region;
+  bool operator==(const SetRegion&) const = default;
+};
+/// Forgets a region; its landmarks keep their factors.
+struct RemoveRegion {
+  std::string name;
+  bool operator==(const RemoveRegion&) const = default;
+};
+/// Gives every landmark a factor, from an array of a mesh file.
+struct SetStiffnessFactors {
+  std::shared_ptr<const VertexScalars> factors;
+  bool operator==(const SetStiffnessFactors& other) const {
+    return factors == other.factors || (factors && other.factors && *factors == *other.factors);
+  }
+};
+/// Names the point of the template's surface that lies nearest to `at` on the mesh as it is now, moves that landmark,
+/// or (without a position) takes it away.
+struct SetTemplateLandmark {
+  std::string name;
+  std::optional<Vec3> at;
+  bool operator==(const SetTemplateLandmark&) const = default;
+};
 struct SetStiffnessBase {
   double base = 10;
   bool operator==(const SetStiffnessBase&) const = default;
@@ -77,8 +126,10 @@ struct Redo {
   bool operator==(const Redo&) const = default;
 };
 
-using Action = std::variant<Stroke, SetPlacement, PaintStiffness, SetStiffnessBase, Confirm, SetScheme, SetSpacing,
-                            PlaceLandmark, SetLandmarkFit, MirrorTemplate, SetFrame, StartFrameFrom, Note, Undo, Redo>;
+using Action = std::variant<Stroke, SetPlacement, PaintStiffness, SmoothStiffness, PaintRegion, FillRegion, SetRegion,
+                            RemoveRegion, SetStiffnessFactors, SetStiffnessBase, Confirm, SetScheme, SetSpacing,
+                            SetTemplateLandmark, PlaceLandmark, SetLandmarkFit, MirrorTemplate, SetFrame,
+                            StartFrameFrom, Note, Undo, Redo>;
 
 /// What an edit did, for the interface: shown during a drag and when it is done.
 struct EditReport {

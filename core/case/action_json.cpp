@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 namespace homolog {
 
@@ -15,6 +16,8 @@ constexpr std::array<std::pair<const char*, Tool>, 4> tool_names{
     {{"pull", Tool::pull}, {"grab", Tool::grab}, {"slide", Tool::slide}, {"relax", Tool::relax}}};
 constexpr std::array<std::pair<const char*, Scheme>, 3> scheme_names{
     {{"anchored", Scheme::anchored}, {"paper", Scheme::paper}, {"raw", Scheme::raw}}};
+constexpr std::array<std::pair<const char*, FillRegion::By>, 2> fill_names{
+    {{"region", FillRegion::By::region}, {"curvature", FillRegion::By::curvature}}};
 constexpr std::array<std::pair<const char*, LandmarkFit>, 3> fit_names{
     {{"off", LandmarkFit::off}, {"similarity", LandmarkFit::similarity}, {"warp", LandmarkFit::warp}}};
 
@@ -94,6 +97,38 @@ Action stiffness(const Json& value) {
                         value.value("soft", 0.0)};
 }
 
+Action smooth_stiffness(const Json& value) {
+  return SmoothStiffness{point(value, "at"), value.at("radius_mm").get<double>(), value.value("strength", 0.5)};
+}
+
+Action paint_region(const Json& value) {
+  return PaintRegion{value.at("name").get<std::string>(), point(value, "at"), value.at("radius_mm").get<double>(),
+                     value.value("soft", 0.0)};
+}
+
+Action fill_region(const Json& value) {
+  return FillRegion{value.at("name").get<std::string>(), point(value, "at"), named(fill_names, value.at("by")),
+                    value.value("tolerance_per_mm", FillRegion{}.tolerance_per_mm)};
+}
+
+Action region(const Json& value) {
+  const auto colour = colour_from_hex(value.at("colour").get<std::string>());
+  if (!colour) throw Unreadable{"\"colour\" is not \"#rrggbb\""};
+  return SetRegion{{value.at("name").get<std::string>(), value.at("factor").get<double>(), *colour}};
+}
+
+Action stiffness_factors(const Json& value) {
+  const auto factors = value.get<std::vector<double>>();
+  return SetStiffnessFactors{std::make_shared<const VertexScalars>(
+      Eigen::Map<const VertexScalars>(factors.data(), static_cast<Eigen::Index>(factors.size())))};
+}
+
+Action template_landmark(const Json& value) {
+  SetTemplateLandmark named{value.at("name").get<std::string>(), {}};
+  if (value.contains("at") && !value.at("at").is_null()) named.at = point(value, "at");
+  return named;
+}
+
 Action confirm(const Json& value) {
   return Confirm{point(value, "at"), value.at("radius_mm").get<double>(), value.value("hold", true)};
 }
@@ -113,6 +148,13 @@ const Spelling spellings[] = {
     {"tool", [](const Json&, const Json& line) { return stroke(line); }},
     {"placement", [](const Json& value, const Json&) -> Action { return SetPlacement{similarity(value)}; }},
     {"stiffness", [](const Json& value, const Json&) { return stiffness(value); }},
+    {"smooth_stiffness", [](const Json& value, const Json&) { return smooth_stiffness(value); }},
+    {"paint_region", [](const Json& value, const Json&) { return paint_region(value); }},
+    {"fill_region", [](const Json& value, const Json&) { return fill_region(value); }},
+    {"region", [](const Json& value, const Json&) { return region(value); }},
+    {"remove_region", [](const Json& value, const Json&) -> Action { return RemoveRegion{value.get<std::string>()}; }},
+    {"stiffness_factors", [](const Json& value, const Json&) { return stiffness_factors(value); }},
+    {"template_landmark", [](const Json& value, const Json&) { return template_landmark(value); }},
     {"stiffness_base", [](const Json& value, const Json&) -> Action { return SetStiffnessBase{value.get<double>()}; }},
     {"confirm", [](const Json& value, const Json&) { return confirm(value); }},
     {"scheme",
@@ -146,6 +188,27 @@ struct Writer {
   Json operator()(const SetPlacement& a) const { return {{"placement", to_json(a.placement)}}; }
   Json operator()(const PaintStiffness& a) const {
     return {{"stiffness", {{"at", json_of(a.at)}, {"radius_mm", a.radius_mm}, {"value", a.value}, {"soft", a.soft}}}};
+  }
+  Json operator()(const SmoothStiffness& a) const {
+    return {{"smooth_stiffness", {{"at", json_of(a.at)}, {"radius_mm", a.radius_mm}, {"strength", a.strength}}}};
+  }
+  Json operator()(const PaintRegion& a) const {
+    return {{"paint_region", {{"name", a.name}, {"at", json_of(a.at)}, {"radius_mm", a.radius_mm}, {"soft", a.soft}}}};
+  }
+  Json operator()(const FillRegion& a) const {
+    Json fill{{"name", a.name}, {"at", json_of(a.at)}, {"by", name_of(fill_names, a.by)}};
+    if (a.by == FillRegion::By::curvature) fill["tolerance_per_mm"] = a.tolerance_per_mm;
+    return {{"fill_region", std::move(fill)}};
+  }
+  Json operator()(const SetRegion& a) const {
+    return {{"region", {{"name", a.region.name}, {"factor", a.region.factor}, {"colour", hex_of(a.region.colour)}}}};
+  }
+  Json operator()(const RemoveRegion& a) const { return {{"remove_region", a.name}}; }
+  Json operator()(const SetStiffnessFactors& a) const {
+    return {{"stiffness_factors", std::vector(a.factors->begin(), a.factors->end())}};
+  }
+  Json operator()(const SetTemplateLandmark& a) const {
+    return {{"template_landmark", {{"name", a.name}, {"at", a.at ? json_of(*a.at) : Json()}}}};
   }
   Json operator()(const SetStiffnessBase& a) const { return {{"stiffness_base", a.base}}; }
   Json operator()(const Confirm& a) const {

@@ -23,8 +23,19 @@ Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string
   made.stiffness = file.stiffness.value_or(VertexScalars::Ones(file.points.rows()));
   made.points = std::move(file.points);
   made.stiffness_base = file.stiffness_base;
-  made.landmarks = std::move(file.landmarks);
-  return std::make_shared<const Template>(std::move(made));
+  made.regions = std::move(file.regions);
+  return with_landmarks(made, std::move(file.landmarks));
+}
+
+std::shared_ptr<const Template> with_landmarks(const Template& reference, std::vector<Landmark> landmarks) {
+  auto made = std::make_shared<Template>(reference);
+  made->landmarks = std::move(landmarks);
+  made->landmark_points.clear();
+  if (made->landmarks.empty()) return made;
+  const SurfaceSearch search({made->topology, made->points});
+  for (const Landmark& landmark : made->landmarks)
+    made->landmark_points.push_back(search.nearest(landmark.position).at);
+  return made;
 }
 
 MeshFile to_mesh_file(const Template& reference) {
@@ -33,16 +44,23 @@ MeshFile to_mesh_file(const Template& reference) {
   file.triangles = reference.topology->triangles();
   file.stiffness = reference.stiffness;
   file.stiffness_base = reference.stiffness_base;
+  file.regions = reference.regions;
   file.landmarks = reference.landmarks;
+  return file;
+}
+
+MeshFile painted_template(const Document& document) {
+  MeshFile file = to_mesh_file(*document.reference);
+  file.stiffness = *document.stiffness;
+  file.stiffness_base = document.stiffness_base;
+  file.regions = *document.regions;
   return file;
 }
 
 MeshFile to_mesh_file(const Document& document, int frame) {
   const Shape& shape = document.shapes.at(frame);
-  MeshFile file = to_mesh_file(*document.reference);
+  MeshFile file = painted_template(document);
   file.points = *shape.points;
-  file.stiffness = *document.stiffness;
-  file.stiffness_base = document.stiffness_base;
   file.landmarks.clear();
   for (const auto& [name, position] : shape.landmarks) file.landmarks.push_back({name, position});
   return file;
@@ -84,6 +102,7 @@ Document new_document(std::string volume_source, std::shared_ptr<const Volume> v
   if (!document.reference) return document;
   const Template& placed = *document.reference;
   document.stiffness = std::make_shared<const VertexScalars>(placed.stiffness);
+  document.regions = std::make_shared<const Regions>(placed.regions);
   document.stiffness_base = placed.stiffness_base;
   Shape shape;
   if (document.volume) {

@@ -8,6 +8,7 @@
 
 #include "core/deform/stroke.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/surface_search.h"
 #include "core/mesh/topology.h"
 #include "core/volume/volume.h"
 #include "core/volume/volume_io.h"
@@ -18,10 +19,12 @@ namespace homolog {
 struct Template {
   std::string source;  ///< path, or "built-in:kidney"
   std::shared_ptr<const Topology> topology;
-  Points points;                    ///< in the template's own frame, mm
-  VertexScalars stiffness;          ///< factor_i of every vertex
-  double stiffness_base = 10;       ///< w_i = base × factor_i
-  std::vector<Landmark> landmarks;  ///< named, in the template's own frame
+  Points points;               ///< in the template's own frame, mm
+  VertexScalars stiffness;     ///< factor_i of every vertex
+  double stiffness_base = 10;  ///< w_i = base × factor_i
+  Regions regions;
+  std::vector<Landmark> landmarks;            ///< named, in the template's own frame
+  std::vector<SurfacePoint> landmark_points;  ///< where on the surface each of them lies
 };
 
 /// Whether placed landmarks pull the reference along before the first stroke.
@@ -51,6 +54,7 @@ struct Document {
   int frame = 0;
 
   std::shared_ptr<const VertexScalars> stiffness;  ///< factor_i, the template's until painted
+  std::shared_ptr<const Regions> regions;          ///< the template's until painted
   double stiffness_base = 10;
   Scheme scheme = Scheme::anchored;
   int paper_events = 1;  ///< mouse events a stroke counts for in the scheme `paper`
@@ -64,7 +68,11 @@ struct Document {
 
 /// A template from what a file holds; factors default to 1. Errors: Topology::make's.
 Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source);
+/// The same template with other landmarks.
+std::shared_ptr<const Template> with_landmarks(const Template& reference, std::vector<Landmark> landmarks);
 MeshFile to_mesh_file(const Template& reference);
+/// The template of a case as it was painted: its own points, with the case's stiffness and regions.
+MeshFile painted_template(const Document& document);
 /// A shape of the case as a file holds it: its points, the case's stiffness, and the landmarks where they were placed
 /// in the image. `frame` must have a shape.
 MeshFile to_mesh_file(const Document& document, int frame);

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "core/case/action.h"
+#include "core/case/paint.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mirror.h"
+#include "core/mesh/surface_search.h"
 #include "core/placement/landmark_warp.h"
 #include "core/placement/similarity_fit.h"
 
@@ -90,21 +92,6 @@ void move_placement(const Template& reference, const Similarity& placement, Shap
   shape.points = edited ? share(move.apply(*shape.points)) : shape.reference;
 }
 
-/// Applies `change(i, blend)` to the vertices within `radius_mm` of `at`; blend falls from 1 to 0 over the outer share
-/// `soft` of the radius.
-template <class Change>
-int brush(const Points& points, const Vec3& at, double radius_mm, double soft, const Change& change) {
-  int touched = 0;
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    const double distance = (points.row(i).transpose() - at).norm() / radius_mm;
-    if (distance > 1) continue;
-    const double edge = soft > 0 ? std::clamp((1 - distance) / soft, 0.0, 1.0) : 1;
-    change(i, edge * edge * (3 - 2 * edge));
-    ++touched;
-  }
-  return touched;
-}
-
 /// One function per action; each returns what changed as a new document.
 struct Updater {
   const Document& before;
@@ -150,19 +137,18 @@ struct Updater {
     return done(std::move(after));
   }
 
-  Result<Updated> operator()(const PaintStiffness& action) const {
+  /// Every action that paints.
+  template <class Paint>
+  requires requires(const Document& document, const Paint& action) { painted(document, action); }
+  Result<Updated> operator()(const Paint& action) const {
     if (auto ready = needs_shape(); !ready) return fail(ready.error());
-    if (!(action.value > 0) || !(action.radius_mm > 0) || !std::isfinite(action.value) || !action.at.allFinite()) {
-      return fail("stiffness", "needs a positive value and radius");
-    }
-    auto factors = std::make_shared<VertexScalars>(*before.stiffness);
-    const double factor = action.value / before.stiffness_base;
-    const int touched = brush(*before.shape().points, action.at, action.radius_mm, action.soft,
-                              [&](Eigen::Index i, double b) { (*factors)[i] += b * (factor - (*factors)[i]); });
+    auto result = painted(before, action);
+    if (!result) return fail(result.error());
     Document after = before;
-    after.stiffness = std::move(factors);
+    after.stiffness = std::move(result->stiffness);
+    after.regions = std::move(result->regions);
     EditReport report;
-    report.message = std::to_string(touched) + " landmarks painted.";
+    report.message = std::to_string(result->touched) + " landmarks painted.";
     return done(std::move(after), std::move(report));
   }
 
@@ -200,6 +186,29 @@ struct Updater {
     if (!(action.strength >= 0 && action.strength <= 1)) return fail("spacing", "must be between 0 and 1");
     Document after = before;
     after.spacing = action.strength;
+    return done(std::move(after));
+  }
+
+  Result<Updated> operator()(const SetTemplateLandmark& action) const {
+    if (auto ready = needs_shape(); !ready) return fail(ready.error());
+    if (action.name.empty() || (action.at && !action.at->allFinite()))
+      return fail("landmark", "needs a name and a finite position");
+    MeshFile file = to_mesh_file(*before.reference);
+    const auto known = std::find_if(file.landmarks.begin(), file.landmarks.end(),
+                                    [&](const Landmark& landmark) { return landmark.name == action.name; });
+    if (action.at) {
+      const SurfacePoint on = SurfaceSearch(before.mesh()).nearest(*action.at).at;
+      const Vec3 position = on.interpolate(*before.reference->topology, before.reference->points).transpose();
+      if (known != file.landmarks.end())
+        known->position = position;
+      else
+        file.landmarks.push_back({action.name, position});
+    } else {
+      if (known == file.landmarks.end()) return fail("landmark", "\"" + action.name + "\" is none of the template's");
+      file.landmarks.erase(known);
+    }
+    Document after = before;
+    after.reference = with_landmarks(*before.reference, std::move(file.landmarks));
     return done(std::move(after));
   }
 
@@ -295,6 +304,17 @@ std::string action_name(const Action& action) {
     }
     std::string operator()(const SetPlacement&) const { return "placement"; }
     std::string operator()(const PaintStiffness&) const { return "painted stiffness"; }
+    std::string operator()(const SmoothStiffness&) const { return "smoothed stiffness"; }
+    std::string operator()(const PaintRegion& paint) const {
+      return "painted " + (paint.name.empty() ? "away" : paint.name);
+    }
+    std::string operator()(const FillRegion& fill) const {
+      return "filled " + (fill.name.empty() ? "with none" : fill.name);
+    }
+    std::string operator()(const SetRegion& set) const { return "region " + set.region.name; }
+    std::string operator()(const RemoveRegion& remove) const { return "removal of " + remove.name; }
+    std::string operator()(const SetStiffnessFactors&) const { return "imported stiffness"; }
+    std::string operator()(const SetTemplateLandmark& landmark) const { return "template landmark " + landmark.name; }
     std::string operator()(const SetStiffnessBase&) const { return "stiffness"; }
     std::string operator()(const Confirm& confirm) const { return confirm.hold ? "confirm" : "release"; }
     std::string operator()(const SetScheme&) const { return "scheme"; }

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <tuple>
 #include <unordered_map>
@@ -76,6 +75,18 @@ bool indices_are_local(const Topology& topology) {
   return is_grid(steps) || median(steps) <= 2 * median(edge_steps(topology, breadth_first_rank(topology)));
 }
 
+Mesh renumbered(const Mesh& mesh, Eigen::Index first) {
+  const auto rank = breadth_first_rank(*mesh.topology, static_cast<std::int32_t>(first));
+  Mesh result;
+  result.points.resize(mesh.points.rows(), 3);
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
+    result.points.row(rank[static_cast<std::size_t>(v)]) = mesh.points.row(v);
+  Triangles triangles =
+      mesh.topology->triangles().unaryExpr([&](std::int32_t v) { return rank[static_cast<std::size_t>(v)]; });
+  result.topology = Topology::make(mesh.points.rows(), std::move(triangles)).value();
+  return result;
+}
+
 std::vector<float> landmark_hues(const Topology& topology) {
   const auto number = indices_are_local(topology) ? indices_of(topology) : breadth_first_rank(topology);
   std::vector<float> hues(number.size());
@@ -90,24 +101,6 @@ Rgb hsv_to_rgb(float hue, float saturation, float value) {
     return value * (1 - saturation * std::clamp(std::min(sixth, 4 - sixth), 0.0f, 1.0f));
   };
   return {channel(5), channel(3), channel(1)};
-}
-
-VertexScalars gaussian_curvature(const Mesh& mesh) {
-  const Triangles& triangles = mesh.topology->triangles();
-  VertexScalars curvature(mesh.points.rows()), area = VertexScalars::Zero(mesh.points.rows());
-  for (Eigen::Index i = 0; i < curvature.size(); ++i)
-    curvature[i] = (mesh.topology->on_boundary(i) ? 1 : 2) * std::numbers::pi;
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 at = mesh.points.row(triangles(f, k));
-      const Vec3 u = Vec3(mesh.points.row(triangles(f, (k + 1) % 3))) - at;
-      const Vec3 v = Vec3(mesh.points.row(triangles(f, (k + 2) % 3))) - at;
-      const double twice_area = u.cross(v).norm();
-      curvature[triangles(f, k)] -= std::atan2(twice_area, u.dot(v));
-      area[triangles(f, k)] += twice_area / 2;
-    }
-  }
-  return (area.array() > 0).select(3 * curvature.array() / area.array(), 0.0);
 }
 
 std::vector<std::int32_t> glyph_landmarks(const Mesh& mesh, double spacing_mm) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/mesh/curvature.h"
 #include "core/mesh/topology.h"
 
 namespace homolog {
@@ -12,6 +13,9 @@ using Rgb = std::array<float, 3>;  ///< 0…1, sRGB
 
 /// Position of every vertex in a breadth-first search from `first`, components one after the other [Erdt 2009, §3.1].
 std::vector<std::int32_t> breadth_first_rank(const Topology& topology, std::int32_t first = 0);
+
+/// The same shape renumbered breadth-first from `first`.
+Mesh renumbered(const Mesh& mesh, Eigen::Index first);
 
 /// Whether neighbouring vertices have near indices already, so that hue may follow the index itself: the median over
 /// edges of |i − j| is not larger than twice that of the breadth-first rank, or the mesh is a ring × sector grid.
@@ -22,9 +26,6 @@ std::vector<float> landmark_hues(const Topology& topology);
 
 /// HSV to RGB; surfaces use saturation 0.4, glyphs 1.0, both value 1.0 [Erdt 2009, §3.1].
 Rgb hsv_to_rgb(float hue, float saturation, float value);
-
-/// Discrete Gaussian curvature of every vertex: angle deficit / (area of its faces / 3), 1/mm².
-VertexScalars gaussian_curvature(const Mesh& mesh);
 
 /// Landmarks to show as glyphs: by decreasing Gaussian curvature of `mesh`, each farther than `spacing_mm` from all
 /// chosen before [Erdt 2009, §3.1].

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/mesh/regions.h"
 #include "core/mesh/topology.h"
 
 namespace homolog {
@@ -23,9 +25,11 @@ struct MeshFile {
   Triangles triangles;                     ///< m×3; empty for a `.particles` file
   std::optional<VertexScalars> stiffness;  ///< per-vertex factors, > 0
   double stiffness_base = 10;              ///< `comment homolog.stiffness_base B`; w_i = base × factor_i
+  Regions regions;                         ///< `comment homolog.region {"name":…,"factor":…,"colour":"#rrggbb"}`
   std::vector<Landmark> landmarks;         ///< `comment homolog.landmark {"name":…,"position":[x,y,z]}`
   std::vector<std::string> comments;       ///< every other comment line, kept as it was
-  std::vector<std::string> warnings;       ///< what was mended on reading, each a sentence
+  std::map<std::string, VertexScalars> arrays;  ///< further per-vertex values by name; read from PLY, not written
+  std::vector<std::string> warnings;            ///< what was mended on reading, each a sentence
 };
 
 /// Reads PLY (ASCII and both binary orders), VTK legacy (ASCII and binary), VTP, OBJ, STL or `.particles`, chosen by
@@ -34,7 +38,7 @@ struct MeshFile {
 Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 
 /// Writes PLY (binary, double coordinates), VTK legacy, VTP, OBJ, STL or `.particles` by extension, tagged SPACE=LPS
-/// where the format can, whole or not at all. Landmarks, stiffness and comments are kept by PLY only.
+/// where the format can, whole or not at all. Landmarks, stiffness, regions and comments are kept by PLY only.
 Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& path);
 
 /// Whether the name ends as one of the formats that read_mesh_file takes does.

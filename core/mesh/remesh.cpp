@@ -191,14 +191,6 @@ void settle_count(HalfEdgeMesh& mesh, std::size_t vertices) {
 
 }  // namespace
 
-Mesh remesh(const Mesh& mesh, double edge_mm, const Projection& project) {
-  assert(mesh.topology->closed());
-  HalfEdgeMesh half_edges = half_edges_of(mesh);
-  for (int round = 0; round < 10; ++round) one_round(half_edges, edge_mm, project);
-  spread_evenly(half_edges, project, 20);
-  return mesh_of(half_edges);
-}
-
 Mesh remesh_to_count(const Mesh& mesh, int vertices, const Projection& project, Progress* progress) {
   assert(mesh.topology->closed() && vertices >= 4);
   const auto wanted = static_cast<std::size_t>(vertices);

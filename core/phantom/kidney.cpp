@@ -46,7 +46,7 @@ double kidney_solid(const Vec3& p) {
 const SolidTemplate& mean_kidney() {
   static const SolidTemplate kidney = [] {
     const auto place = [](double x, double y, double z) { return Vec3(scene_from_kidney * Vec3(x, y, z)); };
-    SolidTemplate made = template_of(kidney_solid, Box(Vec3(-45, -45, -65), Vec3(45, 45, 65)), 2.6,
+    SolidTemplate made = template_of(kidney_solid, Box(Vec3(-45, -45, -65), Vec3(45, 45, 65)), 2500,
                                      {{"hilum", place(10, -0.5, -1)},
                                       {"superior pole", place(6, 0, 56)},
                                       {"inferior pole", place(6, 0, -56)},
@@ -55,9 +55,13 @@ const SolidTemplate& mean_kidney() {
                                       {"posterior lip", place(24, 14, 0)},
                                       {"superior hilar notch", place(24, 0, 22)},
                                       {"inferior hilar notch", place(24, 0, -24)}});
-    for (Eigen::Index i = 0; i < made.mesh.points.rows(); ++i) {  // capsule 5, hilum 1 [Erdt 2009, §2.1]
+    // Capsule 5, hilum 1 [Erdt 2009, §2.1], with a soft edge.
+    made.mesh.regions.list = {{"capsule", 5, {224, 164, 88}}, {"hilum", 1, {96, 165, 214}}};
+    for (Eigen::Index i = 0; i < made.mesh.points.rows(); ++i) {
       const double from_recess_mm = recess(straightened(Vec3(made.mesh.points.row(i)) + made.centre_mm));
-      (*made.mesh.stiffness)[i] = 1 + 4 * smooth_step(2, 12, from_recess_mm);
+      const double capsule = smooth_step(2, 12, from_recess_mm);
+      (*made.mesh.stiffness)[i] = 1 + 4 * capsule;
+      made.mesh.regions.of_vertex.push_back(capsule >= 0.5 ? 1 : 2);
     }
     return made;
   }();

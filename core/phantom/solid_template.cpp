@@ -3,10 +3,10 @@
 #include <cassert>
 
 #include "core/correspondence/colours.h"
-#include "core/mesh/isosurface.h"
 #include "core/mesh/remesh.h"
 #include "core/mesh/voxelise.h"
 #include "core/phantom/imaging.h"
+#include "core/template/level_set.h"
 
 namespace homolog::phantom {
 namespace {
@@ -32,21 +32,20 @@ Vec3 onto_surface(Solid solid, Vec3 p) {
   return p;
 }
 
-Volume mask_of(Solid solid, const Box& box, double spacing_mm) {
-  Volume mask;
-  mask.geometry.spacing_mm.setConstant(spacing_mm);
-  mask.geometry.origin_mm = box.min();
+/// The solid's values near its surface.
+LevelSet level_set_of(Solid solid, const Box& box, double spacing_mm) {
+  VolumeGeometry grid;
+  grid.spacing_mm.setConstant(spacing_mm);
+  grid.origin_mm = box.min();
   for (int axis = 0; axis < 3; ++axis)
-    mask.geometry.dims[static_cast<std::size_t>(axis)] = static_cast<int>(box.sizes()[axis] / spacing_mm) + 1;
-  std::vector<std::uint8_t> voxels;
-  voxels.reserve(mask.geometry.voxels());
-  for (int k = 0; k < mask.geometry.dims[2]; ++k)
-    for (int j = 0; j < mask.geometry.dims[1]; ++j)
-      for (int i = 0; i < mask.geometry.dims[0]; ++i)
-        voxels.push_back(solid(mask.geometry.to_mm({1.0 * i, 1.0 * j, 1.0 * k})) < 0);
-  mask.data = std::move(voxels);
-  mask.range_max = 1;
-  return mask;
+    grid.dims[static_cast<std::size_t>(axis)] = static_cast<int>(box.sizes()[axis] / spacing_mm) + 1;
+  std::vector<float> values;
+  values.reserve(grid.voxels());
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i)
+        values.push_back(static_cast<float>(solid(grid.to_mm({1.0 * i, 1.0 * j, 1.0 * k}))));
+  return {grid, std::move(values)};
 }
 
 Eigen::Index vertex_nearest(const Points& points, const Vec3& place) {
@@ -55,28 +54,17 @@ Eigen::Index vertex_nearest(const Points& points, const Vec3& place) {
   return nearest;
 }
 
-MeshFile renumbered(const Mesh& mesh, Eigen::Index first) {
-  const auto rank = breadth_first_rank(*mesh.topology, static_cast<std::int32_t>(first));
-  MeshFile result;
-  result.points.resize(mesh.points.rows(), 3);
-  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
-    result.points.row(rank[static_cast<std::size_t>(i)]) = mesh.points.row(i);
-  result.triangles =
-      mesh.topology->triangles().unaryExpr([&](std::int32_t v) { return rank[static_cast<std::size_t>(v)]; });
-  return result;
-}
-
 }  // namespace
 
-SolidTemplate template_of(Solid solid, const Box& box, double edge_mm, const std::vector<NamedPlace>& places) {
-  auto rough = mask_surface(mask_of(solid, box, edge_mm), 1);
+SolidTemplate template_of(Solid solid, const Box& box, int vertices, const std::vector<NamedPlace>& places) {
+  const auto rough = surface_of(level_set_of(solid, box, 1.5));
   assert(rough && "the solid lies inside the box");
-  for (Eigen::Index i = 0; i < rough->points.rows(); ++i)
-    rough->points.row(i) = onto_surface(solid, Vec3(rough->points.row(i))).transpose();
-  const Mesh even = remesh(*rough, edge_mm, [solid](const Vec3& p) { return onto_surface(solid, p); });
+  const Mesh even = remesh_to_count(*rough, vertices, [solid](const Vec3& p) { return onto_surface(solid, p); });
+  const auto mesh = renumbered(even, vertex_nearest(even.points, places.front().near));
 
   SolidTemplate result;
-  result.mesh = renumbered(even, vertex_nearest(even.points, places.front().near));
+  result.mesh.points = mesh.points;
+  result.mesh.triangles = mesh.topology->triangles();
   result.centre_mm = even.points.colwise().mean().transpose();
   for (const auto& [name, near] : places) {
     const Vec3 place = result.mesh.points.row(vertex_nearest(result.mesh.points, near));

@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint64_t organ_seed = 0x7665727465627261;  // "vertebra"
 
 const SolidTemplate& mean_vertebra() {
-  static const SolidTemplate vertebra = template_of(vertebra_solid, Box(Vec3(-52, -24, -32), Vec3(52, 72, 30)), 2.2,
+  static const SolidTemplate vertebra = template_of(vertebra_solid, Box(Vec3(-52, -24, -32), Vec3(52, 72, 30)), 2500,
                                                     {{"body anterior superior", {0, -16, 13}},
                                                      {"body anterior inferior", {0, -16, -13}},
                                                      {"body posterior superior", {0, 14, 13}},

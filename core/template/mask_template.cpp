@@ -238,15 +238,7 @@ Result<MaskTemplate> make_mask_template(const Volume& mask, const MaskTemplateOp
 Mesh renumbered_from_top(const Mesh& mesh) {
   Eigen::Index top = 0;
   mesh.points.col(2).maxCoeff(&top);
-  const auto rank = breadth_first_rank(*mesh.topology, static_cast<std::int32_t>(top));
-  Mesh result;
-  result.points.resize(mesh.points.rows(), 3);
-  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
-    result.points.row(rank[static_cast<std::size_t>(v)]) = mesh.points.row(v);
-  Triangles triangles =
-      mesh.topology->triangles().unaryExpr([&](std::int32_t v) { return rank[static_cast<std::size_t>(v)]; });
-  result.topology = Topology::make(mesh.points.rows(), std::move(triangles)).value();
-  return result;
+  return renumbered(mesh, top);
 }
 
 }  // namespace homolog

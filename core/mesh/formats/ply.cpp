@@ -1,4 +1,6 @@
 #include <cmath>
+#include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/mesh/formats/faces.h"
@@ -11,6 +13,7 @@ namespace {
 
 constexpr std::string_view landmark_key = "homolog.landmark ";
 constexpr std::string_view stiffness_base_key = "homolog.stiffness_base ";
+constexpr std::string_view region_key = "homolog.region ";
 
 struct Property {
   std::string_view name;
@@ -136,7 +139,7 @@ class AsciiSource {
 
 struct Body {
   std::vector<double> coordinates;
-  std::vector<double> stiffness;
+  std::map<std::string, std::vector<double>, std::less<>> values;  ///< of every other property, by name
   std::vector<std::int32_t> corners;
 };
 
@@ -177,7 +180,7 @@ Result<void> read_records(const Element& element, Text& text, Source& source, co
 
 template <class Source>
 Result<void> read_vertices(const Element& element, Text& text, Source& source, Body& body) {
-  const auto x = element.find("x"), y = element.find("y"), z = element.find("z"), stiffness = element.find("stiffness");
+  const auto x = element.find("x"), y = element.find("y"), z = element.find("z");
   for (const auto& found : {x, y, z})
     if (!found || element.properties[*found].length_type)
       return fail("", "has vertices without coordinates x, y and z; export it again");
@@ -187,7 +190,8 @@ Result<void> read_vertices(const Element& element, Text& text, Source& source, B
     if (property == x) point.x() = values[0];
     if (property == y) point.y() = values[0];
     if (property == z) point.z() = values[0];
-    if (property == stiffness && values.size() == 1) body.stiffness.push_back(values[0]);
+    if (property != x && property != y && property != z && !element.properties[property].length_type)
+      body.values[std::string(element.properties[property].name)].push_back(values[0]);
     if (property == last) body.coordinates.insert(body.coordinates.end(), point.begin(), point.end());
     return Result<void>();
   });
@@ -240,6 +244,33 @@ std::optional<Landmark> landmark_from(std::string_view text) {
   return landmark;
 }
 
+std::optional<Region> region_from(std::string_view text) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("name") || !json["name"].is_string() || !json.contains("factor") ||
+      !json["factor"].is_number() || !(json["factor"].get<double>() > 0))
+    return std::nullopt;
+  Region region{json["name"].get<std::string>(), json["factor"].get<double>(), {}};
+  if (const auto colour = json.find("colour"); colour != json.end() && colour->is_string()) {
+    if (const auto rgb = colour_from_hex(colour->get<std::string>())) region.colour = *rgb;
+  }
+  return region;
+}
+
+std::uint8_t region_index(double value) {
+  return value >= 0 && value <= 255 ? static_cast<std::uint8_t>(value) : 0;
+}
+
+/// Indices without a region in the header belong to none; without any region they mean nothing.
+void settle_regions(MeshFile& mesh) {
+  auto& [list, of_vertex] = mesh.regions;
+  if (list.empty())
+    of_vertex.clear();
+  else if (of_vertex.empty())
+    of_vertex.assign(static_cast<std::size_t>(mesh.points.rows()), 0);
+  for (auto& region : of_vertex)
+    if (region > list.size()) region = 0;
+}
+
 bool names_space(std::string_view comment) {
   return !comment.starts_with(landmark_key) && comment.find("SPACE=") != std::string_view::npos;
 }
@@ -251,6 +282,13 @@ void keep_comment(std::string_view comment, MeshFile& mesh) {
       return;
     }
     mesh.warnings.push_back("a landmark cannot be read and is kept as a comment: " + std::string(comment));
+  }
+  if (comment.starts_with(region_key) && mesh.regions.list.size() < 255) {
+    if (auto region = region_from(comment.substr(region_key.size()))) {
+      mesh.regions.list.push_back(std::move(*region));
+      return;
+    }
+    mesh.warnings.push_back("a region cannot be read and is kept as a comment: " + std::string(comment));
   }
   if (comment.starts_with(stiffness_base_key)) {
     const auto base = to_number<double>(comment.substr(stiffness_base_key.size()));
@@ -277,9 +315,15 @@ Result<MeshFile> read_ply(std::string_view bytes) {
   MeshFile mesh;
   mesh.points = to_points(body->coordinates);
   mesh.triangles = to_triangles(body->corners);
-  if (!body->stiffness.empty())
-    mesh.stiffness =
-        Eigen::Map<VertexScalars>(body->stiffness.data(), static_cast<Eigen::Index>(body->stiffness.size()));
+  for (auto& [name, values] : body->values) {
+    const Eigen::Map<const VertexScalars> array(values.data(), static_cast<Eigen::Index>(values.size()));
+    if (name == "stiffness")
+      mesh.stiffness = array;
+    else if (name == "region")
+      for (const double value : values) mesh.regions.of_vertex.push_back(region_index(value));
+    else
+      mesh.arrays.emplace(name, array);
+  }
   std::string_view space;
   for (const std::string_view comment : header->comments) {
     if (names_space(comment))
@@ -287,6 +331,7 @@ Result<MeshFile> read_ply(std::string_view bytes) {
     else
       keep_comment(comment, mesh);
   }
+  settle_regions(mesh);
   flip_if_ras(space, mesh);
   if (ascii) warn_if_cut(text, mesh.warnings);
   if (ascii ? !text.word().empty() : text.remaining() > 2)
@@ -301,6 +346,12 @@ void write_ply(const MeshFile& mesh, std::ostream& out) {
     append_number(mesh.stiffness_base, bytes);
     bytes += '\n';
   }
+  for (const Region& region : mesh.regions.list) {
+    const nlohmann::ordered_json json = {
+        {"name", region.name}, {"factor", region.factor}, {"colour", hex_of(region.colour)}};
+    bytes.append("comment ").append(region_key);
+    bytes.append(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)).append("\n");
+  }
   for (const Landmark& landmark : mesh.landmarks) {
     const nlohmann::ordered_json json = {{"name", landmark.name},
                                          {"position", std::vector(landmark.position.begin(), landmark.position.end())}};
@@ -311,11 +362,14 @@ void write_ply(const MeshFile& mesh, std::ostream& out) {
   bytes += "element vertex " + std::to_string(mesh.points.rows()) +
            "\nproperty double x\nproperty double y\nproperty double z\n";
   if (mesh.stiffness) bytes += "property float stiffness\n";
+  const bool regions = !mesh.regions.list.empty();
+  if (regions) bytes += "property uchar region\n";
   bytes += "element face " + std::to_string(mesh.triangles.rows()) +
            "\nproperty list uchar int vertex_indices\nend_header\n";
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
     for (const double x : mesh.points.row(i)) store(x, std::endian::little, bytes);
     if (mesh.stiffness) store(static_cast<float>((*mesh.stiffness)[i]), std::endian::little, bytes);
+    if (regions) store(mesh.regions.of_vertex[static_cast<std::size_t>(i)], std::endian::little, bytes);
   }
   for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {
     store(std::uint8_t{3}, std::endian::little, bytes);

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace homolog {
+
+/// A named part of a template with a stiffness of its own (kidney: capsule 5, hilum 1) [Erdt 2009, §2.1].
+struct Region {
+  std::string name;
+  double factor = 1;                            ///< > 0, of the stiffness base
+  std::array<std::uint8_t, 3> colour{0, 0, 0};  ///< sRGB, in legends and views
+  bool operator==(const Region&) const = default;
+};
+
+/// The regions of a template and which vertex is in which.
+struct Regions {
+  std::vector<Region> list;             ///< at most 255
+  std::vector<std::uint8_t> of_vertex;  ///< 0: in none, k: in list[k − 1]; empty where `list` is empty
+  bool operator==(const Regions&) const = default;
+};
+
+/// "#rrggbb", as files and case lines hold a colour, and back (nothing for anything else).
+std::string hex_of(const std::array<std::uint8_t, 3>& colour);
+std::optional<std::array<std::uint8_t, 3>> colour_from_hex(const std::string& text);
+
+}  // namespace homolog

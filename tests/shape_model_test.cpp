@@ -54,8 +54,8 @@ Measured direct_generalisation(const ShapeMatrix& shapes, Eigen::Index modes, co
 }
 
 template <class Distance>
-Measured direct_specificity(const ShapeMatrix& shapes, const PrincipalComponents& components,
-                            const Eigen::MatrixXd& b, Eigen::Index modes, const Distance& distance) {
+Measured direct_specificity(const ShapeMatrix& shapes, const PrincipalComponents& components, const Eigen::MatrixXd& b,
+                            Eigen::Index modes, const Distance& distance) {
   Eigen::VectorXd nearest(b.cols());
   const Eigen::MatrixXd basis = components.basis(modes);
   for (Eigen::Index k = 0; k < b.cols(); ++k) {

@@ -135,6 +135,35 @@ SliceView slice_on(const Mesh& mesh, const Vec3& centre, const Vec3& right, cons
   return {centre, right, down, mm_per_px};
 }
 
+/// Shapes of one topology in a grid, each moved to its centroid, under one camera.
+Result<MadePicture> montage(const std::vector<Mesh>& shapes, int columns, const MontageOptions& options) {
+  auto studio = Studio::make(options);
+  if (!studio) return fail(studio.error());
+  const Colouring colouring(shapes.front(), options.glyph_spacing_mm);
+  double radius = 0;
+  for (const Mesh& shape : shapes) radius = std::max(radius, radius_of(shape, shape.points.colwise().mean()));
+  const int count = static_cast<int>(shapes.size());
+  const int rows = (count + columns - 1) / columns;
+  if (std::min(options.width_px / columns, options.height_px / rows) < 4 * gap_px) {
+    return fail("", "one of " + std::to_string(count) + " shapes, which need a larger picture; raise --size");
+  }
+  for (int k = 0; k < columns * rows; ++k) {
+    Scene scene;
+    scene.background = background(options);
+    Vec3 centre = Vec3::Zero();
+    if (k < count) {
+      const Mesh& shape = shapes[static_cast<std::size_t>(k)];
+      centre = shape.points.colwise().mean();
+      colouring.add_to(scene, shape);
+    }
+    const Camera3D camera = camera_on(centre, 1.05 * radius, options.from);
+    if (auto drawn = studio->renderer->draw(scene, camera, cell(k, columns, rows, options)); !drawn) {
+      return fail(drawn.error());
+    }
+  }
+  return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size())};
+}
+
 }  // namespace
 
 Result<Vec3> direction_from_name(const std::string& name) {
@@ -158,31 +187,18 @@ Result<Vec3> direction_from_name(const std::string& name) {
 }
 
 Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const MontageOptions& options) {
-  auto studio = Studio::make(options);
-  if (!studio) return fail(studio.error());
-  const Colouring colouring(shapes.front(), options.glyph_spacing_mm);
-  double radius = 0;
-  for (const Mesh& shape : shapes) radius = std::max(radius, radius_of(shape, shape.points.colwise().mean()));
-  const int count = static_cast<int>(shapes.size());
-  const int columns = columns_for(count, options), rows = (count + columns - 1) / columns;
-  if (std::min(options.width_px / columns, options.height_px / rows) < 4 * gap_px) {
-    return fail("", "one of " + std::to_string(count) + " shapes, which need a larger picture; raise --size");
+  return montage(shapes, columns_for(static_cast<int>(shapes.size()), options), options);
+}
+
+Result<MadePicture> modes_picture(const ShapeModel& model, int modes, const MontageOptions& options) {
+  if (!model.topology) return fail("", "is a model of points without faces, which cannot be drawn");
+  std::vector<Mesh> shapes;
+  for (Eigen::Index mode = 0; mode < std::min<Eigen::Index>(modes, model.modes()); ++mode) {
+    for (const double deviations : {-3.0, 0.0, 3.0})
+      shapes.push_back({model.topology, mode_shape(model, mode, deviations)});
   }
-  for (int k = 0; k < columns * rows; ++k) {
-    Scene scene;
-    scene.background = background(options);
-    Vec3 centre = Vec3::Zero();
-    if (k < count) {
-      const Mesh& shape = shapes[static_cast<std::size_t>(k)];
-      centre = shape.points.colwise().mean();
-      colouring.add_to(scene, shape);
-    }
-    const Camera3D camera = camera_on(centre, 1.05 * radius, options.from);
-    if (auto drawn = studio->renderer->draw(scene, camera, cell(k, columns, rows, options)); !drawn) {
-      return fail(drawn.error());
-    }
-  }
-  return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size())};
+  if (shapes.empty()) return fail("", "has no mode to show");
+  return montage(shapes, 3, options);
 }
 
 Result<MadePicture> case_picture(const Document& document, const MontageOptions& options) {

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <thread>
 
+#include "app/verbs/bench_model.h"
 #include "app/verbs/bench_pictures.h"
 #include "app/verbs/median.h"
 #include "app/verbs/verb.h"
@@ -74,7 +75,7 @@ double memory_gb_per_s() {
 }  // namespace
 
 void add_bench(CLI::App& app, VerbRun& run) {
-  CLI::App* verb = add_verb(app, "bench", "Times the solver, slices and pictures on this machine (medians)");
+  CLI::App* verb = add_verb(app, "bench", "Times the solver, models, slices and pictures on this machine (medians)");
   const auto bench = [](Progress& progress) -> Result<Report> {
     Report report;
     report.values["cores"] = std::thread::hardware_concurrency();
@@ -86,6 +87,9 @@ void add_bench(CLI::App& app, VerbRun& run) {
       if (progress.cancelled()) return fail("bench", "was stopped");
     }
     report.values["drag"] = std::move(drags);
+    report.values["model"] = model_figures();
+    progress.report(0.8);
+    if (progress.cancelled()) return fail("bench", "was stopped");
     report.values["pictures"] = picture_figures();
     return report;
   };

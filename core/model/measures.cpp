@@ -96,7 +96,8 @@ class NearestShape {
         const Eigen::Index count = std::min(block_samples, last - k);
         const Eigen::MatrixXd combinations = weights_.leftCols(b.rows()) * b.middleCols(k, count);
         const Eigen::MatrixXd samples = components_.centred * combinations, sums = sums_ * combinations;
-        for (Eigen::Index s = 0; s < count; ++s) nearest[k + s] = distance_mm(samples.col(s).data(), sums.col(s).data());
+        for (Eigen::Index s = 0; s < count; ++s)
+          nearest[k + s] = distance_mm(samples.col(s).data(), sums.col(s).data());
       }
     });
     return nearest;
@@ -171,8 +172,7 @@ Measures specificity_rms(const PrincipalComponents& components, Eigen::Index sam
   // squared_rest.col(m): what of each training shape lies beyond the first m modes.
   Eigen::MatrixXd squared_rest = Eigen::MatrixXd::Zero(scores.rows(), known + 1);
   squared_rest.col(known) = scores.rightCols(scores.cols() - known).rowwise().squaredNorm();
-  for (Eigen::Index m = known; m-- > 0;)
-    squared_rest.col(m) = squared_rest.col(m + 1) + scores.col(m).cwiseAbs2();
+  for (Eigen::Index m = known; m-- > 0;) squared_rest.col(m) = squared_rest.col(m + 1) + scores.col(m).cwiseAbs2();
   Eigen::MatrixXd distances(counts, samples);
   in_parallel(samples, [&](Eigen::Index first, Eigen::Index last) {
     Eigen::VectorXd along(scores.rows());

@@ -37,8 +37,8 @@ Measures specificity_rms(const PrincipalComponents& components, Eigen::Index sam
 /// memory beside the components is a few MB. Errors: cancelled.
 Result<Measures> generalisation_mean(const PrincipalComponents& components, const std::vector<int>& modes,
                                      Progress* progress = nullptr);
-/// `singular_values_as_variances` draws b ~ N(0, √((M−1) λ)): ShapeWorks takes the singular values of the centred shapes
-/// for the variances of its samples.
+/// `singular_values_as_variances` draws b ~ N(0, √((M−1) λ)): ShapeWorks takes the singular values of the centred
+/// shapes for the variances of its samples.
 Result<Measures> specificity_mean(const PrincipalComponents& components, const std::vector<int>& modes,
                                   Eigen::Index samples, std::uint64_t seed, bool singular_values_as_variances = false,
                                   Progress* progress = nullptr);

@@ -27,8 +27,8 @@ enum class Alignment {
 double centroid_size_mm(const Points& points);
 
 /// Generalised Procrustes analysis in place [Gower 1975], with the sizes of docs/models.md: shapes are centred on the
-/// origin, scaled (or not), and rotated to their mean until the mean rests to 1e-10 of its size. The result is turned as
-/// the first shape was. Never a reflection. Shapes without extent are only centred.
+/// origin, scaled (or not), and rotated to their mean until the mean rests to 1e-10 of its size. The result is turned
+/// as the first shape was. Never a reflection. Shapes without extent are only centred.
 void align(ShapeMatrix& shapes, Alignment alignment);
 
 /// The proper rotation R for which R·from comes nearest to `to` (both n×3, centred) in the least-squares sense.

@@ -15,6 +15,8 @@ namespace {
 
 /// Of the largest eigenvalue; below it lies the rounding of the Gram matrix.
 constexpr double rank_share = 1e-13;
+/// Of the mean's square; below it lies what alignment leaves of equal shapes.
+constexpr double still_equal = 1e-18;
 
 /// The lower half of Xᵀ X, tile by tile: the same bits whatever the number of cores.
 Eigen::MatrixXd gram_matrix(const ShapeMatrix& x) {
@@ -59,8 +61,9 @@ PrincipalComponents principal_components(ShapeMatrix shapes) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram_matrix(components.centred));
   const Eigen::VectorXd& ascending = solver.eigenvalues();
   const Eigen::Index m = ascending.size();
+  const double floor = std::max(rank_share * ascending[m - 1], still_equal * components.mean.squaredNorm());
   Eigen::Index rank = 0;
-  while (rank + 1 < m && ascending[m - 1 - rank] > rank_share * ascending[m - 1]) ++rank;
+  while (rank + 1 < m && ascending[m - 1 - rank] > floor) ++rank;
   components.scatter = ascending.tail(rank).reverse();
   components.vectors = solver.eigenvectors().rightCols(rank).rowwise().reverse();
   return components;

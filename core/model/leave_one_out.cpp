@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/parallel.h"
+
 namespace homolog {
 
 namespace {
@@ -120,6 +122,14 @@ Eigen::VectorXd LeaveOneOut::error(Eigen::Index modes) const {
   for (const Mode& mode : beyond_) error += part_along(mode);
   for (std::size_t k = static_cast<std::size_t>(modes); k < modes_.size(); ++k) error += part_along(modes_[k]);
   return error;
+}
+
+Eigen::MatrixXd left_out_errors(const PrincipalComponents& components, Eigen::Index modes) {
+  Eigen::MatrixXd errors(components.scatter.size(), components.shapes());
+  in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index i = first; i < last; ++i) errors.col(i) = LeaveOneOut(components, i).error(modes);
+  });
+  return components.weights() * errors;
 }
 
 }  // namespace homolog

@@ -42,4 +42,8 @@ class LeaveOneOut {
   std::vector<Mode> beyond_;         ///< what of y lies outside every model of the others: at most one
 };
 
+/// The errors of all shapes with `modes` modes as combinations of the centred shapes, M×M, a shape a column: its error
+/// in mm is centred · column. So errors can be had a few landmarks at a time.
+Eigen::MatrixXd left_out_errors(const PrincipalComponents& components, Eigen::Index modes);
+
 }  // namespace homolog

@@ -34,20 +34,6 @@ Error stopped() {
   return {"", "was stopped before the measures were complete"};
 }
 
-/// Weights that make points of coefficients: points = centred · weights · coefficients.
-Eigen::MatrixXd weights_of(const PrincipalComponents& components) {
-  return components.vectors * components.scatter.cwiseSqrt().cwiseInverse().asDiagonal();
-}
-
-/// Leave-one-out errors with `modes` modes as combinations of the centred shapes: M×M, one shape a column.
-Eigen::MatrixXd error_combinations(const PrincipalComponents& components, Eigen::Index modes) {
-  Eigen::MatrixXd errors(components.scatter.size(), components.shapes());
-  in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
-    for (Eigen::Index i = first; i < last; ++i) errors.col(i) = LeaveOneOut(components, i).error(modes);
-  });
-  return weights_of(components) * errors;
-}
-
 /// Landmarks in groups of neighbours in the mean shape, none larger than `largest`: halved along the longest side.
 std::vector<std::vector<Eigen::Index>> neighbourhoods(const Points& mean, std::size_t largest) {
   std::vector<std::vector<Eigen::Index>> groups(1), done;
@@ -80,7 +66,7 @@ std::vector<std::vector<Eigen::Index>> neighbourhoods(const Points& mean, std::s
 class NearestShape {
  public:
   explicit NearestShape(const PrincipalComponents& components)
-      : components_(components), weights_(weights_of(components)) {
+      : components_(components), weights_(components.weights()) {
     const auto groups = neighbourhoods(points_of(components.mean), 16);
     sums_.setZero(3 * std::ssize(groups), components.shapes());
     for (std::size_t g = 0; g < groups.size(); ++g)
@@ -194,7 +180,7 @@ Result<Measures> generalisation_mean(const PrincipalComponents& components, cons
   Measures measures;
   for (const int m : modes) {
     if (progress != nullptr && progress->cancelled()) return fail(stopped());
-    const Eigen::MatrixXd combinations = error_combinations(components, m);
+    const Eigen::MatrixXd combinations = left_out_errors(components, m);
     Eigen::VectorXd distances(components.shapes());
     in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
       Eigen::VectorXd sums = Eigen::VectorXd::Zero(last - first);
@@ -234,7 +220,7 @@ Result<Measures> generalisation_surface(const PrincipalComponents& components,
                                         Progress* progress) {
   Measures measures;
   for (const int m : modes) {
-    const Eigen::MatrixXd combinations = error_combinations(components, m);
+    const Eigen::MatrixXd combinations = left_out_errors(components, m);
     Eigen::VectorXd distances(components.shapes());
     in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
       for (Eigen::Index i = first; i < last; ++i) {

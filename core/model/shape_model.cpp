@@ -45,10 +45,10 @@ Eigen::VectorXd PrincipalComponents::variances() const {
 
 Eigen::MatrixXd PrincipalComponents::basis(Eigen::Index count) const {
   assert(count <= scatter.size());
-  const Eigen::MatrixXd weights = vectors.leftCols(count) * scatter.head(count).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd combinations = weights().leftCols(count);
   Eigen::MatrixXd axes(centred.rows(), count);
   in_parallel(centred.rows(), [&](Eigen::Index first, Eigen::Index last) {
-    axes.middleRows(first, last - first).noalias() = centred.middleRows(first, last - first) * weights;
+    axes.middleRows(first, last - first).noalias() = centred.middleRows(first, last - first) * combinations;
   });
   return axes;
 }

@@ -11,7 +11,7 @@
 namespace homolog {
 
 /// The principal components of M shapes, from the M×M Gram matrix of what is left after the mean is taken off; the
-/// 3n×3n covariance is never formed. The basis is P = centred · vectors · diag(scatter)^−½.
+/// 3n×3n covariance is never formed.
 struct PrincipalComponents {
   Eigen::VectorXd mean;     ///< 3n
   ShapeMatrix centred;      ///< 3n×M, shapes − mean
@@ -24,6 +24,8 @@ struct PrincipalComponents {
   Eigen::VectorXd variances() const;
   /// r×M, the coefficients b of every shape, mm.
   Eigen::MatrixXd scores() const { return scatter.cwiseSqrt().asDiagonal() * vectors.transpose(); }
+  /// M×r: centred · weights is the basis.
+  Eigen::MatrixXd weights() const { return vectors * scatter.cwiseSqrt().cwiseInverse().asDiagonal(); }
   /// The first `count` axes as columns, 3n×count.
   Eigen::MatrixXd basis(Eigen::Index count) const;
 };

@@ -78,9 +78,10 @@ struct Framing {
       box.extend(bounds_of((shape.points.rowwise() - shape.points.colwise().mean()) * axes.transpose()));
     offset = axes.transpose() * box.center();
     const double shorter = std::min(target.width, target.height);
-    constexpr double room = 0.55;  // a tenth more than the half
+    constexpr double room = 0.55;   // a tenth more than the half
+    constexpr double depth = 0.26;  // of what is nearer to the eye the camera would cut off parts
     radius_mm = room * std::max({box.sizes().x() * shorter / target.width, box.sizes().y() * shorter / target.height,
-                                 0.01 * box.sizes().norm()});
+                                 depth * box.sizes().z()});
   }
 };
 

@@ -28,8 +28,8 @@ struct TrainingOptions {
 
 void add_training_options(CLI::App& verb, TrainingOptions& options) {
   verb.add_option("MESH", options.files, "Shapes in correspondence (.ply, .vtk, .vtp, .obj, .particles)")->required();
-  verb.add_flag("--keep-scale", options.keep_scale, "Align by translation and rotation only");
-  verb.add_flag("--no-align", options.no_align, "Take the shapes as they lie");
+  auto* keep_scale = verb.add_flag("--keep-scale", options.keep_scale, "Align by translation and rotation only");
+  verb.add_flag("--no-align", options.no_align, "Take the shapes as they lie")->excludes(keep_scale);
 }
 
 struct Training {

@@ -61,7 +61,7 @@ void check_refused(const Ran& ran, const std::string& subject) {
 
 const char* all_verbs[] = {"demo",       "info",    "replay",  "compare",      "label-map",
                            "mirror",     "phantom", "convert", "picture case", "picture correspondence",
-                           "study user", "bench"};
+                           "study user", "bench",   "model",   "evaluate",     "picture modes"};
 
 }  // namespace
 
@@ -81,7 +81,9 @@ TEST_CASE("a wrong command line is one line with status 2 and where the help is"
   for (const std::string wrong :
        {"info", "info --wobble a.ply", "replay case.homolog", "compare a.ply", "phantom liver --subject 1 -o x",
         "label-map a.ply --like b.nii -o c.nii --value zero", "mirror a.ply -o b.ply --plane oblique",
-        "compare a.ply --mask m.nii --mesh b.ply", "replay a -o b --spacing 2", "study", "picture"}) {
+        "compare a.ply --mask m.nii --mesh b.ply", "replay a -o b --spacing 2", "study", "picture", "model a.ply b.ply",
+        "model a.ply b.ply -o m.h5 --variance 2", "evaluate", "evaluate a.ply b.ply --modes few",
+        "evaluate a.ply b.ply --samples 0", "picture modes m.h5"}) {
     const Ran ran = run(folder, wrong);
     INFO(wrong << ": " << ran.errors);
     CHECK(ran.status == 2);
@@ -204,6 +206,79 @@ TEST_CASE("pictures are written at the size asked for") {
   check_refused(run(folder, "picture correspondence a.ply c.ply -o ac.png"), "c.ply");
   CHECK(run(folder, "picture correspondence a.ply -o a.png --view sideways").status == 2);
   CHECK(run(folder, "picture correspondence a.ply -o a.png --size 9").status == 2);
+}
+
+TEST_CASE("a training set becomes a model that info and picture and evaluate know") {
+  const TemporaryFolder folder;
+  std::string files;
+  for (int k = 0; k < 6; ++k) {
+    Mesh mesh = shapes::icosphere(2, 40);
+    mesh.points.col(0) *= 1 + 0.1 * std::sin(k);
+    mesh.points.col(1) += 0.003 * std::cos(2.0 * k) * mesh.points.col(2).cwiseAbs2();
+    mesh.points.col(2) += 0.1 * std::sin(3.0 * k) * mesh.points.col(0);
+    files += " k" + std::to_string(k) + ".ply";
+    REQUIRE(write_mesh(mesh, folder.path / ("k" + std::to_string(k) + ".ply")));
+  }
+  for (const std::string name : {"m.h5.json", "m.h5"}) {
+    const Ran made = run(folder, "model" + files + " -o " + name + " --csv tables --aligned aligned --json");
+    REQUIRE_MESSAGE(made.status == 0, made.errors);
+    CHECK(made.json()["shapes"] == 6);
+    CHECK(made.json()["vertices"] == 162);
+    CHECK(made.json()["variances"].size() == 5);
+    CHECK(made.json()["explained"][4].get<double>() == doctest::Approx(1));
+    const Json info = run(folder, "info " + name + " --json").json();
+    CHECK(info["kind"] == "model");
+    CHECK(info["modes"] == made.json()["modes"]);
+    CHECK(info["shapes"][5] == "k5");
+  }
+  for (const char* path :
+       {"tables/mean.csv", "tables/variances.csv", "tables/scores.csv", "aligned/k3.ply", "aligned/k3.particles"})
+    CHECK_MESSAGE(fs::exists(folder.path / path), path);
+
+  const Ran evaluated = run(folder, "evaluate" + files + " --modes 1,3 --samples 50 --csv measures.csv --json");
+  REQUIRE_MESSAGE(evaluated.status == 0, evaluated.errors);
+  const Json measures = evaluated.json();
+  for (const std::string key : {"compactness", "generalization_rms", "specificity_rms"}) {
+    CHECK(measures[key].size() == 4);
+    CHECK(measures[key + "_se"].size() == 4);
+  }
+  CHECK(measures["modes"] == Json::array({1, 3}));
+  for (const std::string key : {"generalization", "specificity", "generalization_surface"}) {
+    CHECK(measures[key].size() == 2);
+    CHECK(measures[key + "_se"].size() == 2);
+    CHECK(measures[key][0].get<double>() > 0);
+  }
+  CHECK(measures["shapeworks"]["specificity"].size() == 2);
+  CHECK(lines(read_whole_file(folder.path / "measures.csv").value()) == 5);
+  CHECK(run(folder, "evaluate" + files + " --modes 1,3 --samples 50 --json").json() == measures);
+  CHECK(run(folder, "evaluate" + files + " --modes 1,3 --samples 50 --seed 2 --json").json() != measures);
+  CHECK(run(folder, "evaluate" + files + " --modes all --json").json()["modes"] == Json::array({1, 2, 3, 4}));
+
+  const Ran picture = run(folder, "picture modes m.h5 -o modes.png --size 300x200 --json");
+  if (picture.status == 1 && picture.errors.find("OpenGL") != std::string::npos) {
+    MESSAGE("picture skipped: no OpenGL here");
+    return;
+  }
+  REQUIRE_MESSAGE(picture.status == 0, picture.errors);
+  CHECK(picture.json()["size"] == Json::array({300, 200}));
+}
+
+TEST_CASE("a training set with faults is refused or goes on as documented") {
+  const TemporaryFolder folder;
+  for (int k = 0; k < 3; ++k)
+    REQUIRE(write_mesh(shapes::torus(8, 6, 20 + k, 5 + k * k), folder.path / ("t" + std::to_string(k) + ".ply")));
+  REQUIRE(write_mesh(shapes::icosphere(1, 20), folder.path / "ball.ply"));
+  check_refused(run(folder, "model t0.ply ball.ply t1.ply -o m.h5"), "ball.ply");
+  check_refused(run(folder, "model t0.ply -o m.h5"), "t0.ply");
+  check_refused(run(folder, "model t0.ply t1.ply -o m.txt"), "m.txt");
+  check_refused(run(folder, "evaluate t0.ply t1.ply"), "at least three");
+  check_refused(run(folder, "evaluate t0.ply t1.ply t2.ply --modes 5"), "--modes 5");
+  check_refused(run(folder, "info absent.h5"), "absent.h5");
+  const Ran two = run(folder, "model t0.ply absent.ply t1.ply -o m.h5 --json");
+  CHECK(two.status == 0);
+  CHECK(two.json()["modes"] == 1);
+  CHECK(two.errors.find("homolog: warning: absent.ply") != std::string::npos);
+  CHECK(two.errors.find("single mode") != std::string::npos);
 }
 
 TEST_CASE("the demo plays the whole job without a display") {

@@ -62,6 +62,29 @@ double radius_of(const Mesh& mesh, const Vec3& centre) {
   return (mesh.points.rowwise() - centre.transpose()).rowwise().norm().maxCoeff();
 }
 
+/// How the camera of every cell stands off the centroid of its shape so that all shapes just fit.
+struct Framing {
+  Vec3 offset = Vec3::Zero();
+  double radius_mm = 1;  ///< as camera_on takes it
+
+  Framing(const std::vector<Mesh>& shapes, const Vec3& from, const Target& target) {
+    const Camera3D camera = camera_on(Vec3::Zero(), 1, from);
+    Mat3 axes;  // right, up and towards the eye, a row each
+    axes.row(2) = camera.to_eye;
+    axes.row(0) = camera.up.cross(camera.to_eye).normalized();
+    axes.row(1) = camera.to_eye.cross(Vec3(axes.row(0)));
+    Box box;
+    for (const Mesh& shape : shapes)
+      box.extend(bounds_of((shape.points.rowwise() - shape.points.colwise().mean()) * axes.transpose()));
+    offset = axes.transpose() * box.center();
+    const double shorter = std::min(target.width, target.height);
+    constexpr double room = 0.55;   // a tenth more than the half
+    constexpr double depth = 0.26;  // of what is nearer to the eye the camera would cut off parts
+    radius_mm = room * std::max({box.sizes().x() * shorter / target.width, box.sizes().y() * shorter / target.height,
+                                 depth * box.sizes().z()});
+  }
+};
+
 /// A renderer with everything it needs to draw without a display.
 struct Studio {
   std::unique_ptr<OffscreenContext> context;
@@ -135,6 +158,34 @@ SliceView slice_on(const Mesh& mesh, const Vec3& centre, const Vec3& right, cons
   return {centre, right, down, mm_per_px};
 }
 
+/// Shapes of one topology in a grid, each moved to its centroid, under one camera.
+Result<MadePicture> montage(const std::vector<Mesh>& shapes, int columns, const MontageOptions& options) {
+  auto studio = Studio::make(options);
+  if (!studio) return fail(studio.error());
+  const Colouring colouring(shapes.front(), options.glyph_spacing_mm);
+  const int count = static_cast<int>(shapes.size());
+  const int rows = (count + columns - 1) / columns;
+  if (std::min(options.width_px / columns, options.height_px / rows) < 4 * gap_px) {
+    return fail("", "one of " + std::to_string(count) + " shapes, which need a larger picture; raise --size");
+  }
+  const Framing framing(shapes, options.from, cell(0, columns, rows, options));
+  for (int k = 0; k < columns * rows; ++k) {
+    Scene scene;
+    scene.background = background(options);
+    Vec3 centre = Vec3::Zero();
+    if (k < count) {
+      const Mesh& shape = shapes[static_cast<std::size_t>(k)];
+      centre = shape.points.colwise().mean();
+      colouring.add_to(scene, shape);
+    }
+    const Camera3D camera = camera_on(centre + framing.offset, framing.radius_mm, options.from);
+    if (auto drawn = studio->renderer->draw(scene, camera, cell(k, columns, rows, options)); !drawn) {
+      return fail(drawn.error());
+    }
+  }
+  return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size())};
+}
+
 }  // namespace
 
 Result<Vec3> direction_from_name(const std::string& name) {
@@ -158,31 +209,18 @@ Result<Vec3> direction_from_name(const std::string& name) {
 }
 
 Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const MontageOptions& options) {
-  auto studio = Studio::make(options);
-  if (!studio) return fail(studio.error());
-  const Colouring colouring(shapes.front(), options.glyph_spacing_mm);
-  double radius = 0;
-  for (const Mesh& shape : shapes) radius = std::max(radius, radius_of(shape, shape.points.colwise().mean()));
-  const int count = static_cast<int>(shapes.size());
-  const int columns = columns_for(count, options), rows = (count + columns - 1) / columns;
-  if (std::min(options.width_px / columns, options.height_px / rows) < 4 * gap_px) {
-    return fail("", "one of " + std::to_string(count) + " shapes, which need a larger picture; raise --size");
+  return montage(shapes, columns_for(static_cast<int>(shapes.size()), options), options);
+}
+
+Result<MadePicture> modes_picture(const ShapeModel& model, int modes, const MontageOptions& options) {
+  if (!model.topology) return fail("", "is a model of points without faces, which cannot be drawn");
+  std::vector<Mesh> shapes;
+  for (Eigen::Index mode = 0; mode < std::min<Eigen::Index>(modes, model.modes()); ++mode) {
+    for (const double deviations : {-3.0, 0.0, 3.0})
+      shapes.push_back({model.topology, mode_shape(model, mode, deviations)});
   }
-  for (int k = 0; k < columns * rows; ++k) {
-    Scene scene;
-    scene.background = background(options);
-    Vec3 centre = Vec3::Zero();
-    if (k < count) {
-      const Mesh& shape = shapes[static_cast<std::size_t>(k)];
-      centre = shape.points.colwise().mean();
-      colouring.add_to(scene, shape);
-    }
-    const Camera3D camera = camera_on(centre, 1.05 * radius, options.from);
-    if (auto drawn = studio->renderer->draw(scene, camera, cell(k, columns, rows, options)); !drawn) {
-      return fail(drawn.error());
-    }
-  }
-  return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size())};
+  if (shapes.empty()) return fail("", "has no mode to show");
+  return montage(shapes, 3, options);
 }
 
 Result<MadePicture> case_picture(const Document& document, const MontageOptions& options) {

@@ -5,6 +5,7 @@
 
 #include "core/base/picture.h"
 #include "core/case/document.h"
+#include "core/model/shape_model.h"
 #include "render/scene.h"
 
 namespace homolog {
@@ -25,9 +26,14 @@ struct MadePicture {
 /// The direction of "anterior", "posterior", "left", "right", "superior", "inferior" or "x,y,z" (LPS, towards the eye).
 Result<Vec3> direction_from_name(const std::string& name);
 
-/// All shapes as a grid under one camera: hue by landmark, the same glyphs on each [Erdt 2009, §3.1, Fig. 5]. Shapes
-/// are moved to their centroids. Errors: no OpenGL, shapes of different topology (the caller names them).
+/// All shapes as a grid under one camera that just shows each: hue by landmark, the same glyphs on each [Erdt 2009,
+/// §3.1, Fig. 5]. Shapes are moved to their centroids. Errors: no OpenGL, shapes of different topology (the caller
+/// names them).
 Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const MontageOptions& options);
+
+/// Modes of a model as the paper's Fig. 4: a row a mode, at −3√λ, the mean, and at +3√λ, under one camera, with the
+/// colours and glyphs of correspondence_picture. At most `modes` rows. Errors: no OpenGL, a model of points alone.
+Result<MadePicture> modes_picture(const ShapeModel& model, int modes, const MontageOptions& options);
 
 /// A case as the paper's Fig. 3: axial, sagittal and coronal slice through the mesh's middle with its outline, and the
 /// shape in 3D. Errors: no OpenGL, a case without a mesh.

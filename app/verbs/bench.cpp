@@ -3,6 +3,7 @@
 #include <memory>
 #include <thread>
 
+#include "app/verbs/bench_model.h"
 #include "app/verbs/bench_pictures.h"
 #include "app/verbs/bench_templates.h"
 #include "app/verbs/median.h"
@@ -83,7 +84,7 @@ double memory_gb_per_s() {
 }  // namespace
 
 void add_bench(CLI::App& app, VerbRun& run) {
-  CLI::App* verb = add_verb(app, "bench", "Times the solver, slices and pictures on this machine (medians)");
+  CLI::App* verb = add_verb(app, "bench", "Times the solver, models, slices and pictures on this machine (medians)");
   struct Options {
     std::vector<std::filesystem::path> masks;
     int vertices = 2500;
@@ -110,6 +111,9 @@ void add_bench(CLI::App& app, VerbRun& run) {
       if (progress.cancelled()) return fail("bench", "was stopped");
     }
     report.values["drag"] = std::move(drags);
+    report.values["model"] = model_figures();
+    progress.report(0.8);
+    if (progress.cancelled()) return fail("bench", "was stopped");
     report.values["pictures"] = picture_figures();
     return report;
   };

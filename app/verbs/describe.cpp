@@ -4,6 +4,7 @@
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/model/statismo.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {
@@ -29,6 +30,23 @@ Result<Report> describe_case(const std::filesystem::path& path, Progress* progre
   for (const auto& [frame, shape] : document.shapes) frames.push_back(frame);
   values["frames_with_mesh"] = std::move(frames);
   return report;
+}
+
+Result<Report> describe_model(const std::filesystem::path& path) {
+  const auto model = read_model(path);
+  if (!model) return fail(model.error());
+  const Box box = bounds_of(points_of(model->mean));
+  Json names = Json::array();
+  for (const std::string& name : model->names) names.push_back(name);
+  return Report{{{"kind", "model"},
+                 {"vertices", model->mean.size() / 3},
+                 {"faces", model->topology ? model->topology->triangles().rows() : 0},
+                 {"modes", model->modes()},
+                 {"variances", std::vector<double>(model->variances.begin(), model->variances.end())},
+                 {"noise_variance", model->noise_variance},
+                 {"bounds_mm", Json::array({json_of(box.min()), json_of(box.max())})},
+                 {"shapes", std::move(names)}},
+                {}};
 }
 
 }  // namespace
@@ -104,6 +122,7 @@ Json describe(const Volume& volume) {
 
 Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options) {
   if (path.extension() == ".homolog") return describe_case(path, options.progress);
+  if (is_model_name(path)) return describe_model(path);
   if (is_mesh_name(path)) {
     const auto file = read_mesh_file(path);
     return file ? describe(*file, path) : fail(file.error());

@@ -51,8 +51,8 @@ void add_info(CLI::App& app, VerbRun& run) {
     std::vector<double> spacing_mm;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, "info", "What a volume, mesh, template or case is");
-  verb->add_option("FILE", options->file, "A volume (or DICOM folder), mesh, template or case")->required();
+  CLI::App* verb = add_verb(app, "info", "What a volume, mesh, template, case or model is");
+  verb->add_option("FILE", options->file, "A volume (or DICOM folder), mesh, template, case or model")->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
   add_spacing(*verb, options->spacing_mm);
   verb->callback([options, &run] {

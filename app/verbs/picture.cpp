@@ -10,6 +10,7 @@
 #include "app/verbs/verb.h"
 #include "core/base/picture_io.h"
 #include "core/case/case_file.h"
+#include "core/model/statismo.h"
 #include "render/offscreen.h"
 
 namespace homolog {
@@ -24,6 +25,7 @@ struct PictureVerb {
   std::string size = "1280x960", view = "anterior";
   double glyph_spacing_mm = 0;
   bool transparent = false;
+  int modes = 2;
 };
 
 constexpr int largest_side_px = 16384;
@@ -82,6 +84,12 @@ Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
   return write(correspondence_picture(shapes, options), verb);
 }
 
+Result<Report> of_model(const PictureVerb& verb) {
+  const auto model = read_model(verb.in.front());
+  if (!model) return fail(model.error());
+  return write(modes_picture(*model, verb.modes, montage_options(verb)), verb);
+}
+
 Result<Report> of_case(const PictureVerb& verb, Progress& progress) {
   const MontageOptions options = montage_options(verb);
   ReplayOptions replay;
@@ -135,6 +143,11 @@ void add_picture(CLI::App& app, VerbRun& run) {
   add_options(*all, *options);
   all->callback(
       [options, &run] { run = [options](Progress& progress) { return correspondence(*options, progress); }; });
+  CLI::App* modes = add_verb(*picture, "modes", "Modes of a model: -3, 0 and +3 standard deviations");
+  modes->add_option("MODEL", options->in, "The model (.h5.json or .h5)")->required()->expected(1);
+  modes->add_option("--modes", options->modes, "How many modes, a row each")->check(CLI::Range(1, 20));
+  add_options(*modes, *options);
+  modes->callback([options, &run] { run = [options](Progress&) { return of_model(*options); }; });
   CLI::App* one = add_verb(*picture, "case", "A case: three slices with the outline, and the shape in 3D");
   one->add_option("CASE", options->in, "The case file")->required()->expected(1);
   add_options(*one, *options);

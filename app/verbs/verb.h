@@ -30,9 +30,11 @@ void add_compare(CLI::App& app, VerbRun& run);
 void add_convert(CLI::App& app, VerbRun& run);
 /// With a display the demo is the editor: then `editor` says what to open and `run` stays empty.
 void add_demo(CLI::App& app, VerbRun& run, EditorOptions& editor);
+void add_evaluate(CLI::App& app, VerbRun& run);
 void add_info(CLI::App& app, VerbRun& run);
 void add_label_map(CLI::App& app, VerbRun& run);
 void add_mirror(CLI::App& app, VerbRun& run);
+void add_model(CLI::App& app, VerbRun& run);
 void add_phantom(CLI::App& app, VerbRun& run);
 void add_picture(CLI::App& app, VerbRun& run);
 void add_replay(CLI::App& app, VerbRun& run);

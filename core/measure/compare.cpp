@@ -87,11 +87,15 @@ class DirectedDistances {
   double area_mm2_ = 0, integral_mm3_ = 0, largest_mm_ = 0;
 };
 
+double mean_of(const DirectedDistances& there, const DirectedDistances& back) {
+  const double area = there.area_mm2() + back.area_mm2();
+  return area > 0 ? (there.integral_mm3() + back.integral_mm3()) / area : 0;
+}
+
 void compare_surfaces(const Mesh& a, const Mesh& b, Agreement& agreement) {
   const SurfaceSearch search_a(a), search_b(b);
   DirectedDistances there(a, search_b), back(b, search_a);
-  const double area = there.area_mm2() + back.area_mm2();
-  agreement.assd_mm = area > 0 ? (there.integral_mm3() + back.integral_mm3()) / area : 0;
+  agreement.assd_mm = mean_of(there, back);
   agreement.hd95_mm = std::max(there.percentile(0.95), back.percentile(0.95));
   agreement.hausdorff_mm = std::max(there.largest_mm(), back.largest_mm());
 }
@@ -153,6 +157,11 @@ Agreement compare_meshes(const Mesh& a, const Mesh& b) {
     agreement.vertex_max_mm = distance.maxCoeff();
   }
   return agreement;
+}
+
+double mean_surface_distance_mm(const Mesh& a, const Mesh& b) {
+  const SurfaceSearch search_a(a), search_b(b);
+  return mean_of(DirectedDistances(a, search_b), DirectedDistances(b, search_a));
 }
 
 Result<Agreement> compare_with_mask(const Mesh& mesh, const Volume& mask, int label, int frame) {

@@ -29,6 +29,9 @@ SurfaceDistance surface_distance(const Mesh& from, const Mesh& to);
 /// where both meshes are too small to hold a voxel).
 Agreement compare_meshes(const Mesh& a, const Mesh& b);
 
+/// `assd_mm` of compare_meshes alone.
+double mean_surface_distance_mm(const Mesh& a, const Mesh& b);
+
 /// Against label `label` of a mask: surfaces against the mask's 0.5 isosurface, Dice on the mask's grid.
 /// Errors: the label does not occur.
 Result<Agreement> compare_with_mask(const Mesh& mesh, const Volume& mask, int label, int frame = 0);

@@ -1,0 +1,266 @@
+#include <charconv>
+#include <filesystem>
+#include <sstream>
+
+#include "app/verbs/verb.h"
+#include "core/base/files.h"
+#include "core/model/measures.h"
+#include "core/model/model_files.h"
+#include "core/model/statismo.h"
+#include "core/model/training_set.h"
+
+// Verbs on a training set: model, evaluate.
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct TrainingOptions {
+  std::vector<fs::path> files;
+  bool keep_scale = false, no_align = false;
+
+  Alignment alignment() const {
+    return no_align ? Alignment::none : keep_scale ? Alignment::rigid : Alignment::similarity;
+  }
+};
+
+void add_training_options(CLI::App& verb, TrainingOptions& options) {
+  verb.add_option("MESH", options.files, "Shapes in correspondence (.ply, .vtk, .vtp, .obj, .particles)")->required();
+  auto* keep_scale = verb.add_flag("--keep-scale", options.keep_scale, "Align by translation and rotation only");
+  verb.add_flag("--no-align", options.no_align, "Take the shapes as they lie")->excludes(keep_scale);
+}
+
+struct Training {
+  std::vector<std::string> names;
+  std::shared_ptr<const Topology> topology;
+  PrincipalComponents components;
+  std::vector<std::string> warnings;
+};
+
+Result<Training> train(const TrainingOptions& options, Progress& progress) {
+  auto read = read_training_set(options.files, &progress);
+  if (!read) return fail(read.error());
+  Training training;
+  training.names = std::move(read->set.names);
+  training.topology = read->set.topology;
+  training.warnings = std::move(read->warnings);
+  align(read->set.shapes, options.alignment());
+  training.components = principal_components(std::move(read->set.shapes));
+  if (training.components.scatter.size() == 0) {
+    return fail(training.names.front(),
+                "differs from the other shapes by its pose alone, so there is nothing to model; give different shapes");
+  }
+  return training;
+}
+
+Json cumulative(const Eigen::VectorXd& variances) {
+  Json shares = Json::array();
+  double held = 0;
+  for (const double variance : variances) shares.push_back((held += variance) / variances.sum());
+  return shares;
+}
+
+struct ModelOptions {
+  TrainingOptions training;
+  fs::path out, tables, aligned;
+  double variance = 0.95;
+};
+
+Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
+  if (!is_model_name(options.out)) return fail(options.out.string(), "is no name of a model; use .h5.json or .h5");
+  auto training = train(options.training, progress);
+  if (!training) return fail(training.error());
+  const PrincipalComponents& components = training->components;
+  const auto names = shape_names(training->names);
+  if (!options.tables.empty())
+    if (auto done = write_model_tables(components, names, options.tables); !done) return fail(done.error());
+  if (!options.aligned.empty())
+    if (auto done = write_aligned_shapes(components, training->topology, names, options.aligned); !done)
+      return fail(done.error());
+  const ShapeModel model = make_model(components, options.variance, training->topology, names);
+  if (auto written = write_model(model, options.out); !written) return fail(written.error());
+  Report report;
+  report.warnings = std::move(training->warnings);
+  if (components.shapes() == 2)
+    report.warnings.emplace_back("two shapes give a model of a single mode; give more for one that describes an organ");
+  const Eigen::VectorXd variances = components.variances();
+  report.values = {{"shapes", components.shapes()},
+                   {"vertices", components.landmarks()},
+                   {"modes", model.modes()},
+                   {"variances", std::vector<double>(variances.begin(), variances.end())},
+                   {"explained", cumulative(variances)}};
+  return report;
+}
+
+struct EvaluateOptions {
+  TrainingOptions training;
+  fs::path csv;
+  Eigen::Index samples = 1000;
+  std::uint64_t seed = 1;
+  std::string modes;
+};
+
+/// "all", or numbers with commas between; empty where it is neither.
+std::vector<int> parsed_modes(const std::string& text, int most) {
+  std::vector<int> modes;
+  if (text == "all") {
+    for (int m = 1; m <= most; ++m) modes.push_back(m);
+    return modes;
+  }
+  std::istringstream in(text);
+  for (std::string word; std::getline(in, word, ',');) {
+    int m = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), m);
+    if (error != std::errc() || end != word.data() + word.size() || m < 1) return {};
+    modes.push_back(m);
+  }
+  return modes;
+}
+
+/// What `evaluate` reports, by name: over all mode counts, or at those asked for.
+struct Table {
+  std::vector<int> modes;
+  std::vector<std::pair<std::string, Measures>> at_every, at_modes, shapeworks;
+};
+
+void add_measures(const std::vector<std::pair<std::string, Measures>>& all, Json& values) {
+  for (const auto& [name, measures] : all) {
+    Json means = Json::array(), errors = Json::array();
+    for (const Measured& m : measures) {
+      means.push_back(m.mean);
+      errors.push_back(m.standard_error);
+    }
+    values[name] = std::move(means);
+    values[name + "_se"] = std::move(errors);
+  }
+}
+
+Result<void> write_csv(const Table& table, const fs::path& path) {
+  return write_whole_file(path, [&](std::ostream& out) {
+    out.precision(17);
+    out << "modes";
+    for (const auto* part : {&table.at_every, &table.at_modes})
+      for (const auto& [name, measures] : *part) out << ',' << name << ',' << name << "_se";
+    for (const auto& [name, measures] : table.shapeworks) out << ",shapeworks_" << name;
+    out << '\n';
+    const std::size_t counts = table.at_every.front().second.size();
+    for (std::size_t m = 0; m < counts; ++m) {
+      out << m + 1;
+      for (const auto& [name, measures] : table.at_every)
+        out << ',' << measures[m].mean << ',' << measures[m].standard_error;
+      const auto asked = std::find(table.modes.begin(), table.modes.end(), static_cast<int>(m) + 1);
+      const auto at = static_cast<std::size_t>(asked - table.modes.begin());
+      for (const auto& [name, measures] : table.at_modes) {
+        out << ',';
+        if (asked != table.modes.end())
+          out << measures[at].mean << ',' << measures[at].standard_error;
+        else
+          out << ',';
+      }
+      for (const auto& [name, measures] : table.shapeworks) {
+        out << ',';
+        if (asked != table.modes.end()) out << measures[at].mean;
+      }
+      out << '\n';
+    }
+    return Result<void>();
+  });
+}
+
+Result<Table> measure(const Training& training, const EvaluateOptions& options, std::vector<int> modes,
+                      Progress& progress) {
+  const PrincipalComponents& components = training.components;
+  Table table;
+  table.modes = std::move(modes);
+  const Measures shares = compactness(components);
+  table.at_every = {{"compactness", shares},
+                    {"generalization_rms", generalisation_rms(components)},
+                    {"specificity_rms", specificity_rms(components, options.samples, options.seed)}};
+  auto general = generalisation_mean(components, table.modes, &progress);
+  if (!general) return fail(general.error());
+  auto specific = specificity_mean(components, table.modes, options.samples, options.seed, false, &progress);
+  if (!specific) return fail(specific.error());
+  auto shapeworks = specificity_mean(components, table.modes, options.samples, options.seed, true, &progress);
+  if (!shapeworks) return fail(shapeworks.error());
+  Measures shares_at_modes;
+  for (const int m : table.modes) shares_at_modes.push_back(shares[static_cast<std::size_t>(m) - 1]);
+  table.at_modes = {{"generalization", *general}, {"specificity", std::move(*specific)}};
+  table.shapeworks = {{"compactness", std::move(shares_at_modes)},
+                      {"generalization", std::move(*general)},
+                      {"specificity", std::move(*shapeworks)}};
+  if (training.topology) {
+    auto surface = generalisation_surface(components, training.topology, table.modes, &progress);
+    if (!surface) return fail(surface.error());
+    table.at_modes.emplace_back("generalization_surface", std::move(*surface));
+  }
+  return table;
+}
+
+Result<Report> evaluate(const EvaluateOptions& options, Progress& progress) {
+  auto training = train(options.training, progress);
+  if (!training) return fail(training.error());
+  const PrincipalComponents& components = training->components;
+  const auto most = static_cast<int>(components.shapes()) - 2;
+  if (most < 1) {
+    return fail(training->names.front(),
+                "and one other shape are too few to leave one out; give at least three shapes");
+  }
+  std::vector<int> modes = parsed_modes(options.modes, most);
+  if (options.modes.empty()) modes = {std::min(most, static_cast<int>(modes_holding(components.variances(), 0.95)))};
+  if (const auto highest = std::max_element(modes.begin(), modes.end()); *highest > most) {
+    return fail("--modes " + std::to_string(*highest), "is more than " + std::to_string(components.shapes()) +
+                                                           " shapes allow; the most is " + std::to_string(most));
+  }
+  const auto table = measure(*training, options, std::move(modes), progress);
+  if (!table) return fail(table.error());
+  if (!options.csv.empty())
+    if (auto written = write_csv(*table, options.csv); !written) return fail(written.error());
+  Report report;
+  report.warnings = std::move(training->warnings);
+  if (!training->topology)
+    report.warnings.emplace_back("the shapes have points only, so generalization_surface is left out");
+  report.values = {{"shapes", components.shapes()}, {"vertices", components.landmarks()}};
+  report.values["total_variance_mm2"] = components.variances().sum();
+  add_measures(table->at_every, report.values);
+  report.values["modes"] = table->modes;
+  add_measures(table->at_modes, report.values);
+  Json shapeworks = Json::object();
+  add_measures(table->shapeworks, shapeworks);
+  report.values["shapeworks"] = std::move(shapeworks);
+  return report;
+}
+
+}  // namespace
+
+void add_model(CLI::App& app, VerbRun& run) {
+  auto options = std::make_shared<ModelOptions>();
+  CLI::App* verb = add_verb(app, "model", "A statistical shape model from shapes in correspondence");
+  add_training_options(*verb, options->training);
+  verb->add_option("-o,--output", options->out, "The model to write (.h5.json or .h5, statismo and scalismo 0.9)")
+      ->required();
+  verb->add_option("--variance", options->variance, "Share of the variance that the modes kept hold")
+      ->check(CLI::Range(0.01, 1.0));
+  verb->add_option("--csv", options->tables, "Folder for mean.csv, variances.csv and scores.csv");
+  verb->add_option("--aligned", options->aligned, "Folder for the aligned shapes as .ply and .particles");
+  verb->callback(
+      [options, &run] { run = [options](Progress& progress) { return make_and_write(*options, progress); }; });
+}
+
+void add_evaluate(CLI::App& app, VerbRun& run) {
+  auto options = std::make_shared<EvaluateOptions>();
+  CLI::App* verb = add_verb(app, "evaluate", "Compactness, generalisation and specificity of a training set");
+  add_training_options(*verb, options->training);
+  verb->add_option("--samples", options->samples, "Random shapes for specificity")->check(CLI::Range(1, 1000000));
+  verb->add_option("--seed", options->seed, "Seed of the random shapes");
+  verb->add_option("--modes", options->modes,
+                   "Mode counts of the mean and surface distances: all, or 1,3,8 (default: what holds 95 %)")
+      ->check([](const std::string& text) {
+        return parsed_modes(text, 1).empty() ? text + " is neither all nor mode counts like 1,3,8" : std::string();
+      });
+  verb->add_option("--csv", options->csv, "Write the measures as a table too");
+  verb->callback([options, &run] { run = [options](Progress& progress) { return evaluate(*options, progress); }; });
+}
+
+}  // namespace homolog

@@ -1,0 +1,116 @@
+#include "core/model/model_files.h"
+
+#include <map>
+
+#include "core/base/files.h"
+#include "core/mesh/formats/text.h"
+#include "core/mesh/mesh_io.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Result<void> make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(folder.string(), "cannot be made a folder (" + error.message() + "); choose another place");
+  return {};
+}
+
+Result<void> write_text(const fs::path& path, const std::string& text) {
+  return write_whole_file(path, [&](std::ostream& out) {
+    out << text;
+    return Result<void>();
+  });
+}
+
+template <class Values>
+void append_row(const Values& values, std::string& text) {
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    if (k > 0) text += ',';
+    formats::append_number(values[k], text);
+  }
+  text += '\n';
+}
+
+std::string mean_table(const PrincipalComponents& components) {
+  std::string text = "x,y,z\n";
+  const Points mean = points_of(components.mean);
+  for (Eigen::Index v = 0; v < mean.rows(); ++v) append_row(Vec3(mean.row(v)), text);
+  return text;
+}
+
+std::string variance_table(const PrincipalComponents& components) {
+  std::string text = "mode,variance_mm2,share,cumulative_share\n";
+  const Eigen::VectorXd variances = components.variances();
+  const double total = variances.sum();
+  double held = 0;
+  for (Eigen::Index k = 0; k < variances.size(); ++k) {
+    held += variances[k];
+    append_row(Eigen::Vector4d(static_cast<double>(k + 1), variances[k], variances[k] / total, held / total), text);
+  }
+  return text;
+}
+
+std::string score_table(const PrincipalComponents& components, const std::vector<std::string>& names) {
+  const Eigen::MatrixXd scores = components.scores();
+  std::string text = "shape";
+  for (Eigen::Index k = 0; k < scores.rows(); ++k) text += ",b" + std::to_string(k + 1);
+  text += '\n';
+  for (Eigen::Index i = 0; i < scores.cols(); ++i) {
+    text += csv_field(names[static_cast<std::size_t>(i)]) + ',';
+    append_row(scores.col(i), text);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> shape_names(const std::vector<std::string>& files) {
+  std::vector<std::string> names;
+  std::map<std::string, int> used;
+  for (const std::string& file : files) {
+    const std::string stem = fs::path(file).stem().string();
+    std::string name = stem;
+    while (used.contains(name)) name = stem + "-" + std::to_string(++used[stem]);
+    used[name] = 1;
+    names.push_back(std::move(name));
+  }
+  return names;
+}
+
+Result<void> write_model_tables(const PrincipalComponents& components, const std::vector<std::string>& names,
+                                const fs::path& folder) {
+  if (auto made = make_folder(folder); !made) return made;
+  if (auto done = write_text(folder / "mean.csv", mean_table(components)); !done) return done;
+  if (auto done = write_text(folder / "variances.csv", variance_table(components)); !done) return done;
+  return write_text(folder / "scores.csv", score_table(components, names));
+}
+
+Result<void> write_aligned_shapes(const PrincipalComponents& components,
+                                  const std::shared_ptr<const Topology>& topology,
+                                  const std::vector<std::string>& names, const fs::path& folder) {
+  if (auto made = make_folder(folder); !made) return made;
+  MeshFile file;
+  if (topology) file.triangles = topology->triangles();
+  for (Eigen::Index i = 0; i < components.shapes(); ++i) {
+    const Eigen::VectorXd shape = components.mean + components.centred.col(i);
+    file.points = points_of(shape);
+    const std::string& name = names[static_cast<std::size_t>(i)];
+    if (auto done = write_mesh_file(file, folder / (name + ".particles")); !done) return done;
+    if (!topology) continue;
+    if (auto done = write_mesh_file(file, folder / (name + ".ply")); !done) return done;
+  }
+  return {};
+}
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+}  // namespace homolog

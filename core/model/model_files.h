@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/model/shape_model.h"
+
+namespace homolog {
+
+/// A name for each file of a training set to write its shape under: the file's name without folders and extension,
+/// with -2, -3, … where several are equal.
+std::vector<std::string> shape_names(const std::vector<std::string>& files);
+
+/// Writes tables into `folder` (made where absent): `mean.csv` (x, y, z in mm), `variances.csv` (every mode's λ in mm²,
+/// share, cumulative share) and `scores.csv` (a row a training shape, its coefficients of all modes in mm).
+Result<void> write_model_tables(const PrincipalComponents& components, const std::vector<std::string>& names,
+                                const std::filesystem::path& folder);
+
+/// Writes every shape as it was aligned into `folder` (made where absent): NAME.particles, and NAME.ply where there is
+/// a topology. Numbering is the files' own.
+Result<void> write_aligned_shapes(const PrincipalComponents& components,
+                                  const std::shared_ptr<const Topology>& topology,
+                                  const std::vector<std::string>& names, const std::filesystem::path& folder);
+
+/// Text as a field of a CSV file [RFC 4180].
+std::string csv_field(const std::string& text);
+
+}  // namespace homolog

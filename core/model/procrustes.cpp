@@ -1,0 +1,101 @@
+#include "core/model/procrustes.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+
+namespace homolog {
+
+namespace {
+
+using Shape = Eigen::Map<Points>;
+
+constexpr double mean_rests = 1e-10;  ///< change of the mean in one round, as a share of its size
+constexpr int most_rounds = 100;
+
+Shape shape_in(ShapeMatrix& shapes, Eigen::Index i) {
+  return {shapes.col(i).data(), shapes.rows() / 3, 3};
+}
+
+Mat3 rotation_from(const Mat3& covariance) {
+  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Vec3 sign = Vec3::Ones();
+  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) sign[2] = -1;
+  return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+}
+
+/// Centres every shape; gives their centroid sizes.
+Eigen::VectorXd centre(ShapeMatrix& shapes) {
+  Eigen::VectorXd sizes(shapes.cols());
+  in_parallel(shapes.cols(), [&](Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index i = first; i < last; ++i) {
+      Shape shape = shape_in(shapes, i);
+      const Eigen::RowVector3d middle = shape.colwise().mean();
+      shape.rowwise() -= middle;
+      sizes[i] = shape.norm();
+    }
+  });
+  return sizes;
+}
+
+/// Turns every shape to `mean`.
+void turn_to(const Points& mean, ShapeMatrix& shapes) {
+  in_parallel(shapes.cols(), [&](Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index i = first; i < last; ++i) {
+      Shape shape = shape_in(shapes, i);
+      const Mat3 turned_back = rotation_from(mean.transpose() * shape).transpose();
+      for (Eigen::Index v = 0; v < shape.rows(); ++v) shape.row(v) = Eigen::RowVector3d(shape.row(v)) * turned_back;
+    }
+  });
+}
+
+}  // namespace
+
+double centroid_size_mm(const Points& points) {
+  return (points.rowwise() - points.colwise().mean()).norm();
+}
+
+Mat3 nearest_rotation(const Points& from, const Points& to) {
+  return rotation_from(to.transpose() * from);
+}
+
+void align(ShapeMatrix& shapes, Alignment alignment) {
+  if (alignment == Alignment::none || shapes.cols() == 0) return;
+  const Eigen::VectorXd sizes = centre(shapes);
+  if (alignment == Alignment::similarity) {
+    for (Eigen::Index i = 0; i < shapes.cols(); ++i)
+      if (sizes[i] > 0) shapes.col(i) *= sizes.mean() / sizes[i];
+  }
+  Points mean = points_of(shapes, 0);
+  for (int round = 0; round < most_rounds; ++round) {
+    turn_to(mean, shapes);
+    const Eigen::VectorXd next = shapes.rowwise().mean();
+    const double change = (points_of(next) - mean).norm();
+    mean = points_of(next);
+    if (change <= mean_rests * mean.norm()) break;
+  }
+}
+
+Points aligned_to(const Points& points, const Points& target, Alignment alignment) {
+  if (alignment == Alignment::none) return points;
+  const Eigen::RowVector3d to_centre = target.colwise().mean();
+  const Points from = points.rowwise() - points.colwise().mean(), to = target.rowwise() - to_centre;
+  const double scale = alignment == Alignment::similarity && from.norm() > 0 ? to.norm() / from.norm() : 1;
+  return (scale * from * nearest_rotation(from, to).transpose()).rowwise() + to_centre;
+}
+
+double reflection_gain(const Points& a, const Points& b) {
+  const Points from = b.rowwise() - b.colwise().mean(), to = a.rowwise() - a.colwise().mean();
+  const double size = from.norm() * to.norm();
+  if (!(size > 0)) return 1;
+  const Mat3 covariance = to.transpose() * from / size;
+  const Vec3 s = Eigen::JacobiSVD<Mat3>(covariance).singularValues();
+  const double last = covariance.determinant() < 0 ? -s[2] : s[2];
+  // Of unit-size shapes the squared distance is 1 − (σ1 + σ2 ± σ3)² at the best scale.
+  const auto distance = [](double overlap) { return std::sqrt(std::max(1 - overlap * overlap, 1e-24)); };
+  return distance(s[0] + s[1] + last) / distance(s[0] + s[1] - last);
+}
+
+}  // namespace homolog

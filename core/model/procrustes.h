@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/geometry.h"
+
+namespace homolog {
+
+/// n landmarks of M shapes: 3n×M, one shape a column as x y z of landmark 0, x y z of landmark 1, … (mm, LPS).
+using ShapeMatrix = Eigen::MatrixXd;
+
+inline Eigen::Map<const Points> points_of(const ShapeMatrix& shapes, Eigen::Index shape) {
+  return {shapes.col(shape).data(), shapes.rows() / 3, 3};
+}
+inline Eigen::Map<const Points> points_of(const Eigen::VectorXd& shape) {
+  return {shape.data(), shape.size() / 3, 3};
+}
+
+/// What generalised Procrustes analysis takes out of the shapes.
+enum class Alignment {
+  similarity,  ///< translation, rotation and scale: every centroid size becomes their mean
+  rigid,       ///< translation and rotation; size stays
+  none
+};
+
+/// √ Σ ‖p − centroid‖² in mm.
+double centroid_size_mm(const Points& points);
+
+/// Generalised Procrustes analysis in place [Gower 1975], with the sizes of docs/models.md: shapes are centred on the
+/// origin, scaled (or not), and rotated to their mean until the mean rests to 1e-10 of its size. The result is turned
+/// as the first shape was. Never a reflection. Shapes without extent are only centred.
+void align(ShapeMatrix& shapes, Alignment alignment);
+
+/// The proper rotation R for which R·from comes nearest to `to` (both n×3, centred) in the least-squares sense.
+Mat3 nearest_rotation(const Points& from, const Points& to);
+
+/// `points` aligned to `target` alone: centred on its centroid, turned, and scaled to its centroid size (similarity).
+Points aligned_to(const Points& points, const Points& target, Alignment alignment);
+
+/// How much nearer `b` comes to `a` when it may be reflected: distance without ÷ distance with, both after a
+/// similarity fit. Above 1 the mirror image fits better; 1 where both are flat.
+double reflection_gain(const Points& a, const Points& b);
+
+}  // namespace homolog

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/mesh/topology.h"
+#include "core/model/procrustes.h"
+
+namespace homolog {
+
+/// The principal components of M shapes, from the M×M Gram matrix of what is left after the mean is taken off; the
+/// 3n×3n covariance is never formed.
+struct PrincipalComponents {
+  Eigen::VectorXd mean;     ///< 3n
+  ShapeMatrix centred;      ///< 3n×M, shapes − mean
+  Eigen::VectorXd scatter;  ///< r eigenvalues of centredᵀ · centred, descending, > 0; r ≤ M − 1 is the rank
+  Eigen::MatrixXd vectors;  ///< M×r, their unit eigenvectors
+
+  Eigen::Index shapes() const { return centred.cols(); }
+  Eigen::Index landmarks() const { return centred.rows() / 3; }
+  /// λ of the covariance with 1/(M−1), mm²; all M − 1 of them, 0 beyond the rank.
+  Eigen::VectorXd variances() const;
+  /// r×M, the coefficients b of every shape, mm.
+  Eigen::MatrixXd scores() const { return scatter.cwiseSqrt().asDiagonal() * vectors.transpose(); }
+  /// M×r: centred · weights is the basis.
+  Eigen::MatrixXd weights() const { return vectors * scatter.cwiseSqrt().cwiseInverse().asDiagonal(); }
+  /// The first `count` axes as columns, 3n×count.
+  Eigen::MatrixXd basis(Eigen::Index count) const;
+};
+
+/// Takes the shapes over: beside them only M×M numbers are needed. Needs at least one shape.
+PrincipalComponents principal_components(ShapeMatrix shapes);
+
+/// Smallest number of modes whose variances hold `share` (0…1] of their sum, at least 1; 0 where all are 0.
+Eigen::Index modes_holding(const Eigen::VectorXd& variances, double share);
+
+/// A statistical shape model x = mean + basis · b [Erdt 2009, §2.3].
+struct ShapeModel {
+  std::shared_ptr<const Topology> topology;  ///< null for a model of points alone
+  Eigen::VectorXd mean;                      ///< 3n, mm
+  Eigen::MatrixXd basis;                     ///< 3n×t, orthonormal columns
+  Eigen::VectorXd variances;                 ///< λ of the t modes, mm², descending
+  double noise_variance = 0;                 ///< mm², of every coordinate, beside the modes
+  Eigen::MatrixXd scores;                    ///< t×M coefficients of the training shapes, mm; may be empty
+  std::vector<std::string> names;            ///< of the training shapes; may be empty
+  Eigen::Index modes() const { return variances.size(); }
+};
+
+/// The model whose modes hold `share` of the variance.
+ShapeModel make_model(const PrincipalComponents& components, double share, std::shared_ptr<const Topology> topology,
+                      std::vector<std::string> names);
+
+/// Every b_i moved into ±limit·√λ_i [Erdt 2009, §2.3].
+Eigen::VectorXd clamped(const ShapeModel& model, const Eigen::VectorXd& b, double limit = 3);
+/// mean + basis · b for the first b.size() ≤ t modes.
+Points shape_of(const ShapeModel& model, const Eigen::VectorXd& b);
+/// The mean with mode `mode` (from 0) at `deviations` √λ.
+Points mode_shape(const ShapeModel& model, Eigen::Index mode, double deviations);
+/// b of a shape that lies where the model's shapes lie (see aligned_to); not clamped.
+Eigen::VectorXd coefficients(const ShapeModel& model, const Points& shape);
+
+/// count columns of b ~ N(0, λ), independent. The same seed gives the same numbers on every machine, and fewer
+/// variances give the upper rows of what more would give.
+Eigen::MatrixXd sampled_coefficients(const Eigen::VectorXd& variances, Eigen::Index count, std::uint64_t seed);
+/// A random shape of the model, its coefficients clamped.
+Points sampled_shape(const ShapeModel& model, std::uint64_t seed);
+
+}  // namespace homolog

@@ -1,0 +1,209 @@
+#include "core/model/statismo.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <ctime>
+
+#include "core/model/hdf_tree.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Floats = std::vector<float>;
+using FloatMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+bool ends_with(const fs::path& path, const std::string& ending) {
+  std::string name = path.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name.size() > ending.size() && name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+/// Row-major floats of any matrix.
+template <class Derived>
+HdfTree::Dataset floats_of(const Eigen::MatrixBase<Derived>& matrix, bool as_vector = false) {
+  HdfTree::Dataset dataset;
+  const auto rows = static_cast<std::size_t>(matrix.rows()), columns = static_cast<std::size_t>(matrix.cols());
+  dataset.dims = as_vector ? std::vector<std::size_t>{rows * columns} : std::vector<std::size_t>{rows, columns};
+  Floats values(rows * columns);
+  Eigen::Map<FloatMatrix>(values.data(), matrix.rows(), matrix.cols()) = matrix.template cast<float>();
+  dataset.values = std::move(values);
+  return dataset;
+}
+
+HdfTree::Dataset text_of(std::string text) {
+  HdfTree::Dataset dataset;
+  dataset.values = std::move(text);
+  return dataset;
+}
+
+HdfTree::Dataset number_of(std::int32_t number) {
+  HdfTree::Dataset dataset;
+  dataset.values = std::vector<std::int32_t>{number};
+  return dataset;
+}
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  char text[32];
+  return {text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts)};
+}
+
+HdfTree tree_of(const ShapeModel& model) {
+  HdfTree tree;
+  tree.groups["/"];
+  tree.groups["/model"];
+  tree.groups["/modelinfo"];
+  tree.groups["/modelinfo/modelBuilder-0"];
+  tree.groups["/modelinfo/modelBuilder-0/dataInfo"];
+  tree.groups["/modelinfo/modelBuilder-0/parameters"];
+  tree.groups["/version"];
+  tree.groups["/representer"] = {{"name", "itkStandardMeshRepresenter"},
+                                 {"version", "0.9"},
+                                 {"version/majorVersion", "0"},
+                                 {"version/minorVersion", "9"},
+                                 {"datasetType", model.topology ? "POLYGON_MESH" : "POINT_SET"}};
+  auto& datasets = tree.datasets;
+  datasets["/version/majorVersion"] = number_of(0);
+  datasets["/version/minorVersion"] = number_of(9);
+  datasets["/representer/points"] = floats_of(points_of(model.mean).transpose());
+  if (model.topology) {
+    const Triangles& triangles = model.topology->triangles();
+    HdfTree::Dataset cells;
+    cells.dims = {3, static_cast<std::size_t>(triangles.rows())};
+    std::vector<std::int32_t> corners(static_cast<std::size_t>(triangles.size()));
+    Eigen::Map<Eigen::Matrix<std::int32_t, 3, Eigen::Dynamic, Eigen::RowMajor>>(corners.data(), 3, triangles.rows()) =
+        triangles.transpose();
+    cells.values = std::move(corners);
+    datasets["/representer/cells"] = std::move(cells);
+  }
+  datasets["/model/mean"] = floats_of(model.mean, true);
+  datasets["/model/pcaBasis"] = floats_of(model.basis);
+  datasets["/model/pcaVariance"] = floats_of(model.variances, true);
+  datasets["/model/noiseVariance"] = floats_of(Eigen::VectorXd::Constant(1, model.noise_variance), true);
+  // In standard deviations, as statismo counts coefficients.
+  if (model.scores.cols() > 0)
+    datasets["/modelinfo/scores"] = floats_of(model.variances.cwiseSqrt().cwiseInverse().asDiagonal() * model.scores);
+  const std::string now = utc_now();
+  datasets["/modelinfo/build-time"] = text_of(now);
+  datasets["/modelinfo/modelBuilder-0/buildTime"] = text_of(now);
+  datasets["/modelinfo/modelBuilder-0/builderName"] = text_of("Homolog");
+  for (std::size_t i = 0; i < model.names.size(); ++i)
+    datasets["/modelinfo/modelBuilder-0/dataInfo/URI_" + std::to_string(i)] = text_of(model.names[i]);
+  return tree;
+}
+
+Error unfit(const std::string& what) {
+  return {"", what + "; export the model again"};
+}
+
+/// A dataset of floats as a matrix. Errors: absent, or not of this size (−1: any).
+Result<FloatMatrix> matrix_at(const HdfTree& tree, const std::string& path, Eigen::Index rows, Eigen::Index columns) {
+  const Floats* values = tree.floats(path);
+  if (values == nullptr) return fail(unfit("holds no " + path + " and so is no shape model that is known here"));
+  const auto& dims = tree.datasets.at(path).dims;
+  const Eigen::Index r = dims.empty() ? 1 : static_cast<Eigen::Index>(dims[0]);
+  const Eigen::Index c = dims.size() < 2 ? 1 : static_cast<Eigen::Index>(dims[1]);
+  if (dims.size() > 2 || r * c != std::ssize(*values) || (rows >= 0 && r != rows) || (columns >= 0 && c != columns))
+    return fail(unfit(path + " does not fit the other parts of the model"));
+  const FloatMatrix matrix = Eigen::Map<const FloatMatrix>(values->data(), r, c);
+  if (!matrix.allFinite()) return fail(unfit(path + " holds a number that is not finite"));
+  return matrix;
+}
+
+Result<std::shared_ptr<const Topology>> topology_of(const HdfTree& tree, Eigen::Index vertices) {
+  const std::string type = tree.attribute("/representer", "datasetType");
+  if (type == "POINT_SET") return std::shared_ptr<const Topology>();
+  if (type != "POLYGON_MESH")
+    return fail("", "is a model of " + (type.empty() ? "unknown data" : type) +
+                        "; only models of triangle meshes (POLYGON_MESH) and of points (POINT_SET) can be used");
+  const auto* cells = tree.integers("/representer/cells");
+  if (cells == nullptr || tree.datasets.at("/representer/cells").dims.size() != 2 ||
+      tree.datasets.at("/representer/cells").dims[0] != 3)
+    return fail(unfit("/representer/cells is not 3 × the number of triangles"));
+  const Eigen::Index count = std::ssize(*cells) / 3;
+  const Triangles triangles =
+      Eigen::Map<const Eigen::Matrix<std::int32_t, 3, Eigen::Dynamic, Eigen::RowMajor>>(cells->data(), 3, count)
+          .transpose();
+  return Topology::make(vertices, triangles);
+}
+
+/// Refuses versions whose numbers would be misread; true where the basis holds √λ (0.8).
+Result<bool> basis_is_scaled(const HdfTree& tree) {
+  const auto* major = tree.integers("/version/majorVersion");
+  const auto* minor = tree.integers("/version/minorVersion");
+  const std::int32_t a = major != nullptr && !major->empty() ? major->front() : 0;
+  const std::int32_t b = minor != nullptr && !minor->empty() ? minor->front() : 8;
+  if (a == 1 || (a == 0 && b == 9)) return false;
+  if (a == 0 && b == 8) return true;
+  return fail("", "is of version " + std::to_string(a) + "." + std::to_string(b) +
+                      " of the model format; 0.8, 0.9 and 1.x can be read");
+}
+
+void read_training(const HdfTree& tree, ShapeModel& model) {
+  const auto scores = matrix_at(tree, "/modelinfo/scores", model.modes(), -1);
+  if (scores) model.scores = model.variances.cwiseSqrt().asDiagonal() * scores->cast<double>();
+  for (int i = 0;; ++i) {
+    const std::string path = "/modelinfo/modelBuilder-0/dataInfo/URI_" + std::to_string(i);
+    if (!tree.datasets.contains(path)) break;
+    model.names.push_back(tree.text(path));
+  }
+}
+
+Result<ShapeModel> model_of(const HdfTree& tree) {
+  const auto mean = matrix_at(tree, "/model/mean", -1, 1);
+  if (!mean) return fail(mean.error());
+  if (mean->size() == 0 || mean->size() % 3 != 0) return fail(unfit("/model/mean is not made of points in space"));
+  const auto variances = matrix_at(tree, "/model/pcaVariance", -1, 1);
+  if (!variances) return fail(variances.error());
+  const auto basis = matrix_at(tree, "/model/pcaBasis", mean->rows(), variances->rows());
+  if (!basis) return fail(basis.error());
+  const auto scaled = basis_is_scaled(tree);
+  if (!scaled) return fail(scaled.error());
+  if (variances->size() > 0 && variances->minCoeff() < 0)
+    return fail(unfit("/model/pcaVariance holds a negative number"));
+  auto topology = topology_of(tree, mean->rows() / 3);
+  if (!topology) return fail(topology.error());
+  ShapeModel model;
+  model.topology = std::move(*topology);
+  model.mean = mean->cast<double>();
+  model.basis = basis->cast<double>();
+  model.variances = variances->cast<double>();
+  if (*scaled) {
+    for (Eigen::Index k = 0; k < model.modes(); ++k)
+      if (model.variances[k] > 0) model.basis.col(k) /= std::sqrt(model.variances[k]);
+  }
+  const auto noise = matrix_at(tree, "/model/noiseVariance", 1, 1);
+  if (noise) model.noise_variance = static_cast<double>((*noise)(0, 0));
+  read_training(tree, model);
+  return model;
+}
+
+}  // namespace
+
+bool is_model_name(const fs::path& path) {
+  return ends_with(path, ".h5") || ends_with(path, ".h5.json");
+}
+
+Result<void> write_model(const ShapeModel& model, const fs::path& path) {
+  if (ends_with(path, ".h5.json")) return write_hdf5_json(tree_of(model), path);
+  if (ends_with(path, ".h5")) return write_hdf5(tree_of(model), path);
+  return fail(path.string(), "is no name of a model; use .h5.json or .h5");
+}
+
+Result<ShapeModel> read_model(const fs::path& path) {
+  if (!is_model_name(path)) return fail(path.string(), "is no name of a model; use .h5.json or .h5");
+  const auto tree = ends_with(path, ".h5.json") ? read_hdf5_json(path) : read_hdf5(path);
+  if (!tree) return fail(tree.error());
+  auto model = model_of(*tree);
+  if (!model) return fail(path.string(), model.error().what);
+  return model;
+}
+
+}  // namespace homolog

@@ -1,0 +1,186 @@
+#include "core/model/study.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "core/base/files.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr int version = 1;
+constexpr std::array<const char*, 3> state_names{"to do", "in work", "done"};
+
+bool is_built_in(const fs::path& file) {
+  return file.string().rfind("built-in:", 0) == 0;
+}
+
+fs::path absolute_in(const fs::path& folder, const std::string& text) {
+  if (text.empty() || is_built_in(text)) return text;
+  return (folder / text).lexically_normal();
+}
+
+/// Relative to the folder where that is possible, with slashes on every system.
+std::string relative_to(const fs::path& folder, const fs::path& file) {
+  if (file.empty() || is_built_in(file)) return file.string();
+  const fs::path relative = fs::absolute(file).lexically_normal().lexically_relative(folder);
+  return (relative.empty() ? file : relative).generic_string();
+}
+
+fs::path folder_of(const fs::path& study) {
+  return fs::absolute(study).lexically_normal().parent_path();
+}
+
+/// Takes a text out of `json`. Errors: there, but no text.
+Result<std::string> take_text(Json& json, const char* key, const std::string& where) {
+  const auto found = json.find(key);
+  if (found == json.end()) return std::string();
+  if (!found->is_string()) return fail("", where + " has a \"" + key + "\" that is no text; correct it in an editor");
+  auto text = found->get<std::string>();
+  json.erase(found);
+  return text;
+}
+
+Result<CaseState> parsed_state(const std::string& text, const std::string& where) {
+  if (text.empty()) return CaseState::to_do;
+  for (std::size_t k = 0; k < state_names.size(); ++k)
+    if (text == state_names[k]) return static_cast<CaseState>(k);
+  return fail("", where + R"( has the state ")" + text + R"(", which is none of "to do", "in work" and "done")");
+}
+
+Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& folder) {
+  std::string where = "case " + std::to_string(number);
+  if (!json.is_object()) return fail("", where + " is no object; correct it in an editor");
+  std::array<std::string, 5> texts;
+  constexpr std::array<const char*, 5> keys{"name", "file", "group", "state", "notes"};
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    auto text = take_text(json, keys[k], where);
+    if (!text) return fail(text.error());
+    texts[k] = std::move(*text);
+  }
+  if (texts[1].empty()) return fail("", where + " has no \"file\"; name its case file or mesh");
+  StudyCase one;
+  one.name = texts[0].empty() ? fs::path(texts[1]).stem().string() : texts[0];
+  where = "case \"" + one.name + "\"";
+  one.file = absolute_in(folder, texts[1]);
+  one.group = texts[2];
+  one.notes = texts[4];
+  const auto state = parsed_state(texts[3], where);
+  if (!state) return fail(state.error());
+  one.state = *state;
+  if (const auto frame = json.find("frame"); frame != json.end()) {
+    if (!frame->is_number_unsigned() || *frame > 100000)
+      return fail("", where + " has a \"frame\" that is no frame number");
+    one.frame = frame->get<int>();
+    json.erase(frame);
+  }
+  one.other = std::move(json);
+  return one;
+}
+
+Result<Study> parsed_study(Json json, const fs::path& folder) {
+  const auto stamp = json.is_object() ? json.find("homolog_study") : json.end();
+  if (!json.is_object() || stamp == json.end() || !stamp->is_number_integer())
+    return fail("", "is no study; a study starts with \"homolog_study\"");
+  if (*stamp > version)
+    return fail("", "was written by a newer version of this program (study version " + stamp->dump() + "); update it");
+  json.erase(stamp);
+  Study study;
+  auto source = take_text(json, "template", "the study");
+  if (!source) return fail(source.error());
+  study.template_file = absolute_in(folder, *source);
+  const Json cases = json.contains("cases") ? json["cases"] : Json::array();
+  json.erase("cases");
+  if (!cases.is_array()) return fail("", "has \"cases\" that are no list; correct it in an editor");
+  std::set<std::string> names;
+  for (const Json& entry : cases) {
+    auto one = parsed_case(entry, study.cases.size() + 1, folder);
+    if (!one) return fail(one.error());
+    if (!names.insert(one->name).second)
+      return fail("", "has two cases named \"" + one->name + "\"; rename one of them");
+    study.cases.push_back(std::move(*one));
+  }
+  study.other = std::move(json);
+  return study;
+}
+
+std::vector<std::string> missing_files(const Study& study, const fs::path& path) {
+  std::vector<std::string> warnings;
+  std::error_code ignored;
+  for (const StudyCase& one : study.cases)
+    if (!fs::exists(one.file, ignored))
+      warnings.push_back("case \"" + one.name + "\": " + one.file.string() +
+                         " is not there; put it back, or take the case off the study");
+  if (!study.cases.empty() && warnings.size() == study.cases.size())
+    warnings = {path.string() + ": none of its " + std::to_string(study.cases.size()) +
+                " cases is where it says (first " + study.cases.front().file.string() +
+                "); move the study's whole folder, not the file alone"};
+  if (!study.template_file.empty() && !is_built_in(study.template_file) && !fs::exists(study.template_file, ignored))
+    warnings.push_back("template " + study.template_file.string() + " is not there; put it back, or choose another");
+  return warnings;
+}
+
+Json case_json(const StudyCase& one, const fs::path& folder) {
+  Json json{{"name", one.name}, {"file", relative_to(folder, one.file)}, {"state", state_name(one.state)}};
+  if (one.frame != 0) json["frame"] = one.frame;
+  if (!one.group.empty()) json["group"] = one.group;
+  if (!one.notes.empty()) json["notes"] = one.notes;
+  json.update(one.other);
+  return json;
+}
+
+}  // namespace
+
+const char* state_name(CaseState state) {
+  return state_names[static_cast<std::size_t>(state)];
+}
+
+std::vector<std::string> Study::groups() const {
+  std::vector<std::string> names;
+  for (const StudyCase& one : cases)
+    if (!one.group.empty() && std::find(names.begin(), names.end(), one.group) == names.end())
+      names.push_back(one.group);
+  return names;
+}
+
+std::ptrdiff_t Study::next_case(std::ptrdiff_t from) const {
+  const std::ptrdiff_t count = std::ssize(cases);
+  for (std::ptrdiff_t step = 1; step <= count; ++step) {
+    const std::ptrdiff_t k = (from + step) % count;
+    if (cases[static_cast<std::size_t>(k)].state != CaseState::done) return k;
+  }
+  return -1;
+}
+
+Result<StudyRead> read_study(const fs::path& path) {
+  const auto bytes = read_whole_file(path, std::uintmax_t{1} << 28);
+  if (!bytes) return fail(bytes.error());
+  Json json = Json::parse(*bytes, nullptr, false);
+  if (json.is_discarded()) return fail(path.string(), "is not JSON, or was cut off; take its last good copy");
+  auto study = parsed_study(std::move(json), folder_of(path));
+  if (!study) return fail(path.string(), study.error().what);
+  StudyRead read;
+  read.warnings = missing_files(*study, path);
+  read.study = std::move(*study);
+  return read;
+}
+
+Result<void> write_study(const Study& study, const fs::path& path) {
+  const fs::path folder = folder_of(path);
+  Json json{{"homolog_study", version}};
+  if (!study.template_file.empty()) json["template"] = relative_to(folder, study.template_file);
+  json.update(study.other);
+  json["cases"] = Json::array();
+  for (const StudyCase& one : study.cases) json["cases"].push_back(case_json(one, folder));
+  return write_whole_file(path, [&](std::ostream& out) {
+    out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    return Result<void>();
+  });
+}
+
+}  // namespace homolog

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace homolog {
+
+enum class CaseState { to_do, in_work, done };
+
+/// One shape of a study: a case file (a cine: one of its frames), or a mesh made elsewhere.
+struct StudyCase {
+  std::string name;
+  std::filesystem::path file;  ///< .homolog or a mesh; absolute in memory, relative to the study's folder on disk
+  int frame = 0;               ///< of a case file
+  std::string group;           ///< e.g. "healthy"; empty: none
+  CaseState state = CaseState::to_do;
+  std::string notes;
+  nlohmann::ordered_json other = nlohmann::ordered_json::object();  ///< fields that are not known here, kept
+};
+
+/// The project file of a study, `*.study.json`: readable JSON, its paths relative to its own folder, so that the
+/// folder can be moved as a whole.
+struct Study {
+  std::filesystem::path template_file;  ///< or "built-in:kidney"; empty: none
+  std::vector<StudyCase> cases;
+  nlohmann::ordered_json other = nlohmann::ordered_json::object();
+
+  /// Names of the groups in the order of their first cases.
+  std::vector<std::string> groups() const;
+  /// The first case after `from` (from the start again) that is not done; −1 where all are.
+  std::ptrdiff_t next_case(std::ptrdiff_t from = -1) const;
+};
+
+struct StudyRead {
+  Study study;
+  std::vector<std::string> warnings;  ///< a sentence for each file that is not where the study says
+};
+
+/// Errors: absent, not JSON, not a study, a newer version, a case without a name or file, two cases of one name. Files
+/// that are missing are warnings; where all are, one sentence says that the folder was moved without them.
+Result<StudyRead> read_study(const std::filesystem::path& path);
+
+/// Whole or not at all. Fields that were read and are not known here are written again.
+Result<void> write_study(const Study& study, const std::filesystem::path& path);
+
+const char* state_name(CaseState state);
+
+}  // namespace homolog

@@ -1,0 +1,165 @@
+#include "core/model/suspicion.h"
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+#include "core/model/leave_one_out.h"
+
+namespace homolog {
+
+namespace {
+
+/// The value below which `share` of the sorted values lie, interpolated.
+double quantile(const std::vector<double>& sorted, double share) {
+  const double at = share * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(at);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  return sorted[below] + (at - static_cast<double>(below)) * (sorted[above] - sorted[below]);
+}
+
+template <class Values>
+std::vector<double> list_of(const Values& values) {
+  return {values.begin(), values.end()};
+}
+
+/// Fences along both directions of a table with a row a place and a column a shape.
+struct TableFences {
+  std::vector<Fences> of_place, of_shape;
+
+  explicit TableFences(const Eigen::MatrixXd& table) {
+    of_place.resize(static_cast<std::size_t>(table.rows()));
+    in_parallel(table.rows(), [&](Eigen::Index first, Eigen::Index last) {
+      for (Eigen::Index row = first; row < last; ++row)
+        of_place[static_cast<std::size_t>(row)] = fences_of(list_of(table.row(row)));
+    });
+    for (Eigen::Index column = 0; column < table.cols(); ++column)
+      of_shape.push_back(fences_of(list_of(table.col(column))));
+  }
+  bool beyond(double value, Eigen::Index place, Eigen::Index shape) const {
+    return value > of_place[static_cast<std::size_t>(place)].outer &&
+           value > of_shape[static_cast<std::size_t>(shape)].outer;
+  }
+};
+
+/// n×M: how far every landmark of every shape lies from where the model of the others puts it.
+Eigen::MatrixXd deviations_mm(const PrincipalComponents& components, Eigen::Index modes) {
+  const Eigen::MatrixXd combinations = left_out_errors(components, modes);
+  Eigen::MatrixXd deviations(components.landmarks(), components.shapes());
+  in_parallel(components.landmarks(), [&](Eigen::Index first, Eigen::Index last) {
+    constexpr Eigen::Index block = 256;
+    Eigen::MatrixXd errors;
+    for (Eigen::Index v = first; v < last; v += block) {
+      const Eigen::Index count = std::min(block, last - v);
+      errors.noalias() = components.centred.middleRows(3 * v, 3 * count) * combinations;
+      for (Eigen::Index i = 0; i < errors.cols(); ++i)
+        deviations.col(i).segment(v, count) = errors.col(i).reshaped(3, count).colwise().norm();
+    }
+  });
+  return deviations;
+}
+
+/// The edges of a triangle from its first corner, in the triangle's own plane; the first lies along x.
+Eigen::Matrix2d flat_edges(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 first = b - a, second = c - a;
+  const double length = first.norm();
+  if (!(length > 0)) return Eigen::Matrix2d::Zero();
+  const double along = second.dot(first) / length;
+  Eigen::Matrix2d edges;
+  edges << length, along, 0, first.cross(second).norm() / length;
+  return edges;
+}
+
+/// Largest factor, either way, by which the map from one triangle to the other changes a length; 1 where either has no
+/// area to speak of.
+double stretch_between(const Eigen::Matrix2d& from, const Eigen::Matrix2d& to) {
+  if (!(std::abs(from.determinant()) > 1e-12 * from.squaredNorm())) return 1;
+  const Eigen::Vector2d s = Eigen::JacobiSVD<Eigen::Matrix2d>(to * from.inverse()).singularValues();
+  constexpr double most = 1e6;  // of a triangle that collapsed
+  return std::min(most, std::max(s[0], 1 / std::max(s[1], 1 / most)));
+}
+
+template <class Doubtful, class Value>
+void sort_by(std::vector<Doubtful>& list, const Value& value) {
+  std::stable_sort(list.begin(), list.end(), [&](const Doubtful& a, const Doubtful& b) { return value(a) > value(b); });
+}
+
+}  // namespace
+
+Fences fences_of(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const double upper_quartile = quantile(values, 0.75), range = upper_quartile - quantile(values, 0.25);
+  return {quantile(values, 0.5), upper_quartile + 1.5 * range, upper_quartile + 3 * range};
+}
+
+std::vector<DoubtfulShape> shapes_by_distance(const PrincipalComponents& components) {
+  const Eigen::VectorXd distances_mm =
+      components.centred.colwise().norm() / std::sqrt(static_cast<double>(components.landmarks()));
+  const Fences fences = fences_of(list_of(distances_mm));
+  std::vector<DoubtfulShape> list;
+  for (Eigen::Index i = 0; i < components.shapes(); ++i) {
+    const double d = distances_mm[i];
+    list.push_back({i, d, d > fences.outer ? Doubt::far_outside : d > fences.upper ? Doubt::outside : Doubt::none});
+  }
+  sort_by(list, [](const DoubtfulShape& shape) { return shape.distance_mm; });
+  return list;
+}
+
+std::vector<DoubtfulLandmark> doubtful_landmarks(const PrincipalComponents& components,
+                                                 const std::shared_ptr<const Topology>& topology, Eigen::Index modes) {
+  const Eigen::MatrixXd deviations = deviations_mm(components, modes);
+  const TableFences fences(deviations);
+  const auto worst_of_its_ring = [&](Eigen::Index v, Eigen::Index i) {
+    if (!topology) return true;
+    const auto ring = topology->one_ring(v);
+    return std::none_of(ring.begin(), ring.end(), [&](std::int32_t w) { return deviations(w, i) > deviations(v, i); });
+  };
+  std::vector<DoubtfulLandmark> list;
+  for (Eigen::Index i = 0; i < deviations.cols(); ++i) {
+    for (Eigen::Index v = 0; v < deviations.rows(); ++v) {
+      if (fences.beyond(deviations(v, i), v, i) && worst_of_its_ring(v, i))
+        list.push_back({i, v, deviations(v, i), fences.of_place[static_cast<std::size_t>(v)].median});
+    }
+  }
+  sort_by(list, [](const DoubtfulLandmark& landmark) { return landmark.deviation_mm; });
+  return list;
+}
+
+std::vector<DoubtfulTriangle> doubtful_triangles(const PrincipalComponents& components, const Topology& topology) {
+  const Triangles& triangles = topology.triangles();
+  Eigen::MatrixXd stretches(triangles.rows(), components.shapes());
+  in_parallel(triangles.rows(), [&](Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index t = first; t < last; ++t) {
+      const auto edges_of = [&](const auto& corner) {
+        return flat_edges(corner(triangles(t, 0)), corner(triangles(t, 1)), corner(triangles(t, 2)));
+      };
+      const auto mean_corner = [&](std::int32_t v) { return Vec3(components.mean.segment<3>(3 * v)); };
+      const Eigen::Matrix2d mean = edges_of(mean_corner);
+      for (Eigen::Index i = 0; i < components.shapes(); ++i) {
+        const auto corner = [&](std::int32_t v) {
+          return Vec3(components.mean.segment<3>(3 * v) + components.centred.col(i).segment<3>(3 * v));
+        };
+        stretches(t, i) = stretch_between(mean, edges_of(corner));
+      }
+    }
+  });
+  const TableFences fences(stretches);
+  std::vector<DoubtfulTriangle> list;
+  for (Eigen::Index i = 0; i < stretches.cols(); ++i) {
+    for (Eigen::Index t = 0; t < stretches.rows(); ++t) {
+      if (!fences.beyond(stretches(t, i), t, i)) continue;
+      const auto& beside = topology.neighbours(t);
+      const bool worst = std::none_of(beside.begin(), beside.end(), [&](std::int32_t other) {
+        return other >= 0 && stretches(other, i) > stretches(t, i);
+      });
+      if (worst) list.push_back({i, t, stretches(t, i), fences.of_place[static_cast<std::size_t>(t)].median});
+    }
+  }
+  sort_by(list, [](const DoubtfulTriangle& triangle) { return triangle.stretch; });
+  return list;
+}
+
+}  // namespace homolog

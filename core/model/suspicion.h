@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/mesh/topology.h"
+#include "core/model/shape_model.h"
+
+namespace homolog {
+
+/// Tukey's fences of a sample [Tukey 1977]: 1.5 and 3 interquartile ranges above the upper quartile, with the median.
+struct Fences {
+  double median = 0, upper = 0, outer = 0;
+};
+Fences fences_of(std::vector<double> values);
+
+enum class Doubt {
+  none,
+  outside,     ///< beyond the upper fence
+  far_outside  ///< beyond the outer fence
+};
+
+struct DoubtfulShape {
+  Eigen::Index shape = 0;
+  double distance_mm = 0;  ///< Procrustes distance: root mean square over the landmarks to the mean shape
+  Doubt doubt = Doubt::none;
+};
+/// All shapes, the farthest from the mean first.
+std::vector<DoubtfulShape> shapes_by_distance(const PrincipalComponents& components);
+
+struct DoubtfulLandmark {
+  Eigen::Index shape = 0, landmark = 0;
+  double deviation_mm = 0;  ///< from where the model of all other shapes puts it
+  double usual_mm = 0;      ///< median of the same over all shapes
+};
+/// Landmarks that lie elsewhere than the other shapes predict: the deviation from the shape's reconstruction by `modes`
+/// modes of the others' model is beyond the outer fence both of all shapes' deviations at this landmark and of all
+/// landmarks' in this shape. Of landmarks side by side only the worst is listed (where a topology is given). The
+/// largest deviation first.
+std::vector<DoubtfulLandmark> doubtful_landmarks(const PrincipalComponents& components,
+                                                 const std::shared_ptr<const Topology>& topology, Eigen::Index modes);
+
+struct DoubtfulTriangle {
+  Eigen::Index shape = 0, triangle = 0;
+  double stretch = 1;  ///< by how much its worst direction is longer or shorter than in the mean shape, ≥ 1
+  double usual = 1;    ///< median of the same over all shapes
+};
+/// Triangles whose stretch is beyond the outer fence of all shapes' stretches of that triangle and of all triangles' in
+/// that shape. Of triangles side by side only the worst is listed. The largest stretch first.
+std::vector<DoubtfulTriangle> doubtful_triangles(const PrincipalComponents& components, const Topology& topology);
+
+}  // namespace homolog

@@ -1,0 +1,224 @@
+#include "core/model/training_set.h"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/mirror.h"
+#include "core/model/model_files.h"
+#include "core/model/shape_model.h"
+#include "tests/real_data.h"
+#include "tests/shapes.h"
+#include "tests/temporary_folder.h"
+
+namespace fs = std::filesystem;
+using namespace homolog;
+
+namespace {
+
+/// An organ without any symmetry, one of a family.
+Mesh organ(int number) {
+  Mesh mesh = shapes::icosphere(2, 30);
+  const double k = 0.05 * number;
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) {
+    const Vec3 p = mesh.points.row(v);
+    mesh.points.row(v) << p.x() + 0.01 * p.y() * p.y() + k * p.z(), 1.5 * p.y() + 0.01 * p.x() * p.z(),
+        (2 + k) * p.z() + 0.01 * p.x() * p.y();
+  }
+  return mesh;
+}
+
+/// The files of a training set that starts with `count` organs.
+struct Folder : TemporaryFolder {
+  std::vector<fs::path> files;
+  explicit Folder(int count = 0) {
+    for (int k = 0; k < count; ++k) add(organ(k), "organ" + std::to_string(k) + ".ply");
+  }
+  void add(const Mesh& mesh, const std::string& name) {
+    files.push_back(path / name);
+    REQUIRE(write_mesh(mesh, files.back()));
+  }
+  void add(const std::string& text, const std::string& name) {
+    files.push_back(path / name);
+    std::ofstream(files.back()) << text;
+  }
+};
+
+/// The one error of a set that is refused: it must name `file` and say `what`.
+void check_refused(const Folder& folder, const std::string& file, const std::string& what) {
+  const auto read = read_training_set(folder.files);
+  REQUIRE(!read);
+  INFO(read.error().sentence());
+  CHECK(read.error().sentence().find(file) != std::string::npos);
+  CHECK(read.error().sentence().find(what) != std::string::npos);
+}
+
+void check_warned(const TrainingSetRead& read, const std::string& file, const std::string& what) {
+  REQUIRE(read.warnings.size() == 1);
+  INFO(read.warnings.front());
+  CHECK(read.warnings.front().find(file) != std::string::npos);
+  CHECK(read.warnings.front().find(what) != std::string::npos);
+}
+
+}  // namespace
+
+TEST_CASE("a training set keeps the order and the numbers of its files") {
+  const Folder folder(4);
+  const TrainingSetRead read = read_training_set(folder.files).value();
+  CHECK(read.warnings.empty());
+  CHECK(read.set.topology->hash() == organ(0).topology->hash());
+  REQUIRE(read.set.shapes.cols() == 4);
+  for (int k = 0; k < 4; ++k) {
+    CHECK(points_of(read.set.shapes, k) == organ(k).points);
+    CHECK(read.set.names[static_cast<std::size_t>(k)] == folder.files[static_cast<std::size_t>(k)].string());
+  }
+}
+
+TEST_CASE("points without faces join the meshes of their count or make a set of their own") {
+  Folder mixed(2);
+  mixed.add(organ(2), "organ2.particles");
+  const TrainingSetRead read = read_training_set(mixed.files).value();
+  CHECK(read.set.topology);
+  CHECK(read.set.shapes.cols() == 3);
+  Folder points;
+  for (int k = 0; k < 3; ++k) points.add(organ(k), "organ" + std::to_string(k) + ".particles");
+  CHECK(!read_training_set(points.files)->set.topology);
+}
+
+TEST_CASE("a mesh with another count or other faces is refused by name wherever it stands") {
+  Folder first(0);
+  first.add(shapes::icosphere(1, 30), "small.ply");
+  for (int k = 0; k < 3; ++k) first.add(organ(k), "organ" + std::to_string(k) + ".ply");
+  check_refused(first, "small.ply", "42 vertices");
+  Folder last(3);
+  Mesh turned = organ(3);
+  Triangles triangles = turned.topology->triangles();
+  triangles.row(0).swap(triangles.row(1));
+  turned.topology = Topology::make(turned.points.rows(), triangles).value();
+  last.add(turned, "renumbered.ply");
+  check_refused(last, "renumbered.ply", "numbering");
+  Folder points(2);
+  points.add(shapes::icosphere(1, 30), "few.particles");
+  check_refused(points, "few.particles", "42 vertices");
+  Folder soup(2);
+  soup.add(organ(2), "organ2.stl");
+  check_refused(soup, "organ2.stl", "STL");
+}
+
+TEST_CASE("a file that cannot be read is named and the rest goes on") {
+  Folder folder(5);
+  folder.files.insert(folder.files.begin() + 2, folder.path / "absent.ply");
+  const TrainingSetRead absent = read_training_set(folder.files).value();
+  check_warned(absent, "absent.ply", "does not exist");
+  CHECK(absent.set.shapes.cols() == 5);
+  CHECK(points_of(absent.set.shapes, 2) == organ(2).points);
+  Folder damaged(3);
+  Mesh nan = organ(3);
+  nan.points(7, 1) = std::nan("");
+  damaged.add(nan, "nan.ply");
+  check_warned(read_training_set(damaged.files).value(), "nan.ply", "vertex 7");
+}
+
+TEST_CASE("too few shapes or equal ones are refused with what would help") {
+  check_refused(Folder(1), "organ0.ply", "at least two");
+  Folder one(1);
+  one.add("nothing", "broken.ply");
+  check_refused(one, "organ0.ply", "only shape that could be read");
+  Folder none;
+  none.add("nothing", "broken.ply");
+  none.add("nothing", "broken2.ply");
+  check_refused(none, "broken.ply", "");
+  Folder equal;
+  for (int k = 0; k < 3; ++k) equal.add(organ(1), "same" + std::to_string(k) + ".ply");
+  check_refused(equal, "same0.ply", "nothing to model");
+  CHECK(!read_training_set({}));
+}
+
+TEST_CASE("a mirrored shape is pointed out even where it comes first") {
+  MeshFile mirror;
+  mirror.points = organ(9).points;
+  mirror.triangles = organ(9).topology->triangles();
+  mirror = mirrored(mirror);
+  mirror.triangles = organ(9).topology->triangles();  // as a program would write that mirrors points alone
+  for (const bool first : {false, true}) {
+    Folder folder(5);
+    folder.files.insert(first ? folder.files.begin() : folder.files.end(), folder.path / "left.ply");
+    REQUIRE(write_mesh_file(mirror, folder.path / "left.ply"));
+    check_warned(read_training_set(folder.files).value(), "left.ply", "mirror image");
+  }
+}
+
+TEST_CASE("sizes a factor of ten or a thousand off are pointed out and children are not") {
+  for (const auto& [factor, said] : std::vector<std::pair<double, std::string>>{
+           {0.1, "10 times as small"}, {1000, "1000 times as large"}, {0.5, ""}}) {
+    Folder folder(5);
+    Mesh scaled = organ(6);
+    scaled.points *= factor;
+    folder.add(scaled, "scaled.ply");
+    const TrainingSetRead read = read_training_set(folder.files).value();
+    if (said.empty())
+      CHECK(read.warnings.empty());
+    else
+      check_warned(read, "scaled.ply", said);
+  }
+}
+
+TEST_CASE("a shape given twice is pointed out") {
+  Folder folder(4);
+  folder.add(organ(1), "again.ply");
+  check_warned(read_training_set(folder.files).value(), "again.ply", "organ1.ply");
+}
+
+TEST_CASE("equal shapes in different poses leave no component") {
+  ShapeMatrix posed(organ(0).points.size(), 3);
+  for (int k = 0; k < 3; ++k) {
+    const Similarity pose{Eigen::Quaterniond(Eigen::AngleAxisd(k, Vec3(1, 2, k).normalized())), 1.0 + k,
+                          Vec3(k, 500, 3)};
+    const Points points = pose.apply(organ(0).points);
+    posed.col(k) = Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
+  }
+  align(posed, Alignment::similarity);
+  CHECK(principal_components(posed).scatter.size() == 0);
+}
+
+TEST_CASE("files of one name from several folders keep names apart") {
+  CHECK(shape_names({"a/k.ply", "b/k.ply", "c/k-2.ply", "m.vtk"}) ==
+        std::vector<std::string>{"k", "k-2", "k-2-2", "m"});
+}
+
+TEST_CASE("aligned shapes and tables can be read again") {
+  const Folder folder(4);
+  TrainingSetRead read = read_training_set(folder.files).value();
+  align(read.set.shapes, Alignment::similarity);
+  const ShapeMatrix aligned = read.set.shapes;
+  const PrincipalComponents components = principal_components(std::move(read.set.shapes));
+  const auto names = shape_names(read.set.names);
+  REQUIRE(write_aligned_shapes(components, read.set.topology, names, folder.path / "aligned"));
+  REQUIRE(write_model_tables(components, names, folder.path / "tables"));
+  const std::vector<fs::path> written{folder.path / "aligned/organ0.ply", folder.path / "aligned/organ1.particles"};
+  const TrainingSetRead again = read_training_set(written).value();
+  CHECK((again.set.shapes - aligned.leftCols(2)).cwiseAbs().maxCoeff() < 1e-9);
+  std::ifstream scores(folder.path / "tables/scores.csv");
+  std::string line;
+  std::getline(scores, line);
+  CHECK(line == "shape,b1,b2,b3");
+  std::getline(scores, line);
+  CHECK(line.rfind("organ0,", 0) == 0);
+  CHECK(std::stod(line.substr(7)) == doctest::Approx(components.scores()(0, 0)));
+  CHECK(csv_field("a, \"b\"") == "\"a, \"\"b\"\"\"");
+}
+
+TEST_CASE("real shapes: the patellae make a model without a warning") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(data / "meshes/patella")) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  TrainingSetRead read = read_training_set(files).value();
+  CHECK(read.warnings.empty());
+  CHECK(read.set.shapes.cols() == 24);
+  align(read.set.shapes, Alignment::similarity);
+  const PrincipalComponents components = principal_components(std::move(read.set.shapes));
+  CHECK(components.scatter.size() == 23);
+}

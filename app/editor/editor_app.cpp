@@ -55,8 +55,11 @@ Result<void> EditorApp::start_drawing(float scale) {
 
 void EditorApp::set_scale(float scale) {
   scale_ = scale;
-  if (theme_) ImGui_ImplOpenGL3_DestroyFontsTexture();
+  const bool had_texture = theme_.has_value();
+  if (had_texture) ImGui_ImplOpenGL3_DestroyFontsTexture();
   theme_ = make_theme(scale);
+  // ImGui makes the first texture by itself, and only that one.
+  if (had_texture) ImGui_ImplOpenGL3_CreateFontsTexture();
 }
 
 void EditorApp::start(const EditorOptions& options) {
@@ -88,12 +91,18 @@ void EditorApp::close_session() {
 
 void EditorApp::start_session(EditSession session) {
   close_session();
+  const auto volume_before = displayed_ ? displayed_->volume : nullptr;
   session_ = std::make_unique<SessionThread>(std::move(session), wake_);
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
-  last_error_.clear();
   show_document(state_, *displayed_, layout_);
   fit_wanted_ = layout_.scale <= 0 || layout_.status_line.width <= 0;
+  if (displayed_->volume != volume_before) {
+    labels_.reset();
+    if (pictures_) pictures_->forget();
+  }
+  figures_.reset();
+  quality_.post(nullptr);
   quality_.post(displayed_);
 }
 
@@ -114,10 +123,9 @@ std::optional<double> EditorApp::next_move_seconds(double now) const {
 
 void EditorApp::take_snapshot() {
   const auto latest = session_->snapshot();
-  const bool changed = latest != snapshot_;
+  const bool changed = latest != snapshot_, done = latest->committed != snapshot_->committed;
   snapshot_ = latest;
-  if (!snapshot_->error.empty() && snapshot_->error != last_error_) add_notice(state_, snapshot_->error);
-  last_error_ = snapshot_->error;
+  if (done && !snapshot_->error.empty()) add_notice(state_, snapshot_->error);
   const int frame = shown_frame(state_, *snapshot_->shown);
   const bool other_frame = displayed_->frame != frame;
   if (!changed && !other_frame) return;
@@ -134,6 +142,8 @@ void EditorApp::take_snapshot() {
 }
 
 bool EditorApp::update(double seconds) {
+  const auto before = snapshot_;
+  const bool was_opening = opener_.busy();
   run_commands();
   if (auto opened = opener_.take()) take_opened(std::move(*opened));
   if (state_.playing && seconds >= frame_due_ && displayed_->volume && displayed_->volume->frames > 1) {
@@ -142,12 +152,11 @@ bool EditorApp::update(double seconds) {
     frame_due_ = std::max(frame_due_ + pace, seconds);
     state_.shown_frame = (shown_frame(state_, *displayed_) + 1) % volume.frames;
   }
-  const auto before = snapshot_;
   take_snapshot();
   const auto figures = quality_.latest();
-  const bool new_figures = figures.has_value() != figures_.has_value();
+  const bool new_figures = figures != figures_;
   figures_ = figures;
-  return before != snapshot_ || new_figures || state_.playing || opener_.busy();
+  return before != snapshot_ || new_figures || state_.playing || opener_.busy() || was_opening;
 }
 
 void EditorApp::preview(Action action) {

@@ -79,7 +79,6 @@ class EditorApp {
   SceneBuilder scenes_;
   std::optional<ViewPictures> pictures_;
   std::optional<Theme> theme_;
-  std::string last_error_;
   double frame_due_ = 0;
   bool fit_wanted_ = true;
   bool quit_ = false;

@@ -110,9 +110,8 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   if (toggle(theme, "Radiological", radiological, "The patient's right on the left of the screen"))
     out.change([radiological](EditorState& s) { s.preferences.radiological = radiological; });
   bool own = ui.state.own_planes;
-  const bool oblique = !slice_axes(document.volume->geometry, true).isIdentity(1e-3);
   if (toggle(theme, "The image's own planes", own, "Slices as they were acquired, instead of the patient's axes",
-             oblique ? "" : "The image's planes are the patient's already."))
+             is_oblique(document.volume->geometry) ? "" : "The image's planes are the patient's already."))
     out.change([own](EditorState& s) { s.own_planes = own; });
   if (document.volume->frames > 1) draw_frames(ui, out);
 

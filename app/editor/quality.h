@@ -16,6 +16,7 @@ struct QualityFigures {
   std::size_t intersecting = 0;  ///< pairs of faces
   double moved_mean_mm = 0, moved_max_mm = 0;
   double volume_ml = 0;
+  bool operator==(const QualityFigures&) const = default;
 };
 QualityFigures quality_figures(const Document& document);
 

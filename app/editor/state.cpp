@@ -64,6 +64,7 @@ void show_document(EditorState& state, const Document& document, const Layout& l
   state.ruler.reset();
   state.shown_frame.reset();
   state.playing = false;
+  state.own_planes = state.own_planes && is_oblique(geometry_of(document));
   if (document.volume) std::tie(state.window_low, state.window_high) = default_window(*document.volume);
   if (document.has_shape()) {
     state.crosshair_mm = bounds_of(*document.shape().points).center();
@@ -106,8 +107,11 @@ void scroll_slice(EditorState& state, ViewKind kind, const VolumeGeometry& geome
   // Away from the radiological viewer (axial: towards the head), whichever side is shown on the left.
   const Vec3 normal = screen_axes(kind, slice_axes(geometry, state.own_planes), true).normal();
   const Box box = geometry.bounds_mm();
-  const Vec3 moved = state.crosshair_mm + normal * steps * slice_step_mm(geometry, normal);
-  state.crosshair_mm = moved.cwiseMax(box.min()).cwiseMin(box.max());
+  // How far the image reaches along the normal; across it the cross-hair stays where it is.
+  const double middle = normal.dot(box.center()), reach = normal.cwiseAbs().dot(box.sizes() / 2);
+  const double along = normal.dot(state.crosshair_mm);
+  const double wanted = along + steps * slice_step_mm(geometry, normal);
+  state.crosshair_mm += normal * (std::clamp(wanted, middle - reach, middle + reach) - along);
 }
 
 void set_sigma(EditorState& state, double sigma_mm) {
@@ -132,7 +136,10 @@ void add_notice(EditorState& state, std::string text, bool error) {
   constexpr std::size_t most = 4;
   if (std::any_of(state.notices.begin(), state.notices.end(), [&](const Notice& n) { return n.text == text; })) return;
   state.notices.push_back({std::move(text), error});
-  if (state.notices.size() > most) state.notices.erase(state.notices.begin());
+  if (state.notices.size() <= most) return;
+  // An error stays longer than news.
+  const auto news = std::find_if(state.notices.begin(), state.notices.end(), [](const Notice& n) { return !n.error; });
+  state.notices.erase(news == state.notices.end() ? state.notices.begin() : news);
 }
 
 void remember_recent(Preferences& preferences, const std::filesystem::path& path) {

@@ -182,6 +182,84 @@ TEST_CASE("a click of the landmark tool places the landmark and goes on to the n
   CHECK(desk.state.landmark != first);
 }
 
+TEST_CASE("a click on a placed landmark leaves it and a drag keeps its distance from the pointer") {
+  Desk desk;
+  desk.state.tool = MouseTool::landmark;
+  const Eigen::Vector2d at = desk.middle_of(ViewKind::sagittal);
+  update_hover(desk.state, desk.context(), at.x(), at.y());
+  const Vec3 place = *desk.state.hover->p_mm + Vec3(0.5, 1, 1);
+  desk.document.shapes.at(0).landmarks["hilum"] = place;
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseRelease{}, at.x(), at.y());
+  CHECK(desk.sent<ApplyEdit>().empty());
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseMove{}, at.x() + 10, at.y());
+  desk.send(MouseRelease{}, at.x() + 10, at.y());
+  const auto applied = desk.sent<ApplyEdit>();
+  REQUIRE(applied.size() == 1);
+  const auto& moved = std::get<PlaceLandmark>(applied[0].action);
+  CHECK(moved.name == "hilum");
+  const double mm_per_px = desk.state.slices[index_of(ViewKind::sagittal)].mm_per_px;
+  CHECK((*moved.at - place - Vec3(0, 10 * mm_per_px, 0)).norm() < 1e-9);
+}
+
+TEST_CASE("only the button that started a drag ends it") {
+  Desk desk;
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseMove{}, at.x() - 10, at.y());
+  desk.send(MouseRelease{MouseButton::middle}, at.x() - 10, at.y());
+  CHECK(desk.state.drag);
+  CHECK(desk.sent<ApplyEdit>().empty());
+  desk.send(MouseRelease{}, at.x() - 10, at.y());
+  CHECK(desk.sent<ApplyEdit>().size() == 1);
+}
+
+TEST_CASE("the reach chosen between press and release edits nothing by itself") {
+  Desk desk;
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(KeyPress{'1'}, at.x(), at.y());
+  desk.send(MouseMove{}, at.x(), at.y());  // the key let go
+  desk.send(MouseRelease{}, at.x(), at.y());
+  CHECK(desk.sent<ApplyEdit>().empty());
+}
+
+TEST_CASE("an edit of a playing cine stops it first") {
+  Desk desk;
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+  desk.state.playing = true;
+  desk.send(MousePress{}, at.x(), at.y());
+  const auto asked = desk.sent<PlayFrames>();
+  REQUIRE(asked.size() == 1);
+  CHECK_FALSE(asked[0].play);
+}
+
+TEST_CASE("the ruler in the 3D view measures between points of the surface") {
+  Desk desk;
+  desk.state.preferences.show.planes = false;
+  desk.state.tool = MouseTool::ruler;
+  const Eigen::Vector2d at = desk.middle_of(ViewKind::space);
+  desk.send(MouseMove{}, at.x(), at.y());
+  const Vec3 from = *desk.state.hover->on_mesh;
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseMove{}, at.x() - 20, at.y() - 20);
+  REQUIRE(desk.state.ruler);
+  CHECK(desk.state.ruler->from == from);
+  CHECK(desk.state.ruler->to == *desk.state.hover->on_mesh);
+}
+
+TEST_CASE("the knob of the placement follows the pointer in any slice") {
+  Desk desk;
+  const ViewMap map = view_map(desk.state, desk.context(), ViewKind::axial);
+  PlaceDrag drag;
+  drag.part = PlacePart::knob;
+  drag.centre_mm = desk.state.crosshair_mm + 30 * map.into_screen();
+  const Eigen::Vector2d centre = *map.to_px(drag.centre_mm);
+  drag.press_mm = map.on_facing_plane(centre.x() + 40, centre.y(), drag.centre_mm);
+  CHECK(dragged_placement(drag, map, centre.x() + 80, centre.y()).scale == doctest::Approx(2));
+}
+
 TEST_CASE("a double click fills the window with a view and another brings the four back") {
   Desk desk;
   const auto click = [&](double seconds) {

@@ -14,7 +14,6 @@ inline constexpr int escape = 256, enter = 257, tab = 258, backspace = 259, inse
                      left = 263, down = 264, up = 265, page_up = 266, page_down = 267, home = 268, end = 269, f1 = 290,
                      keypad_enter = 335;
 }
-enum class MouseButton { left, right, middle };
 struct MouseMove {};
 struct MousePress {
   MouseButton button = MouseButton::left;

@@ -116,6 +116,7 @@ struct EditorState {
   std::optional<Hover> hover;
   LastPress last_press;
   std::optional<Drag> drag;
+  MouseButton drag_button = MouseButton::left;  ///< whose release ends the drag
   std::optional<Ruler> ruler;
 
   PictureOptions picture;

@@ -164,7 +164,11 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const Ruler& ruler = *ui.state.ruler;
   const auto from = map.to_px(ruler.from), to = map.to_px(ruler.to);
   if (!from || !to) return;
-  const bool in_plane = !map.is_slice() || std::abs(map.into_screen().dot(ruler.from - map.slice().centre)) < 0.5;
+  const double half_step_mm = slice_step_mm(geometry_of(ui.document()), map.into_screen()) / 2;
+  const auto near = [&](const Vec3& p) {
+    return !map.is_slice() || std::abs(map.into_screen().dot(p - map.slice().centre)) <= half_step_mm;
+  };
+  const bool in_plane = near(ruler.from) && near(ruler.to);
   const ImU32 colour = with_alpha(palette::accent, in_plane ? 1.0f : 0.35f);
   draw.AddLine(to_im(*from), to_im(*to), colour, 1.5f);
   for (const auto& end : {*from, *to}) draw.AddCircleFilled(to_im(end), ui.theme.px(3), colour);

@@ -18,15 +18,12 @@ struct CommandRunner {
   void operator()(const OpenFiles& command) const {
     auto request = sort_files(command.paths);
     if (!request) return add_notice(state, request.error().sentence());
-    request->volume_options.series_uid = command.series_uid;
+    std::error_code ignored;
+    if (!request->case_file.empty() && std::filesystem::equivalent(request->case_file, app.snapshot_->file, ignored))
+      return add_notice(state, request->case_file.filename().string() + " is the case that is open.", false);
     app.opener_.start(std::move(*request));
   }
-  void operator()(const OpenStack& command) const {
-    OpenRequest request;
-    request.volume_source = command.path.string();
-    request.volume_options.stack_spacing_mm = command.spacing_mm;
-    app.opener_.start(std::move(request));
-  }
+  void operator()(const OpenRequested& command) const { app.opener_.start(command.request); }
   void operator()(const OpenPhantom& command) const {
     OpenRequest request;
     request.demo = {command.organ, command.subject};
@@ -35,7 +32,6 @@ struct CommandRunner {
   void operator()(const OpenTemplate& command) const {
     OpenRequest request;
     request.template_source = command.source;
-    request.flip_lps_ras = command.flip_lps_ras;
     app.opener_.start(std::move(request));
   }
   void operator()(const OpenLabels& command) const {
@@ -50,10 +46,7 @@ struct CommandRunner {
     if (file.empty() || file.parent_path() == unsaved_folder()) return show_file_dialog(state, FilePurpose::save_case);
     add_notice(state, "Every edit is on the disk already, in " + file.string(), false);
   }
-  void operator()(const SaveCaseAs& command) const {
-    app.session_->save_as(command.path);
-    remember_recent(state.preferences, command.path);
-  }
+  void operator()(const SaveCaseAs& command) const { app.session_->save_as(command.path); }
   void operator()(const ExportMesh& command) const {
     const Document& document = *app.snapshot_->document;
     tell(write_mesh_file(to_mesh_file(document, document.frame), command.path), command.path);
@@ -74,7 +67,10 @@ struct CommandRunner {
   }
   void operator()(const DiscardCase& command) const {
     std::error_code ignored;
-    std::filesystem::remove(command.path, ignored);
+    if (Journal::in_use(command.path))
+      add_notice(state, "That case was recovered in another window; it is not deleted.");
+    else
+      std::filesystem::remove(command.path, ignored);
     if (!state.dialog) return;
     auto* recover = std::get_if<RecoverDialog>(&*state.dialog);
     if (recover == nullptr) return;
@@ -96,8 +92,7 @@ struct CommandRunner {
   }
   void operator()(const FitViews&) const { fit_views(state, *app.displayed_, app.layout_); }
   void operator()(const Quit& command) const {
-    const bool unsaved = app.snapshot_->can_undo && app.snapshot_->file.parent_path() == unsaved_folder();
-    if (unsaved && !command.sure)
+    if (has_unsaved_edits(*app.snapshot_) && !command.sure)
       state.dialog = QuitDialog{};
     else
       app.quit_ = true;

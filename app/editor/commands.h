@@ -30,21 +30,18 @@ struct ApplyEdit {
 /// Opens cases, volumes and templates, told apart by their content.
 struct OpenFiles {
   std::vector<std::filesystem::path> paths;
-  std::string series_uid;
+};
+/// A request that lacked something, completed.
+struct OpenRequested {
+  OpenRequest request;
 };
 struct OpenPhantom {
   Organ organ = Organ::kidney;
   int subject = 1;
 };
-/// PNG or TIFF slices, whose voxel size was asked for.
-struct OpenStack {
-  std::filesystem::path path;
-  Vec3 spacing_mm = Vec3::Ones();
-};
 /// A path, or "built-in:kidney".
 struct OpenTemplate {
   std::string source;
-  bool flip_lps_ras = false;
 };
 struct OpenLabels {
   std::filesystem::path path;
@@ -88,7 +85,7 @@ struct Quit {
 };
 
 using Command =
-    std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenStack, OpenPhantom, OpenTemplate, OpenLabels,
+    std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenRequested, OpenPhantom, OpenTemplate, OpenLabels,
                  CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ExportPicture,
                  RecoverCase, DiscardCase, AcceptFileDialog, ShowFrame, PlayFrames, FitViews, Quit>;
 

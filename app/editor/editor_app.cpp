@@ -4,10 +4,8 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
-#include <ctime>
-#include <fstream>
 
-#include "app/editor/demo.h"
+#include "app/editor/recovery.h"
 
 namespace homolog {
 
@@ -15,29 +13,11 @@ namespace {
 
 constexpr double progress_after_seconds = 0.5;
 
-std::string describe_journal(const std::filesystem::path& journal) {
-  std::error_code ignored;
-  const auto bytes = std::filesystem::file_size(journal, ignored);
-  const auto on_system = std::chrono::file_clock::to_sys(std::filesystem::last_write_time(journal, ignored));
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(on_system);
-  std::tm local{};
-  localtime_r(&seconds, &local);
-  std::array<char, 96> text{};
-  std::strftime(text.data(), text.size(), "%d %B %Y, %H:%M", &local);
-  return std::string(text.data()) + "   " + std::to_string(bytes / 1024 + 1) + " kB";
-}
-
-/// The journal of a case that was left as it was opened holds its first line alone: nothing to offer again.
-void remove_without_edits(const std::filesystem::path& journal) {
-  if (journal.empty() || journal.parent_path() != unsaved_folder()) return;
-  std::ifstream file(journal);
-  std::string line;
-  const bool edited = std::getline(file, line) && std::getline(file, line);
-  std::error_code ignored;
-  if (file.is_open() && !edited) std::filesystem::remove(journal, ignored);
-}
-
 }  // namespace
+
+bool has_unsaved_edits(const Snapshot& snapshot) {
+  return snapshot.can_undo && (snapshot.file.empty() || snapshot.file.parent_path() == unsaved_folder());
+}
 
 EditorApp::EditorApp(std::function<void()> wake) : wake_(std::move(wake)), opener_(wake_), quality_(wake_) {}
 
@@ -63,6 +43,7 @@ void EditorApp::set_scale(float scale) {
 }
 
 void EditorApp::start(const EditorOptions& options) {
+  remove_all_without_edits();
   start_session(EditSession(new_document({}, nullptr, nullptr)));
   if (options.demo) {
     out_.send(OpenPhantom{*options.demo, 1});
@@ -72,15 +53,13 @@ void EditorApp::start(const EditorOptions& options) {
     if (!options.template_source.empty()) request->template_source = options.template_source;
     opener_.start(std::move(*request));
   } else {
-    RecoverDialog recover;
-    for (const auto& journal : unsaved_cases()) recover.found.push_back({journal, describe_journal(journal)});
-    if (!recover.found.empty()) state_.dialog = std::move(recover);
+    if (auto found = cases_to_recover(); !found.empty()) state_.dialog = RecoverDialog{std::move(found)};
     out_.send(OpenPhantom{Organ::kidney, 1});
   }
 }
 
 void EditorApp::open(const std::vector<std::filesystem::path>& paths) {
-  out_.send(OpenFiles{paths, {}});
+  out_.send(OpenFiles{paths});
 }
 
 void EditorApp::close_session() {
@@ -92,11 +71,13 @@ void EditorApp::close_session() {
 void EditorApp::start_session(EditSession session) {
   close_session();
   const auto volume_before = displayed_ ? displayed_->volume : nullptr;
+  loaded_template_ = session.initial_document().reference;
   session_ = std::make_unique<SessionThread>(std::move(session), wake_);
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
   show_document(state_, *displayed_, layout_);
   fit_wanted_ = layout_.scale <= 0 || layout_.status_line.width <= 0;
+  remember_case();
   if (displayed_->volume != volume_before) {
     labels_.reset();
     if (pictures_) pictures_->forget();
@@ -121,10 +102,17 @@ std::optional<double> EditorApp::next_move_seconds(double now) const {
   return std::nullopt;
 }
 
+void EditorApp::remember_case() {
+  const auto& file = snapshot_->file;
+  if (!file.empty() && file.parent_path() != unsaved_folder()) remember_recent(state_.preferences, file);
+}
+
 void EditorApp::take_snapshot() {
   const auto latest = session_->snapshot();
   const bool changed = latest != snapshot_, done = latest->committed != snapshot_->committed;
+  const bool renamed = latest->file != snapshot_->file;
   snapshot_ = latest;
+  if (renamed) remember_case();
   if (done && !snapshot_->error.empty()) add_notice(state_, snapshot_->error);
   const int frame = shown_frame(state_, *snapshot_->shown);
   const bool other_frame = displayed_->frame != frame;
@@ -248,11 +236,11 @@ void EditorApp::take_opened(Opened opened) {
   if (opened.cancelled) return;
   if (!opened.error.empty()) return add_notice(state_, std::move(opened.error));
   if (opened.needs_spacing) {
-    state_.dialog = SpacingDialog{opened.request.volume_source};
+    state_.dialog = SpacingDialog{std::move(opened.request)};
     return;
   }
   if (!opened.series.empty()) {
-    state_.dialog = SeriesDialog{opened.request.volume_source, std::move(opened.series)};
+    state_.dialog = SeriesDialog{std::move(opened.request), std::move(opened.series)};
     return;
   }
   if (opened.labels) {
@@ -260,30 +248,33 @@ void EditorApp::take_opened(Opened opened) {
     labels_name_ = opened.request.labels.filename().string();
     return;
   }
+  if (has_unsaved_edits(*snapshot_) && snapshot_->file.empty())
+    return add_notice(state_, "The case on the screen could not be kept on the disk; save it before opening another.");
   if (opened.opened_case) {
     start_session(std::move(opened.opened_case->session));
-    remember_recent(state_.preferences, opened.request.case_file);
     return;
   }
   const Document& now = *snapshot_->document;
   const bool new_image = opened.volume != nullptr;
   const auto volume = new_image ? opened.volume : now.volume;
   const std::string source = new_image ? opened.request.volume_source : now.volume_source;
-  const auto reference = opened.reference ? opened.reference : now.reference;
+  // A case's first line names the template's file, so a mirrored one is loaded as it is there and mirrored again.
+  const auto reference = opened.reference ? opened.reference : loaded_template_;
+  const bool mirrored = !opened.reference && reference && reference->points != now.reference->points;
   const bool demo = opened.demo.has_value();
   start_document(opened.demo ? std::move(*opened.demo) : new_document(source, volume, reference));
+  if (mirrored && !demo) session_->apply(MirrorTemplate{});
   if (demo && displayed_->volume->modality == "CT") {
     // Soft tissue: what the demo is about.
     state_.window_low = -160;
     state_.window_high = 240;
   }
   if (new_image && !source.starts_with("phantom:")) remember_recent(state_.preferences, source);
-  if (opened.reference && !opened.request.flip_lps_ras) offer_flip(*snapshot_->document);
+  if (!demo) offer_flip(*snapshot_->document);
 }
 
 void EditorApp::start_document(Document document) {
-  const bool edited =
-      snapshot_->committed > 0 && snapshot_->can_undo && snapshot_->file.parent_path() == unsaved_folder();
+  const bool edited = snapshot_->committed > 0 && has_unsaved_edits(*snapshot_);
   auto session = create_unsaved_case(document);
   if (!session) {
     add_notice(state_, session.error().sentence());
@@ -297,13 +288,14 @@ void EditorApp::start_document(Document document) {
 void EditorApp::offer_flip(const Document& document) {
   if (!document.volume || !document.reference || document.reference->source.starts_with("built-in:")) return;
   const Box image = document.volume->geometry.bounds_mm();
-  const Box mesh = bounds_of(document.reference->points);
-  if (image.intersects(mesh)) return;
-  const Vec3 flip(-1, -1, 1);
-  Box flipped;
-  flipped.extend(Vec3(mesh.min().cwiseProduct(flip)));
-  flipped.extend(Vec3(mesh.max().cwiseProduct(flip)));
-  if (image.intersects(flipped)) state_.dialog = FlipDialog{document.reference->source};
+  const Points& points = document.reference->points;
+  if (image.intersects(bounds_of(points))) return;
+  // To negate x and y is half a turn about z.
+  const Similarity flip{Eigen::Quaterniond(0, 0, 0, 1), 1, Vec3::Zero()};
+  const Box flipped = bounds_of(Points(points * Vec3(-1, -1, 1).asDiagonal()));
+  if (!image.intersects(flipped)) return;
+  const std::string name = std::filesystem::path(document.reference->source).filename().string();
+  state_.dialog = FlipDialog{name, flip, flipped};
 }
 
 }  // namespace homolog

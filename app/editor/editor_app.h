@@ -15,6 +15,9 @@
 
 namespace homolog {
 
+/// Whether there are edits of a case that has no file of its own.
+bool has_unsaved_edits(const Snapshot& snapshot);
+
 /// The editor without a window system: takes events, keeps the case's session and background work, and draws into the
 /// framebuffer that is bound. The window and the pictures made without a display run the same one.
 class EditorApp {
@@ -56,6 +59,8 @@ class EditorApp {
   ControlsContext controls_context() const;
   void close_session();
   void take_snapshot();
+  /// Puts the case's file among the recent ones.
+  void remember_case();
   void take_opened(Opened opened);
   void start_document(Document document);
   void run_commands();
@@ -71,6 +76,7 @@ class EditorApp {
   std::unique_ptr<SessionThread> session_;
   std::shared_ptr<const Snapshot> snapshot_;
   std::shared_ptr<const Document> displayed_;
+  std::shared_ptr<const Template> loaded_template_;  ///< as its file holds it: the case may have mirrored it
   Opener opener_;
   QualityMonitor quality_;
   std::optional<QualityFigures> figures_;

@@ -79,7 +79,7 @@ void draw_places(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
   for (const auto& path : recent) {
     if (row(theme, ("recent " + path.string()).c_str(), icon::history, path.filename().string(), "", "", false,
             doubled)) {
-      out.send(OpenFiles{{path}, {}});
+      out.send(OpenFiles{{path}});
       out.change([](EditorState& s) { s.dialog.reset(); });
     }
     if (ImGui::IsItemHovered()) tooltip(theme, path.string());
@@ -123,7 +123,7 @@ void draw_path_bar(const UiContext& ui, const FileBrowser& browser, Outbox& out)
   ImGui::SameLine(0, theme.px(8));
   ImGui::AlignTextToFramePadding();
   ImGui::PushStyleColor(ImGuiCol_Text, palette::dim);
-  ImGui::TextUnformatted(browser.folder.c_str());
+  ImGui::TextUnformatted(shortened(browser.folder.string(), ImGui::GetContentRegionAvail().x).c_str());
   ImGui::PopStyleColor();
 }
 
@@ -180,7 +180,7 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
              opens_folder ? "Open this folder as a DICOM series" : "Enter",
              opens_folder ? std::string() : refusal_of(browser), theme.px(96), true)) {
     if (opens_folder) {
-      out.send(OpenFiles{{browser.folder}, {}});
+      out.send(OpenFiles{{browser.folder}});
       out.change(close);
     } else {
       out.send(AcceptFileDialog{});

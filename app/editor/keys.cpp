@@ -188,7 +188,7 @@ void accept_file_dialog(EditorState& state, Outbox& out) {
   state.preferences.folder = path->parent_path();
   switch (dialog.purpose) {
     case FilePurpose::open:
-      out.send(OpenFiles{{*path}, {}});
+      out.send(OpenFiles{{*path}});
       break;
     case FilePurpose::open_template:
       out.send(OpenTemplate{path->string()});

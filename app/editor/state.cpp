@@ -144,8 +144,11 @@ void add_notice(EditorState& state, std::string text, bool error) {
 
 void remember_recent(Preferences& preferences, const std::filesystem::path& path) {
   constexpr std::size_t most = 8;
-  std::erase(preferences.recent, path);
-  preferences.recent.insert(preferences.recent.begin(), path);
+  std::error_code error;
+  // The next start may be in another working folder.
+  auto whole = std::filesystem::absolute(path, error).lexically_normal();
+  std::erase(preferences.recent, whole);
+  preferences.recent.insert(preferences.recent.begin(), std::move(whole));
   if (preferences.recent.size() > most) preferences.recent.resize(most);
 }
 

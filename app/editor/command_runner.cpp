@@ -1,6 +1,7 @@
 #include "app/editor/editor_app.h"
 #include "core/base/picture_io.h"
 #include "core/mesh/label_map.h"
+#include "core/mesh/landmark_io.h"
 
 namespace homolog {
 
@@ -48,13 +49,32 @@ struct CommandRunner {
   }
   void operator()(const SaveCaseAs& command) const { app.session_->save_as(command.path); }
   void operator()(const ExportMesh& command) const {
-    const Document& document = *app.snapshot_->document;
+    const Document& document = *app.displayed_;
     tell(write_mesh_file(to_mesh_file(document, document.frame), command.path), command.path);
   }
   void operator()(const ExportLabelMap& command) const {
-    const Document& document = *app.snapshot_->document;
-    tell(write_volume(label_map(document.mesh(), document.volume->geometry, command.value), command.path),
-         command.path);
+    const Document& document = *app.displayed_;
+    tell(write_volume(label_map(document.mesh(), document.volume->geometry, 1), command.path), command.path);
+  }
+  void operator()(const ImportLandmarks& command) const {
+    const auto read = read_landmarks(command.path);
+    if (!read) return add_notice(state, read.error().sentence());
+    const auto known = known_landmarks(*read, *app.snapshot_->document);
+    const std::string name = command.path.filename().string();
+    if (known.empty())
+      return add_notice(state, name + ": none of its names is a landmark of the template; rename them as listed.");
+    stop_playing();
+    for (const Landmark& landmark : known) app.session_->apply(PlaceLandmark{landmark.name, landmark.position});
+    if (known.size() < read->size())
+      add_notice(state,
+                 name + ": " + std::to_string(read->size() - known.size()) + " of " + std::to_string(read->size()) +
+                     " names are no landmarks of the template, and left out.",
+                 false);
+  }
+  void operator()(const ExportLandmarks& command) const {
+    std::vector<Landmark> placed;
+    for (const auto& [name, position] : app.displayed_->shape().landmarks) placed.push_back({name, position});
+    tell(write_landmarks(placed, command.path), command.path);
   }
   void operator()(const ExportPicture& command) const {
     const auto picture = app.picture(command.options);
@@ -79,6 +99,9 @@ struct CommandRunner {
   }
   void operator()(const AcceptFileDialog&) const {
     if (state.dialog && std::holds_alternative<FileDialog>(*state.dialog)) accept_file_dialog(state, app.out_);
+  }
+  void operator()(const AcceptReplacement&) const {
+    if (state.dialog && std::holds_alternative<ReplaceDialog>(*state.dialog)) accept_replacement(state, app.out_);
   }
   void operator()(const ShowFrame& command) const {
     app.session_->apply(SetFrame{command.frame});

@@ -57,7 +57,13 @@ struct ExportMesh {
 };
 struct ExportLabelMap {
   std::filesystem::path path;
-  int value = 1;
+};
+/// Places the landmarks of a file whose names are the template's.
+struct ImportLandmarks {
+  std::filesystem::path path;
+};
+struct ExportLandmarks {
+  std::filesystem::path path;
 };
 struct ExportPicture {
   std::filesystem::path path;
@@ -71,6 +77,7 @@ struct DiscardCase {
 };
 /// Does what the file dialog's choice is for.
 struct AcceptFileDialog {};
+struct AcceptReplacement {};
 /// Commits the frame that a slider went to.
 struct ShowFrame {
   int frame = 0;
@@ -84,10 +91,10 @@ struct Quit {
   bool sure = false;  ///< an unsaved case is not asked about again
 };
 
-using Command =
-    std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenRequested, OpenPhantom, OpenTemplate, OpenLabels,
-                 CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ExportPicture,
-                 RecoverCase, DiscardCase, AcceptFileDialog, ShowFrame, PlayFrames, FitViews, Quit>;
+using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenRequested, OpenPhantom, OpenTemplate,
+                             OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
+                             ImportLandmarks, ExportLandmarks, ExportPicture, RecoverCase, DiscardCase,
+                             AcceptFileDialog, AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit>;
 
 /// Commands in the order they were given.
 class Outbox {

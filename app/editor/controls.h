@@ -62,8 +62,11 @@ void cancel_drag(EditorState& state, Outbox& out);
 
 /// Opens the file dialog where it was left.
 void show_file_dialog(EditorState& state, FilePurpose purpose, std::string name = {});
-/// Does what the file dialog's choice is for, and closes it; enters a folder instead where one is chosen.
+/// Does what the file dialog's choice is for, and closes it; enters a folder instead where one is chosen, and asks
+/// first where a file would be replaced.
 void accept_file_dialog(EditorState& state, Outbox& out);
+/// Does it with the file that is there already.
+void accept_replacement(EditorState& state, Outbox& out);
 
 /// One stamp of the stiffness or the confirm brush.
 std::optional<Action> brush_action(const EditorState& state, const Document& document, const Vec3& at);

@@ -27,6 +27,11 @@ struct FileDialog {
   FilePurpose purpose = FilePurpose::open;
   FileBrowser browser;
 };
+/// A file of that name is there already.
+struct ReplaceDialog {
+  FileDialog files;  ///< to go back to
+  std::filesystem::path path;
+};
 /// Several series in a DICOM folder: one is chosen.
 struct SeriesDialog {
   OpenRequest request;
@@ -55,6 +60,7 @@ struct SpacingDialog {
   Vec3 spacing_mm = Vec3::Ones();
 };
 
-using Dialog = std::variant<KeysDialog, FileDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog, SpacingDialog>;
+using Dialog = std::variant<KeysDialog, FileDialog, ReplaceDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog,
+                            SpacingDialog>;
 
 }  // namespace homolog

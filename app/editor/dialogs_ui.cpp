@@ -161,6 +161,19 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
   end_dialog();
 }
 
+void draw_replace(const UiContext& ui, const ReplaceDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!begin_dialog(ui, "Replace the file?", 520, 0)) close_dialog(out);
+  explanation(theme, dialog.path.string() + " is there already.");
+  gap(theme, 4);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  if (button(theme, "Replace it", "What it holds now is lost", {}, half)) out.send(AcceptReplacement{});
+  ImGui::SameLine();
+  if (button(theme, "Choose another name", "Back to the files", {}, half, true))
+    out.change([files = dialog.files](EditorState& s) { s.dialog = files; });
+  end_dialog();
+}
+
 void draw_quit(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "This case was not saved", 520, 0)) close_dialog(out);
@@ -215,6 +228,8 @@ void draw_dialogs(const UiContext& ui, Outbox& out) {
     draw_keys(ui, out);
   else if (const auto* files = std::get_if<FileDialog>(&dialog))
     draw_file_dialog(ui, *files, out);
+  else if (const auto* replace = std::get_if<ReplaceDialog>(&dialog))
+    draw_replace(ui, *replace, out);
   else if (const auto* series = std::get_if<SeriesDialog>(&dialog))
     draw_series(ui, *series, out);
   else if (const auto* flip = std::get_if<FlipDialog>(&dialog))

@@ -102,10 +102,9 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
           row(theme, entry.name.c_str(), entry.folder ? icon::folder : icon::file, entry.name, date_text(entry.changed),
               entry.folder ? "" : size_text(entry.bytes), browser.selected == shown, doubled);
       if (clicked)
-        change_browser(out, [shown, name = entry.name, folder = entry.folder](FileBrowser& b) {
-          b.selected = shown;
+        change_browser(out, [shown](FileBrowser& b) {
+          select_entry(b, shown);
           b.scroll_to_selected = false;
-          if (saves(b.purpose) && !folder) b.name = name;
         });
       if (doubled) out.send(AcceptFileDialog{});
     }

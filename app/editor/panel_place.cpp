@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/editor/controls.h"
 #include "app/editor/icons.h"
 #include "app/editor/ui_context.h"
 #include "app/editor/widgets.h"
@@ -132,6 +133,18 @@ void draw_place_section(const UiContext& ui, Outbox& out) {
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(8), theme.px(2)});
   draw_landmark_list(ui, out);
   ImGui::PopStyleVar();
+  gap(theme, 2);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
+  const auto ask = [&](FilePurpose purpose, const std::string& name) {
+    out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
+  };
+  if (button(theme, "Importâ¦",
+             "Places those of a 3D Slicer (.mrk.json) or scalismo (.json) file whose names match", {}, half))
+    ask(FilePurpose::open_landmarks, "");
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "Exportâ¦", "The placed ones, for 3D Slicer (.mrk.json) or scalismo (.json)",
+             ui.document().shape().landmarks.empty() ? "None is placed yet." : "", half))
+    ask(FilePurpose::export_landmarks, case_name(ui) + "-landmarks.mrk.json");
   int fit = static_cast<int>(ui.document().landmark_fit);
   if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,
              {"Landmarks are only recorded", "Move, turn and scale the template so that the landmarks meet",

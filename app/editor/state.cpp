@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include "app/editor/theme_colours.h"
@@ -116,6 +117,16 @@ void scroll_slice(EditorState& state, ViewKind kind, const VolumeGeometry& geome
 
 void set_sigma(EditorState& state, double sigma_mm) {
   state.sigma_presets_mm[state.sigma_preset] = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
+}
+
+std::vector<Landmark> known_landmarks(const std::vector<Landmark>& landmarks, const Document& document) {
+  std::vector<Landmark> known;
+  if (!document.reference) return known;
+  const auto& names = document.reference->landmarks;
+  std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(known), [&](const Landmark& landmark) {
+    return std::any_of(names.begin(), names.end(), [&](const Landmark& n) { return n.name == landmark.name; });
+  });
+  return known;
 }
 
 std::string next_unplaced_landmark(const Document& document, const std::string& after) {

@@ -147,6 +147,8 @@ void set_sigma(EditorState& state, double sigma_mm);
 /// Limits of σ, mm: what a slider offers.
 inline constexpr double smallest_sigma_mm = 0.5, largest_sigma_mm = 200;
 
+/// Those whose names are the template's.
+std::vector<Landmark> known_landmarks(const std::vector<Landmark>& landmarks, const Document& document);
 /// The next landmark of the template that the shape has no place for; empty where all are placed.
 std::string next_unplaced_landmark(const Document& document, const std::string& after = {});
 

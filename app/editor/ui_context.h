@@ -61,6 +61,9 @@ void draw_deform_section(const UiContext& ui, Outbox& out);
 void draw_correspondence_section(const UiContext& ui, Outbox& out);
 void draw_export_section(const UiContext& ui, Outbox& out);
 
+/// The case's name without extension: what files made of it are called after.
+std::string case_name(const UiContext& ui);
+
 /// What the overlay's colours mean, as a bar with figures.
 void draw_overlay_legend(const UiContext& ui);
 

@@ -1,8 +1,13 @@
 #include <doctest/doctest.h>
+#include <imgui.h>
+
+#include <fstream>
 
 #include "app/editor/controls.h"
 #include "app/editor/demo.h"
+#include "app/editor/key_queue.h"
 #include "tests/render_help.h"
+#include "tests/temporary_folder.h"
 
 namespace homolog {
 
@@ -273,6 +278,98 @@ TEST_CASE("a double click fills the window with a view and another brings the fo
   click(20);
   click(20.2);
   CHECK_FALSE(desk.state.maximised);
+}
+
+TEST_CASE("keys and characters reach a field in the order they were typed and none is lost") {
+  ImGuiIO io;
+  KeyQueue queue;
+  std::vector<int> pressed;
+  const auto frame = [&] {
+    io.InputQueueCharacters.resize(0);
+    queue.feed(io, [&](const KeyStroke& stroke) {
+      pressed.push_back(stroke.key);
+      return true;
+    });
+    std::string characters;
+    for (const ImWchar c : io.InputQueueCharacters) characters += static_cast<char>(c);
+    return characters;
+  };
+  queue.wait_for_field();
+  queue.press({'A', false, true, false});
+  for (const char c : {'a', 'b'}) queue.type(static_cast<unsigned char>(c));
+  for (int i = 0; i < 2; ++i) queue.press({key::enter});
+  queue.type('c');
+  while (pressed.empty()) CHECK(frame().empty());
+  CHECK(io.KeysDown['A']);
+  CHECK(io.KeyCtrl);
+  CHECK(frame() == "ab");
+  CHECK_FALSE(io.KeysDown['A']);
+  CHECK(io.KeysDown[key::enter]);
+  CHECK(frame().empty());
+  CHECK_FALSE(io.KeysDown[key::enter]);
+  CHECK(frame().empty());
+  CHECK(io.KeysDown[key::enter]);
+  CHECK(frame() == "c");
+  CHECK(pressed == std::vector<int>{'A', key::enter, key::enter});
+  CHECK_FALSE(queue.busy());
+}
+
+TEST_CASE("saving takes the typed name and asks before it replaces a file") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path / "old.homolog") << "kept";
+  Desk desk;
+  desk.state.preferences.folder = folder.path;
+  show_file_dialog(desk.state, FilePurpose::save_case, "new");
+  desk.press(key::enter);
+  auto saved = desk.sent<SaveCaseAs>();
+  REQUIRE(saved.size() == 1);
+  CHECK(saved[0].path == folder.path / "new.homolog");
+
+  show_file_dialog(desk.state, FilePurpose::save_case, "new");
+  desk.press(key::down);
+  CHECK(std::get<FileDialog>(*desk.state.dialog).browser.name == "old.homolog");
+  desk.press(key::enter);
+  CHECK(desk.sent<SaveCaseAs>().empty());
+  REQUIRE(desk.state.dialog);
+  REQUIRE(std::holds_alternative<ReplaceDialog>(*desk.state.dialog));
+  accept_replacement(desk.state, desk.out);
+  saved = desk.sent<SaveCaseAs>();
+  REQUIRE(saved.size() == 1);
+  CHECK(saved[0].path == folder.path / "old.homolog");
+}
+
+TEST_CASE("a case is opened alone") {
+  CHECK_FALSE(sort_files({"a.homolog", "ct.nii.gz"}));
+  CHECK(sort_files({"ct.nii.gz", "kidney.ply"})->template_source == "kidney.ply");
+}
+
+TEST_CASE("landmarks of a file are taken by the template's names") {
+  const std::string name = demo().reference->landmarks.front().name;
+  const auto known = known_landmarks({{"elsewhere", Vec3::Zero()}, {name, Vec3::Ones()}}, demo());
+  REQUIRE(known.size() == 1);
+  CHECK(known[0].name == name);
+}
+
+TEST_CASE("what a brush paints is shown while it is in hand") {
+  EditorState state;
+  state.overlay = Overlay::moved;
+  state.tool = MouseTool::confirm;
+  CHECK(shown_overlay(state) == Overlay::stiffness);
+  state.tool = MouseTool::pull;
+  CHECK(shown_overlay(state) == Overlay::moved);
+}
+
+TEST_CASE("scrolling in oblique planes stops at the image's end and comes back where it was") {
+  Desk desk;
+  VolumeGeometry geometry = geometry_of(desk.document);
+  geometry.direction = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  desk.state.own_planes = true;
+  desk.state.crosshair_mm = geometry.bounds_mm().center() + Vec3(3, 4, 5);
+  const Vec3 before = desk.state.crosshair_mm;
+  const Vec3 normal = slice_view(desk.state, ViewKind::axial, geometry).normal();
+  scroll_slice(desk.state, ViewKind::axial, geometry, 500);
+  CHECK((desk.state.crosshair_mm - before).cross(normal).norm() < 1e-9);
+  CHECK((desk.state.crosshair_mm - before).norm() < geometry.bounds_mm().diagonal().norm());
 }
 
 TEST_CASE("reach presets grow with the mesh") {

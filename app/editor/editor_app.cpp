@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "app/editor/recovery.h"
+#include "app/editor/view_overlay.h"
 
 namespace homolog {
 
@@ -164,6 +165,10 @@ void EditorApp::settle() {
   figures_ = quality_.latest();
 }
 
+UiContext EditorApp::ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const {
+  return {*theme_, layout_, state, *snapshot_, displayed_, figures_, opening, labels_, labels_name_, fps};
+}
+
 void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
                         {state_.maximised, state_.preferences.panel_open});
@@ -199,9 +204,7 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   ImGui::NewFrame();
   std::optional<Opening> opening;
   if (opener_.busy()) opening = {opener_.what(), opener_.fraction(), opener_.seconds() > progress_after_seconds};
-  const UiContext ui{*theme_,  layout_, state_,  *snapshot_,   displayed_,
-                     figures_, opening, labels_, labels_name_, frames_per_second};
-  draw_interface(ui, out_);
+  draw_interface(ui_context(state_, opening, frames_per_second), out_);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
@@ -210,25 +213,51 @@ Result<Picture> EditorApp::picture(const PictureOptions& options) {
   auto framebuffer = Framebuffer::make(options.width, options.height, options.view == ViewKind::space ? 4 : 1);
   if (!framebuffer) return fail(framebuffer.error());
   (*framebuffer)->bind();
-  if (!options.view) {
+  const Layout on_screen = layout_;
+  if (options.view) {
+    draw_view_picture(options);
+  } else {
     ImGui::GetIO().DisplaySize = {static_cast<float>(options.width), static_cast<float>(options.height)};
     draw(options.width, options.height, 0);
-    return (*framebuffer)->read();
   }
-  const ViewKind kind = *options.view;
-  const RectPx& rect = layout_.image(kind);
-  const double smaller =
-      std::max(rect.width / static_cast<float>(options.width), rect.height / static_cast<float>(options.height));
-  const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / std::max(smaller, 1e-3))};
-  const SceneBuilder::Input input{state_, displayed_, snapshot_->preview, labels_};
-  Scene scene = scenes_.scene(input, kind);
-  if (options.transparent && kind == ViewKind::space) scene.background = {0, 0, 0, 0};
-  SliceView slice = kind == ViewKind::space ? SliceView() : slice_view(state_, kind, geometry_of(*displayed_));
-  slice.mm_per_px *= smaller;
-  const auto drawn = kind == ViewKind::space ? pictures_->renderer().draw(scene, state_.camera, target)
-                                             : pictures_->renderer().draw(scene, slice, target);
-  if (!drawn) return fail(drawn.error());
+  layout_ = on_screen;  // the pointer is still in the window
   return (*framebuffer)->read();
+}
+
+void EditorApp::draw_view_picture(const PictureOptions& options) {
+  const ViewKind kind = *options.view;
+  const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
+  // As large as the view is on the screen; one that is hidden there as it would be beside the others.
+  RectPx rect = layout_.image(kind);
+  if (rect.width < 1 || rect.height < 1)
+    rect =
+        make_layout(layout_.top_bar.width, layout_.status_line.y + layout_.status_line.height, scale_, {}).image(kind);
+  const double smaller = std::max(rect.width / width, rect.height / height);
+  EditorState shown = state_;
+  shown.hover.reset();
+  if (kind != ViewKind::space) shown.slices[index_of(kind)].mm_per_px *= smaller;
+  const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / smaller)};
+  const SceneBuilder::Input input{shown, displayed_, snapshot_->preview, labels_};
+  Scene scene = scenes_.scene(input, kind);
+  const bool transparent = options.transparent && kind == ViewKind::space;
+  if (transparent) scene.background = {0, 0, 0, 0};
+  const auto drawn = kind == ViewKind::space
+                         ? pictures_->renderer().draw(scene, shown.camera, target)
+                         : pictures_->renderer().draw(scene, slice_view(shown, kind, geometry_of(*displayed_)), target);
+  if (!drawn) add_notice(state_, drawn.error().sentence());  // the rest of the scene is there all the same
+  if (transparent) return;
+
+  // Letters, scale bar, landmarks and ruler: without them nobody can tell the sides of a slice.
+  layout_.images[index_of(kind)] = {0, 0, width, height};
+  shown.preferences.hints = {true, true, true};
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::GetIO().DisplaySize = {width, height};
+  ImGui::NewFrame();
+  const std::optional<Opening> nothing;
+  const UiContext ui = ui_context(shown, nothing, 0);
+  draw_view_overlay(ui, kind, *ImGui::GetBackgroundDrawList());
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 void EditorApp::take_opened(Opened opened) {

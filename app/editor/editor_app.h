@@ -67,6 +67,9 @@ class EditorApp {
   void offer_flip(const Document& document);
   /// The window or one view in another size.
   Result<Picture> picture(const PictureOptions& options);
+  /// Into the framebuffer that is bound, and the layout of that.
+  void draw_view_picture(const PictureOptions& options);
+  UiContext ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const;
 
   std::function<void()> wake_;
   EditorState state_;

@@ -49,7 +49,7 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
                     options.view == ViewKind::space ? "" : "For pictures of the 3D view.");
   options.transparent = transparent;
   if (changed) out.change([options](EditorState& s) { s.picture = options; });
-  if (button(theme, std::string(icon::camera) + "  Save the picture…", "PNG", {}, width))
+  if (button(theme, format("%s  Save the picture…", icon::camera), "PNG", {}, width))
     ask(FilePurpose::export_picture, case_name(ui) + ".png");
 }
 

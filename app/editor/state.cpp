@@ -9,6 +9,11 @@
 
 namespace homolog {
 
+Overlay shown_overlay(const EditorState& state) {
+  const bool brush = state.tool == MouseTool::stiffness || state.tool == MouseTool::confirm;
+  return brush ? Overlay::stiffness : state.overlay;
+}
+
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry) {
   const auto [right, down] = screen_axes(kind, slice_axes(geometry, state.own_planes), state.preferences.radiological);
   const SlicePan& pan = state.slices[index_of(kind)];
@@ -63,6 +68,7 @@ std::array<double, 3> default_sigmas_mm(const Points& placed_reference) {
 void show_document(EditorState& state, const Document& document, const Layout& layout) {
   state.drag.reset();
   state.ruler.reset();
+  state.panel_edit.reset();
   state.shown_frame.reset();
   state.playing = false;
   state.own_planes = state.own_planes && is_oblique(geometry_of(document));

@@ -63,6 +63,12 @@ struct Ruler {
   double length_mm() const { return (to - from).norm(); }
 };
 
+/// A number of the case that is being changed in the panel: what it is now, whatever the screen shows yet.
+struct PanelEdit {
+  std::string control;
+  double value = 0;
+};
+
 struct Notice {
   std::string text;  ///< one sentence
   bool error = true;
@@ -118,6 +124,7 @@ struct EditorState {
   std::optional<Drag> drag;
   MouseButton drag_button = MouseButton::left;  ///< whose release ends the drag
   std::optional<Ruler> ruler;
+  std::optional<PanelEdit> panel_edit;
 
   PictureOptions picture;
 
@@ -126,6 +133,9 @@ struct EditorState {
 
   double sigma_mm() const { return sigma_presets_mm[sigma_preset]; }
 };
+
+/// What colours the mesh: while a brush is in hand, what it paints.
+Overlay shown_overlay(const EditorState& state);
 
 /// The plane of a slice view.
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry);

@@ -338,6 +338,18 @@ TEST_CASE("saving takes the typed name and asks before it replaces a file") {
   CHECK(saved[0].path == folder.path / "old.homolog");
 }
 
+TEST_CASE("opening takes a file that is there without a question") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path / "points.mrk.json") << "{}";
+  for (const FilePurpose purpose : {FilePurpose::open_landmarks, FilePurpose::open}) CHECK_FALSE(saves(purpose));
+  Desk desk;
+  desk.state.preferences.folder = folder.path;
+  show_file_dialog(desk.state, FilePurpose::open_landmarks, "points");
+  desk.press(key::down);
+  desk.press(key::enter);
+  CHECK(desk.sent<ImportLandmarks>().size() == 1);
+}
+
 TEST_CASE("a case is opened alone") {
   CHECK_FALSE(sort_files({"a.homolog", "ct.nii.gz"}));
   CHECK(sort_files({"ct.nii.gz", "kidney.ply"})->template_source == "kidney.ply");

@@ -54,7 +54,7 @@ std::vector<FileBrowser::Place> find_places() {
 }  // namespace
 
 bool saves(FilePurpose purpose) {
-  return purpose != FilePurpose::open && purpose != FilePurpose::open_template && purpose != FilePurpose::open_labels;
+  return purpose >= FilePurpose::save_case;  // those that open come first
 }
 
 const char* purpose_title(FilePurpose purpose) {

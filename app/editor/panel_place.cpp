@@ -161,11 +161,11 @@ void draw_place_section(const UiContext& ui, Outbox& out) {
   const auto ask = [&](FilePurpose purpose, const std::string& name) {
     out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
   };
-  if (button(theme, "Importâ¦",
+  if (button(theme, "Import…",
              "Places those of a 3D Slicer (.mrk.json) or scalismo (.json) file whose names match", {}, half))
     ask(FilePurpose::open_landmarks, "");
   ImGui::SameLine(0, theme.px(4));
-  if (button(theme, "Exportâ¦", "The placed ones, for 3D Slicer (.mrk.json) or scalismo (.json)",
+  if (button(theme, "Export…", "The placed ones, for 3D Slicer (.mrk.json) or scalismo (.json)",
              ui.document().shape().landmarks.empty() ? "None is placed yet." : "", half))
     ask(FilePurpose::export_landmarks, case_name(ui) + "-landmarks.mrk.json");
   int fit = static_cast<int>(ui.document().landmark_fit);

@@ -338,6 +338,16 @@ TEST_CASE("saving takes the typed name and asks before it replaces a file") {
   CHECK(saved[0].path == folder.path / "old.homolog");
 }
 
+TEST_CASE("a maximised view shows what it showed larger and then as before") {
+  Desk desk;
+  const double before = desk.state.slices[0].mm_per_px;
+  const Layout whole = make_layout(1280, 800, 1, {ViewKind::axial, true});
+  follow_layout(desk.state, whole);
+  CHECK(desk.state.slices[0].mm_per_px < 0.6 * before);
+  follow_layout(desk.state, desk.layout);
+  CHECK(desk.state.slices[0].mm_per_px == doctest::Approx(before));
+}
+
 TEST_CASE("opening takes a file that is there without a question") {
   const TemporaryFolder folder;
   std::ofstream(folder.path / "points.mrk.json") << "{}";

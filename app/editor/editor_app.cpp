@@ -173,6 +173,7 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
                         {state_.maximised, state_.preferences.panel_open});
   if (std::exchange(fit_wanted_, false)) fit_views(state_, *displayed_, layout_);
+  follow_layout(state_, layout_);
   GLint target_framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target_framebuffer);
   const SceneBuilder::Input input{state_, displayed_, snapshot_->preview, labels_};

@@ -161,8 +161,8 @@ void draw_place_section(const UiContext& ui, Outbox& out) {
   const auto ask = [&](FilePurpose purpose, const std::string& name) {
     out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
   };
-  if (button(theme, "Import…",
-             "Places those of a 3D Slicer (.mrk.json) or scalismo (.json) file whose names match", {}, half))
+  if (button(theme, "Import…", "Places those of a 3D Slicer (.mrk.json) or scalismo (.json) file whose names match", {},
+             half))
     ask(FilePurpose::open_landmarks, "");
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Export…", "The placed ones, for 3D Slicer (.mrk.json) or scalismo (.json)",

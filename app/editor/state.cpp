@@ -95,6 +95,7 @@ void fit_views(EditorState& state, const Document& document, const Layout& layou
     const double half_width_mm = right.cwiseAbs().dot(reach), half_height_mm = down.cwiseAbs().dot(reach);
     SlicePan& pan = state.slices[index_of(kind)];
     pan.centre_mm = box.center();
+    pan.side_px = std::min(rect.width, rect.height);
     pan.mm_per_px = 2.04 * std::max(half_width_mm / rect.width, half_height_mm / rect.height);
   }
   const Box target = document.has_shape() ? bounds_of(*document.shape().points) : box;
@@ -102,6 +103,16 @@ void fit_views(EditorState& state, const Document& document, const Layout& layou
   constexpr double left_px = 70, up_px = 45;
   state.camera = turned(camera_from(LookFrom::anterior, target), -left_px, up_px);
   state.camera.distance_mm *= 1.5;
+}
+
+void follow_layout(EditorState& state, const Layout& layout) {
+  for (const ViewKind kind : slice_views) {
+    const float side_px = std::min(layout.image(kind).width, layout.image(kind).height);
+    if (side_px < 1) continue;
+    SlicePan& pan = state.slices[index_of(kind)];
+    if (pan.side_px > 0) pan.mm_per_px *= static_cast<double>(pan.side_px) / static_cast<double>(side_px);
+    pan.side_px = side_px;
+  }
 }
 
 void look_from(EditorState& state, LookFrom from) {

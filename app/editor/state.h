@@ -24,6 +24,7 @@ enum class Overlay { landmark_hue, edge_stretch, moved, stiffness, quality };
 struct SlicePan {
   Vec3 centre_mm = Vec3::Zero();
   double mm_per_px = 0.5;
+  float side_px = 0;  ///< shorter side of the view that this is for
   bool operator==(const SlicePan&) const = default;
 };
 
@@ -147,6 +148,8 @@ std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document&
 /// the size of the placed reference, window from the volume.
 void show_document(EditorState& state, const Document& document, const Layout& layout);
 void fit_views(EditorState& state, const Document& document, const Layout& layout);
+/// Slices show as much of the image after their view has grown or shrunk: maximised, or with the window.
+void follow_layout(EditorState& state, const Layout& layout);
 /// σ presets as shares of the placed reference's diagonal: a vicinity, a part, a whole pole.
 std::array<double, 3> default_sigmas_mm(const Points& placed_reference);
 

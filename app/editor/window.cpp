@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <thread>
 
@@ -225,7 +226,14 @@ int show_window(GLFWwindow* handle, const EditorOptions& options, const Preferen
   run_loop(window);
 
   Preferences kept = app.state().preferences;
-  glfwGetWindowSize(handle, &kept.window_width, &kept.window_height);
+  // In layout units: the next start's window is made larger by the monitor's scale again.
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(handle, &width, &height);
+  glfwGetWindowContentScale(handle, &scale, &scale_y);
+  if (width > 0 && height > 0) {
+    kept.window_width = static_cast<int>(std::lround(static_cast<float>(width) / scale));
+    kept.window_height = static_cast<int>(std::lround(static_cast<float>(height) / scale_y));
+  }
   if (auto written = write_preferences(kept, preferences_file()); !written)
     std::fprintf(stderr, "homolog: warning: %s\n", written.error().sentence().c_str());
   ImGui_ImplGlfw_Shutdown();

@@ -108,7 +108,7 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
     (pan->view == ViewKind::space ? state.camera.target : state.slices[index_of(pan->view)].centre_mm) =
         pan->start_mm - moved;
   } else if (auto* window = std::get_if<WindowDrag>(&*state.drag)) {
-    // Sideways widens, upwards darkens, by shares of the width: the same feel for CT and MR.
+    // Sideways widens, upwards brightens, by shares of the width: the same feel for CT and MR.
     const double width = window->high - window->low, centre = (window->high + window->low) / 2;
     const double new_width = width * std::exp((event.x_px - window->x_px) / (200 * scale));
     const double new_centre = centre + (event.y_px - window->y_px) / (300 * scale) * width;

@@ -45,7 +45,7 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   const bool brush = shown_overlay(ui.state) != ui.state.overlay;
   if (choice(theme, "overlay", names, overlay,
              {"Each landmark in the hue of its index", "Edge length against the template's: blue shorter, red longer",
-              "How far each landmark is from the placed template",
+              "How far each landmark is from where the placement (with its warp) had put it",
               "Stiffness factor: dark soft, bright stiff; confirmed regions white",
               "Shape of the triangles: red thin or turned"},
              brush ? "While a brush is in hand, what it paints is shown." : ""))
@@ -69,7 +69,7 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   figure(theme, "Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg), {},
          q.min_angle_deg < 10 ? palette::amber : palette::text);
   figure(theme, "Moved", format("%.1f mm, at most %.1f mm", q.moved_mean_mm, q.moved_max_mm),
-         "Mean and largest distance of a landmark from the placed template");
+         "Mean and largest distance of a landmark from where the placement (with its warp) had put it");
   figure(theme, "Turned triangles", format("%zu", q.turned),
          "Over 90° from their normal on the template, carried along by the local rotations",
          q.turned > 0 ? palette::bad : palette::good);

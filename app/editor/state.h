@@ -30,7 +30,7 @@ struct SlicePan {
 
 struct ShownParts {
   bool outline = true, surface = true, planes = true, glyphs = false, wireframe = false, crosshair = true,
-       letters = true, image = true;
+       letters = true;
   bool operator==(const ShownParts&) const = default;
 };
 
@@ -78,7 +78,6 @@ struct Notice {
 /// Things a newcomer has to do once; each hint goes away when done, all when dismissed.
 struct Hints {
   bool dragged = false, scrolled = false, turned_camera = false;
-  bool done() const { return dragged && scrolled && turned_camera; }
 };
 
 /// What is kept between runs.
@@ -157,7 +156,7 @@ std::array<double, 3> default_sigmas_mm(const Points& placed_reference);
 void look_from(EditorState& state, LookFrom from);
 void scroll_slice(EditorState& state, ViewKind kind, const VolumeGeometry& geometry, double steps);
 void set_sigma(EditorState& state, double sigma_mm);
-/// Limits of σ, mm: what a slider offers.
+/// Limits of σ, mm.
 inline constexpr double smallest_sigma_mm = 0.5, largest_sigma_mm = 200;
 
 /// Those whose names are the template's.

@@ -4,6 +4,8 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "app/editor/icons.h"
+
 // ImGui's building blocks of controls (SliderBehavior, TempInputScalar) are declared here only.
 #include <imgui_internal.h>
 
@@ -103,7 +105,7 @@ bool section(const Theme& theme, const char* title, bool open, bool& toggled) {
   ImGui::PushFont(theme.strong);
   text_in(at, end, colour, title, 0);
   ImGui::PopFont();
-  text_in(at, end, palette::dim, open ? "\xef\x84\x87" : "\xef\x84\x84", 1);
+  text_in(at, end, palette::dim, open ? icon::down_angle : icon::right_angle, 1);
   return open;
 }
 

@@ -2,7 +2,7 @@
 // of a branch. Nearest or linear is the samplers' choice.
 
 uniform sampler3D image;
-uniform vec3 image_size;        // voxels; 0 where there is none
+uniform vec3 image_size;        // voxels; -1 where there is none
 uniform vec3 image_coordinate;  // texture coordinates of a voxel
 uniform float image_nudge;
 uniform float window_scale, window_offset;  // grey of what the texture holds

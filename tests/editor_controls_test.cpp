@@ -1,8 +1,13 @@
 #include <doctest/doctest.h>
+#include <imgui.h>
+
+#include <fstream>
 
 #include "app/editor/controls.h"
 #include "app/editor/demo.h"
+#include "app/editor/key_queue.h"
 #include "tests/render_help.h"
+#include "tests/temporary_folder.h"
 
 namespace homolog {
 
@@ -182,6 +187,84 @@ TEST_CASE("a click of the landmark tool places the landmark and goes on to the n
   CHECK(desk.state.landmark != first);
 }
 
+TEST_CASE("a click on a placed landmark leaves it and a drag keeps its distance from the pointer") {
+  Desk desk;
+  desk.state.tool = MouseTool::landmark;
+  const Eigen::Vector2d at = desk.middle_of(ViewKind::sagittal);
+  update_hover(desk.state, desk.context(), at.x(), at.y());
+  const Vec3 place = *desk.state.hover->p_mm + Vec3(0.5, 1, 1);
+  desk.document.shapes.at(0).landmarks["hilum"] = place;
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseRelease{}, at.x(), at.y());
+  CHECK(desk.sent<ApplyEdit>().empty());
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseMove{}, at.x() + 10, at.y());
+  desk.send(MouseRelease{}, at.x() + 10, at.y());
+  const auto applied = desk.sent<ApplyEdit>();
+  REQUIRE(applied.size() == 1);
+  const auto& moved = std::get<PlaceLandmark>(applied[0].action);
+  CHECK(moved.name == "hilum");
+  const double mm_per_px = desk.state.slices[index_of(ViewKind::sagittal)].mm_per_px;
+  CHECK((*moved.at - place - Vec3(0, 10 * mm_per_px, 0)).norm() < 1e-9);
+}
+
+TEST_CASE("only the button that started a drag ends it") {
+  Desk desk;
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseMove{}, at.x() - 10, at.y());
+  desk.send(MouseRelease{MouseButton::middle}, at.x() - 10, at.y());
+  CHECK(desk.state.drag);
+  CHECK(desk.sent<ApplyEdit>().empty());
+  desk.send(MouseRelease{}, at.x() - 10, at.y());
+  CHECK(desk.sent<ApplyEdit>().size() == 1);
+}
+
+TEST_CASE("the reach chosen between press and release edits nothing by itself") {
+  Desk desk;
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(KeyPress{'1'}, at.x(), at.y());
+  desk.send(MouseMove{}, at.x(), at.y());  // the key let go
+  desk.send(MouseRelease{}, at.x(), at.y());
+  CHECK(desk.sent<ApplyEdit>().empty());
+}
+
+TEST_CASE("an edit of a playing cine stops it first") {
+  Desk desk;
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+  desk.state.playing = true;
+  desk.send(MousePress{}, at.x(), at.y());
+  const auto asked = desk.sent<PlayFrames>();
+  REQUIRE(asked.size() == 1);
+  CHECK_FALSE(asked[0].play);
+}
+
+TEST_CASE("the ruler in the 3D view measures between points of the surface") {
+  Desk desk;
+  desk.state.preferences.show.planes = false;
+  desk.state.tool = MouseTool::ruler;
+  const Eigen::Vector2d at = desk.middle_of(ViewKind::space);
+  desk.send(MouseMove{}, at.x(), at.y());
+  const Vec3 from = *desk.state.hover->on_mesh;
+  desk.send(MousePress{}, at.x(), at.y());
+  desk.send(MouseMove{}, at.x() - 20, at.y() - 20);
+  REQUIRE(desk.state.ruler);
+  CHECK(desk.state.ruler->from == from);
+  CHECK(desk.state.ruler->to == *desk.state.hover->on_mesh);
+}
+
+TEST_CASE("the knob of the placement follows the pointer in any slice") {
+  Desk desk;
+  const ViewMap map = view_map(desk.state, desk.context(), ViewKind::axial);
+  PlaceDrag drag;
+  drag.part = PlacePart::knob;
+  drag.centre_mm = desk.state.crosshair_mm + 30 * map.into_screen();
+  const Eigen::Vector2d centre = *map.to_px(drag.centre_mm);
+  drag.press_mm = map.on_facing_plane(centre.x() + 40, centre.y(), drag.centre_mm);
+  CHECK(dragged_placement(drag, map, centre.x() + 80, centre.y()).scale == doctest::Approx(2));
+}
+
 TEST_CASE("a double click fills the window with a view and another brings the four back") {
   Desk desk;
   const auto click = [&](double seconds) {
@@ -195,6 +278,120 @@ TEST_CASE("a double click fills the window with a view and another brings the fo
   click(20);
   click(20.2);
   CHECK_FALSE(desk.state.maximised);
+}
+
+TEST_CASE("keys and characters reach a field in the order they were typed and none is lost") {
+  ImGuiIO io;
+  KeyQueue queue;
+  std::vector<int> pressed;
+  const auto frame = [&] {
+    io.InputQueueCharacters.resize(0);
+    queue.feed(io, [&](const KeyStroke& stroke) {
+      pressed.push_back(stroke.key);
+      return true;
+    });
+    std::string characters;
+    for (const ImWchar c : io.InputQueueCharacters) characters += static_cast<char>(c);
+    return characters;
+  };
+  queue.wait_for_field();
+  queue.press({'A', false, true, false});
+  for (const char c : {'a', 'b'}) queue.type(static_cast<unsigned char>(c));
+  for (int i = 0; i < 2; ++i) queue.press({key::enter});
+  queue.type('c');
+  while (pressed.empty()) CHECK(frame().empty());
+  CHECK(io.KeysDown['A']);
+  CHECK(io.KeyCtrl);
+  CHECK(frame() == "ab");
+  CHECK_FALSE(io.KeysDown['A']);
+  CHECK(io.KeysDown[key::enter]);
+  CHECK(frame().empty());
+  CHECK_FALSE(io.KeysDown[key::enter]);
+  CHECK(frame().empty());
+  CHECK(io.KeysDown[key::enter]);
+  CHECK(frame() == "c");
+  CHECK(pressed == std::vector<int>{'A', key::enter, key::enter});
+  CHECK_FALSE(queue.busy());
+}
+
+TEST_CASE("saving takes the typed name and asks before it replaces a file") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path / "old.homolog") << "kept";
+  Desk desk;
+  desk.state.preferences.folder = folder.path;
+  show_file_dialog(desk.state, FilePurpose::save_case, "new");
+  desk.press(key::enter);
+  auto saved = desk.sent<SaveCaseAs>();
+  REQUIRE(saved.size() == 1);
+  CHECK(saved[0].path == folder.path / "new.homolog");
+
+  show_file_dialog(desk.state, FilePurpose::save_case, "new");
+  desk.press(key::down);
+  CHECK(std::get<FileDialog>(*desk.state.dialog).browser.name == "old.homolog");
+  desk.press(key::enter);
+  CHECK(desk.sent<SaveCaseAs>().empty());
+  REQUIRE(desk.state.dialog);
+  REQUIRE(std::holds_alternative<ReplaceDialog>(*desk.state.dialog));
+  accept_replacement(desk.state, desk.out);
+  saved = desk.sent<SaveCaseAs>();
+  REQUIRE(saved.size() == 1);
+  CHECK(saved[0].path == folder.path / "old.homolog");
+}
+
+TEST_CASE("a maximised view shows what it showed larger and then as before") {
+  Desk desk;
+  const double before = desk.state.slices[0].mm_per_px;
+  const Layout whole = make_layout(1280, 800, 1, {ViewKind::axial, true});
+  follow_layout(desk.state, whole);
+  CHECK(desk.state.slices[0].mm_per_px < 0.6 * before);
+  follow_layout(desk.state, desk.layout);
+  CHECK(desk.state.slices[0].mm_per_px == doctest::Approx(before));
+}
+
+TEST_CASE("opening takes a file that is there without a question") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path / "points.mrk.json") << "{}";
+  for (const FilePurpose purpose : {FilePurpose::open_landmarks, FilePurpose::open}) CHECK_FALSE(saves(purpose));
+  Desk desk;
+  desk.state.preferences.folder = folder.path;
+  show_file_dialog(desk.state, FilePurpose::open_landmarks, "points");
+  desk.press(key::down);
+  desk.press(key::enter);
+  CHECK(desk.sent<ImportLandmarks>().size() == 1);
+}
+
+TEST_CASE("a case is opened alone") {
+  CHECK_FALSE(sort_files({"a.homolog", "ct.nii.gz"}));
+  CHECK(sort_files({"ct.nii.gz", "kidney.ply"})->template_source == "kidney.ply");
+}
+
+TEST_CASE("landmarks of a file are taken by the template's names") {
+  const std::string name = demo().reference->landmarks.front().name;
+  const auto known = known_landmarks({{"elsewhere", Vec3::Zero()}, {name, Vec3::Ones()}}, demo());
+  REQUIRE(known.size() == 1);
+  CHECK(known[0].name == name);
+}
+
+TEST_CASE("what a brush paints is shown while it is in hand") {
+  EditorState state;
+  state.overlay = Overlay::moved;
+  state.tool = MouseTool::confirm;
+  CHECK(shown_overlay(state) == Overlay::stiffness);
+  state.tool = MouseTool::pull;
+  CHECK(shown_overlay(state) == Overlay::moved);
+}
+
+TEST_CASE("scrolling in oblique planes stops at the image's end and comes back where it was") {
+  Desk desk;
+  VolumeGeometry geometry = geometry_of(desk.document);
+  geometry.direction = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  desk.state.own_planes = true;
+  desk.state.crosshair_mm = geometry.bounds_mm().center() + Vec3(3, 4, 5);
+  const Vec3 before = desk.state.crosshair_mm;
+  const Vec3 normal = slice_view(desk.state, ViewKind::axial, geometry).normal();
+  scroll_slice(desk.state, ViewKind::axial, geometry, 500);
+  CHECK((desk.state.crosshair_mm - before).cross(normal).norm() < 1e-9);
+  CHECK((desk.state.crosshair_mm - before).norm() < geometry.bounds_mm().diagonal().norm());
 }
 
 TEST_CASE("reach presets grow with the mesh") {

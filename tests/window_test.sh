@@ -31,19 +31,6 @@ eventually() {
   done
   failed "after 30 s still not: $expected"
 }
-# insist "what is expected" COMMAND ACTION: does the action again every few seconds until the command is true: a
-# window at a few frames a second may miss a key.
-insist() {
-  local expected=$1 reached=$2 action=$3
-  for _ in $(seq 8); do
-    $action
-    for _ in $(seq 40); do
-      $reached && return
-      sleep 0.1
-    done
-  done
-  failed "after 8 tries still not: $expected"
-}
 case_file() { ls "$XDG_STATE_HOME"/homolog/*.homolog 2> /dev/null | head -n 1; }
 exists() { [ -s "$1" ]; }
 has_case() { [ -n "$(case_file)" ]; }
@@ -92,18 +79,15 @@ eventually "a smaller reach after the key 1" in_case 1 '"sigma_mm":4\(\.0\)\?[,}
 xdotool key ctrl+z
 eventually "undo is in the case" in_case 1 '"undo"'
 
+# Typed faster than the window draws: nothing is lost, and nothing gets ahead of the dialog.
 saved() { exists "$folder/saved.homolog"; }
-save() {
-  xdotool key Escape sleep 0.3 key ctrl+shift+s sleep 1 key ctrl+a sleep 0.2
-  xdotool type --delay 50 "$folder/saved"
-  xdotool sleep 0.5 key Return
-}
-insist "the case is saved" saved save
+xdotool key ctrl+shift+s key ctrl+a type --delay 2 "$folder/saved"
+xdotool key Return
+eventually "the case is saved" saved
 has_case && failed "the unsaved case was left behind"
 
-closed() { gone "$window_pid"; }
-quit() { xdotool key ctrl+q; }
-insist "the window is closed" closed quit
+xdotool key ctrl+q
+eventually "the window is closed" gone "$window_pid"
 wait "$window_pid" || failed "the window closed with status $?"
 
 "$program" replay "$folder/saved.homolog" -o "$folder/shape.ply" --json > "$folder/replay.json" ||

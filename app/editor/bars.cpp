@@ -63,15 +63,15 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
                   snapshot.can_redo ? "" : "Nothing to redo.", false, 28))
     out.apply(Redo{});
 
-  const std::string title = case_title(ui);
-  ImGui::PushFont(theme.strong);
-  const ImVec2 size = ImGui::CalcTextSize(title.c_str());
   const RectPx& bar = ui.layout.top_bar;
+  const float toggles = 6 * theme.px(30) + 3 * theme.px(30) + theme.px(16);
+  ImGui::PushFont(theme.strong);
+  const std::string title = shortened(case_title(ui), bar.width - 2 * (toggles + theme.px(16)));
+  const ImVec2 size = ImGui::CalcTextSize(title.c_str());
   ImGui::GetWindowDrawList()->AddText({std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)},
                                       palette::text, title.c_str());
   ImGui::PopFont();
 
-  const float toggles = 6 * theme.px(30) + 3 * theme.px(30) + theme.px(16);
   ImGui::SetCursorPos({bar.width - toggles - theme.px(8), theme.px(8)});
   draw_show_toggles(ui, out);
   same_line(ui, 12);

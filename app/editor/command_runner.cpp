@@ -1,6 +1,7 @@
 #include "app/editor/editor_app.h"
 #include "core/base/picture_io.h"
 #include "core/mesh/label_map.h"
+#include "core/mesh/landmark_io.h"
 
 namespace homolog {
 
@@ -18,15 +19,12 @@ struct CommandRunner {
   void operator()(const OpenFiles& command) const {
     auto request = sort_files(command.paths);
     if (!request) return add_notice(state, request.error().sentence());
-    request->volume_options.series_uid = command.series_uid;
+    std::error_code ignored;
+    if (!request->case_file.empty() && std::filesystem::equivalent(request->case_file, app.snapshot_->file, ignored))
+      return add_notice(state, request->case_file.filename().string() + " is the case that is open.", false);
     app.opener_.start(std::move(*request));
   }
-  void operator()(const OpenStack& command) const {
-    OpenRequest request;
-    request.volume_source = command.path.string();
-    request.volume_options.stack_spacing_mm = command.spacing_mm;
-    app.opener_.start(std::move(request));
-  }
+  void operator()(const OpenRequested& command) const { app.opener_.start(command.request); }
   void operator()(const OpenPhantom& command) const {
     OpenRequest request;
     request.demo = {command.organ, command.subject};
@@ -35,7 +33,6 @@ struct CommandRunner {
   void operator()(const OpenTemplate& command) const {
     OpenRequest request;
     request.template_source = command.source;
-    request.flip_lps_ras = command.flip_lps_ras;
     app.opener_.start(std::move(request));
   }
   void operator()(const OpenLabels& command) const {
@@ -50,18 +47,34 @@ struct CommandRunner {
     if (file.empty() || file.parent_path() == unsaved_folder()) return show_file_dialog(state, FilePurpose::save_case);
     add_notice(state, "Every edit is on the disk already, in " + file.string(), false);
   }
-  void operator()(const SaveCaseAs& command) const {
-    app.session_->save_as(command.path);
-    remember_recent(state.preferences, command.path);
-  }
+  void operator()(const SaveCaseAs& command) const { app.session_->save_as(command.path); }
   void operator()(const ExportMesh& command) const {
-    const Document& document = *app.snapshot_->document;
+    const Document& document = *app.displayed_;
     tell(write_mesh_file(to_mesh_file(document, document.frame), command.path), command.path);
   }
   void operator()(const ExportLabelMap& command) const {
-    const Document& document = *app.snapshot_->document;
-    tell(write_volume(label_map(document.mesh(), document.volume->geometry, command.value), command.path),
-         command.path);
+    const Document& document = *app.displayed_;
+    tell(write_volume(label_map(document.mesh(), document.volume->geometry, 1), command.path), command.path);
+  }
+  void operator()(const ImportLandmarks& command) const {
+    const auto read = read_landmarks(command.path);
+    if (!read) return add_notice(state, read.error().sentence());
+    const auto known = known_landmarks(*read, *app.snapshot_->document);
+    const std::string name = command.path.filename().string();
+    if (known.empty())
+      return add_notice(state, name + ": none of its names is a landmark of the template; rename them as listed.");
+    stop_playing();
+    for (const Landmark& landmark : known) app.session_->apply(PlaceLandmark{landmark.name, landmark.position});
+    if (known.size() < read->size())
+      add_notice(state,
+                 name + ": " + std::to_string(read->size() - known.size()) + " of " + std::to_string(read->size()) +
+                     " names are no landmarks of the template, and left out.",
+                 false);
+  }
+  void operator()(const ExportLandmarks& command) const {
+    std::vector<Landmark> placed;
+    for (const auto& [name, position] : app.displayed_->shape().landmarks) placed.push_back({name, position});
+    tell(write_landmarks(placed, command.path), command.path);
   }
   void operator()(const ExportPicture& command) const {
     const auto picture = app.picture(command.options);
@@ -74,7 +87,10 @@ struct CommandRunner {
   }
   void operator()(const DiscardCase& command) const {
     std::error_code ignored;
-    std::filesystem::remove(command.path, ignored);
+    if (Journal::in_use(command.path))
+      add_notice(state, "That case was recovered in another window; it is not deleted.");
+    else
+      std::filesystem::remove(command.path, ignored);
     if (!state.dialog) return;
     auto* recover = std::get_if<RecoverDialog>(&*state.dialog);
     if (recover == nullptr) return;
@@ -83,6 +99,9 @@ struct CommandRunner {
   }
   void operator()(const AcceptFileDialog&) const {
     if (state.dialog && std::holds_alternative<FileDialog>(*state.dialog)) accept_file_dialog(state, app.out_);
+  }
+  void operator()(const AcceptReplacement&) const {
+    if (state.dialog && std::holds_alternative<ReplaceDialog>(*state.dialog)) accept_replacement(state, app.out_);
   }
   void operator()(const ShowFrame& command) const {
     app.session_->apply(SetFrame{command.frame});
@@ -96,8 +115,7 @@ struct CommandRunner {
   }
   void operator()(const FitViews&) const { fit_views(state, *app.displayed_, app.layout_); }
   void operator()(const Quit& command) const {
-    const bool unsaved = app.snapshot_->can_undo && app.snapshot_->file.parent_path() == unsaved_folder();
-    if (unsaved && !command.sure)
+    if (has_unsaved_edits(*app.snapshot_) && !command.sure)
       state.dialog = QuitDialog{};
     else
       app.quit_ = true;

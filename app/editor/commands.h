@@ -30,21 +30,18 @@ struct ApplyEdit {
 /// Opens cases, volumes and templates, told apart by their content.
 struct OpenFiles {
   std::vector<std::filesystem::path> paths;
-  std::string series_uid;
+};
+/// A request that lacked something, completed.
+struct OpenRequested {
+  OpenRequest request;
 };
 struct OpenPhantom {
   Organ organ = Organ::kidney;
   int subject = 1;
 };
-/// PNG or TIFF slices, whose voxel size was asked for.
-struct OpenStack {
-  std::filesystem::path path;
-  Vec3 spacing_mm = Vec3::Ones();
-};
 /// A path, or "built-in:kidney".
 struct OpenTemplate {
   std::string source;
-  bool flip_lps_ras = false;
 };
 struct OpenLabels {
   std::filesystem::path path;
@@ -60,7 +57,13 @@ struct ExportMesh {
 };
 struct ExportLabelMap {
   std::filesystem::path path;
-  int value = 1;
+};
+/// Places the landmarks of a file whose names are the template's.
+struct ImportLandmarks {
+  std::filesystem::path path;
+};
+struct ExportLandmarks {
+  std::filesystem::path path;
 };
 struct ExportPicture {
   std::filesystem::path path;
@@ -74,6 +77,7 @@ struct DiscardCase {
 };
 /// Does what the file dialog's choice is for.
 struct AcceptFileDialog {};
+struct AcceptReplacement {};
 /// Commits the frame that a slider went to.
 struct ShowFrame {
   int frame = 0;
@@ -87,10 +91,10 @@ struct Quit {
   bool sure = false;  ///< an unsaved case is not asked about again
 };
 
-using Command =
-    std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenStack, OpenPhantom, OpenTemplate, OpenLabels,
-                 CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ExportPicture,
-                 RecoverCase, DiscardCase, AcceptFileDialog, ShowFrame, PlayFrames, FitViews, Quit>;
+using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenRequested, OpenPhantom, OpenTemplate,
+                             OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
+                             ImportLandmarks, ExportLandmarks, ExportPicture, RecoverCase, DiscardCase,
+                             AcceptFileDialog, AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit>;
 
 /// Commands in the order they were given.
 class Outbox {

@@ -102,8 +102,8 @@ void handle_event(EditorState& state, const InputEvent& event, const ControlsCon
       return;
     }
     start_drag(state, event, press->button, context, out);
-  } else if (std::holds_alternative<MouseRelease>(event.what)) {
-    if (state.drag) finish_drag(state, context, out);
+  } else if (const auto* release = std::get_if<MouseRelease>(&event.what)) {
+    if (state.drag && release->button == state.drag_button) finish_drag(state, context, out);
   } else if (const auto* wheel = std::get_if<Wheel>(&event.what)) {
     turn_wheel(state, event, wheel->steps, context, out);
   } else if (state.drag) {

@@ -10,11 +10,9 @@ namespace homolog {
 
 /// Keys by GLFW's codes: printable ones are their capital letter in ASCII.
 namespace key {
-inline constexpr int escape = 256, enter = 257, tab = 258, backspace = 259, insert = 260, del = 261, right = 262,
-                     left = 263, down = 264, up = 265, page_up = 266, page_down = 267, home = 268, end = 269, f1 = 290,
-                     keypad_enter = 335;
+inline constexpr int escape = 256, enter = 257, backspace = 259, right = 262, left = 263, down = 264, up = 265,
+                     page_up = 266, page_down = 267, f1 = 290, keypad_enter = 335;
 }
-enum class MouseButton { left, right, middle };
 struct MouseMove {};
 struct MousePress {
   MouseButton button = MouseButton::left;
@@ -63,8 +61,11 @@ void cancel_drag(EditorState& state, Outbox& out);
 
 /// Opens the file dialog where it was left.
 void show_file_dialog(EditorState& state, FilePurpose purpose, std::string name = {});
-/// Does what the file dialog's choice is for, and closes it; enters a folder instead where one is chosen.
+/// Does what the file dialog's choice is for, and closes it; enters a folder instead where one is chosen, and asks
+/// first where a file would be replaced.
 void accept_file_dialog(EditorState& state, Outbox& out);
+/// Does it with the file that is there already.
+void accept_replacement(EditorState& state, Outbox& out);
 
 /// One stamp of the stiffness or the confirm brush.
 std::optional<Action> brush_action(const EditorState& state, const Document& document, const Vec3& at);

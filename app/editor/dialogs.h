@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/editor/file_browser.h"
+#include "app/editor/opener.h"
 #include "app/editor/view_geometry.h"
 #include "core/volume/volume_io.h"
 
@@ -26,20 +27,28 @@ struct FileDialog {
   FilePurpose purpose = FilePurpose::open;
   FileBrowser browser;
 };
+/// A file of that name is there already.
+struct ReplaceDialog {
+  FileDialog files;  ///< to go back to
+  std::filesystem::path path;
+};
 /// Several series in a DICOM folder: one is chosen.
 struct SeriesDialog {
-  std::filesystem::path folder;
+  OpenRequest request;
   std::vector<SeriesInfo> series;
 };
-/// A mesh beside the volume that would lie in it with left-right and front-back exchanged.
+/// A template whose own coordinates lie beside the volume, and in it with left-right and front-back exchanged.
 struct FlipDialog {
-  std::string source;
+  std::string name;
+  Similarity placement;  ///< where it lies then
+  Box bounds_mm;         ///< of the template there
 };
-/// A journal of a case that was never saved.
+/// Cases that were never saved.
 struct RecoverDialog {
   struct Found {
     std::filesystem::path journal;
-    std::string description;  ///< "kidney:1 · 12 edits · 14 March, 16:02"
+    std::string name;     ///< "ct.nii.gz"
+    std::string details;  ///< "12 edits, 14 March 2026, 16:02"
   };
   std::vector<Found> found;
 };
@@ -47,10 +56,11 @@ struct RecoverDialog {
 struct QuitDialog {};
 /// The stack's voxel size, which PNG and TIFF do not tell.
 struct SpacingDialog {
-  std::filesystem::path path;
+  OpenRequest request;
   Vec3 spacing_mm = Vec3::Ones();
 };
 
-using Dialog = std::variant<KeysDialog, FileDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog, SpacingDialog>;
+using Dialog = std::variant<KeysDialog, FileDialog, ReplaceDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog,
+                            SpacingDialog>;
 
 }  // namespace homolog

@@ -106,7 +106,9 @@ void draw_series(const UiContext& ui, const SeriesDialog& dialog, Outbox& out) {
     const std::string name = series.description.empty() ? series.uid : series.description;
     const std::string label = format("%s  %s  (%d files)", series.modality.c_str(), name.c_str(), series.files);
     if (button(theme, label + "##" + series.uid, series.uid, {}, ImGui::GetContentRegionAvail().x)) {
-      out.send(OpenFiles{{dialog.folder}, series.uid});
+      OpenRequest request = dialog.request;
+      request.volume_options.series_uid = series.uid;
+      out.send(OpenRequested{std::move(request)});
       close_dialog(out);
     }
   }
@@ -115,18 +117,21 @@ void draw_series(const UiContext& ui, const SeriesDialog& dialog, Outbox& out) {
 
 void draw_flip(const UiContext& ui, const FlipDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
-  if (!begin_dialog(ui, "The mesh lies beside the image", 520, 0)) close_dialog(out);
-  explanation(theme, std::filesystem::path(dialog.source).filename().string() +
-                         " does not overlap the image, but would if its coordinates were RAS (left-right and "
-                         "front-back exchanged). Flip it from RAS to LPS?");
+  if (!begin_dialog(ui, "Are the mesh's coordinates RAS?", 520, 0)) close_dialog(out);
+  explanation(theme, "Taken as LPS, " + dialog.name +
+                         " lies beside the image; taken as RAS (left-right and front-back exchanged) it lies in it. "
+                         "It was put in the middle of the image for now.");
   gap(theme, 4);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
-  if (button(theme, "Flip RAS to LPS", "Negates x and y of every vertex", {}, half, true)) {
-    out.send(OpenTemplate{dialog.source, true});
-    close_dialog(out);
+  if (button(theme, "Flip RAS to LPS", "Places it where its coordinates say, with x and y negated", {}, half, true)) {
+    out.apply(SetPlacement{dialog.placement});
+    out.change([centre = Vec3(dialog.bounds_mm.center())](EditorState& s) {
+      s.crosshair_mm = s.camera.target = centre;
+      s.dialog.reset();
+    });
   }
   ImGui::SameLine();
-  if (button(theme, "Leave it", "It can be placed by hand", {}, half)) close_dialog(out);
+  if (button(theme, "Leave it in the middle", "It can be placed by hand", {}, half)) close_dialog(out);
   end_dialog();
 }
 
@@ -136,8 +141,11 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
   explanation(theme, "The program ended before these were saved. Nothing but a gesture in progress was lost.");
   for (const auto& found : dialog.found) {
     ImGui::PushID(found.journal.c_str());
-    ImGui::TextUnformatted(found.description.c_str());
-    ImGui::SameLine(ImGui::GetWindowWidth() - theme.px(200));
+    const float buttons = ImGui::GetWindowWidth() - theme.px(200), top = ImGui::GetCursorPosY();
+    ImGui::TextUnformatted(shortened(found.name, buttons - theme.px(28)).c_str());
+    ImGui::SetCursorPosY(top + ImGui::GetTextLineHeight());
+    explanation(theme, found.details);
+    ImGui::SetCursorPos({buttons, top + theme.px(4)});
     if (button(theme, "Recover", "Open it as it was", {}, theme.px(90), true)) {
       out.send(RecoverCase{found.journal});
       close_dialog(out);
@@ -145,6 +153,7 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
     ImGui::SameLine(0, theme.px(4));
     if (button(theme, "Discard", "Delete it for good", {}, theme.px(82))) out.send(DiscardCase{found.journal});
     ImGui::PopID();
+    gap(theme, 0);
   }
   gap(theme, 4);
   if (button(theme, "Later", "They are offered again at the next start", {}, ImGui::GetContentRegionAvail().x))
@@ -152,16 +161,33 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
   end_dialog();
 }
 
+void draw_replace(const UiContext& ui, const ReplaceDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!begin_dialog(ui, "Replace the file?", 520, 0)) close_dialog(out);
+  explanation(theme, dialog.path.string() + " is there already.");
+  gap(theme, 4);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  if (button(theme, "Replace it", "What it holds now is lost", {}, half)) out.send(AcceptReplacement{});
+  ImGui::SameLine();
+  if (button(theme, "Choose another name", "Back to the files", {}, half, true))
+    out.change([files = dialog.files](EditorState& s) { s.dialog = files; });
+  end_dialog();
+}
+
 void draw_quit(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "This case was not saved", 520, 0)) close_dialog(out);
-  explanation(theme, "It is kept, and offered again at the next start.");
+  const bool kept = !ui.snapshot.file.empty();
+  explanation(theme, kept ? "It is kept, and offered again at the next start."
+                          : "It could not be kept on the disk: save it in a folder you may write to, or it is lost.");
   gap(theme, 4);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   if (button(theme, "Save as…", "Choose a name", {}, half, true))
     out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::save_case); });
   ImGui::SameLine();
-  if (button(theme, "Quit", "Nothing is lost", {}, half)) out.send(Quit{true});
+  if (button(theme, kept ? "Quit" : "Lose it and quit", kept ? "Nothing is lost" : "What was done is not on the disk",
+             {}, half))
+    out.send(Quit{true});
   end_dialog();
 }
 
@@ -185,7 +211,9 @@ void draw_spacing(const UiContext& ui, const SpacingDialog& dialog, Outbox& out)
     });
   gap(theme, 4);
   if (button(theme, "Open", "With these voxels", {}, ImGui::GetContentRegionAvail().x, true)) {
-    out.send(OpenStack{dialog.path, spacing});
+    OpenRequest request = dialog.request;
+    request.volume_options.stack_spacing_mm = spacing;
+    out.send(OpenRequested{std::move(request)});
     close_dialog(out);
   }
   end_dialog();
@@ -200,6 +228,8 @@ void draw_dialogs(const UiContext& ui, Outbox& out) {
     draw_keys(ui, out);
   else if (const auto* files = std::get_if<FileDialog>(&dialog))
     draw_file_dialog(ui, *files, out);
+  else if (const auto* replace = std::get_if<ReplaceDialog>(&dialog))
+    draw_replace(ui, *replace, out);
   else if (const auto* series = std::get_if<SeriesDialog>(&dialog))
     draw_series(ui, *series, out);
   else if (const auto* flip = std::get_if<FlipDialog>(&dialog))

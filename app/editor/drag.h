@@ -8,6 +8,8 @@
 
 namespace homolog {
 
+enum class MouseButton { left, right, middle };
+
 /// Parts of the placement handles: the mesh itself (moves), the ring (turns), the knob (scales).
 enum class PlacePart { none, body, ring, knob };
 
@@ -41,6 +43,8 @@ struct LandmarkDrag {
   ViewKind view = ViewKind::axial;
   std::string name;
   Vec3 to = Vec3::Zero();
+  Vec3 from_pointer = Vec3::Zero();  ///< of a landmark that was placed before: where it was taken hold of
+  bool moved = true;                 ///< false until such a one has left its place
 };
 /// Stamps a brush along the surface; every stamp is an action.
 struct BrushDrag {

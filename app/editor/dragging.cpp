@@ -11,8 +11,13 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
   const Hover& hover = *state.hover;
   const ViewMap map = view_map(state, context, hover.view);
   const bool in_space = hover.view == ViewKind::space;
+  // What is taken hold of belongs to the frame that is shown.
+  const auto stay_at_frame = [&] {
+    if (state.playing) out.send(PlayFrames{false});
+  };
   if (const auto tool = stroke_tool(state.tool)) {
     if (hover.on_mesh) {
+      stay_at_frame();
       StrokeDrag drag;
       drag.view = hover.view;
       drag.stroke.tool = *tool;
@@ -25,6 +30,7 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
       return;
     }
   } else if (state.tool == MouseTool::place && hover.part != PlacePart::none && context.document.has_shape()) {
+    stay_at_frame();
     PlaceDrag drag;
     drag.view = hover.view;
     drag.part = hover.part;
@@ -34,13 +40,19 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
     state.drag = drag;
     return;
   } else if (state.tool == MouseTool::landmark && context.document.has_shape() && hover.p_mm) {
-    const std::string name = hover.landmark.empty() ? state.landmark : hover.landmark;
-    if (!name.empty()) {
-      state.drag = LandmarkDrag{hover.view, name, *hover.p_mm};
+    stay_at_frame();
+    const auto& placed = context.document.shape().landmarks;
+    if (const auto known = placed.find(hover.landmark); known != placed.end()) {
+      state.drag = LandmarkDrag{hover.view, known->first, known->second, known->second - *hover.p_mm, false};
+      return;
+    }
+    if (!state.landmark.empty()) {
+      state.drag = LandmarkDrag{hover.view, state.landmark, *hover.p_mm};
       out.preview(drag_action(state));
       return;
     }
   } else if ((state.tool == MouseTool::stiffness || state.tool == MouseTool::confirm) && hover.on_mesh) {
+    stay_at_frame();
     state.drag = BrushDrag{hover.view, *hover.on_mesh, event.alt};
     out.apply(*brush_action(state, context.document, *hover.on_mesh));
     return;
@@ -68,6 +80,7 @@ void start_drag(EditorState& state, const InputEvent& event, MouseButton button,
                 Outbox& out) {
   const ViewKind kind = state.hover->view;
   const bool in_space = kind == ViewKind::space;
+  state.drag_button = button;
   switch (button) {
     case MouseButton::left:
       return start_left_drag(state, event, context, out);
@@ -95,7 +108,7 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
     (pan->view == ViewKind::space ? state.camera.target : state.slices[index_of(pan->view)].centre_mm) =
         pan->start_mm - moved;
   } else if (auto* window = std::get_if<WindowDrag>(&*state.drag)) {
-    // Sideways widens, upwards darkens, by shares of the width: the same feel for CT and MR.
+    // Sideways widens, upwards brightens, by shares of the width: the same feel for CT and MR.
     const double width = window->high - window->low, centre = (window->high + window->low) / 2;
     const double new_width = width * std::exp((event.x_px - window->x_px) / (200 * scale));
     const double new_centre = centre + (event.y_px - window->y_px) / (300 * scale) * width;
@@ -107,15 +120,17 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
   } else if (auto* stroke = std::get_if<StrokeDrag>(&*state.drag)) {
     const Vec3 cursor = map_of(stroke->view).on_facing_plane(event.x_px, event.y_px, stroke->stroke.at);
     stroke->stroke.to = stroke->stroke.at + (cursor - stroke->press_mm);
-    stroke->moved = true;
-    out.preview(stroke->stroke);
+    stroke->moved = stroke->moved || cursor != stroke->press_mm;
+    if (stroke->moved) out.preview(stroke->stroke);
   } else if (auto* place = std::get_if<PlaceDrag>(&*state.drag)) {
     place->now = dragged_placement(*place, map_of(place->view), event.x_px, event.y_px);
     out.preview(SetPlacement{place->now});
   } else if (auto* landmark = std::get_if<LandmarkDrag>(&*state.drag)) {
     update_hover(state, context, event.x_px, event.y_px);
     if (state.hover && state.hover->view == landmark->view && state.hover->p_mm) {
-      landmark->to = *state.hover->p_mm;
+      const Vec3 to = *state.hover->p_mm + landmark->from_pointer;
+      landmark->moved = landmark->moved || to != landmark->to;
+      landmark->to = to;
       out.preview(drag_action(state));
     }
   } else if (auto* brush = std::get_if<BrushDrag>(&*state.drag)) {
@@ -126,7 +141,9 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
       out.apply(*brush_action(state, context.document, brush->last_at));
     }
   } else if (auto* ruler = std::get_if<RulerDrag>(&*state.drag)) {
-    state.ruler->to = map_of(ruler->view).on_facing_plane(event.x_px, event.y_px, state.ruler->from);
+    // In space both ends lie on the surface: a length across the screen would be too short.
+    update_hover(state, context, event.x_px, event.y_px);
+    if (state.hover && state.hover->view == ruler->view && state.hover->p_mm) state.ruler->to = *state.hover->p_mm;
   }
 }
 
@@ -137,7 +154,7 @@ std::optional<Action> drag_action(const EditorState& state) {
   if (const auto* place = std::get_if<PlaceDrag>(&*state.drag))
     return place->now == place->start ? std::nullopt : std::optional<Action>(SetPlacement{place->now});
   if (const auto* landmark = std::get_if<LandmarkDrag>(&*state.drag))
-    return PlaceLandmark{landmark->name, landmark->to};
+    return landmark->moved ? std::optional<Action>(PlaceLandmark{landmark->name, landmark->to}) : std::nullopt;
   return std::nullopt;
 }
 

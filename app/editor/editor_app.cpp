@@ -4,10 +4,9 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
-#include <ctime>
-#include <fstream>
 
-#include "app/editor/demo.h"
+#include "app/editor/recovery.h"
+#include "app/editor/view_overlay.h"
 
 namespace homolog {
 
@@ -15,29 +14,11 @@ namespace {
 
 constexpr double progress_after_seconds = 0.5;
 
-std::string describe_journal(const std::filesystem::path& journal) {
-  std::error_code ignored;
-  const auto bytes = std::filesystem::file_size(journal, ignored);
-  const auto on_system = std::chrono::file_clock::to_sys(std::filesystem::last_write_time(journal, ignored));
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(on_system);
-  std::tm local{};
-  localtime_r(&seconds, &local);
-  std::array<char, 96> text{};
-  std::strftime(text.data(), text.size(), "%d %B %Y, %H:%M", &local);
-  return std::string(text.data()) + "   " + std::to_string(bytes / 1024 + 1) + " kB";
-}
-
-/// The journal of a case that was left as it was opened holds its first line alone: nothing to offer again.
-void remove_without_edits(const std::filesystem::path& journal) {
-  if (journal.empty() || journal.parent_path() != unsaved_folder()) return;
-  std::ifstream file(journal);
-  std::string line;
-  const bool edited = std::getline(file, line) && std::getline(file, line);
-  std::error_code ignored;
-  if (file.is_open() && !edited) std::filesystem::remove(journal, ignored);
-}
-
 }  // namespace
+
+bool has_unsaved_edits(const Snapshot& snapshot) {
+  return snapshot.can_undo && (snapshot.file.empty() || snapshot.file.parent_path() == unsaved_folder());
+}
 
 EditorApp::EditorApp(std::function<void()> wake) : wake_(std::move(wake)), opener_(wake_), quality_(wake_) {}
 
@@ -55,11 +36,15 @@ Result<void> EditorApp::start_drawing(float scale) {
 
 void EditorApp::set_scale(float scale) {
   scale_ = scale;
-  if (theme_) ImGui_ImplOpenGL3_DestroyFontsTexture();
+  const bool had_texture = theme_.has_value();
+  if (had_texture) ImGui_ImplOpenGL3_DestroyFontsTexture();
   theme_ = make_theme(scale);
+  // ImGui makes the first texture by itself, and only that one.
+  if (had_texture) ImGui_ImplOpenGL3_CreateFontsTexture();
 }
 
 void EditorApp::start(const EditorOptions& options) {
+  remove_all_without_edits();
   start_session(EditSession(new_document({}, nullptr, nullptr)));
   if (options.demo) {
     out_.send(OpenPhantom{*options.demo, 1});
@@ -69,15 +54,13 @@ void EditorApp::start(const EditorOptions& options) {
     if (!options.template_source.empty()) request->template_source = options.template_source;
     opener_.start(std::move(*request));
   } else {
-    RecoverDialog recover;
-    for (const auto& journal : unsaved_cases()) recover.found.push_back({journal, describe_journal(journal)});
-    if (!recover.found.empty()) state_.dialog = std::move(recover);
+    if (auto found = cases_to_recover(); !found.empty()) state_.dialog = RecoverDialog{std::move(found)};
     out_.send(OpenPhantom{Organ::kidney, 1});
   }
 }
 
 void EditorApp::open(const std::vector<std::filesystem::path>& paths) {
-  out_.send(OpenFiles{paths, {}});
+  out_.send(OpenFiles{paths});
 }
 
 void EditorApp::close_session() {
@@ -88,12 +71,20 @@ void EditorApp::close_session() {
 
 void EditorApp::start_session(EditSession session) {
   close_session();
+  const auto volume_before = displayed_ ? displayed_->volume : nullptr;
+  loaded_template_ = session.initial_document().reference;
   session_ = std::make_unique<SessionThread>(std::move(session), wake_);
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
-  last_error_.clear();
   show_document(state_, *displayed_, layout_);
   fit_wanted_ = layout_.scale <= 0 || layout_.status_line.width <= 0;
+  remember_case();
+  if (displayed_->volume != volume_before) {
+    labels_.reset();
+    if (pictures_) pictures_->forget();
+  }
+  figures_.reset();
+  quality_.post(nullptr);
   quality_.post(displayed_);
 }
 
@@ -112,12 +103,18 @@ std::optional<double> EditorApp::next_move_seconds(double now) const {
   return std::nullopt;
 }
 
+void EditorApp::remember_case() {
+  const auto& file = snapshot_->file;
+  if (!file.empty() && file.parent_path() != unsaved_folder()) remember_recent(state_.preferences, file);
+}
+
 void EditorApp::take_snapshot() {
   const auto latest = session_->snapshot();
-  const bool changed = latest != snapshot_;
+  const bool changed = latest != snapshot_, done = latest->committed != snapshot_->committed;
+  const bool renamed = latest->file != snapshot_->file;
   snapshot_ = latest;
-  if (!snapshot_->error.empty() && snapshot_->error != last_error_) add_notice(state_, snapshot_->error);
-  last_error_ = snapshot_->error;
+  if (renamed) remember_case();
+  if (done && !snapshot_->error.empty()) add_notice(state_, snapshot_->error);
   const int frame = shown_frame(state_, *snapshot_->shown);
   const bool other_frame = displayed_->frame != frame;
   if (!changed && !other_frame) return;
@@ -134,6 +131,8 @@ void EditorApp::take_snapshot() {
 }
 
 bool EditorApp::update(double seconds) {
+  const auto before = snapshot_;
+  const bool was_opening = opener_.busy();
   run_commands();
   if (auto opened = opener_.take()) take_opened(std::move(*opened));
   if (state_.playing && seconds >= frame_due_ && displayed_->volume && displayed_->volume->frames > 1) {
@@ -142,12 +141,11 @@ bool EditorApp::update(double seconds) {
     frame_due_ = std::max(frame_due_ + pace, seconds);
     state_.shown_frame = (shown_frame(state_, *displayed_) + 1) % volume.frames;
   }
-  const auto before = snapshot_;
   take_snapshot();
   const auto figures = quality_.latest();
-  const bool new_figures = figures.has_value() != figures_.has_value();
+  const bool new_figures = figures != figures_;
   figures_ = figures;
-  return before != snapshot_ || new_figures || state_.playing || opener_.busy();
+  return before != snapshot_ || new_figures || state_.playing || opener_.busy() || was_opening;
 }
 
 void EditorApp::preview(Action action) {
@@ -167,10 +165,15 @@ void EditorApp::settle() {
   figures_ = quality_.latest();
 }
 
+UiContext EditorApp::ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const {
+  return {*theme_, layout_, state, *snapshot_, displayed_, figures_, opening, labels_, labels_name_, fps};
+}
+
 void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
                         {state_.maximised, state_.preferences.panel_open});
   if (std::exchange(fit_wanted_, false)) fit_views(state_, *displayed_, layout_);
+  follow_layout(state_, layout_);
   GLint target_framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target_framebuffer);
   const SceneBuilder::Input input{state_, displayed_, snapshot_->preview, labels_};
@@ -202,9 +205,7 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   ImGui::NewFrame();
   std::optional<Opening> opening;
   if (opener_.busy()) opening = {opener_.what(), opener_.fraction(), opener_.seconds() > progress_after_seconds};
-  const UiContext ui{*theme_,  layout_, state_,  *snapshot_,   displayed_,
-                     figures_, opening, labels_, labels_name_, frames_per_second};
-  draw_interface(ui, out_);
+  draw_interface(ui_context(state_, opening, frames_per_second), out_);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
@@ -213,25 +214,51 @@ Result<Picture> EditorApp::picture(const PictureOptions& options) {
   auto framebuffer = Framebuffer::make(options.width, options.height, options.view == ViewKind::space ? 4 : 1);
   if (!framebuffer) return fail(framebuffer.error());
   (*framebuffer)->bind();
-  if (!options.view) {
+  const Layout on_screen = layout_;
+  if (options.view) {
+    draw_view_picture(options);
+  } else {
     ImGui::GetIO().DisplaySize = {static_cast<float>(options.width), static_cast<float>(options.height)};
     draw(options.width, options.height, 0);
-    return (*framebuffer)->read();
   }
-  const ViewKind kind = *options.view;
-  const RectPx& rect = layout_.image(kind);
-  const double smaller =
-      std::max(rect.width / static_cast<float>(options.width), rect.height / static_cast<float>(options.height));
-  const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / std::max(smaller, 1e-3))};
-  const SceneBuilder::Input input{state_, displayed_, snapshot_->preview, labels_};
-  Scene scene = scenes_.scene(input, kind);
-  if (options.transparent && kind == ViewKind::space) scene.background = {0, 0, 0, 0};
-  SliceView slice = kind == ViewKind::space ? SliceView() : slice_view(state_, kind, geometry_of(*displayed_));
-  slice.mm_per_px *= smaller;
-  const auto drawn = kind == ViewKind::space ? pictures_->renderer().draw(scene, state_.camera, target)
-                                             : pictures_->renderer().draw(scene, slice, target);
-  if (!drawn) return fail(drawn.error());
+  layout_ = on_screen;  // the pointer is still in the window
   return (*framebuffer)->read();
+}
+
+void EditorApp::draw_view_picture(const PictureOptions& options) {
+  const ViewKind kind = *options.view;
+  const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
+  // As large as the view is on the screen; one that is hidden there as it would be beside the others.
+  RectPx rect = layout_.image(kind);
+  if (rect.width < 1 || rect.height < 1)
+    rect =
+        make_layout(layout_.top_bar.width, layout_.status_line.y + layout_.status_line.height, scale_, {}).image(kind);
+  const double smaller = std::max(rect.width / width, rect.height / height);
+  EditorState shown = state_;
+  shown.hover.reset();
+  if (kind != ViewKind::space) shown.slices[index_of(kind)].mm_per_px *= smaller;
+  const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / smaller)};
+  const SceneBuilder::Input input{shown, displayed_, snapshot_->preview, labels_};
+  Scene scene = scenes_.scene(input, kind);
+  const bool transparent = options.transparent && kind == ViewKind::space;
+  if (transparent) scene.background = {0, 0, 0, 0};
+  const auto drawn = kind == ViewKind::space
+                         ? pictures_->renderer().draw(scene, shown.camera, target)
+                         : pictures_->renderer().draw(scene, slice_view(shown, kind, geometry_of(*displayed_)), target);
+  if (!drawn) add_notice(state_, drawn.error().sentence());  // the rest of the scene is there all the same
+  if (transparent) return;
+
+  // Letters, scale bar, landmarks and ruler: without them nobody can tell the sides of a slice.
+  layout_.images[index_of(kind)] = {0, 0, width, height};
+  shown.preferences.hints = {true, true, true};
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::GetIO().DisplaySize = {width, height};
+  ImGui::NewFrame();
+  const std::optional<Opening> nothing;
+  const UiContext ui = ui_context(shown, nothing, 0);
+  draw_view_overlay(ui, kind, *ImGui::GetBackgroundDrawList());
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 void EditorApp::take_opened(Opened opened) {
@@ -239,11 +266,11 @@ void EditorApp::take_opened(Opened opened) {
   if (opened.cancelled) return;
   if (!opened.error.empty()) return add_notice(state_, std::move(opened.error));
   if (opened.needs_spacing) {
-    state_.dialog = SpacingDialog{opened.request.volume_source};
+    state_.dialog = SpacingDialog{std::move(opened.request)};
     return;
   }
   if (!opened.series.empty()) {
-    state_.dialog = SeriesDialog{opened.request.volume_source, std::move(opened.series)};
+    state_.dialog = SeriesDialog{std::move(opened.request), std::move(opened.series)};
     return;
   }
   if (opened.labels) {
@@ -251,30 +278,33 @@ void EditorApp::take_opened(Opened opened) {
     labels_name_ = opened.request.labels.filename().string();
     return;
   }
+  if (has_unsaved_edits(*snapshot_) && snapshot_->file.empty())
+    return add_notice(state_, "The case on the screen could not be kept on the disk; save it before opening another.");
   if (opened.opened_case) {
     start_session(std::move(opened.opened_case->session));
-    remember_recent(state_.preferences, opened.request.case_file);
     return;
   }
   const Document& now = *snapshot_->document;
   const bool new_image = opened.volume != nullptr;
   const auto volume = new_image ? opened.volume : now.volume;
   const std::string source = new_image ? opened.request.volume_source : now.volume_source;
-  const auto reference = opened.reference ? opened.reference : now.reference;
+  // A case's first line names the template's file, so a mirrored one is loaded as it is there and mirrored again.
+  const auto reference = opened.reference ? opened.reference : loaded_template_;
+  const bool mirrored = !opened.reference && reference && reference->points != now.reference->points;
   const bool demo = opened.demo.has_value();
   start_document(opened.demo ? std::move(*opened.demo) : new_document(source, volume, reference));
+  if (mirrored && !demo) session_->apply(MirrorTemplate{});
   if (demo && displayed_->volume->modality == "CT") {
     // Soft tissue: what the demo is about.
     state_.window_low = -160;
     state_.window_high = 240;
   }
   if (new_image && !source.starts_with("phantom:")) remember_recent(state_.preferences, source);
-  if (opened.reference && !opened.request.flip_lps_ras) offer_flip(*snapshot_->document);
+  if (!demo) offer_flip(*snapshot_->document);
 }
 
 void EditorApp::start_document(Document document) {
-  const bool edited =
-      snapshot_->committed > 0 && snapshot_->can_undo && snapshot_->file.parent_path() == unsaved_folder();
+  const bool edited = snapshot_->committed > 0 && has_unsaved_edits(*snapshot_);
   auto session = create_unsaved_case(document);
   if (!session) {
     add_notice(state_, session.error().sentence());
@@ -288,13 +318,14 @@ void EditorApp::start_document(Document document) {
 void EditorApp::offer_flip(const Document& document) {
   if (!document.volume || !document.reference || document.reference->source.starts_with("built-in:")) return;
   const Box image = document.volume->geometry.bounds_mm();
-  const Box mesh = bounds_of(document.reference->points);
-  if (image.intersects(mesh)) return;
-  const Vec3 flip(-1, -1, 1);
-  Box flipped;
-  flipped.extend(Vec3(mesh.min().cwiseProduct(flip)));
-  flipped.extend(Vec3(mesh.max().cwiseProduct(flip)));
-  if (image.intersects(flipped)) state_.dialog = FlipDialog{document.reference->source};
+  const Points& points = document.reference->points;
+  if (image.intersects(bounds_of(points))) return;
+  // To negate x and y is half a turn about z.
+  const Similarity flip{Eigen::Quaterniond(0, 0, 0, 1), 1, Vec3::Zero()};
+  const Box flipped = bounds_of(Points(points * Vec3(-1, -1, 1).asDiagonal()));
+  if (!image.intersects(flipped)) return;
+  const std::string name = std::filesystem::path(document.reference->source).filename().string();
+  state_.dialog = FlipDialog{name, flip, flipped};
 }
 
 }  // namespace homolog

@@ -15,6 +15,9 @@
 
 namespace homolog {
 
+/// Whether there are edits of a case that has no file of its own.
+bool has_unsaved_edits(const Snapshot& snapshot);
+
 /// The editor without a window system: takes events, keeps the case's session and background work, and draws into the
 /// framebuffer that is bound. The window and the pictures made without a display run the same one.
 class EditorApp {
@@ -56,12 +59,17 @@ class EditorApp {
   ControlsContext controls_context() const;
   void close_session();
   void take_snapshot();
+  /// Puts the case's file among the recent ones.
+  void remember_case();
   void take_opened(Opened opened);
   void start_document(Document document);
   void run_commands();
   void offer_flip(const Document& document);
   /// The window or one view in another size.
   Result<Picture> picture(const PictureOptions& options);
+  /// Into the framebuffer that is bound, and the layout of that.
+  void draw_view_picture(const PictureOptions& options);
+  UiContext ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const;
 
   std::function<void()> wake_;
   EditorState state_;
@@ -71,6 +79,7 @@ class EditorApp {
   std::unique_ptr<SessionThread> session_;
   std::shared_ptr<const Snapshot> snapshot_;
   std::shared_ptr<const Document> displayed_;
+  std::shared_ptr<const Template> loaded_template_;  ///< as its file holds it: the case may have mirrored it
   Opener opener_;
   QualityMonitor quality_;
   std::optional<QualityFigures> figures_;
@@ -79,7 +88,6 @@ class EditorApp {
   SceneBuilder scenes_;
   std::optional<ViewPictures> pictures_;
   std::optional<Theme> theme_;
-  std::string last_error_;
   double frame_due_ = 0;
   bool fit_wanted_ = true;
   bool quit_ = false;

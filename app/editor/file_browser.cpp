@@ -54,7 +54,7 @@ std::vector<FileBrowser::Place> find_places() {
 }  // namespace
 
 bool saves(FilePurpose purpose) {
-  return purpose != FilePurpose::open && purpose != FilePurpose::open_template && purpose != FilePurpose::open_labels;
+  return purpose >= FilePurpose::save_case;  // those that open come first
 }
 
 const char* purpose_title(FilePurpose purpose) {
@@ -67,6 +67,10 @@ const char* purpose_title(FilePurpose purpose) {
       return "Load a label map as overlay";
     case FilePurpose::save_case:
       return "Save the case";
+    case FilePurpose::open_landmarks:
+      return "Import placed landmarks";
+    case FilePurpose::export_landmarks:
+      return "Export the placed landmarks";
     case FilePurpose::export_mesh:
       return "Export the mesh";
     case FilePurpose::export_label_map:
@@ -90,6 +94,7 @@ const std::vector<std::string>& purpose_extensions(FilePurpose purpose) {
   static const std::vector<std::string> cases{".homolog"};
   static const std::vector<std::string> exported_meshes{".ply", ".vtk", ".vtp", ".obj", ".stl", ".particles"};
   static const std::vector<std::string> label_maps{".nii.gz", ".nii", ".nrrd", ".mha"};
+  static const std::vector<std::string> landmarks{".mrk.json", ".json"};
   static const std::vector<std::string> pictures{".png"};
   switch (purpose) {
     case FilePurpose::open:
@@ -100,6 +105,9 @@ const std::vector<std::string>& purpose_extensions(FilePurpose purpose) {
       return volumes;
     case FilePurpose::save_case:
       return cases;
+    case FilePurpose::open_landmarks:
+    case FilePurpose::export_landmarks:
+      return landmarks;
     case FilePurpose::export_mesh:
       return exported_meshes;
     case FilePurpose::export_label_map:
@@ -165,11 +173,19 @@ void refresh(FileBrowser& browser) {
   });
 }
 
+void select_entry(FileBrowser& browser, int index) {
+  browser.selected = index;
+  const auto& entry = browser.entries[static_cast<std::size_t>(browser.visible()[static_cast<std::size_t>(index)])];
+  if (saves(browser.purpose) && !entry.folder) browser.name = entry.name;
+}
+
 void press_key(FileBrowser& browser, BrowserKey key) {
   constexpr int page = 10;
   browser.scroll_to_selected = true;
   const int count = static_cast<int>(browser.visible().size());
-  const auto select = [&](int index) { browser.selected = count == 0 ? -1 : std::clamp(index, 0, count - 1); };
+  const auto select = [&](int index) {
+    if (count > 0) select_entry(browser, std::clamp(index, 0, count - 1));
+  };
   switch (key) {
     case BrowserKey::up:
       return select(browser.selected - 1);
@@ -179,10 +195,6 @@ void press_key(FileBrowser& browser, BrowserKey key) {
       return select(browser.selected - page);
     case BrowserKey::page_down:
       return select(browser.selected + page);
-    case BrowserKey::home:
-      return select(0);
-    case BrowserKey::end:
-      return select(count - 1);
     case BrowserKey::parent:
       if (browser.folder.has_relative_path()) enter_folder(browser, browser.folder.parent_path());
       return;
@@ -194,9 +206,11 @@ std::optional<fs::path> accept(FileBrowser& browser) {
   const bool chosen = browser.selected >= 0 && browser.selected < static_cast<int>(shown.size());
   if (chosen) {
     const auto& entry = browser.entries[static_cast<std::size_t>(shown[static_cast<std::size_t>(browser.selected)])];
-    if (!entry.folder) return browser.folder / entry.name;
-    enter_folder(browser, browser.folder / entry.name);
-    return std::nullopt;
+    if (entry.folder) {
+      enter_folder(browser, browser.folder / entry.name);
+      return std::nullopt;
+    }
+    if (!saves(browser.purpose)) return browser.folder / entry.name;
   }
   if (browser.name.empty()) return std::nullopt;
   const fs::path typed = fs::path(browser.name).is_absolute() ? fs::path(browser.name) : browser.folder / browser.name;

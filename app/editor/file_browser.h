@@ -10,7 +10,17 @@
 namespace homolog {
 
 /// What a path is wanted for; decides the title, the kinds of files shown, and whether the name may be new.
-enum class FilePurpose { open, open_template, open_labels, save_case, export_mesh, export_label_map, export_picture };
+enum class FilePurpose {
+  open,
+  open_template,
+  open_labels,
+  open_landmarks,
+  save_case,
+  export_mesh,
+  export_label_map,
+  export_landmarks,
+  export_picture
+};
 
 /// A folder as the file dialog shows it. Free of any interface.
 struct FileBrowser {
@@ -44,11 +54,14 @@ FileBrowser browse(FilePurpose purpose, const std::filesystem::path& folder, std
 void enter_folder(FileBrowser& browser, const std::filesystem::path& folder);
 void refresh(FileBrowser& browser);
 
-enum class BrowserKey { up, down, page_up, page_down, home, end, parent };
+enum class BrowserKey { up, down, page_up, page_down, parent };
+/// Selects the entry at a place in visible(); when saving, a file's name becomes the name.
+void select_entry(FileBrowser& browser, int index);
 void press_key(FileBrowser& browser, BrowserKey key);
 
 /// What accepting gives: a chosen path, or nothing where a folder was entered instead (or nothing is chosen).
-/// When saving, the purpose's extension is added where the name has none that fits.
+/// When saving, only the typed name counts (choosing a file copies its name), and the purpose's extension is added
+/// where it has none that fits.
 std::optional<std::filesystem::path> accept(FileBrowser& browser);
 
 bool saves(FilePurpose purpose);

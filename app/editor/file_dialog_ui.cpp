@@ -79,7 +79,7 @@ void draw_places(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
   for (const auto& path : recent) {
     if (row(theme, ("recent " + path.string()).c_str(), icon::history, path.filename().string(), "", "", false,
             doubled)) {
-      out.send(OpenFiles{{path}, {}});
+      out.send(OpenFiles{{path}});
       out.change([](EditorState& s) { s.dialog.reset(); });
     }
     if (ImGui::IsItemHovered()) tooltip(theme, path.string());
@@ -102,10 +102,9 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
           row(theme, entry.name.c_str(), entry.folder ? icon::folder : icon::file, entry.name, date_text(entry.changed),
               entry.folder ? "" : size_text(entry.bytes), browser.selected == shown, doubled);
       if (clicked)
-        change_browser(out, [shown, name = entry.name, folder = entry.folder](FileBrowser& b) {
-          b.selected = shown;
+        change_browser(out, [shown](FileBrowser& b) {
+          select_entry(b, shown);
           b.scroll_to_selected = false;
-          if (saves(b.purpose) && !folder) b.name = name;
         });
       if (doubled) out.send(AcceptFileDialog{});
     }
@@ -123,7 +122,7 @@ void draw_path_bar(const UiContext& ui, const FileBrowser& browser, Outbox& out)
   ImGui::SameLine(0, theme.px(8));
   ImGui::AlignTextToFramePadding();
   ImGui::PushStyleColor(ImGuiCol_Text, palette::dim);
-  ImGui::TextUnformatted(browser.folder.c_str());
+  ImGui::TextUnformatted(shortened(browser.folder.string(), ImGui::GetContentRegionAvail().x).c_str());
   ImGui::PopStyleColor();
 }
 
@@ -180,7 +179,7 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
              opens_folder ? "Open this folder as a DICOM series" : "Enter",
              opens_folder ? std::string() : refusal_of(browser), theme.px(96), true)) {
     if (opens_folder) {
-      out.send(OpenFiles{{browser.folder}, {}});
+      out.send(OpenFiles{{browser.folder}});
       out.change(close);
     } else {
       out.send(AcceptFileDialog{});

@@ -39,7 +39,4 @@ inline constexpr const char* glyphs = "\xef\x8a\xa1";       // braille f2a1
 inline constexpr const char* wireframe = "\xef\x83\x8e";    // table f0ce
 inline constexpr const char* crosshair = "\xef\x81\x9b";    // crosshairs f05b
 inline constexpr const char* letters = "\xef\x80\xb1";      // font f031
-inline constexpr const char* trash = "\xef\x80\x94";        // trash-o f014
-inline constexpr const char* image = "\xef\x80\xbe";        // picture-o f03e
-inline constexpr const char* dot = "\xef\x84\x91";          // circle f111
 }  // namespace homolog::icon

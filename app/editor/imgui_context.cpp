@@ -10,6 +10,7 @@ ImGuiOnOpenGl::ImGuiOnOpenGl() {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
+  ImGui::GetIO().ConfigDragClickToInputText = true;  // a click on a number types it
   ImGui_ImplOpenGL3_Init("#version 330 core");
 }
 

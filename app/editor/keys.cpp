@@ -181,34 +181,51 @@ void show_file_dialog(EditorState& state, FilePurpose purpose, std::string name)
   state.dialog = std::move(dialog);
 }
 
+namespace {
+
+void send_choice(const EditorState& state, FilePurpose purpose, const std::filesystem::path& path, Outbox& out) {
+  switch (purpose) {
+    case FilePurpose::open:
+      return out.send(OpenFiles{{path}});
+    case FilePurpose::open_template:
+      return out.send(OpenTemplate{path.string()});
+    case FilePurpose::open_labels:
+      return out.send(OpenLabels{path});
+    case FilePurpose::open_landmarks:
+      return out.send(ImportLandmarks{path});
+    case FilePurpose::save_case:
+      return out.send(SaveCaseAs{path});
+    case FilePurpose::export_mesh:
+      return out.send(ExportMesh{path});
+    case FilePurpose::export_label_map:
+      return out.send(ExportLabelMap{path});
+    case FilePurpose::export_landmarks:
+      return out.send(ExportLandmarks{path});
+    case FilePurpose::export_picture:
+      return out.send(ExportPicture{path, state.picture});
+  }
+}
+
+}  // namespace
+
 void accept_file_dialog(EditorState& state, Outbox& out) {
   auto& dialog = std::get<FileDialog>(*state.dialog);
   const auto path = accept(dialog.browser);
   if (!path) return;
   state.preferences.folder = path->parent_path();
-  switch (dialog.purpose) {
-    case FilePurpose::open:
-      out.send(OpenFiles{{*path}, {}});
-      break;
-    case FilePurpose::open_template:
-      out.send(OpenTemplate{path->string()});
-      break;
-    case FilePurpose::open_labels:
-      out.send(OpenLabels{*path});
-      break;
-    case FilePurpose::save_case:
-      out.send(SaveCaseAs{*path});
-      break;
-    case FilePurpose::export_mesh:
-      out.send(ExportMesh{*path});
-      break;
-    case FilePurpose::export_label_map:
-      out.send(ExportLabelMap{*path});
-      break;
-    case FilePurpose::export_picture:
-      out.send(ExportPicture{*path, state.picture});
-      break;
+  std::error_code ignored;
+  if (saves(dialog.purpose) && std::filesystem::exists(*path, ignored)) {
+    ReplaceDialog replace{std::move(dialog), *path};
+    state.dialog = std::move(replace);
+    return;
   }
+  send_choice(state, dialog.purpose, *path, out);
+  state.dialog.reset();
+}
+
+void accept_replacement(EditorState& state, Outbox& out) {
+  const auto& dialog = std::get<ReplaceDialog>(*state.dialog);
+  send_choice(state, dialog.files.purpose, dialog.path, out);
   state.dialog.reset();
 }
 

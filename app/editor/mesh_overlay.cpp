@@ -54,6 +54,11 @@ double moved_scale_mm(const Document& document) {
   return 100;
 }
 
+/// The largest factor of the scale; the factor 1 stays well below the white of confirmed regions.
+double stiffness_scale(const Document& document) {
+  return std::max(document.stiffness->maxCoeff(), 2.0);
+}
+
 /// Quality of the worst triangle around every vertex.
 VertexScalars worst_triangle(const Document& document) {
   const Topology& topology = *document.reference->topology;
@@ -117,7 +122,7 @@ std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, cons
                 [most = moved_scale_mm(document)](double distance) { return distance / most; });
       break;
     case Overlay::stiffness: {
-      const double most = std::max(document.stiffness->maxCoeff(), 1e-6);
+      const double most = stiffness_scale(document);
       colour_by(*document.stiffness, rising(), [most](double factor) { return factor / most; });
       for (std::size_t i = 0; i < n; ++i)
         if (document.shape().confirmed)
@@ -153,7 +158,7 @@ Legend overlay_legend(const Document& document, Overlay overlay) {
     case Overlay::moved:
       return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(document)), rising()};
     case Overlay::stiffness:
-      return {"0", "", figure_text("%.1f\xc3\x97", document.stiffness->maxCoeff()), rising()};
+      return {"0", "", figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising()};
     case Overlay::quality:
       return {"flat", "", "equilateral", quality_scale()};
   }

@@ -51,7 +51,7 @@ void draw_opening(const UiContext& ui, float& bottom_px, Outbox& out) {
   const Theme& theme = ui.theme;
   begin_card(ui, "opening", bottom_px, palette::accent);
   ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(("Opening " + ui.opening->what).c_str());
+  ImGui::TextUnformatted(shortened("Opening " + ui.opening->what, theme.px(400 - 12 - 76 - 24)).c_str());
   ImGui::SameLine(theme.px(400 - 12 - 76));
   if (button(theme, "Cancel", "What is open stays as it is", {}, theme.px(76))) out.send(CancelOpening{});
   const ImVec2 at = ImGui::GetCursorScreenPos();

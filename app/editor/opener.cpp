@@ -4,6 +4,7 @@
 #include <cctype>
 #include <chrono>
 #include <mutex>
+#include <new>
 
 #include "app/editor/demo.h"
 #include "app/editor/file_browser.h"
@@ -25,12 +26,16 @@ bool ends_with_any(const fs::path& path, const std::vector<std::string>& extensi
   return std::any_of(extensions.begin(), extensions.end(), [&](const auto& e) { return name.ends_with(e); });
 }
 
-/// A template whose x and y are negated: read as LPS, it was RAS.
-Result<std::shared_ptr<const Template>> flipped(const Template& reference) {
-  MeshFile mesh = to_mesh_file(reference);
-  mesh.points.leftCols<2>() *= -1;
-  for (Landmark& landmark : mesh.landmarks) landmark.position.head<2>() *= -1;
-  return make_template(std::move(mesh), reference.source);
+/// "ct.nii.gz", for the progress bar.
+std::string name_of(const OpenRequest& request) {
+  if (request.demo) return "the demo case";
+  const std::string source = !request.case_file.empty()       ? request.case_file.string()
+                             : !request.volume_source.empty() ? request.volume_source
+                             : !request.labels.empty()        ? request.labels.string()
+                                                              : request.template_source;
+  // A folder may be given with a slash at its end.
+  const fs::path path = fs::path(source).lexically_normal();
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
 }
 
 Result<void> open_parts(Opened& opened, Progress& progress) {
@@ -70,7 +75,6 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
   }
   if (!request.template_source.empty()) {
     auto reference = load_template(request.template_source);
-    if (reference && request.flip_lps_ras) reference = flipped(**reference);
     if (!reference) return fail(reference.error());
     opened.reference = std::move(*reference);
   }
@@ -79,6 +83,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     options.progress = &progress;
     auto read = read_volume(request.labels, options);
     if (!read) return fail(read.error());
+    opened.warnings.insert(opened.warnings.end(), read->warnings.begin(), read->warnings.end());
     opened.labels = std::make_shared<const Volume>(std::move(read->volume));
   }
   return {};
@@ -98,10 +103,14 @@ Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
       if (!request.template_source.empty()) return fail(path.string(), "is a second template; open one at a time");
       request.template_source = path.string();
     } else {
-      if (!request.volume_source.empty()) return fail(path.string(), "is a second image; open one image at a time");
+      if (!request.volume_source.empty())
+        return fail(path.string(),
+                    "is a second image; open one at a time, a series of slices as the folder that holds them");
       request.volume_source = path.string();
     }
   }
+  if (!request.case_file.empty() && paths.size() > 1)
+    return fail(request.case_file.string(), "is a case, which names its image and its template; open it alone");
   return request;
 }
 
@@ -110,23 +119,30 @@ Opener::~Opener() {
   if (thread_.joinable()) thread_.join();
 }
 
-void Opener::start(OpenRequest request) {
+void Opener::cancel() {
   progress_->cancel();
-  if (thread_.joinable()) thread_.join();
+  next_.reset();
+}
+
+void Opener::start(OpenRequest request) {
+  if (busy_) {
+    progress_->cancel();
+    next_ = std::move(request);
+    return;
+  }
   progress_ = std::make_shared<Progress>();
   box_ = std::make_shared<Box>();
-  const std::string source = request.demo                     ? std::string("the demo case")
-                             : !request.case_file.empty()     ? request.case_file.string()
-                             : !request.volume_source.empty() ? request.volume_source
-                             : !request.labels.empty()        ? request.labels.string()
-                                                              : request.template_source;
-  what_ = fs::path(source).filename().string();
+  what_ = name_of(request);
   started_ = std::chrono::steady_clock::now();
   busy_ = true;
   thread_ = std::thread([box = box_, progress = progress_, wake = wake_, request = std::move(request)]() mutable {
     Opened opened;
     opened.request = std::move(request);
-    if (auto done = open_parts(opened, *progress); !done) opened.error = done.error().sentence();
+    try {
+      if (auto done = open_parts(opened, *progress); !done) opened.error = done.error().sentence();
+    } catch (const std::bad_alloc&) {
+      opened.error = name_of(opened.request) + ": needs more memory than there is; close other programs, or crop it";
+    }
     opened.cancelled = progress->cancelled();
     {
       const std::lock_guard lock(box->mutex);
@@ -150,6 +166,10 @@ std::optional<Opened> Opener::take() {
   if (opened) {
     thread_.join();
     busy_ = false;
+    if (auto next = std::exchange(next_, std::nullopt)) {
+      start(std::move(*next));
+      return std::nullopt;
+    }
   }
   return opened;
 }

@@ -22,12 +22,11 @@ struct OpenRequest {
   std::string volume_source;
   VolumeReadOptions volume_options;
   std::string template_source;  ///< path, or "built-in:kidney"
-  bool flip_lps_ras = false;    ///< the template's x and y are negated
   std::filesystem::path labels;
   std::optional<std::pair<Organ, int>> demo;  ///< a phantom's subject, with its template placed
 };
 
-/// Sorts paths into a case, a volume, a template, by their names. Errors: more than one of a kind, an unknown kind.
+/// Sorts paths into a case, a volume, a template, by their names. Errors: more than one of a kind, a case with others.
 Result<OpenRequest> sort_files(const std::vector<std::filesystem::path>& paths);
 
 struct Opened {
@@ -53,9 +52,9 @@ class Opener {
   Opener(const Opener&) = delete;
   Opener& operator=(const Opener&) = delete;
 
-  /// Cancels what runs, then starts.
+  /// Starts, or cancels what runs and starts when that has stopped.
   void start(OpenRequest request);
-  void cancel() { progress_->cancel(); }
+  void cancel();
   bool busy() const { return busy_; }
   double fraction() const { return progress_->fraction(); }
   const std::string& what() const { return what_; }
@@ -69,6 +68,7 @@ class Opener {
   std::shared_ptr<Progress> progress_ = std::make_shared<Progress>();
   std::shared_ptr<Box> box_;
   std::thread thread_;
+  std::optional<OpenRequest> next_;
   std::string what_;
   std::chrono::steady_clock::time_point started_;
   bool busy_ = false;

@@ -3,6 +3,27 @@
 
 namespace homolog {
 
+CaseNumber::CaseNumber(const UiContext& ui, std::string control, double committed)
+    : value(committed), ui_(ui), control_(std::move(control)), committed_(committed) {
+  const auto& edit = ui.state.panel_edit;
+  if (edit && edit->control == control_) value = edit->value;
+}
+
+void CaseNumber::settle(bool changed, bool released, const std::function<Action(double)>& action_for,
+                        Outbox& out) const {
+  if (changed && !released) {
+    if (ui_.state.playing) out.send(PlayFrames{false});
+    out.change([edit = PanelEdit{control_, value}](EditorState& s) { s.panel_edit = edit; });
+    out.preview(action_for(value));
+  }
+  if (!released) return;
+  out.change([](EditorState& s) { s.panel_edit.reset(); });
+  if (value != committed_)
+    out.apply(action_for(value));
+  else
+    out.preview(std::nullopt);
+}
+
 void draw_side_panel(const UiContext& ui, Outbox& out) {
   struct Section {
     const char* title;

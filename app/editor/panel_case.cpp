@@ -1,4 +1,5 @@
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include "app/editor/controls.h"
@@ -74,13 +75,14 @@ void draw_frames(const UiContext& ui, Outbox& out) {
              "Play the frames (Space)"))
     out.send(PlayFrames{!ui.state.playing});
   ImGui::SameLine();
-  const bool before = frame > 0 && document.shapes.contains(frame - 1);
-  const std::string refusal = !ui.needs_shape().empty() ? ui.needs_shape()
-                              : frame == 0              ? "The first frame has none before it."
-                              : before                  ? ""
-                                                        : "The previous frame has no mesh yet.";
-  if (button(theme, "Start from previous", "Give this frame a copy of the previous frame's mesh", refusal))
-    out.apply(StartFrameFrom{frame - 1});
+  const auto from_here = document.shapes.lower_bound(frame);
+  const bool any_before = from_here != document.shapes.begin();
+  const int before = any_before ? std::prev(from_here)->first : 0;
+  const std::string refusal = !document.reference ? ui.needs_shape()
+                              : any_before        ? ""
+                                                  : "No frame before this one has a mesh.";
+  if (button(theme, "Start from previous", format("Give this frame a copy of the mesh of frame %d", before), refusal))
+    out.apply(StartFrameFrom{before});
 }
 
 }  // namespace
@@ -110,9 +112,8 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   if (toggle(theme, "Radiological", radiological, "The patient's right on the left of the screen"))
     out.change([radiological](EditorState& s) { s.preferences.radiological = radiological; });
   bool own = ui.state.own_planes;
-  const bool oblique = !slice_axes(document.volume->geometry, true).isIdentity(1e-3);
   if (toggle(theme, "The image's own planes", own, "Slices as they were acquired, instead of the patient's axes",
-             oblique ? "" : "The image's planes are the patient's already."))
+             is_oblique(document.volume->geometry) ? "" : "The image's planes are the patient's already."))
     out.change([own](EditorState& s) { s.own_planes = own; });
   if (document.volume->frames > 1) draw_frames(ui, out);
 

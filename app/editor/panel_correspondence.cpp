@@ -8,7 +8,7 @@ namespace homolog {
 
 void draw_overlay_legend(const UiContext& ui) {
   const Theme& theme = ui.theme;
-  const Legend legend = overlay_legend(ui.document(), ui.state.overlay);
+  const Legend legend = overlay_legend(ui.document(), shown_overlay(ui.state));
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, bar = theme.px(6), height = theme.px(26);
   ImGui::Dummy({width, height});
@@ -41,12 +41,14 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
     return;
   }
   static const std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Shape"};
-  int overlay = static_cast<int>(ui.state.overlay);
+  int overlay = static_cast<int>(shown_overlay(ui.state));
+  const bool brush = shown_overlay(ui.state) != ui.state.overlay;
   if (choice(theme, "overlay", names, overlay,
              {"Each landmark in the hue of its index", "Edge length against the template's: blue shorter, red longer",
-              "How far each landmark is from the placed template",
+              "How far each landmark is from where the placement (with its warp) had put it",
               "Stiffness factor: dark soft, bright stiff; confirmed regions white",
-              "Shape of the triangles: red thin or turned"}))
+              "Shape of the triangles: red thin or turned"},
+             brush ? "While a brush is in hand, what it paints is shown." : ""))
     out.change([overlay](EditorState& s) { s.overlay = static_cast<Overlay>(overlay); });
   draw_overlay_legend(ui);
   if (ui.state.preferences.show.glyphs) {
@@ -67,7 +69,7 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   figure(theme, "Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg), {},
          q.min_angle_deg < 10 ? palette::amber : palette::text);
   figure(theme, "Moved", format("%.1f mm, at most %.1f mm", q.moved_mean_mm, q.moved_max_mm),
-         "Mean and largest distance of a landmark from the placed template");
+         "Mean and largest distance of a landmark from where the placement (with its warp) had put it");
   figure(theme, "Turned triangles", format("%zu", q.turned),
          "Over 90° from their normal on the template, carried along by the local rotations",
          q.turned > 0 ? palette::bad : palette::good);

@@ -25,14 +25,13 @@ void draw_sigma(const UiContext& ui, Outbox& out) {
     out.change([sigma_mm](EditorState& s) { set_sigma(s, sigma_mm); });
 }
 
-/// A slider whose value belongs to the case: previewed while it is dragged where that is cheap, an edit at the end.
-template <class MakeAction>
-void case_slider(const UiContext& ui, Outbox& out, const char* label, double value, const SliderRange& range,
-                 const std::string& tip, MakeAction make_action) {
+/// A slider whose value belongs to the case.
+void case_slider(const UiContext& ui, Outbox& out, const char* label, double committed, const SliderRange& range,
+                 const std::string& tip, const std::function<Action(double)>& action_for) {
+  CaseNumber number(ui, label, committed);
   bool released = false;
-  double now = value;
-  if (slider(ui.theme, label, now, range, tip, released, ui.needs_shape())) out.preview(make_action(now));
-  if (released) out.apply(make_action(now));
+  const bool changed = slider(ui.theme, label, number.value, range, tip, released, ui.needs_shape());
+  number.settle(changed, released, action_for, out);
 }
 
 void draw_brush(const UiContext& ui, Outbox& out) {
@@ -59,7 +58,7 @@ void draw_brush(const UiContext& ui, Outbox& out) {
 
 void draw_scheme(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const Document& document = ui.document();
+  const Document& document = *ui.snapshot.document;
   int scheme = static_cast<int>(document.scheme);
   if (choice(theme, "scheme", {"Anchored", "Paper", "Raw"}, scheme,
              {"An edit never relaxes an earlier one; the default",
@@ -89,13 +88,14 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   }
   if (tool == MouseTool::stiffness || tool == MouseTool::confirm) draw_brush(ui, out);
   const Document& document = ui.document();
-  case_slider(ui, out, "Stiffness", document.stiffness_base, {0.1, 200, "%.1f", "", true},
+  const Document& committed = *ui.snapshot.document;
+  case_slider(ui, out, "Stiffness", committed.stiffness_base, {0.1, 200, "%.1f", "", true},
               "Base w of the whole surface: a stiffer one spreads an edit wider",
               [](double value) { return SetStiffnessBase{value}; });
   const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().reference);
   figure(theme, "Carries an edit over", format("%.1f mm", stiffness_length_mm(document.stiffness_base, edge_mm)),
          "The stiffness as a length: mean edge of the mesh \xc3\x97 \xe2\x88\x9a(3w)");
-  case_slider(ui, out, "Even spacing", 100 * document.spacing, {0, 100, "%.0f", "%", false},
+  case_slider(ui, out, "Even spacing", 100 * committed.spacing, {0, 100, "%.0f", "%", false},
               "How strongly landmarks are kept evenly spread along with an edit",
               [](double value) { return SetSpacing{value / 100}; });
   bool through = ui.state.through_space;

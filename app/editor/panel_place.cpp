@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/editor/controls.h"
 #include "app/editor/icons.h"
 #include "app/editor/ui_context.h"
 #include "app/editor/widgets.h"
@@ -11,67 +12,90 @@ namespace {
 
 constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
-/// A number of the placement: previewed while it is dragged, an edit when it is let go.
-class PlacementFields {
+/// R = Rz · Ry · Rx: the turns about the patient's axes, that about x first.
+Vec3 angles_deg(const Eigen::Quaterniond& rotation) {
+  const Mat3 r = rotation.toRotationMatrix();
+  const Vec3 angles(std::atan2(r(2, 1), r(2, 2)), std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2))),
+                    std::atan2(r(1, 0), r(0, 0)));
+  return degrees_per_radian * angles.array() + 0.0;  // no negative zero
+}
+Eigen::Quaterniond from_angles(const Vec3& angles_deg) {
+  const Vec3 angles = angles_deg / degrees_per_radian;
+  return Eigen::AngleAxisd(angles.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angles.y(), Vec3::UnitY()) *
+         Eigen::AngleAxisd(angles.x(), Vec3::UnitX());
+}
+
+/// The placement in numbers. Turning and scaling keep the mesh's centre where it is.
+class PlacementNumbers {
  public:
-  PlacementFields(const UiContext& ui, Outbox& out) : ui_(ui), out_(out), placement_(ui.document().shape().placement) {}
+  PlacementNumbers(const UiContext& ui, Outbox& out)
+      : ui_(ui),
+        out_(out),
+        placement_(ui.committed_shape().placement),
+        centre_(bounds_of(*ui.committed_shape().points).center()),
+        angles_(angles_deg(placement_.rotation)) {}
 
   void draw() {
     const Theme& theme = ui_.theme;
-    const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3);
+    static constexpr std::array<const char*, 3> towards{"left", "back", "head"};
     caption(theme, "Centre (L, P, S)");
-    // Turning and scaling keep this centre where it is.
-    Vec3 centre = bounds_of(*ui_.document().shape().points).center();
-    const Vec3 before = centre;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (axis > 0) ImGui::SameLine(0, theme.px(4));
-      field(format("centre %d", axis), centre[axis], 0.1, "%.1f", "mm", width,
-            std::string("mm towards the patient's ") + (axis == 0   ? "left"
-                                                        : axis == 1 ? "back"
-                                                                    : "head"));
-    }
-    Similarity change;
-    change.translation = centre - before;
+    row(
+        "centre", centre_, 0.1, "mm",
+        [](int axis) { return std::string("mm towards the patient's ") + towards[static_cast<std::size_t>(axis)]; },
+        [this](int axis, double value) {
+          Similarity change;
+          change.translation[axis] = value - centre_[axis];
+          return change.after(placement_);
+        });
     caption(theme, "Turn about L, P, S");
-    for (int axis = 0; axis < 3; ++axis) {
-      if (axis > 0) ImGui::SameLine(0, theme.px(4));
-      const Vec3 angles = angles_deg();
-      double angle = angles[axis];
-      if (field(format("angle %d", axis), angle, 0.25, "%.1f", "\xc2\xb0", width, "Degrees about the patient's axis")) {
-        const Eigen::AngleAxisd turn((angle - angles[axis]) / degrees_per_radian, Vec3::Unit(axis));
-        change.rotation = Eigen::Quaterniond(turn);
-      }
-    }
-    double scale = placement_.scale;
+    row(
+        "angle", angles_, 0.25, "\xc2\xb0", [](int) { return "Degrees about the patient's axes, in this order"; },
+        [this](int axis, double value) {
+          Vec3 angles = angles_;
+          angles[axis] = value;
+          Similarity change;
+          change.rotation = from_angles(angles) * from_angles(angles_).conjugate();
+          return about_centre(change);
+        });
+    CaseNumber scale(ui_, "scale", placement_.scale);
     bool released = false;
-    if (slider(theme, "Scale", scale, {0.5, 2, "%.3f", "", true}, "1 is the template's own size", released))
-      change.scale = scale / placement_.scale;
-    change.translation += before - change.scale * (change.rotation * before);
-    const bool moved = !(change == Similarity{Eigen::Quaterniond::Identity(), 1, Vec3::Zero()});
-    if (moved) out_.preview(SetPlacement{change.after(placement_)});
-    if (released || released_) out_.apply(SetPlacement{change.after(placement_)});
+    const bool changed =
+        slider(theme, "Scale", scale.value, {0.5, 2, "%.3f", "", true}, "1 is the template's own size", released);
+    scale.settle(
+        changed, released,
+        [this](double value) {
+          Similarity change;
+          change.scale = value / placement_.scale;
+          return SetPlacement{about_centre(change)};
+        },
+        out_);
   }
 
  private:
-  bool field(const std::string& id, double& value, double per_px, const char* pattern, const char* unit, float width,
-             const std::string& tip) {
-    bool released = false;
-    const bool changed = number_field(ui_.theme, id.c_str(), value, per_px, pattern, unit, width, tip, released);
-    released_ = released_ || released;
-    return changed;
+  template <class Tip, class Placement>
+  void row(const char* name, const Vec3& committed, double per_px, const char* unit, Tip tip, Placement placement_for) {
+    const Theme& theme = ui_.theme;
+    const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axis > 0) ImGui::SameLine(0, theme.px(4));
+      const std::string id = format("%s %d", name, axis);
+      CaseNumber number(ui_, id, committed[axis]);
+      bool released = false;
+      const bool changed =
+          number_field(theme, id.c_str(), number.value, per_px, "%.1f", unit, width, tip(axis), released);
+      number.settle(
+          changed, released, [&](double value) { return SetPlacement{placement_for(axis, value)}; }, out_);
+    }
   }
-  Vec3 angles_deg() const {
-    const Mat3 r = placement_.rotation.toRotationMatrix();
-    // R = Rz · Ry · Rx
-    const Vec3 angles(std::atan2(r(2, 1), r(2, 2)), std::atan2(-r(2, 0), std::hypot(r(2, 1), r(2, 2))),
-                      std::atan2(r(1, 0), r(0, 0)));
-    return degrees_per_radian * angles.array() + 0.0;  // no negative zero
+  Similarity about_centre(Similarity change) const {
+    change.translation = centre_ - change.scale * (change.rotation * centre_);
+    return change.after(placement_);
   }
 
   const UiContext& ui_;
   Outbox& out_;
   const Similarity& placement_;
-  bool released_ = false;
+  Vec3 centre_, angles_;
 };
 
 void draw_landmark_list(const UiContext& ui, Outbox& out) {
@@ -120,7 +144,7 @@ void draw_place_section(const UiContext& ui, Outbox& out) {
     explanation(theme, "Load a template above, then place it on the organ.");
     return;
   }
-  PlacementFields(ui, out).draw();
+  PlacementNumbers(ui, out).draw();
   gap(theme, 4);
   const auto& landmarks = ui.document().reference->landmarks;
   if (landmarks.empty()) {
@@ -132,6 +156,18 @@ void draw_place_section(const UiContext& ui, Outbox& out) {
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(8), theme.px(2)});
   draw_landmark_list(ui, out);
   ImGui::PopStyleVar();
+  gap(theme, 2);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
+  const auto ask = [&](FilePurpose purpose, const std::string& name) {
+    out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
+  };
+  if (button(theme, "Import…", "Places those of a 3D Slicer (.mrk.json) or scalismo (.json) file whose names match", {},
+             half))
+    ask(FilePurpose::open_landmarks, "");
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "Export…", "The placed ones, for 3D Slicer (.mrk.json) or scalismo (.json)",
+             ui.document().shape().landmarks.empty() ? "None is placed yet." : "", half))
+    ask(FilePurpose::export_landmarks, case_name(ui) + "-landmarks.mrk.json");
   int fit = static_cast<int>(ui.document().landmark_fit);
   if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,
              {"Landmarks are only recorded", "Move, turn and scale the template so that the landmarks meet",

@@ -33,7 +33,7 @@ void draw_reference_section(const UiContext& ui, Outbox& out) {
   for (std::size_t i = 0; i < built_ins.size(); ++i) {
     if (i > 0) ImGui::SameLine(0, theme.px(4));
     if (button(theme, built_ins[i].label, "Start anew with this built-in template", {}, third))
-      out.send(OpenTemplate{built_ins[i].source, false});
+      out.send(OpenTemplate{built_ins[i].source});
   }
   if (button(theme, "Load a template…", "PLY, VTK, VTP, OBJ or STL", {}, ImGui::GetContentRegionAvail().x))
     out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_template); });

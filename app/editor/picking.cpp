@@ -152,6 +152,12 @@ PlacePart part_at(const PlacementHandles& handles, double x_px, double y_px, flo
 
 Similarity dragged_placement(const PlaceDrag& drag, const ViewMap& map, double x_px, double y_px) {
   const Vec3 now = map.on_facing_plane(x_px, y_px, drag.centre_mm);
+  const Vec3 normal = map.into_screen();
+  const auto arm_to = [&](const Vec3& p) {
+    const Vec3 arm = p - drag.centre_mm;
+    return Vec3(arm - normal * normal.dot(arm));
+  };
+  const Vec3 from = arm_to(drag.press_mm), to = arm_to(now);
   Similarity change;
   switch (drag.part) {
     case PlacePart::none:
@@ -160,17 +166,13 @@ Similarity dragged_placement(const PlaceDrag& drag, const ViewMap& map, double x
       change.translation = now - drag.press_mm;
       break;
     case PlacePart::ring: {
-      const Vec3 normal = map.into_screen();
-      const auto in_plane = [&](const Vec3& p) { return Vec3(p - normal * normal.dot(p)); };
-      const Vec3 from = in_plane(drag.press_mm - drag.centre_mm), to = in_plane(now - drag.centre_mm);
       const double angle = std::atan2(normal.dot(from.cross(to)), from.dot(to));
       change.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(angle, normal));
       change.translation = drag.centre_mm - change.rotation * drag.centre_mm;
       break;
     }
     case PlacePart::knob: {
-      const double before = (drag.press_mm - drag.centre_mm).norm(), after = (now - drag.centre_mm).norm();
-      change.scale = std::clamp(before > 0 ? after / before : 1, 0.05, 20.0);
+      change.scale = std::clamp(from.norm() > 0 ? to.norm() / from.norm() : 1, 0.05, 20.0);
       change.translation = (1 - change.scale) * drag.centre_mm;
       break;
     }

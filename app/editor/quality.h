@@ -8,7 +8,8 @@
 
 namespace homolog {
 
-/// How good the shown mesh is as a carrier of correspondence, against the unwarped template at the same placement.
+/// How good the shown mesh is as a carrier of correspondence, against the template at the same placement:
+/// moved counts from the warped one, all else compares with the one that is not warped.
 struct QualityFigures {
   double stretch_low = 1, stretch_median = 1, stretch_high = 1;  ///< edge length / reference's: 5 %, 50 %, 95 %
   double min_angle_deg = 0;
@@ -16,6 +17,7 @@ struct QualityFigures {
   std::size_t intersecting = 0;  ///< pairs of faces
   double moved_mean_mm = 0, moved_max_mm = 0;
   double volume_ml = 0;
+  bool operator==(const QualityFigures&) const = default;
 };
 QualityFigures quality_figures(const Document& document);
 

@@ -27,6 +27,7 @@ void QualityMonitor::post(std::shared_ptr<const Document> document) {
     if (!document || !document->has_shape()) {
       latest_.reset();
       next_.reset();
+      abandoned_ = true;
       return;
     }
     next_ = std::move(document);
@@ -54,13 +55,14 @@ void QualityMonitor::run() {
     if (stopping_) return;
     const auto document = std::exchange(next_, nullptr);
     measuring_ = true;
+    abandoned_ = false;
     lock.unlock();
     const auto started = std::chrono::steady_clock::now();
     const QualityFigures figures = quality_figures(*document);
     const auto rest = share_of_rest * (std::chrono::steady_clock::now() - started);
     lock.lock();
     measuring_ = false;
-    latest_ = figures;
+    if (!abandoned_) latest_ = figures;
     changed_.notify_all();
     lock.unlock();
     wake_();

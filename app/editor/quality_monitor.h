@@ -21,6 +21,7 @@ class QualityMonitor {
   QualityMonitor(const QualityMonitor&) = delete;
   QualityMonitor& operator=(const QualityMonitor&) = delete;
 
+  /// A document without a mesh (or null) forgets the figures so far.
   void post(std::shared_ptr<const Document> document);
   /// Of the latest mesh that is measured; nothing before the first.
   std::optional<QualityFigures> latest() const;
@@ -34,7 +35,7 @@ class QualityMonitor {
   std::condition_variable changed_;
   std::shared_ptr<const Document> next_;
   std::optional<QualityFigures> latest_;
-  bool measuring_ = false, hurried_ = false, stopping_ = false;
+  bool measuring_ = false, abandoned_ = false, hurried_ = false, stopping_ = false;
   std::thread thread_;
 };
 

@@ -31,12 +31,13 @@ void SceneBuilder::update_mesh(const Input& input) {
     points_ = document.shape().points;
     ++points_revision_;
   }
-  const bool follows_points = input.state.overlay != Overlay::landmark_hue && input.state.overlay != Overlay::stiffness;
-  const bool same = colours_ && overlay_ == input.state.overlay && response_ == response && stopped_ == stopped &&
+  const Overlay overlay = shown_overlay(input.state);
+  const bool follows_points = overlay != Overlay::landmark_hue && overlay != Overlay::stiffness;
+  const bool same = colours_ && overlay_ == overlay && response_ == response && stopped_ == stopped &&
                     stiffness_ == document.stiffness && confirmed_ == document.shape().confirmed &&
                     !(moved && follows_points);
   if (same) return;
-  overlay_ = input.state.overlay;
+  overlay_ = overlay;
   response_ = response;
   stopped_ = stopped;
   stiffness_ = document.stiffness;

@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 
 #include "app/editor/theme_colours.h"
 
 namespace homolog {
+
+Overlay shown_overlay(const EditorState& state) {
+  const bool brush = state.tool == MouseTool::stiffness || state.tool == MouseTool::confirm;
+  return brush ? Overlay::stiffness : state.overlay;
+}
 
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry) {
   const auto [right, down] = screen_axes(kind, slice_axes(geometry, state.own_planes), state.preferences.radiological);
@@ -62,8 +68,10 @@ std::array<double, 3> default_sigmas_mm(const Points& placed_reference) {
 void show_document(EditorState& state, const Document& document, const Layout& layout) {
   state.drag.reset();
   state.ruler.reset();
+  state.panel_edit.reset();
   state.shown_frame.reset();
   state.playing = false;
+  state.own_planes = state.own_planes && is_oblique(geometry_of(document));
   if (document.volume) std::tie(state.window_low, state.window_high) = default_window(*document.volume);
   if (document.has_shape()) {
     state.crosshair_mm = bounds_of(*document.shape().points).center();
@@ -87,6 +95,7 @@ void fit_views(EditorState& state, const Document& document, const Layout& layou
     const double half_width_mm = right.cwiseAbs().dot(reach), half_height_mm = down.cwiseAbs().dot(reach);
     SlicePan& pan = state.slices[index_of(kind)];
     pan.centre_mm = box.center();
+    pan.side_px = std::min(rect.width, rect.height);
     pan.mm_per_px = 2.04 * std::max(half_width_mm / rect.width, half_height_mm / rect.height);
   }
   const Box target = document.has_shape() ? bounds_of(*document.shape().points) : box;
@@ -94,6 +103,16 @@ void fit_views(EditorState& state, const Document& document, const Layout& layou
   constexpr double left_px = 70, up_px = 45;
   state.camera = turned(camera_from(LookFrom::anterior, target), -left_px, up_px);
   state.camera.distance_mm *= 1.5;
+}
+
+void follow_layout(EditorState& state, const Layout& layout) {
+  for (const ViewKind kind : slice_views) {
+    const float side_px = std::min(layout.image(kind).width, layout.image(kind).height);
+    if (side_px < 1) continue;
+    SlicePan& pan = state.slices[index_of(kind)];
+    if (pan.side_px > 0) pan.mm_per_px *= static_cast<double>(pan.side_px) / static_cast<double>(side_px);
+    pan.side_px = side_px;
+  }
 }
 
 void look_from(EditorState& state, LookFrom from) {
@@ -106,12 +125,25 @@ void scroll_slice(EditorState& state, ViewKind kind, const VolumeGeometry& geome
   // Away from the radiological viewer (axial: towards the head), whichever side is shown on the left.
   const Vec3 normal = screen_axes(kind, slice_axes(geometry, state.own_planes), true).normal();
   const Box box = geometry.bounds_mm();
-  const Vec3 moved = state.crosshair_mm + normal * steps * slice_step_mm(geometry, normal);
-  state.crosshair_mm = moved.cwiseMax(box.min()).cwiseMin(box.max());
+  // How far the image reaches along the normal; across it the cross-hair stays where it is.
+  const double middle = normal.dot(box.center()), reach = normal.cwiseAbs().dot(box.sizes() / 2);
+  const double along = normal.dot(state.crosshair_mm);
+  const double wanted = along + steps * slice_step_mm(geometry, normal);
+  state.crosshair_mm += normal * (std::clamp(wanted, middle - reach, middle + reach) - along);
 }
 
 void set_sigma(EditorState& state, double sigma_mm) {
   state.sigma_presets_mm[state.sigma_preset] = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
+}
+
+std::vector<Landmark> known_landmarks(const std::vector<Landmark>& landmarks, const Document& document) {
+  std::vector<Landmark> known;
+  if (!document.reference) return known;
+  const auto& names = document.reference->landmarks;
+  std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(known), [&](const Landmark& landmark) {
+    return std::any_of(names.begin(), names.end(), [&](const Landmark& n) { return n.name == landmark.name; });
+  });
+  return known;
 }
 
 std::string next_unplaced_landmark(const Document& document, const std::string& after) {
@@ -132,13 +164,19 @@ void add_notice(EditorState& state, std::string text, bool error) {
   constexpr std::size_t most = 4;
   if (std::any_of(state.notices.begin(), state.notices.end(), [&](const Notice& n) { return n.text == text; })) return;
   state.notices.push_back({std::move(text), error});
-  if (state.notices.size() > most) state.notices.erase(state.notices.begin());
+  if (state.notices.size() <= most) return;
+  // An error stays longer than news.
+  const auto news = std::find_if(state.notices.begin(), state.notices.end(), [](const Notice& n) { return !n.error; });
+  state.notices.erase(news == state.notices.end() ? state.notices.begin() : news);
 }
 
 void remember_recent(Preferences& preferences, const std::filesystem::path& path) {
   constexpr std::size_t most = 8;
-  std::erase(preferences.recent, path);
-  preferences.recent.insert(preferences.recent.begin(), path);
+  std::error_code error;
+  // The next start may be in another working folder.
+  auto whole = std::filesystem::absolute(path, error).lexically_normal();
+  std::erase(preferences.recent, whole);
+  preferences.recent.insert(preferences.recent.begin(), std::move(whole));
   if (preferences.recent.size() > most) preferences.recent.resize(most);
 }
 

@@ -24,12 +24,13 @@ enum class Overlay { landmark_hue, edge_stretch, moved, stiffness, quality };
 struct SlicePan {
   Vec3 centre_mm = Vec3::Zero();
   double mm_per_px = 0.5;
+  float side_px = 0;  ///< shorter side of the view that this is for
   bool operator==(const SlicePan&) const = default;
 };
 
 struct ShownParts {
   bool outline = true, surface = true, planes = true, glyphs = false, wireframe = false, crosshair = true,
-       letters = true, image = true;
+       letters = true;
   bool operator==(const ShownParts&) const = default;
 };
 
@@ -63,6 +64,12 @@ struct Ruler {
   double length_mm() const { return (to - from).norm(); }
 };
 
+/// A number of the case that is being changed in the panel: what it is now, whatever the screen shows yet.
+struct PanelEdit {
+  std::string control;
+  double value = 0;
+};
+
 struct Notice {
   std::string text;  ///< one sentence
   bool error = true;
@@ -71,7 +78,6 @@ struct Notice {
 /// Things a newcomer has to do once; each hint goes away when done, all when dismissed.
 struct Hints {
   bool dragged = false, scrolled = false, turned_camera = false;
-  bool done() const { return dragged && scrolled && turned_camera; }
 };
 
 /// What is kept between runs.
@@ -116,7 +122,9 @@ struct EditorState {
   std::optional<Hover> hover;
   LastPress last_press;
   std::optional<Drag> drag;
+  MouseButton drag_button = MouseButton::left;  ///< whose release ends the drag
   std::optional<Ruler> ruler;
+  std::optional<PanelEdit> panel_edit;
 
   PictureOptions picture;
 
@@ -125,6 +133,9 @@ struct EditorState {
 
   double sigma_mm() const { return sigma_presets_mm[sigma_preset]; }
 };
+
+/// What colours the mesh: while a brush is in hand, what it paints.
+Overlay shown_overlay(const EditorState& state);
 
 /// The plane of a slice view.
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry);
@@ -136,6 +147,8 @@ std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document&
 /// the size of the placed reference, window from the volume.
 void show_document(EditorState& state, const Document& document, const Layout& layout);
 void fit_views(EditorState& state, const Document& document, const Layout& layout);
+/// Slices show as much of the image after their view has grown or shrunk: maximised, or with the window.
+void follow_layout(EditorState& state, const Layout& layout);
 /// σ presets as shares of the placed reference's diagonal: a vicinity, a part, a whole pole.
 std::array<double, 3> default_sigmas_mm(const Points& placed_reference);
 
@@ -143,9 +156,11 @@ std::array<double, 3> default_sigmas_mm(const Points& placed_reference);
 void look_from(EditorState& state, LookFrom from);
 void scroll_slice(EditorState& state, ViewKind kind, const VolumeGeometry& geometry, double steps);
 void set_sigma(EditorState& state, double sigma_mm);
-/// Limits of σ, mm: what a slider offers.
+/// Limits of σ, mm.
 inline constexpr double smallest_sigma_mm = 0.5, largest_sigma_mm = 200;
 
+/// Those whose names are the template's.
+std::vector<Landmark> known_landmarks(const std::vector<Landmark>& landmarks, const Document& document);
 /// The next landmark of the template that the shape has no place for; empty where all are placed.
 std::string next_unplaced_landmark(const Document& document, const std::string& after = {});
 

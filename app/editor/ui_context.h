@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,6 +35,8 @@ struct UiContext {
   double frames_per_second = 0;
 
   const Document& document() const { return *displayed; }
+  /// As on the disk, at the frame that is shown: what a change in the panel starts from.
+  const Shape& committed_shape() const { return snapshot.document->shapes.at(displayed->frame); }
   bool has_shape() const { return document().has_shape(); }
   /// Why a control that needs a mesh is disabled; empty where there is one.
   std::string needs_shape() const {
@@ -42,6 +45,22 @@ struct UiContext {
                                 : "Load a template first (Reference): there is no mesh yet.";
   }
   std::string needs_volume() const { return document().volume ? std::string() : "Open an image first."; }
+};
+
+/// One number of the case in the panel: shown as it is being changed, previewed on the way, one edit when it is let go.
+/// What it becomes never depends on how far the preview has come.
+class CaseNumber {
+ public:
+  /// `committed` is the case's own value.
+  CaseNumber(const UiContext& ui, std::string control, double committed);
+  double value = 0;  ///< for the control to show and to change
+  /// `action_for` makes the edit that gives the case a value; called where the control changed or was let go.
+  void settle(bool changed, bool released, const std::function<Action(double)>& action_for, Outbox& out) const;
+
+ private:
+  const UiContext& ui_;
+  std::string control_;
+  double committed_;
 };
 
 // The parts of the window, from top to bottom; each in a file of its own.
@@ -60,6 +79,9 @@ void draw_place_section(const UiContext& ui, Outbox& out);
 void draw_deform_section(const UiContext& ui, Outbox& out);
 void draw_correspondence_section(const UiContext& ui, Outbox& out);
 void draw_export_section(const UiContext& ui, Outbox& out);
+
+/// The case's name without extension: what files made of it are called after.
+std::string case_name(const UiContext& ui);
 
 /// What the overlay's colours mean, as a bar with figures.
 void draw_overlay_legend(const UiContext& ui);

@@ -21,6 +21,11 @@ inline std::size_t index_of(ViewKind kind) {
 /// directions, permuted and turned so that they lie closest to it.
 Mat3 slice_axes(const VolumeGeometry& geometry, bool own_planes);
 
+/// Whether the volume's own planes differ from the patient's.
+inline bool is_oblique(const VolumeGeometry& geometry) {
+  return !slice_axes(geometry, true).isIdentity(1e-3);
+}
+
 /// Right and down on the screen of a slice view. Radiological: the patient's right is on the screen's left, axial
 /// slices are seen from the feet, coronal ones from the front; else left and right are exchanged. Sagittal slices
 /// have anterior on the left either way.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "app/editor/controls.h"
 #include "app/editor/icons.h"
@@ -81,21 +82,79 @@ void draw_crosshair(const UiContext& ui, ViewKind kind, const ViewMap& map, ImDr
   }
 }
 
+/// Names beside their points, each at the first side where it covers no other; none where all sides are taken.
+class NameTags {
+ public:
+  NameTags(const Theme& theme, ImDrawList& draw) : theme_(theme), draw_(draw) {}
+  /// Keeps names off a point.
+  void block(ImVec2 at) {
+    const float reach = theme_.px(5);
+    taken_.push_back({{at.x - reach, at.y - reach}, {at.x + reach, at.y + reach}});
+  }
+  void put(ImVec2 at, const std::string& name, float alpha) {
+    const ImVec2 size = text_size(theme_.small, name);
+    const float aside = theme_.px(9), middle = size.y / 2;
+    for (const ImVec2 corner :
+         {ImVec2{at.x + aside, at.y - middle}, ImVec2{at.x - aside - size.x, at.y - middle},
+          ImVec2{at.x - size.x / 2, at.y - aside - size.y}, ImVec2{at.x - size.x / 2, at.y + aside}}) {
+      const Rect tag{corner, {corner.x + size.x, corner.y + size.y}};
+      if (std::any_of(taken_.begin(), taken_.end(), [&](const Rect& other) { return tag.meets(other); })) continue;
+      taken_.push_back(tag);
+      shadowed_text(draw_, theme_.small, corner, with_alpha(palette::text, alpha), name);
+      return;
+    }
+  }
+
+ private:
+  struct Rect {
+    ImVec2 low, high;
+    bool meets(const Rect& o) const {
+      return low.x < o.high.x && o.low.x < high.x && low.y < o.high.y && o.low.y < high.y;
+    }
+  };
+  const Theme& theme_;
+  ImDrawList& draw_;
+  std::vector<Rect> taken_;
+};
+
+/// How clearly a landmark is shown: fading with its distance from a slice, faint behind the planes of the 3D view.
+float landmark_alpha(const UiContext& ui, const ViewMap& map, const Vec3& p_mm, const Eigen::Vector2d& px) {
+  const VolumeGeometry geometry = geometry_of(ui.document());
+  if (!map.is_slice()) {
+    constexpr float behind = 0.25f;
+    return hidden_by_planes(shown_planes(ui.state, ui.document()), geometry, map.ray(px.x(), px.y()), p_mm) ? behind
+                                                                                                            : 1;
+  }
+  const double reach_mm = 4 * slice_step_mm(geometry, map.into_screen());
+  const double off_mm = std::abs(map.into_screen().dot(p_mm - map.slice().centre));
+  return off_mm > reach_mm ? 0.0f : static_cast<float>(1 - 0.7 * off_mm / reach_mm);
+}
+
 void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
-  const auto& placed = ui.document().shape().landmarks;
-  const double step = slice_step_mm(geometry_of(ui.document()), map.into_screen());
-  for (const auto& [name, p_mm] : placed) {
+  struct Shown {
+    std::string name;
+    ImVec2 at;
+    float alpha;
+    bool lit;
+  };
+  std::vector<Shown> shown;
+  NameTags tags(ui.theme, draw);
+  for (const auto& [name, p_mm] : ui.document().shape().landmarks) {
     const auto px = map.to_px(p_mm);
     if (!px) continue;
-    const double off_mm = map.is_slice() ? std::abs(map.into_screen().dot(p_mm - map.slice().centre)) : 0;
-    if (off_mm > 4 * step) continue;
-    const float alpha = static_cast<float>(1 - 0.7 * off_mm / (4 * step));
-    const ImVec2 at = to_im(*px);
-    const bool lit = ui.state.hover && ui.state.hover->landmark == name;
-    draw.AddCircleFilled(at, ui.theme.px(lit ? 5 : 4), with_alpha(palette::accent, alpha));
-    draw.AddCircle(at, ui.theme.px(lit ? 6 : 5), with_alpha(IM_COL32_BLACK, 0.6f * alpha));
-    shadowed_text(draw, ui.theme.small, {at.x + ui.theme.px(9), at.y - ui.theme.px(8)},
-                  with_alpha(palette::text, alpha), name);
+    const float alpha = landmark_alpha(ui, map, p_mm, *px);
+    if (alpha == 0) continue;
+    shown.push_back({name, to_im(*px), alpha, ui.state.hover && ui.state.hover->landmark == name});
+    tags.block(to_im(*px));
+  }
+  // What is pointed at is named first, then what is nearest.
+  std::stable_sort(shown.begin(), shown.end(),
+                   [](const Shown& a, const Shown& b) { return a.lit != b.lit ? a.lit : a.alpha > b.alpha; });
+  for (const Shown& landmark : shown) {
+    draw.AddCircleFilled(landmark.at, ui.theme.px(landmark.lit ? 5 : 4), with_alpha(palette::accent, landmark.alpha));
+    draw.AddCircle(landmark.at, ui.theme.px(landmark.lit ? 6 : 5), with_alpha(IM_COL32_BLACK, 0.6f * landmark.alpha));
+    const bool behind = !map.is_slice() && landmark.alpha < 1 && !landmark.lit;
+    if (!behind) tags.put(landmark.at, landmark.name, landmark.alpha);
   }
 }
 
@@ -164,7 +223,11 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const Ruler& ruler = *ui.state.ruler;
   const auto from = map.to_px(ruler.from), to = map.to_px(ruler.to);
   if (!from || !to) return;
-  const bool in_plane = !map.is_slice() || std::abs(map.into_screen().dot(ruler.from - map.slice().centre)) < 0.5;
+  const double half_step_mm = slice_step_mm(geometry_of(ui.document()), map.into_screen()) / 2;
+  const auto near = [&](const Vec3& p) {
+    return !map.is_slice() || std::abs(map.into_screen().dot(p - map.slice().centre)) <= half_step_mm;
+  };
+  const bool in_plane = near(ruler.from) && near(ruler.to);
   const ImU32 colour = with_alpha(palette::accent, in_plane ? 1.0f : 0.35f);
   draw.AddLine(to_im(*from), to_im(*to), colour, 1.5f);
   for (const auto& end : {*from, *to}) draw.AddCircleFilled(to_im(end), ui.theme.px(3), colour);

@@ -85,6 +85,12 @@ bool ViewPictures::draw_slice(Drawn& drawn, const Scene& scene, const SliceView&
   return true;
 }
 
+void ViewPictures::forget() {
+  slices_ = {};
+  still_space_ = {};
+  moving_space_ = {};
+}
+
 const Framebuffer* ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target) {
   DrawnSlice& drawn = slices_[index_of(kind)];
   if (!fit(drawn.image, target, 1) || !fit(drawn.whole, target, 1)) return nullptr;

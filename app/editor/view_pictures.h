@@ -23,6 +23,8 @@ class ViewPictures {
   const Framebuffer* slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target);
   /// `moving` draws with one sample a pixel.
   const Framebuffer* space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving);
+  /// Lets go of everything that was drawn, and of the volume in it.
+  void forget();
   /// What the renderer refused since the last call; empty where nothing.
   std::string take_error() { return std::exchange(error_, {}); }
   Renderer& renderer() { return *renderer_; }

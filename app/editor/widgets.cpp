@@ -4,6 +4,8 @@
 #include <cstdarg>
 #include <cstdio>
 
+#include "app/editor/icons.h"
+
 // ImGui's building blocks of controls (SliderBehavior, TempInputScalar) are declared here only.
 #include <imgui_internal.h>
 
@@ -65,6 +67,21 @@ std::string format(const char* pattern, ...) {
   return text.data();
 }
 
+std::string shortened(const std::string& text, float width_px) {
+  const auto fits = [width_px](const std::string& t) { return ImGui::CalcTextSize(t.c_str()).x <= width_px; };
+  if (fits(text)) return text;
+  std::vector<std::size_t> characters;  // where each begins in UTF-8
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) characters.push_back(i);
+  for (std::size_t kept = characters.size() - 1; kept > 1; --kept) {
+    const std::size_t tail = kept / 2, head = kept - tail;
+    const std::string shorter =
+        text.substr(0, characters[head]) + "\xe2\x80\xa6" + text.substr(characters[characters.size() - tail]);
+    if (fits(shorter)) return shorter;
+  }
+  return "\xe2\x80\xa6";
+}
+
 void tooltip(const Theme& theme, const std::string& text) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(8), theme.px(6)});
   ImGui::BeginTooltip();
@@ -88,7 +105,7 @@ bool section(const Theme& theme, const char* title, bool open, bool& toggled) {
   ImGui::PushFont(theme.strong);
   text_in(at, end, colour, title, 0);
   ImGui::PopFont();
-  text_in(at, end, palette::dim, open ? "\xef\x84\x87" : "\xef\x84\x84", 1);
+  text_in(at, end, palette::dim, open ? icon::down_angle : icon::right_angle, 1);
   return open;
 }
 
@@ -259,7 +276,8 @@ void figure(const Theme& theme, const char* label, const std::string& value, con
   ImGui::PopStyleVar();
   if (!tip.empty() && ImGui::IsItemHovered()) tooltip(theme, tip);
   text_in(at, end, palette::dim, label, 0);
-  text_in(at, end, colour, value, 1);
+  const float room = size.x - ImGui::CalcTextSize(label).x - theme.px(8);
+  text_in(at, end, colour, shortened(value, room), 1);
 }
 
 void explanation(const Theme& theme, const std::string& text) {

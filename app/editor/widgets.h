@@ -53,6 +53,9 @@ void caption(const Theme& theme, const char* text);
 void rule(const Theme& theme);
 void gap(const Theme& theme, float units);
 
+/// The text with its middle left out where it is wider.
+std::string shortened(const std::string& text, float width_px);
+
 /// printf into a string.
 std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
 

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <thread>
 
 #include "app/editor/editor.h"
 #include "app/editor/editor_app.h"
 #include "app/editor/imgui_context.h"
+#include "app/editor/key_queue.h"
 #include "app/editor/preferences.h"
 
 namespace homolog {
@@ -26,6 +28,7 @@ constexpr int frames_per_event = 3;
 struct Window {
   GLFWwindow* handle = nullptr;
   EditorApp* app = nullptr;
+  KeyQueue keys;
   int frames_due = frames_per_event;
   double cursor_x = 0,
          cursor_y = 0;  ///< of the latest event, in units of the window system; it may be elsewhere by now
@@ -33,7 +36,7 @@ struct Window {
   static Window& of(GLFWwindow* handle) { return *static_cast<Window*>(glfwGetWindowUserPointer(handle)); }
 
   /// Events carry framebuffer px; the window system may count in larger units.
-  void send(decltype(InputEvent::what) what, int mods, bool typing = false) {
+  void send(decltype(InputEvent::what) what, int mods) {
     frames_due = frames_per_event;
     InputEvent event;
     event.what = what;
@@ -47,7 +50,25 @@ struct Window {
     event.alt = (mods & GLFW_MOD_ALT) != 0;
     event.seconds = glfwGetTime();
     event.over_panel = !app->layout().view_at(event.x_px, event.y_px) || interface_at(event.x_px, event.y_px);
-    if (!typing) app->handle(event);
+    app->handle(event);
+    // A click may have gone to a field of the interface.
+    const bool click = std::holds_alternative<MousePress>(what) || std::holds_alternative<MouseRelease>(what);
+    if (event.over_panel && click) keys.wait_for_field();
+  }
+  /// Does what a key is for; true where a text field is to have it too.
+  bool press(const KeyStroke& stroke) {
+    const bool in_field = ImGui::GetIO().WantTextInput, in_dialog = app->state().dialog.has_value();
+    const bool enter = stroke.key == GLFW_KEY_ENTER || stroke.key == GLFW_KEY_KP_ENTER;
+    const bool printable = stroke.key < GLFW_KEY_ESCAPE && !stroke.ctrl;
+    // A field that is typed into keeps its keys; a dialog's list is moved through all the same.
+    if (!in_field || (in_dialog && !printable && !enter)) {
+      send(KeyPress{stroke.key}, (stroke.shift ? GLFW_MOD_SHIFT : 0) | (stroke.ctrl ? GLFW_MOD_CONTROL : 0) |
+                                     (stroke.alt ? GLFW_MOD_ALT : 0));
+      app->update(glfwGetTime());
+    }
+    const bool leaves = in_field && (enter || stroke.key == GLFW_KEY_ESCAPE || stroke.key == GLFW_KEY_TAB);
+    if (leaves || app->state().dialog.has_value() != in_dialog) keys.wait_for_field();
+    return in_field && !printable;
   }
   int held_mods() const {
     const auto held = [&](int a, int b) {
@@ -93,17 +114,6 @@ void install_callbacks(GLFWwindow* handle) {
     Window& window = Window::of(w);
     window.send(Wheel{steps}, window.held_mods());
   });
-  glfwSetKeyCallback(handle, [](GLFWwindow* w, int pressed, int, int action, int mods) {
-    if (action == GLFW_RELEASE) return Window::of(w).send(MouseMove{}, mods);
-    Window& window = Window::of(w);
-    // A field that is typed into keeps its keys (what was typed before Enter may not have reached it yet); a dialog's
-    // list is moved through all the same.
-    const bool printable = pressed < GLFW_KEY_ESCAPE && (mods & GLFW_MOD_CONTROL) == 0;
-    const bool of_field = printable || pressed == GLFW_KEY_ENTER || pressed == GLFW_KEY_KP_ENTER;
-    const bool typing = ImGui::GetIO().WantTextInput && (of_field || !window.app->state().dialog);
-    window.send(KeyPress{pressed}, mods, typing);
-  });
-  glfwSetCharCallback(handle, [](GLFWwindow* w, unsigned int) { Window::of(w).frames_due = frames_per_event; });
   glfwSetDropCallback(handle, [](GLFWwindow* w, int count, const char** paths) {
     Window::of(w).app->open({paths, paths + count});
     Window::of(w).frames_due = frames_per_event;
@@ -113,6 +123,28 @@ void install_callbacks(GLFWwindow* handle) {
   glfwSetWindowContentScaleCallback(handle, [](GLFWwindow* w, float x, float) {
     Window::of(w).app->set_scale(x);
     Window::of(w).frames_due = frames_per_event;
+  });
+}
+
+/// The keyboard goes to ImGui through the queue; these take the place of ImGui's own callbacks.
+void install_key_callbacks(GLFWwindow* handle) {
+  glfwSetKeyCallback(handle, [](GLFWwindow* w, int key, int, int action, int mods) {
+    Window& window = Window::of(w);
+    if (key == GLFW_KEY_UNKNOWN) return;
+    if (action == GLFW_RELEASE) return window.send(MouseMove{}, mods);
+    const KeyStroke stroke{key, (mods & GLFW_MOD_SHIFT) != 0, (mods & GLFW_MOD_CONTROL) != 0,
+                           (mods & GLFW_MOD_ALT) != 0};
+    window.frames_due = frames_per_event;
+    // At once where nothing is typed into: a key keeps its place among the mouse's events.
+    if (window.keys.busy() || ImGui::GetIO().WantTextInput)
+      window.keys.press(stroke);
+    else
+      window.press(stroke);
+  });
+  glfwSetCharCallback(handle, [](GLFWwindow* w, unsigned int character) {
+    Window& window = Window::of(w);
+    window.frames_due = frames_per_event;
+    if (window.keys.busy() || ImGui::GetIO().WantTextInput) window.keys.type(character);
   });
 }
 
@@ -140,6 +172,7 @@ void run_loop(Window& window) {
       window.frames_due = frames_per_event;
     }
     if (window.app->update(glfwGetTime())) window.frames_due = std::max(window.frames_due, 1);
+    if (window.keys.busy()) window.frames_due = frames_per_event;
     if (window.frames_due == 0) continue;
     const double wait = drawn_at + period - glfwGetTime();
     // What arrives meanwhile is taken in by this frame too.
@@ -159,6 +192,12 @@ void run_loop(Window& window) {
     if (width == 0 || height == 0) continue;
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     ImGui_ImplGlfw_NewFrame();
+    ImGuiIO& io = ImGui::GetIO();
+    const int mods = window.held_mods();
+    io.KeyShift = (mods & GLFW_MOD_SHIFT) != 0;
+    io.KeyCtrl = (mods & GLFW_MOD_CONTROL) != 0;
+    io.KeyAlt = (mods & GLFW_MOD_ALT) != 0;
+    window.keys.feed(io, [&](const KeyStroke& stroke) { return window.press(stroke); });
     window.app->draw(width, height, steady ? 1 / smoothed_period : 0);
     glfwSwapBuffers(window.handle);
   }
@@ -182,11 +221,19 @@ int show_window(GLFWwindow* handle, const EditorOptions& options, const Preferen
   }
   install_callbacks(handle);
   ImGui_ImplGlfw_InitForOpenGL(handle, true);
+  install_key_callbacks(handle);
   app.start(options);
   run_loop(window);
 
   Preferences kept = app.state().preferences;
-  glfwGetWindowSize(handle, &kept.window_width, &kept.window_height);
+  // In layout units: the next start's window is made larger by the monitor's scale again.
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(handle, &width, &height);
+  glfwGetWindowContentScale(handle, &scale, &scale_y);
+  if (width > 0 && height > 0) {
+    kept.window_width = static_cast<int>(std::lround(static_cast<float>(width) / scale));
+    kept.window_height = static_cast<int>(std::lround(static_cast<float>(height) / scale_y));
+  }
   if (auto written = write_preferences(kept, preferences_file()); !written)
     std::fprintf(stderr, "homolog: warning: %s\n", written.error().sentence().c_str());
   ImGui_ImplGlfw_Shutdown();

@@ -1,7 +1,11 @@
+#include <algorithm>
+#include <cmath>
+
 #include "app/editor/editor_app.h"
 #include "core/base/picture_io.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
+#include "core/template/template_file.h"
 
 namespace homolog {
 
@@ -75,6 +79,80 @@ struct CommandRunner {
     std::vector<Landmark> placed;
     for (const auto& [name, position] : app.displayed_->shape().landmarks) placed.push_back({name, position});
     tell(write_landmarks(placed, command.path), command.path);
+  }
+  void operator()(const ExportTemplate& command) const {
+    tell(write_mesh_file(painted_template(*app.displayed_), command.path), command.path);
+  }
+  void operator()(const ImportStiffness& command) const {
+    const auto read = read_mesh_file(command.path);
+    if (!read) return add_notice(state, read.error().sentence());
+    std::optional<VertexScalars> factors = read->stiffness;
+    if (!factors && read->arrays.size() == 1) factors = read->arrays.begin()->second;
+    if (!factors) {
+      std::string names;
+      for (const auto& [name, values] : read->arrays) names += (names.empty() ? "" : ", ") + name;
+      return add_notice(state, command.path.filename().string() +
+                                   (names.empty() ? ": holds no value per vertex; save one as \"stiffness\"."
+                                                  : ": holds several values per vertex (" + names +
+                                                        "); name the one to take \"stiffness\"."));
+    }
+    app.session_->apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(std::move(*factors))});
+  }
+  void operator()(const ImportTemplateLandmarks& command) const {
+    const auto read = read_landmarks(command.path);
+    if (!read) return add_notice(state, read.error().sentence());
+    const Document& document = *app.snapshot_->document;
+    const SurfaceSearch search({document.reference->topology, document.reference->points});
+    double farthest_mm = 0;
+    for (const Landmark& landmark : *read) {
+      const auto nearest = search.nearest(landmark.position);
+      farthest_mm = std::max(farthest_mm, nearest.distance_mm);
+      const Vec3 on_mesh = nearest.at.interpolate(*document.reference->topology, *document.shape().points).transpose();
+      app.session_->apply(SetTemplateLandmark{landmark.name, on_mesh});
+    }
+    if (farthest_mm > 10)
+      add_notice(state, command.path.filename().string() + ": a point lies " +
+                            std::to_string(std::lround(farthest_mm)) +
+                            " mm from the template; check that it is in the template's own frame.");
+  }
+  void operator()(const ExportTemplateLandmarks& command) const {
+    tell(write_landmarks(app.displayed_->reference->landmarks, command.path), command.path);
+  }
+  void operator()(const MakeTemplate&) const {
+    TemplateSettings settings = state.template_settings;
+    if (!app.labels_) return;
+    if (settings.label == 0 && !app.label_values_.empty()) settings.label = app.label_values_.front();
+    settings.mask.label = settings.tube_options.label = settings.label;
+    settings.mask.frame = settings.tube_options.frame = std::min(app.displayed_->frame, app.labels_->frames - 1);
+    settings.tube_options.outer_label =
+        settings.outer_label != 0 ? std::optional<int>(settings.outer_label) : std::nullopt;
+    state.shown_stage.reset();
+    app.making_shown_ = true;
+    app.template_maker_.start(app.labels_, app.labels_name_, settings);
+  }
+  void operator()(const CancelTemplate&) const { app.template_maker_.cancel(); }
+  void operator()(const UndoTemplate&) const {
+    app.template_maker_.undo();
+    state.shown_stage.reset();
+  }
+  void operator()(const CloseTemplateMaking&) const {
+    app.making_shown_ = false;
+    app.template_maker_.forget();
+  }
+  void operator()(const UseMadeTemplate& command) const {
+    const auto making = app.template_maker_.latest();
+    if (!making || !making->mesh) return;
+    const TemplateSettings& settings = making->settings;
+    const auto provenance = settings.tube ? provenance_of(making->source, settings.tube_options)
+                                          : provenance_of(making->source, settings.mask);
+    const auto written = write_mesh_file(template_file(*making->mesh, provenance), command.path);
+    tell(written, command.path);
+    if (!written) return;
+    app.making_shown_ = false;
+    app.template_maker_.forget();
+    OpenRequest request;
+    request.template_source = command.path.string();
+    app.opener_.start(std::move(request));
   }
   void operator()(const ExportPicture& command) const {
     const auto picture = app.picture(command.options);

@@ -65,6 +65,29 @@ struct ImportLandmarks {
 struct ExportLandmarks {
   std::filesystem::path path;
 };
+/// The template as it is painted, with its regions and landmarks.
+struct ExportTemplate {
+  std::filesystem::path path;
+};
+/// Takes every landmark's stiffness factor from a mesh file with the same vertices.
+struct ImportStiffness {
+  std::filesystem::path path;
+};
+/// Names points of the template after a landmark file in the template's own frame.
+struct ImportTemplateLandmarks {
+  std::filesystem::path path;
+};
+struct ExportTemplateLandmarks {
+  std::filesystem::path path;
+};
+/// Makes a template of the label map that is shown, as the settings say.
+struct MakeTemplate {};
+struct CancelTemplate {};
+struct UndoTemplate {};         ///< goes back to the one made before
+struct CloseTemplateMaking {};  ///< shows the case's mesh again
+struct UseMadeTemplate {        ///< writes it and starts anew with it
+  std::filesystem::path path;
+};
 struct ExportPicture {
   std::filesystem::path path;
   PictureOptions options;
@@ -91,10 +114,12 @@ struct Quit {
   bool sure = false;  ///< an unsaved case is not asked about again
 };
 
-using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenRequested, OpenPhantom, OpenTemplate,
-                             OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
-                             ImportLandmarks, ExportLandmarks, ExportPicture, RecoverCase, DiscardCase,
-                             AcceptFileDialog, AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit>;
+using Command =
+    std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenRequested, OpenPhantom, OpenTemplate, OpenLabels,
+                 CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ImportLandmarks,
+                 ExportLandmarks, ExportTemplate, ImportStiffness, ImportTemplateLandmarks, ExportTemplateLandmarks,
+                 MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, ExportPicture,
+                 RecoverCase, DiscardCase, AcceptFileDialog, AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit>;
 
 /// Commands in the order they were given.
 class Outbox {

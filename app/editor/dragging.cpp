@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/editor/controls.h"
 
@@ -56,6 +57,9 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
     state.drag = BrushDrag{hover.view, *hover.on_mesh, event.alt};
     out.apply(*brush_action(state, context.document, *hover.on_mesh));
     return;
+  } else if (state.tool == MouseTool::template_landmark && hover.on_mesh) {
+    if (!state.template_landmark.empty()) out.apply(SetTemplateLandmark{state.template_landmark, *hover.on_mesh});
+    return;
   } else if (state.tool == MouseTool::ruler && hover.p_mm) {
     state.ruler = Ruler{*hover.p_mm, *hover.p_mm};
     state.drag = RulerDrag{hover.view};
@@ -69,9 +73,21 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
 std::optional<Action> brush_action(const EditorState& state, const Document& document, const Vec3& at) {
   const auto* drag = state.drag ? std::get_if<BrushDrag>(&*state.drag) : nullptr;
   const bool reversed = drag != nullptr && drag->reversed;
-  if (state.tool == MouseTool::stiffness)
-    return PaintStiffness{at, state.brush.radius_mm,
-                          document.stiffness_base * (reversed ? 1 : state.brush.stiffness_factor), state.brush.soft};
+  const BrushSettings& brush = state.brush;
+  if (state.tool == MouseTool::stiffness) {
+    const std::string region = reversed ? std::string() : brush.region;
+    switch (brush.paints) {
+      case BrushPaints::factor:
+        return PaintStiffness{at, brush.radius_mm, document.stiffness_base * (reversed ? 1 : brush.stiffness_factor),
+                              brush.soft};
+      case BrushPaints::region:
+        return PaintRegion{region, at, brush.radius_mm, brush.soft};
+      case BrushPaints::smooth:
+        return SmoothStiffness{at, brush.radius_mm, 0.5};
+      case BrushPaints::fill:
+        return FillRegion{region, at, brush.fill_by, brush.fill_tolerance_per_mm};
+    }
+  }
   if (state.tool == MouseTool::confirm) return Confirm{at, state.brush.radius_mm, state.brush.hold != reversed};
   return std::nullopt;
 }
@@ -135,7 +151,8 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
     }
   } else if (auto* brush = std::get_if<BrushDrag>(&*state.drag)) {
     update_hover(state, context, event.x_px, event.y_px);
-    const double step_mm = state.brush.radius_mm / 2;
+    const bool fills = state.tool == MouseTool::stiffness && state.brush.paints == BrushPaints::fill;
+    const double step_mm = fills ? std::numeric_limits<double>::infinity() : state.brush.radius_mm / 2;
     if (state.hover && state.hover->on_mesh && (*state.hover->on_mesh - brush->last_at).norm() >= step_mm) {
       brush->last_at = *state.hover->on_mesh;
       out.apply(*brush_action(state, context.document, brush->last_at));

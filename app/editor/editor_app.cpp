@@ -20,7 +20,8 @@ bool has_unsaved_edits(const Snapshot& snapshot) {
   return snapshot.can_undo && (snapshot.file.empty() || snapshot.file.parent_path() == unsaved_folder());
 }
 
-EditorApp::EditorApp(std::function<void()> wake) : wake_(std::move(wake)), opener_(wake_), quality_(wake_) {}
+EditorApp::EditorApp(std::function<void()> wake)
+    : wake_(std::move(wake)), opener_(wake_), quality_(wake_), template_maker_(wake_) {}
 
 EditorApp::~EditorApp() {
   close_session();
@@ -99,7 +100,7 @@ void EditorApp::handle(const InputEvent& event) {
 std::optional<double> EditorApp::next_move_seconds(double now) const {
   constexpr double progress_seconds = 0.1;
   if (state_.playing) return std::max(frame_due_ - now, 0.0);
-  if (opener_.busy()) return progress_seconds;
+  if (opener_.busy() || template_maker_.busy()) return progress_seconds;
   return std::nullopt;
 }
 
@@ -145,7 +146,8 @@ bool EditorApp::update(double seconds) {
   const auto figures = quality_.latest();
   const bool new_figures = figures != figures_;
   figures_ = figures;
-  return before != snapshot_ || new_figures || state_.playing || opener_.busy() || was_opening;
+  const bool new_stage = take_stage();
+  return before != snapshot_ || new_figures || new_stage || state_.playing || opener_.busy() || was_opening;
 }
 
 void EditorApp::preview(Action action) {
@@ -165,8 +167,29 @@ void EditorApp::settle() {
   figures_ = quality_.latest();
 }
 
+bool EditorApp::take_stage() {
+  const auto making = template_maker_.latest();
+  if (making == seen_making_) return template_maker_.busy();
+  const bool first = making_shown_ && making && making->stages.size() == 1 && !making->done;
+  seen_making_ = making;
+  if (first) look_at_mesh(state_, making->stages.front().surface->points);
+  return true;
+}
+
+std::shared_ptr<const Mesh> EditorApp::shown_making() const {
+  const auto making = making_shown_ ? template_maker_.latest() : nullptr;
+  if (!making || making->stages.empty()) return nullptr;
+  return making->stages[std::min(state_.shown_stage.value_or(making->stages.size()), making->stages.size() - 1)]
+      .surface;
+}
+
+SceneBuilder::Input EditorApp::scene_input(const EditorState& state) const {
+  return {state, displayed_, snapshot_->preview, labels_, shown_making()};
+}
+
 UiContext EditorApp::ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const {
-  return {*theme_, layout_, state, *snapshot_, displayed_, figures_, opening, labels_, labels_name_, fps};
+  return {*theme_, layout_, state,        *snapshot_,    displayed_,      figures_,
+          opening, labels_, labels_name_, label_values_, template_maker_, fps};
 }
 
 void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
@@ -176,7 +199,7 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   follow_layout(state_, layout_);
   GLint target_framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target_framebuffer);
-  const SceneBuilder::Input input{state_, displayed_, snapshot_->preview, labels_};
+  const SceneBuilder::Input input = scene_input(state_);
   scenes_.update(input);
   std::array<const Framebuffer*, 4> views{};
   for (const ViewKind kind : all_views) {
@@ -238,7 +261,7 @@ void EditorApp::draw_view_picture(const PictureOptions& options) {
   shown.hover.reset();
   if (kind != ViewKind::space) shown.slices[index_of(kind)].mm_per_px *= smaller;
   const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / smaller)};
-  const SceneBuilder::Input input{shown, displayed_, snapshot_->preview, labels_};
+  const SceneBuilder::Input input = scene_input(shown);
   Scene scene = scenes_.scene(input, kind);
   const bool transparent = options.transparent && kind == ViewKind::space;
   if (transparent) scene.background = {0, 0, 0, 0};
@@ -276,6 +299,8 @@ void EditorApp::take_opened(Opened opened) {
   if (opened.labels) {
     labels_ = std::move(opened.labels);
     labels_name_ = opened.request.labels.filename().string();
+    label_values_.clear();
+    for (const auto& [value, voxels] : labels_of(*labels_)) label_values_.push_back(value);
     return;
   }
   if (has_unsaved_edits(*snapshot_) && snapshot_->file.empty())

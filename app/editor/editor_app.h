@@ -65,6 +65,11 @@ class EditorApp {
   void start_document(Document document);
   void run_commands();
   void offer_flip(const Document& document);
+  /// Takes in what the template maker has; true where there is something new to draw.
+  bool take_stage();
+  /// The stage of the template in the making that is shown; null: the case's mesh is.
+  std::shared_ptr<const Mesh> shown_making() const;
+  SceneBuilder::Input scene_input(const EditorState& state) const;
   /// The window or one view in another size.
   Result<Picture> picture(const PictureOptions& options);
   /// Into the framebuffer that is bound, and the layout of that.
@@ -85,6 +90,10 @@ class EditorApp {
   std::optional<QualityFigures> figures_;
   std::shared_ptr<const Volume> labels_;
   std::string labels_name_;
+  std::vector<int> label_values_;
+  TemplateMaker template_maker_;
+  std::shared_ptr<const TemplateMaking> seen_making_;
+  bool making_shown_ = false;  ///< the template that is being made stands in for the case's mesh
   SceneBuilder scenes_;
   std::optional<ViewPictures> pictures_;
   std::optional<Theme> theme_;

@@ -71,6 +71,16 @@ const char* purpose_title(FilePurpose purpose) {
       return "Import placed landmarks";
     case FilePurpose::export_landmarks:
       return "Export the placed landmarks";
+    case FilePurpose::open_stiffness:
+      return "Take stiffness factors from a mesh";
+    case FilePurpose::open_template_landmarks:
+      return "Import the template's landmarks";
+    case FilePurpose::export_template_landmarks:
+      return "Export the template's landmarks";
+    case FilePurpose::export_template:
+      return "Save the template";
+    case FilePurpose::use_made_template:
+      return "Save the new template";
     case FilePurpose::export_mesh:
       return "Export the mesh";
     case FilePurpose::export_label_map:
@@ -95,6 +105,7 @@ const std::vector<std::string>& purpose_extensions(FilePurpose purpose) {
   static const std::vector<std::string> exported_meshes{".ply", ".vtk", ".vtp", ".obj", ".stl", ".particles"};
   static const std::vector<std::string> label_maps{".nii.gz", ".nii", ".nrrd", ".mha"};
   static const std::vector<std::string> landmarks{".mrk.json", ".json"};
+  static const std::vector<std::string> templates{".ply"};
   static const std::vector<std::string> pictures{".png"};
   switch (purpose) {
     case FilePurpose::open:
@@ -107,7 +118,13 @@ const std::vector<std::string>& purpose_extensions(FilePurpose purpose) {
       return cases;
     case FilePurpose::open_landmarks:
     case FilePurpose::export_landmarks:
+    case FilePurpose::open_template_landmarks:
+    case FilePurpose::export_template_landmarks:
       return landmarks;
+    case FilePurpose::open_stiffness:
+    case FilePurpose::export_template:
+    case FilePurpose::use_made_template:
+      return templates;
     case FilePurpose::export_mesh:
       return exported_meshes;
     case FilePurpose::export_label_map:

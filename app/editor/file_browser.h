@@ -15,10 +15,15 @@ enum class FilePurpose {
   open_template,
   open_labels,
   open_landmarks,
+  open_stiffness,
+  open_template_landmarks,
   save_case,
   export_mesh,
   export_label_map,
   export_landmarks,
+  export_template,
+  export_template_landmarks,
+  use_made_template,
   export_picture
 };
 

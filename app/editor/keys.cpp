@@ -201,6 +201,16 @@ void send_choice(const EditorState& state, FilePurpose purpose, const std::files
       return out.send(ExportLabelMap{path});
     case FilePurpose::export_landmarks:
       return out.send(ExportLandmarks{path});
+    case FilePurpose::open_stiffness:
+      return out.send(ImportStiffness{path});
+    case FilePurpose::open_template_landmarks:
+      return out.send(ImportTemplateLandmarks{path});
+    case FilePurpose::export_template_landmarks:
+      return out.send(ExportTemplateLandmarks{path});
+    case FilePurpose::export_template:
+      return out.send(ExportTemplate{path});
+    case FilePurpose::use_made_template:
+      return out.send(UseMadeTemplate{path});
     case FilePurpose::export_picture:
       return out.send(ExportPicture{path, state.picture});
   }

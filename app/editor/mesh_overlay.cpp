@@ -59,6 +59,18 @@ double stiffness_scale(const Document& document) {
   return std::max(document.stiffness->maxCoeff(), 2.0);
 }
 
+constexpr Rgb no_region{0.80f, 0.81f, 0.83f};
+
+Rgb rgb_of(const std::array<std::uint8_t, 3>& colour) {
+  return {static_cast<float>(colour[0]) / 255, static_cast<float>(colour[1]) / 255,
+          static_cast<float>(colour[2]) / 255};
+}
+
+Rgb region_colour(const Regions& regions, std::size_t vertex) {
+  const std::uint8_t number = regions.of_vertex.empty() ? 0 : regions.of_vertex[vertex];
+  return number == 0 ? no_region : rgb_of(regions.list[number - 1U].colour);
+}
+
 /// Quality of the worst triangle around every vertex.
 VertexScalars worst_triangle(const Document& document) {
   const Topology& topology = *document.reference->topology;
@@ -129,6 +141,9 @@ std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, cons
           colours[i] = mix(colours[i], {1, 1, 1}, (*document.shape().confirmed)[static_cast<Eigen::Index>(i)]);
       break;
     }
+    case Overlay::regions:
+      for (std::size_t i = 0; i < n; ++i) colours[i] = region_colour(*document.regions, i);
+      break;
     case Overlay::quality:
       colour_by(worst_triangle(document), quality_scale(), [](double quality) { return quality; });
       break;
@@ -159,6 +174,12 @@ Legend overlay_legend(const Document& document, Overlay overlay) {
       return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(document)), rising()};
     case Overlay::stiffness:
       return {"0", "", figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising()};
+    case Overlay::regions: {
+      Legend legend{"none", "", document.regions->list.empty() ? "" : document.regions->list.back().name, {no_region}};
+      for (const Region& region : document.regions->list) legend.colours.push_back(rgb_of(region.colour));
+      if (legend.colours.size() == 1) legend.colours.push_back(no_region);
+      return legend;
+    }
     case Overlay::quality:
       return {"flat", "", "equilateral", quality_scale()};
   }

@@ -40,14 +40,14 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
     explanation(theme, "Shows, during a drag, whether the landmarks stay in correspondence.");
     return;
   }
-  static const std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Shape"};
+  static const std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Parts", "Shape"};
   int overlay = static_cast<int>(shown_overlay(ui.state));
   const bool brush = shown_overlay(ui.state) != ui.state.overlay;
   if (choice(theme, "overlay", names, overlay,
              {"Each landmark in the hue of its index", "Edge length against the template's: blue shorter, red longer",
               "How far each landmark is from where the placement (with its warp) had put it",
               "Stiffness factor: dark soft, bright stiff; confirmed regions white",
-              "Shape of the triangles: red thin or turned"},
+              "Regions of the template in their colours", "Shape of the triangles: red thin or turned"},
              brush ? "While a brush is in hand, what it paints is shown." : ""))
     out.change([overlay](EditorState& s) { s.overlay = static_cast<Overlay>(overlay); });
   draw_overlay_legend(ui);

@@ -34,6 +34,55 @@ void case_slider(const UiContext& ui, Outbox& out, const char* label, double com
   number.settle(changed, released, action_for, out);
 }
 
+/// What a touch of the stiffness brush does; true where that changed.
+bool draw_paints(const UiContext& ui, BrushSettings& brush) {
+  const Theme& theme = ui.theme;
+  bool released = false, changed = false;
+  int paints = static_cast<int>(brush.paints);
+  if (choice(theme, "paints", {"Factor", "Region", "Smooth", "Fill"}, paints,
+             {"Paints a stiffness factor", "Brings landmarks into a region, with its factor; Alt takes them out",
+              "Evens the stiffness out",
+              "Fills what hangs together with the landmark under the pointer; Alt empties it"})) {
+    brush.paints = static_cast<BrushPaints>(paints);
+    changed = true;
+  }
+  const bool regions = brush.paints == BrushPaints::region || brush.paints == BrushPaints::fill;
+  if (regions) {
+    const auto& list = ui.document().regions->list;
+    if (list.empty()) explanation(theme, "Add a region first (Reference, Regions).");
+    const std::string now = brush.region.empty() ? "No region (factor 1)" : brush.region;
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+    if (ImGui::BeginCombo("##region", now.c_str())) {
+      if (ImGui::Selectable("No region (factor 1)", brush.region.empty())) brush.region.clear(), changed = true;
+      for (const Region& region : list)
+        if (ImGui::Selectable(region.name.c_str(), brush.region == region.name))
+          brush.region = region.name, changed = true;
+      ImGui::EndCombo();
+    }
+  }
+  if (brush.paints == BrushPaints::factor)
+    changed |= slider(theme, "Paints factor", brush.stiffness_factor, {0.1, 50, "%.1f", "\xc3\x97", true},
+                      "Stiffness relative to the base; Alt paints 1", released);
+  if (brush.paints == BrushPaints::factor || brush.paints == BrushPaints::region) {
+    double soft = 100 * brush.soft;
+    changed |=
+        slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false}, "Share of the radius that blends", released);
+    brush.soft = soft / 100;
+  }
+  if (brush.paints == BrushPaints::fill) {
+    int by = static_cast<int>(brush.fill_by);
+    if (choice(theme, "fill by", {"Region", "Curvature"}, by,
+               {"All that is connected and in the same region", "Of that, only where the surface bends alike"})) {
+      brush.fill_by = static_cast<FillRegion::By>(by);
+      changed = true;
+    }
+    if (brush.fill_by == FillRegion::By::curvature)
+      changed |= slider(theme, "Bends alike", brush.fill_tolerance_per_mm, {0.005, 0.5, "%.3f", "/mm", true},
+                        "Largest difference of the mean curvature from that under the pointer", released);
+  }
+  return changed;
+}
+
 void draw_brush(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   BrushSettings brush = ui.state.brush;
@@ -41,12 +90,7 @@ void draw_brush(const UiContext& ui, Outbox& out) {
   changed |= slider(theme, "Brush radius", brush.radius_mm, {1, 100, "%.1f", "mm", true},
                     "Of the stiffness and the confirm brush", released);
   if (ui.state.tool == MouseTool::stiffness) {
-    changed |= slider(theme, "Paints factor", brush.stiffness_factor, {0.1, 50, "%.1f", "\xc3\x97", true},
-                      "Stiffness relative to the base; Alt paints 1", released);
-    double soft = 100 * brush.soft;
-    changed |=
-        slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false}, "Share of the radius that blends", released);
-    brush.soft = soft / 100;
+    changed |= draw_paints(ui, brush);
   } else {
     int frees = brush.hold ? 0 : 1;
     changed |= choice(theme, "confirm", {"Hold", "Free"}, frees,

@@ -41,6 +41,13 @@ void draw_reference_section(const UiContext& ui, Outbox& out) {
              "The template of the other side, with the same numbering; the shape starts anew at its placement",
              ui.needs_shape(), ImGui::GetContentRegionAvail().x))
     out.apply(MirrorTemplate{});
+  if (button(theme, "Save the template…", "As PLY, with the stiffness, regions and landmarks as they are now",
+             ui.needs_shape(), ImGui::GetContentRegionAvail().x))
+    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::export_template); });
+  draw_template_making(ui, out);
+  if (!ui.has_shape()) return;
+  draw_regions(ui, out);
+  draw_template_landmarks(ui, out);
 }
 
 }  // namespace homolog

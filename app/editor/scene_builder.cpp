@@ -4,8 +4,21 @@
 
 namespace homolog {
 
+namespace {
+
+/// The stages before the last have far more vertices than can be told apart; the finished mesh shows its edges.
+constexpr Eigen::Index wireframe_below = 12000;
+
+}  // namespace
+
 void SceneBuilder::update(const Input& input) {
   const Document& document = *input.document;
+  if (input.making != making_) {
+    making_ = input.making;
+    making_points_ = making_ ? std::make_shared<const Points>(making_->points) : nullptr;
+    ++points_revision_;
+    ++colours_revision_;
+  }
   if (document.reference != reference_) {
     reference_ = document.reference;
     hues_ = reference_ ? landmark_hues(*reference_->topology) : std::vector<float>();
@@ -32,15 +45,17 @@ void SceneBuilder::update_mesh(const Input& input) {
     ++points_revision_;
   }
   const Overlay overlay = shown_overlay(input.state);
-  const bool follows_points = overlay != Overlay::landmark_hue && overlay != Overlay::stiffness;
+  const bool follows_points =
+      overlay != Overlay::landmark_hue && overlay != Overlay::stiffness && overlay != Overlay::regions;
   const bool same = colours_ && overlay_ == overlay && response_ == response && stopped_ == stopped &&
-                    stiffness_ == document.stiffness && confirmed_ == document.shape().confirmed &&
-                    !(moved && follows_points);
+                    stiffness_ == document.stiffness && regions_ == document.regions &&
+                    confirmed_ == document.shape().confirmed && !(moved && follows_points);
   if (same) return;
   overlay_ = overlay;
   response_ = response;
   stopped_ = stopped;
   stiffness_ = document.stiffness;
+  regions_ = document.regions;
   confirmed_ = document.shape().confirmed;
   auto outline = overlay_colours(document, overlay_, hues_, 1);
   if (response) outline = tinted(std::move(outline), *response, stopped);
@@ -57,7 +72,7 @@ void SceneBuilder::update_glyphs(const Input& input) {
 
 GlyphLayer SceneBuilder::glyph_layer(const Input& input) const {
   GlyphLayer layer;
-  if (!input.state.preferences.show.glyphs || !points_) return layer;
+  if (!input.state.preferences.show.glyphs || !points_ || making_) return layer;
   for (const auto vertex : glyphs_)
     layer.glyphs.push_back({points_->row(vertex), hsv_to_rgb(hues_[static_cast<std::size_t>(vertex)], 1, 1),
                             static_cast<float>(0.12 * input.state.glyph_spacing_mm)});
@@ -74,7 +89,15 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     const int label_frame = input.labels->frames > frame ? frame : 0;
     scene.labels = {input.labels, label_frame, state.label_opacity};
   }
-  if (points_) {
+  if (making_) {
+    MeshLayer mesh;
+    mesh.topology = making_->topology;
+    mesh.points = making_points_;
+    mesh.points_revision = points_revision_;
+    mesh.outline = mesh.surface = true;
+    mesh.wireframe = show.wireframe || making_->points.rows() < wireframe_below;
+    scene.meshes.push_back(std::move(mesh));
+  } else if (points_) {
     MeshLayer mesh;
     mesh.topology = reference_->topology;
     mesh.points = points_;

@@ -19,6 +19,7 @@ class SceneBuilder {
     std::shared_ptr<const Document> document;  ///< as shown
     const std::optional<EditReport>& preview;
     std::shared_ptr<const Volume> labels;
+    std::shared_ptr<const Mesh> making;  ///< a template being made, shown in place of the case's mesh; null: none
   };
 
   /// Takes in a new moment; cheap where nothing changed.
@@ -40,8 +41,11 @@ class SceneBuilder {
   std::uint64_t colours_revision_ = 0;
   // What the colours were made for.
   std::shared_ptr<const VertexScalars> response_, stiffness_, confirmed_;
+  std::shared_ptr<const Regions> regions_;
   Overlay overlay_ = Overlay::landmark_hue;
   bool stopped_ = false;
+  std::shared_ptr<const Mesh> making_;
+  std::shared_ptr<const Points> making_points_;
   std::vector<std::int32_t> glyphs_;
   double glyph_spacing_mm_ = 0;
 };

@@ -10,8 +10,10 @@
 namespace homolog {
 
 Overlay shown_overlay(const EditorState& state) {
-  const bool brush = state.tool == MouseTool::stiffness || state.tool == MouseTool::confirm;
-  return brush ? Overlay::stiffness : state.overlay;
+  const bool paints = state.tool == MouseTool::stiffness;
+  const bool regions = state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill;
+  if (paints && regions) return Overlay::regions;
+  return paints || state.tool == MouseTool::confirm ? Overlay::stiffness : state.overlay;
 }
 
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry) {
@@ -81,6 +83,12 @@ void show_document(EditorState& state, const Document& document, const Layout& l
     state.crosshair_mm = geometry_of(document).bounds_mm().center();
   }
   fit_views(state, document, layout);
+}
+
+void look_at_mesh(EditorState& state, const Points& points) {
+  const Box box = bounds_of(points);
+  state.crosshair_mm = state.camera.target = box.center();
+  state.camera.distance_mm = std::min(state.camera.distance_mm, 2.5 * box.diagonal().norm());
 }
 
 void fit_views(EditorState& state, const Document& document, const Layout& layout) {
@@ -186,7 +194,7 @@ int shown_frame(const EditorState& state, const Document& document) {
 
 const char* tool_name(MouseTool tool) {
   static constexpr std::array names{"Pull",     "Grab",      "Slide",   "Relax", "Place",
-                                    "Landmark", "Stiffness", "Confirm", "Ruler"};
+                                    "Landmark", "Stiffness", "Confirm", "Ruler", "Template landmark"};
   return names[static_cast<std::size_t>(tool)];
 }
 

@@ -9,16 +9,17 @@
 #include "app/editor/dialogs.h"
 #include "app/editor/drag.h"
 #include "app/editor/layout.h"
+#include "app/editor/template_maker.h"
 #include "app/editor/view_geometry.h"
-#include "core/case/document.h"
+#include "core/case/action.h"
 
 namespace homolog {
 
 /// What the left mouse button does in a view.
-enum class MouseTool { pull, grab, slide, relax, place, landmark, stiffness, confirm, ruler };
+enum class MouseTool { pull, grab, slide, relax, place, landmark, stiffness, confirm, ruler, template_landmark };
 
 /// What the colours of the mesh mean.
-enum class Overlay { landmark_hue, edge_stretch, moved, stiffness, quality };
+enum class Overlay { landmark_hue, edge_stretch, moved, stiffness, regions, quality };
 
 /// Where a slice view looks within its plane; the plane itself goes through the cross-hair.
 struct SlicePan {
@@ -34,8 +35,15 @@ struct ShownParts {
   bool operator==(const ShownParts&) const = default;
 };
 
+/// What a touch of the stiffness brush does.
+enum class BrushPaints { factor, region, smooth, fill };
+
 struct BrushSettings {
   double radius_mm = 10;
+  BrushPaints paints = BrushPaints::factor;
+  std::string region;  ///< that is painted or filled; empty: none
+  FillRegion::By fill_by = FillRegion::By::region;
+  double fill_tolerance_per_mm = FillRegion{}.tolerance_per_mm;
   double stiffness_factor = 5;  ///< painted by the stiffness brush, relative to the base
   double soft = 0.5;            ///< share of the radius over which it blends
   bool hold = true;             ///< the confirm brush holds, else it frees
@@ -115,7 +123,11 @@ struct EditorState {
   double relax_strength = 0.5;
   bool through_space = false;
   BrushSettings brush;
-  std::string landmark;  ///< the one that the next click places
+  std::string landmark;           ///< the one that the next click places
+  std::string template_landmark;  ///< the one that the next click names on the template
+  std::string new_region;         ///< the name that is being typed
+  TemplateSettings template_settings;
+  std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
   Overlay overlay = Overlay::landmark_hue;
   double glyph_spacing_mm = 12;
 
@@ -146,6 +158,8 @@ std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document&
 /// Shows a case from the start: cross-hair in the middle of the mesh (or volume), everything in view, σ presets from
 /// the size of the placed reference, window from the volume.
 void show_document(EditorState& state, const Document& document, const Layout& layout);
+/// Brings the cross-hair and the 3D view to a mesh; the slices show as much as before.
+void look_at_mesh(EditorState& state, const Points& points);
 void fit_views(EditorState& state, const Document& document, const Layout& layout);
 /// Slices show as much of the image after their view has grown or shrunk: maximised, or with the window.
 void follow_layout(EditorState& state, const Layout& layout);

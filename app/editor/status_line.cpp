@@ -36,6 +36,10 @@ std::string default_hint(const UiContext& ui) {
                                        : "Click where \"" + ui.state.landmark + "\" is.";
     case MouseTool::ruler:
       return "Drag from one point to another.";
+    case MouseTool::template_landmark:
+      return ui.state.template_landmark.empty()
+                 ? "Type the landmark's name first (Reference)."
+                 : "Click the point of the mesh that is \"" + ui.state.template_landmark + "\".";
     case MouseTool::stiffness:
     case MouseTool::confirm:
       return "Paint on the outline or on the surface.";

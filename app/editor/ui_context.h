@@ -32,6 +32,8 @@ struct UiContext {
   const std::optional<Opening>& opening;
   std::shared_ptr<const Volume> labels;  ///< the overlay; null without one
   std::string labels_name;
+  const std::vector<int>& label_values;  ///< of the overlay, without 0
+  const TemplateMaker& template_maker;
   double frames_per_second = 0;
 
   const Document& document() const { return *displayed; }
@@ -71,6 +73,13 @@ void draw_side_panel(const UiContext& ui, Outbox& out);
 void draw_status_line(const UiContext& ui, Outbox& out);
 void draw_dialogs(const UiContext& ui, Outbox& out);
 void draw_notices(const UiContext& ui, Outbox& out);
+
+/// In the section Reference: regions and landmarks of the template, and the making of one from a label map.
+void draw_regions(const UiContext& ui, Outbox& out);
+void draw_template_landmarks(const UiContext& ui, Outbox& out);
+void draw_template_making(const UiContext& ui, Outbox& out);
+/// The figures of a mesh that a template is judged by.
+void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality);
 
 // Sections of the side panel, in the order of the work.
 void draw_case_section(const UiContext& ui, Outbox& out);

@@ -130,6 +130,27 @@ float landmark_alpha(const UiContext& ui, const ViewMap& map, const Vec3& p_mm, 
   return off_mm > reach_mm ? 0.0f : static_cast<float>(1 - 0.7 * off_mm / reach_mm);
 }
 
+/// The template's landmarks where the mesh has carried them: small rings, named while landmarks are in hand.
+void draw_template_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw, NameTags& tags) {
+  const Template& reference = *ui.document().reference;
+  const Points& points = *ui.document().shape().points;
+  const bool named = ui.state.tool == MouseTool::template_landmark || ui.state.tool == MouseTool::landmark;
+  const Vec3 to_eye = ui.state.camera.to_eye;
+  for (std::size_t l = 0; l < reference.landmarks.size(); ++l) {
+    const SurfacePoint& on = reference.landmark_points[l];
+    const Vec3 p_mm = on.interpolate(*reference.topology, points).transpose();
+    const auto px = map.to_px(p_mm);
+    if (!px) continue;
+    float alpha = 0.8f * landmark_alpha(ui, map, p_mm, *px);
+    const auto t = reference.topology->triangles().row(on.face);
+    const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
+    if (!map.is_slice() && (b - a).cross(c - a).dot(to_eye) < 0) alpha *= 0.25f;  // on the far side
+    if (alpha == 0) continue;
+    draw.AddCircle(to_im(*px), ui.theme.px(4), with_alpha(palette::text, alpha), 0, ui.theme.px(1.5f));
+    if (named && alpha > 0.3f) tags.put(to_im(*px), reference.landmarks[l].name, alpha);
+  }
+}
+
 void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   struct Shown {
     std::string name;
@@ -147,6 +168,7 @@ void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
     shown.push_back({name, to_im(*px), alpha, ui.state.hover && ui.state.hover->landmark == name});
     tags.block(to_im(*px));
   }
+  draw_template_landmarks(ui, map, draw, tags);
   // What is pointed at is named first, then what is nearest.
   std::stable_sort(shown.begin(), shown.end(),
                    [](const Shown& a, const Shown& b) { return a.lit != b.lit ? a.lit : a.alpha > b.alpha; });

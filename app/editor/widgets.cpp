@@ -8,6 +8,7 @@
 
 // ImGui's building blocks of controls (SliderBehavior, TempInputScalar) are declared here only.
 #include <imgui_internal.h>
+#include <imgui_stdlib.h>
 
 namespace homolog {
 
@@ -264,6 +265,14 @@ bool slider(const Theme& theme, const char* label, double& value, const SliderRa
   }
   released = released || typed;
   ImGui::PopID();
+  return changed;
+}
+
+bool text_field(const Theme& theme, const char* id, std::string& text, const char* hint, float width_px) {
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {theme.px(6), (theme.px(24) - ImGui::GetFontSize()) / 2});
+  ImGui::SetNextItemWidth(width_px);
+  const bool changed = ImGui::InputTextWithHint(id, hint, &text);
+  ImGui::PopStyleVar();
   return changed;
 }
 

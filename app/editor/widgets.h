@@ -44,6 +44,9 @@ bool slider(const Theme& theme, const char* label, double& value, const SliderRa
 bool number_field(const Theme& theme, const char* id, double& value, double per_px, const char* format,
                   const char* unit, float width_px, const std::string& tip, bool& released);
 
+/// A line of text to type; true while it changes.
+bool text_field(const Theme& theme, const char* id, std::string& text, const char* hint, float width_px);
+
 /// "Label        12.3 mm" with the value at the right edge.
 void figure(const Theme& theme, const char* label, const std::string& value, const std::string& tip = {},
             ImU32 colour = palette::text);

@@ -70,6 +70,7 @@ Json describe(const Mesh& mesh) {
       {"edge_length_mm",
        {{"mean", quality.edge_mean}, {"cv", quality.edge_cv}, {"min", quality.edge_min}, {"max", quality.edge_max}}},
       {"min_angle_deg", quality.min_angle_deg},
+      {"valence", {{"min", quality.valence_min}, {"max", quality.valence_max}, {"six", quality.regular_share}}},
       {"self_intersections", quality.self_intersections},
       {"area_mm2", quality.area_mm2},
       {"volume_ml", quality.volume_ml}};
@@ -94,6 +95,9 @@ Result<Report> describe(const MeshFile& file, const std::filesystem::path& path)
                                   {"factor_min", file.stiffness->minCoeff()},
                                   {"factor_max", file.stiffness->maxCoeff()}};
   }
+  for (const Region& region : file.regions.list)
+    report.values["regions"].push_back(
+        {{"name", region.name}, {"factor", region.factor}, {"colour", hex_of(region.colour)}});
   Json names = Json::array();
   for (const Landmark& landmark : file.landmarks) names.push_back(landmark.name);
   if (!names.empty()) report.values["landmarks"] = std::move(names);

@@ -5,9 +5,8 @@
 #include "app/verbs/describe.h"
 #include "app/verbs/verb.h"
 #include "core/mesh/mesh_io.h"
-#include "core/template/mask_template.h"
 #include "core/template/mesh_template.h"
-#include "core/template/tube_template.h"
+#include "core/template/template_file.h"
 #include "core/volume/volume_io.h"
 
 // The verb `template`: a reference mesh from a label map or from an existing surface.
@@ -36,17 +35,6 @@ std::string how_cut(const CutTunnel& tunnel) {
   return tunnel.how == CutTunnel::How::filled ? "filled" : "severed";
 }
 
-/// A mesh ready to be written as a template: uniform stiffness, and how it was made.
-MeshFile template_file(const Mesh& mesh, const Json& provenance) {
-  MeshFile file;
-  file.points = mesh.points;
-  file.triangles = mesh.topology->triangles();
-  file.stiffness = VertexScalars::Ones(mesh.points.rows());
-  file.comments.push_back("homolog.units mm");
-  file.comments.push_back("homolog.provenance " + provenance.dump());
-  return file;
-}
-
 Result<Report> finish(const MeshFile& file, const fs::path& out, Json further, std::vector<std::string> warnings) {
   auto report = describe(file, out);
   if (!report) return report;
@@ -56,7 +44,7 @@ Result<Report> finish(const MeshFile& file, const fs::path& out, Json further, s
   return report;
 }
 
-Result<GenusRule> genus_rule(const std::string& text) {
+GenusRule genus_rule(const std::string& text) {
   GenusRule rule;
   if (text == "auto") return rule;
   rule.kind = text == "keep" ? GenusRule::Kind::keep : GenusRule::Kind::number;
@@ -72,7 +60,7 @@ Result<Report> from_mask(const Options& options, const Volume& mask, int label, 
   making.vertices = options.vertices;
   making.closing_mm = options.closing_mm;
   making.opening_mm = options.opening_mm;
-  making.genus = *genus_rule(options.genus);
+  making.genus = genus_rule(options.genus);
   const auto made = make_mask_template(mask, making, &progress);
   if (!made) return fail(options.in.string(), made.error().what);
   warnings.insert(warnings.end(), made->warnings.begin(), made->warnings.end());
@@ -85,13 +73,7 @@ Result<Report> from_mask(const Options& options, const Volume& mask, int label, 
                      {"cavities", made->cavities},
                      {"cavities_ml", made->cavities_ml},
                      {"tunnels", tunnels}};
-  const Json provenance{{"source", options.in.filename().string()},
-                        {"label", label},
-                        {"frame", options.frame},
-                        {"vertices", options.vertices},
-                        {"closing_mm", options.closing_mm},
-                        {"opening_mm", options.opening_mm},
-                        {"genus", options.genus}};
+  const Json provenance = provenance_of(options.in.filename().string(), making);
   return finish(template_file(made->mesh, provenance), options.out,
                 {{"distance_to_mask_mm", json_of(made->to_mask)},
                  {"distance_from_mask_mm", json_of(made->from_mask)},
@@ -112,14 +94,7 @@ Result<Report> tube(const Options& options, const Volume& mask, int label, std::
   const auto made = make_tube_template(mask, making);
   if (!made) return fail(options.in.string(), made.error().what);
   warnings.insert(warnings.end(), made->warnings.begin(), made->warnings.end());
-  Json provenance{{"source", options.in.filename().string()},
-                  {"label", label},
-                  {"frame", options.frame},
-                  {"tube", true},
-                  {"rings", options.rings},
-                  {"sectors", options.sectors},
-                  {"axis", homolog::json_of(made->axis)}};
-  if (making.outer_label) provenance["outer_label"] = *making.outer_label;
+  const Json provenance = provenance_of(options.in.filename().string(), making);
   return finish(template_file(made->mesh, provenance), options.out,
                 {{"distance_to_mask_mm", json_of(made->to_mask)},
                  {"distance_from_mask_mm", json_of(made->from_mask)},

@@ -64,6 +64,14 @@ MeshQuality mesh_quality(const Mesh& mesh) {
     quality.area_mm2 += area_normal(mesh, f).norm() / 2;
     quality.min_angle_deg = std::min(quality.min_angle_deg, smallest_angle_deg(mesh, f));
   }
+  const Eigen::Index vertices = mesh.topology->vertices();
+  quality.valence_min = static_cast<int>(vertices);
+  for (Eigen::Index i = 0; i < vertices; ++i) {
+    const auto valence = static_cast<int>(mesh.topology->one_ring(i).size());
+    quality.valence_min = std::min(quality.valence_min, valence);
+    quality.valence_max = std::max(quality.valence_max, valence);
+    if (valence == 6) quality.regular_share += 1.0 / static_cast<double>(vertices);
+  }
   quality.self_intersections = self_intersections(mesh).size();
   quality.volume_ml = enclosed_volume_ml(mesh);
   return quality;

@@ -12,6 +12,8 @@ struct MeshQuality {
   double edge_mean = 0, edge_min = 0, edge_max = 0;
   double edge_cv = 0;  ///< standard deviation / mean of the edge lengths
   double min_angle_deg = 0;
+  int valence_min = 0, valence_max = 0;
+  double regular_share = 0;            ///< of the vertices: those with six neighbours
   std::size_t self_intersections = 0;  ///< pairs of faces
   double volume_ml = 0;                ///< enclosed volume, boundary loops capped flat
   double area_mm2 = 0;

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/mesh/mesh_quality.h"
+#include "core/template/mask_template.h"
+#include "core/template/tube_template.h"
+
+namespace homolog {
+
+/// What a template is to be made of, as the panel holds it.
+struct TemplateSettings {
+  int label = 0;  ///< 0: the label map's first
+  bool tube = false;
+  MaskTemplateOptions mask;
+  TubeTemplateOptions tube_options;
+  int outer_label = 0;  ///< 0: one sheet
+};
+
+/// The making of a template as it stands, from the first stage to the finished mesh.
+struct TemplateMaking {
+  struct Stage {
+    std::string name;
+    std::shared_ptr<const Mesh> surface;
+    double seconds = 0;  ///< since the start
+  };
+  TemplateSettings settings;
+  std::string source;  ///< name of the label map
+  std::vector<Stage> stages;
+  bool done = false;
+  // Of a finished one.
+  std::optional<Mesh> mesh;
+  MeshQuality quality;
+  SurfaceDistance to_mask, from_mask;
+  std::vector<std::string> remarks;  ///< warnings, and what was left out or filled, each a sentence
+  std::string error;                 ///< the sentence, where it failed
+};
+
+/// Makes templates on a thread of its own, one at a time. Called from the window's thread only.
+class TemplateMaker {
+ public:
+  /// `wake` is called from the thread after each stage.
+  explicit TemplateMaker(std::function<void()> wake) : wake_(std::move(wake)) {}
+  ~TemplateMaker();
+  TemplateMaker(const TemplateMaker&) = delete;
+  TemplateMaker& operator=(const TemplateMaker&) = delete;
+
+  void start(std::shared_ptr<const Volume> labels, std::string source, const TemplateSettings& settings);
+  void cancel();
+  bool busy() const;
+  double fraction() const { return progress_ ? progress_->fraction() : 0; }
+  /// What is being made, or was made last; null before the first.
+  std::shared_ptr<const TemplateMaking> latest() const;
+  /// Goes back to the template made before; does nothing where there is none.
+  void undo();
+  /// Lets go of everything made.
+  void forget();
+  bool can_undo() const { return !before_.empty() && !busy(); }
+
+ private:
+  struct Box;
+  std::function<void()> wake_;
+  std::shared_ptr<Progress> progress_;
+  std::shared_ptr<Box> box_;
+  std::thread thread_;
+  std::vector<std::shared_ptr<const TemplateMaking>> before_;
+};
+
+}  // namespace homolog

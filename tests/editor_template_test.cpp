@@ -1,0 +1,114 @@
+#include <doctest/doctest.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "app/editor/controls.h"
+#include "app/editor/mesh_overlay.h"
+#include "app/editor/template_maker.h"
+#include "core/mesh/label_map.h"
+#include "tests/shapes.h"
+
+using namespace homolog;
+
+namespace {
+
+Document ball_document() {
+  const Mesh ball = icosphere(3, 20);
+  MeshFile file;
+  file.points = ball.points;
+  file.triangles = ball.topology->triangles();
+  return new_document("", nullptr, make_template(file, "ball").value());
+}
+
+std::shared_ptr<const Volume> ball_labels() {
+  VolumeGeometry grid;
+  grid.dims = {50, 50, 50};
+  grid.origin_mm.setConstant(-24.5);
+  return std::make_shared<const Volume>(label_map(icosphere(4, 18), grid, 3));
+}
+
+TemplateSettings ball_settings(int vertices) {
+  TemplateSettings settings;
+  settings.label = settings.mask.label = 3;
+  settings.mask.vertices = vertices;
+  return settings;
+}
+
+std::shared_ptr<const TemplateMaking> finished(const TemplateMaker& maker) {
+  while (maker.busy()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  return maker.latest();
+}
+
+}  // namespace
+
+TEST_CASE("the stiffness brush makes the action of what it paints and Alt reverses it") {
+  const Document document = ball_document();
+  EditorState state;
+  state.tool = MouseTool::stiffness;
+  state.brush.region = "hilum";
+  const Vec3 at(0, 0, 20);
+  state.brush.paints = BrushPaints::factor;
+  CHECK(std::get<PaintStiffness>(*brush_action(state, document, at)).value ==
+        document.stiffness_base * state.brush.stiffness_factor);
+  state.brush.paints = BrushPaints::region;
+  CHECK(std::get<PaintRegion>(*brush_action(state, document, at)).name == "hilum");
+  CHECK(shown_overlay(state) == Overlay::regions);
+  state.drag = BrushDrag{ViewKind::space, at, true};
+  CHECK(std::get<PaintRegion>(*brush_action(state, document, at)).name.empty());
+  state.brush.paints = BrushPaints::fill;
+  CHECK(std::get<FillRegion>(*brush_action(state, document, at)).name.empty());
+  state.brush.paints = BrushPaints::smooth;
+  CHECK(std::holds_alternative<SmoothStiffness>(*brush_action(state, document, at)));
+  CHECK(shown_overlay(state) == Overlay::stiffness);
+}
+
+TEST_CASE("regions colour the mesh as they say") {
+  EditSession session(ball_document());
+  REQUIRE(session.apply(SetRegion{{"hilum", 1, {255, 0, 0}}}));
+  REQUIRE(session.apply(PaintRegion{"hilum", {0, 0, 20}, 10, 0}));
+  const Document& document = session.document();
+  const auto colours = overlay_colours(document, Overlay::regions, {}, 1);
+  for (std::size_t i = 0; i < colours.size(); ++i)
+    CHECK((colours[i] == Rgb{1, 0, 0}) == (document.regions->of_vertex[i] == 1));
+}
+
+TEST_CASE("the template maker shows every stage and undo brings the one before back") {
+  std::mutex mutex;
+  int woken = 0;
+  TemplateMaker maker([&] {
+    const std::lock_guard lock(mutex);
+    ++woken;
+  });
+  CHECK(maker.latest() == nullptr);
+  maker.start(ball_labels(), "ball.nii.gz", ball_settings(500));
+  const auto first = finished(maker);
+  REQUIRE(first->mesh);
+  CHECK(first->mesh->points.rows() == 500);
+  REQUIRE(first->stages.size() == 6);
+  CHECK(first->stages.back().surface->points == first->mesh->points);
+  CHECK(first->quality.self_intersections == 0);
+  CHECK(woken >= 6);
+  CHECK_FALSE(maker.can_undo());
+  maker.start(ball_labels(), "ball.nii.gz", ball_settings(800));
+  CHECK(finished(maker)->mesh->points.rows() == 800);
+  REQUIRE(maker.can_undo());
+  maker.undo();
+  CHECK(maker.latest() == first);
+  maker.forget();
+  CHECK(maker.latest() == nullptr);
+}
+
+TEST_CASE("a template that cannot be made or is cancelled says so") {
+  TemplateMaker maker([] {});
+  TemplateSettings settings = ball_settings(500);
+  settings.mask.label = 9;
+  maker.start(ball_labels(), "ball.nii.gz", settings);
+  const auto refused = finished(maker);
+  CHECK_FALSE(refused->mesh);
+  CHECK(refused->error.find("label 9 does not occur") != std::string::npos);
+  maker.start(ball_labels(), "ball.nii.gz", ball_settings(20000));
+  maker.cancel();
+  CHECK_FALSE(finished(maker)->mesh);
+}

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/base/parallel.h"
 #include "core/correspondence/colours.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_quality.h"
@@ -62,8 +63,8 @@ class Making {
     const Vec3& voxel_mm = mask_.geometry.spacing_mm;
     double spacing_mm =
         std::clamp(edge_mm_ / 3, 0.5 * voxel_mm.minCoeff(), std::max(voxel_mm.minCoeff(), edge_mm_ / 3));
-    const double ball_mm = options_.genus.kind == GenusRule::Kind::number ? widest_mm / 2 : auto_width_mm / 2;
-    const double margin_mm = std::max(options_.closing_mm, ball_mm) + 2 * edge_mm_;
+    const double ball_mm = options_.genus.kind == GenusRule::Kind::number ? widest_mm / 2 : fill_below_mm() / 2;
+    const double margin_mm = std::max(options_.closing_mm, ball_mm) + edge_mm_;
     double volume_mm3 = 1;
     for (std::size_t axis = 0; axis < 3; ++axis)
       volume_mm3 *=
@@ -125,7 +126,7 @@ class Making {
     const bool automatic = rule.kind == GenusRule::Kind::automatic;
     TunnelLimits limits;
     limits.keep = automatic ? 0 : rule.genus;
-    limits.fill_below_mm = automatic ? auto_width_mm : widest_mm;
+    limits.fill_below_mm = automatic ? fill_below_mm() : widest_mm;
     // A strand that is thinner than the mesh can show would be meshed badly, wherever it leads.
     limits.sever_below_mm = automatic ? 1.5 * edge_mm_ : widest_mm;
     limits.reach_mm = 0.5 * edge_mm_;
@@ -161,11 +162,17 @@ class Making {
                           " or more");
     if (show_) show_(TemplateStage::remeshed, made_.mesh);
     if (progress_) progress_->report(0.9);
-    made_.to_mask = surface_distance(made_.mesh, target_);
-    made_.from_mask = surface_distance(target_, made_.mesh);
+    in_parallel(2, [this](int first, int last) {  // each way on a core of its own
+      for (int way = first; way < last; ++way)
+        (way == 0 ? made_.to_mask : made_.from_mask) =
+            way == 0 ? surface_distance(made_.mesh, target_) : surface_distance(target_, made_.mesh);
+    });
     if (progress_ && progress_->cancelled()) return cancelled();
     return std::move(made_);
   }
+
+  /// Two edges across, a tunnel is no more than a crease in the mesh; and the smoothing has widened it by about σ.
+  double fill_below_mm() const { return std::max(auto_width_mm, 2 * edge_mm_) + smoothing_ * edge_mm_; }
 
   /// Where faces meet each other or have a small angle.
   static std::vector<Vec3> badly_meshed(const Mesh& mesh) {
@@ -197,7 +204,7 @@ class Making {
 
   static constexpr int most_attempts = 4;
   static constexpr double least_angle_deg = 28;
-  static constexpr double smoothing_ = 0.35;  ///< σ of the Gaussian in mean edges: what a triangle cannot show anyway
+  static constexpr double smoothing_ = 0.25;  ///< σ of the Gaussian in mean edges: what a triangle cannot show anyway
 
   const Volume& mask_;
   const MaskTemplateOptions& options_;

@@ -14,7 +14,7 @@ namespace homolog {
 /// What becomes of tunnels through the organ.
 struct GenusRule {
   enum class Kind {
-    automatic,  ///< tunnels narrower than 5 mm are cut; a vertebral canal stays
+    automatic,  ///< tunnels narrower than 5 mm or than two edges are cut; a vertebral canal stays
     keep,       ///< every tunnel stays
     number      ///< the narrowest are cut until `genus` are left
   };

@@ -189,7 +189,8 @@ SceneBuilder::Input EditorApp::scene_input(const EditorState& state) const {
 
 UiContext EditorApp::ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const {
   return {*theme_, layout_, state,        *snapshot_,    displayed_,      figures_,
-          opening, labels_, labels_name_, label_values_, template_maker_, fps};
+          opening, labels_, labels_name_, label_values_, template_maker_, shown_making() != nullptr,
+          fps};
 }
 
 void EditorApp::draw(int width_px, int height_px, double frames_per_second) {

@@ -34,6 +34,7 @@ struct UiContext {
   std::string labels_name;
   const std::vector<int>& label_values;  ///< of the overlay, without 0
   const TemplateMaker& template_maker;
+  bool making_shown = false;  ///< a template in the making stands in for the case's mesh
   double frames_per_second = 0;
 
   const Document& document() const { return *displayed; }

@@ -132,6 +132,7 @@ float landmark_alpha(const UiContext& ui, const ViewMap& map, const Vec3& p_mm, 
 
 /// The template's landmarks where the mesh has carried them: small rings, named while landmarks are in hand.
 void draw_template_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw, NameTags& tags) {
+  if (ui.making_shown) return;
   const Template& reference = *ui.document().reference;
   const Points& points = *ui.document().shape().points;
   const bool named = ui.state.tool == MouseTool::template_landmark || ui.state.tool == MouseTool::landmark;

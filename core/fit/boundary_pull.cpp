@@ -9,7 +9,6 @@ namespace homolog {
 namespace {
 
 constexpr double same_way = 0.4;  ///< cosine between normals of places that may be counterparts
-constexpr Eigen::Index samples_a_vertex = 2;
 
 Vec3 face_area_normal(const Mesh& mesh, Eigen::Index f) {
   const auto t = mesh.topology->triangles().row(f);
@@ -27,7 +26,7 @@ BoundarySearch::BoundarySearch(const Boundary& boundary, Eigen::Index vertices)
   for (Eigen::Index f = 0; f < surface.topology->triangles().rows(); ++f)
     for (int k = 0; k < 3; ++k) area[surface.topology->triangles()(f, k)] += face_area_normal(surface, f).norm() / 3;
   area_mm2_ = area.sum();
-  const Eigen::Index stride = 1 + count / (samples_a_vertex * vertices);
+  const Eigen::Index stride = 1 + count / vertices;
   for (Eigen::Index v = 0; v < count; v += stride) {
     const Vec3 position = surface.points.row(v);
     if (boundary.shows(position))

@@ -15,8 +15,8 @@ namespace homolog {
 namespace {
 
 constexpr double most_tilt = 60 * std::numbers::pi / 180;
-constexpr Eigen::Index samples = 500;  ///< of each surface
-constexpr int most_rounds = 60;
+constexpr Eigen::Index samples = 300;  ///< of each surface
+constexpr int most_rounds = 40;
 
 /// Area-weighted moments of a surface.
 struct Moments {
@@ -103,7 +103,7 @@ class ClosestPoints {
       const Similarity next = fit_similarity(from, to, placement);
       if (next.rotation.angularDistance(start) > most_turn) break;
       const bool settled =
-          next.rotation.angularDistance(placement.rotation) < 1e-3 && std::abs(next.scale / placement.scale - 1) < 1e-3;
+          next.rotation.angularDistance(placement.rotation) < 2e-3 && std::abs(next.scale / placement.scale - 1) < 2e-3;
       placement = next;
       if (settled) break;
     }

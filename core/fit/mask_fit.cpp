@@ -18,10 +18,11 @@ namespace homolog {
 
 namespace {
 
-constexpr int annealing_steps = 24;
-constexpr int settling_steps = 4;
+constexpr int annealing_steps = 16;
+constexpr int settling_steps = 3;
 constexpr double stiffest_share = 0.3;  ///< of the organ's diagonal: the length stiffness carries an edit at first
-constexpr double softest_edges = 1.0;   ///< and at last, in mean edges
+constexpr double softest_edges = 1;     ///< and at last, in mean edges
+constexpr double landmark_weight = 10;  ///< of a named place against a vertex on the boundary
 constexpr double least_weight = 0.01;   ///< of a force that is not known: the solver needs one
 
 class Fitting {
@@ -52,6 +53,8 @@ class Fitting {
       placement_ = find_placement(reference_, boundary_, options_.landmarks, options_.orientation).placement;
     }
     mesh_ = {reference_.topology, placement_.apply(reference_.points)};
+    const SurfaceSearch own({reference_.topology, reference_.points});
+    for (const Landmark& landmark : reference_.landmarks) landmarks_.push_back(own.nearest(landmark.position).at);
     return show(0.1);
   }
 
@@ -71,7 +74,8 @@ class Fitting {
   /// Eq. 3 with the boundary's force targets and a reference that turns with the shape, each force times its weight.
   Result<void> solve(double stiffness) {
     refit();
-    const BoundaryPull pull = search_.pull(mesh_);
+    BoundaryPull pull = search_.pull(mesh_);
+    pull_landmarks(pull);
     const VertexScalars weights = pull.weights.cwiseMax(least_weight) / least_weight;
     const VertexScalars w = stiffness / least_weight * factors_;
     if (auto ready = solver_.factorise(w, (weights.array() - 1).matrix()); !ready) return ready;
@@ -80,6 +84,24 @@ class Fitting {
                              rotated_reference_force(*mesh_.topology, w, placed_,
                                                      fit_local_rotations(*mesh_.topology, placed_, mesh_.points))));
     return {};
+  }
+
+  /// Adds the named places that the organ's landmarks pull on.
+  void pull_landmarks(BoundaryPull& pull) const {
+    for (std::size_t k = 0; k < landmarks_.size(); ++k) {
+      const auto there = options_.landmarks.find(reference_.landmarks[k].name);
+      if (there == options_.landmarks.end()) continue;
+      const Eigen::RowVector3d offset =
+          there->second.transpose() - landmarks_[k].interpolate(*mesh_.topology, mesh_.points);
+      const auto corners = mesh_.topology->triangles().row(landmarks_[k].face);
+      for (int c = 0; c < 3; ++c) {
+        const Eigen::Index i = corners[c];
+        const double weight = landmark_weight * landmarks_[k].weights[c], total = pull.weights[i] + weight;
+        if (total <= 0) continue;
+        pull.targets.row(i) = (pull.weights[i] * pull.targets.row(i) + weight * (mesh_.points.row(i) + offset)) / total;
+        pull.weights[i] = total;
+      }
+    }
   }
 
   void refit() {
@@ -114,10 +136,11 @@ class Fitting {
     result.self_intersections = self_intersections(mesh_).size();
     for (Eigen::Index i = 0; i < mesh_.points.rows(); ++i)
       if (!boundary_.shows(mesh_.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
-    const SurfaceSearch own({reference_.topology, reference_.points});
-    for (const Landmark& landmark : reference_.landmarks)
+    for (std::size_t k = 0; k < landmarks_.size(); ++k)
       result.landmarks.push_back(
-          {landmark.name, own.nearest(landmark.position).at.interpolate(*mesh_.topology, mesh_.points).transpose()});
+          {reference_.landmarks[k].name, landmarks_[k].interpolate(*mesh_.topology, mesh_.points).transpose()});
+    if (result.turned_triangles + result.self_intersections > 0)
+      result.warnings.emplace_back("some faces are turned or meet; the organ differs too much from the template there");
     result.mesh = std::move(mesh_);
     return result;
   }
@@ -135,6 +158,7 @@ class Fitting {
   BoundarySearch search_;
   ShapeSolver solver_;
   VertexScalars factors_;
+  std::vector<SurfacePoint> landmarks_;  ///< where the template's lie on its surface
   Similarity placement_;
   Points placed_;  ///< R: the template under placement_
   Mesh mesh_;

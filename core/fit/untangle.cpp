@@ -48,11 +48,14 @@ bool untangle(Mesh& mesh, const Points& reference, const VertexScalars& factors)
     // Soft against the forces around the patch, stiff against those within.
     const VertexScalars w = factors / least_weight * 1e-2;
     if (!solver.factorise(w, (weights.array() - 1).matrix())) return false;
-    const Points targets = mesh.points;
+    // First without rotations, which the tangle has spoilt; then as the reference has it, turned with the shape.
+    const Points held = weights.asDiagonal() * mesh.points;
+    const auto upright = std::vector<Mat3>(static_cast<std::size_t>(mesh.points.rows()), Mat3::Identity());
+    mesh.points = solver.solve(Points(held + rotated_reference_force(topology, w, reference, upright)));
     for (int k = 0; k < rotation_rounds; ++k)
-      mesh.points = solver.solve(Points(
-          weights.asDiagonal() * targets +
-          rotated_reference_force(topology, w, reference, fit_local_rotations(topology, reference, mesh.points))));
+      mesh.points =
+          solver.solve(Points(held + rotated_reference_force(topology, w, reference,
+                                                             fit_local_rotations(topology, reference, mesh.points))));
   }
   return tangled_vertices(mesh, reference).empty();
 }

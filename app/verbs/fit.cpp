@@ -76,8 +76,11 @@ Result<Shared> shared_of(const Options& options) {
   return shared;
 }
 
+using Clock = std::chrono::steady_clock;
+
 /// One case's target, and the mask it comes from where there is one.
 struct Target {
+  Clock::time_point started = Clock::now();  ///< once the file was read
   Boundary boundary;
   std::optional<Volume> mask;
   int label = 0;
@@ -87,7 +90,7 @@ Result<Target> read_target(const Options& options, const fs::path& path, Eigen::
   if (options.to_meshes()) {
     const auto mesh = read_mesh(path);
     if (!mesh) return fail(mesh.error());
-    return Target{mesh_boundary(*mesh), std::nullopt, 0};
+    return Target{Clock::now(), mesh_boundary(*mesh), std::nullopt, 0};
   }
   VolumeReadOptions reading;
   reading.progress = &progress;
@@ -98,10 +101,11 @@ Result<Target> read_target(const Options& options, const fs::path& path, Eigen::
                 "has " + std::to_string(read->volume.frames) + " frames, counted from 0; choose --frame among them");
   const auto label = options.label != 0 ? Result<int>(options.label) : only_label(read->volume, options.frame);
   if (!label) return fail(path.string(), label.error().what + " by --label");
+  const auto started = Clock::now();
   auto boundary = label_boundary(read->volume, *label, options.frame, options.closing_mm, vertices);
   if (!boundary) return fail(path.string(), boundary.error().what);
   boundary->warnings.insert(boundary->warnings.begin(), read->warnings.begin(), read->warnings.end());
-  return Target{std::move(*boundary), std::move(read->volume), *label};
+  return Target{started, std::move(*boundary), std::move(read->volume), *label};
 }
 
 MeshFile fitted_file(const Template& reference, const FitResult& fit) {
@@ -139,10 +143,9 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
   if (!target) return fail(target.error());
   FitOptions fitting = shared.fit;
   fitting.progress = &progress;
-  const auto start = std::chrono::steady_clock::now();
   const auto fit = fit_to_boundary(*shared.reference, target->boundary, fitting);
   if (!fit) return fail(path.string(), fit.error().what);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
   if (auto written = write_mesh_file(fitted_file(*shared.reference, *fit), out); !written) return fail(written.error());
   Report report = report_of(*target, *fit, options, seconds);
   for (std::string& warning : report.warnings) warning = path.string() + ": " + warning;

@@ -139,6 +139,25 @@ TEST_CASE("an organ cut off by the scan keeps the template's shape beyond") {
   for (const std::int32_t i : fit.unseen) CHECK((fit.mesh.points.row(i) - whole.points.row(i)).norm() < 4);
 }
 
+TEST_CASE("a pocket behind a neck that the closing ball cannot pass is filled") {
+  const auto grid = grid_around(shapes::icosphere(0, 20).points, 1);
+  Volume mask = label_map(shapes::icosphere(4, 20), grid);
+  auto& voxels = std::get<std::vector<std::uint8_t>>(mask.data);
+  std::size_t v = 0;
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i, ++v) {
+        const Vec3 p = grid.to_mm(Vec3(i, j, k));
+        if (p.norm() < 8 || (p.z() > 0 && p.head<2>().norm() < 2)) voxels[v] = 0;
+      }
+  const auto volume_ml = [&](double closing_mm) {
+    return enclosed_volume_ml(label_boundary(mask, 1, 0, closing_mm, 2500).value().surface);
+  };
+  const double sphere_ml = enclosed_volume_ml(shapes::icosphere(4, 20));
+  CHECK(volume_ml(0) < 0.95 * sphere_ml);
+  CHECK(volume_ml(3) == doctest::Approx(sphere_ml).epsilon(0.01));
+}
+
 TEST_CASE("the template of another organ gives no wild mesh") {
   const auto reference = built_in(Organ::vertebra);
   const Mesh kidney{built_in(Organ::kidney)->topology, built_in(Organ::kidney)->points};

@@ -6,6 +6,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/template/label_region.h"
 #include "core/template/level_set.h"
+#include "core/template/voxel_components.h"
 
 namespace homolog {
 
@@ -41,6 +42,20 @@ std::vector<ScanEdge> edges_of(const LabelRegion& region, const VolumeGeometry& 
   return edges;
 }
 
+/// closed_by of what a ball of `radius_mm` reaches from without: a pocket behind a narrower neck is filled too, even
+/// where a ball would fit into it.
+LevelSet closed_from_outside(const LevelSet& surface, double radius_mm) {
+  if (radius_mm <= 0) return surface;
+  std::vector<float> values = surface.values();
+  std::vector<std::uint8_t> centres(values.size());
+  std::transform(values.begin(), values.end(), centres.begin(),
+                 [radius_mm](float value) { return static_cast<std::uint8_t>(value >= radius_mm); });
+  const auto parts = connected_components(centres, surface.grid().dims, Touching::faces_and_edges).part;
+  for (std::size_t v = 0; v < values.size(); ++v)
+    if (parts[v] > 0) values[v] = 0;  // part 0 holds the grid's first corner
+  return closed_by({surface.grid(), std::move(values)}, radius_mm);
+}
+
 }  // namespace
 
 bool Boundary::shows(const Vec3& p) const {
@@ -56,7 +71,7 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double
   if (!region) return fail(region.error());
 
   LevelSet surface = resampled(signed_distance(region->inside, region->grid), spacing_mm);
-  surface = closed_by(surface, closing_mm);
+  surface = closed_from_outside(surface, closing_mm);
   make_one_body(surface);
   auto mesh = surface_of(surface);
   if (!mesh)

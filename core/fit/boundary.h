@@ -26,8 +26,9 @@ struct Boundary {
   bool shows(const Vec3& p) const;
 };
 
-/// The boundary of a label: its largest part, cavities filled, closed by a ball of `closing_mm`. Worked on isotropic
-/// voxels of about a third of the mean edge that `vertices` landmarks have. Errors: the label does not occur.
+/// The boundary of a label: its largest part, cavities filled, and all that a ball of radius `closing_mm` cannot reach
+/// from outside. Worked on isotropic voxels of about a third of the mean edge that `vertices` landmarks have. Errors:
+/// the label does not occur.
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double closing_mm, Eigen::Index vertices);
 
 /// The largest part of a surface as a boundary.

@@ -131,9 +131,7 @@ TEST_CASE("an organ cut off by the scan keeps the template's shape beyond") {
   CHECK(boundary.scan_edges[0].outward == -Vec3::UnitZ());
   CHECK(boundary.scan_edges[0].offset_mm == doctest::Approx(-edge_mm));
   CHECK(boundary.warnings.size() == 1);
-  FitOptions options;
-  options.placement = Similarity{};
-  const auto fit = fit_to_boundary(*reference, boundary, options).value();
+  const auto fit = fit_to_boundary(*reference, boundary).value();
   check_sound(fit);
   REQUIRE(!fit.unseen.empty());
   for (const std::int32_t i : fit.unseen) CHECK((fit.mesh.points.row(i) - whole.points.row(i)).norm() < 4);

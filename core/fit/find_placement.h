@@ -26,7 +26,7 @@ enum class Orientation {
 FoundPlacement find_placement(const Template& reference, const Boundary& boundary,
                               const std::map<std::string, Vec3>& landmarks, Orientation orientation);
 
-/// `start` refined by closest points in both directions, turned by at most `most_turn_rad` from `upright`.
+/// `start` refined by closest points in both directions, turned by at most 60°.
 FoundPlacement refine_placement(const Template& reference, const Boundary& boundary, const Similarity& start);
 
 }  // namespace homolog

@@ -116,11 +116,9 @@ class Fitting {
       refit();
       const FoldGuard guard(*mesh_.topology, placed_, mesh_.points);
       const Points offset = tangential(mesh_, relaxation_offset(*mesh_.topology, solver_, placed_, mesh_.points));
-      Mesh slid = mesh_;
-      const auto at = [&](double share) { return Points(mesh_.points + share * offset); };
-      slid.points = at(guard.accepted_step(1, at));
-      const BoundaryPull onto = search_.nearest(slid);
-      mesh_.points = slid.points + onto.weights.asDiagonal() * (onto.targets - slid.points);
+      const auto slid = [&](double share) { return Points(mesh_.points + share * offset); };
+      mesh_.points = slid(guard.accepted_step(1, slid));
+      mesh_.points = search_.nearest(mesh_).targets;
       if (auto shown = show(0.8 + 0.1 * step / settling_steps); !shown) return shown;
     }
     refit();

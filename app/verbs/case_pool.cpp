@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <new>
 #include <thread>
 
 namespace homolog {
@@ -13,9 +15,19 @@ std::vector<Result<Report>> run_cases(std::size_t count,
   std::vector<Result<Report>> results(count, Result<Report>(Report{}));
   std::vector<Progress> each(count);
   std::atomic<std::size_t> next{0}, done{0};
+  const auto run = [&](std::size_t i) -> Result<Report> {
+    if (each[i].cancelled()) return fail("", "the run was cancelled");
+    try {
+      return work(i, each[i]);
+    } catch (const std::bad_alloc&) {
+      return fail("", "memory ran out; close other programs, or use a machine with more memory");
+    } catch (const std::filesystem::filesystem_error& error) {
+      return fail(error.path1().string(), error.code().message());
+    }
+  };
   const auto take_cases = [&] {
     for (std::size_t i = next++; i < count; i = next++) {
-      results[i] = each[i].cancelled() ? fail("", "the run was cancelled") : work(i, each[i]);
+      results[i] = run(i);
       each[i].report(1);
       ++done;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/parallel.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {
@@ -30,10 +31,9 @@ BoundarySearch::BoundarySearch(const Boundary& boundary, Eigen::Index vertices)
   for (Eigen::Index v = 0; v < count; v += stride) {
     const Vec3 position = surface.points.row(v);
     if (boundary.shows(position))
-      samples_.push_back({position, normals_.row(v), static_cast<double>(stride) * area[v]});
+      samples_.push_back({position, normals_.row(v), static_cast<double>(stride) * area[v], {}});
   }
   likely_faces_.assign(static_cast<std::size_t>(vertices), 0);
-  likely_own_.assign(samples_.size(), 0);
 }
 
 Vec3 BoundarySearch::normal_at(const SurfacePoint& at) const {
@@ -62,12 +62,14 @@ std::optional<Vec3> BoundarySearch::counterpart(const Vec3& p, const Vec3& norma
 BoundaryPull BoundarySearch::nearest(const Mesh& mesh) {
   BoundaryPull pull{mesh.points, VertexScalars::Zero(mesh.points.rows())};
   const Points normals = vertex_normals(mesh);
-  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
-    const auto there = counterpart(mesh.points.row(i), normals.row(i), likely_faces_[static_cast<std::size_t>(i)]);
-    if (!there) continue;
-    pull.targets.row(i) = there->transpose();
-    pull.weights[i] = 1;
-  }
+  in_parallel(mesh.points.rows(), [&](Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index i = first; i < last; ++i) {
+      const auto there = counterpart(mesh.points.row(i), normals.row(i), likely_faces_[static_cast<std::size_t>(i)]);
+      if (!there) continue;
+      pull.targets.row(i) = there->transpose();
+      pull.weights[i] = 1;
+    }
+  });
   return pull;
 }
 
@@ -77,12 +79,14 @@ BoundaryPull BoundarySearch::pull(const Mesh& mesh) {
     mesh_->refit(mesh.points);
   else
     mesh_.emplace(mesh);
+  in_parallel(samples_.size(), [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k)
+      samples_[k].on_mesh = mesh_->nearest(samples_[k].position, samples_[k].on_mesh.at.face);
+  });
   Points sum = pull.weights.asDiagonal() * (pull.targets - mesh.points);
   const double area_a_vertex = area_mm2_ / static_cast<double>(mesh.points.rows());
-  for (std::size_t k = 0; k < samples_.size(); ++k) {
-    const Sample& sample = samples_[k];
-    const auto own = mesh_->nearest(sample.position, likely_own_[k]);
-    likely_own_[k] = own.at.face;
+  for (const Sample& sample : samples_) {
+    const auto& own = sample.on_mesh;
     const Vec3 facing = face_area_normal(mesh, own.at.face).stableNormalized();
     if (facing.dot(sample.normal) < same_way) continue;
     const auto corners = mesh.topology->triangles().row(own.at.face);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/fit/boundary.h"
@@ -31,6 +32,7 @@ class BoundarySearch {
   struct Sample {
     Vec3 position, normal;
     double area_mm2 = 0;
+    SurfaceSearch::Nearest on_mesh;  ///< at the last call
   };
   Vec3 normal_at(const SurfacePoint& at) const;
   std::optional<Vec3> counterpart(const Vec3& p, const Vec3& normal, std::int32_t& likely_face) const;
@@ -42,7 +44,6 @@ class BoundarySearch {
   double area_mm2_ = 0;
   std::optional<SurfaceSearch> mesh_;       ///< refitted from call to call
   std::vector<std::int32_t> likely_faces_;  ///< of the boundary, per vertex
-  std::vector<std::int32_t> likely_own_;    ///< of the mesh, per sample
 };
 
 }  // namespace homolog

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/files.h"
+#include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
 #include "tests/real_data.h"
@@ -319,4 +320,50 @@ TEST_CASE("real scans: three organs adapted by boundary pulls from case files co
     CHECK_MESSAGE(compared.json()["assd_mm"].get<double>() <= 1.5, name);
   }
   check_refused(run(folder, "compare kidney1.ply --mask " + mask), "totalseg_example_ct_3mm_label.nii.gz");
+}
+
+TEST_CASE("fit does every case of a folder that can be done and reports the others") {
+  const TemporaryFolder folder;
+  const Mesh ball = shapes::icosphere(3, 20);
+  VolumeGeometry grid;
+  grid.dims = {30, 30, 30};
+  grid.spacing_mm.setConstant(2);
+  grid.origin_mm.setConstant(-29);
+  REQUIRE(write_mesh(ball, folder.path / "ball.ply"));
+  REQUIRE(write_volume(label_map(ball, grid), folder.path / "good.nii.gz"));
+  REQUIRE(write_volume(label_map({ball.topology, 0.001 * ball.points}, grid), folder.path / "empty.nii.gz"));
+  const Ran both = run(folder, "fit ball.ply --mask good.nii.gz empty.nii.gz -o fitted --json");
+  CHECK(both.status == 0);
+  const Json json = both.json();
+  REQUIRE(json.is_object());
+  CHECK(json["fitted"] == 1);
+  CHECK(json["failed"] == 1);
+  CHECK(json["cases"][0]["dice"] > 0.97);
+  CHECK(json["cases"][0]["turned_triangles"] == 0);
+  CHECK(json["cases"][1]["error"].get<std::string>().find("empty.nii.gz") == 0);
+  CHECK(fs::exists(folder.path / "fitted" / "good.ply"));
+  CHECK(!fs::exists(folder.path / "fitted" / "empty.ply"));
+
+  check_refused(run(folder, "fit ball.ply --mask empty.nii.gz -o M.ply"), "empty.nii.gz");
+  check_refused(run(folder, "fit ball.ply --mask good.nii.gz --label 7 -o M.ply"), "label 7");
+  CHECK(!fs::exists(folder.path / "M.ply"));
+  CHECK(run(folder, "fit ball.ply --mask good.nii.gz empty.nii.gz -o M.ply").status == 2);
+  CHECK(run(folder, "fit ball.ply -o M.ply").status == 2);
+}
+
+TEST_CASE("fit starts where a placement file says") {
+  const TemporaryFolder folder;
+  const Mesh ball = shapes::icosphere(3, 20);
+  VolumeGeometry grid;
+  grid.dims = {30, 30, 30};
+  grid.spacing_mm.setConstant(2);
+  grid.origin_mm.setConstant(-29);
+  REQUIRE(write_mesh(ball, folder.path / "ball.ply"));
+  REQUIRE(write_volume(label_map(ball, grid), folder.path / "good.nii.gz"));
+  std::ofstream(folder.path / "near.json") << R"({"placement":{"rotation":[1,0,0,0],"scale":1,"translation":[4,0,0]}})";
+  std::ofstream(folder.path / "far.json") << R"({"rotation":[1,0,0,0],"scale":1,"translation":[400,0,0]})";
+  std::ofstream(folder.path / "wrong.json") << "[]";
+  CHECK(run(folder, "fit ball.ply --mask good.nii.gz -o M.ply --placement near.json").status == 0);
+  check_refused(run(folder, "fit ball.ply --mask good.nii.gz -o N.ply --placement far.json"), "placement");
+  check_refused(run(folder, "fit ball.ply --mask good.nii.gz -o N.ply --placement wrong.json"), "wrong.json");
 }

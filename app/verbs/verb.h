@@ -31,6 +31,7 @@ void add_convert(CLI::App& app, VerbRun& run);
 /// With a display the demo is the editor: then `editor` says what to open and `run` stays empty.
 void add_demo(CLI::App& app, VerbRun& run, EditorOptions& editor);
 void add_evaluate(CLI::App& app, VerbRun& run);
+void add_fit(CLI::App& app, VerbRun& run);
 void add_info(CLI::App& app, VerbRun& run);
 void add_label_map(CLI::App& app, VerbRun& run);
 void add_mirror(CLI::App& app, VerbRun& run);

@@ -169,6 +169,11 @@ Result<Agreement> compare_with_mask(const Mesh& mesh, const Volume& mask, int la
   if (!surface) return fail(surface.error());
   Agreement agreement;
   compare_surfaces(mesh, *surface, agreement);
+  agreement.dice = dice_with_mask(mesh, mask, label, frame);
+  return agreement;
+}
+
+double dice_with_mask(const Mesh& mesh, const Volume& mask, int label, int frame) {
   const auto in_mesh = voxelise(mesh, mask.geometry);
   Overlap overlap;
   std::visit(
@@ -179,8 +184,7 @@ Result<Agreement> compare_with_mask(const Mesh& mesh, const Volume& mask, int la
           overlap.add(in_mesh[i] != 0, has_label(in_frame[static_cast<std::ptrdiff_t>(i)], label));
       },
       mask.data);
-  agreement.dice = overlap.dice();
-  return agreement;
+  return overlap.dice();
 }
 
 Result<int> only_label(const Volume& mask, int frame) {

@@ -36,6 +36,9 @@ double mean_surface_distance_mm(const Mesh& a, const Mesh& b);
 /// Errors: the label does not occur.
 Result<Agreement> compare_with_mask(const Mesh& mesh, const Volume& mask, int label, int frame = 0);
 
+/// Dice of the mesh and label `label` on the mask's grid alone.
+double dice_with_mask(const Mesh& mesh, const Volume& mask, int label, int frame = 0);
+
 /// The label to use when none was named: the only one there is. Errors: none, or several (they are named).
 Result<int> only_label(const Volume& mask, int frame = 0);
 

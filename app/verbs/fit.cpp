@@ -1,0 +1,258 @@
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "app/verbs/case_pool.h"
+#include "app/verbs/describe.h"
+#include "app/verbs/verb.h"
+#include "core/base/files.h"
+#include "core/case/action_json.h"
+#include "core/fit/mask_fit.h"
+#include "core/measure/compare.h"
+#include "core/mesh/landmark_io.h"
+#include "core/mesh/mirror.h"
+
+// The verb `fit`: a template to one label map or surface, or to many.
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double doubtful_dice = 0.9;
+constexpr double doubtful_share = 0.04;  ///< of the organ's diagonal
+
+struct Options {
+  std::string template_source, orientation = "patient";
+  std::vector<fs::path> masks, meshes;
+  fs::path out, placement, landmarks;
+  int label = 0, frame = 0;
+  double closing_mm = 1;
+  bool mirror = false;
+
+  bool to_meshes() const { return !meshes.empty(); }
+  const std::vector<fs::path>& cases() const { return to_meshes() ? meshes : masks; }
+};
+
+/// What all cases of a run share, read once.
+struct Shared {
+  std::shared_ptr<const Template> reference;
+  FitOptions fit;
+};
+
+Result<std::shared_ptr<const Template>> reference_of(const Options& options) {
+  auto reference = load_template(options.template_source);
+  if (!reference || !options.mirror) return reference;
+  return make_template(mirrored(to_mesh_file(**reference)), options.template_source);
+}
+
+Result<Similarity> read_placement(const fs::path& path) {
+  const auto text = read_whole_file(path, 1 << 20);
+  if (!text) return fail(text.error());
+  const Json json = Json::parse(*text, nullptr, false);
+  auto placement = similarity_from_json(json.is_object() && json.contains("placement") ? json["placement"] : json);
+  if (!placement) return fail(path.string(), placement.error().what);
+  return placement;
+}
+
+Result<Shared> shared_of(const Options& options) {
+  auto reference = reference_of(options);
+  if (!reference) return fail(reference.error());
+  Shared shared{*reference, {}};
+  shared.fit.orientation = options.orientation == "any" ? Orientation::any : Orientation::patient;
+  if (!options.placement.empty()) {
+    auto placement = read_placement(options.placement);
+    if (!placement) return fail(placement.error());
+    shared.fit.placement = *placement;
+  }
+  if (!options.landmarks.empty()) {
+    auto landmarks = read_landmarks(options.landmarks);
+    if (!landmarks) return fail(landmarks.error());
+    for (const Landmark& landmark : *landmarks) shared.fit.landmarks[landmark.name] = landmark.position;
+  }
+  return shared;
+}
+
+using Clock = std::chrono::steady_clock;
+
+/// One case's target, and the mask it comes from where there is one.
+struct Target {
+  Clock::time_point started = Clock::now();  ///< once the file was read
+  Boundary boundary;
+  std::optional<Volume> mask;
+  int label = 0;
+};
+
+Result<Target> read_target(const Options& options, const fs::path& path, Eigen::Index vertices, Progress& progress) {
+  if (options.to_meshes()) {
+    const auto mesh = read_mesh(path);
+    if (!mesh) return fail(mesh.error());
+    return Target{Clock::now(), mesh_boundary(*mesh), std::nullopt, 0};
+  }
+  VolumeReadOptions reading;
+  reading.progress = &progress;
+  auto read = read_volume(path, reading);
+  if (!read) return fail(read.error());
+  if (options.frame >= read->volume.frames)
+    return fail(path.string(),
+                "has " + std::to_string(read->volume.frames) + " frames, counted from 0; choose --frame among them");
+  const auto label = options.label != 0 ? Result<int>(options.label) : only_label(read->volume, options.frame);
+  if (!label) return fail(path.string(), label.error().what + " by --label");
+  const auto started = Clock::now();
+  auto boundary = label_boundary(read->volume, *label, options.frame, options.closing_mm, vertices);
+  if (!boundary) return fail(path.string(), boundary.error().what);
+  boundary->warnings.insert(boundary->warnings.begin(), read->warnings.begin(), read->warnings.end());
+  return Target{started, std::move(*boundary), std::move(read->volume), *label};
+}
+
+MeshFile fitted_file(const Template& reference, const FitResult& fit) {
+  MeshFile file = to_mesh_file(reference);
+  file.points = fit.mesh.points;
+  file.landmarks = fit.landmarks;
+  if (!fit.unseen.empty()) file.comments.push_back("homolog.unseen " + Json(fit.unseen).dump());
+  return file;
+}
+
+Report report_of(const Target& target, const FitResult& fit, const Options& options, double seconds) {
+  const Agreement agreement = compare_meshes(fit.mesh, target.boundary.surface);
+  const double diagonal_mm = bounds_of(target.boundary.surface.points).diagonal().norm();
+  const bool doubtful = agreement.dice < doubtful_dice || agreement.hd95_mm > doubtful_share * diagonal_mm;
+  Report report;
+  report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", agreement.dice}};
+  if (target.mask) report.values["dice_raw"] = dice_with_mask(fit.mesh, *target.mask, target.label, options.frame);
+  report.values.update(Json{{"turned_triangles", fit.turned_triangles},
+                            {"self_intersections", fit.self_intersections},
+                            {"unseen_vertices", fit.unseen.size()},
+                            {"doubtful", doubtful},
+                            {"placement", to_json(fit.placement)},
+                            {"seconds", seconds}});
+  report.warnings = target.boundary.warnings;
+  report.warnings.insert(report.warnings.end(), fit.warnings.begin(), fit.warnings.end());
+  if (doubtful)
+    report.warnings.push_back("the fit stays bad; is " + options.template_source +
+                              " the template of another organ or side, or the label a wrong one?");
+  return report;
+}
+
+Result<Report> fit_case(const Options& options, const Shared& shared, const fs::path& path, const fs::path& out,
+                        Progress& progress) {
+  auto target = read_target(options, path, shared.reference->points.rows(), progress);
+  if (!target) return fail(target.error());
+  FitOptions fitting = shared.fit;
+  fitting.progress = &progress;
+  const auto fit = fit_to_boundary(*shared.reference, target->boundary, fitting);
+  if (!fit) return fail(path.string(), fit.error().what);
+  const double seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
+  if (auto written = write_mesh_file(fitted_file(*shared.reference, *fit), out); !written) return fail(written.error());
+  Report report = report_of(*target, *fit, options, seconds);
+  for (std::string& warning : report.warnings) warning = path.string() + ": " + warning;
+  return report;
+}
+
+/// "case_1" of "folder/case_1.nii.gz".
+std::string case_name(const fs::path& path) {
+  fs::path name = path.filename();
+  if (name.extension() == ".gz") name = name.stem();
+  return name.stem().string();
+}
+
+/// The mesh to write for each case. Errors: two cases of one name.
+Result<std::vector<fs::path>> outputs_of(const Options& options) {
+  std::map<std::string, fs::path> taken;
+  std::vector<fs::path> outputs;
+  for (const fs::path& path : options.cases()) {
+    const auto [other, is_new] = taken.emplace(case_name(path), path);
+    if (!is_new)
+      return fail(path.string(), "would be written to the same file as " + other->second.string() + "; rename one");
+    outputs.push_back(options.out / (other->first + ".ply"));
+  }
+  return outputs;
+}
+
+Result<Report> fit_many(const Options& options, const Shared& shared, Progress& progress) {
+  const auto outputs = outputs_of(options);
+  if (!outputs) return fail(outputs.error());
+  fs::create_directories(options.out);
+  const auto& paths = options.cases();
+  const auto results = run_cases(
+      paths.size(),
+      [&](std::size_t i, Progress& own) { return fit_case(options, shared, paths[i], (*outputs)[i], own); }, progress);
+  if (progress.cancelled()) return fail("", "the fit was cancelled; the meshes finished so far are kept");
+  Report report;
+  Json cases = Json::array();
+  std::size_t failed = 0;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    Json line{{"case", paths[i].string()}};
+    if (results[i]) {
+      line["mesh"] = (*outputs)[i].string();
+      line.update(results[i]->values);
+      report.warnings.insert(report.warnings.end(), results[i]->warnings.begin(), results[i]->warnings.end());
+    } else {
+      ++failed;
+      line["error"] = results[i].error().sentence();
+      report.warnings.push_back(results[i].error().sentence());
+    }
+    cases.push_back(std::move(line));
+  }
+  if (failed == results.size())
+    return fail(options.out.string(), "none of the " + std::to_string(failed) +
+                                          " cases could be fitted; the first: " + results.front().error().sentence());
+  report.values = {{"fitted", results.size() - failed}, {"failed", failed}, {"cases", std::move(cases)}};
+  return report;
+}
+
+Result<Report> fit(const Options& options, Progress& progress) {
+  const auto shared = shared_of(options);
+  if (!shared) return fail(shared.error());
+  if (!is_mesh_name(options.out)) return fit_many(options, *shared, progress);
+  return fit_case(options, *shared, options.cases().front(), options.out, progress);
+}
+
+void check(const Options& options) {
+  if (options.masks.empty() == options.meshes.empty()) throw CLI::RequiredError("exactly one of --mask and --mesh");
+  if (options.cases().size() == 1) return;
+  if (is_mesh_name(options.out)) throw CLI::ValidationError("--output", "is a folder where several cases are fitted");
+  if (!options.placement.empty()) throw CLI::ValidationError("--placement", "goes with one case");
+  if (!options.landmarks.empty()) throw CLI::ValidationError("--landmarks", "goes with one case");
+}
+
+}  // namespace
+
+void add_fit(CLI::App& app, VerbRun& run) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(app, "fit", "Adapts a template to label maps or surfaces without a hand");
+  verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
+      ->required();
+  auto* mask = verb->add_option("--mask", options->masks, "The label map to adapt to; several with a folder as output");
+  verb->add_option("--mesh", options->meshes, "The surface to adapt to; several with a folder as output")
+      ->excludes(mask);
+  verb->add_option("-o,--output", options->out, "The mesh to write, or a folder for one mesh a case (case.ply)")
+      ->required();
+  verb->add_option("--label", options->label, "Which label of the mask, where it holds several")
+      ->check(CLI::PositiveNumber)
+      ->needs(mask);
+  verb->add_option("--frame", options->frame, "Which frame of a cine label map, from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(mask);
+  verb->add_option("--closing-mm", options->closing_mm, "Radius in mm of the closing: narrower clefts are filled")
+      ->check(CLI::Range(0.0, 20.0))
+      ->needs(mask)
+      ->capture_default_str();
+  verb->add_option("--placement", options->placement,
+                   "Where to start: JSON with rotation, scale and translation as in a case file");
+  verb->add_option("--landmarks", options->landmarks, "Named places on the organ (.mrk.json, .json) for the placement");
+  verb->add_option("--orientation", options->orientation,
+                   "patient: near the patient's axes; any: every rotation is tried")
+      ->check(CLI::IsMember({"patient", "any"}))
+      ->capture_default_str();
+  verb->add_flag("--mirror", options->mirror, "Start from the template of the other side");
+  verb->callback([options, &run] {
+    check(*options);
+    run = [options](Progress& progress) { return fit(*options, progress); };
+  });
+}
+
+}  // namespace homolog

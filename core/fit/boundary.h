@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/topology.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+/// A plane at which the scan ends and the organ goes on: outward · p = offset_mm.
+struct ScanEdge {
+  Vec3 outward = Vec3::UnitZ();
+  double offset_mm = 0;
+  double doubt_mm = 0;  ///< half a slice or more: nearer to the plane than this the boundary is not the organ's
+};
+
+/// The surface that a template is fitted to, LPS mm.
+struct Boundary {
+  Mesh surface;                       ///< outward oriented
+  std::vector<ScanEdge> scan_edges;   ///< where the organ is cut off by the scan
+  std::vector<std::string> warnings;  ///< each a sentence
+
+  /// Whether the scan shows what is at `p`: false beyond a scan edge, and on the flat face that the cut leaves.
+  bool shows(const Vec3& p) const;
+};
+
+/// The boundary of a label: its largest part, cavities filled, and all that a ball of radius `closing_mm` cannot reach
+/// from outside. Worked on isotropic voxels of about a third of the mean edge that `vertices` landmarks have. Errors:
+/// the label does not occur.
+Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double closing_mm, Eigen::Index vertices);
+
+/// The largest part of a surface as a boundary.
+Boundary mesh_boundary(const Mesh& mesh);
+
+}  // namespace homolog

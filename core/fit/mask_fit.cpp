@@ -1,0 +1,171 @@
+#include "core/fit/mask_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/deform/fold_guard.h"
+#include "core/deform/gesture.h"
+#include "core/deform/local_rotations.h"
+#include "core/deform/shape_solver.h"
+#include "core/deform/tangential.h"
+#include "core/fit/boundary_pull.h"
+#include "core/fit/untangle.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/mesh/surface_search.h"
+#include "core/placement/similarity_fit.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr int annealing_steps = 16;
+constexpr int settling_steps = 3;
+constexpr double stiffest_share = 0.3;  ///< of the organ's diagonal: the length stiffness carries an edit at first
+constexpr double softest_edges = 1;     ///< and at last, in mean edges
+constexpr double landmark_weight = 10;  ///< of a named place against a vertex on the boundary
+constexpr double least_weight = 0.01;   ///< of a force that is not known: the solver needs one
+
+class Fitting {
+ public:
+  Fitting(const Template& reference, const Boundary& boundary, const FitOptions& options)
+      : reference_(reference),
+        boundary_(boundary),
+        options_(options),
+        search_(boundary, reference.points.rows()),
+        solver_(reference.topology),
+        factors_(reference.stiffness / reference.stiffness.mean()) {}
+
+  Result<FitResult> run() {
+    if (auto placed = place(); !placed) return fail(placed.error());
+    if (auto done = anneal(); !done) return fail(done.error());
+    if (auto done = settle(); !done) return fail(done.error());
+    return finish();
+  }
+
+ private:
+  Result<void> place() {
+    if (options_.placement) {
+      const Points placed = options_.placement->apply(reference_.points);
+      if (!bounds_of(placed).intersects(bounds_of(boundary_.surface.points)))
+        return fail("", "the placement lays the template where the organ is not; leave it out to have one found");
+      placement_ = refine_placement(reference_, boundary_, *options_.placement).placement;
+    } else {
+      placement_ = find_placement(reference_, boundary_, options_.landmarks, options_.orientation).placement;
+    }
+    mesh_ = {reference_.topology, placement_.apply(reference_.points)};
+    const SurfaceSearch own({reference_.topology, reference_.points});
+    for (const Landmark& landmark : reference_.landmarks) landmarks_.push_back(own.nearest(landmark.position).at);
+    return show(0.1);
+  }
+
+  Result<void> anneal() {
+    const double edge_mm = mean_edge_mm(*mesh_.topology, mesh_.points);
+    const double first_mm = stiffest_share * bounds_of(mesh_.points).diagonal().norm();
+    const double last_mm = softest_edges * edge_mm;
+    for (int step = 0; step < annealing_steps; ++step) {
+      const double share = static_cast<double>(step) / (annealing_steps - 1);
+      const double length_mm = first_mm * std::pow(last_mm / first_mm, share);
+      if (auto done = solve(stiffness_from_length(length_mm, edge_mm)); !done) return done;
+      if (auto shown = show(0.1 + 0.7 * share); !shown) return shown;
+    }
+    return {};
+  }
+
+  /// Eq. 3 with the boundary's force targets and a reference that turns with the shape, each force times its weight.
+  Result<void> solve(double stiffness) {
+    refit();
+    BoundaryPull pull = search_.pull(mesh_);
+    pull_landmarks(pull);
+    const VertexScalars weights = pull.weights.cwiseMax(least_weight) / least_weight;
+    const VertexScalars w = stiffness / least_weight * factors_;
+    if (auto ready = solver_.factorise(w, (weights.array() - 1).matrix()); !ready) return ready;
+    mesh_.points =
+        solver_.solve(Points(weights.asDiagonal() * pull.targets +
+                             rotated_reference_force(*mesh_.topology, w, placed_,
+                                                     fit_local_rotations(*mesh_.topology, placed_, mesh_.points))));
+    return {};
+  }
+
+  /// Adds the named places that the organ's landmarks pull on.
+  void pull_landmarks(BoundaryPull& pull) const {
+    for (std::size_t k = 0; k < landmarks_.size(); ++k) {
+      const auto there = options_.landmarks.find(reference_.landmarks[k].name);
+      if (there == options_.landmarks.end()) continue;
+      const Eigen::RowVector3d offset =
+          there->second.transpose() - landmarks_[k].interpolate(*mesh_.topology, mesh_.points);
+      const auto corners = mesh_.topology->triangles().row(landmarks_[k].face);
+      for (int c = 0; c < 3; ++c) {
+        const Eigen::Index i = corners[c];
+        const double weight = landmark_weight * landmarks_[k].weights[c], total = pull.weights[i] + weight;
+        if (total <= 0) continue;
+        pull.targets.row(i) = (pull.weights[i] * pull.targets.row(i) + weight * (mesh_.points.row(i) + offset)) / total;
+        pull.weights[i] = total;
+      }
+    }
+  }
+
+  void refit() {
+    placement_ = fit_similarity(reference_.points, mesh_.points, placement_);
+    placed_ = placement_.apply(reference_.points);
+  }
+
+  /// Vertices onto the boundary, evenly spread as in the reference.
+  Result<void> settle() {
+    if (auto ready = solver_.factorise(factors_); !ready) return ready;
+    for (int step = 0; step < settling_steps; ++step) {
+      refit();
+      const FoldGuard guard(*mesh_.topology, placed_, mesh_.points);
+      const Points offset = tangential(mesh_, relaxation_offset(*mesh_.topology, solver_, placed_, mesh_.points));
+      const auto slid = [&](double share) { return Points(mesh_.points + share * offset); };
+      mesh_.points = slid(guard.accepted_step(1, slid));
+      mesh_.points = search_.nearest(mesh_).targets;
+      if (auto shown = show(0.8 + 0.1 * step / settling_steps); !shown) return shown;
+    }
+    refit();
+    untangle(mesh_, placed_, factors_);
+    return show(0.95);
+  }
+
+  Result<FitResult> finish() {
+    FitResult result;
+    refit();
+    result.placement = placement_;
+    result.turned_triangles = turned_triangles(*mesh_.topology, placed_, mesh_.points).size();
+    result.self_intersections = self_intersections(mesh_).size();
+    for (Eigen::Index i = 0; i < mesh_.points.rows(); ++i)
+      if (!boundary_.shows(mesh_.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
+    for (std::size_t k = 0; k < landmarks_.size(); ++k)
+      result.landmarks.push_back(
+          {reference_.landmarks[k].name, landmarks_[k].interpolate(*mesh_.topology, mesh_.points).transpose()});
+    if (result.turned_triangles + result.self_intersections > 0)
+      result.warnings.emplace_back("some faces are turned or meet; the organ differs too much from the template there");
+    result.mesh = std::move(mesh_);
+    return result;
+  }
+
+  Result<void> show(double fraction) {
+    if (options_.show) options_.show(mesh_.points);
+    if (options_.progress == nullptr) return {};
+    options_.progress->report(fraction);
+    return options_.progress->cancelled() ? Result<void>(fail("", "the fit was cancelled")) : Result<void>{};
+  }
+
+  const Template& reference_;
+  const Boundary& boundary_;
+  const FitOptions& options_;
+  BoundarySearch search_;
+  ShapeSolver solver_;
+  VertexScalars factors_;
+  std::vector<SurfacePoint> landmarks_;  ///< where the template's lie on its surface
+  Similarity placement_;
+  Points placed_;  ///< R: the template under placement_
+  Mesh mesh_;
+};
+
+}  // namespace
+
+Result<FitResult> fit_to_boundary(const Template& reference, const Boundary& boundary, const FitOptions& options) {
+  return Fitting(reference, boundary, options).run();
+}
+
+}  // namespace homolog

@@ -1,0 +1,63 @@
+#include "core/fit/untangle.h"
+
+#include <set>
+#include <vector>
+
+#include "core/deform/fold_guard.h"
+#include "core/deform/local_rotations.h"
+#include "core/deform/shape_solver.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr int most_rounds = 10;
+constexpr int rotation_rounds = 5;
+constexpr double least_weight = 1e-4;  ///< of the force that keeps a freed vertex where it is
+
+std::set<std::int32_t> tangled_vertices(const Mesh& mesh, const Points& reference) {
+  std::set<std::int32_t> faces;
+  for (const std::int32_t f : turned_triangles(*mesh.topology, reference, mesh.points)) faces.insert(f);
+  for (const auto& pair : self_intersections(mesh)) faces.insert(pair.begin(), pair.end());
+  std::set<std::int32_t> vertices;
+  for (const std::int32_t f : faces)
+    for (int k = 0; k < 3; ++k) vertices.insert(mesh.topology->triangles()(f, k));
+  return vertices;
+}
+
+std::set<std::int32_t> grown(const Topology& topology, const std::set<std::int32_t>& patch) {
+  std::set<std::int32_t> larger = patch;
+  for (const std::int32_t v : patch) larger.insert(topology.one_ring(v).begin(), topology.one_ring(v).end());
+  return larger;
+}
+
+}  // namespace
+
+bool untangle(Mesh& mesh, const Points& reference, const VertexScalars& factors) {
+  const Topology& topology = *mesh.topology;
+  ShapeSolver solver(mesh.topology);
+  std::set<std::int32_t> freed;
+  for (int round = 0; round < most_rounds; ++round) {
+    const auto tangled = tangled_vertices(mesh, reference);
+    if (tangled.empty()) return true;
+    freed.insert(tangled.begin(), tangled.end());
+    freed = grown(topology, freed);
+    VertexScalars weights = VertexScalars::Constant(mesh.points.rows(), 1 / least_weight);
+    for (const std::int32_t v : freed) weights[v] = 1;
+    // Soft against the forces around the patch, stiff against those within.
+    const VertexScalars w = factors / least_weight * 1e-2;
+    if (!solver.factorise(w, (weights.array() - 1).matrix())) return false;
+    // First without rotations, which the tangle has spoilt; then as the reference has it, turned with the shape.
+    const Points held = weights.asDiagonal() * mesh.points;
+    const auto upright = std::vector<Mat3>(static_cast<std::size_t>(mesh.points.rows()), Mat3::Identity());
+    mesh.points = solver.solve(Points(held + rotated_reference_force(topology, w, reference, upright)));
+    for (int k = 0; k < rotation_rounds; ++k)
+      mesh.points =
+          solver.solve(Points(held + rotated_reference_force(topology, w, reference,
+                                                             fit_local_rotations(topology, reference, mesh.points))));
+  }
+  return tangled_vertices(mesh, reference).empty();
+}
+
+}  // namespace homolog

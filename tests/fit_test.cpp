@@ -1,0 +1,224 @@
+#include <doctest/doctest.h>
+
+#include <numbers>
+
+#include "core/deform/fold_guard.h"
+#include "core/fit/mask_fit.h"
+#include "core/fit/untangle.h"
+#include "core/measure/compare.h"
+#include "core/mesh/label_map.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/phantom/phantom.h"
+#include "tests/shapes.h"
+
+using namespace homolog;
+
+namespace {
+
+std::shared_ptr<const Template> built_in(Organ organ) {
+  return make_template(built_in_template(organ), "built-in").value();
+}
+
+/// A grid around points, `margin_mm` wider on each side.
+VolumeGeometry grid_around(const Points& points, double spacing_mm, double margin_mm = 10) {
+  const Box box = bounds_of(points);
+  VolumeGeometry grid;
+  grid.spacing_mm.setConstant(spacing_mm);
+  grid.origin_mm = box.min() - Vec3::Constant(margin_mm);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    grid.dims[axis] = 1 + static_cast<int>((box.sizes()[static_cast<Eigen::Index>(axis)] + 2 * margin_mm) / spacing_mm);
+  return grid;
+}
+
+/// The boundary of the label map of a shape.
+Boundary boundary_of(const Mesh& mesh, double spacing_mm = 1.25) {
+  return label_boundary(label_map(mesh, grid_around(mesh.points, spacing_mm)), 1, 0, 0, mesh.points.rows()).value();
+}
+
+double mean_distance(const Points& a, const Points& b) {
+  return (a - b).rowwise().norm().mean();
+}
+
+void check_sound(const FitResult& fit) {
+  CHECK(fit.turned_triangles == 0);
+  CHECK(fit.self_intersections == 0);
+  CHECK(fit.mesh.points.allFinite());
+}
+
+const Similarity elsewhere{Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3(1, 2, -1).normalized())), 1.2,
+                           Vec3(40, -120, 300)};
+
+}  // namespace
+
+TEST_CASE("a template fitted to its own label map hardly moves") {
+  for (const Organ organ : {Organ::kidney, Organ::vertebra}) {
+    const auto reference = built_in(organ);
+    const auto fit = fit_to_boundary(*reference, boundary_of({reference->topology, reference->points})).value();
+    check_sound(fit);
+    CHECK(mean_distance(fit.mesh.points, reference->points) < 0.4);
+    CHECK(fit.unseen.empty());
+    REQUIRE(fit.landmarks.size() == reference->landmarks.size());
+    for (std::size_t k = 0; k < fit.landmarks.size(); ++k) {
+      CHECK(fit.landmarks[k].name == reference->landmarks[k].name);
+      CHECK((fit.landmarks[k].position - reference->landmarks[k].position).norm() < 2);
+    }
+  }
+}
+
+TEST_CASE("a turned and larger organ is found where it lies") {
+  for (const Organ organ : {Organ::kidney, Organ::vertebra}) {
+    const auto reference = built_in(organ);
+    const Mesh there{reference->topology, elsewhere.apply(reference->points)};
+    const auto fit = fit_to_boundary(*reference, boundary_of(there)).value();
+    check_sound(fit);
+    CHECK(fit.placement.rotation.angularDistance(elsewhere.rotation) < 3 * std::numbers::pi / 180);
+    CHECK(fit.placement.scale == doctest::Approx(1.2).epsilon(0.02));
+    CHECK(mean_distance(fit.mesh.points, there.points) < 1);
+  }
+}
+
+TEST_CASE("a fit meets the label map and comes nearer to the true landmarks than placing alone") {
+  for (const Organ organ : {Organ::kidney, Organ::vertebra}) {
+    const auto reference = built_in(organ);
+    for (const int number : {1, 3}) {
+      CAPTURE(number);
+      const Mesh truth{reference->topology, phantom_truth(organ, number).front().points};
+      const Boundary boundary = boundary_of(truth);
+      const auto fit = fit_to_boundary(*reference, boundary).value();
+      check_sound(fit);
+      const Agreement agreement = compare_meshes(fit.mesh, truth);
+      CHECK(agreement.assd_mm < 0.3);
+      CHECK(agreement.hd95_mm < 1);
+      CHECK(agreement.dice > 0.97);
+      const Similarity placed = find_placement(*reference, boundary, {}, Orientation::patient).placement;
+      CHECK(mean_distance(fit.mesh.points, truth.points) <
+            mean_distance(placed.apply(reference->points), truth.points));
+    }
+  }
+}
+
+TEST_CASE("named landmarks decide the placement where patient axes are wrong") {
+  const auto reference = built_in(Organ::kidney);
+  const Similarity fallen{Eigen::Quaterniond(Eigen::AngleAxisd(2, Vec3::UnitX())), 1, Vec3(10, 20, 30)};
+  const Mesh there{reference->topology, fallen.apply(reference->points)};
+  FitOptions options;
+  for (const Landmark& landmark : reference->landmarks)
+    options.landmarks[landmark.name] = fallen.apply(landmark.position);
+  REQUIRE(options.landmarks.size() >= 3);
+  const Boundary boundary = boundary_of(there, 2);
+  CHECK(mean_distance(fit_to_boundary(*reference, boundary, options).value().mesh.points, there.points) < 1);
+  CHECK(mean_distance(fit_to_boundary(*reference, boundary).value().mesh.points, there.points) > 5);
+}
+
+TEST_CASE("every rotation is tried on request") {
+  const auto reference = built_in(Organ::vertebra);
+  const Similarity fallen{Eigen::Quaterniond(Eigen::AngleAxisd(2, Vec3::UnitX())), 1, Vec3(10, 20, 30)};
+  const Mesh there{reference->topology, fallen.apply(reference->points)};
+  const auto found = find_placement(*reference, boundary_of(there, 2), {}, Orientation::any);
+  CHECK(found.placement.rotation.angularDistance(fallen.rotation) < 0.1);
+}
+
+TEST_CASE("an organ cut off by the scan keeps the template's shape beyond") {
+  const auto reference = built_in(Organ::kidney);
+  VolumeGeometry grid = grid_around(reference->points, 1.25);
+  const int missing = grid.dims[2] / 4;
+  grid.origin_mm.z() += missing * 1.25;
+  grid.dims[2] -= missing;
+  const double edge_mm = grid.origin_mm.z() - 0.625;
+  const Mesh whole{reference->topology, reference->points};
+  const Boundary boundary = label_boundary(label_map(whole, grid), 1, 0, 0, whole.points.rows()).value();
+  REQUIRE(boundary.scan_edges.size() == 1);
+  CHECK(boundary.scan_edges[0].outward == -Vec3::UnitZ());
+  CHECK(boundary.scan_edges[0].offset_mm == doctest::Approx(-edge_mm));
+  CHECK(boundary.warnings.size() == 1);
+  const auto fit = fit_to_boundary(*reference, boundary).value();
+  check_sound(fit);
+  REQUIRE(!fit.unseen.empty());
+  for (const std::int32_t i : fit.unseen) CHECK((fit.mesh.points.row(i) - whole.points.row(i)).norm() < 4);
+}
+
+TEST_CASE("a pocket behind a neck that the closing ball cannot pass is filled") {
+  const auto grid = grid_around(shapes::icosphere(0, 20).points, 1);
+  Volume mask = label_map(shapes::icosphere(4, 20), grid);
+  auto& voxels = std::get<std::vector<std::uint8_t>>(mask.data);
+  std::size_t v = 0;
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i, ++v) {
+        const Vec3 p = grid.to_mm(Vec3(i, j, k));
+        if (p.norm() < 8 || (p.z() > 0 && p.head<2>().norm() < 2)) voxels[v] = 0;
+      }
+  const auto volume_ml = [&](double closing_mm) {
+    return enclosed_volume_ml(label_boundary(mask, 1, 0, closing_mm, 2500).value().surface);
+  };
+  const double sphere_ml = enclosed_volume_ml(shapes::icosphere(4, 20));
+  CHECK(volume_ml(0) < 0.95 * sphere_ml);
+  CHECK(volume_ml(3) == doctest::Approx(sphere_ml).epsilon(0.01));
+}
+
+TEST_CASE("the template of another organ gives no wild mesh") {
+  const auto reference = built_in(Organ::vertebra);
+  const Mesh kidney{built_in(Organ::kidney)->topology, built_in(Organ::kidney)->points};
+  const auto fit = fit_to_boundary(*reference, boundary_of(kidney, 2)).value();
+  REQUIRE(fit.mesh.points.allFinite());
+  Box near = bounds_of(kidney.points);
+  near.extend(Vec3(near.min() - Vec3::Constant(15))).extend(Vec3(near.max() + Vec3::Constant(15)));
+  CHECK(near.contains(bounds_of(fit.mesh.points)));
+  CHECK((fit.turned_triangles + fit.self_intersections == 0 || !fit.warnings.empty()));
+}
+
+TEST_CASE("a label that does not occur and a placement elsewhere are refused") {
+  const auto reference = built_in(Organ::kidney);
+  const Mesh there{reference->topology, reference->points};
+  const Volume mask = label_map(there, grid_around(there.points, 3));
+  const auto absent = label_boundary(mask, 2, 0, 0, 2500);
+  REQUIRE(!absent);
+  CHECK(absent.error().what.find("label 2") != std::string::npos);
+  FitOptions options;
+  options.placement = Similarity{Eigen::Quaterniond::Identity(), 1, Vec3(1000, 0, 0)};
+  CHECK(!fit_to_boundary(*reference, boundary_of(there, 3), options));
+}
+
+TEST_CASE("a fit that is cancelled says so") {
+  const auto reference = built_in(Organ::kidney);
+  Progress progress;
+  progress.cancel();
+  FitOptions options;
+  options.progress = &progress;
+  const auto fit = fit_to_boundary(*reference, boundary_of({reference->topology, reference->points}, 3), options);
+  REQUIRE(!fit);
+  CHECK(fit.error().what == "the fit was cancelled");
+}
+
+TEST_CASE("the largest part of a surface is its boundary") {
+  const Mesh small = shapes::icosphere(1), large{small.topology, 10 * small.points};
+  std::vector<Vec3> points;
+  std::vector<std::array<std::int32_t, 3>> faces;
+  for (const Mesh* part : {&small, &large}) {
+    const auto first = static_cast<std::int32_t>(points.size());
+    for (Eigen::Index v = 0; v < part->points.rows(); ++v) points.emplace_back(part->points.row(v));
+    for (Eigen::Index f = 0; f < part->topology->triangles().rows(); ++f) {
+      const auto t = part->topology->triangles().row(f);
+      faces.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+  }
+  const Boundary boundary = mesh_boundary(shapes::make_mesh(points, faces));
+  CHECK(boundary.surface.points == large.points);
+  CHECK(boundary.surface.topology->triangles() == large.topology->triangles());
+  CHECK(boundary.warnings.size() == 1);
+}
+
+TEST_CASE("untangling frees turned triangles and leaves the rest") {
+  const Mesh sphere = shapes::icosphere(3);
+  Mesh tangled = sphere;
+  const auto ring = sphere.topology->one_ring(100);
+  tangled.points.row(100) = 2 * sphere.points.row(ring[0]) - sphere.points.row(100);
+  REQUIRE(!turned_triangles(*sphere.topology, sphere.points, tangled.points).empty());
+  CHECK(untangle(tangled, sphere.points, VertexScalars::Ones(sphere.points.rows())));
+  CHECK(turned_triangles(*sphere.topology, sphere.points, tangled.points).empty());
+  CHECK(self_intersections(tangled).empty());
+  Eigen::Index moved = 0;
+  const VertexScalars way = (tangled.points - sphere.points).rowwise().norm();
+  for (Eigen::Index i = 0; i < way.size(); ++i) moved += way[i] > 0.01;
+  CHECK(moved < sphere.points.rows() / 4);
+}

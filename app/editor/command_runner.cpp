@@ -126,6 +126,8 @@ struct CommandRunner {
     settings.mask.frame = settings.tube_options.frame = std::min(app.displayed_->frame, app.labels_->frames - 1);
     settings.tube_options.outer_label =
         settings.outer_label != 0 ? std::optional<int>(settings.outer_label) : std::nullopt;
+    if (settings.axis_by_ruler && state.ruler)
+      settings.tube_options.base_and_apex = {state.ruler->from, state.ruler->to};
     state.shown_stage.reset();
     app.making_shown_ = true;
     app.template_maker_.start(app.labels_, app.labels_name_, settings);

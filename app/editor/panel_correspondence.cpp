@@ -66,6 +66,9 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   figure(theme, "Volume", format("%.2f ml", q.volume_ml), "Enclosed by the mesh; openings are capped flat");
   figure(theme, "Edge stretch", format("%.2f · %.2f · %.2f", q.stretch_low, q.stretch_median, q.stretch_high),
          "Edge length / the template's at this placement: 5 %, median, 95 %");
+  figure(theme, "Edges",
+         format("%.2f mm \xc2\xb1 %.0f %%, %.0f %% six", q.edge_mean_mm, 100 * q.edge_cv, 100 * q.regular_share),
+         "Mean edge length and its standard deviation; share of the landmarks that have six neighbours");
   figure(theme, "Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg), {},
          q.min_angle_deg < 10 ? palette::amber : palette::text);
   figure(theme, "Moved", format("%.1f mm, at most %.1f mm", q.moved_mean_mm, q.moved_max_mm),

@@ -68,6 +68,13 @@ void draw_tube_settings(const UiContext& ui, TemplateSettings& settings, bool& c
                changed);
   whole_number(theme, "Sectors", settings.tube_options.sectors, {12, 128, "%.0f", "", false}, "Landmarks of a ring",
                changed);
+  const std::string no_ruler = ui.state.ruler ? "" : "Draw the ruler (D) from the base to the apex first.";
+  bool by_ruler = settings.axis_by_ruler;
+  if (toggle(theme, "Axis by the ruler", by_ruler,
+             "From the base to the apex as the ruler lies, else the label's main axis", no_ruler)) {
+    settings.axis_by_ruler = by_ruler;
+    changed = true;
+  }
   changed |= toggle(theme, "Close the base", settings.tube_options.capped, "With a flat fan; else it stays open");
   bool wall = settings.outer_label != 0;
   const auto other =

@@ -36,6 +36,9 @@ QualityFigures quality_figures(const Document& document) {
   figures.moved_max_mm = moved.maxCoeff();
   const Mesh mesh = document.mesh();
   const MeshQuality quality = mesh_quality(mesh);
+  figures.edge_mean_mm = quality.edge_mean;
+  figures.edge_cv = quality.edge_cv;
+  figures.regular_share = quality.regular_share;
   figures.min_angle_deg = quality.min_angle_deg;
   figures.intersecting = quality.self_intersections;
   figures.volume_ml = quality.volume_ml;

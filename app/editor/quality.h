@@ -12,6 +12,8 @@ namespace homolog {
 /// moved counts from the warped one, all else compares with the one that is not warped.
 struct QualityFigures {
   double stretch_low = 1, stretch_median = 1, stretch_high = 1;  ///< edge length / reference's: 5 %, 50 %, 95 %
+  double edge_mean_mm = 0, edge_cv = 0;  ///< length of the edges: mean, standard deviation / mean
+  double regular_share = 0;              ///< of the landmarks: those with six neighbours
   double min_angle_deg = 0;
   std::size_t turned = 0;        ///< triangles over 90° from their reference normal, carried by the local rotations
   std::size_t intersecting = 0;  ///< pairs of faces

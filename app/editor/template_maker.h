@@ -20,6 +20,7 @@ struct TemplateSettings {
   MaskTemplateOptions mask;
   TubeTemplateOptions tube_options;
   int outer_label = 0;  ///< 0: one sheet
+  bool axis_by_ruler = false;
 };
 
 /// The making of a template as it stands, from the first stage to the finished mesh.

@@ -55,6 +55,10 @@ Json json_of(const Vec3& p) {
   return Json::array({p[0], p[1], p[2]});
 }
 
+Json json_of(const SurfaceDistance& distance) {
+  return {{"mean", distance.mean_mm}, {"p95", distance.p95_mm}, {"max", distance.max_mm}};
+}
+
 Json describe(const Mesh& mesh) {
   const MeshQuality quality = mesh_quality(mesh);
   const Box box = bounds_of(mesh.points);

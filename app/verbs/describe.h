@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "app/verbs/verb.h"
+#include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
 
@@ -17,5 +18,7 @@ Result<Report> describe(const MeshFile& file, const std::filesystem::path& path)
 Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options);
 
 Json json_of(const Vec3& p);
+/// {mean, p95, max}
+Json json_of(const SurfaceDistance& distance);
 
 }  // namespace homolog

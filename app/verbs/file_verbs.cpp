@@ -2,6 +2,7 @@
 
 #include "app/verbs/describe.h"
 #include "core/measure/compare.h"
+#include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
@@ -30,6 +31,17 @@ VolumeReadOptions read_options(const std::string& series, const std::vector<doub
   return options;
 }
 
+/// The 0.5 isosurface of a label of a label map, as it is; `label` 0: the only one.
+Result<Mesh> read_labelled_surface(const fs::path& path, int label, Progress& progress) {
+  const auto mask = read_volume(path, read_options("", {}, progress));
+  if (!mask) return fail(mask.error());
+  const auto chosen = label != 0 ? Result<int>(label) : only_label(mask->volume);
+  if (!chosen) return fail(path.string(), chosen.error().what);
+  auto surface = mask_surface(mask->volume, *chosen);
+  if (!surface) return fail(path.string(), surface.error().what);
+  return surface;
+}
+
 /// Reads a mesh, changes it, and writes it once it is known to be one that can be read again.
 Result<Report> describe_and_write(const fs::path& in, const fs::path& out,
                                   const std::function<MeshFile(MeshFile)>& change) {
@@ -46,7 +58,8 @@ Result<Report> describe_and_write(const fs::path& in, const fs::path& out,
 
 void add_info(CLI::App& app, VerbRun& run) {
   struct Options {
-    fs::path file;
+    fs::path file, mask;
+    int label = 0;
     std::string series;
     std::vector<double> spacing_mm;
   };
@@ -55,11 +68,20 @@ void add_info(CLI::App& app, VerbRun& run) {
   verb->add_option("FILE", options->file, "A volume (or DICOM folder), mesh, template, case or model")->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
   add_spacing(*verb, options->spacing_mm);
-  verb->callback([options, &run] {
-    run = [options](Progress& progress) {
-      return describe_file(options->file, read_options(options->series, options->spacing_mm, progress));
-    };
-  });
+  auto* mask = verb->add_option("--mask", options->mask, "A label map to measure a mesh's distance from");
+  verb->add_option("--label", options->label, "Which label of the mask")->needs(mask);
+  const auto info = [options](Progress& progress) -> Result<Report> {
+    auto report = describe_file(options->file, read_options(options->series, options->spacing_mm, progress));
+    if (!report || options->mask.empty()) return report;
+    const auto mesh = read_mesh(options->file);
+    if (!mesh) return fail(mesh.error());
+    const auto target = read_labelled_surface(options->mask, options->label, progress);
+    if (!target) return fail(target.error());
+    report->values["distance_to_mask_mm"] = json_of(surface_distance(*mesh, *target));
+    report->values["distance_from_mask_mm"] = json_of(surface_distance(*target, *mesh));
+    return report;
+  };
+  verb->callback([info, &run] { run = info; });
 }
 
 void add_convert(CLI::App& app, VerbRun& run) {

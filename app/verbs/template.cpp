@@ -24,12 +24,8 @@ struct Options {
   std::string genus = "auto";
   bool tube = false, capped = false;
   int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;
-  std::vector<double> axis;
+  std::vector<double> axis, base, apex;
 };
-
-Json json_of(const SurfaceDistance& distance) {
-  return {{"mean", distance.mean_mm}, {"p95", distance.p95_mm}, {"max", distance.max_mm}};
-}
 
 std::string how_cut(const CutTunnel& tunnel) {
   return tunnel.how == CutTunnel::How::filled ? "filled" : "severed";
@@ -67,8 +63,7 @@ Result<Report> from_mask(const Options& options, const Volume& mask, int label, 
 
   Json tunnels = Json::array();
   for (const CutTunnel& tunnel : made->tunnels)
-    tunnels.push_back(
-        {{"at_mm", homolog::json_of(tunnel.at_mm)}, {"below_mm", tunnel.width_mm}, {"how", how_cut(tunnel)}});
+    tunnels.push_back({{"at_mm", json_of(tunnel.at_mm)}, {"below_mm", tunnel.width_mm}, {"how", how_cut(tunnel)}});
   const Json removed{{"islands_ml", made->islands_ml},
                      {"cavities", made->cavities},
                      {"cavities_ml", made->cavities_ml},
@@ -91,6 +86,7 @@ Result<Report> tube(const Options& options, const Volume& mask, int label, std::
   making.capped = options.capped;
   if (options.outer_label != 0) making.outer_label = options.outer_label;
   if (!options.axis.empty()) making.axis = Vec3(options.axis.data());
+  if (!options.base.empty()) making.base_and_apex = {Vec3(options.base.data()), Vec3(options.apex.data())};
   const auto made = make_tube_template(mask, making);
   if (!made) return fail(options.in.string(), made.error().what);
   warnings.insert(warnings.end(), made->warnings.begin(), made->warnings.end());
@@ -98,7 +94,7 @@ Result<Report> tube(const Options& options, const Volume& mask, int label, std::
   return finish(template_file(made->mesh, provenance), options.out,
                 {{"distance_to_mask_mm", json_of(made->to_mask)},
                  {"distance_from_mask_mm", json_of(made->from_mask)},
-                 {"axis", homolog::json_of(made->axis)}},
+                 {"axis", json_of(made->axis)}},
                 std::move(warnings));
 }
 
@@ -173,6 +169,15 @@ void add_template(CLI::App& app, VerbRun& run) {
       ->delimiter(',')
       ->expected(3)
       ->needs(tube_flag);
+  auto* base = verb->add_option("--base", options->base, "X,Y,Z point on the axis where the rings begin (LPS mm)")
+                   ->delimiter(',')
+                   ->expected(3)
+                   ->needs(tube_flag);
+  auto* apex = verb->add_option("--apex", options->apex, "X,Y,Z point towards which the axis runs from --base")
+                   ->delimiter(',')
+                   ->expected(3)
+                   ->needs(base);
+  base->needs(apex);
   verb->add_flag("--capped", options->capped, "Close the tube's base with a flat fan")->needs(tube_flag);
   verb->add_option("--outer-label", options->outer_label,
                    "Label of the wall around: a second sheet (epicardium) in the same mesh")
@@ -181,6 +186,8 @@ void add_template(CLI::App& app, VerbRun& run) {
   verb->callback([options, &run] {
     if (!options->axis.empty() && Vec3(options->axis.data()).norm() < 1e-9)
       throw CLI::ValidationError("--axis", "needs a direction other than 0,0,0");
+    if (options->base == options->apex && !options->base.empty())
+      throw CLI::ValidationError("--apex", "needs a point other than --base");
     run = [options](Progress& progress) { return make_template_file(*options, progress); };
   });
 }

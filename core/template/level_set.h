@@ -41,7 +41,8 @@ LevelSet signed_distance(const std::vector<std::uint8_t>& inside, const VolumeGe
 /// [Raya and Udupa 1990, Shape-Based Interpolation].
 LevelSet resampled(const LevelSet& surface, double spacing_mm);
 
-/// Fills what a ball of `radius_mm` cannot enter from outside. Elsewhere values stay as they are.
+/// Fills what no ball of `radius_mm` that lies outside covers; a pocket that holds such a ball stays, also behind a
+/// narrow neck. Elsewhere values stay as they are.
 LevelSet closed_by(const LevelSet& surface, double radius_mm);
 /// Removes what a ball of `radius_mm` does not fit into. Elsewhere values stay as they are.
 LevelSet opened_by(const LevelSet& surface, double radius_mm);

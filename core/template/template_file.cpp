@@ -41,6 +41,11 @@ Json provenance_of(const std::string& source, const TubeTemplateOptions& options
                   {"rings", options.rings}, {"sectors", options.sectors}, {"capped", options.capped}};
   if (options.outer_label) provenance["outer_label"] = *options.outer_label;
   if (options.axis) provenance["axis"] = {options.axis->x(), options.axis->y(), options.axis->z()};
+  if (options.base_and_apex) {
+    const auto& [base, apex] = *options.base_and_apex;
+    provenance["base"] = {base.x(), base.y(), base.z()};
+    provenance["apex"] = {apex.x(), apex.y(), apex.z()};
+  }
   return provenance;
 }
 

@@ -62,7 +62,8 @@ void check_refused(const Ran& ran, const std::string& subject) {
 
 const char* all_verbs[] = {"demo",       "info",    "replay",  "compare",      "label-map",
                            "mirror",     "phantom", "convert", "picture case", "picture correspondence",
-                           "study user", "bench",   "model",   "evaluate",     "picture modes"};
+                           "study user", "bench",   "model",   "evaluate",     "picture modes",
+                           "template"};
 
 }  // namespace
 
@@ -282,6 +283,49 @@ TEST_CASE("a training set with faults is refused or goes on as documented") {
   CHECK(two.errors.find("single mode") != std::string::npos);
 }
 
+TEST_CASE("template makes a reference mesh of a label and says how") {
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, "phantom kidney --subject 1 -o .").status == 0);
+  const Ran ran = run(folder, "template kidney-1-labels.nii.gz -o t.ply --vertices 800 --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const auto report = ran.json();
+  CHECK(report["vertices"] == 800);
+  CHECK(report["genus"] == 0);
+  CHECK(report["closed"] == true);
+  CHECK(report["self_intersections"] == 0);
+  for (const char* key : {"mean", "p95", "max"}) {
+    CHECK(report["distance_to_mask_mm"][key].get<double>() < 3);
+    CHECK(report["distance_from_mask_mm"].contains(key));
+  }
+  const auto file = read_mesh_file(folder.path / "t.ply");
+  REQUIRE(file);
+  REQUIRE(file->stiffness);
+  CHECK(std::any_of(file->comments.begin(), file->comments.end(),
+                    [](const std::string& comment) { return comment.starts_with("homolog.provenance {"); }));
+  const auto info = run(folder, "info t.ply --mask kidney-1-labels.nii.gz --json").json();
+  CHECK(info["distance_to_mask_mm"]["mean"].get<double>() ==
+        doctest::Approx(report["distance_to_mask_mm"]["mean"].get<double>()).epsilon(0.05));
+  const Ran again = run(folder, "template t.ply -o u.ply --vertices 500 --json");
+  REQUIRE_MESSAGE(again.status == 0, again.errors);
+  CHECK(again.json()["vertices"] == 500);
+  CHECK(run(folder, "template kidney-1-labels.nii.gz -o v.ply --label 4").status == 1);
+  CHECK(run(folder, "template kidney-1-labels.nii.gz -o v.ply --opening-mm 20 --closing-mm 0").status == 1);
+  CHECK(run(folder, "template kidney-1-labels.nii.gz -o v.ply --genus many").status == 2);
+  CHECK(run(folder, "template kidney-1-labels.nii.gz -o v.ply --rings 5").status == 2);
+  CHECK_FALSE(fs::exists(folder.path / "v.ply"));
+}
+
+TEST_CASE("template --tube makes rings and sectors of a ventricle") {
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, "phantom ventricle --subject 1 -o .").status == 0);
+  const Ran ran =
+      run(folder, "template ventricle-1-labels.nii.gz --label 1 --tube --rings 12 --sectors 20 -o t.ply --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["vertices"] == 12 * 20 + 1);
+  CHECK(ran.json()["closed"] == false);
+  CHECK(ran.json()["distance_to_mask_mm"]["mean"].get<double>() < 2);
+}
+
 TEST_CASE("the demo plays the whole job without a display") {
   const TemporaryFolder folder;
   const Ran ran = run(folder, "demo --headless -o out --json");
@@ -292,6 +336,7 @@ TEST_CASE("the demo plays the whole job without a display") {
   REQUIRE_MESSAGE(ran.status == 0, ran.errors);
   for (const std::string path : ran.json()["paths"]) CHECK_MESSAGE(fs::exists(folder.path / path), path);
   CHECK(ran.json()["pulled"]["assd_mm"].get<double>() < ran.json()["placed"]["assd_mm"].get<double>());
+  CHECK(ran.json()["model"]["shapes"] == 10);
   CHECK(run(folder, "replay out/demo.homolog -o again.ply").status == 0);
   const Points again = read_mesh(folder.path / "again.ply")->points;
   CHECK((again - read_mesh(folder.path / "out/kidney.ply")->points).cwiseAbs().maxCoeff() < 1e-9);

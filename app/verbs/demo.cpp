@@ -8,6 +8,7 @@
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
+#include "core/model/statismo.h"
 #include "core/study/scripted_user.h"
 #include "core/volume/volume_io.h"
 
@@ -33,7 +34,8 @@ class HeadlessDemo {
     auto session = create_case(std::move(*document), written("demo.homolog"));
     if (!session) return fail(session.error());
     const Volume truth = make_phantom(Organ::kidney, demo_subject).label_map;
-    for (const auto step : {&HeadlessDemo::adapt, &HeadlessDemo::export_mesh, &HeadlessDemo::export_pictures}) {
+    for (const auto step : {&HeadlessDemo::adapt, &HeadlessDemo::export_mesh, &HeadlessDemo::export_pictures,
+                            &HeadlessDemo::export_model}) {
       if (auto done = (this->*step)(*session, truth); !done) return fail(done.error());
     }
     report_.values["paths"] = paths_;
@@ -81,6 +83,27 @@ class HeadlessDemo {
     picture = correspondence_picture({before, session.document().mesh()}, options);
     if (!picture) return fail(picture.error());
     return write_picture(picture->picture, written("correspondence.png"));
+  }
+
+  /// The adapted mesh and other phantom subjects as a shape model: they share the template's landmarks.
+  Result<void> export_model(EditSession& session, const Volume&) {
+    constexpr int others = 9;
+    const Points& adapted = *session.document().shape().points;
+    ShapeMatrix shapes(adapted.size(), others + 1);
+    std::vector<std::string> names{"demo"};
+    shapes.col(0) = adapted.reshaped<Eigen::RowMajor>();
+    for (int k = 1; k <= others; ++k) {
+      shapes.col(k) = phantom_truth(Organ::kidney, demo_subject + k).front().points.reshaped<Eigen::RowMajor>();
+      names.push_back("phantom " + std::to_string(demo_subject + k));
+    }
+    align(shapes, Alignment::similarity);
+    const ShapeModel model =
+        make_model(principal_components(std::move(shapes)), 0.95, session.document().reference->topology, names);
+    if (auto done = write_model(model, written("model.h5.json")); !done) return done;
+    report_.values["model"] = {{"shapes", others + 1}, {"modes", model.modes()}};
+    const auto picture = modes_picture(model, 2, {});
+    if (!picture) return fail(picture.error());
+    return write_picture(picture->picture, written("modes.png"));
   }
 
   fs::path folder_;

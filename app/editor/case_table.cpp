@@ -190,8 +190,7 @@ void draw_list(const UiContext& ui, Outbox& out) {
              out);
   ImGui::NewLine();
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
-  ImGui::BeginChild("cases", {0, state.selected.empty() ? 0 : -theme.px(details_height)}, false,
-                    ImGuiWindowFlags_AlwaysVerticalScrollbar);
+  ImGui::BeginChild("cases", {0, state.selected.empty() ? 0 : -theme.px(details_height)});
   const auto listed = listed_cases(state);
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(listed.size()), theme.px(row_height));

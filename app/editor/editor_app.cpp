@@ -79,7 +79,7 @@ void EditorApp::start_session(EditSession session) {
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
   show_document(state_, *displayed_, layout_);
-  fit_wanted_ = layout_.scale <= 0 || layout_.status_line.width <= 0;
+  fit_wanted_ = layout_.scale <= 0 || layout_.status_line.width <= 0 || layout_.models.width > 0;
   Models::show_repair(state_, *snapshot_);
   remember_case();
   if (displayed_->volume != volume_before) {

@@ -33,6 +33,8 @@ class EditorApp {
   void start_session(EditSession session);
   void start(const EditorOptions& options);
   void open(const std::vector<std::filesystem::path>& paths);
+  /// Done by the next update.
+  void send(Command command) { out_.send(std::move(command)); }
 
   void handle(const InputEvent& event);
   /// Takes in what the threads did, and moves what moves by itself. True where there is something new to draw.

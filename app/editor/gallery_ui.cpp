@@ -158,6 +158,7 @@ void steer(const UiContext& ui, double side_px, Outbox& out) {
     if (turns || pans)
       out.change([=](EditorState& s) {
         s.models.turning = true;
+        s.models.hover.reset();
         if (pans)
           pan_gallery(s.models, right_px, down_px, side_px);
         else
@@ -261,6 +262,7 @@ void draw_difference_legend(const UiContext& ui, const RectPx& rect) {
   const float y = rect.y + rect.height - theme.px(28), bar = theme.px(6), middle = std::round((x0 + x1) / 2);
   const ImU32 low = to_im(difference_colour(-1)), none = to_im(difference_colour(0)),
               high = to_im(difference_colour(1));
+  draw.AddRectFilled({rect.x, y - theme.px(8)}, {rect.x + rect.width, rect.y + rect.height}, IM_COL32(0, 0, 0, 150));
   draw.AddRectFilledMultiColor({x0, y}, {middle, y + bar}, low, none, none, low);
   draw.AddRectFilledMultiColor({middle, y}, {x1, y + bar}, none, high, high, none);
   const float text_y = y + bar + theme.px(2);

@@ -66,6 +66,7 @@ struct ModelsState {
   bool focused = false;                ///< every cell looks at the pinned landmark
 
   std::vector<double> deviations;  ///< coefficients of the shape that is shown, in standard deviations
+  bool all_modes = false;          ///< a slider for each, not the first few alone
   std::optional<std::size_t> animated_mode;
   double animation_started = -1;  ///< seconds; below 0 with the next move
   std::uint64_t samples_drawn = 0;

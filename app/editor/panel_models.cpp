@@ -47,7 +47,10 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
   const ModelsState& state = ui.state.models;
   const Eigen::VectorXd all = state.model->components->variances();
   const double total = all.sum();
-  for (std::size_t k = 0; k < state.deviations.size(); ++k) {
+  constexpr std::size_t first_few = 5;
+  const std::size_t count = state.deviations.size();
+  const std::size_t shown = state.all_modes || count <= first_few + 1 ? count : first_few;
+  for (std::size_t k = 0; k < shown; ++k) {
     const double variance = state.model->model.variances[static_cast<Eigen::Index>(k)];
     ImGui::PushID(static_cast<int>(k));
     const bool playing = state.animated_mode == k;
@@ -79,6 +82,10 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
       });
     ImGui::PopID();
   }
+  if (count > first_few + 1 &&
+      button(theme, state.all_modes ? format("First %zu modes", first_few) : format("All %zu modes", count),
+             "Sliders of the modes that hold 95 % of the variance", {}, ImGui::GetContentRegionAvail().x))
+    out.change([](EditorState& s) { s.models.all_modes = !s.models.all_modes; });
 }
 
 /// A button that goes on to the next group.

@@ -47,7 +47,7 @@ void draw_entry(const UiContext& ui, int id, const GalleryPlace& place, const st
 
 /// "Landmarks (4)", and what is not listed.
 void draw_caption(const Theme& theme, const char* what, std::size_t count) {
-  gap(theme, 2);
+  gap(theme, 8);
   caption(theme, count > most_rows ? format("%s: the worst %zu of %zu", what, most_rows, count).c_str()
                                    : format("%s: %zu", what, count).c_str());
 }

@@ -120,8 +120,8 @@ std::vector<Plot> plots_of(const Evaluation& evaluation) {
   const std::optional<int> own = evaluation.modes.empty() ? std::nullopt : std::optional(evaluation.modes.front());
   const auto of = [&](const char* name) { return *evaluation.find(name); };
   return {{"Compactness", "%", "share of the variance, %", of("compactness"), 100, 1, 100, own},
-          {"Generalisation", "mm", "RMS distance to unseen shapes, mm", of("generalization_rms"), 1, 3, {}, own},
-          {"Specificity", "mm", "RMS distance to the nearest shape, mm", of("specificity_rms"), 1, 3, {}, own}};
+          {"Generalisation", "mm", "RMS to unseen shapes, mm", of("generalization_rms"), 1, 3, {}, own},
+          {"Specificity", "mm", "RMS to the nearest shape, mm", of("specificity_rms"), 1, 3, {}, own}};
 }
 
 void draw_plot(ImDrawList& draw, const Theme& theme, const RectPx& rect, const Plot& plot,

@@ -118,12 +118,12 @@ ImU32 distance_colour(const StudyModel& model, std::ptrdiff_t shape) {
   return palette::dim;
 }
 
-void draw_row(const UiContext& ui, const StudyCase& one, Outbox& out) {
+void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   ImGui::PushID(one.name.c_str());
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const ImVec2 size{ImGui::GetContentRegionAvail().x, theme.px(row_height)};
+  const ImVec2 size{width_px, theme.px(row_height)};
   const Columns columns = columns_in(theme, size.x);
   ImGui::SetItemAllowOverlap();
   const bool clicked = ImGui::InvisibleButton("row", size);
@@ -176,7 +176,8 @@ void draw_list(const UiContext& ui, Outbox& out) {
   if (ImGui::InputTextWithHint("##filter", "Filter by name, group or notes", &filter))
     out.change([filter](EditorState& s) { s.models.filter = filter; });
   const float left = ImGui::GetCursorPosX(), scrollbar = ImGui::GetStyle().ScrollbarSize;
-  const Columns columns = columns_in(theme, ImGui::GetContentRegionAvail().x - scrollbar);
+  const float width = ImGui::GetContentRegionAvail().x - scrollbar;  // the same with and without one
+  const Columns columns = columns_in(theme, width);
   draw_title(ui, "Name", CaseColumn::name, left + columns.name, columns.group - columns.name, false, "Sort by name",
              out);
   draw_title(ui, "Group", CaseColumn::group, left + columns.group, columns.state - columns.group, false,
@@ -196,7 +197,7 @@ void draw_list(const UiContext& ui, Outbox& out) {
   clipper.Begin(static_cast<int>(listed.size()), theme.px(row_height));
   while (clipper.Step())
     for (int k = clipper.DisplayStart; k < clipper.DisplayEnd; ++k)
-      draw_row(ui, state.study.cases[listed[static_cast<std::size_t>(k)]], out);
+      draw_row(ui, state.study.cases[listed[static_cast<std::size_t>(k)]], width, out);
   if (listed.empty() && !state.study.cases.empty()) explanation(theme, "No case holds that.");
   ImGui::EndChild();
   ImGui::PopStyleVar();

@@ -28,7 +28,7 @@ Layout make_layout(float width_px, float height_px, float scale, const LayoutWis
   layout.status_line = {0, body_top + body_height, width_px, px(status_height)};
   if (wishes.models) {
     layout.models = {0, body_top, width_px, body_height};
-    layout.panel = {width_px, body_top, 0, body_height};  // where notices end
+    layout.panel = {width_px - std::min(px(panel_width), width_px / 3), body_top, 0, body_height};  // where notices end
     return layout;
   }
   layout.tool_strip = {0, body_top, px(tool_strip_width), body_height};

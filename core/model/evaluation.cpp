@@ -108,14 +108,11 @@ Json to_json(const Evaluation& evaluation) {
 }
 
 Result<void> write_evaluation(const Evaluation& evaluation, const fs::path& path) {
-  const std::string extension = path.extension().string();
-  if (extension != ".csv" && extension != ".json")
-    return fail(path.string(), "is no name of a table of measures; use .csv or .json");
   return write_whole_file(path, [&](std::ostream& out) {
-    if (extension == ".csv")
-      write_table(evaluation, out);
-    else
+    if (path.extension() == ".json")
       out << to_json(evaluation).dump(2) << '\n';
+    else
+      write_table(evaluation, out);
     return Result<void>();
   });
 }

@@ -36,7 +36,7 @@ Result<Evaluation> evaluate_model(const PrincipalComponents& components,
                                   Progress* progress = nullptr);
 
 nlohmann::ordered_json to_json(const Evaluation& evaluation);
-/// A table, a row a mode count (.csv), or to_json (.json), by extension; whole or not at all.
+/// A table, a row a mode count; to_json under a name that ends in .json. Whole or not at all.
 Result<void> write_evaluation(const Evaluation& evaluation, const std::filesystem::path& path);
 
 }  // namespace homolog

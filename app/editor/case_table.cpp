@@ -66,6 +66,8 @@ void draw_buttons(const UiContext& ui, Outbox& out) {
   const float next = theme.px(28), width = (ImGui::GetContentRegionAvail().x - next - 2 * theme.px(8)) / 2;
   if (button(theme, std::string("Study  ") + icon::down_angle, "New, open, save as, phantoms", {}, width))
     ImGui::OpenPopup("study menu");
+  const ImVec2 below{ImGui::GetItemRectMin().x, ImGui::GetItemRectMax().y + theme.px(4)};
+  ImGui::SetNextWindowPos(below);
   draw_study_menu(ui, out);
   ImGui::SameLine(0, theme.px(8));
   if (button(theme, std::string(icon::plus) + "  Meshes\xe2\x80\xa6",

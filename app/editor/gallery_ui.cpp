@@ -52,9 +52,11 @@ std::optional<Eigen::Index> marked_landmark(const ModelsState& state) {
   return state.hover ? std::optional(state.hover->landmark) : state.pinned;
 }
 
-bool is_doubtful(const StudyModel& model, std::size_t shape) {
-  return std::any_of(model.doubtful_shapes.begin(), model.doubtful_shapes.end(),
-                     [&](const DoubtfulShape& one) { return one.shape == static_cast<Eigen::Index>(shape); });
+ImU32 name_colour(const StudyModel& model, std::size_t shape, bool pointed) {
+  for (const DoubtfulShape& one : model.doubtful_shapes)
+    if (one.shape == static_cast<Eigen::Index>(shape))
+      return one.doubt == Doubt::far_outside ? palette::bad : palette::amber;
+  return with_alpha(palette::text, pointed ? 1.0f : 0.75f);
 }
 
 void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, std::size_t k) {
@@ -68,10 +70,8 @@ void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, s
   if (const auto landmark = marked_landmark(state))
     draw_marker(draw, theme, state, cell, *model.shapes[k], *landmark, pointed);
   if (cell.width >= theme.px(56)) {
-    const bool doubtful = is_doubtful(model, k);
     const float room = cell.width - theme.px(8);
-    shadowed(draw, theme.small, {low.x + theme.px(4), low.y + theme.px(2)},
-             doubtful ? palette::amber : with_alpha(palette::text, pointed ? 1.0f : 0.75f),
+    shadowed(draw, theme.small, {low.x + theme.px(4), low.y + theme.px(2)}, name_colour(model, k, pointed),
              cut(theme.small, model.names[k], room));
   }
   draw.PopClipRect();

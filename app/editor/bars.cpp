@@ -2,6 +2,7 @@
 
 #include "app/editor/controls.h"
 #include "app/editor/icons.h"
+#include "app/editor/models_ui.h"
 #include "app/editor/ui_context.h"
 #include "app/editor/widgets.h"
 
@@ -50,6 +51,8 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   begin_region("top bar", ui.layout.top_bar, palette::surface, theme.px(8));
   const auto& snapshot = ui.snapshot;
+  draw_mode_switch(ui, out);
+  same_line(ui, 12);
   if (icon_button(theme, icon::open, "open", "Open an image, a case or a template (Ctrl+O)", {}, false, 28))
     out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open); });
   same_line(ui, 2);
@@ -65,8 +68,9 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
 
   const RectPx& bar = ui.layout.top_bar;
   const float toggles = 6 * theme.px(30) + 3 * theme.px(30) + theme.px(16);
+  const float beside = std::max(toggles, theme.px(290));  // the switch and the file buttons
   ImGui::PushFont(theme.strong);
-  const std::string title = shortened(case_title(ui), bar.width - 2 * (toggles + theme.px(16)));
+  const std::string title = shortened(case_title(ui), bar.width - 2 * (beside + theme.px(16)));
   const ImVec2 size = ImGui::CalcTextSize(title.c_str());
   ImGui::GetWindowDrawList()->AddText({std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)},
                                       palette::text, title.c_str());

@@ -21,6 +21,7 @@ struct CommandRunner {
     app.session_->apply(command.action);
   }
   void operator()(const OpenFiles& command) const {
+    if (state.models.shown) return open_in_models(command.paths);
     auto request = sort_files(command.paths);
     if (!request) return add_notice(state, request.error().sentence());
     std::error_code ignored;
@@ -194,6 +195,13 @@ struct CommandRunner {
       stop_playing();
   }
   void operator()(const FitViews&) const { fit_views(state, *app.displayed_, app.layout_); }
+  void operator()(const ModelsCommand& command) const {
+    const auto* plots = std::get_if<ExportPlots>(&command);
+    if (plots == nullptr) return app.models_.run(command, state, *app.snapshot_, app.out_);
+    if (!state.models.evaluation) return;
+    const auto picture = app.plots_picture({std::nullopt, 1800, 560, false});
+    tell(picture ? write_picture(*picture, plots->path) : fail(picture.error()), plots->path);
+  }
   void operator()(const Quit& command) const {
     if (has_unsaved_edits(*app.snapshot_) && !command.sure)
       state.dialog = QuitDialog{};
@@ -202,6 +210,12 @@ struct CommandRunner {
   }
 
  private:
+  /// Dropped on the Models mode: studies are opened, all else becomes a case of the study.
+  void open_in_models(const std::vector<std::filesystem::path>& paths) const {
+    for (const auto& path : paths)
+      if (path.string().ends_with(".study.json")) return app.out_.send(OpenStudy{path});
+    app.out_.send(AddCases{paths});
+  }
   void stop_playing() const {
     state.playing = false;
     if (state.shown_frame) app.session_->apply(SetFrame{*state.shown_frame});

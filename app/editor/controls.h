@@ -10,8 +10,8 @@ namespace homolog {
 
 /// Keys by GLFW's codes: printable ones are their capital letter in ASCII.
 namespace key {
-inline constexpr int escape = 256, enter = 257, backspace = 259, right = 262, left = 263, down = 264, up = 265,
-                     page_up = 266, page_down = 267, f1 = 290, keypad_enter = 335;
+inline constexpr int escape = 256, enter = 257, tab = 258, backspace = 259, right = 262, left = 263, down = 264,
+                     up = 265, page_up = 266, page_down = 267, f1 = 290, keypad_enter = 335;
 }
 struct MouseMove {};
 struct MousePress {
@@ -53,6 +53,8 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
 
 // Parts of handle_event.
 void press_key(EditorState& state, const InputEvent& event, int key, const ControlsContext& context, Outbox& out);
+/// In the Models mode; false for the keys of both modes.
+bool press_models_key(EditorState& state, const InputEvent& event, int key, Outbox& out);
 void start_drag(EditorState& state, const InputEvent& event, MouseButton button, const ControlsContext& context,
                 Outbox& out);
 void move_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out);

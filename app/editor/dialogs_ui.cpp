@@ -64,7 +64,7 @@ void draw_keys(const UiContext& ui, Outbox& out) {
                                                    {"Space", "plays a cine"},
                                                    {"F", "everything in view"},
                                                    {"Shift+A P L R S I", "look from that side"}}};
-  static constexpr std::array<Row, 15> key_rows{{{"P", "Pull"},
+  static constexpr std::array<Row, 16> key_rows{{{"P", "Pull"},
                                                  {"G", "Grab"},
                                                  {"S", "Slide"},
                                                  {"R", "Relax"},
@@ -78,6 +78,7 @@ void draw_keys(const UiContext& ui, Outbox& out) {
                                                  {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
                                                  {"Ctrl+O", "open"},
                                                  {"Ctrl+S, Ctrl+Shift+S", "save, save as"},
+                                                 {"Tab", "case or models"},
                                                  {"F1", "this list"}}};
   if (!begin_dialog(ui, "Keys and mouse", 720, 0)) close_dialog(out);
   const Theme& theme = ui.theme;
@@ -93,7 +94,7 @@ void draw_keys(const UiContext& ui, Outbox& out) {
   };
   column(mouse_rows, 20, 180);
   column(key_rows, 400, 164);
-  ImGui::SetCursorPos({theme.px(20), theme.px(56 + 24 * 15)});
+  ImGui::SetCursorPos({theme.px(20), theme.px(56 + 24 * 16)});
   ImGui::Dummy({theme.px(680), theme.px(4)});
   end_dialog();
 }

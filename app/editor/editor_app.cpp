@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "app/editor/plots.h"
 #include "app/editor/recovery.h"
 #include "app/editor/view_overlay.h"
 
@@ -78,7 +79,8 @@ void EditorApp::start_session(EditSession session) {
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
   show_document(state_, *displayed_, layout_);
-  fit_wanted_ = layout_.scale <= 0 || layout_.status_line.width <= 0;
+  fit_wanted_ = layout_.scale <= 0 || layout_.status_line.width <= 0 || layout_.models.width > 0;
+  Models::show_repair(state_, *snapshot_);
   remember_case();
   if (displayed_->volume != volume_before) {
     labels_.reset();
@@ -101,7 +103,7 @@ std::optional<double> EditorApp::next_move_seconds(double now) const {
   constexpr double progress_seconds = 0.1;
   if (state_.playing) return std::max(frame_due_ - now, 0.0);
   if (opener_.busy() || template_maker_.busy()) return progress_seconds;
-  return std::nullopt;
+  return models_.next_move_seconds(state_.models);
 }
 
 void EditorApp::remember_case() {
@@ -143,11 +145,13 @@ bool EditorApp::update(double seconds) {
     state_.shown_frame = (shown_frame(state_, *displayed_) + 1) % volume.frames;
   }
   take_snapshot();
+  const bool new_model = models_.update(state_, *snapshot_, seconds);
   const auto figures = quality_.latest();
   const bool new_figures = figures != figures_;
   figures_ = figures;
   const bool new_stage = take_stage();
-  return before != snapshot_ || new_figures || new_stage || state_.playing || opener_.busy() || was_opening;
+  return before != snapshot_ || new_figures || new_stage || new_model || state_.playing || opener_.busy() ||
+         was_opening;
 }
 
 void EditorApp::preview(Action action) {
@@ -163,6 +167,7 @@ void EditorApp::settle() {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   take_snapshot();
+  models_.settle(state_, *snapshot_);
   quality_.finish();
   figures_ = quality_.latest();
 }
@@ -195,13 +200,13 @@ UiContext EditorApp::ui_context(const EditorState& state, const std::optional<Op
 
 void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
-                        {state_.maximised, state_.preferences.panel_open});
-  if (std::exchange(fit_wanted_, false)) fit_views(state_, *displayed_, layout_);
+                        {state_.maximised, state_.preferences.panel_open, state_.models.shown});
+  if (!state_.models.shown && std::exchange(fit_wanted_, false)) fit_views(state_, *displayed_, layout_);
   follow_layout(state_, layout_);
   GLint target_framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target_framebuffer);
   const SceneBuilder::Input input = scene_input(state_);
-  scenes_.update(input);
+  if (!state_.models.shown) scenes_.update(input);
   std::array<const Framebuffer*, 4> views{};
   for (const ViewKind kind : all_views) {
     const RectPx& rect = layout_.image(kind);
@@ -213,7 +218,10 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
             ? pictures_->space(scene, state_.camera, target, state_.drag.has_value())
             : pictures_->slice(kind, scene, slice_view(state_, kind, geometry_of(*displayed_)), target);
   }
-  if (auto error = pictures_->take_error(); !error.empty()) add_notice(state_, std::move(error));
+  const ModelsLayout models = models_layout(layout_);
+  if (state_.models.shown) gallery_.draw(state_.models, models, scale_, pictures_->renderer());
+  for (auto error : {pictures_->take_error(), gallery_.take_error()})
+    if (!error.empty()) add_notice(state_, std::move(error));
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target_framebuffer));
   glViewport(0, 0, width_px, height_px);
   glDisable(GL_SCISSOR_TEST);
@@ -224,6 +232,7 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
     if (const Framebuffer* view = views[index_of(kind)])
       view->copy_to(static_cast<int>(rect.x), height_px - static_cast<int>(rect.y + rect.height));
   }
+  if (state_.models.shown) gallery_.copy(models, height_px);
 
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
@@ -283,6 +292,20 @@ void EditorApp::draw_view_picture(const PictureOptions& options) {
   draw_view_overlay(ui, kind, *ImGui::GetBackgroundDrawList());
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+Result<Picture> EditorApp::plots_picture(const PictureOptions& options) {
+  auto framebuffer = Framebuffer::make(options.width, options.height, 1);
+  if (!framebuffer) return fail(framebuffer.error());
+  (*framebuffer)->bind();
+  glViewport(0, 0, options.width, options.height);
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::GetIO().DisplaySize = {static_cast<float>(options.width), static_cast<float>(options.height)};
+  ImGui::NewFrame();
+  draw_plots_picture(*theme_, *state_.models.evaluation, options, *ImGui::GetBackgroundDrawList());
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  return (*framebuffer)->read();
 }
 
 void EditorApp::take_opened(Opened opened) {

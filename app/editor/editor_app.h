@@ -7,6 +7,7 @@
 
 #include "app/editor/controls.h"
 #include "app/editor/editor.h"
+#include "app/editor/models.h"
 #include "app/editor/opener.h"
 #include "app/editor/quality_monitor.h"
 #include "app/editor/scene_builder.h"
@@ -32,6 +33,8 @@ class EditorApp {
   void start_session(EditSession session);
   void start(const EditorOptions& options);
   void open(const std::vector<std::filesystem::path>& paths);
+  /// Done by the next update.
+  void send(Command command) { out_.send(std::move(command)); }
 
   void handle(const InputEvent& event);
   /// Takes in what the threads did, and moves what moves by itself. True where there is something new to draw.
@@ -74,10 +77,14 @@ class EditorApp {
   Result<Picture> picture(const PictureOptions& options);
   /// Into the framebuffer that is bound, and the layout of that.
   void draw_view_picture(const PictureOptions& options);
+  /// The plots of the model's measures, 3 side by side.
+  Result<Picture> plots_picture(const PictureOptions& options);
   UiContext ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const;
 
   std::function<void()> wake_;
   EditorState state_;
+  Models models_{wake_};
+  GalleryPictures gallery_;
   Outbox out_;
   Layout layout_;
   float scale_ = 1;

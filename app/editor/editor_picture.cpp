@@ -26,6 +26,10 @@ Result<Picture> editor_picture(EditSession session, const EditorPictureOptions& 
       if (options.arrange) options.arrange(app.state());
       if (options.preview) app.preview(*options.preview);
       app.settle();
+      if (options.models) {
+        app.send(*options.models);
+        app.settle();
+      }
     }
   }
   return (*framebuffer)->read();

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "app/editor/state.h"
+#include "app/editor/commands.h"
 #include "core/base/picture.h"
 #include "core/case/session.h"
 
@@ -16,6 +16,7 @@ struct EditorPictureOptions {
   float scale = 1;
   std::function<void(EditorState&)> arrange;
   std::optional<Action> preview;
+  std::optional<ModelsCommand> models;  ///< done when the study's model is made
 };
 Result<Picture> editor_picture(EditSession session, const EditorPictureOptions& options);
 

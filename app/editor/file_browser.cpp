@@ -87,6 +87,20 @@ const char* purpose_title(FilePurpose purpose) {
       return "Export the label map";
     case FilePurpose::export_picture:
       return "Save a picture";
+    case FilePurpose::open_study:
+      return "Open a study";
+    case FilePurpose::add_shapes:
+      return "Add shapes to the study";
+    case FilePurpose::new_study:
+      return "New study";
+    case FilePurpose::save_study:
+      return "Save the study as";
+    case FilePurpose::export_model:
+      return "Export the model";
+    case FilePurpose::export_measures:
+      return "Export the measures";
+    case FilePurpose::export_plots:
+      return "Save the plots";
   }
   return "";
 }
@@ -107,6 +121,10 @@ const std::vector<std::string>& purpose_extensions(FilePurpose purpose) {
   static const std::vector<std::string> landmarks{".mrk.json", ".json"};
   static const std::vector<std::string> templates{".ply"};
   static const std::vector<std::string> pictures{".png"};
+  static const std::vector<std::string> studies{".study.json"};
+  static const std::vector<std::string> shapes{".ply", ".vtk", ".vtp", ".obj", ".particles", ".homolog"};
+  static const std::vector<std::string> models{".h5.json", ".h5"};
+  static const std::vector<std::string> tables{".csv", ".json"};
   switch (purpose) {
     case FilePurpose::open:
       return openable;
@@ -130,7 +148,18 @@ const std::vector<std::string>& purpose_extensions(FilePurpose purpose) {
     case FilePurpose::export_label_map:
       return label_maps;
     case FilePurpose::export_picture:
+    case FilePurpose::export_plots:
       return pictures;
+    case FilePurpose::open_study:
+    case FilePurpose::new_study:
+    case FilePurpose::save_study:
+      return studies;
+    case FilePurpose::add_shapes:
+      return shapes;
+    case FilePurpose::export_model:
+      return models;
+    case FilePurpose::export_measures:
+      return tables;
   }
   return cases;
 }
@@ -142,6 +171,15 @@ std::vector<int> FileBrowser::visible() const {
     if (wanted.empty() || lower(entries[i].name).find(wanted) != std::string::npos)
       result.push_back(static_cast<int>(i));
   return result;
+}
+
+std::vector<fs::path> visible_files(const FileBrowser& browser) {
+  std::vector<fs::path> files;
+  for (const int index : browser.visible()) {
+    const auto& entry = browser.entries[static_cast<std::size_t>(index)];
+    if (!entry.folder) files.push_back(browser.folder / entry.name);
+  }
+  return files;
 }
 
 FileBrowser browse(FilePurpose purpose, const fs::path& folder, std::string name) {

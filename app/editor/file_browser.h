@@ -17,6 +17,8 @@ enum class FilePurpose {
   open_landmarks,
   open_stiffness,
   open_template_landmarks,
+  open_study,
+  add_shapes,
   save_case,
   export_mesh,
   export_label_map,
@@ -24,7 +26,12 @@ enum class FilePurpose {
   export_template,
   export_template_landmarks,
   use_made_template,
-  export_picture
+  export_picture,
+  new_study,
+  save_study,
+  export_model,
+  export_measures,
+  export_plots
 };
 
 /// A folder as the file dialog shows it. Free of any interface.
@@ -68,6 +75,9 @@ void press_key(FileBrowser& browser, BrowserKey key);
 /// When saving, only the typed name counts (choosing a file copies its name), and the purpose's extension is added
 /// where it has none that fits.
 std::optional<std::filesystem::path> accept(FileBrowser& browser);
+
+/// The files that the typed name leaves, for a purpose that takes several.
+std::vector<std::filesystem::path> visible_files(const FileBrowser& browser);
 
 bool saves(FilePurpose purpose);
 const char* purpose_title(FilePurpose purpose);

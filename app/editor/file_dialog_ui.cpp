@@ -154,7 +154,8 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   gap(theme, 2);
 
   const bool saving = saves(dialog.purpose);
-  const float buttons = theme.px(96) * 2 + theme.px(8);
+  const bool several = dialog.purpose == FilePurpose::add_shapes;
+  const float buttons = theme.px(96) * 2 + theme.px(8) + (several ? theme.px(132) : 0);
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - buttons - theme.px(12));
   std::string name = browser.name;
   // The field has the keyboard from the start: typing filters (or names) at once.
@@ -171,9 +172,20 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   ImGui::SameLine(0, theme.px(12));
   if (button(theme, "Cancel", "Escape", {}, theme.px(96))) out.change(close);
   ImGui::SameLine(0, theme.px(8));
+  if (several) {
+    const auto files = visible_files(browser);
+    if (button(theme, format("Add all %zu", files.size()), "All files that are listed; the typed name leaves some out",
+               files.empty() ? "No shape is listed." : "", theme.px(124))) {
+      out.send(AddCases{files});
+      out.change([folder = browser.folder](EditorState& s) { s.preferences.folder = folder; });
+      out.change(close);
+    }
+    ImGui::SameLine(0, theme.px(8));
+  }
   const bool opens_folder = dialog.purpose == FilePurpose::open && browser.selected < 0 && browser.name.empty();
   if (button(theme,
              saving         ? "Save"
+             : several      ? "Add"
              : opens_folder ? "Open folder"
                             : "Open",
              opens_folder ? "Open this folder as a DICOM series" : "Enter",

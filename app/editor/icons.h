@@ -39,4 +39,14 @@ inline constexpr const char* glyphs = "\xef\x8a\xa1";       // braille f2a1
 inline constexpr const char* wireframe = "\xef\x83\x8e";    // table f0ce
 inline constexpr const char* crosshair = "\xef\x81\x9b";    // crosshairs f05b
 inline constexpr const char* letters = "\xef\x80\xb1";      // font f031
+
+// Of the Models mode.
+inline constexpr const char* plus = "\xef\x81\xa7";       // plus f067
+inline constexpr const char* trash = "\xef\x80\x94";      // trash-o f014
+inline constexpr const char* next = "\xef\x81\x91";       // step-forward f051
+inline constexpr const char* random = "\xef\x81\xb4";     // random f074
+inline constexpr const char* chart = "\xef\x88\x81";      // line-chart f201
+inline constexpr const char* note = "\xef\x89\x8a";       // sticky-note-o f24a
+inline constexpr const char* half_done = "\xef\x81\x82";  // adjust f042
+inline constexpr const char* arrow_up = "\xef\x84\x86";   // angle-up f106
 }  // namespace homolog::icon

@@ -1,3 +1,4 @@
+#include "app/editor/models_ui.h"
 #include "app/editor/ui_context.h"
 
 namespace homolog {
@@ -17,6 +18,7 @@ void begin_region(const char* name, const RectPx& rect, ImU32 colour, float padd
 }
 
 void draw_interface(const UiContext& ui, Outbox& out) {
+  if (ui.state.models.shown) return draw_models_interface(ui, out);
   draw_views(ui, out);
   draw_top_bar(ui, out);
   draw_tool_strip(ui, out);

@@ -125,6 +125,10 @@ std::optional<MouseTool> tool_of_key(int key) {
 
 void press_key(EditorState& state, const InputEvent& event, int key, const ControlsContext& context, Outbox& out) {
   if (state.dialog) return press_dialog_key(state, key, out);
+  if (state.models.shown ? press_models_key(state, event, key, out) : key == key::tab) {
+    if (key == key::tab) state.models.shown = !state.models.shown;
+    return;
+  }
   if (event.ctrl) return press_command_key(state, event, key, context, out);
   if (event.shift && press_look_key(state, key)) return;
   if (const auto tool = tool_of_key(key); tool && !state.drag) {
@@ -213,6 +217,20 @@ void send_choice(const EditorState& state, FilePurpose purpose, const std::files
       return out.send(UseMadeTemplate{path});
     case FilePurpose::export_picture:
       return out.send(ExportPicture{path, state.picture});
+    case FilePurpose::open_study:
+      return out.send(OpenStudy{path});
+    case FilePurpose::add_shapes:
+      return out.send(AddCases{{path}});
+    case FilePurpose::new_study:
+      return out.send(NewStudy{path});
+    case FilePurpose::save_study:
+      return out.send(SaveStudyAs{path});
+    case FilePurpose::export_model:
+      return out.send(ExportModel{path});
+    case FilePurpose::export_measures:
+      return out.send(ExportEvaluation{path});
+    case FilePurpose::export_plots:
+      return out.send(ExportPlots{path});
   }
 }
 

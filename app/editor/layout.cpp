@@ -26,6 +26,11 @@ Layout make_layout(float width_px, float height_px, float scale, const LayoutWis
   const float panel = wishes.panel_open ? std::min(px(panel_width), width_px / 2) : 0.0f;
   layout.top_bar = {0, 0, width_px, body_top};
   layout.status_line = {0, body_top + body_height, width_px, px(status_height)};
+  if (wishes.models) {
+    layout.models = {0, body_top, width_px, body_height};
+    layout.panel = {width_px - std::min(px(panel_width), width_px / 3), body_top, 0, body_height};  // where notices end
+    return layout;
+  }
   layout.tool_strip = {0, body_top, px(tool_strip_width), body_height};
   layout.panel = {width_px - panel, body_top, panel, body_height};
 

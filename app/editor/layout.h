@@ -19,6 +19,7 @@ struct RectPx {
 /// Where everything lies in the window. A view that is not shown (another one is maximised) has no size.
 struct Layout {
   RectPx top_bar, tool_strip, panel, status_line;
+  RectPx models;                  ///< all that the Models mode fills; has no size in the case's
   std::array<RectPx, 4> headers;  ///< title and buttons of each view
   std::array<RectPx, 4> images;   ///< what each view shows
   float scale = 1;                ///< px a layout unit: the monitor's content scale
@@ -30,6 +31,7 @@ struct Layout {
 struct LayoutWishes {
   std::optional<ViewKind> maximised;
   bool panel_open = true;
+  bool models = false;  ///< the Models mode instead of the case
 };
 
 Layout make_layout(float width_px, float height_px, float scale, const LayoutWishes& wishes);

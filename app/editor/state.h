@@ -9,6 +9,7 @@
 #include "app/editor/dialogs.h"
 #include "app/editor/drag.h"
 #include "app/editor/layout.h"
+#include "app/editor/models_state.h"
 #include "app/editor/template_maker.h"
 #include "app/editor/view_geometry.h"
 #include "core/case/action.h"
@@ -142,6 +143,8 @@ struct EditorState {
 
   std::optional<Dialog> dialog;
   std::vector<Notice> notices;
+
+  ModelsState models;
 
   double sigma_mm() const { return sigma_presets_mm[sigma_preset]; }
 };

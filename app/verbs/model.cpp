@@ -3,8 +3,7 @@
 #include <sstream>
 
 #include "app/verbs/verb.h"
-#include "core/base/files.h"
-#include "core/model/measures.h"
+#include "core/model/evaluation.h"
 #include "core/model/model_files.h"
 #include "core/model/statismo.h"
 #include "core/model/training_set.h"
@@ -119,85 +118,6 @@ std::vector<int> parsed_modes(const std::string& text, int most) {
   return modes;
 }
 
-/// What `evaluate` reports, by name: over all mode counts, or at those asked for.
-struct Table {
-  std::vector<int> modes;
-  std::vector<std::pair<std::string, Measures>> at_every, at_modes, shapeworks;
-};
-
-void add_measures(const std::vector<std::pair<std::string, Measures>>& all, Json& values) {
-  for (const auto& [name, measures] : all) {
-    Json means = Json::array(), errors = Json::array();
-    for (const Measured& m : measures) {
-      means.push_back(m.mean);
-      errors.push_back(m.standard_error);
-    }
-    values[name] = std::move(means);
-    values[name + "_se"] = std::move(errors);
-  }
-}
-
-Result<void> write_csv(const Table& table, const fs::path& path) {
-  return write_whole_file(path, [&](std::ostream& out) {
-    out.precision(17);
-    out << "modes";
-    for (const auto* part : {&table.at_every, &table.at_modes})
-      for (const auto& [name, measures] : *part) out << ',' << name << ',' << name << "_se";
-    for (const auto& [name, measures] : table.shapeworks) out << ",shapeworks_" << name;
-    out << '\n';
-    const std::size_t counts = table.at_every.front().second.size();
-    for (std::size_t m = 0; m < counts; ++m) {
-      out << m + 1;
-      for (const auto& [name, measures] : table.at_every)
-        out << ',' << measures[m].mean << ',' << measures[m].standard_error;
-      const auto asked = std::find(table.modes.begin(), table.modes.end(), static_cast<int>(m) + 1);
-      const auto at = static_cast<std::size_t>(asked - table.modes.begin());
-      for (const auto& [name, measures] : table.at_modes) {
-        out << ',';
-        if (asked != table.modes.end())
-          out << measures[at].mean << ',' << measures[at].standard_error;
-        else
-          out << ',';
-      }
-      for (const auto& [name, measures] : table.shapeworks) {
-        out << ',';
-        if (asked != table.modes.end()) out << measures[at].mean;
-      }
-      out << '\n';
-    }
-    return Result<void>();
-  });
-}
-
-Result<Table> measure(const Training& training, const EvaluateOptions& options, std::vector<int> modes,
-                      Progress& progress) {
-  const PrincipalComponents& components = training.components;
-  Table table;
-  table.modes = std::move(modes);
-  const Measures shares = compactness(components);
-  table.at_every = {{"compactness", shares},
-                    {"generalization_rms", generalisation_rms(components)},
-                    {"specificity_rms", specificity_rms(components, options.samples, options.seed)}};
-  auto general = generalisation_mean(components, table.modes, &progress);
-  if (!general) return fail(general.error());
-  auto specific = specificity_mean(components, table.modes, options.samples, options.seed, false, &progress);
-  if (!specific) return fail(specific.error());
-  auto shapeworks = specificity_mean(components, table.modes, options.samples, options.seed, true, &progress);
-  if (!shapeworks) return fail(shapeworks.error());
-  Measures shares_at_modes;
-  for (const int m : table.modes) shares_at_modes.push_back(shares[static_cast<std::size_t>(m) - 1]);
-  table.at_modes = {{"generalization", *general}, {"specificity", std::move(*specific)}};
-  table.shapeworks = {{"compactness", std::move(shares_at_modes)},
-                      {"generalization", std::move(*general)},
-                      {"specificity", std::move(*shapeworks)}};
-  if (training.topology) {
-    auto surface = generalisation_surface(components, training.topology, table.modes, &progress);
-    if (!surface) return fail(surface.error());
-    table.at_modes.emplace_back("generalization_surface", std::move(*surface));
-  }
-  return table;
-}
-
 Result<Report> evaluate(const EvaluateOptions& options, Progress& progress) {
   auto training = train(options.training, progress);
   if (!training) return fail(training.error());
@@ -213,22 +133,16 @@ Result<Report> evaluate(const EvaluateOptions& options, Progress& progress) {
     return fail("--modes " + std::to_string(*highest), "is more than " + std::to_string(components.shapes()) +
                                                            " shapes allow; the most is " + std::to_string(most));
   }
-  const auto table = measure(*training, options, std::move(modes), progress);
-  if (!table) return fail(table.error());
+  const auto measured =
+      evaluate_model(components, training->topology, {std::move(modes), options.samples, options.seed}, &progress);
+  if (!measured) return fail(measured.error());
   if (!options.csv.empty())
-    if (auto written = write_csv(*table, options.csv); !written) return fail(written.error());
+    if (auto written = write_evaluation(*measured, options.csv); !written) return fail(written.error());
   Report report;
   report.warnings = std::move(training->warnings);
   if (!training->topology)
     report.warnings.emplace_back("the shapes have points only, so generalization_surface is left out");
-  report.values = {{"shapes", components.shapes()}, {"vertices", components.landmarks()}};
-  report.values["total_variance_mm2"] = components.variances().sum();
-  add_measures(table->at_every, report.values);
-  report.values["modes"] = table->modes;
-  add_measures(table->at_modes, report.values);
-  Json shapeworks = Json::object();
-  add_measures(table->shapeworks, shapeworks);
-  report.values["shapeworks"] = std::move(shapeworks);
+  report.values = to_json(*measured);
   return report;
 }
 

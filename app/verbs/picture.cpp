@@ -11,6 +11,7 @@
 #include "core/base/picture_io.h"
 #include "core/case/case_file.h"
 #include "core/model/statismo.h"
+#include "core/model/study.h"
 #include "render/offscreen.h"
 
 namespace homolog {
@@ -118,6 +119,23 @@ Result<Report> of_window(const PictureVerb& verb, Progress& progress) {
   return Report{{{"size", Json::array({picture->width, picture->height})}}, read->warnings};
 }
 
+Result<Report> of_study(const PictureVerb& verb) {
+  const MontageOptions options = montage_options(verb);
+  auto read = read_study(verb.in.front());
+  if (!read) return fail(read.error());
+  const auto context = OffscreenContext::make();
+  if (!context) return fail(context.error());
+  EditorPictureOptions window;
+  window.width_px = options.width_px;
+  window.height_px = options.height_px;
+  window.arrange = [&](EditorState& state) { show_study(state.models, std::move(read->study), verb.in.front()); };
+  window.models = StartEvaluation{};
+  const auto picture = editor_picture(EditSession(new_document({}, nullptr, nullptr)), window);
+  if (!picture) return fail(picture.error());
+  if (auto written = write_picture(*picture, verb.out); !written) return fail(written.error());
+  return Report{{{"size", Json::array({picture->width, picture->height})}}, read->warnings};
+}
+
 void add_options(CLI::App& verb, PictureVerb& options) {
   verb.add_option("-o,--output", options.out, "The picture to write (.png)")->required();
   add_size(verb, options.size);
@@ -156,6 +174,11 @@ void add_picture(CLI::App& app, VerbRun& run) {
   window->add_option("-o,--output", options->out, "The picture to write (.png)")->required();
   add_size(*window, options->size);
   window->callback([options, &run] { run = [options](Progress& progress) { return of_window(*options, progress); }; });
+  CLI::App* study = add_verb(*picture, "study", "A study's models, as the editor's window shows them");
+  study->add_option("STUDY", options->in, "The study (.study.json)")->required()->expected(1);
+  study->add_option("-o,--output", options->out, "The picture to write (.png)")->required();
+  add_size(*study, options->size);
+  study->callback([options, &run] { run = [options](Progress&) { return of_study(*options); }; });
   one->callback([options, &run] { run = [options](Progress& progress) { return of_case(*options, progress); }; });
 }
 

@@ -6,8 +6,6 @@
 #include <string_view>
 #include <utility>
 
-#include "core/mesh/mesh_io.h"
-
 namespace homolog {
 
 namespace fs = std::filesystem;
@@ -16,65 +14,6 @@ namespace {
 
 /// How much better the mirror image has to fit before a shape is said to be mirrored.
 constexpr double mirrored_gain = 2;
-
-/// The connectivity that most files have.
-class Majority {
- public:
-  /// `.particles` have no faces and may join any connectivity of their count.
-  void add(const MeshFile& file) {
-    for (Kind& kind : kinds_) {
-      if (kind.vertices == file.points.rows() && kind.triangles.rows() == file.triangles.rows() &&
-          kind.triangles == file.triangles) {
-        ++kind.files;
-        kind_of_file_.push_back(&kind - kinds_.data());
-        return;
-      }
-    }
-    kind_of_file_.push_back(std::ssize(kinds_));
-    kinds_.push_back({file.points.rows(), file.triangles, 1});
-  }
-
-  /// Errors: a file whose connectivity differs from that of most; `names` gives the files as they were added.
-  Result<std::shared_ptr<const Topology>> common(const std::vector<std::string>& names) const {
-    std::size_t best = 0;
-    for (std::size_t k = 1; k < kinds_.size(); ++k)
-      if (std::pair(kinds_[k].triangles.rows() > 0, kinds_[k].files) >
-          std::pair(kinds_[best].triangles.rows() > 0, kinds_[best].files))
-        best = k;
-    const Kind& most = kinds_[best];
-    const auto of_most = std::find(kind_of_file_.begin(), kind_of_file_.end(), std::ptrdiff_t(best));
-    const std::string& example = names[static_cast<std::size_t>(of_most - kind_of_file_.begin())];
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const Kind& kind = kinds_[static_cast<std::size_t>(kind_of_file_[i])];
-      if (kind.vertices != most.vertices) {
-        return fail(names[i],
-                    "has " + std::to_string(kind.vertices) + " vertices where " + example + " has " +
-                        std::to_string(most.vertices) +
-                        "; only shapes in correspondence make a model, so leave it out or make it from the same "
-                        "template");
-      }
-      if (kind.triangles.rows() > 0 && &kind != &most) {
-        return fail(names[i],
-                    "has other faces (or another numbering) than " + example +
-                        "; only shapes in correspondence make a model, so leave it out or make it from the same "
-                        "template");
-      }
-    }
-    if (most.triangles.rows() == 0) return std::shared_ptr<const Topology>();
-    auto topology = Topology::make(most.vertices, most.triangles);
-    if (!topology) return fail(example, topology.error().what);
-    return *topology;
-  }
-
- private:
-  struct Kind {
-    Eigen::Index vertices = 0;
-    Triangles triangles;
-    int files = 0;
-  };
-  std::vector<Kind> kinds_;
-  std::vector<std::ptrdiff_t> kind_of_file_;
-};
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
@@ -140,48 +79,123 @@ std::vector<std::string> oddities(const TrainingSet& set) {
   return found;
 }
 
-Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, Progress* progress) {
+/// The connectivity that most files have.
+class TrainingSetBuilder::Majority {
+ public:
+  /// `.particles` have no faces and may join any connectivity of their count.
+  void add(const MeshFile& file) {
+    for (Kind& kind : kinds_) {
+      if (kind.vertices == file.points.rows() && kind.triangles.rows() == file.triangles.rows() &&
+          kind.triangles == file.triangles) {
+        ++kind.files;
+        kind_of_file_.push_back(&kind - kinds_.data());
+        return;
+      }
+    }
+    kind_of_file_.push_back(std::ssize(kinds_));
+    kinds_.push_back({file.points.rows(), file.triangles, 1});
+  }
+
+  /// Errors: a file whose connectivity differs from that of most; `names` gives the files as they were added.
+  Result<std::shared_ptr<const Topology>> common(const std::vector<std::string>& names) const {
+    std::size_t best = 0;
+    for (std::size_t k = 1; k < kinds_.size(); ++k)
+      if (std::pair(kinds_[k].triangles.rows() > 0, kinds_[k].files) >
+          std::pair(kinds_[best].triangles.rows() > 0, kinds_[best].files))
+        best = k;
+    const Kind& most = kinds_[best];
+    const auto of_most = std::find(kind_of_file_.begin(), kind_of_file_.end(), std::ptrdiff_t(best));
+    const std::string& example = names[static_cast<std::size_t>(of_most - kind_of_file_.begin())];
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const Kind& kind = kinds_[static_cast<std::size_t>(kind_of_file_[i])];
+      if (kind.vertices != most.vertices) {
+        return fail(names[i],
+                    "has " + std::to_string(kind.vertices) + " vertices where " + example + " has " +
+                        std::to_string(most.vertices) +
+                        "; only shapes in correspondence make a model, so leave it out or make it from the same "
+                        "template");
+      }
+      if (kind.triangles.rows() > 0 && &kind != &most) {
+        return fail(names[i],
+                    "has other faces (or another numbering) than " + example +
+                        "; only shapes in correspondence make a model, so leave it out or make it from the same "
+                        "template");
+      }
+    }
+    if (most.triangles.rows() == 0) return std::shared_ptr<const Topology>();
+    auto topology = Topology::make(most.vertices, most.triangles);
+    if (!topology) return fail(example, topology.error().what);
+    return *topology;
+  }
+
+ private:
+  struct Kind {
+    Eigen::Index vertices = 0;
+    Triangles triangles;
+    int files = 0;
+  };
+  std::vector<Kind> kinds_;
+  std::vector<std::ptrdiff_t> kind_of_file_;
+};
+
+TrainingSetBuilder::TrainingSetBuilder(std::size_t most_shapes)
+    : majority_(std::make_unique<Majority>()), most_shapes_(most_shapes) {}
+TrainingSetBuilder::~TrainingSetBuilder() = default;
+
+void TrainingSetBuilder::add(std::string name, const MeshFile& mesh) {
+  const auto shape = static_cast<Eigen::Index>(shapes());
+  majority_->add(mesh);
+  set_.names.push_back(std::move(name));
+  if (shape == 0) set_.shapes.resize(mesh.points.size(), static_cast<Eigen::Index>(most_shapes_));
+  if (mesh.points.size() == set_.shapes.rows())
+    set_.shapes.col(shape) = Eigen::Map<const Eigen::VectorXd>(mesh.points.data(), mesh.points.size());
+}
+
+Result<TrainingSetRead> TrainingSetBuilder::finish() {
+  if (set_.names.empty()) return fail("", "no shape was given; a model needs at least two");
+  auto topology = majority_->common(set_.names);
+  if (!topology) return fail(topology.error());
+  const auto count = static_cast<Eigen::Index>(shapes());
+  if (count < 2) {
+    return fail(set_.names.front(), most_shapes_ < 2
+                                        ? "is one shape only; a model needs at least two"
+                                        : "is the only shape that could be read; a model needs at least two");
+  }
+  set_.topology = *topology;
+  set_.shapes.conservativeResize(Eigen::NoChange, count);
+  if (((set_.shapes.rightCols(count - 1).colwise() - set_.shapes.col(0)).array() == 0).all())
+    return fail(set_.names.front(),
+                "is the same shape as all others, so there is nothing to model; give different shapes");
   TrainingSetRead read;
-  TrainingSet& set = read.set;
-  Majority majority;
-  Eigen::Index shapes = 0;
+  read.set = std::move(set_);
+  read.warnings = oddities(read.set);
+  return read;
+}
+
+Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, Progress* progress) {
+  TrainingSetBuilder builder(files.size());
+  std::vector<std::string> warnings;
   Error unreadable{"", "no shape was given; a model needs at least two"};
   for (const fs::path& file : files) {
     if (progress != nullptr) {
-      progress->report(static_cast<double>(shapes) / static_cast<double>(files.size()));
+      progress->report(static_cast<double>(builder.shapes()) / static_cast<double>(files.size()));
       if (progress->cancelled()) return fail("", "was stopped while the shapes were read");
     }
     if (file.extension() == ".stl" || file.extension() == ".STL")
       return fail(file.string(),
                   "is an STL file, which does not keep vertices and so no correspondence; use PLY or VTK");
-    auto mesh = read_mesh_file(file);
+    const auto mesh = read_mesh_file(file);
     if (!mesh) {
-      if (read.warnings.empty() && shapes == 0) unreadable = mesh.error();
-      read.warnings.push_back(mesh.error().sentence() + " (left out)");
+      if (warnings.empty() && builder.shapes() == 0) unreadable = mesh.error();
+      warnings.push_back(mesh.error().sentence() + " (left out)");
       continue;
     }
-    for (const std::string& warning : mesh->warnings) read.warnings.push_back(file.string() + ": " + warning);
-    majority.add(*mesh);
-    set.names.push_back(file.string());
-    if (shapes == 0) set.shapes.resize(mesh->points.size(), std::ssize(files));
-    if (mesh->points.size() == set.shapes.rows())
-      set.shapes.col(shapes) = Eigen::Map<const Eigen::VectorXd>(mesh->points.data(), mesh->points.size());
-    ++shapes;
+    for (const std::string& warning : mesh->warnings) warnings.push_back(file.string() + ": " + warning);
+    builder.add(file.string(), *mesh);
   }
-  if (shapes == 0) return fail(std::move(unreadable));
-  auto topology = majority.common(set.names);
-  if (!topology) return fail(topology.error());
-  if (shapes < 2) {
-    return fail(set.names.front(), files.size() < 2
-                                       ? "is one shape only; a model needs at least two"
-                                       : "is the only shape that could be read; a model needs at least two");
-  }
-  set.topology = *topology;
-  set.shapes.conservativeResize(Eigen::NoChange, shapes);
-  if (((set.shapes.rightCols(shapes - 1).colwise() - set.shapes.col(0)).array() == 0).all())
-    return fail(set.names.front(),
-                "is the same shape as all others, so there is nothing to model; give different shapes");
-  for (std::string& odd : oddities(set)) read.warnings.push_back(std::move(odd));
+  if (builder.shapes() == 0) return fail(std::move(unreadable));
+  auto read = builder.finish();
+  if (read) read->warnings.insert(read->warnings.begin(), warnings.begin(), warnings.end());
   return read;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/progress.h"
 #include "core/base/result.h"
+#include "core/mesh/mesh_io.h"
 #include "core/mesh/topology.h"
 #include "core/model/procrustes.h"
 
@@ -22,6 +23,27 @@ struct TrainingSet {
 struct TrainingSetRead {
   TrainingSet set;
   std::vector<std::string> warnings;  ///< each names its file: what was left out, and what looks wrong (see oddities)
+};
+
+/// Puts shapes together into a training set, one after the other; keeps one copy of their points.
+class TrainingSetBuilder {
+ public:
+  explicit TrainingSetBuilder(std::size_t most_shapes);
+  ~TrainingSetBuilder();
+  TrainingSetBuilder(const TrainingSetBuilder&) = delete;
+  TrainingSetBuilder& operator=(const TrainingSetBuilder&) = delete;
+
+  void add(std::string name, const MeshFile& mesh);
+  std::size_t shapes() const { return set_.names.size(); }
+  /// The set, once; the warnings are its oddities. Errors: a shape with another vertex count or other faces than most
+  /// of the rest have (the error's subject is its name), fewer than two shapes, shapes that are all equal.
+  Result<TrainingSetRead> finish();
+
+ private:
+  class Majority;
+  std::unique_ptr<Majority> majority_;
+  std::size_t most_shapes_;
+  TrainingSet set_;
 };
 
 /// Reads meshes (PLY, VTK, VTP, OBJ) and `.particles` into one training set. A file that cannot be read (absent,

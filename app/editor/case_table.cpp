@@ -1,0 +1,259 @@
+#include <imgui.h>
+// After imgui.h, which it does not include.
+#include <imgui_stdlib.h>
+
+#include <cmath>
+
+#include "app/editor/controls.h"
+#include "app/editor/icons.h"
+#include "app/editor/models_ui.h"
+#include "app/editor/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+// Layout units.
+constexpr float group_width = 74, state_width = 30, distance_width = 58, row_height = 26, details_height = 206;
+
+bool is_case_file(const StudyCase& one) {
+  return one.file.extension() == ".homolog";
+}
+
+const char* state_icon(CaseState state) {
+  switch (state) {
+    case CaseState::to_do:
+      return icon::outline;
+    case CaseState::in_work:
+      return icon::half_done;
+    case CaseState::done:
+      return icon::check;
+  }
+  return "";
+}
+
+ImU32 state_colour(CaseState state) {
+  return state == CaseState::done ? palette::good : state == CaseState::in_work ? palette::amber : palette::faint;
+}
+
+void draw_study_menu(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(8), theme.px(8)});
+  if (ImGui::BeginPopup("study menu")) {
+    const auto item = [&](const char* label, const char* keys, auto act) {
+      if (ImGui::MenuItem(label, keys)) act();
+    };
+    const auto ask = [&](FilePurpose purpose, std::string name = {}) {
+      out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
+    };
+    item("New study\xe2\x80\xa6", nullptr, [&] { ask(FilePurpose::new_study, "study.study.json"); });
+    item("Open study\xe2\x80\xa6", "Ctrl+O", [&] { ask(FilePurpose::open_study); });
+    if (!ui.state.models.study_file.empty())
+      item("Save study as\xe2\x80\xa6", "Ctrl+S",
+           [&] { ask(FilePurpose::save_study, ui.state.models.study_file.filename().string()); });
+    ImGui::Separator();
+    item("Phantom vertebrae (10 subjects)", nullptr, [&] { out.send(OpenPhantomStudy{Organ::vertebra}); });
+    item("Phantom kidneys (16 subjects)", nullptr, [&] { out.send(OpenPhantomStudy{Organ::kidney}); });
+    item("Phantom ventricle (20 phases)", nullptr, [&] { out.send(OpenPhantomStudy{Organ::ventricle}); });
+    ImGui::EndPopup();
+  }
+  ImGui::PopStyleVar();
+}
+
+void draw_buttons(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const float next = theme.px(28), width = (ImGui::GetContentRegionAvail().x - next - 2 * theme.px(8)) / 2;
+  if (button(theme, std::string("Study  ") + icon::down_angle, "New, open, save as, phantoms", {}, width))
+    ImGui::OpenPopup("study menu");
+  const ImVec2 below{ImGui::GetItemRectMin().x, ImGui::GetItemRectMax().y + theme.px(4)};
+  ImGui::SetNextWindowPos(below);
+  draw_study_menu(ui, out);
+  ImGui::SameLine(0, theme.px(8));
+  if (button(theme, std::string(icon::plus) + "  Meshes\xe2\x80\xa6",
+             "Add meshes (PLY, VTK, VTP, OBJ), .particles or cases of this editor; or drop them on the window", {},
+             width))
+    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::add_shapes); });
+  ImGui::SameLine(0, theme.px(8));
+  if (icon_button(theme, icon::next, "next", "Next case that is not done (N)",
+                  state.study.next_case() < 0 ? "Every case is done." : "", false, 28))
+    out.change([](EditorState& s) { select_next_case(s.models); });
+}
+
+/// A title of the list that sorts it.
+void draw_title(const UiContext& ui, const char* text, CaseColumn column, float x_px, float width_px, bool at_right,
+                const char* tip, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  ImGui::SetCursorPosX(x_px);
+  const ImVec2 at = ImGui::GetCursorScreenPos(), size{width_px, theme.px(20)};
+  if (ImGui::InvisibleButton(text, size)) out.change([column](EditorState& s) { sort_by(s.models, column); });
+  const bool sorted = state.sorted_by == column;
+  const ImU32 colour = ImGui::IsItemHovered() ? palette::accent : sorted ? palette::text : palette::dim;
+  if (ImGui::IsItemHovered()) tooltip(theme, tip);
+  const std::string label =
+      std::string(text) + (sorted ? std::string(" ") + (state.descending ? icon::down_angle : icon::arrow_up) : "");
+  ImGui::PushFont(theme.small);
+  const float width = ImGui::CalcTextSize(label.c_str()).x;
+  ImGui::GetWindowDrawList()->AddText({at_right ? at.x + size.x - width : at.x, at.y + theme.px(2)}, colour,
+                                      label.c_str());
+  ImGui::PopFont();
+  ImGui::SameLine(0, 0);
+}
+
+struct Columns {
+  float name, group, state, distance, right;
+};
+Columns columns_in(const Theme& theme, float width_px) {
+  Columns c{};
+  c.right = width_px - theme.px(8);
+  c.distance = c.right - theme.px(distance_width);
+  c.state = c.distance - theme.px(state_width);
+  c.group = c.state - theme.px(group_width);
+  c.name = theme.px(8);
+  return c;
+}
+
+ImU32 distance_colour(const StudyModel& model, std::ptrdiff_t shape) {
+  for (const DoubtfulShape& one : model.doubtful_shapes)
+    if (one.shape == shape) return one.doubt == Doubt::far_outside ? palette::bad : palette::amber;
+  return palette::dim;
+}
+
+void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  ImGui::PushID(one.name.c_str());
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 size{width_px, theme.px(row_height)};
+  const Columns columns = columns_in(theme, size.x);
+  ImGui::SetItemAllowOverlap();
+  const bool clicked = ImGui::InvisibleButton("row", size);
+  ImGui::SetItemAllowOverlap();
+  const bool hovered = ImGui::IsItemHovered();
+  if (clicked) out.change([name = one.name](EditorState& s) { s.models.selected = name; });
+  if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left) && is_case_file(one))
+    out.send(OpenCaseOfStudy{one.name, {}});
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const bool selected = state.selected == one.name;
+  if (selected || hovered)
+    draw.AddRectFilled(at, {at.x + size.x, at.y + size.y},
+                       selected ? with_alpha(palette::accent, 0.25f) : palette::raised, theme.px(4));
+  const float y = at.y + std::floor((size.y - ImGui::GetFontSize()) / 2);
+  const auto shape = state.model ? state.model->index_of(one.name) : -1;
+  const float name_room = columns.group - columns.name - theme.px(8) - (one.notes.empty() ? 0 : theme.px(20));
+  const std::string name = shortened(one.name, name_room);
+  const bool left_out = state.model && shape < 0;
+  draw.AddText({at.x + columns.name, y}, left_out ? palette::bad : palette::text, name.c_str());
+  if (!one.notes.empty())
+    draw.AddText({at.x + columns.name + ImGui::CalcTextSize(name.c_str()).x + theme.px(6), y}, palette::dim,
+                 icon::note);
+  draw.AddText({at.x + columns.group, y}, palette::dim,
+               shortened(one.group, columns.state - columns.group - theme.px(6)).c_str());
+  if (const auto distance = distance_mm(state, one)) {
+    const std::string text = format("%.2f", *distance);
+    draw.AddText({at.x + columns.right - ImGui::CalcTextSize(text.c_str()).x, y}, distance_colour(*state.model, shape),
+                 text.c_str());
+  }
+  if (hovered) {
+    std::string tip = one.file.string();
+    if (left_out) tip += "\nNot in the model.";
+    if (!one.notes.empty()) tip += "\n" + one.notes;
+    if (is_case_file(one)) tip += "\nDouble-click opens it.";
+    tooltip(theme, tip);
+  }
+  ImGui::SetCursorScreenPos({at.x + columns.state, at.y});
+  if (ImGui::InvisibleButton("state", {theme.px(24), size.y}))
+    out.change([name = one.name](EditorState& s) { cycle_case_state(s.models, name); });
+  if (ImGui::IsItemHovered()) tooltip(theme, std::string("State: ") + state_name(one.state) + ". Click for the next.");
+  draw.AddText({at.x + columns.state + theme.px(4), y}, state_colour(one.state), state_icon(one.state));
+  ImGui::PopID();
+}
+
+void draw_list(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  std::string filter = state.filter;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  if (ImGui::InputTextWithHint("##filter", "Filter by name, group or notes", &filter))
+    out.change([filter](EditorState& s) { s.models.filter = filter; });
+  const float left = ImGui::GetCursorPosX(), scrollbar = ImGui::GetStyle().ScrollbarSize;
+  const float width = ImGui::GetContentRegionAvail().x - scrollbar;  // the same with and without one
+  const Columns columns = columns_in(theme, width);
+  draw_title(ui, "Name", CaseColumn::name, left + columns.name, columns.group - columns.name, false, "Sort by name",
+             out);
+  draw_title(ui, "Group", CaseColumn::group, left + columns.group, columns.state - columns.group, false,
+             "Sort by group", out);
+  draw_title(ui, "State", CaseColumn::state, left + columns.state - theme.px(6), theme.px(40), false,
+             "Sort by state: to do, in work, done", out);
+  draw_title(ui, "mm", CaseColumn::distance, left + columns.distance + theme.px(10),
+             columns.right - columns.distance - theme.px(10), true,
+             "Procrustes distance: root mean square over the landmarks to the mean shape, mm. Beyond the fences it is "
+             "coloured.",
+             out);
+  ImGui::NewLine();
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
+  ImGui::BeginChild("cases", {0, state.selected.empty() ? 0 : -theme.px(details_height)});
+  const auto listed = listed_cases(state);
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(listed.size()), theme.px(row_height));
+  while (clipper.Step())
+    for (int k = clipper.DisplayStart; k < clipper.DisplayEnd; ++k)
+      draw_row(ui, state.study.cases[listed[static_cast<std::size_t>(k)]], width, out);
+  if (listed.empty() && !state.study.cases.empty()) explanation(theme, "No case holds that.");
+  ImGui::EndChild();
+  ImGui::PopStyleVar();
+}
+
+/// A text of the selected case; it counts when the field is left.
+void draw_text_field(const UiContext& ui, const StudyCase& one, const char* field, const char* hint,
+                     const std::string& committed, Outbox& out) {
+  const auto& edit = ui.state.models.text_edit;
+  const std::string key = one.name + '\n' + field;
+  std::string text = edit && edit->field == key ? edit->text : committed;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  const bool changed = ImGui::InputTextWithHint((std::string("##") + key).c_str(), hint, &text);
+  if (changed) out.change([key, text](EditorState& s) { s.models.text_edit = CaseTextEdit{key, text}; });
+  if (!ImGui::IsItemDeactivatedAfterEdit()) return;
+  out.change([name = one.name, field, text](EditorState& s) {
+    set_case_text(s.models, name, field, text);
+    s.models.text_edit.reset();
+  });
+}
+
+void draw_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
+  const Theme& theme = ui.theme;
+  gap(theme, 0);
+  rule(theme);
+  ImGui::PushFont(theme.strong);
+  ImGui::TextUnformatted(shortened(one.name, ImGui::GetContentRegionAvail().x).c_str());
+  ImGui::PopFont();
+  int chosen = static_cast<int>(one.state);
+  if (choice(theme, "state", {"To do", "In work", "Done"}, chosen, {"Not begun", "Begun", "Finished"}))
+    out.change([name = one.name, chosen](EditorState& s) {
+      if (StudyCase* now = find_case(s.models.study, name)) now->state = static_cast<CaseState>(chosen);
+      ++s.models.study_revision;
+    });
+  draw_text_field(ui, one, "group", "Group, e.g. healthy", one.group, out);
+  draw_text_field(ui, one, "notes", "Notes", one.notes, out);
+  const float width = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  if (button(theme, std::string(icon::open) + "  Open", "Open the case in the editor (Enter)",
+             is_case_file(one) ? "" : "This is a mesh alone; only cases of this editor (.homolog) can be opened.",
+             width))
+    out.send(OpenCaseOfStudy{one.name, {}});
+  ImGui::SameLine(0, theme.px(8));
+  if (button(theme, std::string(icon::trash) + "  Take off", "Takes the case off the study; its file stays", {}, width))
+    out.change([name = one.name](EditorState& s) { remove_case(s.models, name); });
+}
+
+}  // namespace
+
+void draw_case_table(const UiContext& ui, const RectPx& rect, Outbox& out) {
+  begin_region("cases", rect, palette::surface, ui.theme.px(12));
+  draw_buttons(ui, out);
+  draw_list(ui, out);
+  if (const StudyCase* one = find_case(ui.state.models.study, ui.state.models.selected)) draw_details(ui, *one, out);
+  ImGui::End();
+}
+
+}  // namespace homolog

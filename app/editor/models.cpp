@@ -1,0 +1,187 @@
+#include "app/editor/models.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "core/model/statismo.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A study's file that is not there yet.
+fs::path new_study_file() {
+  std::error_code ignored;
+  fs::create_directories(studies_folder(), ignored);
+  for (int number = 1;; ++number) {
+    const fs::path path = studies_folder() / ("study-" + std::to_string(number) + ".study.json");
+    if (!fs::exists(path, ignored)) return path;
+  }
+}
+
+bool is_study_case(const Study& study, const fs::path& file) {
+  return !file.empty() &&
+         std::any_of(study.cases.begin(), study.cases.end(), [&](const StudyCase& one) { return one.file == file; });
+}
+
+/// The open case, where it is one of the study's.
+std::shared_ptr<const Document> open_document(const ModelsState& state, const Snapshot& snapshot) {
+  return is_study_case(state.study, snapshot.file) ? snapshot.document : nullptr;
+}
+
+void tell(EditorState& state, const Result<void>& done, const fs::path& path) {
+  add_notice(state, done ? "Written: " + path.string() : done.error().sentence(), !done);
+}
+
+}  // namespace
+
+void Models::open_study(EditorState& state, const fs::path& path) {
+  auto read = read_study(path);
+  if (!read) return add_notice(state, read.error().sentence());
+  for (const std::string& warning : read->warnings) add_notice(state, warning);
+  told_.clear();
+  known_.clear();
+  show_study(state.models, std::move(read->study), fs::absolute(path).lexically_normal());
+  written_revision_ = state.models.study_revision;
+}
+
+void Models::run(const ModelsCommand& command, EditorState& state, const Snapshot& snapshot, Outbox& out) {
+  ModelsState& models = state.models;
+  if (const auto* open = std::get_if<OpenStudy>(&command)) {
+    open_study(state, open->path);
+  } else if (const auto* made = std::get_if<NewStudy>(&command)) {
+    if (auto written = write_study({}, made->path); !written) return add_notice(state, written.error().sentence());
+    open_study(state, made->path);
+  } else if (const auto* save = std::get_if<SaveStudyAs>(&command)) {
+    const auto written = write_study(models.study, save->path);
+    if (written) models.study_file = fs::absolute(save->path).lexically_normal();
+    tell(state, written, save->path);
+  } else if (const auto* add = std::get_if<AddCases>(&command)) {
+    if (add_cases(models, add->paths) == 0) add_notice(state, "These shapes are in the study already.", false);
+    if (models.study_file.empty()) models.study_file = new_study_file();
+  } else if (const auto* phantom = std::get_if<OpenPhantomStudy>(&command)) {
+    phantoms_.start([organ = phantom->organ](Progress& progress) {
+      return make_phantom_study(organ, studies_folder() / ("phantom-" + std::string(organ_name(organ))), progress);
+    });
+  } else if (const auto* of = std::get_if<OpenCaseOfStudy>(&command)) {
+    const StudyCase* one = find_case(models.study, of->name);
+    if (one == nullptr) return;
+    models.repair = RepairPlace{one->file, one->frame, of->landmark};
+    models.shown = false;
+    if (snapshot.file == one->file)
+      show_repair(state, snapshot);
+    else
+      out.send(OpenFiles{{one->file}});
+  } else if (std::holds_alternative<StartEvaluation>(command)) {
+    if (!models.model) return;
+    evaluator_.start([model = models.model](Progress& progress) {
+      const auto most = static_cast<int>(model->components->shapes()) - 2;
+      const EvaluationOptions options{{std::min(most, static_cast<int>(model->model.modes()))}};
+      return Evaluated{model, evaluate_model(*model->components, model->topology, options, &progress)};
+    });
+  } else if (std::holds_alternative<CancelEvaluation>(command)) {
+    evaluator_.cancel();
+  } else if (const auto* model = std::get_if<ExportModel>(&command)) {
+    if (models.model) tell(state, write_model(models.model->model, model->path), model->path);
+  } else if (const auto* table = std::get_if<ExportEvaluation>(&command)) {
+    if (models.evaluation) tell(state, write_evaluation(*models.evaluation, table->path), table->path);
+  }
+}
+
+void Models::show_repair(EditorState& state, const Snapshot& snapshot) {
+  const auto repair = std::exchange(state.models.repair, std::nullopt);
+  if (!repair || repair->file != snapshot.file || !repair->landmark) return;
+  const auto shape = snapshot.document->shapes.find(repair->frame);
+  if (shape == snapshot.document->shapes.end() || *repair->landmark >= shape->second.points->rows()) return;
+  state.crosshair_mm = shape->second.points->row(*repair->landmark);
+  state.tool = MouseTool::slide;
+}
+
+void Models::build(EditorState& state, const Snapshot& snapshot) {
+  ModelsState& models = state.models;
+  built_revision_ = models.shapes_revision;
+  built_alignment_ = models.alignment;
+  built_document_ = open_document(models, snapshot);
+  StudyModelRequest request{models.study.cases, models.alignment, known_, built_document_, snapshot.file};
+  builder_.start([request = std::move(request)](Progress& progress) { return build_study_model(request, progress); });
+}
+
+void Models::take_built(EditorState& state, StudyModelBuilt built) {
+  known_ = std::move(built.known);
+  take_model(state.models, std::move(built.model));
+  state.models.model_error = std::move(built.error);
+  const auto tell_once = [&](const std::vector<std::string>& sentences, bool error) {
+    for (const std::string& sentence : sentences) {
+      if (std::find(told_.begin(), told_.end(), sentence) != told_.end()) continue;
+      told_.push_back(sentence);
+      add_notice(state, sentence, error);
+    }
+  };
+  tell_once(built.refusals, true);
+  tell_once(built.warnings, false);
+}
+
+void Models::write_study_file(EditorState& state) {
+  ModelsState& models = state.models;
+  written_revision_ = models.study_revision;
+  if (models.study_file.empty()) return;
+  if (auto written = write_study(models.study, models.study_file); !written)
+    add_notice(state, written.error().sentence());
+}
+
+bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds) {
+  ModelsState& models = state.models;
+  bool changed = false;
+  if (auto made = phantoms_.take()) {
+    if (*made)
+      open_study(state, **made);
+    else
+      add_notice(state, made->error().sentence());
+    changed = true;
+  }
+  if (written_revision_ != models.study_revision) write_study_file(state);
+  const bool stale = built_revision_ != models.shapes_revision || built_alignment_ != models.alignment ||
+                     built_document_ != open_document(models, snapshot);
+  if (models.shown && stale) build(state, snapshot);
+  if (auto built = builder_.take()) {
+    take_built(state, std::move(*built));
+    changed = true;
+  }
+  if (auto evaluated = evaluator_.take()) {
+    if (!evaluated->evaluation)
+      add_notice(state, evaluated->evaluation.error().sentence());
+    else if (evaluated->model == models.model)
+      models.evaluation = std::make_shared<const Evaluation>(std::move(*evaluated->evaluation));
+    changed = true;
+  }
+  const bool working = builder_.busy() || phantoms_.busy() || evaluator_.busy();
+  changed = changed || working || working != (models.modelling || models.evaluating);
+  models.modelling = builder_.busy() || phantoms_.busy();
+  models.modelling_fraction = phantoms_.busy() ? phantoms_.fraction() : builder_.fraction();
+  models.evaluating = evaluator_.busy();
+  models.evaluating_fraction = evaluator_.fraction();
+  if (models.shown && models.animated_mode) {
+    animate(models, seconds);
+    changed = true;
+  }
+  return changed;
+}
+
+std::optional<double> Models::next_move_seconds(const ModelsState& state) const {
+  constexpr double progress_seconds = 0.1, animation_seconds = 1.0 / 30;
+  if (state.shown && state.animated_mode) return animation_seconds;
+  if (state.modelling || state.evaluating) return progress_seconds;
+  return std::nullopt;
+}
+
+void Models::settle(EditorState& state, const Snapshot& snapshot) {
+  phantoms_.finish();
+  update(state, snapshot, 0);
+  builder_.finish();
+  evaluator_.finish();
+  update(state, snapshot, 0);
+}
+
+}  // namespace homolog

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "app/editor/gallery.h"
+#include "app/editor/ui_context.h"
+
+namespace homolog {
+
+/// Case | Models, for the bar at the top of both modes.
+void draw_mode_switch(const UiContext& ui, Outbox& out);
+/// The whole window in the Models mode, inside an ImGui frame.
+void draw_models_interface(const UiContext& ui, Outbox& out);
+
+// Its parts, each in a file of its own.
+void draw_case_table(const UiContext& ui, const RectPx& rect, Outbox& out);
+void draw_gallery(const UiContext& ui, const ModelsLayout& layout, Outbox& out);
+void draw_model_view(const UiContext& ui, const ModelsLayout& layout, Outbox& out);
+void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out);
+
+// Sections of the panel.
+void draw_model_section(const UiContext& ui, Outbox& out);
+void draw_measures_section(const UiContext& ui, Outbox& out);
+void draw_suspicion_section(const UiContext& ui, Outbox& out);
+
+/// A bar that fills as work goes on, as wide as there is room.
+void progress_bar(const Theme& theme, double fraction);
+
+}  // namespace homolog

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/case/document.h"
+#include "core/correspondence/colours.h"
+#include "core/model/shape_model.h"
+#include "core/model/study.h"
+#include "core/model/suspicion.h"
+
+namespace homolog {
+
+/// The shapes of a study, aligned, and the model of them; never changed once made.
+struct StudyModel {
+  std::vector<std::string> names, groups;             ///< of the cases whose shapes are in it, in the study's order
+  std::shared_ptr<const Topology> topology;           ///< null where all are points alone
+  std::vector<std::shared_ptr<const Points>> shapes;  ///< aligned, mm
+  std::shared_ptr<const PrincipalComponents> components;
+  ShapeModel model;                                ///< of 95 % of the variance
+  Mesh mean;                                       ///< without topology where there is none
+  std::shared_ptr<const std::vector<float>> hues;  ///< of the landmarks
+  std::vector<double> distances_mm;                ///< root mean square over the landmarks to the mean, of each shape
+  Vec3 centre_mm = Vec3::Zero();                   ///< of all shapes; the origin where they were aligned
+  double radius_mm = 1;                            ///< of what all shapes reach around it
+
+  std::vector<DoubtfulShape> doubtful_shapes;  ///< those beyond the fences
+  std::vector<DoubtfulLandmark> doubtful_landmarks;
+  std::vector<DoubtfulTriangle> doubtful_triangles;
+
+  Eigen::Index landmarks() const { return mean.points.rows(); }
+  /// −1 where the case has no shape in the model.
+  std::ptrdiff_t index_of(const std::string& name) const;
+  /// Groups that at least two shapes belong to, in the order of their first.
+  std::vector<std::string> comparable_groups() const;
+};
+
+/// Mean of group `to` minus mean of group `from` along the normals of the mean shape, mm; outwards is positive. Both
+/// must be comparable.
+VertexScalars group_difference_mm(const StudyModel& model, const std::string& from, const std::string& to);
+
+/// Shapes as they were read, by case: read again only when the file was written since.
+struct ReadShape {
+  std::filesystem::file_time_type written;
+  std::shared_ptr<const MeshFile> mesh;
+};
+using ReadShapes = std::map<std::pair<std::filesystem::path, int>, ReadShape>;
+
+struct StudyModelRequest {
+  std::vector<StudyCase> cases;
+  Alignment alignment = Alignment::similarity;
+  ReadShapes known;
+  /// The case on the screen, as it is now, for the study's case of that file; null without one.
+  std::shared_ptr<const Document> open_document;
+  std::filesystem::path open_file;
+};
+
+struct StudyModelBuilt {
+  std::shared_ptr<const StudyModel> model;  ///< null where there is none
+  std::vector<std::string> refusals;        ///< a sentence for each case that is left out
+  std::vector<std::string> warnings;
+  std::string error;  ///< why there is no model
+  ReadShapes known;
+};
+
+/// Reads what is not known yet and builds the model. A case that cannot be read, has no mesh yet, or is not in
+/// correspondence with the rest is left out and said so.
+StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& progress);
+
+}  // namespace homolog

@@ -1,0 +1,250 @@
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "app/editor/controls.h"
+#include "app/editor/editor_picture.h"
+#include "app/editor/gallery.h"
+#include "app/editor/latest_wins.h"
+#include "app/editor/plots.h"
+#include "core/mesh/mesh_io.h"
+#include "tests/golden.h"
+#include "tests/render_help.h"
+#include "tests/temporary_folder.h"
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Spheres that differ by their radius along x, y and z, with one group of two larger than the other by 1 mm.
+struct Balls {
+  TemporaryFolder folder;
+  ModelsState state;
+
+  fs::path write(const std::string& name, const Vec3& radii_mm, int subdivisions = 2) {
+    Mesh mesh = test::sphere(Vec3::Zero(), 1, subdivisions);
+    mesh.points = mesh.points * radii_mm.asDiagonal();
+    const fs::path path = folder.path / (name + ".ply");
+    test::must(write_mesh(mesh, path).map([] { return 0; }));
+    return path;
+  }
+  Balls() {
+    add_cases(state, {write("a1", {10, 10, 10.5}), write("a2", {10, 10, 9.5}), write("b1", {11, 11, 11.5}),
+                      write("b2", {11, 11, 10.5})});
+    for (StudyCase& one : state.study.cases) one.group = one.name.substr(0, 1);
+  }
+  StudyModelBuilt build(Alignment alignment = Alignment::rigid) {
+    Progress progress;
+    StudyModelRequest request;
+    request.cases = state.study.cases;
+    request.alignment = alignment;
+    return build_study_model(request, progress);
+  }
+  /// With the model in it.
+  ModelsState& modelled() {
+    take_model(state, build().model);
+    REQUIRE(state.model);
+    return state;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("cases are named after their files and never twice") {
+  ModelsState state;
+  CHECK(add_cases(state, {"/one/knee.ply", "/two/knee.ply", "/one/knee.ply"}) == 2);
+  REQUIRE(state.study.cases.size() == 2);
+  CHECK(state.study.cases[0].name == "knee");
+  CHECK(state.study.cases[1].name == "knee-2");
+  const auto before = state.shapes_revision;
+  CHECK(add_cases(state, {"/two/../two/knee.ply"}) == 0);
+  CHECK(state.shapes_revision == before);
+}
+
+TEST_CASE("the list of cases is filtered by name group and notes and sorted either way") {
+  ModelsState state;
+  add_cases(state, {"/c.ply", "/a.ply", "/b.ply"});
+  set_case_text(state, "a", "group", "Healthy");
+  set_case_text(state, "b", "notes", "healthy too?");
+  using Listed = std::vector<std::size_t>;
+  CHECK(listed_cases(state) == Listed{0, 1, 2});
+  sort_by(state, CaseColumn::name);
+  CHECK(listed_cases(state) == Listed{1, 2, 0});
+  sort_by(state, CaseColumn::name);
+  CHECK(listed_cases(state) == Listed{0, 2, 1});
+  sort_by(state, CaseColumn::name);
+  CHECK(listed_cases(state) == Listed{0, 1, 2});
+  state.filter = "HEALTHY";
+  CHECK(listed_cases(state) == Listed{1, 2});
+}
+
+TEST_CASE("the next case is the next that is not done") {
+  ModelsState state;
+  add_cases(state, {"/a.ply", "/b.ply", "/c.ply"});
+  cycle_case_state(state, "b");
+  cycle_case_state(state, "b");
+  CHECK(find_case(state.study, "b")->state == CaseState::done);
+  select_next_case(state);
+  CHECK(state.selected == "a");
+  select_next_case(state);
+  CHECK(state.selected == "c");
+  select_next_case(state);
+  CHECK(state.selected == "a");
+}
+
+TEST_CASE("a shape out of correspondence and one that cannot be read are left out by name") {
+  Balls balls;
+  add_cases(balls.state, {balls.write("coarse", Vec3::Constant(10), 1), balls.folder.path / "absent.ply"});
+  const StudyModelBuilt built = balls.build();
+  REQUIRE(built.model);
+  CHECK(built.model->names == std::vector<std::string>{"a1", "a2", "b1", "b2"});
+  REQUIRE(built.refusals.size() == 2);
+  CHECK(built.refusals[0].find("absent.ply") != std::string::npos);
+  CHECK(built.refusals[1].find("coarse") != std::string::npos);
+}
+
+TEST_CASE("shapes that are known already are not read again") {
+  Balls balls;
+  Progress progress;
+  StudyModelRequest request;
+  request.cases = balls.state.study.cases;
+  request.known = build_study_model(request, progress).known;
+  REQUIRE(request.known.size() == 4);
+  const auto again = build_study_model(request, progress);
+  for (const auto& [key, shape] : again.known) CHECK(shape.mesh == request.known.at(key).mesh);
+}
+
+TEST_CASE("the difference of two groups is how far one lies outside the other") {
+  Balls balls;
+  const ModelsState& state = balls.modelled();
+  REQUIRE(state.model->comparable_groups() == std::vector<std::string>{"a", "b"});
+  const VertexScalars difference_mm = group_difference_mm(*state.model, "a", "b");
+  CHECK(difference_mm.minCoeff() > 0.98);
+  CHECK(difference_mm.maxCoeff() < 1.02);
+  CHECK((group_difference_mm(*state.model, "b", "a") + difference_mm).norm() < 1e-9);
+}
+
+TEST_CASE("a case's coefficients give its shape back and stay within three standard deviations") {
+  Balls balls;
+  ModelsState& state = balls.modelled();
+  set_to_case(state, "b1");
+  const Points shape = shape_of(state.model->model, shown_coefficients(state));
+  CHECK((shape - *state.model->shapes[2]).rowwise().norm().maxCoeff() < 0.2);
+  for (int draw = 0; draw < 50; ++draw) {
+    set_to_sample(state);
+    for (const double deviation : state.deviations) CHECK(std::abs(deviation) <= 3);
+  }
+  set_to_mean(state);
+  CHECK(shown_coefficients(state).norm() == 0);
+}
+
+TEST_CASE("a landmark that is looked at is in the middle of every cell and faces the viewer") {
+  Balls balls;
+  ModelsState& state = balls.modelled();
+  const GalleryGrid grid = gallery_grid(state.model->shapes.size(), {100, 50, 640, 480});
+  const double distance_mm = state.camera.distance_mm;
+  pin_landmark(state, {1, 17}, true);
+  CHECK(state.selected == "a2");
+  for (std::size_t k = 0; k < grid.shapes; ++k) {
+    const Points& points = *state.model->shapes[k];
+    const RectPx cell = grid.cell(k);
+    const Eigen::Vector2d px = cell_px(cell_camera(state, points), cell, points.row(17));
+    CHECK(std::abs(px.x() - cell.x - cell.width / 2) < 1);
+    CHECK(std::abs(px.y() - cell.y - cell.height / 2) < 1);
+    CHECK(faces_viewer(state.camera, {state.model->topology, points}, 17));
+    const auto found = place_at(state, grid, px.x(), px.y(), 1);
+    REQUIRE(found);
+    CHECK(*found == GalleryPlace{k, 17});
+  }
+  unpin(state);
+  CHECK_FALSE(state.pinned);
+  fit_gallery(state);
+  CHECK(state.camera.distance_mm == doctest::Approx(distance_mm));
+}
+
+TEST_CASE("cells of a gallery fill its area without overlapping") {
+  for (const std::size_t count : {1u, 7u, 24u, 200u}) {
+    const GalleryGrid grid = gallery_grid(count, {10, 20, 640, 660});
+    CHECK(static_cast<std::size_t>(grid.columns * grid.rows) >= count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const RectPx cell = grid.cell(k);
+      CHECK(grid.shape_at(cell.x + 1, cell.y + 1) == k);
+      CHECK(cell.x + cell.width <= 650);
+      CHECK(cell.y + cell.height <= 680);
+    }
+  }
+}
+
+TEST_CASE("the marks of an axis are round and reach its end") {
+  CHECK(axis_marks(0.93, 5) == std::vector<double>{0, 0.2, 0.4, 0.2 * 3, 0.8, 1});
+  CHECK(axis_marks(100, 5) == std::vector<double>{0, 20, 40, 60, 80, 100});
+  CHECK(axis_marks(0, 3).back() >= 1);
+}
+
+TEST_CASE("Tab exchanges case and models and in the models the tools' keys do nothing") {
+  EditorState state;
+  Outbox out;
+  const Document document = new_document({}, nullptr, nullptr);
+  const Layout layout = make_layout(1280, 800, 1, {});
+  const auto press = [&](int key) {
+    press_key(state, {KeyPress{key}, 0, 0, false, false, false, 0, true}, key, {layout, document, false, false}, out);
+  };
+  press('G');
+  CHECK(state.tool == MouseTool::grab);
+  press(key::tab);
+  CHECK(state.models.shown);
+  press('P');
+  CHECK(state.tool == MouseTool::grab);
+  press(key::tab);
+  CHECK_FALSE(state.models.shown);
+}
+
+TEST_CASE("of several pieces of work the latest gives the result") {
+  std::atomic<int> woken = 0;
+  LatestWins<int> work([&] { ++woken; });
+  work.start([](Progress& progress) {
+    while (!progress.cancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return 1;
+  });
+  work.start([](Progress&) { return 2; });
+  work.finish();
+  CHECK(work.take() == 2);
+  CHECK_FALSE(work.take());
+  CHECK_FALSE(work.busy());
+}
+
+TEST_CASE("a phantom study is written once and then kept as the user left it") {
+  const TemporaryFolder folder;
+  Progress progress;
+  const fs::path path = test::must(make_phantom_study(Organ::vertebra, folder.path, progress));
+  auto read = test::must(read_study(path));
+  CHECK(read.warnings.empty());
+  REQUIRE(read.study.cases.size() == 10);
+  read.study.cases[3].notes = "odd";
+  test::must(write_study(read.study, path).map([] { return 0; }));
+  CHECK(test::must(make_phantom_study(Organ::vertebra, folder.path, progress)) == path);
+  CHECK(test::must(read_study(path)).study.cases[3].notes == "odd");
+}
+
+TEST_CASE("golden picture of the models") {
+  const auto gl = OffscreenContext::make();
+  if (!gl) {
+    MESSAGE("skipped: " << gl.error().sentence());
+    return;
+  }
+  const TemporaryFolder folder;
+  Progress progress;
+  const fs::path path = test::must(make_phantom_study(Organ::vertebra, folder.path, progress));
+  EditorPictureOptions options;
+  options.arrange = [&](EditorState& state) { show_study(state.models, test::must(read_study(path)).study, path); };
+  options.models = StartEvaluation{};
+  const auto picture = editor_picture(EditSession(new_document({}, nullptr, nullptr)), options);
+  test::check_golden(test::must(picture), "models");
+}
+
+}  // namespace homolog

@@ -153,6 +153,10 @@ TEST_CASE("a strand thinner than the mesh can show is severed") {
   REQUIRE(made);
   CHECK(made->mesh.topology->genus() == 0);
   CHECK(mesh_quality(made->mesh).self_intersections == 0);
+  CHECK(std::any_of(made->tunnels.begin(), made->tunnels.end(),
+                    [](const CutTunnel& tunnel) { return tunnel.how == CutTunnel::How::severed; }));
+  options.genus = keep;
+  CHECK(make_mask_template(mask, options).value().mesh.topology->genus() > 0);
 }
 
 TEST_CASE("islands and cavities are left out and reported") {
@@ -199,6 +203,27 @@ TEST_CASE("an organ that the label map cuts off is closed flat and said to be") 
   CHECK(made->warnings.front().find("(inferior)") != std::string::npos);
   CHECK(made->mesh.topology->closed());
   CHECK(made->mesh.points.col(2).minCoeff() == doctest::Approx(-30).epsilon(0.03));
+}
+
+TEST_CASE("an island at the edge of the label map does not count as the organ being cut off") {
+  const Volume mask = mask_where([](const Vec3& p) { return p.norm() < 15 || (p - Vec3(0, 0, -30)).norm() < 4; });
+  const auto made = make_mask_template(mask, options_with(800));
+  REQUIRE(made);
+  CHECK(made->islands_ml.size() == 1);
+  CHECK(made->warnings.empty());
+}
+
+TEST_CASE("a label larger than the grids hold is worked on in blocks") {
+  Volume mask;
+  mask.geometry.dims = {300, 300, 300};
+  mask.data = std::vector<std::uint8_t>(mask.geometry.voxels(), 1);
+  const LabelExtent extent = label_extent(mask, 1, 0);
+  const double spacing_mm = worked_spacing_mm(mask, extent, 1, 2);
+  CHECK(304 * 304 * 304 / std::pow(spacing_mm, 3) == doctest::Approx(16e6));
+  const auto region = label_region(mask, 1, 0, extent, spacing_mm, 2).value();
+  CHECK(region.grid.voxels() <= 16'000'000);
+  CHECK(region.grid.spacing_mm == Vec3::Constant(2));
+  CHECK(std::all_of(region.touches.begin(), region.touches.end(), [](bool touched) { return touched; }));
 }
 
 TEST_CASE("slices ten times as thick as their voxels leave no stairs") {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 #include <mutex>
+#include <new>
 #include <utility>
 
 namespace homolog {
@@ -27,6 +28,35 @@ std::vector<std::string> remarks_on(MaskTemplate& made) {
     remarks.push_back(std::to_string(made.cavities) + " cavities filled, " + ml(made.cavities_ml) + ".");
   if (!made.tunnels.empty()) remarks.push_back(std::to_string(made.tunnels.size()) + " tunnels cut.");
   return remarks;
+}
+
+/// Fills what the settings ask for: the mesh with its figures, or the error.
+void make(TemplateMaking& making, const Volume& labels, Progress& progress,
+          const std::function<void(const std::string&, const Mesh&)>& show) {
+  if (making.settings.tube) {
+    auto made = make_tube_template(labels, making.settings.tube_options);
+    if (made) {
+      show("Rings and sectors", made->mesh);
+      making.mesh = std::move(made->mesh);
+      making.to_mask = made->to_mask;
+      making.from_mask = made->from_mask;
+      making.remarks = std::move(made->warnings);
+    } else {
+      making.error = made.error().sentence();
+    }
+  } else {
+    auto made = make_mask_template(labels, making.settings.mask, &progress,
+                                   [&](TemplateStage stage, const Mesh& surface) { show(stage_name(stage), surface); });
+    if (made) {
+      making.to_mask = made->to_mask;
+      making.from_mask = made->from_mask;
+      making.remarks = remarks_on(*made);
+      making.mesh = std::move(made->mesh);
+    } else {
+      making.error = made.error().sentence();
+    }
+  }
+  if (making.mesh) making.quality = mesh_quality(*making.mesh);
 }
 
 }  // namespace
@@ -95,31 +125,12 @@ void TemplateMaker::start(std::shared_ptr<const Volume> labels, std::string sour
       box->put(making);
       wake();
     };
-    if (making.settings.tube) {
-      auto made = make_tube_template(*labels, making.settings.tube_options);
-      if (made) {
-        show("Rings and sectors", made->mesh);
-        making.mesh = std::move(made->mesh);
-        making.to_mask = made->to_mask;
-        making.from_mask = made->from_mask;
-        making.remarks = std::move(made->warnings);
-      } else {
-        making.error = made.error().sentence();
-      }
-    } else {
-      auto made =
-          make_mask_template(*labels, making.settings.mask, progress.get(),
-                             [&](TemplateStage stage, const Mesh& surface) { show(stage_name(stage), surface); });
-      if (made) {
-        making.to_mask = made->to_mask;
-        making.from_mask = made->from_mask;
-        making.remarks = remarks_on(*made);
-        making.mesh = std::move(made->mesh);
-      } else {
-        making.error = made.error().sentence();
-      }
+    try {
+      make(making, *labels, *progress, show);
+    } catch (const std::bad_alloc&) {
+      making.mesh.reset();
+      making.error = "the template needs more memory than there is; close other programs, or ask for fewer vertices";
     }
-    if (making.mesh) making.quality = mesh_quality(*making.mesh);
     making.done = true;
     box->put(making);
     wake();

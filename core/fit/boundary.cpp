@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/remesh.h"
 #include "core/template/label_region.h"
 #include "core/template/level_set.h"
 #include "core/template/voxel_components.h"
@@ -11,18 +12,6 @@
 namespace homolog {
 
 namespace {
-
-constexpr double most_voxels = 16e6;
-
-/// The voxel size to work on: a third of the mean edge of `vertices` landmarks spread over the label's surface.
-double worked_mm(const LabelExtent& extent, const Vec3& voxel_mm, double margin_mm, Eigen::Index vertices) {
-  const double edge_mm = std::sqrt(extent.area_mm2 * 2 / (std::sqrt(3.0) * static_cast<double>(vertices)));
-  double volume_mm3 = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    volume_mm3 *= (extent.last[axis] - extent.first[axis] + 1) * voxel_mm[static_cast<Eigen::Index>(axis)] +
-                  2 * (margin_mm + edge_mm);
-  return std::max({edge_mm / 3, 0.5 * voxel_mm.minCoeff(), std::cbrt(volume_mm3 / most_voxels)});
-}
 
 /// Where the label's largest part lies at the first or last plane of the label map in an axis.
 std::vector<ScanEdge> edges_of(const LabelRegion& region, const VolumeGeometry& whole) {
@@ -65,9 +54,9 @@ bool Boundary::shows(const Vec3& p) const {
 
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double closing_mm, Eigen::Index vertices) {
   const LabelExtent extent = label_extent(mask, label, frame);
-  const Vec3& voxel_mm = mask.geometry.spacing_mm;
-  const double spacing_mm = worked_mm(extent, voxel_mm, closing_mm, vertices);
-  auto region = label_region(mask, label, frame, spacing_mm, closing_mm + 3 * spacing_mm);
+  const double edge_mm = spread_edge_mm(extent.area_mm2, vertices), margin_mm = closing_mm + edge_mm;
+  const double spacing_mm = worked_spacing_mm(mask, extent, edge_mm, margin_mm);
+  const auto region = label_region(mask, label, frame, extent, spacing_mm, margin_mm);
   if (!region) return fail(region.error());
 
   LevelSet surface = resampled(signed_distance(region->inside, region->grid), spacing_mm);
@@ -83,47 +72,15 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double
   if (!boundary.scan_edges.empty())
     boundary.warnings.push_back("label " + std::to_string(label) +
                                 " is cut off by the edge of the label map; what lies beyond follows the template");
-  if (!region->body.islands.empty() &&
-      static_cast<double>(region->body.islands.front()) > 0.5 * static_cast<double>(region->body.body))
-    boundary.warnings.push_back("label " + std::to_string(label) +
-                                " has several parts of about one size; the largest was taken");
+  if (auto several = several_parts(*region, label)) boundary.warnings.push_back(std::move(*several));
   return boundary;
 }
 
 Boundary mesh_boundary(const Mesh& mesh) {
   Boundary boundary;
-  const Topology& topology = *mesh.topology;
-  if (topology.components() == 1) {
-    boundary.surface = mesh;
-    return boundary;
-  }
-  std::vector<double> area(static_cast<std::size_t>(topology.components()), 0);
-  const Triangles& triangles = topology.triangles();
-  const auto part_of = [&](Eigen::Index f) {
-    return static_cast<std::size_t>(topology.component()[static_cast<std::size_t>(triangles(f, 0))]);
-  };
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
-    const Vec3 a = mesh.points.row(triangles(f, 0)), b = mesh.points.row(triangles(f, 1)),
-               c = mesh.points.row(triangles(f, 2));
-    area[part_of(f)] += (b - a).cross(c - a).norm() / 2;
-  }
-  const auto largest = static_cast<std::size_t>(std::max_element(area.begin(), area.end()) - area.begin());
-  std::vector<std::int32_t> index(static_cast<std::size_t>(mesh.points.rows()), -1);
-  std::int32_t kept = 0;
-  for (std::size_t v = 0; v < index.size(); ++v)
-    if (topology.component()[v] == static_cast<std::int32_t>(largest)) index[v] = kept++;
-  Points points(kept, 3);
-  for (std::size_t v = 0; v < index.size(); ++v)
-    if (index[v] >= 0) points.row(index[v]) = mesh.points.row(static_cast<Eigen::Index>(v));
-  Triangles faces(triangles.rows(), 3);
-  Eigen::Index count = 0;
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-    if (part_of(f) == largest)
-      faces.row(count++) =
-          triangles.row(f).unaryExpr([&](std::int32_t v) { return index[static_cast<std::size_t>(v)]; });
-  faces.conservativeResize(count, 3);
-  boundary.surface = {Topology::make(kept, std::move(faces)).value(), std::move(points)};
-  boundary.warnings.push_back("has " + std::to_string(topology.components()) + " parts; the largest was taken");
+  boundary.surface = largest_part(mesh);
+  if (const auto parts = mesh.topology->components(); parts > 1)
+    boundary.warnings.push_back("has " + std::to_string(parts) + " parts; the largest was taken");
   return boundary;
 }
 

@@ -11,12 +11,6 @@ namespace {
 
 constexpr double same_way = 0.4;  ///< cosine between normals of places that may be counterparts
 
-Vec3 face_area_normal(const Mesh& mesh, Eigen::Index f) {
-  const auto t = mesh.topology->triangles().row(f);
-  const Vec3 a = mesh.points.row(t[0]), b = mesh.points.row(t[1]), c = mesh.points.row(t[2]);
-  return (b - a).cross(c - a) / 2;
-}
-
 }  // namespace
 
 BoundarySearch::BoundarySearch(const Boundary& boundary, Eigen::Index vertices)
@@ -25,7 +19,7 @@ BoundarySearch::BoundarySearch(const Boundary& boundary, Eigen::Index vertices)
   const Eigen::Index count = surface.points.rows();
   VertexScalars area = VertexScalars::Zero(count);
   for (Eigen::Index f = 0; f < surface.topology->triangles().rows(); ++f)
-    for (int k = 0; k < 3; ++k) area[surface.topology->triangles()(f, k)] += face_area_normal(surface, f).norm() / 3;
+    for (int k = 0; k < 3; ++k) area[surface.topology->triangles()(f, k)] += area_normal(surface, f).norm() / 6;
   area_mm2_ = area.sum();
   const Eigen::Index stride = 1 + count / vertices;
   for (Eigen::Index v = 0; v < count; v += stride) {
@@ -87,7 +81,7 @@ BoundaryPull BoundarySearch::pull(const Mesh& mesh) {
   const double area_a_vertex = area_mm2_ / static_cast<double>(mesh.points.rows());
   for (const Sample& sample : samples_) {
     const auto& own = sample.on_mesh;
-    const Vec3 facing = face_area_normal(mesh, own.at.face).stableNormalized();
+    const Vec3 facing = area_normal(mesh, own.at.face).stableNormalized();
     if (facing.dot(sample.normal) < same_way) continue;
     const auto corners = mesh.topology->triangles().row(own.at.face);
     for (int c = 0; c < 3; ++c) {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/placement/similarity_fit.h"
 
@@ -16,7 +17,7 @@ namespace {
 
 constexpr double most_tilt = 60 * std::numbers::pi / 180;
 constexpr Eigen::Index samples = 300;  ///< of each surface
-constexpr int most_rounds = 40;
+constexpr int most_placement_rounds = 40;
 
 /// Area-weighted moments of a surface.
 struct Moments {
@@ -33,7 +34,7 @@ Moments moments_of(const Mesh& mesh) {
   for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
     const Vec3 a = mesh.points.row(triangles(f, 0)), b = mesh.points.row(triangles(f, 1)),
                c = mesh.points.row(triangles(f, 2));
-    const double part = (b - a).cross(c - a).norm() / 2;
+    const double part = area_normal(mesh, f).norm() / 2;
     const Vec3 middle = (a + b + c) / 3;
     area += part;
     first += part * middle;
@@ -97,7 +98,7 @@ class ClosestPoints {
   FoundPlacement refined(Similarity placement, double most_turn) const {
     const Eigen::Quaterniond start = placement.rotation;
     double distance = 0;
-    for (int round = 0; round < most_rounds; ++round) {
+    for (int round = 0; round < most_placement_rounds; ++round) {
       const auto [from, to] = pairs(placement);
       distance = std::sqrt((placement.apply(from) - to).rowwise().squaredNorm().mean());
       const Similarity next = fit_similarity(from, to, placement);

@@ -12,9 +12,9 @@ namespace homolog {
 
 namespace {
 
-constexpr int most_rounds = 10;
+constexpr int most_untangle_rounds = 10;
 constexpr int rotation_rounds = 5;
-constexpr double least_weight = 1e-4;  ///< of the force that keeps a freed vertex where it is
+constexpr double holding_weight = 1e-4;  ///< of the force that keeps a freed vertex where it is
 
 std::set<std::int32_t> tangled_vertices(const Mesh& mesh, const Points& reference) {
   std::set<std::int32_t> faces;
@@ -35,18 +35,18 @@ std::set<std::int32_t> grown(const Topology& topology, const std::set<std::int32
 }  // namespace
 
 bool untangle(Mesh& mesh, const Points& reference, const VertexScalars& factors) {
+  auto tangled = tangled_vertices(mesh, reference);
+  if (tangled.empty()) return true;
   const Topology& topology = *mesh.topology;
   ShapeSolver solver(mesh.topology);
   std::set<std::int32_t> freed;
-  for (int round = 0; round < most_rounds; ++round) {
-    const auto tangled = tangled_vertices(mesh, reference);
-    if (tangled.empty()) return true;
+  for (int round = 0; round < most_untangle_rounds && !tangled.empty(); ++round) {
     freed.insert(tangled.begin(), tangled.end());
     freed = grown(topology, freed);
-    VertexScalars weights = VertexScalars::Constant(mesh.points.rows(), 1 / least_weight);
+    VertexScalars weights = VertexScalars::Constant(mesh.points.rows(), 1 / holding_weight);
     for (const std::int32_t v : freed) weights[v] = 1;
     // Soft against the forces around the patch, stiff against those within.
-    const VertexScalars w = factors / least_weight * 1e-2;
+    const VertexScalars w = factors / holding_weight * 1e-2;
     if (!solver.factorise(w, (weights.array() - 1).matrix())) return false;
     // First without rotations, which the tangle has spoilt; then as the reference has it, turned with the shape.
     const Points held = weights.asDiagonal() * mesh.points;
@@ -56,8 +56,9 @@ bool untangle(Mesh& mesh, const Points& reference, const VertexScalars& factors)
       mesh.points =
           solver.solve(Points(held + rotated_reference_force(topology, w, reference,
                                                              fit_local_rotations(topology, reference, mesh.points))));
+    tangled = tangled_vertices(mesh, reference);
   }
-  return tangled_vertices(mesh, reference).empty();
+  return tangled.empty();
 }
 
 }  // namespace homolog

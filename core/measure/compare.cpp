@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/mesh/isosurface.h"
+#include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/mesh/voxelise.h"
 
@@ -51,9 +52,7 @@ class DirectedDistances {
   };
 
   Vec3 corner(Eigen::Index f, int k) const { return from_.points.row(from_.topology->triangles()(f, k)); }
-  double area_of(Eigen::Index f) const {
-    return (corner(f, 1) - corner(f, 0)).cross(corner(f, 2) - corner(f, 0)).norm() / 2;
-  }
+  double area_of(Eigen::Index f) const { return area_normal(from_, f).norm() / 2; }
 
   void sample_face(Eigen::Index f) {
     const Vec3 a = corner(f, 0), u = corner(f, 1) - a, v = corner(f, 2) - a;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/mesh/mesh_quality.h"
+
 namespace homolog {
 
 VertexScalars gaussian_curvature(const Mesh& mesh) {
@@ -28,16 +30,13 @@ VertexScalars mean_curvature(const Mesh& mesh) {
   const Triangles& triangles = topology.triangles();
   VertexScalars sum = VertexScalars::Zero(mesh.points.rows()), area = sum;
   const auto at = [&](std::int32_t v) { return Vec3(mesh.points.row(v)); };
-  const auto area_normal = [&](Eigen::Index f) -> Vec3 {
-    return (at(triangles(f, 1)) - at(triangles(f, 0))).cross(at(triangles(f, 2)) - at(triangles(f, 0))) / 2;
-  };
   for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
-    const Vec3 normal = area_normal(f);
+    const Vec3 normal = area_normal(mesh, f);
     for (int k = 0; k < 3; ++k) {
-      area[triangles(f, k)] += normal.norm();
+      area[triangles(f, k)] += normal.norm() / 2;
       const std::int32_t across = topology.neighbours(f)[static_cast<std::size_t>(k)];
       if (across < f) continue;  // every edge once; none at a boundary
-      const Vec3 other = area_normal(across);
+      const Vec3 other = area_normal(mesh, across);
       const Vec3 edge = at(triangles(f, (k + 1) % 3)) - at(triangles(f, k));
       // Positive where the normals part: the turn from one face to the next around the edge.
       const double turn = std::atan2(normal.cross(other).dot(edge.normalized()), normal.dot(other));

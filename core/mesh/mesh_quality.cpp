@@ -5,17 +5,13 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/index.h"
+
 namespace homolog {
 namespace {
 
 Vec3 corner(const Mesh& mesh, Eigen::Index face, int k) {
   return mesh.points.row(mesh.topology->triangles()(face, k));
-}
-
-/// Normal of a face whose length is twice its area.
-Vec3 area_normal(const Mesh& mesh, Eigen::Index face) {
-  const Vec3 a = corner(mesh, face, 0);
-  return (corner(mesh, face, 1) - a).cross(corner(mesh, face, 2) - a);
 }
 
 Vec3 centre_of(const std::vector<std::int32_t>& loop, const Points& points) {
@@ -46,6 +42,11 @@ double angle(const Vec3& u, const Vec3& v) {
 }
 
 }  // namespace
+
+Vec3 area_normal(const Mesh& mesh, Eigen::Index face) {
+  const Vec3 a = corner(mesh, face, 0);
+  return (corner(mesh, face, 1) - a).cross(corner(mesh, face, 2) - a);
+}
 
 double smallest_angle_deg(const Mesh& mesh, Eigen::Index face) {
   double smallest = std::numbers::pi;
@@ -89,6 +90,31 @@ Points vertex_normals(const Mesh& mesh) {
     if (length > 0) normals.row(i) /= length;
   }
   return normals;
+}
+
+Mesh largest_part(const Mesh& mesh) {
+  if (mesh.topology->components() == 1) return mesh;
+  const auto& part = mesh.topology->component();
+  const Triangles& triangles = mesh.topology->triangles();
+  const auto part_of = [&](Eigen::Index f) { return part[index(triangles(f, 0))]; };
+  std::vector<double> area(index(mesh.topology->components()), 0);
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) area[index(part_of(f))] += area_normal(mesh, f).norm();
+  const auto largest = static_cast<std::int32_t>(std::max_element(area.begin(), area.end()) - area.begin());
+
+  std::vector<std::int32_t> number(part.size(), -1), kept;
+  for (std::size_t v = 0; v < part.size(); ++v)
+    if (part[v] == largest) {
+      number[v] = static_cast<std::int32_t>(kept.size());
+      kept.push_back(static_cast<std::int32_t>(v));
+    }
+  Triangles faces(triangles.rows(), 3);
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
+    if (part_of(f) == largest)
+      faces.row(count++) = triangles.row(f).unaryExpr([&](std::int32_t v) { return number[index(v)]; });
+  faces.conservativeResize(count, 3);
+  Points points = mesh.points(kept, Eigen::all);
+  return {Topology::make(points.rows(), std::move(faces)).value(), std::move(points)};
 }
 
 double enclosed_volume_ml(const Mesh& mesh) {

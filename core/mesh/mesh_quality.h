@@ -21,6 +21,9 @@ struct MeshQuality {
 
 MeshQuality mesh_quality(const Mesh& mesh);
 
+/// A face's outward normal, as long as twice the face's area in mm².
+Vec3 area_normal(const Mesh& mesh, Eigen::Index face);
+
 /// The smallest of a face's three angles.
 double smallest_angle_deg(const Mesh& mesh, Eigen::Index face);
 
@@ -29,6 +32,9 @@ std::vector<std::array<std::int32_t, 2>> self_intersections(const Mesh& mesh);
 
 /// Unit area-weighted vertex normals, n×3, pointing outward; zero at a vertex whose faces are all degenerate.
 Points vertex_normals(const Mesh& mesh);
+
+/// Of the parts that hang together, the one with the most area, its vertices renumbered in their order.
+Mesh largest_part(const Mesh& mesh);
 
 /// Enclosed volume in ml, each boundary loop capped flat (fan around its centroid); negative where faces look inward.
 double enclosed_volume_ml(const Mesh& mesh);

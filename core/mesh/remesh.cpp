@@ -191,18 +191,22 @@ void settle_count(HalfEdgeMesh& mesh, std::size_t vertices) {
 
 }  // namespace
 
+double spread_edge_mm(double area_mm2, Eigen::Index vertices) {
+  return std::sqrt(area_mm2 * 2 / (std::sqrt(3.0) * static_cast<double>(vertices)));
+}
+
 Mesh remesh_to_count(const Mesh& mesh, int vertices, const Projection& project, Progress* progress) {
   assert(mesh.topology->closed() && vertices >= 4);
   const auto wanted = static_cast<std::size_t>(vertices);
   HalfEdgeMesh half_edges = half_edges_of(mesh);
   double area_mm2 = 0;
   for (const auto f : half_edges.faces()) area_mm2 += half_edges.calc_face_area(f);
-  double edge_mm = std::sqrt(area_mm2 * 2 / (std::sqrt(3.0) * vertices));  // of as many equilateral triangles
+  double edge_mm = spread_edge_mm(area_mm2, vertices);
   const int attempts = 8;
   for (int attempt = 0; attempt < attempts && !(progress && progress->cancelled()); ++attempt) {
     for (int round = 0; round < (attempt == 0 ? 6 : 3); ++round) one_round(half_edges, edge_mm, project);
     const double surplus = static_cast<double>(half_edges.n_vertices()) / static_cast<double>(wanted);
-    if (progress) progress->report(0.8 * (attempt + 1) / attempts);
+    if (progress) progress->report(1.0 * (attempt + 1) / attempts);
     if (std::abs(surplus - 1) < 0.01) break;
     edge_mm *= std::sqrt(surplus);
   }

@@ -10,6 +10,9 @@ namespace homolog {
 /// Maps a point near a surface (mm) onto it.
 using Projection = std::function<Vec3(const Vec3&)>;
 
+/// Mean edge in mm of as many near-equilateral triangles as `vertices` on a closed surface of `area_mm2` have.
+double spread_edge_mm(double area_mm2, Eigen::Index vertices);
+
 /// The same surface with `vertices` spread evenly (≥ 4; exactly so many where the topology allows), triangles near
 /// equilateral, genus kept [Botsch and Kobbelt 2004, A Remeshing Approach to Multiresolution Modeling]. Every vertex
 /// lies where `project` says. The mesh must be closed. A cancelled run gives some mesh of the surface.

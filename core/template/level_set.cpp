@@ -4,15 +4,12 @@
 #include <cassert>
 #include <cmath>
 
+#include "core/base/index.h"
 #include "core/mesh/isosurface.h"
 #include "core/template/distance_map.h"
 
 namespace homolog {
 namespace {
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// Trilinear weights of a place in one axis: the lower of the two voxels and the share of the upper one.
 struct Between {

@@ -7,7 +7,6 @@
 
 #include "core/base/parallel.h"
 #include "core/correspondence/colours.h"
-#include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/remesh.h"
 #include "core/template/label_region.h"
@@ -17,12 +16,6 @@ namespace {
 
 constexpr double auto_width_mm = 5;
 constexpr double widest_mm = 40;  ///< that is looked for where a number of tunnels is asked for
-constexpr double most_voxels = 32e6;
-
-/// Mean edge of as many nearly equilateral triangles as `vertices` on a closed surface have.
-double edge_mm_of(double area_mm2, int vertices) {
-  return std::sqrt(area_mm2 * 2 / (std::sqrt(3.0) * vertices));
-}
 
 std::string number(double value, int digits = 1) {
   char text[32];
@@ -52,25 +45,18 @@ class Making {
   Result<MaskTemplate> run() {
     if (auto done = resample(); !done) return fail(done.error());
     if (auto done = smooth(); !done) return fail(done.error());
-    if (auto done = cut(); !done) return fail(done.error());
+    if (auto done = cut(0.6); !done) return fail(done.error());
     return remesh_surface();
   }
 
  private:
   Result<void> resample() {
     const LabelExtent extent = label_extent(mask_, options_.label, options_.frame);
-    edge_mm_ = edge_mm_of(extent.area_mm2, options_.vertices);
-    const Vec3& voxel_mm = mask_.geometry.spacing_mm;
-    double spacing_mm =
-        std::clamp(edge_mm_ / 3, 0.5 * voxel_mm.minCoeff(), std::max(voxel_mm.minCoeff(), edge_mm_ / 3));
+    edge_mm_ = spread_edge_mm(extent.area_mm2, options_.vertices);
     const double ball_mm = options_.genus.kind == GenusRule::Kind::number ? widest_mm / 2 : fill_below_mm() / 2;
     const double margin_mm = std::max(options_.closing_mm, ball_mm) + edge_mm_;
-    double volume_mm3 = 1;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      volume_mm3 *=
-          (extent.last[axis] - extent.first[axis] + 1) * voxel_mm[static_cast<Eigen::Index>(axis)] + 2 * margin_mm;
-    spacing_mm = std::max(spacing_mm, std::cbrt(std::max(0.0, volume_mm3) / most_voxels));
-    auto region = label_region(mask_, options_.label, options_.frame, spacing_mm, margin_mm);
+    const double spacing_mm = worked_spacing_mm(mask_, extent, edge_mm_, margin_mm);
+    const auto region = label_region(mask_, options_.label, options_.frame, extent, spacing_mm, margin_mm);
     if (!region) return fail(region.error());
 
     made_.resampled_mm = spacing_mm;
@@ -79,26 +65,15 @@ class Making {
       made_.islands_ml.push_back(static_cast<double>(voxels) * voxel_ml);
     made_.cavities = static_cast<int>(region->body.cavities);
     made_.cavities_ml = static_cast<double>(region->body.cavity_voxels) * voxel_ml;
-    const double body_ml = static_cast<double>(region->body.body) * voxel_ml;
-    if (!made_.islands_ml.empty() && made_.islands_ml.front() > 0.5 * body_ml)
-      made_.warnings.push_back("label " + std::to_string(options_.label) + " has several parts of about one size (" +
-                               number(body_ml) + " and " + number(made_.islands_ml.front()) +
-                               " ml); the largest was taken, give the others labels of their own to use them");
+    if (auto several = several_parts(*region, options_.label)) made_.warnings.push_back(std::move(*several));
     if (const std::string sides = sides_touched(*region); !sides.empty())
       made_.warnings.push_back("label " + std::to_string(options_.label) + " touches the edge of the label map (" +
                                sides + "); the organ is closed flat there, use a map that holds it whole");
     surface_ = resampled(signed_distance(region->inside, region->grid), spacing_mm);
-    auto target = zero_surface_of_voxels(*region);
+    auto target = boundary_of(*region);
     if (!target) return fail(target.error());
     target_ = std::move(*target);
     return show(TemplateStage::resampled, 0.2);
-  }
-
-  static Result<Mesh> zero_surface_of_voxels(const LabelRegion& region) {
-    Volume body;
-    body.geometry = region.grid;
-    body.data = region.inside;
-    return mask_surface(body, 1);
   }
 
   Result<void> smooth() {
@@ -120,7 +95,7 @@ class Making {
     return show(TemplateStage::smoothed, 0.5);
   }
 
-  Result<void> cut() {
+  Result<void> cut(double fraction) {
     const GenusRule& rule = options_.genus;
     if (rule.kind == GenusRule::Kind::keep) return {};
     const bool automatic = rule.kind == GenusRule::Kind::automatic;
@@ -138,22 +113,27 @@ class Making {
                           std::to_string(rule.genus) + "; use --genus keep or a smaller closing radius");
     surface_ = std::move(cut.surface);
     made_.tunnels.insert(made_.tunnels.end(), cut.tunnels.begin(), cut.tunnels.end());
-    return show(TemplateStage::tunnels_cut, 0.6);
+    return show(TemplateStage::tunnels_cut, fraction);
   }
 
   Result<MaskTemplate> remesh_surface() {
+    double from = 0.6;
     for (int attempt = 0;; ++attempt) {
       auto rough = surface_of(surface_);
       if (!rough) return fail(rough.error());
+      const double to = (from + 0.9) / 2;  // most often the first attempt is the last
+      if (progress_) progress_->part(from, to);
       const auto project = [this](const Vec3& p) { return surface_.onto_surface(p); };
       made_.mesh = renumbered_from_top(remesh_to_count(*rough, options_.vertices, project, progress_));
+      if (progress_) progress_->part(0, 1);
       if (progress_ && progress_->cancelled()) return cancelled();
       const std::vector<Vec3> bad = badly_meshed(made_.mesh);
       if (bad.empty() || attempt == most_attempts) break;
       // Clefts and rims finer than a triangle: smoothed away there, and only there.
       surface_ = smoothed_near(surface_, 0.5 * edge_mm_, bad, 2 * edge_mm_);
       make_one_body(surface_);
-      if (auto done = cut(); !done) return fail(done.error());
+      if (auto done = cut(to); !done) return fail(done.error());
+      from = to;
     }
     const auto count = made_.mesh.points.rows();
     if (std::abs(static_cast<double>(count) - options_.vertices) > 0.02 * options_.vertices)

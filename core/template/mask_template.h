@@ -50,7 +50,7 @@ struct MaskTemplate {
 
 /// A reference mesh of a complex organ from a label of a label map [Erdt 2009, §2.1; method note §7]: signed distances
 /// resampled evenly, closed, opened, smoothed, tunnels cut, marching cubes, vertices spread evenly and projected back.
-/// Memory: about 40 bytes a voxel of the worked grid, which is bounded at 32 million. Errors: the label does not occur,
+/// The grids that are worked on hold about 16 million voxels at most. Errors: the label does not occur,
 /// vanishes in the opening, has fewer tunnels than asked for, or needs more vertices; cancelled.
 Result<MaskTemplate> make_mask_template(const Volume& mask, const MaskTemplateOptions& options,
                                         Progress* progress = nullptr, const ShowStage& show = {});

@@ -29,39 +29,6 @@ std::vector<std::int32_t> welded(const Points& points, Eigen::Index& count) {
   return number;
 }
 
-/// The part of the faces with the most area, vertices that it uses renumbered in order.
-Mesh largest_part(const Mesh& mesh, std::vector<std::string>& warnings) {
-  if (mesh.topology->components() == 1) return mesh;
-  const auto& part = mesh.topology->component();
-  const Triangles& triangles = mesh.topology->triangles();
-  std::vector<double> area(static_cast<std::size_t>(mesh.topology->components()), 0);
-  const auto part_of = [&](Eigen::Index f) {
-    return static_cast<std::size_t>(part[static_cast<std::size_t>(triangles(f, 0))]);
-  };
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
-    const Vec3 a = mesh.points.row(triangles(f, 0)), b = mesh.points.row(triangles(f, 1)),
-               c = mesh.points.row(triangles(f, 2));
-    area[part_of(f)] += (b - a).cross(c - a).norm() / 2;
-  }
-  const auto largest = static_cast<std::size_t>(std::max_element(area.begin(), area.end()) - area.begin());
-  std::vector<std::int32_t> number(static_cast<std::size_t>(mesh.points.rows()), -1);
-  std::vector<std::int32_t> used;
-  for (std::size_t v = 0; v < number.size(); ++v)
-    if (static_cast<std::size_t>(part[v]) == largest) {
-      number[v] = static_cast<std::int32_t>(used.size());
-      used.push_back(static_cast<std::int32_t>(v));
-    }
-  std::vector<std::int32_t> corners;
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-    for (int k = 0; k < 3 && part_of(f) == largest; ++k)
-      corners.push_back(number[static_cast<std::size_t>(triangles(f, k))]);
-  warnings.push_back("the surface has " + std::to_string(area.size()) + " parts; the largest was taken");
-  Points points(static_cast<Eigen::Index>(used.size()), 3);
-  for (std::size_t v = 0; v < used.size(); ++v) points.row(static_cast<Eigen::Index>(v)) = mesh.points.row(used[v]);
-  Triangles kept = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
-  return {Topology::make(points.rows(), std::move(kept)).value(), std::move(points)};
-}
-
 Result<Mesh> cleaned(const MeshFile& surface, std::vector<std::string>& warnings) {
   Eigen::Index count = 0;
   const auto number = welded(surface.points, count);
@@ -88,7 +55,9 @@ Result<Mesh> cleaned(const MeshFile& surface, std::vector<std::string>& warnings
   Triangles triangles = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
   auto topology = Topology::make(points.rows(), std::move(triangles));
   if (!topology) return fail(topology.error());
-  Mesh mesh = largest_part({*topology, std::move(points)}, warnings);
+  if (const auto parts = (*topology)->components(); parts > 1)
+    warnings.push_back("the surface has " + std::to_string(parts) + " parts; the largest was taken");
+  Mesh mesh = largest_part({*topology, std::move(points)});
   if (!mesh.topology->closed()) {
     warnings.push_back("the surface has " + std::to_string(mesh.topology->boundary_loops().size()) +
                        " holes; they were closed flat");

@@ -49,20 +49,21 @@ struct Body {
   LevelSet wall;
   Mesh boundary;  ///< of the voxels
   Vec3 centre = Vec3::Zero(), main_axis = Vec3::UnitZ();
+  std::optional<std::string> several;  ///< the warning of other parts
 };
 
-Result<Body> body_of(const Volume& united) {
+/// `label`: the outermost, which warnings name.
+Result<Body> body_of(const Volume& united, int label) {
   const Vec3& voxel_mm = united.geometry.spacing_mm;
-  const auto region = label_region(united, 1, 0, voxel_mm.minCoeff(), 4 * voxel_mm.minCoeff());
+  const LabelExtent extent = label_extent(united, 1, 0);
+  const auto region = label_region(united, 1, 0, extent, voxel_mm.minCoeff(), 4 * voxel_mm.minCoeff());
   if (!region) return fail(region.error());
   Body body;
   // A part of a slice's thickness, in which thick slices would show as rings.
   body.wall = smoothed(resampled(signed_distance(region->inside, region->grid), voxel_mm.minCoeff()),
                        std::max(0.5 * voxel_mm.minCoeff(), 0.2 * voxel_mm.maxCoeff()));
-  Volume voxels;
-  voxels.geometry = region->grid;
-  voxels.data = region->inside;
-  auto boundary = mask_surface(voxels, 1);
+  body.several = several_parts(*region, label);
+  auto boundary = boundary_of(*region);
   if (!boundary) return fail(boundary.error());
   body.boundary = std::move(*boundary);
 
@@ -251,7 +252,7 @@ Result<TubeTemplate> make_tube_template(const Volume& mask, const TubeTemplateOp
   for (const auto& labels : options.outer_label
                                 ? std::vector<std::vector<int>>{{options.label}, {options.label, *options.outer_label}}
                                 : std::vector<std::vector<int>>{{options.label}}) {
-    auto body = body_of(with_labels(mask, labels, options.frame));
+    auto body = body_of(with_labels(mask, labels, options.frame), labels.back());
     if (!body)
       return fail("",
                   "label " + std::to_string(labels.back()) + " does not occur in the label map; name one that does");
@@ -269,6 +270,8 @@ Result<TubeTemplate> make_tube_template(const Volume& mask, const TubeTemplateOp
     frame = frame_of(options.axis ? options.axis->normalized() : towards_narrower_end(inner));
   }
   TubeTemplate made;
+  for (const Body& body : bodies)
+    if (body.several) made.warnings.push_back(*body.several);
   made.axis = frame.axis;
   std::optional<Mesh> boundary;
   Vec3 base = options.base_and_apex ? options.base_and_apex->first : extent_of(inner.wall, centre, frame).base;

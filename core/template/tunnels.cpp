@@ -181,16 +181,15 @@ Vec3 middle_of(const std::vector<std::size_t>& voxels, const VolumeGeometry& gri
   return grid.to_mm(sum / static_cast<double>(voxels.size()));
 }
 
-/// One kind of cut at one width.
-void cut_at(TunnelCut& cut, CutTunnel::How how, double width_mm, const TunnelLimits& limits) {
+/// One kind of cut at one width. `distance`: signed distances of the surface, whose own values need not be. Whether
+/// the surface has changed.
+bool cut_at(TunnelCut& cut, const LevelSet& distance, CutTunnel::How how, double width_mm, const TunnelLimits& limits) {
   const VolumeGeometry& grid = cut.surface.grid();
   const bool fill = how == CutTunnel::How::filled;
   const double sign = fill ? 1 : -1;
-  // The surface's own values need not be distances.
-  const LevelSet distance = signed_distance(inside_of(cut.surface), grid);
   const LevelSet limit = fill ? closed_by(distance, width_mm / 2) : opened_by(distance, width_mm / 2);
   std::vector<std::uint8_t> from = inside_of(limit);
-  if (make_one_body(from, grid.dims).body == 0) return;
+  if (make_one_body(from, grid.dims).body == 0) return false;
   Solid body(inside_of(cut.surface), grid.dims);
   // Filled from what is far from the body to its surface, severed where it is thinnest.
   std::vector<float> urgency = distance.values();
@@ -210,7 +209,7 @@ void cut_at(TunnelCut& cut, CutTunnel::How how, double width_mm, const TunnelLim
     for (const std::size_t v : part) accepted[v] = 1;
     cut.tunnels.push_back({how, middle_of(part, grid), width_mm});
   }
-  if (cut.tunnels.size() == before) return;
+  if (cut.tunnels.size() == before) return false;
 
   // A value on the other side of zero, for a cut that reaches `reach_mm` to either side.
   const std::vector<float> from_cut = distance_to(accepted, grid);
@@ -233,6 +232,7 @@ void cut_at(TunnelCut& cut, CutTunnel::How how, double width_mm, const TunnelLim
   }
   cut.genus = genus;
   cut.surface = std::move(surface);
+  return true;
 }
 
 }  // namespace
@@ -254,11 +254,15 @@ TunnelCut cut_tunnels(const LevelSet& surface, const TunnelLimits& limits) {
   TunnelCut cut{surface, 0, 0, {}};
   cut.genus_before = cut.genus = genus_of(inside_of(surface), surface.grid().dims);
   const double widest_mm = std::max(limits.fill_below_mm, limits.sever_below_mm);
+  const auto distances = [&cut] { return signed_distance(inside_of(cut.surface), cut.surface.grid()); };
+  if (cut.genus <= limits.keep) return cut;
+  LevelSet distance = distances();
   for (double width_mm = std::min(5.0, widest_mm); cut.genus > limits.keep; width_mm *= 1.4) {
     const double fill_mm = std::min(width_mm, limits.fill_below_mm),
                  sever_mm = std::min(width_mm, limits.sever_below_mm);
-    cut_at(cut, CutTunnel::How::filled, fill_mm, limits);
-    if (cut.genus > limits.keep) cut_at(cut, CutTunnel::How::severed, sever_mm, limits);
+    if (cut_at(cut, distance, CutTunnel::How::filled, fill_mm, limits)) distance = distances();
+    if (cut.genus > limits.keep && cut_at(cut, distance, CutTunnel::How::severed, sever_mm, limits))
+      distance = distances();
     if (width_mm >= widest_mm) break;
   }
   return cut;

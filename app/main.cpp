@@ -18,13 +18,13 @@ namespace homolog {
 
 namespace {
 
-constexpr int done = 0, refused = 1, wrong_command_line = 2;
+constexpr int succeeded = 0, refused = 1, wrong_command_line = 2;
 
 /// Lives as long as the program, since Ctrl-C may come at any moment.
-Progress progress;
+Progress verb_progress;
 
 void on_interrupt(int) {
-  progress.cancel();
+  verb_progress.cancel();
   std::signal(SIGINT, SIG_DFL);  // a second Ctrl-C ends what does not listen
 }
 
@@ -39,7 +39,7 @@ class ProgressLine {
       for (int tick = 0; !stop.stop_requested(); ++tick) {
         stopped_.wait_for(lock, stop, std::chrono::milliseconds(100), [] { return false; });
         if (tick < 5 || stop.stop_requested()) continue;
-        std::fprintf(stderr, "\r%3.0f %% (Ctrl-C stops)", 100 * progress.fraction());
+        std::fprintf(stderr, "\r%3.0f %% (Ctrl-C stops)", 100 * verb_progress.fraction());
         shown = true;
       }
       if (shown) std::fputs("\r\033[K", stderr);
@@ -71,7 +71,7 @@ int run_verb(const VerbRun& run, bool json) {
   Result<Report> report = [&]() -> Result<Report> {
     const ProgressLine line;
     try {
-      return run(progress);
+      return run(verb_progress);
     } catch (const std::bad_alloc&) {
       return fail("", "memory ran out; close other programs, or use a machine with more memory");
     } catch (const std::filesystem::filesystem_error& error) {
@@ -88,7 +88,7 @@ int run_verb(const VerbRun& run, bool json) {
   } else {
     print_lines(report->values);
   }
-  if (std::cout.flush()) return done;
+  if (std::cout.flush()) return succeeded;
   std::cerr << "homolog: standard output: cannot be written; free some space or choose another place\n";
   return refused;
 }

@@ -70,15 +70,16 @@ Egl make_current(EGLDisplay display) {
 }  // namespace
 
 struct OffscreenContext::Parts {
-  Egl egl;
+  EGLDisplay display;
+  EGLContext context;
 };
 
 OffscreenContext::OffscreenContext(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 
 OffscreenContext::~OffscreenContext() {
-  eglMakeCurrent(parts_->egl.display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-  eglDestroyContext(parts_->egl.display, parts_->egl.context);
-  eglTerminate(parts_->egl.display);
+  eglMakeCurrent(parts_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  eglDestroyContext(parts_->display, parts_->context);
+  eglTerminate(parts_->display);
 }
 
 Result<std::unique_ptr<OffscreenContext>> OffscreenContext::make() {
@@ -86,7 +87,8 @@ Result<std::unique_ptr<OffscreenContext>> OffscreenContext::make() {
   for (const EGLDisplay display : displays()) {
     const Egl egl = make_current(display);
     if (egl.context == EGL_NO_CONTEXT) continue;
-    return std::unique_ptr<OffscreenContext>(new OffscreenContext(std::make_unique<Parts>(Parts{egl})));
+    return std::unique_ptr<OffscreenContext>(
+        new OffscreenContext(std::make_unique<Parts>(Parts{egl.display, egl.context})));
   }
   return fail("", kNoContext);
 }

@@ -26,7 +26,7 @@ struct CaseFolder {
   fs::path template_path = folder.path / "ball.ply", case_path = folder.path / "ball.homolog";
 
   CaseFolder() {
-    const Mesh ball = shapes::icosphere(3, 40);
+    const Mesh ball = icosphere(3, 40);
     MeshFile file{ball.points, ball.topology->triangles()};
     file.landmarks = {{"north", pole}, {"south", -pole}, {"east", Vec3(40, 0, 0)}, {"front", Vec3(0, -40, 0)}};
     REQUIRE(write_mesh_file(file, template_path));
@@ -74,10 +74,6 @@ std::vector<Action> some_of_every_kind() {
       MirrorTemplate{},
       Undo{},
   };
-}
-
-double largest_difference(const Points& a, const Points& b) {
-  return (a - b).cwiseAbs().maxCoeff();
 }
 
 }  // namespace
@@ -220,7 +216,7 @@ TEST_CASE("unknown keys are no error and stay in the file") {
 TEST_CASE("a template that differs from the case is refused with both values") {
   const CaseFolder folder;
   { const EditSession session = folder.create(); }
-  REQUIRE(write_mesh(shapes::icosphere(2, 40), folder.template_path));
+  REQUIRE(write_mesh(icosphere(2, 40), folder.template_path));
   const auto read = read_case(folder.case_path);
   REQUIRE(!read);
   CHECK(read.error().sentence().find("642") != std::string::npos);

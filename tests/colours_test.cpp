@@ -51,7 +51,7 @@ TEST_CASE("grids keep their index as hue and shuffled meshes take a breadth-firs
   CHECK(indices_are_local(*shapes::open_cylinder(30, 24).topology));
   CHECK(indices_are_local(*shapes::open_cylinder(5, 200).topology));
   CHECK(indices_are_local(*shapes::torus(60, 20).topology));
-  const Topology mixed = shuffled(*shapes::icosphere(4).topology);
+  const Topology mixed = shuffled(*icosphere(4).topology);
   CHECK(!indices_are_local(mixed));
   const auto grid_hues = landmark_hues(*shapes::open_cylinder(30, 24).topology);
   CHECK(grid_hues[100] == doctest::Approx(100.0 / 720));
@@ -77,7 +77,7 @@ TEST_CASE("HSV meets the primary colours and grey and white") {
 }
 
 TEST_CASE("curvature of a sphere is 1 over its radius squared and its integral is the Euler number") {
-  const Mesh sphere = shapes::icosphere(4, 5);
+  const Mesh sphere = icosphere(4, 5);
   const VertexScalars curvature = gaussian_curvature(sphere);
   CHECK(curvature.mean() == doctest::Approx(0.04).epsilon(0.01));
   CHECK(curvature.minCoeff() > 0.03);
@@ -95,7 +95,7 @@ TEST_CASE("curvature of a sphere is 1 over its radius squared and its integral i
 }
 
 TEST_CASE("glyphs start at the sharpest vertex and keep their distance and leave no room for more") {
-  Mesh mesh = shapes::icosphere(4, 10);
+  Mesh mesh = icosphere(4, 10);
   mesh.points.row(77) *= 1.5;
   constexpr double spacing_mm = 3;
   const auto glyphs = glyph_landmarks(mesh, spacing_mm);

@@ -97,7 +97,7 @@ TEST_CASE("a wrong command line is one line with status 2 and where the help is"
 
 TEST_CASE("info of a mesh reports every figure of the contract") {
   const TemporaryFolder folder;
-  REQUIRE(write_mesh(shapes::icosphere(3, 40), folder.path / "ball.ply"));
+  REQUIRE(write_mesh(icosphere(3, 40), folder.path / "ball.ply"));
   const Ran ran = run(folder, "info ball.ply --json");
   REQUIRE(ran.status == 0);
   const Json info = ran.json();
@@ -123,7 +123,7 @@ TEST_CASE("a refusal is one line that names the file and leaves nothing half-wri
   CHECK(!fs::exists(folder.path / "out.vtk"));
   std::ofstream(folder.path / "broken.nii.gz") << "not a scan";
   check_refused(run(folder, "info broken.nii.gz"), "broken.nii.gz");
-  REQUIRE(write_mesh(shapes::icosphere(2, 40), folder.path / "ball.ply"));
+  REQUIRE(write_mesh(icosphere(2, 40), folder.path / "ball.ply"));
   check_refused(run(folder, "convert ball.ply nowhere/ball.ply"), "nowhere/ball.ply");
   check_refused(run(folder, "convert ball.ply ball.nii.gz"), "ball.nii.gz");
 }
@@ -145,7 +145,7 @@ TEST_CASE("meshes that cannot carry correspondence are refused with the fault na
 
 TEST_CASE("UTF-8 paths work in every place") {
   const TemporaryFolder folder;
-  REQUIRE(write_mesh(shapes::icosphere(2, 40), folder.path / "Nière–腎臓.ply"));
+  REQUIRE(write_mesh(icosphere(2, 40), folder.path / "Nière–腎臓.ply"));
   CHECK(run(folder, "convert 'Nière–腎臓.ply' 'Ça va.vtk'").status == 0);
   CHECK(fs::exists(folder.path / "Ça va.vtk"));
 }
@@ -182,7 +182,7 @@ TEST_CASE("a phantom goes through replay and compare and label map") {
 
 TEST_CASE("a mirrored template keeps its numbering and turns its faces") {
   const TemporaryFolder folder;
-  REQUIRE(write_mesh(shapes::icosphere(2, 40, Vec3(100, 20, 30)), folder.path / "right.ply"));
+  REQUIRE(write_mesh(icosphere(2, 40, Vec3(100, 20, 30)), folder.path / "right.ply"));
   REQUIRE(run(folder, "mirror right.ply -o left.ply").status == 0);
   const Mesh right = read_mesh(folder.path / "right.ply").value(), left = read_mesh(folder.path / "left.ply").value();
   CHECK(left.points.col(0) == -right.points.col(0));
@@ -192,9 +192,9 @@ TEST_CASE("a mirrored template keeps its numbering and turns its faces") {
 
 TEST_CASE("pictures are written at the size asked for") {
   const TemporaryFolder folder;
-  REQUIRE(write_mesh(shapes::icosphere(3, 40), folder.path / "a.ply"));
-  REQUIRE(write_mesh(shapes::icosphere(3, 45), folder.path / "b.ply"));
-  REQUIRE(write_mesh(shapes::icosphere(2, 45), folder.path / "c.ply"));
+  REQUIRE(write_mesh(icosphere(3, 40), folder.path / "a.ply"));
+  REQUIRE(write_mesh(icosphere(3, 45), folder.path / "b.ply"));
+  REQUIRE(write_mesh(icosphere(2, 45), folder.path / "c.ply"));
   const Ran ran =
       run(folder, "picture correspondence a.ply b.ply -o ab.png --size 400x200 --view 1,-1,0.5 --transparent --json");
   if (ran.status == 1 && ran.errors.find("OpenGL") != std::string::npos) {
@@ -214,7 +214,7 @@ TEST_CASE("a training set becomes a model that info and picture and evaluate kno
   const TemporaryFolder folder;
   std::string files;
   for (int k = 0; k < 6; ++k) {
-    Mesh mesh = shapes::icosphere(2, 40);
+    Mesh mesh = icosphere(2, 40);
     mesh.points.col(0) *= 1 + 0.1 * std::sin(k);
     mesh.points.col(1) += 0.003 * std::cos(2.0 * k) * mesh.points.col(2).cwiseAbs2();
     mesh.points.col(2) += 0.1 * std::sin(3.0 * k) * mesh.points.col(0);
@@ -269,7 +269,7 @@ TEST_CASE("a training set with faults is refused or goes on as documented") {
   const TemporaryFolder folder;
   for (int k = 0; k < 3; ++k)
     REQUIRE(write_mesh(shapes::torus(8, 6, 20 + k, 5 + k * k), folder.path / ("t" + std::to_string(k) + ".ply")));
-  REQUIRE(write_mesh(shapes::icosphere(1, 20), folder.path / "ball.ply"));
+  REQUIRE(write_mesh(icosphere(1, 20), folder.path / "ball.ply"));
   check_refused(run(folder, "model t0.ply ball.ply t1.ply -o m.h5"), "ball.ply");
   check_refused(run(folder, "model t0.ply -o m.h5"), "t0.ply");
   check_refused(run(folder, "model t0.ply t1.ply -o m.txt"), "m.txt");
@@ -369,7 +369,7 @@ TEST_CASE("real scans: three organs adapted by boundary pulls from case files co
 
 TEST_CASE("fit does every case of a folder that can be done and reports the others") {
   const TemporaryFolder folder;
-  const Mesh ball = shapes::icosphere(3, 20);
+  const Mesh ball = icosphere(3, 20);
   VolumeGeometry grid;
   grid.dims = {30, 30, 30};
   grid.spacing_mm.setConstant(2);
@@ -398,7 +398,7 @@ TEST_CASE("fit does every case of a folder that can be done and reports the othe
 
 TEST_CASE("fit starts where a placement file says") {
   const TemporaryFolder folder;
-  const Mesh ball = shapes::icosphere(3, 20);
+  const Mesh ball = icosphere(3, 20);
   VolumeGeometry grid;
   grid.dims = {30, 30, 30};
   grid.spacing_mm.setConstant(2);

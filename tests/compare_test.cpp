@@ -38,7 +38,7 @@ TEST_CASE("a mesh agrees with itself perfectly") {
 }
 
 TEST_CASE("concentric spheres are as far apart as their radii and overlap as their volumes") {
-  const Mesh inner = shapes::icosphere(4, 20), outer = shapes::icosphere(5, 23);
+  const Mesh inner = icosphere(4, 20), outer = icosphere(5, 23);
   const Agreement agreement = compare_meshes(inner, outer);
   CHECK(agreement.assd_mm == doctest::Approx(3).epsilon(0.01));
   CHECK(agreement.hd95_mm == doctest::Approx(3).epsilon(0.01));
@@ -60,7 +60,7 @@ TEST_CASE("a gap that only one direction sees is seen") {
 
 TEST_CASE("the mean distance does not depend on how finely either surface is cut") {
   const Mesh coarse = shapes::box({0, 0, 0}, {30, 20, 10});
-  Mesh sphere = shapes::icosphere(3, 12, {15, 10, 5});
+  Mesh sphere = icosphere(3, 12, {15, 10, 5});
   const double there = compare_meshes(coarse, sphere).assd_mm, back = compare_meshes(sphere, coarse).assd_mm;
   CHECK(there == doctest::Approx(back).epsilon(1e-9));
   // The box again with each side cut into 800 triangles.
@@ -89,7 +89,7 @@ TEST_CASE("the mean distance does not depend on how finely either surface is cut
 }
 
 TEST_CASE("vertices are compared where the topology is the same") {
-  const Mesh mesh = shapes::icosphere(2, 10);
+  const Mesh mesh = icosphere(2, 10);
   Mesh moved = mesh;
   moved.points.rowwise() += Eigen::RowVector3d(3, 0, 4);
   const Agreement agreement = compare_meshes(mesh, moved);
@@ -113,7 +113,7 @@ TEST_CASE("a mesh against the mask made of it has Dice 1 and distances below a v
 }
 
 TEST_CASE("the label to use is the only one or else they are named") {
-  Volume mask = mask_from(shapes::icosphere(2, 5), 1, 4);
+  Volume mask = mask_from(icosphere(2, 5), 1, 4);
   CHECK(only_label(mask).value() == 4);
   std::get<std::vector<std::uint8_t>>(mask.data)[0] = 9;
   CHECK(only_label(mask).error().what.find("4, 9") != std::string::npos);

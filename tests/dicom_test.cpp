@@ -5,33 +5,29 @@
 
 #include "core/volume/volume_io.h"
 #include "temporary_folder.h"
+#include "tests/refusal.h"
 
 namespace fs = std::filesystem;
 using namespace homolog;
 
 namespace {
 
-std::string little(std::uint32_t value, std::size_t bytes) {
-  std::string text;
-  for (std::size_t b = 0; b < bytes; ++b) text += static_cast<char>(value >> 8 * b & 0xff);
-  return text;
-}
-
 /// An element with explicit type and little-endian numbers [DICOM PS3.5, §7.1.2].
 std::string element(std::uint32_t tag, const std::string& type, std::string value) {
   if (value.size() % 2 != 0) value += type == "UI" || type == "OW" ? '\0' : ' ';
   const auto size = static_cast<std::uint32_t>(value.size());
   const bool long_form = type == "OW" || type == "SQ";
-  return little(tag >> 16, 2) + little(tag & 0xffff, 2) + type +
-         (long_form ? std::string(2, '\0') + little(size, 4) : little(size, 2)) + value;
+  return little_endian(tag >> 16, 2) + little_endian(tag & 0xffff, 2) + type +
+         (long_form ? std::string(2, '\0') + little_endian(size, 4) : little_endian(size, 2)) + value;
 }
 
 std::string us(std::uint32_t tag, std::uint32_t value) {
-  return element(tag, "US", little(value, 2));
+  return element(tag, "US", little_endian(value, 2));
 }
 
 std::string item(const std::string& content) {
-  return little(0xfffe, 2) + little(0xe000, 2) + little(static_cast<std::uint32_t>(content.size()), 4) + content;
+  return little_endian(0xfffe, 2) + little_endian(0xe000, 2) +
+         little_endian(static_cast<std::uint32_t>(content.size()), 4) + content;
 }
 
 std::string sequence(std::uint32_t tag, const std::string& items) {
@@ -69,13 +65,9 @@ struct Slice {
             element(0x7fe00010, "OW", pixel_bytes);
     const std::string syntax = element(0x00020010, "UI", "1.2.840.10008.1.2.1");
     return std::string(128, '\0') + "DICM" +
-           element(0x00020000, "UL", little(static_cast<std::uint32_t>(syntax.size()), 4)) + syntax + data;
+           element(0x00020000, "UL", little_endian(static_cast<std::uint32_t>(syntax.size()), 4)) + syntax + data;
   }
 };
-
-void save(const fs::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
 
 /// Slices 2.5 mm apart whose files are named in another order than they lie.
 void save_series(const fs::path& folder, const std::vector<double>& z, Slice slice = {}) {
@@ -83,19 +75,13 @@ void save_series(const fs::path& folder, const std::vector<double>& z, Slice sli
     slice.z = z[s];
     slice.instance = static_cast<int>(s);
     for (auto& pixel : slice.pixels) pixel = static_cast<std::int16_t>(10 * z[s]);
-    save(folder / (slice.series + "-" + std::to_string((s * 7) % 100) + ".dcm"), slice.bytes());
+    write_bytes(folder / (slice.series + "-" + std::to_string((s * 7) % 100) + ".dcm"), slice.bytes());
   }
-}
-
-bool says(const Result<VolumeRead>& read, const std::string& what) {
-  if (read) return false;
-  INFO(read.error().sentence());
-  return read.error().sentence().find(what) != std::string::npos;
 }
 
 Result<VolumeRead> read_slice(const Slice& slice) {
   const TemporaryFolder folder;
-  save(folder.path / "slice.dcm", slice.bytes());
+  write_bytes(folder.path / "slice.dcm", slice.bytes());
   return read_volume(folder.path / "slice.dcm");
 }
 
@@ -104,7 +90,7 @@ Result<VolumeRead> read_slice(const Slice& slice) {
 TEST_CASE("a series is sorted by place and becomes one volume") {
   const TemporaryFolder folder;
   save_series(folder.path, {5, -2.5, 0, 7.5, 2.5});
-  save(folder.path / "notes.txt", "not DICOM");
+  write_bytes(folder.path / "notes.txt", "not DICOM");
   const auto read = read_volume(folder.path);
   REQUIRE(read);
   const Volume& volume = read->volume;
@@ -123,7 +109,7 @@ TEST_CASE("slices stacked along an oblique normal are placed there") {
   slice.orientation = "0\\1\\0\\0\\0\\-1";  // sagittal; the normal points to the right
   for (int s = 0; s < 3; ++s) {
     slice.x = -4 * s;
-    save(folder.path / (std::to_string(s) + ".dcm"), slice.bytes());
+    write_bytes(folder.path / (std::to_string(s) + ".dcm"), slice.bytes());
   }
   const auto read = read_volume(folder.path);
   REQUIRE(read);
@@ -160,16 +146,16 @@ TEST_CASE("uneven and doubled and shifted and mixed slices are refused") {
     for (int s = 0; s < 3; ++s) {
       slice.z = s;
       slice.y = 0.3 * s;  // a tilted gantry
-      save(folder.path / (std::to_string(s) + ".dcm"), slice.bytes());
+      write_bytes(folder.path / (std::to_string(s) + ".dcm"), slice.bytes());
     }
     CHECK(says(read_volume(folder.path), "tilted"));
   }
   {
     const TemporaryFolder folder;
     Slice slice;
-    save(folder.path / "a.dcm", slice.bytes());
+    write_bytes(folder.path / "a.dcm", slice.bytes());
     slice.orientation = "1\\0\\0\\0\\0\\-1";
-    save(folder.path / "b.dcm", slice.bytes());
+    write_bytes(folder.path / "b.dcm", slice.bytes());
     CHECK(says(read_volume(folder.path), "different directions"));
   }
 }
@@ -185,7 +171,7 @@ TEST_CASE("several series are listed and one is chosen") {
   structures.series = "1.2.5";
   structures.modality = "RTSTRUCT";
   std::string no_pixels = structures.bytes();
-  save(folder.path / "structures.dcm", no_pixels.substr(0, no_pixels.find("OW") - 4));
+  write_bytes(folder.path / "structures.dcm", no_pixels.substr(0, no_pixels.find("OW") - 4));
   const auto unchosen = read_volume(folder.path);
   CHECK(says(unchosen, "holds 2 series"));
   CHECK(says(unchosen, "--series"));
@@ -214,7 +200,7 @@ TEST_CASE("several slices at every place are the frames of a cine") {
       slice.z = z;
       slice.trigger_ms = time;
       for (auto& pixel : slice.pixels) pixel = static_cast<std::int16_t>(time + z);
-      save(folder.path / (std::to_string(name++) + ".dcm"), slice.bytes());
+      write_bytes(folder.path / (std::to_string(name++) + ".dcm"), slice.bytes());
     }
   const auto read = read_volume(folder.path);
   REQUIRE(read);
@@ -238,7 +224,7 @@ TEST_CASE("rescaling and the window come from the file and may differ from slice
   for (int s = 0; s < 2; ++s) {
     slice.z = s;
     slice.before_pixels = element(0x00281052, "DS", "0") + element(0x00281053, "DS", s == 0 ? "0.5" : "2");
-    save(folder.path / (std::to_string(s) + ".dcm"), slice.bytes());
+    write_bytes(folder.path / (std::to_string(s) + ".dcm"), slice.bytes());
   }
   const auto each = read_volume(folder.path);
   REQUIRE(each);
@@ -313,7 +299,7 @@ TEST_CASE("every shortened copy of a DICOM file is refused and never crashes") {
   REQUIRE(read_slice(slice));
   for (std::size_t left = 0; left < whole.size(); ++left) {
     CAPTURE(left);
-    save(folder.path / "slice.dcm", whole.substr(0, left));
+    write_bytes(folder.path / "slice.dcm", whole.substr(0, left));
     CHECK(!read_volume(folder.path / "slice.dcm"));
   }
 }
@@ -321,14 +307,14 @@ TEST_CASE("every shortened copy of a DICOM file is refused and never crashes") {
 TEST_CASE("a damaged file in a folder is named rather than left out") {
   const TemporaryFolder folder;
   save_series(folder.path, {0, 1, 2});
-  save(folder.path / "empty.dcm", "");
+  write_bytes(folder.path / "empty.dcm", "");
   CHECK(says(read_volume(folder.path), "empty.dcm"));
 }
 
 TEST_CASE("a data set without preamble and meta information is read") {
   const TemporaryFolder folder;
   const std::string whole = Slice().bytes();
-  save(folder.path / "IM0001", whole.substr(whole.find(element(0x00080060, "CS", "CT"))));
+  write_bytes(folder.path / "IM0001", whole.substr(whole.find(element(0x00080060, "CS", "CT"))));
   CHECK(looks_like_volume(folder.path / "IM0001"));
   const auto read = read_volume(folder.path / "IM0001");
   REQUIRE(read);

@@ -26,7 +26,7 @@ Points random_points(Eigen::Index n, double size_mm, unsigned seed) {
 }
 
 struct Solved {
-  Mesh mesh = shapes::icosphere(2, 30);
+  Mesh mesh = icosphere(2, 30);
   VertexScalars w = uneven_weights(mesh.points.rows());
   ShapeSolver solver{mesh.topology};
   Solved() { REQUIRE(solver.factorise(w)); }
@@ -38,7 +38,7 @@ struct Solved {
 }  // namespace
 
 TEST_CASE("the stacked system of the paper has the assembled matrix as its normal equations") {
-  for (const Mesh& mesh : {shapes::tetrahedron(), shapes::box(), shapes::icosphere(1)}) {
+  for (const Mesh& mesh : {shapes::tetrahedron(), shapes::box(), icosphere(1)}) {
     const VertexScalars w = uneven_weights(mesh.points.rows());
     const auto a = stacked_system(*mesh.topology, w);
     Eigen::MatrixXd m = shape_laplacian(*mesh.topology, w);
@@ -48,7 +48,7 @@ TEST_CASE("the stacked system of the paper has the assembled matrix as its norma
 }
 
 TEST_CASE("rows of the system matrix sum to one") {
-  const Mesh mesh = shapes::icosphere(1);
+  const Mesh mesh = icosphere(1);
   const auto laplacian = shape_laplacian(*mesh.topology, uneven_weights(mesh.points.rows()));
   CHECK((laplacian * VertexScalars::Ones(mesh.points.rows())).cwiseAbs().maxCoeff() < 1e-12);
 }
@@ -94,7 +94,7 @@ TEST_CASE("the solver agrees with a dense solve and held vertices hardly follow"
 }
 
 TEST_CASE("a stiffness that is zero or not a number is refused") {
-  const Mesh mesh = shapes::icosphere(1);
+  const Mesh mesh = icosphere(1);
   ShapeSolver solver(mesh.topology);
   VertexScalars w = uneven_weights(mesh.points.rows());
   w[3] = 0;
@@ -122,7 +122,7 @@ TEST_CASE("local rotations of a turned shape are that rotation and cancel in the
 }
 
 TEST_CASE("local rotations agree with the singular value decomposition and are never reflections") {
-  const Mesh mesh = shapes::icosphere(2, 30);
+  const Mesh mesh = icosphere(2, 30);
   for (const bool reflected : {false, true}) {
     Points bent = mesh.points + random_points(mesh.points.rows(), 3, 5);
     if (reflected) bent.col(0) *= -1;

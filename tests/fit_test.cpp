@@ -35,10 +35,6 @@ Boundary boundary_of(const Mesh& mesh, double spacing_mm = 1.25) {
   return label_boundary(label_map(mesh, grid_around(mesh.points, spacing_mm)), 1, 0, 0, mesh.points.rows()).value();
 }
 
-double mean_distance(const Points& a, const Points& b) {
-  return (a - b).rowwise().norm().mean();
-}
-
 void check_sound(const FitResult& fit) {
   CHECK(fit.turned_triangles == 0);
   CHECK(fit.self_intersections == 0);
@@ -138,8 +134,8 @@ TEST_CASE("an organ cut off by the scan keeps the template's shape beyond") {
 }
 
 TEST_CASE("a pocket behind a neck that the closing ball cannot pass is filled") {
-  const auto grid = grid_around(shapes::icosphere(0, 20).points, 1);
-  Volume mask = label_map(shapes::icosphere(4, 20), grid);
+  const auto grid = grid_around(icosphere(0, 20).points, 1);
+  Volume mask = label_map(icosphere(4, 20), grid);
   auto& voxels = std::get<std::vector<std::uint8_t>>(mask.data);
   std::size_t v = 0;
   for (int k = 0; k < grid.dims[2]; ++k)
@@ -151,7 +147,7 @@ TEST_CASE("a pocket behind a neck that the closing ball cannot pass is filled") 
   const auto volume_ml = [&](double closing_mm) {
     return enclosed_volume_ml(label_boundary(mask, 1, 0, closing_mm, 2500).value().surface);
   };
-  const double sphere_ml = enclosed_volume_ml(shapes::icosphere(4, 20));
+  const double sphere_ml = enclosed_volume_ml(icosphere(4, 20));
   CHECK(volume_ml(0) < 0.95 * sphere_ml);
   CHECK(volume_ml(3) == doctest::Approx(sphere_ml).epsilon(0.01));
 }
@@ -191,7 +187,7 @@ TEST_CASE("a fit that is cancelled says so") {
 }
 
 TEST_CASE("the largest part of a surface is its boundary") {
-  const Mesh small = shapes::icosphere(1), large{small.topology, 10 * small.points};
+  const Mesh small = icosphere(1), large{small.topology, 10 * small.points};
   std::vector<Vec3> points;
   std::vector<std::array<std::int32_t, 3>> faces;
   for (const Mesh* part : {&small, &large}) {
@@ -209,7 +205,7 @@ TEST_CASE("the largest part of a surface is its boundary") {
 }
 
 TEST_CASE("untangling frees turned triangles and leaves the rest") {
-  const Mesh sphere = shapes::icosphere(3);
+  const Mesh sphere = icosphere(3);
   Mesh tangled = sphere;
   const auto ring = sphere.topology->one_ring(100);
   tangled.points.row(100) = 2 * sphere.points.row(ring[0]) - sphere.points.row(100);

@@ -39,73 +39,71 @@ StrokeOutcome made(const StrokeStart& start, const Stroke& stroke) {
   return Deformer().stroke(start, stroke, Pass::commit).value();
 }
 
-double largest_difference(const Points& a, const Points& b) {
-  return (a - b).cwiseAbs().maxCoeff();
-}
-
-const Mesh ball = shapes::icosphere(4, 40);
-const Vec3 pole(0, 0, 40);
+const Mesh big_ball = icosphere(4, 40);
+const Vec3 big_pole(0, 0, 40);
 
 }  // namespace
 
 TEST_CASE("the grabbed point follows the cursor exactly") {
-  const StrokeStart start = start_of(ball);
-  const SurfacePoint q = SurfaceSearch(ball).nearest(pole).at;
+  const StrokeStart start = start_of(big_ball);
+  const SurfacePoint q = SurfaceSearch(big_ball).nearest(big_pole).at;
   for (const Vec3& d : {Vec3(0, 0, 6), Vec3(3, 1, -4), Vec3(0, 5, 0)}) {
-    const Vec3 from = q.interpolate(*ball.topology, ball.points).transpose();
-    const auto outcome = made(start, drag(Tool::grab, pole, from + d));
+    const Vec3 from = q.interpolate(*big_ball.topology, big_ball.points).transpose();
+    const auto outcome = made(start, drag(Tool::grab, big_pole, from + d));
     CHECK(!outcome.stopped_by_guard);
-    CHECK((q.interpolate(*ball.topology, outcome.points).transpose() - (from + d)).norm() < 1e-9);
+    CHECK((q.interpolate(*big_ball.topology, outcome.points).transpose() - (from + d)).norm() < 1e-9);
   }
 }
 
 TEST_CASE("an anchored edit is the minimiser for the implied targets pushed by the falloff") {
-  const StrokeStart start = start_of(ball);
-  const Stroke stroke = drag(Tool::grab, pole, pole + Vec3(1, 2, 4));
+  const StrokeStart start = start_of(big_ball);
+  const Stroke stroke = drag(Tool::grab, big_pole, big_pole + Vec3(1, 2, 4));
   const auto outcome = made(start, stroke);
-  const SurfacePoint q = SurfaceSearch(ball).nearest(pole).at;
-  const VertexScalars g =
-      gaussian_falloff(*ball.topology, ball.points, q, 8, mean_edge_mm(*ball.topology, ball.points), false);
-  ShapeSolver solver(ball.topology);
+  const SurfacePoint q = SurfaceSearch(big_ball).nearest(big_pole).at;
+  const VertexScalars g = gaussian_falloff(*big_ball.topology, big_ball.points, q, 8,
+                                           mean_edge_mm(*big_ball.topology, big_ball.points), false);
+  ShapeSolver solver(big_ball.topology);
   const VertexScalars w = start.stiffness_base * *start.stiffness;
   REQUIRE(solver.factorise(w));
   const VertexScalars u = solver.solve(g);
-  const Vec3 d = stroke.to - Vec3(q.interpolate(*ball.topology, ball.points).transpose());
-  const double at_q = q.interpolate(*ball.topology, u)[0];
-  const Points targets = implied_targets(*ball.topology, w, ball.points, ball.points) + g / at_q * d.transpose();
-  const Points minimiser = solver.solve(Points(targets + shape_laplacian(*ball.topology, w) * ball.points));
+  const Vec3 d = stroke.to - Vec3(q.interpolate(*big_ball.topology, big_ball.points).transpose());
+  const double at_q = q.interpolate(*big_ball.topology, u)[0];
+  const Points targets =
+      implied_targets(*big_ball.topology, w, big_ball.points, big_ball.points) + g / at_q * d.transpose();
+  const Points minimiser = solver.solve(Points(targets + shape_laplacian(*big_ball.topology, w) * big_ball.points));
   CHECK(largest_difference(outcome.points, minimiser) < 1e-9);
 }
 
 TEST_CASE("the result does not depend on the events on the way and going back undoes exactly") {
-  const StrokeStart start = start_of(ball);
+  const StrokeStart start = start_of(big_ball);
   Deformer deformer;
   for (int event = 1; event <= 30; ++event) {
-    REQUIRE(deformer.stroke(start, drag(Tool::grab, pole, pole + Vec3(0.1 * event, 0, 0.2 * event)), Pass::preview));
+    REQUIRE(deformer.stroke(start, drag(Tool::grab, big_pole, big_pole + Vec3(0.1 * event, 0, 0.2 * event)),
+                            Pass::preview));
   }
-  const Stroke last = drag(Tool::grab, pole, pole + Vec3(3, 0, 6));
+  const Stroke last = drag(Tool::grab, big_pole, big_pole + Vec3(3, 0, 6));
   CHECK(largest_difference(deformer.stroke(start, last, Pass::commit)->points, made(start, last).points) == 0);
-  const Vec3 q = SurfaceSearch(ball).nearest(pole).position;
-  CHECK(largest_difference(deformer.stroke(start, drag(Tool::grab, pole, q), Pass::commit)->points, ball.points) <
-        1e-12);
+  const Vec3 q = SurfaceSearch(big_ball).nearest(big_pole).position;
+  CHECK(largest_difference(deformer.stroke(start, drag(Tool::grab, big_pole, q), Pass::commit)->points,
+                           big_ball.points) < 1e-12);
 }
 
 TEST_CASE("an edit elsewhere never relaxes an earlier one") {
-  StrokeStart start = start_of(ball);
-  start.points = share(made(start, drag(Tool::pull, pole, pole * 1.2)).points);
+  StrokeStart start = start_of(big_ball);
+  start.points = share(made(start, drag(Tool::pull, big_pole, big_pole * 1.2)).points);
   const Points before = *start.points;
   for (int k = 0; k < 10; ++k) {
     start.points = share(made(start, drag(Tool::pull, Vec3(0, 0, -40), Vec3(0, 0, k % 2 == 0 ? -44 : -40), 4)).points);
   }
-  const Eigen::Index top = SurfaceSearch(ball).nearest(pole).at.face;
-  const auto corner = ball.topology->triangles()(top, 0);
+  const Eigen::Index top = SurfaceSearch(big_ball).nearest(big_pole).at.face;
+  const auto corner = big_ball.topology->triangles()(top, 0);
   CHECK((start.points->row(corner) - before.row(corner)).norm() < 0.05);
 }
 
 TEST_CASE("the literal scheme of the paper depends on the event rate") {
-  StrokeStart start = start_of(ball, 1);
+  StrokeStart start = start_of(big_ball, 1);
   start.scheme = Scheme::paper;
-  const Stroke stroke = drag(Tool::grab, pole, pole + Vec3(0, 0, 8), 5);
+  const Stroke stroke = drag(Tool::grab, big_pole, big_pole + Vec3(0, 0, 8), 5);
   const double one = made(start, stroke).moved_mm;
   start.paper_events = 30;
   const double thirty = made(start, stroke).moved_mm;
@@ -114,29 +112,29 @@ TEST_CASE("the literal scheme of the paper depends on the event rate") {
 }
 
 TEST_CASE("the raw scheme moves by the Gaussian alone") {
-  StrokeStart start = start_of(ball);
+  StrokeStart start = start_of(big_ball);
   start.scheme = Scheme::raw;
-  const auto outcome = made(start, drag(Tool::grab, pole, pole + Vec3(0, 0, 5)));
-  const SurfacePoint q = SurfaceSearch(ball).nearest(pole).at;
-  const VertexScalars g =
-      gaussian_falloff(*ball.topology, ball.points, q, 8, mean_edge_mm(*ball.topology, ball.points), false);
-  const double reach = pole.z() + 5 - q.interpolate(*ball.topology, ball.points)[2];
-  CHECK((outcome.points.col(2) - ball.points.col(2) - reach * g).cwiseAbs().maxCoeff() < 1e-9);
+  const auto outcome = made(start, drag(Tool::grab, big_pole, big_pole + Vec3(0, 0, 5)));
+  const SurfacePoint q = SurfaceSearch(big_ball).nearest(big_pole).at;
+  const VertexScalars g = gaussian_falloff(*big_ball.topology, big_ball.points, q, 8,
+                                           mean_edge_mm(*big_ball.topology, big_ball.points), false);
+  const double reach = big_pole.z() + 5 - q.interpolate(*big_ball.topology, big_ball.points)[2];
+  CHECK((outcome.points.col(2) - big_ball.points.col(2) - reach * g).cwiseAbs().maxCoeff() < 1e-9);
 }
 
 TEST_CASE("a purely lateral pull changes nothing and one with an offset carries the bump along") {
-  const StrokeStart start = start_of(ball);
+  const StrokeStart start = start_of(big_ball);
   // Along the sphere: the nearest surface point is the cursor itself, up to the facets.
   const Vec3 along = 40 * Vec3(std::sin(0.4), 0, std::cos(0.4));
   const double facet_mm = 0.06;
-  CHECK(largest_difference(made(start, drag(Tool::pull, pole, along)).points, ball.points) < facet_mm);
+  CHECK(largest_difference(made(start, drag(Tool::pull, big_pole, along)).points, big_ball.points) < facet_mm);
 
   Deformer deformer;
   for (double angle = 0; angle <= 0.4; angle += 0.02) {
     const Vec3 cursor = 46 * Vec3(std::sin(angle), 0, std::cos(angle));
-    REQUIRE(deformer.stroke(start, drag(Tool::pull, pole, cursor), Pass::preview));
+    REQUIRE(deformer.stroke(start, drag(Tool::pull, big_pole, cursor), Pass::preview));
   }
-  const auto carried = deformer.stroke(start, drag(Tool::pull, pole, along * 46 / 40), Pass::commit).value();
+  const auto carried = deformer.stroke(start, drag(Tool::pull, big_pole, along * 46 / 40), Pass::commit).value();
   CHECK((carried.on - along).norm() < 0.5);
   Eigen::Index highest = 0;
   carried.points.rowwise().norm().maxCoeff(&highest);
@@ -144,49 +142,49 @@ TEST_CASE("a purely lateral pull changes nothing and one with an offset carries 
 }
 
 TEST_CASE("a pull that remembers its surface point needs no cursor path") {
-  const StrokeStart start = start_of(ball);
-  Stroke stroke = drag(Tool::pull, pole, 46 * Vec3(std::sin(0.3), 0, std::cos(0.3)));
+  const StrokeStart start = start_of(big_ball);
+  Stroke stroke = drag(Tool::pull, big_pole, 46 * Vec3(std::sin(0.3), 0, std::cos(0.3)));
   const auto followed = made(start, stroke);
   stroke.on = followed.on;
   CHECK(largest_difference(made(start, stroke).points, followed.points) < 1e-9);
 }
 
 TEST_CASE("a pull through the middle is held at the medial axis") {
-  const StrokeStart start = start_of(ball);
-  const auto outcome = made(start, drag(Tool::pull, pole, Vec3(1, 0, -30)));
+  const StrokeStart start = start_of(big_ball);
+  const auto outcome = made(start, drag(Tool::pull, big_pole, Vec3(1, 0, -30)));
   CHECK(outcome.on.z() > 0);
 }
 
 TEST_CASE("no gesture turns a triangle however far it goes") {
-  const StrokeStart start = start_of(ball);
+  const StrokeStart start = start_of(big_ball);
   for (const Tool tool : {Tool::pull, Tool::grab, Tool::slide}) {
     for (const double sigma_mm : {2.0, 8.0, 25.0}) {
       for (const Vec3& to : {Vec3(0, 0, -80), Vec3(90, 20, 60), Vec3(0, -30, 30), Vec3(0, 0, 200)}) {
-        const auto outcome = made(start, drag(tool, pole, to, sigma_mm));
-        CHECK(turned_triangles(*ball.topology, ball.points, outcome.points).empty());
+        const auto outcome = made(start, drag(tool, big_pole, to, sigma_mm));
+        CHECK(turned_triangles(*big_ball.topology, big_ball.points, outcome.points).empty());
       }
     }
   }
 }
 
 TEST_CASE("the fold guard stops and says so while a fold without it is real") {
-  StrokeStart start = start_of(ball);
-  const Stroke stroke = drag(Tool::grab, pole, pole + Vec3(25, 0, -10), 3);
+  StrokeStart start = start_of(big_ball);
+  const Stroke stroke = drag(Tool::grab, big_pole, big_pole + Vec3(25, 0, -10), 3);
   CHECK(made(start, stroke).stopped_by_guard);
   start.scheme = Scheme::raw;
-  CHECK(!turned_triangles(*ball.topology, ball.points, made(start, stroke).points).empty());
+  CHECK(!turned_triangles(*big_ball.topology, big_ball.points, made(start, stroke).points).empty());
 }
 
 TEST_CASE("the closed form of the fold guard is the first step at which a triangle reaches its floor") {
-  FoldGuard guard(*ball.topology, ball.points, ball.points);
-  const SurfacePoint q = SurfaceSearch(ball).nearest(pole).at;
-  const VertexScalars g = gaussian_falloff(*ball.topology, ball.points, q, 4, 2, false);
+  FoldGuard guard(*big_ball.topology, big_ball.points, big_ball.points);
+  const SurfacePoint q = SurfaceSearch(big_ball).nearest(big_pole).at;
+  const VertexScalars g = gaussian_falloff(*big_ball.topology, big_ball.points, q, 4, 2, false);
   guard.set_response(g);
   // The quality of the worst triangle, its area as seen along its normal at the start.
   const auto worst = [&](const Points& moved) {
     double least = 1;
-    for (Eigen::Index f = 0; f < ball.topology->triangles().rows(); ++f) {
-      const auto c = ball.topology->triangles().row(f);
+    for (Eigen::Index f = 0; f < big_ball.topology->triangles().rows(); ++f) {
+      const auto c = big_ball.topology->triangles().row(f);
       const auto corner = [&](const Points& p, int k) { return Vec3(p.row(c[k])); };
       const auto normal = [&](const Points& p) {
         return (corner(p, 1) - corner(p, 0)).cross(corner(p, 2) - corner(p, 0)).eval();
@@ -194,31 +192,31 @@ TEST_CASE("the closed form of the fold guard is the first step at which a triang
       const double edges = (corner(moved, 1) - corner(moved, 0)).squaredNorm() +
                            (corner(moved, 2) - corner(moved, 0)).squaredNorm() +
                            (corner(moved, 2) - corner(moved, 1)).squaredNorm();
-      least = std::min(least, 2 * std::sqrt(3.0) * normal(moved).dot(normal(ball.points).normalized()) / edges);
+      least = std::min(least, 2 * std::sqrt(3.0) * normal(moved).dot(normal(big_ball.points).normalized()) / edges);
     }
     return least;
   };
   for (const Vec3& d : {Vec3(30, 0, 0), Vec3(10, 10, -40), Vec3(-20, 5, 30)}) {
     const double step = guard.largest_step(d);
     REQUIRE(step < 1);
-    CHECK(worst(ball.points + g * (step * d).transpose()) == doctest::Approx(0.1).epsilon(0.01));
-    CHECK(worst(ball.points + g * (0.9 * step * d).transpose()) > 0.1);
-    CHECK(worst(ball.points + g * (1.1 * step * d).transpose()) < 0.1);
+    CHECK(worst(big_ball.points + g * (step * d).transpose()) == doctest::Approx(0.1).epsilon(0.01));
+    CHECK(worst(big_ball.points + g * (0.9 * step * d).transpose()) > 0.1);
+    CHECK(worst(big_ball.points + g * (1.1 * step * d).transpose()) < 0.1);
   }
 }
 
 TEST_CASE("a sliver at the start does not freeze the tool") {
-  Mesh mesh = shapes::icosphere(3, 40);
-  const auto t = mesh.topology->triangles().row(SurfaceSearch(mesh).nearest(pole).at.face);
+  Mesh mesh = icosphere(3, 40);
+  const auto t = mesh.topology->triangles().row(SurfaceSearch(mesh).nearest(big_pole).at.face);
   mesh.points.row(t[0]) = 0.499 * (mesh.points.row(t[1]) + mesh.points.row(t[2])) + 0.002 * mesh.points.row(t[0]);
-  const auto outcome = made(start_of(mesh), drag(Tool::grab, pole, pole + Vec3(0, 0, 4), 15));
+  const auto outcome = made(start_of(mesh), drag(Tool::grab, big_pole, big_pole + Vec3(0, 0, 4), 15));
   CHECK(outcome.moved_mm > 3);
 }
 
 TEST_CASE("sliding moves landmarks along the surface and leaves the surface") {
-  const StrokeStart start = start_of(ball);
-  const auto outcome = made(start, drag(Tool::slide, pole, pole + Vec3(6, 0, 0)));
-  const SurfaceSearch surface(ball);
+  const StrokeStart start = start_of(big_ball);
+  const auto outcome = made(start, drag(Tool::slide, big_pole, big_pole + Vec3(6, 0, 0)));
+  const SurfaceSearch surface(big_ball);
   double farthest = 0;
   for (Eigen::Index i = 0; i < outcome.points.rows(); ++i) {
     farthest = std::max(farthest, surface.nearest(outcome.points.row(i)).distance_mm);
@@ -239,40 +237,40 @@ TEST_CASE("boundary vertices of an open mesh slide along their boundary") {
 }
 
 TEST_CASE("spacing moves landmarks tangentially near the edit only and a click moves nothing") {
-  StrokeStart start = start_of(ball);
-  start.points = share(made(start, drag(Tool::grab, pole, pole + Vec3(4, 0, 12), 5)).points);
+  StrokeStart start = start_of(big_ball);
+  start.points = share(made(start, drag(Tool::grab, big_pole, big_pole + Vec3(4, 0, 12), 5)).points);
   start.spacing = 1;
-  const Vec3 at = SurfaceSearch({ball.topology, *start.points}).nearest(Vec3(0, 0, 60)).position;
+  const Vec3 at = SurfaceSearch({big_ball.topology, *start.points}).nearest(Vec3(0, 0, 60)).position;
   const auto click = made(start, drag(Tool::grab, at, at));
   CHECK(largest_difference(click.points, *start.points) < 1e-9);
   const auto outcome = made(start, drag(Tool::grab, at, at + Vec3(0, 0, 2)));
   start.spacing = 0;
   const auto without = made(start, drag(Tool::grab, at, at + Vec3(0, 0, 2)));
   CHECK(largest_difference(outcome.points, without.points) > 0.05);
-  const auto far = ball.topology->triangles()(SurfaceSearch(ball).nearest(Vec3(0, 0, -40)).at.face, 0);
+  const auto far = big_ball.topology->triangles()(SurfaceSearch(big_ball).nearest(Vec3(0, 0, -40)).at.face, 0);
   CHECK((outcome.points.row(far) - without.points.row(far)).norm() < 1e-3);
-  CHECK(turned_triangles(*ball.topology, ball.points, outcome.points).empty());
+  CHECK(turned_triangles(*big_ball.topology, big_ball.points, outcome.points).empty());
 }
 
 TEST_CASE("relax takes a region back towards the reference's shape") {
-  StrokeStart start = start_of(ball);
-  start.points = share(made(start, drag(Tool::grab, pole, pole + Vec3(0, 0, 10), 4)).points);
+  StrokeStart start = start_of(big_ball);
+  start.points = share(made(start, drag(Tool::grab, big_pole, big_pole + Vec3(0, 0, 10), 4)).points);
   Stroke dab = drag(Tool::relax, Vec3(0, 0, 50), Vec3(0, 0, 50), 15);
   const auto relaxed = made(start, dab);
   CHECK(relaxed.points.col(2).maxCoeff() < start.points->col(2).maxCoeff() - 1);
-  CHECK(turned_triangles(*ball.topology, ball.points, relaxed.points).empty());
+  CHECK(turned_triangles(*big_ball.topology, big_ball.points, relaxed.points).empty());
   dab.strength = 0;
   CHECK(largest_difference(made(start, dab).points, *start.points) < 1e-12);
 }
 
 TEST_CASE("confirmed vertices stay where they are under every scheme and cannot be grabbed") {
-  StrokeStart start = start_of(ball);
+  StrokeStart start = start_of(big_ball);
   start.points = share(made(start, drag(Tool::grab, Vec3(40, 0, 0), Vec3(46, 0, 0), 8)).points);
-  VertexScalars confirmed = (ball.points.col(0).array() > 10).cast<double>();
+  VertexScalars confirmed = (big_ball.points.col(0).array() > 10).cast<double>();
   start.confirmed = std::make_shared<const VertexScalars>(confirmed);
   for (const Scheme scheme : {Scheme::anchored, Scheme::paper, Scheme::raw}) {
     start.scheme = scheme;
-    const auto outcome = made(start, drag(Tool::grab, pole, pole + Vec3(0, 0, 5), 15));
+    const auto outcome = made(start, drag(Tool::grab, big_pole, big_pole + Vec3(0, 0, 5), 15));
     for (Eigen::Index i = 0; i < confirmed.size(); ++i) {
       if (confirmed[i] == 1) REQUIRE(outcome.points.row(i) == start.points->row(i));
     }
@@ -282,7 +280,7 @@ TEST_CASE("confirmed vertices stay where they are under every scheme and cannot 
 }
 
 TEST_CASE("the falloff stays on the grabbed sheet unless it is asked through space") {
-  const Mesh inner = shapes::icosphere(3, 30), outer = shapes::icosphere(3, 34);
+  const Mesh inner = icosphere(3, 30), outer = icosphere(3, 34);
   const Eigen::Index n = inner.points.rows();
   Triangles both(2 * inner.topology->triangles().rows(), 3);
   both << inner.topology->triangles(), (outer.topology->triangles().array() + static_cast<std::int32_t>(n)).matrix();
@@ -298,7 +296,7 @@ TEST_CASE("the falloff stays on the grabbed sheet unless it is asked through spa
 
 TEST_CASE("a softer stiffness keeps an edit narrower") {
   const auto spread = [](double stiffness) {
-    const auto outcome = made(start_of(ball, stiffness), drag(Tool::grab, pole, pole + Vec3(0, 0, 4), 4));
+    const auto outcome = made(start_of(big_ball, stiffness), drag(Tool::grab, big_pole, big_pole + Vec3(0, 0, 4), 4));
     return outcome.response->sum();
   };
   CHECK(spread(1) < spread(10));

@@ -34,7 +34,7 @@ struct MeshFolder : TemporaryFolder {
 };
 
 MeshFile sphere_file() {
-  const Mesh mesh = shapes::icosphere(1, 50.123456789012345, {-1.0 / 3, 1e-7, 200});
+  const Mesh mesh = icosphere(1, 50.123456789012345, {-1.0 / 3, 1e-7, 200});
   MeshFile file;
   file.points = mesh.points;
   file.triangles = mesh.topology->triangles();

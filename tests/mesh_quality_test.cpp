@@ -65,7 +65,7 @@ TEST_CASE("edges angles area and volume of a box are those of school") {
   CHECK(quality.edge_max == doctest::Approx(std::sqrt(20.0 * 20 + 30 * 30)));
   CHECK(quality.min_angle_deg == doctest::Approx(std::atan2(10, 30) * 180 / std::numbers::pi));
   CHECK(quality.self_intersections == 0);
-  const MeshQuality even = mesh_quality(shapes::icosphere(0));
+  const MeshQuality even = mesh_quality(icosphere(0));
   CHECK(even.edge_cv == doctest::Approx(0).epsilon(1e-7));
   CHECK(even.edge_mean == doctest::Approx(even.edge_max));
   CHECK(even.min_angle_deg == doctest::Approx(60));
@@ -73,8 +73,8 @@ TEST_CASE("edges angles area and volume of a box are those of school") {
 
 TEST_CASE("the volume of a sphere far from the origin converges to its formula") {
   const double exact = 4.0 / 3 * std::numbers::pi * 30 * 30 * 30 / 1000;
-  const double coarse = enclosed_volume_ml(shapes::icosphere(3, 30, {1e6, -1e6, 1e6}));
-  const double fine = enclosed_volume_ml(shapes::icosphere(4, 30, {1e6, -1e6, 1e6}));
+  const double coarse = enclosed_volume_ml(icosphere(3, 30, {1e6, -1e6, 1e6}));
+  const double fine = enclosed_volume_ml(icosphere(4, 30, {1e6, -1e6, 1e6}));
   CHECK(fine == doctest::Approx(exact).epsilon(0.01));
   CHECK((exact - coarse) / (exact - fine) == doctest::Approx(4).epsilon(0.05));
 }
@@ -92,7 +92,7 @@ TEST_CASE("an open tube is capped flat for its volume") {
 }
 
 TEST_CASE("normals of a sphere point outward and those of a collapsed mesh are zero") {
-  Mesh sphere = shapes::icosphere(3, 5, {1, 2, 3});
+  Mesh sphere = icosphere(3, 5, {1, 2, 3});
   const Points normals = vertex_normals(sphere);
   for (Eigen::Index i = 0; i < normals.rows(); ++i)
     CHECK(normals.row(i).dot((sphere.points.row(i) - Eigen::RowVector3d(1, 2, 3)) / 5) > 0.999);
@@ -107,7 +107,7 @@ TEST_CASE("triangle quality is 1 for equilateral and 0 for degenerate triangles"
 }
 
 TEST_CASE("shapes that do not intersect themselves have no intersecting pairs") {
-  CHECK(self_intersections(shapes::icosphere(3)).empty());
+  CHECK(self_intersections(icosphere(3)).empty());
   CHECK(self_intersections(shapes::torus(24, 12)).empty());
   CHECK(self_intersections(shapes::open_cylinder(6, 12)).empty());
   CHECK(self_intersections(capped(shapes::open_cylinder(6, 12))).empty());
@@ -143,7 +143,7 @@ TEST_CASE("faces with a common edge intersect where one is folded flat onto the 
 }
 
 TEST_CASE("a spike pushed through the far side is found") {
-  Mesh sphere = shapes::icosphere(3, 10);
+  Mesh sphere = icosphere(3, 10);
   Eigen::Index top = 0;
   sphere.points.col(2).maxCoeff(&top);
   sphere.points(top, 2) = -15;
@@ -154,7 +154,7 @@ TEST_CASE("a spike pushed through the far side is found") {
 
 TEST_CASE("mirroring twice changes nothing and once keeps faces outward and the numbering") {
   MeshFile file;
-  const Mesh mesh = shapes::icosphere(2, 10, {50, 20, -30});
+  const Mesh mesh = icosphere(2, 10, {50, 20, -30});
   file.points = mesh.points;
   file.triangles = mesh.topology->triangles();
   file.stiffness = VertexScalars::LinSpaced(file.points.rows(), 1, 5);

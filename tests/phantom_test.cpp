@@ -9,6 +9,7 @@
 #include "core/mesh/voxelise.h"
 #include "core/phantom/deformation.h"
 #include "core/phantom/noise.h"
+#include "tests/shapes.h"
 
 using namespace homolog;
 
@@ -31,10 +32,6 @@ std::uint64_t hash_of(const Voxels& voxels) {
 std::uint64_t hash_of(const PhantomSubject& subject) {
   return hash_of(std::get<std::vector<std::int16_t>>(subject.image.data)) ^
          phantom::mix_bits(hash_of(std::get<std::vector<std::uint8_t>>(subject.label_map.data)));
-}
-
-double mean_distance(const Points& a, const Points& b) {
-  return (a - b).rowwise().norm().mean();
 }
 
 Eigen::Index nearest_vertex(const Points& points, const Vec3& p) {

@@ -6,28 +6,23 @@
 
 #include "core/volume/volume_io.h"
 #include "temporary_folder.h"
+#include "tests/refusal.h"
 
 namespace fs = std::filesystem;
 using namespace homolog;
 
 namespace {
 
-std::string little(std::uint32_t value, std::size_t bytes) {
-  std::string text;
-  for (std::size_t b = 0; b < bytes; ++b) text += static_cast<char>(value >> 8 * b & 0xff);
-  return text;
-}
-
 /// An uncompressed greyscale TIFF of 16 bits with one strip a page [TIFF 6.0, §2].
 std::string tiff(std::uint32_t width, std::uint32_t height, const std::vector<std::vector<std::uint16_t>>& pages) {
-  std::string bytes = "II" + little(42, 2) + little(8, 4);
+  std::string bytes = "II" + little_endian(42, 2) + little_endian(8, 4);
   for (std::size_t p = 0; p < pages.size(); ++p) {
     constexpr std::uint32_t entries = 8;
     const auto begin = static_cast<std::uint32_t>(bytes.size());
     const std::uint32_t strip = begin + 2 + 12 * entries + 4, strip_bytes = 2 * width * height;
-    bytes += little(entries, 2);
+    bytes += little_endian(entries, 2);
     const auto entry = [&bytes](std::uint32_t tag, std::uint32_t type, std::uint32_t value) {
-      bytes += little(tag, 2) + little(type, 2) + little(1, 4) + little(value, 4);
+      bytes += little_endian(tag, 2) + little_endian(type, 2) + little_endian(1, 4) + little_endian(value, 4);
     };
     constexpr std::uint32_t is_short = 3, is_long = 4;
     entry(256, is_long, width);
@@ -38,20 +33,10 @@ std::string tiff(std::uint32_t width, std::uint32_t height, const std::vector<st
     entry(273, is_long, strip);
     entry(278, is_long, height);
     entry(279, is_long, strip_bytes);
-    bytes += little(p + 1 < pages.size() ? strip + strip_bytes : 0, 4);
-    for (const std::uint16_t value : pages[p]) bytes += little(value, 2);
+    bytes += little_endian(p + 1 < pages.size() ? strip + strip_bytes : 0, 4);
+    for (const std::uint16_t value : pages[p]) bytes += little_endian(value, 2);
   }
   return bytes;
-}
-
-void save(const fs::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
-
-bool says(const Result<VolumeRead>& read, const std::string& what) {
-  if (read) return false;
-  INFO(read.error().sentence());
-  return read.error().sentence().find(what) != std::string::npos;
 }
 
 const VolumeReadOptions with_spacing{{}, Vec3(0.5, 0.5, 3), nullptr};
@@ -86,7 +71,7 @@ TEST_CASE("pictures that are damaged or absent or of no known kind get a sentenc
 TEST_CASE("slices in a folder are stacked in the order of the numbers in their names") {
   const TemporaryFolder folder;
   for (std::uint16_t s = 1; s <= 11; ++s)
-    save(folder.path / ("slice" + std::to_string(s) + ".tif"), tiff(2, 2, {{s, 0, 0, 60000}}));
+    write_bytes(folder.path / ("slice" + std::to_string(s) + ".tif"), tiff(2, 2, {{s, 0, 0, 60000}}));
   CHECK(looks_like_volume(folder.path));
   CHECK(says(read_volume(folder.path), "--spacing"));
   const auto read = read_volume(folder.path, with_spacing);
@@ -101,18 +86,18 @@ TEST_CASE("slices in a folder are stacked in the order of the numbers in their n
 TEST_CASE("the pages of one TIFF are the slices of a volume") {
   const TemporaryFolder folder;
   const std::string bytes = tiff(2, 1, {{1, 2}, {3, 4}, {5, 6}});
-  save(folder.path / "stack.tiff", bytes);
+  write_bytes(folder.path / "stack.tiff", bytes);
   const auto read = read_volume(folder.path / "stack.tiff", with_spacing);
   REQUIRE(read);
   CHECK(read->volume.data == VoxelData(std::vector<std::uint16_t>{1, 2, 3, 4, 5, 6}));
-  save(folder.path / "short.tiff", bytes.substr(0, bytes.size() - 2));
+  write_bytes(folder.path / "short.tiff", bytes.substr(0, bytes.size() - 2));
   CHECK(!read_volume(folder.path / "short.tiff", with_spacing));
 }
 
 TEST_CASE("stacks with colours or slices of different sizes are refused") {
   const TemporaryFolder folder;
-  save(folder.path / "a.tif", tiff(2, 1, {{1, 2}}));
-  save(folder.path / "b.tif", tiff(1, 1, {{1}}));
+  write_bytes(folder.path / "a.tif", tiff(2, 1, {{1, 2}}));
+  write_bytes(folder.path / "b.tif", tiff(1, 1, {{1}}));
   CHECK(says(read_volume(folder.path, with_spacing), "different sizes"));
   fs::remove(folder.path / "b.tif");
   REQUIRE(write_picture(Picture{2, 1, std::vector<std::uint8_t>(8)}, folder.path / "b.png"));

@@ -2,6 +2,7 @@
 
 #include "core/placement/landmark_warp.h"
 #include "core/placement/similarity_fit.h"
+#include "tests/shapes.h"
 
 using namespace homolog;
 
@@ -16,10 +17,6 @@ Points rows(std::initializer_list<Vec3> points) {
 
 const Similarity moved{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())), 1.3, Vec3(10, -20, 30)};
 const Points corners = rows({{0, 0, 50}, {0, 0, -50}, {30, 5, 0}, {-25, 0, 10}, {0, 20, -5}});
-
-double largest_difference(const Points& a, const Points& b) {
-  return (a - b).cwiseAbs().maxCoeff();
-}
 
 }  // namespace
 

@@ -13,7 +13,7 @@ using namespace homolog;
 namespace {
 
 Document ball() {
-  const Mesh mesh = shapes::icosphere(3, 40);
+  const Mesh mesh = icosphere(3, 40);
   return new_document("", nullptr, make_template({mesh.points, mesh.topology->triangles()}, "ball").value());
 }
 

@@ -42,7 +42,7 @@ double rms(const Eigen::VectorXd& difference) {
   return difference.norm() / std::sqrt(static_cast<double>(difference.size()) / 3);
 }
 
-double mean_distance(const Eigen::VectorXd& difference) {
+double mean_length(const Eigen::VectorXd& difference) {
   return points_of(difference).rowwise().norm().mean();
 }
 
@@ -88,7 +88,7 @@ Similarity some_pose(int k) {
 
 /// Smooth variations of a ball: what real organs look like to the model.
 ShapeMatrix smooth_shapes(int count) {
-  const Mesh ball = shapes::icosphere(3, 40);
+  const Mesh ball = icosphere(3, 40);
   ShapeMatrix shapes(ball.points.size(), count);
   for (int k = 0; k < count; ++k) {
     Points points = ball.points;
@@ -224,10 +224,10 @@ TEST_CASE("measures agree with building every model directly") {
     const auto at = static_cast<std::size_t>(m - 1);
     INFO("modes " << m);
     check_equal(general[at], direct_generalisation(shapes, m, rms));
-    check_equal(general_mean[at], direct_generalisation(shapes, m, mean_distance));
+    check_equal(general_mean[at], direct_generalisation(shapes, m, mean_length));
     check_equal(specific[at], direct_specificity(shapes, components, b, m, rms));
-    check_equal(specific_mean[at], direct_specificity(shapes, components, b, m, mean_distance));
-    check_equal(shapeworks[at], direct_specificity(shapes, components, b_shapeworks, m, mean_distance));
+    check_equal(specific_mean[at], direct_specificity(shapes, components, b, m, mean_length));
+    check_equal(shapeworks[at], direct_specificity(shapes, components, b_shapeworks, m, mean_length));
   }
 }
 
@@ -236,7 +236,7 @@ TEST_CASE("the bound that spares distances changes none of them on smooth shapes
   const PrincipalComponents components = principal_components(shapes);
   const Eigen::MatrixXd b = sampled_coefficients(components.variances().head(3), 50, 2);
   check_equal(specificity_mean(components, {3}, 50, 2).value()[0],
-              direct_specificity(shapes, components, b, 3, mean_distance));
+              direct_specificity(shapes, components, b, 3, mean_length));
 }
 
 TEST_CASE("leaving one out works where shapes repeat and modes coincide") {
@@ -282,7 +282,7 @@ TEST_CASE("posing the training shapes anew leaves the measures alone") {
 }
 
 TEST_CASE("the surface measure is the distance between the rebuilt surface and the shape's") {
-  const Mesh ball = shapes::icosphere(3, 40);
+  const Mesh ball = icosphere(3, 40);
   const ShapeMatrix shapes = smooth_shapes(6);
   const PrincipalComponents components = principal_components(shapes);
   const Measured measure = generalisation_surface(components, ball.topology, {2}).value()[0];
@@ -301,5 +301,5 @@ TEST_CASE("a stopped measure says so") {
   progress.cancel();
   CHECK(!generalisation_mean(components, {1}, &progress));
   CHECK(!specificity_mean(components, {1}, 10, 1, false, &progress));
-  CHECK(!generalisation_surface(components, shapes::icosphere(0, 1).topology, {1}, &progress));
+  CHECK(!generalisation_surface(components, icosphere(0, 1).topology, {1}, &progress));
 }

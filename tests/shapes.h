@@ -49,8 +49,6 @@ inline Mesh box(const Vec3& low = Vec3::Zero(), const Vec3& high = Vec3::Ones())
                             {3, 7, 5}});
 }
 
-using homolog::icosphere;
-
 /// Torus around the z axis; vertex (ring, sector) has index ring · sectors + sector.
 inline Mesh torus(int rings, int sectors, double major_mm = 2, double minor_mm = 1) {
   std::vector<Vec3> points;
@@ -88,3 +86,17 @@ inline Mesh open_cylinder(int rings, int sectors, double radius_mm = 1, double h
 }
 
 }  // namespace homolog::shapes
+
+namespace homolog {
+
+/// Largest difference of a coordinate.
+inline double largest_difference(const Points& a, const Points& b) {
+  return (a - b).cwiseAbs().maxCoeff();
+}
+
+/// Mean distance of equal landmarks, mm.
+inline double mean_distance(const Points& a, const Points& b) {
+  return (a - b).rowwise().norm().mean();
+}
+
+}  // namespace homolog

@@ -17,7 +17,7 @@ using Json = nlohmann::json;
 namespace {
 
 ShapeModel some_model(bool with_faces = true) {
-  const Mesh ball = shapes::icosphere(1, 20);
+  const Mesh ball = icosphere(1, 20);
   ShapeMatrix shapes(ball.points.size(), 5);
   std::srand(2);
   shapes.setRandom();

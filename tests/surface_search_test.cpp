@@ -71,7 +71,7 @@ TEST_CASE("the tree finds the same nearest distance as a search through all face
 }
 
 TEST_CASE("after a refit the tree answers for the new points") {
-  Mesh mesh = shapes::icosphere(2, 10);
+  Mesh mesh = icosphere(2, 10);
   SurfaceSearch search(mesh);
   mesh.points = (mesh.points * 0.5).rowwise() + Eigen::RowVector3d(30, -4, 2);
   search.refit(mesh.points);
@@ -83,7 +83,7 @@ TEST_CASE("after a refit the tree answers for the new points") {
 }
 
 TEST_CASE("every ray from inside a closed surface hits it also through its edges and vertices") {
-  const Mesh mesh = shapes::icosphere(2, 10, {1, 2, 3});
+  const Mesh mesh = icosphere(2, 10, {1, 2, 3});
   const SurfaceSearch search(mesh);
   Random random;
   std::vector<Vec3> aims;

@@ -39,7 +39,7 @@ TEST_CASE("fences are those of the quartiles") {
 }
 
 TEST_CASE("a cohort in order raises no doubt about landmarks or triangles") {
-  const Mesh ball = shapes::icosphere(3, 40);
+  const Mesh ball = icosphere(3, 40);
   const PrincipalComponents components = cohort(ball, [](int, Points&) {});
   CHECK(doubtful_landmarks(components, ball.topology, 3).size() < 3);
   CHECK(doubtful_triangles(components, *ball.topology).size() < 3);
@@ -53,7 +53,7 @@ TEST_CASE("a cohort in order raises no doubt about landmarks or triangles") {
 }
 
 TEST_CASE("a shape far from all others heads the list beyond the outer fence") {
-  const Mesh ball = shapes::icosphere(2, 40);
+  const Mesh ball = icosphere(2, 40);
   const PrincipalComponents components =
       cohort(ball, [](int k, Points& points) { points.col(2) *= k == 13 ? 1.6 : 1; });
   const auto shapes = shapes_by_distance(components);
@@ -62,7 +62,7 @@ TEST_CASE("a shape far from all others heads the list beyond the outer fence") {
 }
 
 TEST_CASE("a landmark that slid along the surface is found in its shape") {
-  const Mesh ball = shapes::icosphere(3, 40);
+  const Mesh ball = icosphere(3, 40);
   const PrincipalComponents components = cohort(ball, [&](int k, Points& points) {
     if (k == 7) points.row(100) += 0.6 * (points.row(ball.topology->one_ring(100)[0]) - points.row(100));
   });
@@ -83,7 +83,7 @@ TEST_CASE("a landmark that slid along the surface is found in its shape") {
 }
 
 TEST_CASE("of a swapped region one landmark is listed at its worst place") {
-  const Mesh ball = shapes::icosphere(3, 40);
+  const Mesh ball = icosphere(3, 40);
   const PrincipalComponents components = cohort(ball, [&](int k, Points& points) {
     if (k != 3) return;
     for (Eigen::Index v = 0; v < points.rows(); ++v) {
@@ -99,7 +99,7 @@ TEST_CASE("of a swapped region one landmark is listed at its worst place") {
 }
 
 TEST_CASE("a triangle that collapsed to nothing is finite and leads the list") {
-  const Mesh ball = shapes::icosphere(2, 40);
+  const Mesh ball = icosphere(2, 40);
   const PrincipalComponents components = cohort(ball, [&](int k, Points& points) {
     if (k == 5) points.row(ball.topology->triangles()(9, 0)) = points.row(ball.topology->triangles()(9, 1));
   });

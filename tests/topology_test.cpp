@@ -57,13 +57,13 @@ void check_against_faces(const Topology& topology) {
 
 TEST_CASE("edges rings faces and neighbours agree with the triangles") {
   check_against_faces(*shapes::tetrahedron().topology);
-  check_against_faces(*shapes::icosphere(2).topology);
+  check_against_faces(*icosphere(2).topology);
   check_against_faces(*shapes::torus(8, 5).topology);
   check_against_faces(*shapes::open_cylinder(4, 7).topology);
 }
 
 TEST_CASE("closed shapes have the genus and the components that they are made with") {
-  CHECK(shapes::icosphere(2).topology->genus() == 0);
+  CHECK(icosphere(2).topology->genus() == 0);
   CHECK(shapes::torus(8, 6).topology->genus() == 1);
   CHECK(shapes::torus(8, 6).topology->closed());
   const Mesh a = shapes::tetrahedron();
@@ -87,10 +87,10 @@ TEST_CASE("an open tube has two boundary loops that run with its faces") {
 }
 
 TEST_CASE("the hash tells numberings apart and nothing else") {
-  const auto triangles = shapes::icosphere(1).topology->triangles();
+  const auto triangles = icosphere(1).topology->triangles();
   Triangles turned = triangles;
   turned.row(3) << triangles(3, 1), triangles(3, 2), triangles(3, 0);
-  CHECK(Topology::make(42, triangles).value()->hash() == shapes::icosphere(1, 7).topology->hash());
+  CHECK(Topology::make(42, triangles).value()->hash() == icosphere(1, 7).topology->hash());
   CHECK(Topology::make(42, triangles).value()->hash() != Topology::make(42, turned).value()->hash());
   CHECK(Topology::make(42, triangles).value()->hash().size() == 16);
 }

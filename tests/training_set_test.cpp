@@ -19,7 +19,7 @@ namespace {
 
 /// An organ without any symmetry, one of a family.
 Mesh organ(int number) {
-  Mesh mesh = shapes::icosphere(2, 30);
+  Mesh mesh = icosphere(2, 30);
   const double k = 0.05 * number;
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) {
     const Vec3 p = mesh.points.row(v);
@@ -88,7 +88,7 @@ TEST_CASE("points without faces join the meshes of their count or make a set of 
 
 TEST_CASE("a mesh with another count or other faces is refused by name wherever it stands") {
   Folder first(0);
-  first.add(shapes::icosphere(1, 30), "small.ply");
+  first.add(icosphere(1, 30), "small.ply");
   for (int k = 0; k < 3; ++k) first.add(organ(k), "organ" + std::to_string(k) + ".ply");
   check_refused(first, "small.ply", "42 vertices");
   Folder last(3);
@@ -99,7 +99,7 @@ TEST_CASE("a mesh with another count or other faces is refused by name wherever 
   last.add(turned, "renumbered.ply");
   check_refused(last, "renumbered.ply", "numbering");
   Folder points(2);
-  points.add(shapes::icosphere(1, 30), "few.particles");
+  points.add(icosphere(1, 30), "few.particles");
   check_refused(points, "few.particles", "42 vertices");
   Folder soup(2);
   soup.add(organ(2), "organ2.stl");

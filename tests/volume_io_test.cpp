@@ -10,15 +10,12 @@
 #include <limits>
 
 #include "temporary_folder.h"
+#include "tests/refusal.h"
 
 namespace fs = std::filesystem;
 using namespace homolog;
 
 namespace {
-
-void write_bytes(const fs::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
 
 std::string gzipped(const std::string& bytes) {
   z_stream stream{};
@@ -75,12 +72,6 @@ Result<VolumeRead> read_as(const std::string& name, const std::string& bytes) {
   const TemporaryFolder folder;
   write_bytes(folder.path / name, bytes);
   return read_volume(folder.path / name);
-}
-
-bool says(const Result<VolumeRead>& read, const std::string& what) {
-  if (read) return false;
-  INFO(read.error().sentence());
-  return read.error().sentence().find(what) != std::string::npos;
 }
 
 template <class T>

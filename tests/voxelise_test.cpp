@@ -29,14 +29,14 @@ double claimed_ml(const Mesh& mesh, const VolumeGeometry& grid) {
 }  // namespace
 
 TEST_CASE("the voxels of a sphere add up to its volume the better the finer they are") {
-  const Mesh sphere = shapes::icosphere(4, 20);
+  const Mesh sphere = icosphere(4, 20);
   const double exact = enclosed_volume_ml(sphere);
   CHECK(claimed_ml(sphere, cube_grid(32, 1.5, Vec3::Constant(-23.3))) == doctest::Approx(exact).epsilon(0.01));
   CHECK(claimed_ml(sphere, cube_grid(96, 0.5, Vec3::Constant(-23.3))) == doctest::Approx(exact).epsilon(0.001));
 }
 
 TEST_CASE("a voxel is set exactly when its centre is in a convex shape") {
-  const Mesh shape = shapes::icosphere(1, 10, {0.3, -0.2, 0.1});
+  const Mesh shape = icosphere(1, 10, {0.3, -0.2, 0.1});
   VolumeGeometry grid = cube_grid(24, 1, Vec3(-12.1, -11.9, -12.05));
   grid.direction = Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   grid.direction.col(2) *= -1;  // left-handed
@@ -121,7 +121,7 @@ TEST_CASE("shapes cut by a rough common surface share out all voxels") {
 }
 
 TEST_CASE("a mesh that leaves the grid or misses it claims only what is there") {
-  const Mesh sphere = shapes::icosphere(3, 10);
+  const Mesh sphere = icosphere(3, 10);
   const auto all = voxelise(sphere, cube_grid(30, 1, Vec3::Constant(-14.5)));
   VolumeGeometry half = cube_grid(30, 1, Vec3::Constant(-14.5));
   half.dims = {15, 30, 30};

@@ -5,20 +5,16 @@
 #include <cstdlib>
 #include <system_error>
 
+#include "core/base/text.h"
+
 namespace homolog {
 
 namespace fs = std::filesystem;
 
 namespace {
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 128) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 bool has_extension(const std::string& name, const std::string& extension) {
-  const std::string low = lower(name);
+  const std::string low = lower_case(name);
   return low.size() > extension.size() && low.ends_with(extension);
 }
 
@@ -165,10 +161,10 @@ const std::vector<std::string>& purpose_extensions(FilePurpose purpose) {
 }
 
 std::vector<int> FileBrowser::visible() const {
-  const std::string wanted = saves(purpose) ? std::string() : lower(name);
+  const std::string wanted = saves(purpose) ? std::string() : lower_case(name);
   std::vector<int> result;
   for (std::size_t i = 0; i < entries.size(); ++i)
-    if (wanted.empty() || lower(entries[i].name).find(wanted) != std::string::npos)
+    if (wanted.empty() || lower_case(entries[i].name).find(wanted) != std::string::npos)
       result.push_back(static_cast<int>(i));
   return result;
 }
@@ -224,7 +220,7 @@ void refresh(FileBrowser& browser) {
     browser.entries.push_back(std::move(item));
   }
   std::sort(browser.entries.begin(), browser.entries.end(), [](const auto& a, const auto& b) {
-    return a.folder != b.folder ? a.folder : lower(a.name) < lower(b.name);
+    return a.folder != b.folder ? a.folder : lower_case(a.name) < lower_case(b.name);
   });
 }
 

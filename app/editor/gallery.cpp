@@ -11,8 +11,7 @@ namespace homolog {
 namespace {
 
 // Layout units, on a grid of 4.
-constexpr float cases_width = 320, panel_width = 328, header_height = 28, tools_height = 36, model_height = 232,
-                gap = 4;
+constexpr float cases_width = 320, tools_height = 36, model_height = 232;
 
 /// A cell from its own corner, as the renderer's projection takes it.
 Target target_of(const RectPx& cell) {
@@ -25,15 +24,16 @@ ModelsLayout models_layout(const Layout& layout) {
   const auto px = [&](float units) { return std::round(units * layout.scale); };
   const RectPx& body = layout.models;
   ModelsLayout parts;
-  const float left = std::min(px(cases_width), body.width / 3), right = std::min(px(panel_width), body.width / 3);
-  const float middle_x = body.x + left + px(gap), right_x = body.x + body.width - right;
-  const float middle = std::max(right_x - px(gap) - middle_x, 0.0f);
+  const float left = std::min(px(cases_width), body.width / 3),
+              right = std::min(px(layout_units::panel_width), body.width / 3);
+  const float middle_x = body.x + left + px(layout_units::gap), right_x = body.x + body.width - right;
+  const float middle = std::max(right_x - px(layout_units::gap) - middle_x, 0.0f);
   parts.cases = {body.x, body.y, left, body.height};
-  parts.gallery_header = {middle_x, body.y, middle, px(header_height) + px(tools_height)};
+  parts.gallery_header = {middle_x, body.y, middle, px(layout_units::header_height) + px(tools_height)};
   parts.gallery = {middle_x, body.y + parts.gallery_header.height, middle,
                    std::max(body.height - parts.gallery_header.height, 0.0f)};
-  parts.model_header = {right_x, body.y, right, px(header_height)};
-  parts.model = {right_x, body.y + px(header_height), right, std::min(px(model_height), body.height / 2)};
+  parts.model_header = {right_x, body.y, right, px(layout_units::header_height)};
+  parts.model = {right_x, body.y + px(layout_units::header_height), right, std::min(px(model_height), body.height / 2)};
   const float below = parts.model.y + parts.model.height;
   parts.panel = {right_x, below, right, std::max(body.y + body.height - below, 0.0f)};
   return parts;

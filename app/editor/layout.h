@@ -16,6 +16,11 @@ struct RectPx {
   bool operator==(const RectPx&) const = default;
 };
 
+/// What every mode lays out by, on a grid of 4 layout units.
+namespace layout_units {
+constexpr float panel_width = 328, header_height = 28, gap = 4;
+}
+
 /// Where everything lies in the window. A view that is not shown (another one is maximised) has no size.
 struct Layout {
   RectPx top_bar, tool_strip, panel, status_line;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <system_error>
 
+#include "core/base/text.h"
 #include "core/case/journal.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
@@ -20,14 +21,8 @@ namespace {
 
 constexpr double most_deviations = 3;
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 128) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 bool holds(const StudyCase& one, const std::string& wanted) {
-  return lower(one.name + '\n' + one.group + '\n' + one.notes).find(wanted) != std::string::npos;
+  return lower_case(one.name + '\n' + one.group + '\n' + one.notes).find(wanted) != std::string::npos;
 }
 
 }  // namespace
@@ -41,7 +36,7 @@ std::optional<double> distance_mm(const ModelsState& state, const StudyCase& one
 
 std::vector<std::size_t> listed_cases(const ModelsState& state) {
   const auto& cases = state.study.cases;
-  const std::string wanted = lower(state.filter);
+  const std::string wanted = lower_case(state.filter);
   std::vector<std::size_t> listed;
   for (std::size_t k = 0; k < cases.size(); ++k)
     if (holds(cases[k], wanted)) listed.push_back(k);
@@ -50,9 +45,9 @@ std::vector<std::size_t> listed_cases(const ModelsState& state) {
       case CaseColumn::study:
         return a < b;
       case CaseColumn::name:
-        return lower(cases[a].name) < lower(cases[b].name);
+        return lower_case(cases[a].name) < lower_case(cases[b].name);
       case CaseColumn::group:
-        return lower(cases[a].group) < lower(cases[b].group);
+        return lower_case(cases[a].group) < lower_case(cases[b].group);
       case CaseColumn::state:
         return cases[a].state < cases[b].state;
       case CaseColumn::distance:

@@ -8,6 +8,7 @@
 
 #include "app/editor/demo.h"
 #include "app/editor/file_browser.h"
+#include "core/base/text.h"
 
 namespace homolog {
 
@@ -21,8 +22,7 @@ struct Opener::Box {
 namespace {
 
 bool ends_with_any(const fs::path& path, const std::vector<std::string>& extensions) {
-  std::string name = path.filename().string();
-  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string name = lower_case(path.filename().string());
   return std::any_of(extensions.begin(), extensions.end(), [&](const auto& e) { return name.ends_with(e); });
 }
 

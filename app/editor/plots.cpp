@@ -9,10 +9,6 @@ namespace homolog {
 
 namespace {
 
-ImVec2 text_size(ImFont* font, const std::string& text) {
-  return font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str());
-}
-
 void put_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text) {
   draw.AddText(font, font->FontSize, {std::round(at.x), std::round(at.y)}, colour, text.c_str());
 }

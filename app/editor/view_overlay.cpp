@@ -23,10 +23,6 @@ void shadowed_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, cons
   draw.AddText(font, size, at, colour, text.c_str());
 }
 
-ImVec2 text_size(ImFont* font, const std::string& text) {
-  return font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str());
-}
-
 void draw_letters(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const RectPx& rect = map.rect();
   ImFont* font = ui.theme.strong;

@@ -68,6 +68,10 @@ std::string format(const char* pattern, ...) {
   return text.data();
 }
 
+ImVec2 text_size(ImFont* font, const std::string& text) {
+  return font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str());
+}
+
 std::string shortened(const std::string& text, float width_px) {
   const auto fits = [width_px](const std::string& t) { return ImGui::CalcTextSize(t.c_str()).x <= width_px; };
   if (fits(text)) return text;

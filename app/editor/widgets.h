@@ -56,6 +56,8 @@ void caption(const Theme& theme, const char* text);
 void rule(const Theme& theme);
 void gap(const Theme& theme, float units);
 
+ImVec2 text_size(ImFont* font, const std::string& text);
+
 /// The text with its middle left out where it is wider.
 std::string shortened(const std::string& text, float width_px);
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Options {
+struct TemplateJob {
   fs::path in, out;
   int label = 0, frame = 0, vertices = 2500;
   double closing_mm = MaskTemplateOptions{}.closing_mm, opening_mm = MaskTemplateOptions{}.opening_mm;
@@ -48,7 +48,7 @@ GenusRule genus_rule(const std::string& text) {
   return rule;
 }
 
-Result<Report> from_mask(const Options& options, const Volume& mask, int label, std::vector<std::string> warnings,
+Result<Report> from_mask(const TemplateJob& options, const Volume& mask, int label, std::vector<std::string> warnings,
                          Progress& progress) {
   MaskTemplateOptions making;
   making.label = label;
@@ -77,7 +77,7 @@ Result<Report> from_mask(const Options& options, const Volume& mask, int label, 
                 std::move(warnings));
 }
 
-Result<Report> tube(const Options& options, const Volume& mask, int label, std::vector<std::string> warnings) {
+Result<Report> tube(const TemplateJob& options, const Volume& mask, int label, std::vector<std::string> warnings) {
   TubeTemplateOptions making;
   making.label = label;
   making.frame = options.frame;
@@ -98,7 +98,7 @@ Result<Report> tube(const Options& options, const Volume& mask, int label, std::
                 std::move(warnings));
 }
 
-Result<Report> from_mesh(const Options& options, Progress& progress) {
+Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
   const auto surface = read_mesh_file(options.in);
   if (!surface) return fail(surface.error());
   auto made = make_mesh_template(*surface, options.vertices, &progress);
@@ -111,7 +111,7 @@ Result<Report> from_mesh(const Options& options, Progress& progress) {
                 std::move(made->warnings));
 }
 
-Result<Report> make_template_file(const Options& options, Progress& progress) {
+Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
   if (is_mesh_name(options.in)) {
     if (options.tube)
       return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
@@ -133,7 +133,7 @@ Result<Report> make_template_file(const Options& options, Progress& progress) {
 }  // namespace
 
 void add_template(CLI::App& app, VerbRun& run) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TemplateJob>();
   CLI::App* verb = add_verb(app, "template", "A reference mesh from a label map or from an existing surface");
   verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over")->required();
   verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness and provenance)")

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr int format_version = 1;
-constexpr const char* extension = ".homolog";
+constexpr const char* case_extension = ".homolog";
 
 /// A line of the file; bytes that are no UTF-8 (a path of another encoding) become a replacement character.
 std::string dumped(const Json& json) {
@@ -65,7 +65,7 @@ struct Lines {
 
 /// Splits a case file. A last line that is no JSON and lacks its line feed (or holds zero bytes) was being written when
 /// the machine died.
-Lines split(const std::string& text) {
+Lines split_lines(const std::string& text) {
   Lines lines;
   std::size_t begin = 0;
   while (begin < text.size()) {
@@ -184,7 +184,7 @@ Result<Action> parse_action(const std::string& line) {
 Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
   const auto text = read_whole_file(path, std::uintmax_t{1} << 30);
   if (!text) return fail(text.error());
-  const Lines lines = split(*text);
+  const Lines lines = split_lines(*text);
   if (lines.whole.empty()) return fail(path.string(), "is not a Homolog case: it is empty or its first line is torn");
   std::vector<std::string> warnings;
   if (lines.torn) {
@@ -250,7 +250,7 @@ Result<EditSession> create_unsaved_case(Document initial) {
                 "cannot be made (" + error.message() + "); set XDG_STATE_HOME to a folder you may write to");
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const auto stamp = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-  const std::string name = "unsaved-" + std::to_string(stamp) + "-" + std::to_string(::getpid()) + extension;
+  const std::string name = "unsaved-" + std::to_string(stamp) + "-" + std::to_string(::getpid()) + case_extension;
   return create_case(std::move(initial), folder / name);
 }
 
@@ -258,7 +258,7 @@ std::vector<fs::path> unsaved_cases() {
   std::vector<fs::path> found;
   std::error_code error;
   for (fs::directory_iterator entry(unsaved_folder(), error), end; !error && entry != end; entry.increment(error)) {
-    if (entry->path().extension() != extension || Journal::in_use(entry->path())) continue;
+    if (entry->path().extension() != case_extension || Journal::in_use(entry->path())) continue;
     const auto text = read_whole_file(entry->path(), std::uintmax_t{1} << 30);
     if (text && std::count(text->begin(), text->end(), '\n') >= 2) found.push_back(entry->path());
   }

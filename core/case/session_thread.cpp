@@ -13,18 +13,14 @@
 
 namespace homolog {
 
-namespace {
-
-struct SaveAs {
-  std::filesystem::path path;
-};
-using Job = std::variant<Action, SaveAs>;
-
-}  // namespace
-
 /// The two mailboxes, and the thread between them. Everything above the line is shared under `mutex`; everything below
 /// belongs to the thread.
 struct SessionThread::Shared {
+  struct SaveAs {
+    std::filesystem::path path;
+  };
+  using Job = std::variant<Action, SaveAs>;
+
   mutable std::mutex mutex;
   std::condition_variable changed;
   std::deque<Job> jobs;                               ///< in: every one is done, in order
@@ -174,7 +170,7 @@ void SessionThread::apply(Action action) {
 void SessionThread::save_as(std::filesystem::path path) {
   {
     const std::lock_guard lock(shared_->mutex);
-    shared_->jobs.emplace_back(SaveAs{std::move(path)});
+    shared_->jobs.emplace_back(Shared::SaveAs{std::move(path)});
   }
   shared_->changed.notify_one();
 }

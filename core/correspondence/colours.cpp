@@ -8,12 +8,10 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "core/base/index.h"
+
 namespace homolog {
 namespace {
-
-std::size_t index(Eigen::Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// |number[i] − number[j]| of every edge, in no order.
 std::vector<std::int32_t> edge_steps(const Topology& topology, const std::vector<std::int32_t>& number) {

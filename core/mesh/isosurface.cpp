@@ -5,14 +5,11 @@
 #include <cassert>
 #include <limits>
 
+#include "core/base/index.h"
 #include "core/mesh/cube_cases.h"
 
 namespace homolog {
 namespace {
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// One slice of the mask with a margin of one voxel, and each row's first and last voxel inside (first > last: none).
 struct Slice {

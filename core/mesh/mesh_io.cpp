@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/base/files.h"
+#include "core/base/text.h"
 #include "core/mesh/formats/formats.h"
 
 namespace homolog {
@@ -24,15 +25,8 @@ constexpr std::array known_formats{Format{".ply", formats::read_ply, formats::wr
                                    Format{".stl", formats::read_stl, formats::write_stl},
                                    Format{".particles", formats::read_particles, formats::write_particles}};
 
-std::string extension_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
-}
-
 Result<Format> format_of(const std::filesystem::path& path) {
-  const std::string extension = extension_of(path);
+  const std::string extension = lower_case(path.extension().string());
   for (const Format& format : known_formats)
     if (extension == format.extension) return format;
   return fail(path.string(), "is no mesh file that is known here; use .ply, .vtk, .vtp, .obj, .stl or .particles");

@@ -5,12 +5,10 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/index.h"
+
 namespace homolog {
 namespace {
-
-std::size_t index(std::int32_t i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// An edge of one face, in the direction of the face.
 struct HalfEdge {

@@ -60,9 +60,9 @@ std::vector<std::size_t> dims_of(hid_t space) {
   return {extents.begin(), extents.end()};
 }
 
-class Reader {
+class HdfTreeReader {
  public:
-  explicit Reader(std::uintmax_t file_bytes) : file_bytes_(file_bytes) {}
+  explicit HdfTreeReader(std::uintmax_t file_bytes) : file_bytes_(file_bytes) {}
 
   Result<void> read_group(hid_t group, const std::string& path) {
     if (path.size() > 1000) return fail("", "has groups nested too deeply; export the model again");
@@ -204,7 +204,7 @@ Result<HdfTree> read_hdf5(const fs::path& path) {
   if (!file.good()) return fail(path.string(), "is a damaged HDF5 file; copy or export it again");
   const Handle root(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose);
   if (!root.good()) return fail(path.string(), "is a damaged HDF5 file; copy or export it again");
-  Reader reader(bytes);
+  HdfTreeReader reader(bytes);
   if (auto done = reader.read_group(root, "/"); !done) return fail(path.string(), done.error().what);
   return std::move(reader.tree);
 }

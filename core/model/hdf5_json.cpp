@@ -7,8 +7,6 @@
 
 namespace homolog {
 
-using Json = nlohmann::json;
-
 const std::vector<float>* HdfTree::floats(const std::string& path) const {
   const auto found = datasets.find(path);
   return found != datasets.end() ? std::get_if<std::vector<float>>(&found->second.values) : nullptr;
@@ -40,7 +38,7 @@ std::string below(const std::string& group, const std::string& name) {
   return group == "/" ? "/" + name : group + "/" + name;
 }
 
-std::pair<std::string, std::string> split(const std::string& path) {
+std::pair<std::string, std::string> parent_and_name(const std::string& path) {
   const std::size_t slash = path.rfind('/');
   return {slash == 0 ? "/" : path.substr(0, slash), path.substr(slash + 1)};
 }
@@ -49,21 +47,22 @@ std::pair<std::string, std::string> split(const std::string& path) {
 
 /// Appends the numbers of nested arrays, checking that they are `dims` deep and wide.
 template <class Number>
-bool flatten(const Json& value, const std::vector<std::size_t>& dims, std::size_t level, std::vector<Number>& into) {
+bool flatten(const nlohmann::json& value, const std::vector<std::size_t>& dims, std::size_t level,
+             std::vector<Number>& into) {
   if (level == dims.size()) {
     if (!value.is_number()) return false;
     into.push_back(value.get<Number>());
     return true;
   }
   if (!value.is_array() || value.size() != dims[level]) return false;
-  for (const Json& entry : value)
+  for (const nlohmann::json& entry : value)
     if (!flatten(entry, dims, level + 1, into)) return false;
   return true;
 }
 
-class Reader {
+class JsonTreeReader {
  public:
-  explicit Reader(const Json& file) : file_(file) {}
+  explicit JsonTreeReader(const nlohmann::json& file) : file_(file) {}
 
   Result<HdfTree> read() {
     const auto root = file_.value("root", "");
@@ -74,8 +73,8 @@ class Reader {
 
  private:
   /// What collection ("groups", "datasets") holds under an identifier; null where it does not.
-  const Json& object(const char* collection, const std::string& id) const {
-    static const Json none;
+  const nlohmann::json& object(const char* collection, const std::string& id) const {
+    static const nlohmann::json none;
     const auto found = file_.find(collection);
     if (found == file_.end() || !found->is_object()) return none;
     const auto entry = found->find(id);
@@ -83,16 +82,16 @@ class Reader {
   }
 
   Result<void> read_group(const std::string& id, const std::string& path, int depth) {
-    const Json& group = object("groups", id);
+    const nlohmann::json& group = object("groups", id);
     if (group.is_null() || depth > deepest_group)
       return fail("", "has no group for " + path + "; copy or export the model again");
     auto& attributes = tree_.groups[path];
     if (group.contains("attributes"))
-      for (const Json& attribute : group["attributes"])
+      for (const nlohmann::json& attribute : group["attributes"])
         if (attribute.is_object() && attribute.contains("value") && attribute["value"].is_string())
           attributes[attribute.value("name", "")] = attribute["value"].get<std::string>();
     if (!group.contains("links")) return {};
-    for (const Json& link : group["links"]) {
+    for (const nlohmann::json& link : group["links"]) {
       if (!link.is_object() || link.value("class", "") != "H5L_TYPE_HARD") continue;
       const std::string inner = below(path, link.value("title", "")), target = link.value("id", "");
       const std::string collection = link.value("collection", "");
@@ -105,15 +104,15 @@ class Reader {
   }
 
   Result<void> read_dataset(const std::string& id, const std::string& path) {
-    const Json& dataset = object("datasets", id);
+    const nlohmann::json& dataset = object("datasets", id);
     const Error damaged{
         "", "has a dataset " + path + " whose values do not fill its shape; copy or export the model again"};
     if (!dataset.contains("value")) return fail(damaged);
     HdfTree::Dataset read;
-    const Json shape = dataset.value("shape", Json::object());
+    const nlohmann::json shape = dataset.value("shape", nlohmann::json::object());
     if (shape.contains("dims")) read.dims = shape["dims"].get<std::vector<std::size_t>>();
-    const std::string kind = dataset.value("type", Json::object()).value("class", "");
-    const Json& value = dataset["value"];
+    const std::string kind = dataset.value("type", nlohmann::json::object()).value("class", "");
+    const nlohmann::json& value = dataset["value"];
     bool filled = false;
     if (kind == "H5T_STRING") {
       filled = value.is_string();
@@ -128,7 +127,7 @@ class Reader {
     return {};
   }
 
-  const Json& file_;
+  const nlohmann::json& file_;
   HdfTree tree_;
 };
 
@@ -148,7 +147,7 @@ std::string identifier(const std::string& path) {
   return id;
 }
 
-Json type_of(const HdfTree::Dataset& dataset) {
+nlohmann::json type_of(const HdfTree::Dataset& dataset) {
   if (std::holds_alternative<std::vector<float>>(dataset.values))
     return {{"class", "H5T_FLOAT"}, {"base", "H5T_IEEE_F32LE"}};
   if (std::holds_alternative<std::vector<std::int32_t>>(dataset.values))
@@ -157,7 +156,7 @@ Json type_of(const HdfTree::Dataset& dataset) {
       {"class", "H5T_STRING"}, {"charSet", "H5T_CSET_UTF8"}, {"strPad", "H5T_STR_NULLPAD"}, {"length", "H5T_VARIABLE"}};
 }
 
-Json shape_of(const HdfTree::Dataset& dataset) {
+nlohmann::json shape_of(const HdfTree::Dataset& dataset) {
   if (dataset.dims.empty()) return {{"class", "H5S_SCALAR"}};
   return {{"class", "H5S_SIMPLE"}, {"dims", dataset.dims}};
 }
@@ -180,7 +179,7 @@ void append_values(const std::vector<Number>& values, const std::vector<std::siz
 
 std::string value_text(const HdfTree::Dataset& dataset) {
   if (const auto* words = std::get_if<std::string>(&dataset.values))
-    return Json(*words).dump(-1, ' ', false, Json::error_handler_t::replace);
+    return nlohmann::json(*words).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   std::string text;
   std::size_t next = 0;
   if (const auto* numbers = std::get_if<std::vector<float>>(&dataset.values))
@@ -190,22 +189,22 @@ std::string value_text(const HdfTree::Dataset& dataset) {
   return text;
 }
 
-Json group_json(const HdfTree& tree, const std::string& path) {
-  Json attributes = Json::array(), links = Json::array();
+nlohmann::json group_json(const HdfTree& tree, const std::string& path) {
+  nlohmann::json attributes = nlohmann::json::array(), links = nlohmann::json::array();
   for (const auto& [name, value] : tree.groups.at(path)) {
     HdfTree::Dataset text;
     text.values = value;
     attributes.push_back({{"name", name}, {"type", type_of(text)}, {"shape", shape_of(text)}, {"value", value}});
   }
   const auto link = [&](const std::string& inner, const char* collection) {
-    const auto [parent, name] = split(inner);
+    const auto [parent, name] = parent_and_name(inner);
     if (parent == path && !name.empty())
       links.push_back(
           {{"class", "H5L_TYPE_HARD"}, {"collection", collection}, {"id", identifier(inner)}, {"title", name}});
   };
   for (const auto& [inner, unused] : tree.groups) link(inner, "groups");
   for (const auto& [inner, unused] : tree.datasets) link(inner, "datasets");
-  return {{"alias", Json::array({path})}, {"attributes", std::move(attributes)}, {"links", std::move(links)}};
+  return {{"alias", nlohmann::json::array({path})}, {"attributes", std::move(attributes)}, {"links", std::move(links)}};
 }
 
 }  // namespace
@@ -213,13 +212,13 @@ Json group_json(const HdfTree& tree, const std::string& path) {
 Result<HdfTree> read_hdf5_json(const std::filesystem::path& path) {
   const auto bytes = read_whole_file(path);
   if (!bytes) return fail(bytes.error());
-  const Json file = Json::parse(*bytes, nullptr, false);
+  const nlohmann::json file = nlohmann::json::parse(*bytes, nullptr, false);
   if (!file.is_object()) return fail(path.string(), "is not JSON, or was cut off; copy or export the model again");
   try {
-    auto tree = Reader(file).read();
+    auto tree = JsonTreeReader(file).read();
     if (!tree) return fail(path.string(), tree.error().what);
     return tree;
-  } catch (const Json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     return fail(path.string(), "is JSON but no HDF5-JSON; export the model again");
   }
 }
@@ -235,7 +234,7 @@ Result<void> write_hdf5_json(const HdfTree& tree, const std::filesystem::path& p
     out << R"(},"datasets":{)";
     comma = "";
     for (const auto& [name, dataset] : tree.datasets) {
-      out << comma << '"' << identifier(name) << R"(":{"alias":[)" << Json(name).dump() << R"(],"shape":)"
+      out << comma << '"' << identifier(name) << R"(":{"alias":[)" << nlohmann::json(name).dump() << R"(],"shape":)"
           << shape_of(dataset).dump() << R"(,"type":)" << type_of(dataset).dump() << R"(,"value":)"
           << value_text(dataset) << '}';
       comma = ",";

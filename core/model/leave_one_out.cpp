@@ -14,7 +14,7 @@ namespace {
 constexpr double same_pole = 1e-14;
 constexpr double untouched = 1e-28;
 /// An eigenvalue below this share of the largest is rounding, no mode.
-constexpr double rank_share = 1e-13;
+constexpr double mode_share = 1e-13;
 
 }  // namespace
 
@@ -50,7 +50,7 @@ LeaveOneOut::LeaveOneOut(const PrincipalComponents& components, Eigen::Index sha
       norm2 += weights_[j] / (gap * gap);
     }
     mode.square = 1 / norm2;
-    (mode.eigenvalue > rank_share * d[0] ? modes_ : beyond_).push_back(mode);
+    (mode.eigenvalue > mode_share * d[0] ? modes_ : beyond_).push_back(mode);
   }
   std::stable_sort(modes_.begin(), modes_.end(),
                    [](const Mode& a, const Mode& b) { return a.eigenvalue > b.eigenvalue; });

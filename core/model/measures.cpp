@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/index.h"
 #include "core/base/parallel.h"
 #include "core/measure/compare.h"
 #include "core/model/leave_one_out.h"
@@ -14,10 +15,6 @@ namespace homolog {
 namespace {
 
 constexpr Eigen::Index block_landmarks = 512, block_samples = 32;
-
-std::size_t index(Eigen::Index i) {
-  return static_cast<std::size_t>(i);
-}
 
 Eigen::Index mode_counts(const PrincipalComponents& components) {
   return std::max<Eigen::Index>(0, components.shapes() - 2);

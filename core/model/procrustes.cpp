@@ -10,12 +10,12 @@ namespace homolog {
 
 namespace {
 
-using Shape = Eigen::Map<Points>;
+using ShapeMap = Eigen::Map<Points>;
 
 constexpr double mean_rests = 1e-10;  ///< change of the mean in one round, as a share of its size
-constexpr int most_rounds = 100;
+constexpr int most_mean_rounds = 100;
 
-Shape shape_in(ShapeMatrix& shapes, Eigen::Index i) {
+ShapeMap shape_in(ShapeMatrix& shapes, Eigen::Index i) {
   return {shapes.col(i).data(), shapes.rows() / 3, 3};
 }
 
@@ -31,7 +31,7 @@ Eigen::VectorXd centre(ShapeMatrix& shapes) {
   Eigen::VectorXd sizes(shapes.cols());
   in_parallel(shapes.cols(), [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
-      Shape shape = shape_in(shapes, i);
+      ShapeMap shape = shape_in(shapes, i);
       const Eigen::RowVector3d middle = shape.colwise().mean();
       shape.rowwise() -= middle;
       sizes[i] = shape.norm();
@@ -44,7 +44,7 @@ Eigen::VectorXd centre(ShapeMatrix& shapes) {
 void turn_to(const Points& mean, ShapeMatrix& shapes) {
   in_parallel(shapes.cols(), [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
-      Shape shape = shape_in(shapes, i);
+      ShapeMap shape = shape_in(shapes, i);
       const Mat3 turned_back = rotation_from(mean.transpose() * shape).transpose();
       for (Eigen::Index v = 0; v < shape.rows(); ++v) shape.row(v) = Eigen::RowVector3d(shape.row(v)) * turned_back;
     }
@@ -69,7 +69,7 @@ void align(ShapeMatrix& shapes, Alignment alignment) {
       if (sizes[i] > 0) shapes.col(i) *= sizes.mean() / sizes[i];
   }
   Points mean = points_of(shapes, 0);
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < most_mean_rounds; ++round) {
     turn_to(mean, shapes);
     const Eigen::VectorXd next = shapes.rowwise().mean();
     const double change = (points_of(next) - mean).norm();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "core/base/text.h"
 #include "core/model/hdf_tree.h"
 
 namespace homolog {
@@ -16,11 +17,9 @@ namespace {
 using Floats = std::vector<float>;
 using FloatMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-bool ends_with(const fs::path& path, const std::string& ending) {
-  std::string name = path.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return name.size() > ending.size() && name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
+bool name_ends_with(const fs::path& path, const std::string& ending) {
+  const std::string name = lower_case(path.filename().string());
+  return name.size() > ending.size() && name.ends_with(ending);
 }
 
 /// Row-major floats of any matrix.
@@ -188,18 +187,18 @@ Result<ShapeModel> model_of(const HdfTree& tree) {
 }  // namespace
 
 bool is_model_name(const fs::path& path) {
-  return ends_with(path, ".h5") || ends_with(path, ".h5.json");
+  return name_ends_with(path, ".h5") || name_ends_with(path, ".h5.json");
 }
 
 Result<void> write_model(const ShapeModel& model, const fs::path& path) {
-  if (ends_with(path, ".h5.json")) return write_hdf5_json(tree_of(model), path);
-  if (ends_with(path, ".h5")) return write_hdf5(tree_of(model), path);
+  if (name_ends_with(path, ".h5.json")) return write_hdf5_json(tree_of(model), path);
+  if (name_ends_with(path, ".h5")) return write_hdf5(tree_of(model), path);
   return fail(path.string(), "is no name of a model; use .h5.json or .h5");
 }
 
 Result<ShapeModel> read_model(const fs::path& path) {
   if (!is_model_name(path)) return fail(path.string(), "is no name of a model; use .h5.json or .h5");
-  const auto tree = ends_with(path, ".h5.json") ? read_hdf5_json(path) : read_hdf5(path);
+  const auto tree = name_ends_with(path, ".h5.json") ? read_hdf5_json(path) : read_hdf5(path);
   if (!tree) return fail(tree.error());
   auto model = model_of(*tree);
   if (!model) return fail(path.string(), model.error().what);

@@ -5,7 +5,7 @@
 namespace homolog::phantom {
 namespace {
 
-constexpr double blood = 300, muscle = 98, fat = 215, lung = 22;
+constexpr double blood = 300, heart_muscle = 98, fat = 215, lung = 22;
 
 }  // namespace
 
@@ -63,15 +63,15 @@ double Heart::paint(double around, const Vec3& q, double mottle, double blur_mm)
 
   const double outside = smooth_min(left, thin_walled, 8);
   const double fat_mm = 3 + 5 * mottle;
-  voxel.paint(outside - fat_mm - 1.4, muscle - 40);  // pericardium
+  voxel.paint(outside - fat_mm - 1.4, heart_muscle - 40);  // pericardium
   voxel.paint(outside - fat_mm, fat);
-  voxel.paint(smooth_min(left, thin_walled, 2), muscle);
+  voxel.paint(smooth_min(left, thin_walled, 2), heart_muscle);
   voxel.paint(std::min({right, atrium, right_atrium, outflow}), blood - 12);
-  voxel.paint(left, muscle);
+  voxel.paint(left, heart_muscle);
   voxel.paint(smooth_max(endocardium, q.z() - base_mm_, 1), blood);
   if (endocardium < 0 && q.z() < base_mm_) {
     const auto& [a0, a1, b0, b1] = papillary_ends_;
-    voxel.paint(std::min(round_cone(q, a0, a1, 5.2, 4.2), round_cone(q, b0, b1, 5.4, 4.2)), muscle + 35);
+    voxel.paint(std::min(round_cone(q, a0, a1, 5.2, 4.2), round_cone(q, b0, b1, 5.4, 4.2)), heart_muscle + 35);
   }
   return voxel.value;
 }

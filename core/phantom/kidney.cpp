@@ -10,7 +10,7 @@
 namespace homolog::phantom {
 namespace {
 
-constexpr std::uint64_t organ_seed = 0x6b69646e6579;  // "kidney"
+constexpr std::uint64_t kidney_seed = 0x6b69646e6579;  // "kidney"
 
 /// Kidney axes as columns: towards the hilum, to the back, along the organ. The hilum looks forward and to the spine,
 /// the upper pole leans to the spine and to the back.
@@ -77,7 +77,7 @@ struct Contrast {
 class Abdomen {
  public:
   Abdomen(int number, double blur_mm)
-      : seed_(mix_bits(organ_seed ^ static_cast<std::uint64_t>(number))), blur_mm_(blur_mm) {
+      : seed_(mix_bits(kidney_seed ^ static_cast<std::uint64_t>(number))), blur_mm_(blur_mm) {
     Random random(seed_);
     if (number == 0) return;
     contrast_.cortex += random.uniform(-20, 20);
@@ -200,7 +200,7 @@ class Abdomen {
     const double depth = kidney + 6.5 + 1.5 * fine;
     const Vec3 outward = (q - Vec3(8, 0, 0.72 * q.z())).normalized();
     // Columns part the pyramids about every 15 mm along the organ and a few times around it.
-    const double columns = std::abs(smooth_noise(Vec3(q.z() / 13, 2.2 * outward.y(), 2.2 * outward.x()), organ_seed));
+    const double columns = std::abs(smooth_noise(Vec3(q.z() / 13, 2.2 * outward.y(), 2.2 * outward.x()), kidney_seed));
     voxel.paint(smooth_max(depth, 1.2 - 20 * (columns - 0.05), 2), contrast_.medulla + 4 * coarse);
     const double calyces =
         std::min(round_cone(q, {12, 0, 8}, {8, 1, 26}, 1.5, 2.6), round_cone(q, {12, 0, -10}, {8, 1, -27}, 1.5, 2.6));
@@ -219,7 +219,7 @@ class Abdomen {
 Deformation kidney_deformation(int number) {
   Variation variation;
   variation.half_size_mm = Vec3(28, 24, 52);
-  return {number, organ_seed, variation};
+  return {number, kidney_seed, variation};
 }
 
 }  // namespace
@@ -240,7 +240,7 @@ PhantomSubject kidney_subject(int number, double spacing_mm) {
   const auto hounsfield = [&](const Vec3& p_mm) {
     return abdomen.hounsfield(deformation.to_mean(p_mm) + mean.centre_mm);
   };
-  const std::uint64_t noise_seed = mix_bits(organ_seed + static_cast<std::uint64_t>(number));
+  const std::uint64_t noise_seed = mix_bits(kidney_seed + static_cast<std::uint64_t>(number));
   return solid_subject(mean, deformation, ct_image(grid, hounsfield, 13, noise_seed));
 }
 

@@ -15,7 +15,7 @@
 namespace homolog::phantom {
 namespace {
 
-constexpr std::uint64_t organ_seed = 0x76656e7472;  // "ventr"
+constexpr std::uint64_t ventricle_seed = 0x76656e7472;  // "ventr"
 constexpr int frames = 20;
 constexpr double heartbeat_s = 0.9;
 constexpr int rings = 40, sectors = 64;
@@ -104,13 +104,13 @@ Deformation deformation_of(int number) {
   small.bump_mm = 1.8;
   small.half_size_mm = Vec3::Constant(38);
   small.bend_mm = 2;
-  return {number, organ_seed, small};
+  return {number, ventricle_seed, small};
 }
 
 BeatingVentricle::Dimensions dimensions_of(int number) {
   BeatingVentricle::Dimensions dimensions;
   if (number == 0) return dimensions;
-  Random random(mix_bits(organ_seed ^ 1) + static_cast<std::uint64_t>(number));
+  Random random(mix_bits(ventricle_seed ^ 1) + static_cast<std::uint64_t>(number));
   dimensions.wall_mm += random.uniform(-1.2, 1.5);
   dimensions.radial += random.uniform(-0.035, 0.035);
   dimensions.longitudinal += random.uniform(-0.03, 0.03);
@@ -244,7 +244,7 @@ PhantomSubject ventricle_subject(int number, double spacing_mm) {
   subject.image.frames = subject.label_map.frames = frames;
   subject.image.frame_seconds = subject.label_map.frame_seconds = heartbeat_s / frames;
   subject.image.modality = "MR";
-  subject.image.data = cine(grid, hearts, to_mean, mix_bits(organ_seed + static_cast<std::uint64_t>(number)));
+  subject.image.data = cine(grid, hearts, to_mean, mix_bits(ventricle_seed + static_cast<std::uint64_t>(number)));
   subject.label_map.data = std::move(labels);
   note_range(subject.image);
   note_range(subject.label_map);

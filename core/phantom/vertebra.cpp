@@ -10,7 +10,7 @@
 namespace homolog::phantom {
 namespace {
 
-constexpr std::uint64_t organ_seed = 0x7665727465627261;  // "vertebra"
+constexpr std::uint64_t vertebra_seed = 0x7665727465627261;  // "vertebra"
 
 const SolidTemplate& mean_vertebra() {
   static const SolidTemplate vertebra = template_of(vertebra_solid, Box(Vec3(-52, -24, -32), Vec3(52, 72, 30)), 2500,
@@ -34,7 +34,7 @@ const SolidTemplate& mean_vertebra() {
 class LumbarSpine {
  public:
   LumbarSpine(int number, double blur_mm)
-      : seed_(mix_bits(organ_seed ^ static_cast<std::uint64_t>(number))), blur_mm_(blur_mm) {}
+      : seed_(mix_bits(vertebra_seed ^ static_cast<std::uint64_t>(number))), blur_mm_(blur_mm) {}
 
   double hounsfield(const Vec3& p) const {
     const double coarse = smooth_noise(p / 14, seed_), fine = smooth_noise(p / 4, seed_ + 1);
@@ -74,7 +74,7 @@ Deformation vertebra_deformation(int number) {
   variation.bump_mm = 1.8;
   variation.bend_mm = 1.8;
   variation.bumps = 12;
-  return {number, organ_seed, variation};
+  return {number, vertebra_seed, variation};
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ PhantomSubject vertebra_subject(int number, double spacing_mm) {
   const auto hounsfield = [&](const Vec3& p_mm) {
     return spine.hounsfield(deformation.to_mean(p_mm) + mean.centre_mm);
   };
-  const std::uint64_t noise_seed = mix_bits(organ_seed + static_cast<std::uint64_t>(number));
+  const std::uint64_t noise_seed = mix_bits(vertebra_seed + static_cast<std::uint64_t>(number));
   return solid_subject(mean, deformation, ct_image(grid, hounsfield, 22, noise_seed));
 }
 

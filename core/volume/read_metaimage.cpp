@@ -103,13 +103,13 @@ std::int64_t as_integer(double number) {
 }
 
 /// The header's numbers for two to four dimensions; frames are the fourth.
-struct Shape {
+struct Layout {
   VolumeGeometry geometry;
   int frames = 1;
   double frame_seconds = 0;
 };
 
-Result<Shape> shape_of(const Header& header, const fs::path& path) {
+Result<Layout> layout_of(const Header& header, const fs::path& path) {
   const std::vector<double> sizes = header.numbers({"DimSize"});
   const auto n = static_cast<std::size_t>(std::clamp(header.number({"NDims"}, 0), 0.0, 100.0));
   if (n < 1 || sizes.size() < n) return damaged_header(path);
@@ -139,7 +139,7 @@ Result<Shape> shape_of(const Header& header, const fs::path& path) {
   }
   auto geometry = make_geometry(path, dims, steps, origin_mm);
   if (!geometry) return fail(geometry.error());
-  Shape shape{*geometry, 1, 0};
+  Layout shape{*geometry, 1, 0};
   if (n > 3) {
     if (!(sizes[3] >= 1 && sizes[3] <= 1e6)) return damaged_header(path);
     shape.frames = static_cast<int>(sizes[3]);
@@ -187,7 +187,7 @@ Result<VolumeRead> read_metaimage(const fs::path& path, Progress* progress) {
     return fail(path.string(), "holds several values for each voxel (vectors or colours); export one scalar volume");
   const auto type = stored_type(header->text({"ElementType"}));
   if (!type) return fail(path.string(), "holds voxels that are no plain numbers; export it as a scalar volume");
-  const auto shape = shape_of(*header, path);
+  const auto shape = layout_of(*header, path);
   if (!shape) return fail(shape.error());
 
   VolumeRead result;

@@ -28,10 +28,6 @@ struct NiftiHeader {
   bool analyze = false;  ///< the older format, which says nothing of the patient
 };
 
-bool ends_with(const std::string& text, const char* end) {
-  return text.size() >= std::strlen(end) && text.compare(text.size() - std::strlen(end), std::string::npos, end) == 0;
-}
-
 /// The two files of a pair by the name of either; for a single file both are that file.
 struct Pair {
   fs::path header, voxels;
@@ -40,10 +36,10 @@ struct Pair {
 Result<Pair> find_pair(const fs::path& path) {
   const std::string name = path.string();
   for (const char* end : {".hdr", ".hdr.gz", ".img", ".img.gz"}) {
-    if (!ends_with(name, end)) continue;
+    if (!name.ends_with(end)) continue;
     const std::string stem = name.substr(0, name.size() - std::strlen(end));
     const bool given_header = std::string(end).starts_with(".hdr");
-    const bool compressed = ends_with(end, ".gz");
+    const bool compressed = std::string_view(end).ends_with(".gz");
     const std::string partner = stem + (given_header ? ".img" : ".hdr");
     for (const std::string& candidate : {partner + (compressed ? ".gz" : ""), partner + (compressed ? "" : ".gz")})
       if (std::error_code ignored; fs::exists(candidate, ignored))

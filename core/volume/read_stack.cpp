@@ -54,13 +54,13 @@ bool natural_less(const std::string& a, const std::string& b) {
   return a.size() - i < b.size() - j;
 }
 
-struct Stack {
+struct PictureStack {
   std::vector<fs::path> files;
   PicturePages pages;  ///< of every file
 };
 
-Result<Stack> find_stack(const fs::path& path, const PictureModule& module) {
-  Stack stack;
+Result<PictureStack> find_stack(const fs::path& path, const PictureModule& module) {
+  PictureStack stack;
   if (fs::is_directory(path)) {
     for (const auto& entry : fs::directory_iterator(path))
       if (entry.is_regular_file() && is_picture_name(entry.path())) stack.files.push_back(entry.path());

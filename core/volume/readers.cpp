@@ -4,6 +4,8 @@
 #include <cctype>
 #include <limits>
 
+#include "core/base/text.h"
+
 namespace homolog {
 
 bool native_big_endian() {
@@ -11,9 +13,7 @@ bool native_big_endian() {
 }
 
 std::string lower_case_name(const std::filesystem::path& path) {
-  std::string name = path.filename().string();
-  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return name;
+  return lower_case(path.filename().string());
 }
 
 Result<VolumeGeometry> make_geometry(const std::filesystem::path& path, const std::array<std::int64_t, 3>& dims,

@@ -8,11 +8,11 @@ namespace {
 
 constexpr std::endian vtk_order = std::endian::big;
 
-Error truncated() {
+Error damaged_vtk() {
   return {"", "is truncated or holds something that is no number; copy or export it again"};
 }
 
-std::optional<Scalar> scalar_named(std::string_view name) {
+std::optional<Scalar> vtk_scalar(std::string_view name) {
   if (name == "char" || name == "signed_char") return Scalar::int8;
   if (name == "unsigned_char") return Scalar::uint8;
   if (name == "short") return Scalar::int16;
@@ -27,9 +27,9 @@ std::optional<Scalar> scalar_named(std::string_view name) {
 }
 
 /// A legacy file: three lines, then key words each followed by their numbers.
-class Reader {
+class VtkReader {
  public:
-  explicit Reader(std::string_view bytes) : text_(bytes) {}
+  explicit VtkReader(std::string_view bytes) : text_(bytes) {}
 
   Result<MeshFile> read() {
     if (auto head = read_head(); !head) return fail(head.error());
@@ -78,7 +78,7 @@ class Reader {
   /// `count` numbers of the type named `type`, whose key word's line has not been ended yet.
   template <class To>
   Result<std::vector<To>> numbers(std::string_view type, std::size_t count) {
-    const auto scalar = scalar_named(type);
+    const auto scalar = vtk_scalar(type);
     if (!scalar) return fail("", "has numbers of an unknown type (\"" + std::string(type) + "\"); export it again");
     if (std::is_integral_v<To> && !is_integer(*scalar))
       return fail("", "has faces that are no integers; export it again");
@@ -90,7 +90,7 @@ class Reader {
     std::vector<To> values(count);
     for (To& value : values) {
       const auto number = text_.number<To>();
-      if (!number) return fail(truncated());
+      if (!number) return fail(damaged_vtk());
       value = *number;
     }
     return values;
@@ -99,7 +99,7 @@ class Reader {
   Result<void> read_points() {
     const auto count = text_.number<std::size_t>();
     const std::string_view type = text_.word();
-    if (!count || *count > text_.remaining()) return fail(truncated());
+    if (!count || *count > text_.remaining()) return fail(damaged_vtk());
     auto values = numbers<double>(type, 3 * *count);
     if (!values) return fail(values.error());
     coordinates_ = std::move(*values);
@@ -108,7 +108,7 @@ class Reader {
 
   Result<void> read_cells(bool strips, bool keep) {
     const auto first = text_.number<std::size_t>(), second = text_.number<std::size_t>();
-    if (!first || !second) return fail(truncated());
+    if (!first || !second) return fail(damaged_vtk());
     std::vector<std::int64_t> ends, connectivity;
     if (auto read = offsets_form_ ? read_offsets(*first, *second, ends, connectivity)
                                   : read_counted(*first, *second, ends, connectivity);
@@ -124,7 +124,7 @@ class Reader {
     if (!values) return fail(values.error());
     for (std::size_t at = 0; at < values->size();) {
       const std::int64_t count = (*values)[at++];
-      if (count < 0 || static_cast<std::size_t>(count) > values->size() - at) return fail(truncated());
+      if (count < 0 || static_cast<std::size_t>(count) > values->size() - at) return fail(damaged_vtk());
       connectivity.insert(connectivity.end(), values->begin() + static_cast<std::ptrdiff_t>(at),
                           values->begin() + static_cast<std::ptrdiff_t>(at) + count);
       ends.push_back(static_cast<std::int64_t>(connectivity.size()));
@@ -139,7 +139,7 @@ class Reader {
                             std::vector<std::int64_t>& connectivity) {
     if (offsets == 0) return {};
     for (auto [key, count, values] : {std::tuple("OFFSETS", offsets, &ends), {"CONNECTIVITY", size, &connectivity}}) {
-      if (text_.word() != key) return fail(truncated());
+      if (text_.word() != key) return fail(damaged_vtk());
       auto read = numbers<std::int64_t>(text_.word(), count);
       if (!read) return fail(read.error());
       *values = std::move(*read);
@@ -154,7 +154,7 @@ class Reader {
   Result<void> skip_field() {
     text_.word();
     const auto arrays = text_.number<std::size_t>();
-    if (!arrays) return fail(truncated());
+    if (!arrays) return fail(damaged_vtk());
     for (std::size_t i = 0; i < *arrays; ++i) {
       std::string_view name = text_.word();
       if (name == "METADATA") {
@@ -164,8 +164,8 @@ class Reader {
       const auto components = text_.number<std::size_t>(), tuples = text_.number<std::size_t>();
       const std::string_view type = text_.word();
       if (!components || !tuples || *components > text_.remaining() || *tuples > text_.remaining())
-        return fail(truncated());
-      if (*components != 0 && *tuples > text_.remaining() / *components) return fail(truncated());
+        return fail(damaged_vtk());
+      if (*components != 0 && *tuples > text_.remaining() / *components) return fail(damaged_vtk());
       if (auto skipped = skip_values(type, *components * *tuples); !skipped) return skipped;
     }
     return {};
@@ -181,7 +181,7 @@ class Reader {
       if (ascii_)
         text_.line();
       else if (!skip_binary_string())
-        return fail(truncated());
+        return fail(damaged_vtk());
     }
     return {};
   }
@@ -209,7 +209,7 @@ class Reader {
 }  // namespace
 
 Result<MeshFile> read_vtk(std::string_view bytes) {
-  return Reader(bytes).read();
+  return VtkReader(bytes).read();
 }
 
 void write_vtk(const MeshFile& mesh, std::ostream& out) {

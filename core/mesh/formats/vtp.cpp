@@ -11,11 +11,11 @@
 namespace homolog::formats {
 namespace {
 
-Error truncated() {
+Error damaged_vtp() {
   return {"", "is truncated or its data arrays are damaged; copy or export it again"};
 }
 
-std::optional<Scalar> scalar_named(std::string_view name) {
+std::optional<Scalar> vtp_scalar(std::string_view name) {
   constexpr std::array names{"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
                              "UInt32", "Int64", "UInt64", "Float32", "Float64"};
   const auto at = std::find(names.begin(), names.end(), name);
@@ -74,7 +74,7 @@ class ByteSource {
   std::size_t taken_ = 0;
 };
 
-class Reader {
+class VtpReader {
  public:
   Result<MeshFile> read(std::string_view bytes) {
     if (auto parsed = parse(bytes); !parsed) return fail(parsed.error());
@@ -99,7 +99,7 @@ class Reader {
     std::string xml;
     if (const std::size_t tag = bytes.find("<AppendedData"); tag != std::string_view::npos) {
       const std::size_t end = bytes.find('>', tag), start = bytes.find('_', end);
-      if (start == std::string_view::npos) return fail(truncated());
+      if (start == std::string_view::npos) return fail(damaged_vtp());
       appended_ = bytes.substr(start + 1);
       xml = std::string(bytes.substr(0, end + 1)) + "</AppendedData></VTKFile>";
     } else {
@@ -150,7 +150,7 @@ class Reader {
   template <class To>
   Result<std::vector<To>> array(pugi::xml_node node) const {
     if (!node) return fail("", "lacks a data array of a surface; export it again");
-    const auto type = scalar_named(node.attribute("type").value());
+    const auto type = vtp_scalar(node.attribute("type").value());
     if (!type || (std::is_integral_v<To> && !is_integer(*type)))
       return fail("", "has a data array of an unsuited type; export it again");
     if (node.attribute("format").value() == std::string_view("ascii")) return ascii_array<To>(node.child_value());
@@ -165,7 +165,7 @@ class Reader {
     Text text(content);
     for (std::string_view word = text.word(); !word.empty(); word = text.word()) {
       const auto value = to_number<To>(word);
-      if (!value) return fail(truncated());
+      if (!value) return fail(damaged_vtp());
       values.push_back(*value);
     }
     return values;
@@ -197,23 +197,23 @@ class Reader {
   Result<std::string> content(pugi::xml_node node) const {
     const bool is_appended = node.attribute("format").value() == std::string_view("appended");
     const std::size_t offset = is_appended ? node.attribute("offset").as_ullong() : 0;
-    if (offset > (is_appended ? appended_.size() : 0)) return fail(truncated());
+    if (offset > (is_appended ? appended_.size() : 0)) return fail(damaged_vtp());
     ByteSource source =
         is_appended ? ByteSource(appended_.substr(offset), appended_base64_) : ByteSource(node.child_value(), true);
     if (compressed_) return decompress(source);
     const auto size = size_from(source);
     const auto bytes = size ? source.take(*size) : std::nullopt;
-    if (!bytes) return fail(truncated());
+    if (!bytes) return fail(damaged_vtp());
     return std::string(*bytes);
   }
 
   Result<std::string> decompress(ByteSource& source) const {
     const auto blocks = size_from(source), block_size = size_from(source), last_size = size_from(source);
-    if (!blocks || !block_size || !last_size) return fail(truncated());
+    if (!blocks || !block_size || !last_size) return fail(damaged_vtp());
     std::vector<std::size_t> sizes;
     for (std::size_t b = 0; b < *blocks; ++b) {
       const auto size = size_from(source);
-      if (!size) return fail(truncated());
+      if (!size) return fail(damaged_vtp());
       sizes.push_back(*size);
     }
     std::string all;
@@ -221,14 +221,14 @@ class Reader {
       const auto packed = source.take(sizes[b]);
       const std::size_t size = b + 1 == sizes.size() && *last_size > 0 ? *last_size : *block_size;
       // zlib packs at most 1,032 to 1: more is a damaged size, not worth the memory
-      if (!packed || size > 1040 * (packed->size() + 64)) return fail(truncated());
+      if (!packed || size > 1040 * (packed->size() + 64)) return fail(damaged_vtp());
       const std::size_t start = all.size();
       all.resize(start + size);
       uLongf unpacked = size;
       if (uncompress(reinterpret_cast<Bytef*>(all.data() + start), &unpacked,
                      reinterpret_cast<const Bytef*>(packed->data()), packed->size()) != Z_OK ||
           unpacked != size)
-        return fail(truncated());
+        return fail(damaged_vtp());
     }
     return all;
   }
@@ -245,7 +245,7 @@ class Reader {
 }  // namespace
 
 Result<MeshFile> read_vtp(std::string_view bytes) {
-  return Reader().read(bytes);
+  return VtpReader().read(bytes);
 }
 
 void write_vtp(const MeshFile& mesh, std::ostream& out) {

@@ -80,9 +80,12 @@ std::vector<Action> some_of_every_kind() {
 
 TEST_CASE("every action reads back from its line as it was") {
   for (Action action : some_of_every_kind()) {
-    const auto read = parse_action(action_line(action));
-    REQUIRE(read);
-    CHECK(*read == action);
+    for (const bool joined : {false, true}) {
+      const auto read = parse_action(action_line(action, joined));
+      REQUIRE(read);
+      CHECK(read->action == action);
+      CHECK(read->joined == joined);
+    }
   }
 }
 
@@ -120,6 +123,63 @@ TEST_CASE("undo takes back everything one by one and redo does it again") {
   CHECK(!session.apply(Undo{}));
   while (session.can_redo()) REQUIRE(session.apply(Redo{}));
   CHECK(*session.document().shape().points == end);
+}
+
+TEST_CASE("joined edits are one step of the history, in the file too") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  const auto paint = [](double x) { return PaintStiffness{Vec3(x, 0, 40), 6, 50, 0.5}; };
+  REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
+  const auto pulled = session.shared_document();
+  REQUIRE(session.apply(paint(0)));
+  REQUIRE(session.apply(paint(5), true));
+  REQUIRE(session.apply(paint(10), true));
+  const VertexScalars painted = *session.document().stiffness;
+  auto read = read_case(folder.case_path);
+  REQUIRE(read);
+  for (EditSession* one : {&session, &read->session}) {
+    REQUIRE(one->apply(Undo{}));
+    CHECK(*one->document().stiffness == *pulled->stiffness);
+    CHECK(one->undo_name() == action_name(pull(pole, pole)));
+    REQUIRE(one->apply(Redo{}));
+    CHECK(*one->document().stiffness == painted);
+    CHECK_FALSE(one->can_redo());
+  }
+  // What is taken back or refused joins nothing.
+  REQUIRE(session.apply(Undo{}));
+  REQUIRE(session.apply(paint(-5), true));
+  REQUIRE(session.apply(Undo{}));
+  CHECK(*session.document().shape().points == *pulled->shape().points);
+  CHECK_FALSE(session.apply(PaintStiffness{pole, -1, 50, 0.5}));
+  REQUIRE(session.apply(paint(0), true));
+  REQUIRE(session.apply(Undo{}));
+  CHECK(*session.document().shape().points == *pulled->shape().points);
+}
+
+TEST_CASE("a case whose image has moved opens with the image where it is now and remembers it") {
+  const TemporaryFolder folder;
+  VolumeGeometry grid;
+  grid.dims = {4, 5, 6};
+  Volume volume;
+  volume.geometry = grid;
+  volume.data = std::vector<std::int16_t>(grid.voxels(), 7);
+  const fs::path image = folder.path / "ct.nrrd", moved = folder.path / "moved.nrrd", file = folder.path / "a.homolog";
+  REQUIRE(write_volume(volume, image));
+  const auto read = std::make_shared<const Volume>(read_volume(image).value().volume);
+  REQUIRE(create_case(new_document(image.string(), read, load_template("built-in:kidney").value()), file));
+  fs::rename(image, moved);
+  const auto lost = open_case(file);
+  REQUIRE_FALSE(lost);
+  CHECK(lost.error().sentence().find("a.homolog") != std::string::npos);
+  CHECK(lost.error().sentence().find("open the case together with the image") != std::string::npos);
+  {
+    auto found = open_case(file, nullptr, moved.string());
+    REQUIRE(found);
+    REQUIRE(found->session.apply(Note{"here it is"}));
+  }
+  const auto again = open_case(file);
+  REQUIRE(again);
+  CHECK(again->session.document().volume->geometry.dims == grid.dims);
 }
 
 TEST_CASE("a preview changes neither the document nor the file") {

@@ -123,7 +123,44 @@ TEST_CASE("scrolling stops at the ends of the image") {
   Desk desk;
   const Eigen::Vector2d at = desk.middle_of(ViewKind::axial);
   for (int i = 0; i < 300; ++i) desk.send(Wheel{1}, at.x(), at.y());
-  CHECK(desk.state.crosshair_mm.z() == doctest::Approx(desk.document.volume->geometry.bounds_mm().max().z()));
+  const VolumeGeometry& geometry = desk.document.volume->geometry;
+  CHECK(desk.state.crosshair_mm.z() ==
+        doctest::Approx(geometry.bounds_mm().max().z() - geometry.spacing_mm.z() / 2));  // the last slice's middle
+  for (int i = 0; i < 300; ++i) desk.send(Wheel{-1}, at.x(), at.y());
+  CHECK(desk.state.crosshair_mm.z() == doctest::Approx(geometry.bounds_mm().min().z() + geometry.spacing_mm.z() / 2));
+}
+
+TEST_CASE("slices are those that were acquired and no mean of two") {
+  Desk desk;
+  const auto on_voxel = [&] {
+    const Vec3 voxel = desk.document.volume->geometry.to_voxel(desk.state.crosshair_mm);
+    return (voxel - Vec3(voxel.array().round().matrix())).norm() < 1e-6;
+  };
+  CHECK(on_voxel());
+  desk.send(MouseMove{}, 290, 200);
+  desk.send(MouseMove{}, 301, 207, true);
+  CHECK(on_voxel());
+  const Vec3 before = desk.state.crosshair_mm;
+  for (int i = 0; i < 3; ++i) desk.send(Wheel{0.3}, 301, 207);
+  CHECK(desk.state.crosshair_mm == before);  // a touchpad's parts of a step add up
+  desk.send(Wheel{0.3}, 301, 207);
+  CHECK((desk.state.crosshair_mm - before).norm() == doctest::Approx(1.5));
+  CHECK(on_voxel());
+}
+
+TEST_CASE("the touches of one brush stroke are one step and the next stroke is another") {
+  Desk desk;
+  desk.state.tool = MouseTool::stiffness;
+  desk.state.brush.radius_mm = 2;
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+  for (int stroke = 0; stroke < 2; ++stroke) {
+    desk.send(MousePress{}, at.x(), at.y());
+    for (int step = 1; step < 12; ++step) desk.send(MouseMove{}, at.x(), at.y() - 2 * step);
+    desk.send(MouseRelease{}, at.x(), at.y() - 24);
+    const auto touches = desk.sent<ApplyEdit>();
+    REQUIRE(touches.size() > 1);
+    for (std::size_t i = 0; i < touches.size(); ++i) CHECK(touches[i].joined == (i > 0));
+  }
 }
 
 TEST_CASE("Ctrl with the wheel keeps the point under the pointer") {
@@ -142,7 +179,8 @@ TEST_CASE("Shift with the mouse moves the cross-hair") {
   desk.send(MouseMove{}, 290, 200);
   desk.send(MouseMove{}, 300, 200, true);
   const Vec3 moved = desk.state.crosshair_mm;
-  CHECK(moved == *desk.state.hover->p_mm);
+  const Vec3 from_pointer = moved - *desk.state.hover->p_mm;  // at most to the middle of the voxel
+  CHECK(from_pointer.cwiseAbs().maxCoeff() <= desk.document.volume->geometry.spacing_mm.maxCoeff() / 2 + 1e-9);
   desk.send(Wheel{1}, 300, 200);
   const Vec3 scrolled = desk.state.crosshair_mm;
   desk.send(MouseMove{}, 300, 200, true);
@@ -383,13 +421,16 @@ TEST_CASE("what a brush paints is shown while it is in hand") {
 
 TEST_CASE("scrolling in oblique planes stops at the image's end and comes back where it was") {
   Desk desk;
-  VolumeGeometry geometry = geometry_of(desk.document);
+  auto volume = std::make_shared<Volume>(*desk.document.volume);
+  VolumeGeometry& geometry = volume->geometry;
   geometry.direction = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  desk.document.volume = volume;
   desk.state.own_planes = true;
   desk.state.crosshair_mm = geometry.bounds_mm().center() + Vec3(3, 4, 5);
+  settle_crosshair(desk.state, desk.document);
   const Vec3 before = desk.state.crosshair_mm;
   const Vec3 normal = slice_view(desk.state, ViewKind::axial, geometry).normal();
-  scroll_slice(desk.state, ViewKind::axial, geometry, 500);
+  scroll_slice(desk.state, ViewKind::axial, desk.document, 500);
   CHECK((desk.state.crosshair_mm - before).cross(normal).norm() < 1e-9);
   CHECK((desk.state.crosshair_mm - before).norm() < geometry.bounds_mm().diagonal().norm());
 }

@@ -112,3 +112,20 @@ TEST_CASE("a template that cannot be made or is cancelled says so") {
   maker.cancel();
   CHECK_FALSE(finished(maker)->mesh);
 }
+
+TEST_CASE("a cancelled template leaves the one made before") {
+  TemplateMaker maker([] {});
+  maker.start(ball_labels(), "ball.nii.gz", ball_settings(500));
+  const auto first = finished(maker);
+  REQUIRE(first->mesh);
+  for (int again = 0; again < 2; ++again) {
+    maker.start(ball_labels(), "ball.nii.gz", ball_settings(20000));
+    maker.cancel();
+    CHECK(finished(maker) == first);
+    CHECK_FALSE(maker.can_undo());
+  }
+  maker.start(ball_labels(), "ball.nii.gz", ball_settings(800));
+  CHECK(finished(maker)->mesh->points.rows() == 800);
+  maker.undo();
+  CHECK(maker.latest() == first);
+}

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "app/editor/editor_app.h"
+#include "app/editor/recovery.h"
 #include "core/base/picture_io.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
@@ -18,7 +19,7 @@ struct CommandRunner {
   void operator()(const PreviewEdit& command) const { app.session_->preview(command.action); }
   void operator()(const ApplyEdit& command) const {
     stop_playing();
-    app.session_->apply(command.action);
+    app.session_->apply(command.action, command.joined);
   }
   void operator()(const OpenFiles& command) const {
     if (state.models.shown) return open_in_models(command.paths);
@@ -27,6 +28,7 @@ struct CommandRunner {
     std::error_code ignored;
     if (!request->case_file.empty() && std::filesystem::equivalent(request->case_file, app.snapshot_->file, ignored))
       return add_notice(state, request->case_file.filename().string() + " is the case that is open.", false);
+    request->beside = app.displayed_->volume;
     app.opener_.start(std::move(*request));
   }
   void operator()(const OpenRequested& command) const { app.opener_.start(command.request); }
@@ -49,10 +51,14 @@ struct CommandRunner {
   void operator()(const CancelOpening&) const { app.opener_.cancel(); }
   void operator()(const SaveCase&) const {
     const auto& file = app.snapshot_->file;
+    if (nothing_open()) return add_notice(state, "Nothing is open that could be saved; open an image or a template.");
     if (file.empty() || file.parent_path() == unsaved_folder()) return show_file_dialog(state, FilePurpose::save_case);
     add_notice(state, "Every edit is on the disk already, in " + file.string(), false);
   }
-  void operator()(const SaveCaseAs& command) const { app.session_->save_as(command.path); }
+  void operator()(const SaveCaseAs& command) const {
+    if (nothing_open()) return add_notice(state, "Nothing is open that could be saved; open an image or a template.");
+    app.session_->save_as(command.path);
+  }
   void operator()(const ExportMesh& command) const {
     const Document& document = *app.displayed_;
     tell(write_mesh_file(to_mesh_file(document, document.frame), command.path), command.path);
@@ -69,7 +75,8 @@ struct CommandRunner {
     if (known.empty())
       return add_notice(state, name + ": none of its names is a landmark of the template; rename them as listed.");
     stop_playing();
-    for (const Landmark& landmark : known) app.session_->apply(PlaceLandmark{landmark.name, landmark.position});
+    for (std::size_t i = 0; i < known.size(); ++i)
+      app.session_->apply(PlaceLandmark{known[i].name, known[i].position}, i > 0);
     if (known.size() < read->size())
       add_notice(state,
                  name + ": " + std::to_string(read->size() - known.size()) + " of " + std::to_string(read->size()) +
@@ -97,6 +104,11 @@ struct CommandRunner {
                                                   : ": holds several values per vertex (" + names +
                                                         "); name the one to take \"stiffness\"."));
     }
+    const Topology& topology = *app.snapshot_->document->reference->topology;
+    if (read->triangles.rows() > 0 && read->triangles != topology.triangles())
+      return add_notice(state, command.path.filename().string() +
+                                   ": its faces are not those of the template, so its vertices are others; save the "
+                                   "values on the template's own mesh.");
     app.session_->apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(std::move(*factors))});
   }
   void operator()(const ImportTemplateLandmarks& command) const {
@@ -104,17 +116,22 @@ struct CommandRunner {
     if (!read) return add_notice(state, read.error().sentence());
     const Document& document = *app.snapshot_->document;
     const SurfaceSearch search({document.reference->topology, document.reference->points});
-    double farthest_mm = 0;
+    constexpr double most_mm = 10;
+    std::string away;
+    bool joined = false;
     for (const Landmark& landmark : *read) {
       const auto nearest = search.nearest(landmark.position);
-      farthest_mm = std::max(farthest_mm, nearest.distance_mm);
+      if (nearest.distance_mm > most_mm) {
+        away += (away.empty() ? "" : ", ") + landmark.name + " (" + std::to_string(std::lround(nearest.distance_mm)) +
+                " mm)";
+        continue;
+      }
       const Vec3 on_mesh = nearest.at.interpolate(*document.reference->topology, *document.shape().points).transpose();
-      app.session_->apply(SetTemplateLandmark{landmark.name, on_mesh});
+      app.session_->apply(SetTemplateLandmark{landmark.name, on_mesh}, std::exchange(joined, true));
     }
-    if (farthest_mm > 10)
-      add_notice(state, command.path.filename().string() + ": a point lies " +
-                            std::to_string(std::lround(farthest_mm)) +
-                            " mm from the template; check that it is in the template's own frame.");
+    if (!away.empty())
+      add_notice(state, command.path.filename().string() + ": left out what lies away from the template: " + away +
+                            "; check that the points are in the template's own frame.");
   }
   void operator()(const ExportTemplateLandmarks& command) const {
     tell(write_landmarks(app.displayed_->reference->landmarks, command.path), command.path);
@@ -160,6 +177,12 @@ struct CommandRunner {
   void operator()(const ExportPicture& command) const {
     const auto picture = app.picture(command.options);
     tell(picture ? write_picture(*picture, command.path) : fail(picture.error()), command.path);
+  }
+  void operator()(const ShowRecovery&) const {
+    if (auto found = cases_to_recover(); !found.empty())
+      state.dialog = RecoverDialog{std::move(found), {}};
+    else
+      add_notice(state, "No case waits to be recovered.", false);
   }
   void operator()(const RecoverCase& command) const {
     OpenRequest request;
@@ -210,6 +233,7 @@ struct CommandRunner {
   }
 
  private:
+  bool nothing_open() const { return !app.displayed_->volume && !app.displayed_->reference; }
   /// Dropped on the Models mode: studies are opened, all else becomes a case of the study.
   void open_in_models(const std::vector<std::filesystem::path>& paths) const {
     for (const auto& path : paths)

@@ -26,6 +26,7 @@ struct PreviewEdit {
 };
 struct ApplyEdit {
   Action action;
+  bool joined = false;  ///< undone together with the edit before it
 };
 /// Opens cases, volumes and templates, told apart by their content.
 struct OpenFiles {
@@ -95,6 +96,8 @@ struct ExportPicture {
 struct RecoverCase {
   std::filesystem::path path;
 };
+/// Lists the cases that were never saved.
+struct ShowRecovery {};
 struct DiscardCase {
   std::filesystem::path path;
 };
@@ -118,7 +121,7 @@ using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, Ope
                              OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
                              ImportLandmarks, ExportLandmarks, ExportTemplate, ImportStiffness, ImportTemplateLandmarks,
                              ExportTemplateLandmarks, MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking,
-                             UseMadeTemplate, ExportPicture, RecoverCase, DiscardCase, AcceptFileDialog,
+                             UseMadeTemplate, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog,
                              AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
 
 /// Commands in the order they were given.
@@ -126,7 +129,7 @@ class Outbox {
  public:
   void send(Command command) { commands_.push_back(std::move(command)); }
   void change(std::function<void(EditorState&)> change) { send(ChangeState{std::move(change)}); }
-  void apply(Action action) { send(ApplyEdit{std::move(action)}); }
+  void apply(Action action, bool joined = false) { send(ApplyEdit{std::move(action), joined}); }
   void preview(std::optional<Action> action) { send(PreviewEdit{std::move(action)}); }
   std::vector<Command> take() { return std::exchange(commands_, {}); }
 

@@ -29,7 +29,7 @@ void turn_wheel(EditorState& state, const InputEvent& event, double steps, const
     const Vec3 after = view_map(state, context, kind).on_facing_plane(event.x_px, event.y_px, state.crosshair_mm);
     pan.centre_mm += before - after;
   } else {
-    scroll_slice(state, kind, geometry_of(context.document), steps);
+    scroll_slice(state, kind, context.document, steps);
     state.preferences.hints.scrolled = true;
   }
 }
@@ -117,7 +117,10 @@ void handle_event(EditorState& state, const InputEvent& event, const ControlsCon
   const bool moved = state.hover && (state.hover->x_px != event.x_px || state.hover->y_px != event.y_px);
   update_hover(state, context, event.x_px, event.y_px);
   const bool moves_crosshair = std::holds_alternative<MouseMove>(event.what) && moved && event.shift && !state.drag;
-  if (moves_crosshair && state.hover && state.hover->p_mm) state.crosshair_mm = *state.hover->p_mm;
+  if (moves_crosshair && state.hover && state.hover->p_mm) {
+    state.crosshair_mm = *state.hover->p_mm;
+    settle_crosshair(state, context.document);
+  }
 }
 
 }  // namespace homolog

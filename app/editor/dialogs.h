@@ -51,6 +51,7 @@ struct RecoverDialog {
     std::string details;  ///< "12 edits, 14 March 2026, 16:02"
   };
   std::vector<Found> found;
+  std::filesystem::path to_discard;  ///< the one whose deletion waits for a second word
 };
 /// The window is closed over a case that was never saved.
 struct QuitDialog {};

@@ -147,12 +147,26 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
     ImGui::SetCursorPosY(top + ImGui::GetTextLineHeight());
     explanation(theme, found.details);
     ImGui::SetCursorPos({buttons, top + theme.px(4)});
-    if (button(theme, "Recover", "Open it as it was", {}, theme.px(90), true)) {
-      out.send(RecoverCase{found.journal});
-      close_dialog(out);
+    // The word that deletes is not where the first click was.
+    const bool asked = dialog.to_discard == found.journal;
+    const auto ask_for = [&](const std::filesystem::path& journal) {
+      out.change([journal](EditorState& s) {
+        if (auto* open = s.dialog ? std::get_if<RecoverDialog>(&*s.dialog) : nullptr) open->to_discard = journal;
+      });
+    };
+    if (asked) {
+      if (button(theme, "Delete it", "For good: what was done in it is lost", {}, theme.px(90)))
+        out.send(DiscardCase{found.journal});
+      ImGui::SameLine(0, theme.px(4));
+      if (button(theme, "Keep it", "It is offered again at the next start", {}, theme.px(82), true)) ask_for({});
+    } else {
+      if (button(theme, "Recover", "Open it as it was", {}, theme.px(90), true)) {
+        out.send(RecoverCase{found.journal});
+        close_dialog(out);
+      }
+      ImGui::SameLine(0, theme.px(4));
+      if (button(theme, "Discard…", "Delete it, after a question", {}, theme.px(82))) ask_for(found.journal);
     }
-    ImGui::SameLine(0, theme.px(4));
-    if (button(theme, "Discard", "Delete it for good", {}, theme.px(82))) out.send(DiscardCase{found.journal});
     ImGui::PopID();
     gap(theme, 0);
   }

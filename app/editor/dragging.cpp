@@ -155,7 +155,7 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
     const double step_mm = fills ? std::numeric_limits<double>::infinity() : state.brush.radius_mm / 2;
     if (state.hover && state.hover->on_mesh && (*state.hover->on_mesh - brush->last_at).norm() >= step_mm) {
       brush->last_at = *state.hover->on_mesh;
-      out.apply(*brush_action(state, context.document, brush->last_at));
+      out.apply(*brush_action(state, context.document, brush->last_at), true);
     }
   } else if (auto* ruler = std::get_if<RulerDrag>(&*state.drag)) {
     // In space both ends lie on the surface: a length across the screen would be too short.

@@ -15,10 +15,16 @@ namespace {
 
 constexpr double progress_after_seconds = 0.5;
 
+bool has_region(const Document& document, const std::string& name) {
+  return document.regions && std::any_of(document.regions->list.begin(), document.regions->list.end(),
+                                         [&](const Region& region) { return region.name == name; });
+}
+
 }  // namespace
 
 bool has_unsaved_edits(const Snapshot& snapshot) {
-  return snapshot.can_undo && (snapshot.file.empty() || snapshot.file.parent_path() == unsaved_folder());
+  if (snapshot.file.empty()) return snapshot.can_undo && snapshot.committed > 0;
+  return snapshot.can_undo && snapshot.file.parent_path() == unsaved_folder();
 }
 
 EditorApp::EditorApp(std::function<void()> wake)
@@ -55,8 +61,13 @@ void EditorApp::start(const EditorOptions& options) {
     if (!request) return add_notice(state_, request.error().sentence());
     if (!options.template_source.empty()) request->template_source = options.template_source;
     opener_.start(std::move(*request));
+    if (const auto found = cases_to_recover(); !found.empty())
+      add_notice(state_,
+                 std::to_string(found.size()) + (found.size() == 1 ? " case was" : " cases were") +
+                     " not saved before; the section Case offers to recover.",
+                 false);
   } else {
-    if (auto found = cases_to_recover(); !found.empty()) state_.dialog = RecoverDialog{std::move(found)};
+    if (auto found = cases_to_recover(); !found.empty()) state_.dialog = RecoverDialog{std::move(found), {}};
     out_.send(OpenPhantom{Organ::kidney, 1});
   }
 }
@@ -103,7 +114,10 @@ std::optional<double> EditorApp::next_move_seconds(double now) const {
   constexpr double progress_seconds = 0.1;
   if (state_.playing) return std::max(frame_due_ - now, 0.0);
   if (opener_.busy() || template_maker_.busy()) return progress_seconds;
-  return models_.next_move_seconds(state_.models);
+  auto next = models_.next_move_seconds(state_.models);
+  for (const Notice& notice : state_.notices)
+    if (notice.until) next = std::min(next.value_or(*notice.until - now), std::max(*notice.until - now, 0.0));
+  return next;
 }
 
 void EditorApp::remember_case() {
@@ -115,8 +129,12 @@ void EditorApp::take_snapshot() {
   const auto latest = session_->snapshot();
   const bool changed = latest != snapshot_, done = latest->committed != snapshot_->committed;
   const bool renamed = latest->file != snapshot_->file;
+  // The brush lets go of a region that was taken back.
+  const std::string& brushed = state_.brush.region;
+  if (has_region(*snapshot_->document, brushed) && !has_region(*latest->document, brushed)) state_.brush.region.clear();
   snapshot_ = latest;
   if (renamed) remember_case();
+  keep_on_disk();
   if (done && !snapshot_->error.empty()) add_notice(state_, snapshot_->error);
   const int frame = shown_frame(state_, *snapshot_->shown);
   const bool other_frame = displayed_->frame != frame;
@@ -133,7 +151,26 @@ void EditorApp::take_snapshot() {
   if (moved) quality_.post(displayed_);
 }
 
+void EditorApp::keep_on_disk() {
+  // The state folder was full, or the case is read-only: tried again with every edit.
+  if (!snapshot_->file.empty() || !has_unsaved_edits(*snapshot_) || tried_to_keep_ == snapshot_->document) return;
+  tried_to_keep_ = snapshot_->document;
+  if (auto path = new_unsaved_path())
+    session_->save_as(std::move(*path));
+  else
+    add_notice(state_, path.error().sentence());
+}
+
+/// News go by themselves, errors stay until they are dismissed.
+void EditorApp::forget_old_news(double seconds) {
+  constexpr double news_seconds = 8;
+  for (Notice& notice : state_.notices)
+    if (!notice.error && !notice.until) notice.until = seconds + news_seconds;
+  std::erase_if(state_.notices, [&](const Notice& notice) { return notice.until && *notice.until <= seconds; });
+}
+
 bool EditorApp::update(double seconds) {
+  const std::size_t notices_before = state_.notices.size();
   const auto before = snapshot_;
   const bool was_opening = opener_.busy();
   run_commands();
@@ -150,8 +187,9 @@ bool EditorApp::update(double seconds) {
   const bool new_figures = figures != figures_;
   figures_ = figures;
   const bool new_stage = take_stage();
-  return before != snapshot_ || new_figures || new_stage || new_model || state_.playing || opener_.busy() ||
-         was_opening;
+  forget_old_news(seconds);
+  return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model ||
+         state_.playing || opener_.busy() || was_opening;
 }
 
 void EditorApp::preview(Action action) {
@@ -252,7 +290,12 @@ Result<Picture> EditorApp::picture(const PictureOptions& options) {
     draw_view_picture(options);
   } else {
     ImGui::GetIO().DisplaySize = {static_cast<float>(options.width), static_cast<float>(options.height)};
+    // What the program has to say just now is no part of the picture.
+    auto notices = std::exchange(state_.notices, {});
+    const Hints hints = std::exchange(state_.preferences.hints, {true, true, true});
     draw(options.width, options.height, 0);
+    state_.preferences.hints = hints;
+    state_.notices.insert(state_.notices.begin(), notices.begin(), notices.end());
   }
   layout_ = on_screen;  // the pointer is still in the window
   return (*framebuffer)->read();

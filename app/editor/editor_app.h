@@ -68,6 +68,9 @@ class EditorApp {
   void start_document(Document document);
   void run_commands();
   void offer_flip(const Document& document);
+  /// Gives a case without a journal one, where edits are not on the disk yet.
+  void keep_on_disk();
+  void forget_old_news(double seconds);
   /// Takes in what the template maker has; true where there is something new to draw.
   bool take_stage();
   /// The stage of the template in the making that is shown; null: the case's mesh is.
@@ -90,6 +93,7 @@ class EditorApp {
   float scale_ = 1;
   std::unique_ptr<SessionThread> session_;
   std::shared_ptr<const Snapshot> snapshot_;
+  std::shared_ptr<const Document> tried_to_keep_;  ///< the last for which a journal was asked
   std::shared_ptr<const Document> displayed_;
   std::shared_ptr<const Template> loaded_template_;  ///< as its file holds it: the case may have mirrored it
   Opener opener_;

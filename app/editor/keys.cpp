@@ -93,7 +93,7 @@ void choose_sigma(EditorState& state, std::size_t preset, Outbox& out) {
 
 void scroll_by_key(EditorState& state, const ControlsContext& context, double steps) {
   const ViewKind kind = state.hover ? state.hover->view : ViewKind::axial;
-  if (kind != ViewKind::space) scroll_slice(state, kind, geometry_of(context.document), steps);
+  if (kind != ViewKind::space) scroll_slice(state, kind, context.document, steps);
 }
 
 std::optional<MouseTool> tool_of_key(int key) {
@@ -133,6 +133,8 @@ void press_key(EditorState& state, const InputEvent& event, int key, const Contr
   if (event.shift && press_look_key(state, key)) return;
   if (const auto tool = tool_of_key(key); tool && !state.drag) {
     state.tool = *tool;
+    if (*tool == MouseTool::place || *tool == MouseTool::landmark)
+      state.preferences.sections_open[place_section] = true;
     return;
   }
   switch (key) {

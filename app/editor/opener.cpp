@@ -1,5 +1,7 @@
 #include "app/editor/opener.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
 #include <chrono>
@@ -26,6 +28,19 @@ bool ends_with_any(const fs::path& path, const std::vector<std::string>& extensi
   return std::any_of(extensions.begin(), extensions.end(), [&](const auto& e) { return name.ends_with(e); });
 }
 
+/// Whether a volume holds labels for the image: whole numbers, few of them, on the same voxels.
+bool is_label_map_on(const Volume& volume, const Volume& image) {
+  constexpr std::size_t most_labels = 32;
+  const auto& a = volume.geometry;
+  const auto& b = image.geometry;
+  const bool same_voxels = a.dims == b.dims && a.spacing_mm.isApprox(b.spacing_mm, 1e-3) &&
+                           a.direction.isApprox(b.direction, 1e-3) &&
+                           (a.origin_mm - b.origin_mm).norm() < 0.1 * b.spacing_mm.minCoeff();
+  const bool whole = !std::holds_alternative<std::vector<float>>(volume.data);
+  return same_voxels && whole && volume.frames == 1 && volume.range_min >= 0 && volume.range_max <= 255 &&
+         labels_of(volume).size() <= most_labels;
+}
+
 /// "ct.nii.gz", for the progress bar.
 std::string name_of(const OpenRequest& request) {
   if (request.demo) return "the demo case";
@@ -47,9 +62,18 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     return {};
   }
   if (!request.case_file.empty()) {
-    auto read = open_case(request.case_file, &progress);
+    const bool read_only =
+        ::access(request.case_file.c_str(), R_OK) == 0 && ::access(request.case_file.c_str(), W_OK) != 0;
+    ReplayOptions options;
+    options.progress = &progress;
+    options.volume_source = request.volume_source;
+    auto read = read_only ? read_case(request.case_file, options)
+                          : open_case(request.case_file, &progress, request.volume_source);
     if (!read) return fail(read.error());
     opened.warnings = read->warnings;
+    if (read_only)
+      opened.warnings.push_back(request.case_file.string() +
+                                " is read-only: what you change is kept as a case of its own, to be saved elsewhere.");
     opened.opened_case = std::move(*read);
     return {};
   }
@@ -71,6 +95,13 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     auto read = load_volume(request.volume_source, options);
     if (!read) return fail(read.error());
     opened.warnings = std::move(read->warnings);
+    if (request.template_source.empty() && request.beside && is_label_map_on(read->volume, *request.beside)) {
+      request.labels = request.volume_source;
+      opened.labels = std::make_shared<const Volume>(std::move(read->volume));
+      opened.warnings.push_back(request.labels.filename().string() +
+                                " is shown as a label map over the image, since it has its voxels and few values.");
+      return {};
+    }
     opened.volume = std::make_shared<const Volume>(std::move(read->volume));
   }
   if (!request.template_source.empty()) {
@@ -109,8 +140,9 @@ Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
       request.volume_source = path.string();
     }
   }
-  if (!request.case_file.empty() && paths.size() > 1)
-    return fail(request.case_file.string(), "is a case, which names its image and its template; open it alone");
+  if (!request.case_file.empty() && !request.template_source.empty())
+    return fail(request.case_file.string(),
+                "is a case, which names its template; open it alone, or with its image where that has moved");
   return request;
 }
 

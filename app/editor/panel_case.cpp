@@ -104,6 +104,9 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   if (button(theme, std::string(icon::save) + "  Save as…", "Continue the case under another name (Ctrl+Shift+S)", {},
              half))
     out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::save_case); });
+  if (button(theme, "Unsaved cases…", "Cases that the program ended without saving: recover or delete them", {},
+             ImGui::GetContentRegionAvail().x))
+    out.send(ShowRecovery{});
   if (!document.volume) return;
   bool linear = ui.state.preferences.linear;
   if (toggle(theme, "Smooth voxels", linear, "Trilinear interpolation; off shows the voxels as they are"))
@@ -114,7 +117,10 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   bool own = ui.state.own_planes;
   if (toggle(theme, "The image's own planes", own, "Slices as they were acquired, instead of the patient's axes",
              is_oblique(document.volume->geometry) ? "" : "The image's planes are the patient's already."))
-    out.change([own](EditorState& s) { s.own_planes = own; });
+    out.change([own, document = ui.displayed](EditorState& s) {
+      s.own_planes = own;
+      settle_crosshair(s, *document);
+    });
   if (document.volume->frames > 1) draw_frames(ui, out);
 
   rule(theme);

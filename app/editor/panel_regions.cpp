@@ -32,6 +32,14 @@ bool chooser(const Theme& theme, const std::string& text, bool chosen, float wid
   return clicked;
 }
 
+/// The first colour that no region has yet.
+std::array<std::uint8_t, 3> fresh_colour(const Regions& regions) {
+  const auto free = std::find_if(region_colours.begin(), region_colours.end(), [&](const auto& colour) {
+    return std::none_of(regions.list.begin(), regions.list.end(), [&](const Region& r) { return r.colour == colour; });
+  });
+  return free != region_colours.end() ? *free : region_colours[regions.list.size() % region_colours.size()];
+}
+
 int landmarks_in(const Regions& regions, std::size_t number) {
   return static_cast<int>(std::count(regions.of_vertex.begin(), regions.of_vertex.end(), number));
 }
@@ -88,15 +96,17 @@ void draw_regions(const UiContext& ui, Outbox& out) {
   const float width = ImGui::GetContentRegionAvail().x, add_width = theme.px(64);
   if (text_field(theme, "##new region", name, "New region, e.g. hilum", width - add_width - theme.px(4)))
     out.change([name](EditorState& s) { s.new_region = name; });
+  const bool entered = enter_pressed();
   const bool taken =
       std::any_of(regions.list.begin(), regions.list.end(), [&](const Region& r) { return r.name == name; });
   ImGui::SameLine(0, theme.px(4));
-  if (button(theme, "Add", "Adds the region and takes the brush that paints it",
-             name.empty() ? "Type a name first."
-             : taken      ? "There is a region of that name."
-                          : "",
-             add_width)) {
-    out.apply(SetRegion{{name, 1, region_colours[regions.list.size() % region_colours.size()]}});
+  const bool add = button(theme, "Add", "Adds the region and takes the brush that paints it (Enter)",
+                          name.empty() ? "Type a name first."
+                          : taken      ? "There is a region of that name."
+                                       : "",
+                          add_width);
+  if (add || (entered && !name.empty() && !taken)) {
+    out.apply(SetRegion{{name, 1, fresh_colour(regions)}});
     out.change([name](EditorState& s) {
       s.new_region.clear();
       s.tool = MouseTool::stiffness;
@@ -134,9 +144,11 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
   const float width = ImGui::GetContentRegionAvail().x, add_width = theme.px(64);
   if (text_field(theme, "##new landmark", name, "New landmark, e.g. apex", width - add_width - theme.px(4)))
     out.change([name](EditorState& s) { s.template_landmark = name; });
+  const bool entered = enter_pressed() && !name.empty();
   ImGui::SameLine(0, theme.px(4));
-  if (button(theme, naming ? "Click…" : "Name", "Then click the point on the mesh, in any view",
-             name.empty() ? "Type a name first." : "", add_width))
+  if (button(theme, naming ? "Click…" : "Name", "Then click the point on the mesh, in any view (Enter)",
+             name.empty() ? "Type a name first." : "", add_width) ||
+      entered)
     out.change([](EditorState& s) { s.tool = MouseTool::template_landmark; });
   const float half = (width - theme.px(4)) / 2;
   if (button(theme, "Import…##template", "3D Slicer (.mrk.json) or scalismo (.json), in the template's own frame", {},

@@ -82,6 +82,7 @@ void show_document(EditorState& state, const Document& document, const Layout& l
   } else {
     state.crosshair_mm = geometry_of(document).bounds_mm().center();
   }
+  settle_crosshair(state, document);
   fit_views(state, document, layout);
 }
 
@@ -129,15 +130,28 @@ void look_from(EditorState& state, LookFrom from) {
   state.camera.up = camera.up;
 }
 
-void scroll_slice(EditorState& state, ViewKind kind, const VolumeGeometry& geometry, double steps) {
+void scroll_slice(EditorState& state, ViewKind kind, const Document& document, double steps) {
+  state.scrolled += steps;
+  const double whole_steps = std::trunc(state.scrolled);
+  state.scrolled -= whole_steps;
+  if (whole_steps == 0) return;
   // Away from the radiological viewer (axial: towards the head), whichever side is shown on the left.
+  const VolumeGeometry geometry = geometry_of(document);
   const Vec3 normal = screen_axes(kind, slice_axes(geometry, state.own_planes), true).normal();
   const Box box = geometry.bounds_mm();
-  // How far the image reaches along the normal; across it the cross-hair stays where it is.
-  const double middle = normal.dot(box.center()), reach = normal.cwiseAbs().dot(box.sizes() / 2);
-  const double along = normal.dot(state.crosshair_mm);
-  const double wanted = along + steps * slice_step_mm(geometry, normal);
-  state.crosshair_mm += normal * (std::clamp(wanted, middle - reach, middle + reach) - along);
+  // From the middle of the first voxel along the normal to that of the last; across it the cross-hair stays.
+  const double step_mm = slice_step_mm(geometry, normal);
+  const double reach = std::max(0.0, normal.cwiseAbs().dot(box.sizes() / 2) - step_mm / 2);
+  const double middle = normal.dot(box.center()), along = normal.dot(state.crosshair_mm);
+  state.crosshair_mm += normal * (std::clamp(along + whole_steps * step_mm, middle - reach, middle + reach) - along);
+  settle_crosshair(state, document);
+}
+
+void settle_crosshair(EditorState& state, const Document& document) {
+  if (!document.volume) return;
+  const VolumeGeometry& geometry = document.volume->geometry;
+  if (is_oblique(geometry) && !state.own_planes) return;
+  state.crosshair_mm = geometry.to_mm(geometry.to_voxel(state.crosshair_mm).array().round().matrix());
 }
 
 void set_sigma(EditorState& state, double sigma_mm) {

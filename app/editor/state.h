@@ -82,12 +82,16 @@ struct PanelEdit {
 struct Notice {
   std::string text;  ///< one sentence
   bool error = true;
+  std::optional<double> until;  ///< when it goes by itself, in seconds of the window's clock
 };
 
 /// Things a newcomer has to do once; each hint goes away when done, all when dismissed.
 struct Hints {
   bool dragged = false, scrolled = false, turned_camera = false;
 };
+
+/// Of Preferences::sections_open: the section Place.
+inline constexpr std::size_t place_section = 2;
 
 /// What is kept between runs.
 struct Preferences {
@@ -108,6 +112,7 @@ struct EditorState {
   Preferences preferences;
 
   Vec3 crosshair_mm = Vec3::Zero();
+  double scrolled = 0;  ///< slices, less than one: what the wheel has turned towards the next
   std::array<SlicePan, 3> slices;
   Camera3D camera;
   bool own_planes = false;
@@ -171,7 +176,12 @@ std::array<double, 3> default_sigmas_mm(const Points& placed_reference);
 
 /// Turns the 3D view to a standard direction; what it looks at, and from how far, stays.
 void look_from(EditorState& state, LookFrom from);
-void scroll_slice(EditorState& state, ViewKind kind, const VolumeGeometry& geometry, double steps);
+/// The cross-hair goes along the view's normal by whole slices, from the slice that is shown to the next acquired one;
+/// what a touchpad gives of a step is kept for later.
+void scroll_slice(EditorState& state, ViewKind kind, const Document& document, double steps);
+/// Brings the cross-hair to the middle of the nearest voxel, so that slices show what was acquired and no mean of two;
+/// in planes oblique to the voxels it stays where it is.
+void settle_crosshair(EditorState& state, const Document& document);
 void set_sigma(EditorState& state, double sigma_mm);
 /// Limits of σ, mm.
 inline constexpr double smallest_sigma_mm = 0.5, largest_sigma_mm = 200;

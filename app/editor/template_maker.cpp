@@ -68,8 +68,11 @@ struct TemplateMaker::Box {
 
   void put(const TemplateMaking& making) {
     auto copy = std::make_shared<const TemplateMaking>(making);
+    put_back(std::move(copy));
+  }
+  void put_back(std::shared_ptr<const TemplateMaking> making) {
     const std::lock_guard lock(mutex);
-    latest = std::move(copy);
+    latest = std::move(making);
   }
 };
 
@@ -93,8 +96,13 @@ bool TemplateMaker::busy() const {
   return making && !making->done;
 }
 
+bool TemplateMaker::can_undo() const {
+  return !busy() && !before_.empty() && !(before_.size() == 1 && before_.back() == latest());
+}
+
 void TemplateMaker::undo() {
   if (!can_undo()) return;
+  if (before_.back() == latest()) before_.pop_back();  // a cancelled making has come back to it
   const std::lock_guard lock(box_->mutex);
   box_->latest = before_.back();
   before_.pop_back();
@@ -109,7 +117,8 @@ void TemplateMaker::forget() {
 void TemplateMaker::start(std::shared_ptr<const Volume> labels, std::string source, const TemplateSettings& settings) {
   if (busy()) return;
   if (thread_.joinable()) thread_.join();
-  if (const auto last = latest(); last && last->mesh) before_.push_back(last);
+  const auto last = latest();
+  if (last && last->mesh && (before_.empty() || before_.back() != last)) before_.push_back(last);
   TemplateMaking making;
   making.settings = settings;
   making.source = std::move(source);
@@ -117,7 +126,7 @@ void TemplateMaker::start(std::shared_ptr<const Volume> labels, std::string sour
   box_ = std::make_shared<Box>();
   box_->put(making);
   thread_ = std::thread([labels = std::move(labels), making = std::move(making), progress = progress_, box = box_,
-                         wake = wake_]() mutable {
+                         wake = wake_, last]() mutable {
     const auto begin = Clock::now();
     const auto show = [&](const std::string& name, const Mesh& surface) {
       making.stages.push_back(
@@ -132,7 +141,10 @@ void TemplateMaker::start(std::shared_ptr<const Volume> labels, std::string sour
       making.error = "the template needs more memory than there is; close other programs, or ask for fewer vertices";
     }
     making.done = true;
-    box->put(making);
+    if (progress->cancelled() && last && last->mesh)
+      box->put_back(last);
+    else
+      box->put(making);
     wake();
   });
 }

@@ -55,13 +55,13 @@ class TemplateMaker {
   void cancel();
   bool busy() const;
   double fraction() const { return progress_ ? progress_->fraction() : 0; }
-  /// What is being made, or was made last; null before the first.
+  /// What is being made, or was made last (a cancelled making leaves the one before it); null before the first.
   std::shared_ptr<const TemplateMaking> latest() const;
   /// Goes back to the template made before; does nothing where there is none.
   void undo();
   /// Lets go of everything made.
   void forget();
-  bool can_undo() const { return !before_.empty() && !busy(); }
+  bool can_undo() const;
 
  private:
   struct Box;

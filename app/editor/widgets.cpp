@@ -280,6 +280,11 @@ bool text_field(const Theme& theme, const char* id, std::string& text, const cha
   return changed;
 }
 
+bool enter_pressed() {
+  return ImGui::IsItemDeactivated() &&
+         (ImGui::IsKeyPressed(ImGuiKey_Enter) || ImGui::IsKeyPressed(ImGuiKey_KeyPadEnter));
+}
+
 void figure(const Theme& theme, const char* label, const std::string& value, const std::string& tip, ImU32 colour) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size{available(), theme.px(20)};

@@ -46,6 +46,8 @@ bool number_field(const Theme& theme, const char* id, double& value, double per_
 
 /// A line of text to type; true while it changes.
 bool text_field(const Theme& theme, const char* id, std::string& text, const char* hint, float width_px);
+/// Whether Enter ended the typing in the field drawn last.
+bool enter_pressed();
 
 /// "Label        12.3 mm" with the value at the right edge.
 void figure(const Theme& theme, const char* label, const std::string& value, const std::string& tip = {},

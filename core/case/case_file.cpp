@@ -85,7 +85,7 @@ Lines split_lines(const std::string& text) {
   return lines;
 }
 
-Result<Document> read_header(const Json& header, const fs::path& folder, Progress* progress,
+Result<Document> read_header(const Json& header, const fs::path& folder, const ReplayOptions& replay,
                              std::vector<std::string>& warnings) {
   if (!header.is_object() || !header.contains("homolog")) {
     return fail("", "is not a Homolog case: its first line is no header");
@@ -96,9 +96,9 @@ Result<Document> read_header(const Json& header, const fs::path& folder, Progres
   std::shared_ptr<const Volume> volume;
   std::string volume_source, template_source;
   VolumeReadOptions options;
-  options.progress = progress;
+  options.progress = replay.progress;
   try {
-    volume_source = resolved(folder, header.value("volume", ""));
+    volume_source = replay.volume_source.empty() ? resolved(folder, header.value("volume", "")) : replay.volume_source;
     template_source = resolved(folder, header.value("template", ""));
     options.series_uid = header.value("series", "");
     if (const auto spacing = header.find("spacing_mm"); spacing != header.end() && spacing->size() == 3) {
@@ -109,6 +109,10 @@ Result<Document> read_header(const Json& header, const fs::path& folder, Progres
     return fail("", "line 1: a value is of the wrong kind");
   }
   if (!volume_source.empty()) {
+    std::error_code ignored;
+    if (!volume_source.starts_with("phantom:") && !fs::exists(volume_source, ignored))
+      return fail("", "its image " + volume_source +
+                          " does not exist; put it back, or open the case together with the image where it is now");
     auto read = load_volume(volume_source, options);
     if (!read) return fail(read.error());
     warnings.insert(warnings.end(), read->warnings.begin(), read->warnings.end());
@@ -171,14 +175,19 @@ std::string case_header(const Document& document, const fs::path& folder) {
   return dumped(header);
 }
 
-std::string action_line(const Action& action) {
-  return dumped(to_json(action));
+std::string action_line(const Action& action, bool joined) {
+  Json json = to_json(action);
+  if (joined) json["joined"] = true;
+  return dumped(json);
 }
 
-Result<Action> parse_action(const std::string& line) {
+Result<EditStep> parse_action(const std::string& line) {
   const Json json = Json::parse(line, nullptr, false);
   if (json.is_discarded()) return fail("", "is not JSON");
-  return action_from_json(json);
+  auto action = action_from_json(json);
+  if (!action) return fail(action.error());
+  const auto joined = json.find("joined");
+  return EditStep{std::move(*action), joined != json.end() && *joined == true};
 }
 
 Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
@@ -193,7 +202,7 @@ Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
         ": the last line was torn when the machine stopped; it is dropped and everything before it restored");
   }
   const Json header = Json::parse(lines.whole.front(), nullptr, false);
-  auto document = read_header(header, path.parent_path(), options.progress, warnings);
+  auto document = read_header(header, path.parent_path(), options, warnings);
   if (!document) {
     Error error = document.error();
     if (error.subject.empty()) error.subject = path.string();
@@ -212,23 +221,35 @@ Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
       if (options.progress->cancelled()) return fail(path.string(), "was not opened: cancelled");
     }
     if (lines.whole[k].empty()) continue;
-    auto action = parse_action(lines.whole[k]);
-    if (!action) return fail(in_line(path, k + 1, action.error()));
-    override_settings(options, *action);
-    if (auto done = session.apply(std::move(*action)); !done) return fail(in_line(path, k + 1, done.error()));
+    auto step = parse_action(lines.whole[k]);
+    if (!step) return fail(in_line(path, k + 1, step.error()));
+    override_settings(options, step->action);
+    if (auto done = session.apply(std::move(step->action), step->joined); !done)
+      return fail(in_line(path, k + 1, done.error()));
   }
   return CaseRead{std::move(session), std::move(warnings), lines.whole_bytes};
 }
 
-Result<CaseRead> open_case(const fs::path& path, Progress* progress) {
+Result<CaseRead> open_case(const fs::path& path, Progress* progress, const std::string& volume_source) {
   // Locked before it is read: what another program writes until then is read, and nobody writes afterwards.
   auto journal = Journal::open(path);
   if (!journal) return fail(journal.error());
   ReplayOptions options;
   options.progress = progress;
+  options.volume_source = volume_source;
   auto read = read_case(path, options);
   if (!read) return read;
   if (auto cut = (*journal)->keep_first(read->whole_bytes); !cut) return fail(cut.error());
+  if (!volume_source.empty()) {
+    const auto text = read_whole_file(path, std::uintmax_t{1} << 30);
+    if (!text) return fail(text.error());
+    const std::size_t end = std::min(text->find('\n'), text->size());
+    Json header = Json::parse(text->substr(0, end), nullptr, false);
+    header["volume"] = relative_to(path.parent_path(), volume_source);
+    journal->reset();  // its lock goes with the old file
+    journal = Journal::create(path, dumped(header) + text->substr(end));
+    if (!journal) return fail(journal.error());
+  }
   read->session.write_to(std::move(*journal));
   return read;
 }
@@ -241,7 +262,7 @@ Result<EditSession> create_case(Document initial, const fs::path& path) {
   return session;
 }
 
-Result<EditSession> create_unsaved_case(Document initial) {
+Result<fs::path> new_unsaved_path() {
   const fs::path folder = unsaved_folder();
   std::error_code error;
   fs::create_directories(folder, error);
@@ -250,8 +271,13 @@ Result<EditSession> create_unsaved_case(Document initial) {
                 "cannot be made (" + error.message() + "); set XDG_STATE_HOME to a folder you may write to");
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const auto stamp = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-  const std::string name = "unsaved-" + std::to_string(stamp) + "-" + std::to_string(::getpid()) + case_extension;
-  return create_case(std::move(initial), folder / name);
+  return folder / ("unsaved-" + std::to_string(stamp) + "-" + std::to_string(::getpid()) + case_extension);
+}
+
+Result<EditSession> create_unsaved_case(Document initial) {
+  const auto path = new_unsaved_path();
+  if (!path) return fail(path.error());
+  return create_case(std::move(initial), *path);
 }
 
 std::vector<fs::path> unsaved_cases() {
@@ -270,7 +296,7 @@ Result<void> save_case_as(EditSession& session, const fs::path& path) {
   if (session.journal() == nullptr) {
     // Nothing could be journalled so far: the file begins with the case as it was opened.
     std::string lines = case_header(session.initial_document(), path.parent_path()) + '\n';
-    for (const Action& action : session.actions_done()) lines += action_line(action) + '\n';
+    for (const EditStep& step : session.steps_done()) lines += action_line(step.action, step.joined) + '\n';
     auto journal = Journal::create(path, lines);
     if (!journal) return fail(journal.error());
     session.write_to(std::move(*journal));

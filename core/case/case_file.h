@@ -16,16 +16,17 @@ namespace homolog {
 std::string case_header(const Document& document, const std::filesystem::path& folder);
 
 /// One line for an action, without line feed; numbers in the shortest form that reads back to the same double.
-std::string action_line(const Action& action);
+std::string action_line(const Action& action, bool joined = false);
 /// Errors: not JSON, no known key, a value of the wrong kind; unknown keys beside known ones are ignored (the file
 /// keeps them).
-Result<Action> parse_action(const std::string& line);
+Result<EditStep> parse_action(const std::string& line);
 
 /// Scheme options that override what a case file says.
 struct ReplayOptions {
   std::optional<Scheme> scheme;
   std::optional<int> paper_events;
   std::optional<double> spacing;
+  std::string volume_source;  ///< where the image lies now; as the file says where empty
   Progress* progress = nullptr;
 };
 
@@ -40,14 +41,19 @@ struct CaseRead {
 /// values named).
 Result<CaseRead> read_case(const std::filesystem::path& path, const ReplayOptions& options = {});
 
-/// read_case, then opens the file's journal so that every further action is appended to it.
+/// read_case, then opens the file's journal so that every further action is appended to it. `volume_source`: where the
+/// image lies now, which the file's first line says from then on; as it says where empty.
 /// Errors: read_case's, unwritable, open in another program.
-Result<CaseRead> open_case(const std::filesystem::path& path, Progress* progress = nullptr);
+Result<CaseRead> open_case(const std::filesystem::path& path, Progress* progress = nullptr,
+                           const std::string& volume_source = {});
 
 /// A new case whose journal is `path`; an existing file is replaced.
 Result<EditSession> create_case(Document initial, const std::filesystem::path& path);
 
-/// A new case that was not saved yet: its journal lies in unsaved_folder() under a name of its own.
+/// A name of its own in unsaved_folder() for a case that was not saved yet. Errors: the folder cannot be made.
+Result<std::filesystem::path> new_unsaved_path();
+
+/// A new case that was not saved yet: its journal lies at new_unsaved_path().
 Result<EditSession> create_unsaved_case(Document initial);
 
 /// Cases left in unsaved_folder() by a program that ended without saving, newest first: those that hold at least one

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -65,11 +66,16 @@ bool Journal::in_use(const fs::path& path) {
 
 Result<void> Journal::keep_first(std::uintmax_t keep_bytes) {
   char last = '\n';
-  int error = ::ftruncate(descriptor_, static_cast<off_t>(keep_bytes)) == 0 ? 0 : errno;
+  struct stat now {};
+  int error = ::fstat(descriptor_, &now) == 0 ? 0 : errno;
+  // A whole file is left alone, its time of change too.
+  const bool longer = error == 0 && static_cast<std::uintmax_t>(now.st_size) != keep_bytes;
+  if (longer) error = ::ftruncate(descriptor_, static_cast<off_t>(keep_bytes)) == 0 ? 0 : errno;
   if (error == 0 && keep_bytes > 0 && ::pread(descriptor_, &last, 1, static_cast<off_t>(keep_bytes) - 1) < 0)
     error = errno;
-  if (error == 0 && last != '\n') error = write_all(descriptor_, "\n");
-  if (error == 0 && ::fsync(descriptor_) != 0) error = errno;
+  const bool open_ended = error == 0 && last != '\n';
+  if (open_ended) error = write_all(descriptor_, "\n");
+  if (error == 0 && (longer || open_ended) && ::fsync(descriptor_) != 0) error = errno;
   if (error == 0) return {};
   return fail(path_.string(), std::string("cannot be written (") + std::strerror(error) + "); save the case elsewhere");
 }

@@ -37,16 +37,24 @@ Result<EditReport> EditSession::travel(const Action& action) {
   if (back ? !can_undo() : !can_redo())
     return fail("", back ? "There is nothing to undo." : "There is nothing to redo.");
   if (auto written = write(action); !written) return fail(written.error());
-  current_ = back ? current_ - 1 : current_ + 1;
+  const auto inside_step = [this] { return current_ > 0 && current_ < steps_.size() && steps_[current_].joined; };
+  do current_ = back ? current_ - 1 : current_ + 1;
+  while (inside_step());
   return EditReport{};
 }
 
-Result<void> EditSession::write(const Action& action) {
-  return journal_ ? journal_->append(action_line(action)) : Result<void>{};
+Result<void> EditSession::write(const Action& action, bool joined) {
+  return journal_ ? journal_->append(action_line(action, joined)) : Result<void>{};
 }
 
-Result<EditReport> EditSession::apply(Action action) {
-  if (std::holds_alternative<Undo>(action) || std::holds_alternative<Redo>(action)) return travel(action);
+Result<EditReport> EditSession::apply(Action action, bool joined) {
+  const bool travels = std::holds_alternative<Undo>(action) || std::holds_alternative<Redo>(action);
+  auto report = travels ? travel(action) : edit(std::move(action), joined && joinable_);
+  joinable_ = report && !travels;
+  return report;
+}
+
+Result<EditReport> EditSession::edit(Action action, bool joined) {
   const auto start = std::chrono::steady_clock::now();
   int solves = 0;
   auto* stroke = std::get_if<Stroke>(&action);
@@ -61,29 +69,29 @@ Result<EditReport> EditSession::apply(Action action) {
   auto updated = update(document(), action, deformer_, Pass::commit);
   if (!updated) return fail(updated.error());
   updated->report.solves += solves;
-  if (auto written = write(action); !written) return fail(written.error());
+  if (auto written = write(action, joined); !written) return fail(written.error());
   solves_ += updated->report.solves;
   updated->report.solver_ms = milliseconds_since(start);
   if (!std::holds_alternative<Note>(action)) {
     history_.resize(current_ + 1);
-    actions_.resize(current_);
+    steps_.resize(current_);
     history_.push_back(std::make_shared<const Document>(std::move(updated->document)));
-    actions_.push_back(std::move(action));
+    steps_.push_back({std::move(action), joined});
     ++current_;
   }
   return std::move(updated->report);
 }
 
 std::string EditSession::undo_name() const {
-  return can_undo() ? action_name(actions_[current_ - 1]) : "";
+  return can_undo() ? action_name(steps_[current_ - 1].action) : "";
 }
 std::string EditSession::redo_name() const {
-  return can_redo() ? action_name(actions_[current_]) : "";
+  return can_redo() ? action_name(steps_[current_].action) : "";
 }
 
 int EditSession::strokes() const {
   int count = 0;
-  for (const Action& action : actions_done()) count += std::holds_alternative<Stroke>(action) ? 1 : 0;
+  for (const EditStep& step : steps_done()) count += std::holds_alternative<Stroke>(step.action) ? 1 : 0;
   return count;
 }
 

@@ -9,6 +9,13 @@
 
 namespace homolog {
 
+/// An action as the journal holds it.
+struct EditStep {
+  Action action;
+  /// Undone and redone together with the one before it: the further touches of a brush stroke, the points of a list.
+  bool joined = false;
+};
+
 /// A case being edited: the document, its history and its journal. Belongs to one thread.
 /// An action is computed, then written and synced to the journal, then shown as done.
 class EditSession {
@@ -19,8 +26,9 @@ class EditSession {
   std::shared_ptr<const Document> shared_document() const { return history_[current_]; }
   /// Moves the placement that a case starts from; nothing has been done yet.
   Result<void> start_at(const Similarity& placement);
-  /// Applies an action (Undo and Redo too). On error nothing has changed, in memory or on disk.
-  Result<EditReport> apply(Action action);
+  /// Applies an action (Undo and Redo too). `joined`: see EditStep; an action begins a step of its own all the same
+  /// where the one before it was refused or taken back. On error nothing has changed, in memory or on disk.
+  Result<EditReport> apply(Action action, bool joined = false);
   /// What the action would give, without doing it. Cheap while a drag goes on: the gesture is cached.
   Result<Updated> preview(const Action& action);
 
@@ -34,18 +42,20 @@ class EditSession {
   void write_to(std::unique_ptr<Journal> journal) { journal_ = std::move(journal); }
   Journal* journal() { return journal_.get(); }
   const Document& initial_document() const { return *history_.front(); }
-  /// The actions that led from the initial document to the present one.
-  std::span<const Action> actions_done() const { return {actions_.data(), current_}; }
+  /// What led from the initial document to the present one.
+  std::span<const EditStep> steps_done() const { return {steps_.data(), current_}; }
   int strokes() const;  ///< those left after undo
   int solves() const { return solves_; }
 
  private:
   Result<EditReport> travel(const Action& action);
-  Result<void> write(const Action& action);
+  Result<EditReport> edit(Action action, bool joined);
+  Result<void> write(const Action& action, bool joined = false);
 
   std::vector<std::shared_ptr<const Document>> history_;
-  std::vector<Action> actions_;  ///< actions_[k] led from history_[k] to history_[k + 1]
+  std::vector<EditStep> steps_;  ///< steps_[k] led from history_[k] to history_[k + 1]
   std::size_t current_ = 0;
+  bool joinable_ = false;  ///< the last call of apply() made a step
   Deformer deformer_;
   std::unique_ptr<Journal> journal_;
   int solves_ = 0;

@@ -19,7 +19,7 @@ struct SessionThread::Shared {
   struct SaveAs {
     std::filesystem::path path;
   };
-  using Job = std::variant<Action, SaveAs>;
+  using Job = std::variant<EditStep, SaveAs>;
 
   mutable std::mutex mutex;
   std::condition_variable changed;
@@ -57,9 +57,9 @@ struct SessionThread::Shared {
     if (wake) wake();
   }
 
-  void do_action(Action action) {
+  void do_action(EditStep step) {
     Snapshot snapshot = *latest;
-    auto report = session.apply(std::move(action));
+    auto report = session.apply(std::move(step.action), step.joined);
     describe(snapshot);
     snapshot.shown = snapshot.document;
     snapshot.preview.reset();
@@ -118,7 +118,7 @@ struct SessionThread::Shared {
         }
       }
       try {
-        if (job && std::holds_alternative<Action>(*job)) do_action(std::get<Action>(std::move(*job)));
+        if (job && std::holds_alternative<EditStep>(*job)) do_action(std::get<EditStep>(std::move(*job)));
         if (job && std::holds_alternative<SaveAs>(*job)) do_save(std::get<SaveAs>(*job).path);
         if (preview) show_preview(*preview);
       } catch (const std::bad_alloc&) {
@@ -158,11 +158,11 @@ void SessionThread::preview(std::optional<Action> action) {
   shared_->changed.notify_one();
 }
 
-void SessionThread::apply(Action action) {
+void SessionThread::apply(Action action, bool joined) {
   {
     const std::lock_guard lock(shared_->mutex);
     shared_->next_preview.reset();  // it belonged to the gesture that this action ends
-    shared_->jobs.emplace_back(std::move(action));
+    shared_->jobs.emplace_back(EditStep{std::move(action), joined});
   }
   shared_->changed.notify_one();
 }

@@ -36,8 +36,8 @@ class SessionThread {
 
   /// Shows what `action` would give, until the next call; nullopt ends the preview.
   void preview(std::optional<Action> action);
-  /// Commits an action. A running preview of it stays shown until it is done.
-  void apply(Action action);
+  /// Commits an action; `joined` as EditSession::apply takes it. A running preview of it stays shown until it is done.
+  void apply(Action action, bool joined = false);
   /// Continues the journal under another name (Save As): the whole history so far is written there first.
   void save_as(std::filesystem::path path);
 

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "core/base/files.h"
+#include "core/volume/volume_io.h"
 #include "tests/shapes.h"
 #include "tests/temporary_folder.h"
 

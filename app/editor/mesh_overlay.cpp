@@ -164,24 +164,26 @@ Legend overlay_legend(const Document& document, Overlay overlay) {
   switch (overlay) {
     case Overlay::landmark_hue: {
       Legend legend{
-          "0", "", figure_text("%.0f", static_cast<double>(document.reference->topology->vertices() - 1)), {}};
+          "0", "", figure_text("%.0f", static_cast<double>(document.reference->topology->vertices() - 1)), {}, {}};
       for (int i = 0; i <= 12; ++i) legend.colours.push_back(hsv_to_rgb(static_cast<float>(i) / 12.5f, 0.4f, 1));
       return legend;
     }
     case Overlay::edge_stretch:
-      return {"0.5\xc3\x97", "1\xc3\x97", "2\xc3\x97", diverging()};
+      return {"0.5\xc3\x97", "1\xc3\x97", "2\xc3\x97", diverging(), {}};
     case Overlay::moved:
-      return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(document)), rising()};
+      return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(document)), rising(), {}};
     case Overlay::stiffness:
-      return {"0", "", figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising()};
+      return {"0", "", figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising(), {}};
     case Overlay::regions: {
-      Legend legend{"none", "", document.regions->list.empty() ? "" : document.regions->list.back().name, {no_region}};
-      for (const Region& region : document.regions->list) legend.colours.push_back(rgb_of(region.colour));
-      if (legend.colours.size() == 1) legend.colours.push_back(no_region);
+      Legend legend{"", "", "", {no_region}, {"no region"}};
+      for (const Region& region : document.regions->list) {
+        legend.colours.push_back(rgb_of(region.colour));
+        legend.names.push_back(region.name);
+      }
       return legend;
     }
     case Overlay::quality:
-      return {"flat", "", "equilateral", quality_scale()};
+      return {"flat", "", "equilateral", quality_scale(), {}};
   }
   return {};
 }

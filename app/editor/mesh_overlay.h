@@ -24,7 +24,8 @@ VertexScalars moved_mm(const Document& document);
 /// The figures at the ends and in the middle of an overlay's scale, as its legend shows them, and the colours there.
 struct Legend {
   std::string low, middle, high;
-  std::vector<Rgb> colours;  ///< evenly spaced from low to high
+  std::vector<Rgb> colours;        ///< evenly spaced from low to high, or one a name
+  std::vector<std::string> names;  ///< of single colours, where there is no scale
 };
 Legend overlay_legend(const Document& document, Overlay overlay);
 

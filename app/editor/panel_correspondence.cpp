@@ -6,9 +6,35 @@
 
 namespace homolog {
 
+namespace {
+
+/// A swatch and a name each, side by side as far as they fit.
+void draw_names(const Theme& theme, const Legend& legend) {
+  const float swatch = theme.px(10), row = theme.px(18), left = ImGui::GetCursorScreenPos().x;
+  const float right = left + ImGui::GetContentRegionAvail().x;
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  ImVec2 at = ImGui::GetCursorScreenPos();
+  for (std::size_t i = 0; i < legend.names.size(); ++i) {
+    const std::string name = shortened(legend.names[i], right - left - swatch - theme.px(4));
+    const float width = swatch + theme.px(4) + ImGui::CalcTextSize(name.c_str()).x;
+    if (at.x > left && at.x + width > right) at = {left, at.y + row};
+    const auto& [r, g, b] = legend.colours[i];
+    const float y = at.y + (row - swatch) / 2;
+    draw.AddRectFilled({at.x, y}, {at.x + swatch, y + swatch}, ImGui::ColorConvertFloat4ToU32({r, g, b, 1}),
+                       theme.px(2));
+    draw.AddText({at.x + swatch + theme.px(4), std::floor(at.y + (row - ImGui::GetFontSize()) / 2)}, palette::dim,
+                 name.c_str());
+    at.x += width + theme.px(12);
+  }
+  ImGui::Dummy({right - left, at.y + row - ImGui::GetCursorScreenPos().y});
+}
+
+}  // namespace
+
 void draw_overlay_legend(const UiContext& ui) {
   const Theme& theme = ui.theme;
   const Legend legend = overlay_legend(ui.document(), shown_overlay(ui.state));
+  if (!legend.names.empty()) return draw_names(theme, legend);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, bar = theme.px(6), height = theme.px(26);
   ImGui::Dummy({width, height});

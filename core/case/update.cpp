@@ -69,7 +69,11 @@ std::pair<Points, Points> matched_landmarks(const Template& reference, const Sha
 /// Before the first stroke, landmarks carry the template along. Errors: landmarks that collapse it to nothing.
 Result<EditReport> follow_landmarks(const Template& reference, LandmarkFit fit, Shape& shape) {
   EditReport report;
-  if (shape.strokes > 0 || fit == LandmarkFit::off) return report;
+  if (fit == LandmarkFit::off) return report;
+  if (shape.strokes > 0) {
+    report.message = "After the first stroke landmarks are marks only; Slide or Grab brings the mesh to them.";
+    return report;
+  }
   const auto [from, to] = matched_landmarks(reference, shape);
   if (from.rows() == 0) return report;
   const Similarity placement = fit_similarity(from, to, shape.placement);

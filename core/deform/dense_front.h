@@ -117,10 +117,10 @@ inline bool factorise_panel(Lanes* panel, int pivots, Eigen::Index fours, Lanes*
 template <class Value>
 using RowsOfL = std::conditional_t<std::is_same_v<Value, double>, Lanes, double>;
 
-inline double total(const Lanes& sum, double) {
+inline double sum_of(const Lanes& sum, double) {
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
-inline const Lanes& total(const Lanes& sum, const Lanes&) {
+inline const Lanes& sum_of(const Lanes& sum, const Lanes&) {
   return sum;
 }
 
@@ -157,7 +157,7 @@ inline void backward_columns(const Lanes* columns, Eigen::Index fours, int first
   }
   const double* diagonal = reinterpret_cast<const double*>(columns) + first;
   for (int c = Columns - 1; c >= 0; --c) {
-    Value y = x[first + c] - total(sum[c], x[first + c]);
+    Value y = x[first + c] - sum_of(sum[c], x[first + c]);
     for (int k = c + 1; k < Columns; ++k) y -= x[first + k] * diagonal[4 * c * fours + k];
     x[first + c] = y * diagonal[4 * c * fours + c];
   }
@@ -166,7 +166,7 @@ inline void backward_columns(const Lanes* columns, Eigen::Index fours, int first
 /// L y = x for the pivots' rows of x, in place; the rows below are left with what y takes from them. `x` is laid out as
 /// a column of the panel, its padding zero.
 template <class Value>
-inline void forward(const Lanes* panel, int pivots, Eigen::Index fours, Value* x) {
+inline void substitute_forward(const Lanes* panel, int pivots, Eigen::Index fours, Value* x) {
   for (int first = 0; first < pivots; first += 4) {
     with_width(pivots - first, [&](auto width) { forward_columns<width>(panel + first * fours, fours, first, x); });
   }
@@ -174,7 +174,7 @@ inline void forward(const Lanes* panel, int pivots, Eigen::Index fours, Value* x
 
 /// Lᵀ y = x for the pivots' rows of x, in place; the rows below are the solution already.
 template <class Value>
-inline void backward(const Lanes* panel, int pivots, Eigen::Index fours, Value* x) {
+inline void substitute_backward(const Lanes* panel, int pivots, Eigen::Index fours, Value* x) {
   for (int first = (pivots - 1) / 4 * 4; first >= 0; first -= 4) {
     with_width(pivots - first, [&](auto width) { backward_columns<width>(panel + first * fours, fours, first, x); });
   }

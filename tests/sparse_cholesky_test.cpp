@@ -11,6 +11,7 @@
 
 #include "core/deform/energy.h"
 #include "core/deform/shape_solver.h"
+#include "core/mesh/icosphere.h"
 #include "tests/shapes.h"
 
 using namespace homolog;
@@ -46,8 +47,8 @@ Mesh shuffled(const Mesh& mesh, unsigned seed) {
 std::vector<Mesh> meshes() {
   return {shapes::tetrahedron(),
           shapes::box(),
-          shapes::icosphere(3),
-          shuffled(shapes::icosphere(4), 1),
+          icosphere(3),
+          shuffled(icosphere(4), 1),
           shapes::torus(60, 31),
           shapes::open_cylinder(70, 24),
           beside(shapes::open_cylinder(9, 50), shuffled(shapes::torus(20, 17), 2))};
@@ -139,7 +140,7 @@ TEST_CASE("factorising what changed gives the bits of factorising everything wha
 }
 
 TEST_CASE("a small change factorises few fronts and no change none") {
-  const Mesh mesh = shapes::icosphere(4);
+  const Mesh mesh = icosphere(4);
   const VertexScalars w = random_weights(mesh.points.rows(), 5);
   const Lower lower = lower_of(system_matrix(mesh, w));
   SparseCholesky cholesky(lower);
@@ -189,7 +190,7 @@ TEST_CASE("the shape solver does not depend on which stiffness and held regions 
 }
 
 TEST_CASE("the shape solver refuses weights it cannot factorise and takes the next ones") {
-  const Mesh mesh = shapes::icosphere(2);
+  const Mesh mesh = icosphere(2);
   const Eigen::Index n = mesh.points.rows();
   const VertexScalars good = random_weights(n, 9);
   ShapeSolver solver(mesh.topology), fresh(mesh.topology);

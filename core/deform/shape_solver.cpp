@@ -1,44 +1,43 @@
 #include "core/deform/shape_solver.h"
 
-#include <metis.h>
-
-#include <iostream>  // which MetisSupport uses and does not include
-
-#include <Eigen/MetisSupport>
-#include <Eigen/SparseCholesky>
 #include <cassert>
 #include <cmath>
 
+#include "core/deform/sparse_cholesky.h"
+
 namespace homolog {
 
-struct ShapeSolver::Factor {
-  Eigen::SparseMatrix<double> lower;  ///< lower triangle of M + H; edge k of column i sits at slot k + i + 1
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::MetisOrdering<int>> llt;
-};
+namespace {
 
-ShapeSolver::ShapeSolver(std::shared_ptr<const Topology> topology)
-    : topology_(std::move(topology)), factor_(std::make_unique<Factor>()) {
-  // Edges come sorted with the lower index first, so the lower triangle in column order is each diagonal entry followed
-  // by its edges.
-  const auto& edges = topology_->edges();
-  const int n = static_cast<int>(topology_->vertices());
-  auto& lower = factor_->lower;
-  lower.resize(n, n);
+/// The lower triangle of M + H, values unset. Edges come sorted with the lower index first, so it is, column by column,
+/// each diagonal entry followed by its edges: edge k of column i sits at slot k + i + 1.
+Eigen::SparseMatrix<double> lower_triangle(const Topology& topology) {
+  const auto& edges = topology.edges();
+  const int n = static_cast<int>(topology.vertices());
+  Eigen::SparseMatrix<double> lower(n, n);
   lower.resizeNonZeros(n + static_cast<Eigen::Index>(edges.size()));
   std::size_t edge = 0;
   for (int i = 0; i < n; ++i) {
     int slot = i + static_cast<int>(edge);
     lower.outerIndexPtr()[i] = slot;
     lower.innerIndexPtr()[slot] = i;
-    lower.valuePtr()[slot] = 1;
-    for (; edge < edges.size() && edges[edge][0] == i; ++edge) {
-      lower.innerIndexPtr()[++slot] = edges[edge][1];
-      lower.valuePtr()[slot] = 0;
-    }
+    for (; edge < edges.size() && edges[edge][0] == i; ++edge) lower.innerIndexPtr()[++slot] = edges[edge][1];
   }
   lower.outerIndexPtr()[n] = n + static_cast<int>(edges.size());
-  factor_->llt.analyzePattern(lower);
+  return lower;
 }
+
+}  // namespace
+
+struct ShapeSolver::Factor {
+  explicit Factor(const Topology& topology) : lower(lower_triangle(topology)), cholesky(lower) {}
+
+  Eigen::SparseMatrix<double> lower;
+  SparseCholesky cholesky;
+};
+
+ShapeSolver::ShapeSolver(std::shared_ptr<const Topology> topology)
+    : topology_(std::move(topology)), factor_(std::make_unique<Factor>(*topology_)) {}
 
 ShapeSolver::~ShapeSolver() = default;
 ShapeSolver::ShapeSolver(ShapeSolver&&) noexcept = default;
@@ -63,8 +62,7 @@ Result<void> ShapeSolver::factorise(const VertexScalars& w, const VertexScalars&
     value[start[i]] += weight;
     value[start[j]] += weight;
   }
-  factor_->llt.factorize(lower);
-  if (factor_->llt.info() != Eigen::Success) {
+  if (!factor_->cholesky.factorise(lower)) {
     return fail("stiffness", "spans too many orders of magnitude to be solved; narrow its range");
   }
   w_ = w;
@@ -73,12 +71,11 @@ Result<void> ShapeSolver::factorise(const VertexScalars& w, const VertexScalars&
 }
 
 VertexScalars ShapeSolver::solve(const VertexScalars& b) const {
-  return factor_->llt.solve(b);
+  return factor_->cholesky.solve(b);
 }
 
 Points ShapeSolver::solve(const Points& b) const {
-  const Eigen::MatrixX3d x = factor_->llt.solve(Eigen::MatrixX3d(b));
-  return x;
+  return factor_->cholesky.solve(b);
 }
 
 double stiffness_length_mm(double w, double edge_mm) {

@@ -9,7 +9,8 @@ namespace homolog {
 
 /// Solves (M + H) X = B, M = I + Λ [Erdt 2009, Eq. 3 as normal equations; docs/method.md §1], H a diagonal that holds
 /// confirmed vertices. Three costs: construction orders and analyses (topology), `factorise` (stiffness, confirmed
-/// regions), `solve` (every frame).
+/// regions), `solve` (every frame). A change of few weights factorises what depends on them, with the same result as
+/// factorising all.
 class ShapeSolver {
  public:
   explicit ShapeSolver(std::shared_ptr<const Topology> topology);

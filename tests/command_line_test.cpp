@@ -415,7 +415,7 @@ TEST_CASE("fit starts where a placement file says") {
 
 TEST_CASE("study schemes compares ways of working and writes tables and case files") {
   const TemporaryFolder folder;
-  const Mesh ball = shapes::icosphere(3, 20);
+  const Mesh ball = icosphere(3, 20);
   Mesh longer = ball;
   longer.points.col(2) *= 1.3;
   VolumeGeometry grid;

@@ -58,7 +58,7 @@ double largest_mm(const std::vector<Deviation>& seen) {
 }  // namespace
 
 TEST_CASE("what the mesh does not reach is seen as well as what it reaches beyond") {
-  const Mesh small = icosphere(2, 10), large = shapes::icosphere(2, 12);
+  const Mesh small = icosphere(2, 10), large = icosphere(2, 12);
   Sight outwards(large, small.topology), inwards(small, large.topology);
   CHECK(largest_mm(Sight(small, small.topology).look(small.points)) < 1e-9);
   CHECK(mean_mm(outwards.look(small.points)) == doctest::Approx(2).epsilon(0.05));

@@ -15,7 +15,7 @@ struct UserOptions {
   std::string template_source, scheme;
   fs::path mask, landmarks, image, out;
   TargetOptions target;
-  SchemeRunOptions work;
+  SchemeRunOptions work{.most_pulls = 120};
   bool mirror = false;
 };
 

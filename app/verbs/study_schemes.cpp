@@ -4,6 +4,7 @@
 
 #include "app/verbs/case_pool.h"
 #include "app/verbs/study.h"
+#include "app/verbs/study_chart.h"
 #include "app/verbs/study_tables.h"
 #include "core/base/files.h"
 #include "core/case/case_file.h"
@@ -221,12 +222,18 @@ Result<void> write_tables(const Tables& tables, const fs::path& folder, Json& pa
     if (auto written = write_csv(*rows, folder / name); !written) return written;
     paths.push_back((folder / name).string());
   }
-  const fs::path markdown = folder / "schemes.md";
-  paths.push_back(markdown.string());
-  return write_whole_file(markdown, [&](std::ostream& out) -> Result<void> {
-    out << markdown_table(tables.schemes);
-    return {};
-  });
+  const std::string chart = landmark_chart(tables.schemes);
+  for (const auto& [name, text] :
+       {std::pair("schemes.md", markdown_table(tables.schemes)), std::pair("landmarks.svg", chart)}) {
+    if (text.empty()) continue;
+    const auto write = [&text = text](std::ostream& out) -> Result<void> {
+      out << text;
+      return {};
+    };
+    if (auto written = write_whole_file(folder / name, write); !written) return written;
+    paths.push_back((folder / name).string());
+  }
+  return {};
 }
 
 Result<Report> study_schemes(const Options& options, Progress& progress) {
@@ -298,7 +305,7 @@ void add_study_schemes(CLI::App& study, VerbRun& run) {
       ->capture_default_str();
   verb->add_option("--seed", options->seed, "Of the placements' disturbance; the next case takes the next number")
       ->capture_default_str();
-  verb->add_option("-o,--output", options->out, "Folder for runs.csv, schemes.csv and schemes.md");
+  verb->add_option("-o,--output", options->out, "Folder for runs.csv, schemes.csv, schemes.md and landmarks.svg");
   verb->add_flag("--cases", options->cases, "Write a case file of every run there too");
   verb->callback([options, &run] {
     check(*options);

@@ -60,10 +60,10 @@ void check_refused(const Ran& ran, const std::string& subject) {
   CHECK(ran.errors.find(subject) != std::string::npos);
 }
 
-const char* all_verbs[] = {"demo",       "info",    "replay",  "compare",      "label-map",
-                           "mirror",     "phantom", "convert", "picture case", "picture correspondence",
-                           "study user", "bench",   "model",   "evaluate",     "picture modes",
-                           "template"};
+const char* all_verbs[] = {"demo",       "info",         "replay",  "compare",      "label-map",
+                           "mirror",     "phantom",      "convert", "picture case", "picture correspondence",
+                           "study user", "bench",        "model",   "evaluate",     "picture modes",
+                           "template",   "study schemes"};
 
 }  // namespace
 
@@ -411,4 +411,58 @@ TEST_CASE("fit starts where a placement file says") {
   CHECK(run(folder, "fit ball.ply --mask good.nii.gz -o M.ply --placement near.json").status == 0);
   check_refused(run(folder, "fit ball.ply --mask good.nii.gz -o N.ply --placement far.json"), "placement");
   check_refused(run(folder, "fit ball.ply --mask good.nii.gz -o N.ply --placement wrong.json"), "wrong.json");
+}
+
+TEST_CASE("study schemes compares ways of working and writes tables and case files") {
+  const TemporaryFolder folder;
+  const Mesh ball = icosphere(3, 20);
+  Mesh longer = ball;
+  longer.points.col(2) *= 1.3;
+  VolumeGeometry grid;
+  grid.dims = {30, 30, 36};
+  grid.spacing_mm.setConstant(2);
+  grid.origin_mm = Vec3(-29, -29, -35);
+  REQUIRE(write_mesh(ball, folder.path / "ball.ply"));
+  REQUIRE(write_volume(label_map(longer, grid), folder.path / "good.nii.gz"));
+  REQUIRE(write_volume(label_map(longer, grid, 2), folder.path / "other.nii.gz"));
+
+  const Ran ran = run(folder,
+                      "study schemes ball.ply --mask good.nii.gz other.nii.gz --label 1 --schemes raw,anchored "
+                      "--pulls 4 -o out --cases --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.errors.find("other.nii.gz: label 1") != std::string::npos);
+  const Json json = ran.json();
+  REQUIRE(json["schemes"].size() == 2);
+  CHECK(json["schemes"][1]["scheme"] == "anchored");
+  CHECK(json["schemes"][1]["cases"] == 1);
+  CHECK(json["schemes"][1]["turned_triangles"] == 0);
+  CHECK(json["runs"][1]["assd_mm"] < json["runs"][1]["assd_placed_mm"]);
+  CHECK(json["runs"][1]["landmarks_mm"].is_null());
+  for (const std::string path : json["paths"]) CHECK_MESSAGE(fs::exists(folder.path / path), path);
+
+  const Ran played = run(folder, "replay out/good.anchored.homolog -o again.ply --json");
+  REQUIRE_MESSAGE(played.status == 0, played.errors);
+  CHECK(played.json()["strokes"] == json["runs"][1]["pulls"]);
+
+  check_refused(run(folder, "study schemes ball.ply --mask other.nii.gz --label 1 --json"), "other.nii.gz");
+  check_refused(run(folder, "study schemes ball.ply --mask good.nii.gz --schemes magic"), "magic");
+  check_refused(run(folder, "study schemes ball.ply --mask good.nii.gz --schemes raw+warp"), "raw+warp");
+  CHECK(run(folder, "study schemes ball.ply").status == 2);
+  CHECK(run(folder, "study schemes ball.ply --phantoms 1").status == 2);
+  CHECK(run(folder, "study schemes built-in:kidney --phantoms 1 --cases").status == 2);
+}
+
+TEST_CASE("study schemes knows the truth of phantoms") {
+  const TemporaryFolder folder;
+  const Ran ran =
+      run(folder, "study schemes built-in:ventricle --phantoms 1,2,3,4 --schemes anchored+warp --pulls 2 --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json json = ran.json();
+  CHECK(json["default_scheme"] == "anchored+warp");
+  REQUIRE(json["schemes"].size() == 2);
+  const Json& ours = json["schemes"][0];
+  CHECK(ours["landmarks_mm"] < ours["landmarks_placed_mm"]);
+  CHECK(ours["generalization_rms"] > 0);
+  CHECK(json["schemes"][1]["scheme"] == "truth");
+  CHECK(json["paths"].empty());
 }

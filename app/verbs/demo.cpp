@@ -52,7 +52,7 @@ class HeadlessDemo {
     const auto before = compare_with_mask(session.document().mesh(), truth, 1);
     const auto target = mask_surface(truth, 1);
     if (!before || !target) return fail(before ? target.error() : before.error());
-    ScriptedUserOptions options;
+    PullingOptions options;
     options.most_pulls = 30;
     options.progress = &progress_;
     const auto pulled = pull_to_target(session, *target, options);

@@ -1,11 +1,9 @@
-#include <algorithm>
-#include <filesystem>
+#include "app/verbs/study.h"
 
-#include "app/verbs/verb.h"
 #include "core/case/case_file.h"
 #include "core/measure/compare.h"
-#include "core/mesh/isosurface.h"
-#include "core/study/scripted_user.h"
+#include "core/mesh/landmark_io.h"
+#include "core/volume/volume_io.h"
 
 namespace homolog {
 
@@ -13,29 +11,36 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct StudyUser {
-  std::string template_source;
-  fs::path mask, image, out;
-  int label = 0;
-  int most_pulls = 120;
+struct UserOptions {
+  std::string template_source, scheme;
+  fs::path mask, landmarks, image, out;
+  TargetOptions target;
+  SchemeRunOptions work{.most_pulls = 120};
   bool mirror = false;
 };
 
-Result<Report> study_user(const StudyUser& options, Progress& progress) {
+Result<StudySubject> subject_of(const UserOptions& options, const Template& reference, Progress& progress) {
+  auto subject = mask_subject(options.mask, options.target, reference, progress);
+  if (!subject || options.landmarks.empty()) return subject;
+  auto landmarks = read_landmarks(options.landmarks);
+  if (!landmarks) return fail(landmarks.error());
+  subject->shown = std::move(*landmarks);
+  return subject;
+}
+
+Result<Report> study_user(const UserOptions& options, Progress& progress) {
+  const auto scheme =
+      working_scheme(options.scheme.empty() ? default_scheme(!options.landmarks.empty()) : options.scheme);
+  if (!scheme) return fail(scheme.error());
   auto reference = load_template(options.template_source);
   if (!reference) return fail(reference.error());
-  VolumeReadOptions read_options;
-  read_options.progress = &progress;
-  auto mask = read_volume(options.mask, read_options);
-  if (!mask) return fail(mask.error());
-  const auto label = options.label != 0 ? Result<int>(options.label) : only_label(mask->volume);
-  if (!label) return fail(options.mask.string(), label.error().what);
-  const auto target = mask_surface(mask->volume, *label);
-  if (!target) return fail(options.mask.string(), target.error().what);
-
+  const auto subject = subject_of(options, **reference, progress);
+  if (!subject) return fail(subject.error());
   std::shared_ptr<const Volume> image;
   if (!options.image.empty()) {
-    auto read = read_volume(options.image, read_options);
+    VolumeReadOptions reading;
+    reading.progress = &progress;
+    auto read = read_volume(options.image, reading);
     if (!read) return fail(read.error());
     image = std::make_shared<const Volume>(std::move(read->volume));
   }
@@ -44,40 +49,85 @@ Result<Report> study_user(const StudyUser& options, Progress& progress) {
   if (options.mirror) {
     if (auto mirrored = session->apply(MirrorTemplate{}); !mirrored) return fail(mirrored.error());
   }
-  if (auto placed = place_on(*session, *target); !placed) return fail(placed.error());
-  ScriptedUserOptions user;
-  user.visible_mm = mask->volume.geometry.spacing_mm.minCoeff() / 2;
-  user.most_pulls = options.most_pulls;
-  user.progress = &progress;
-  const auto result = pull_to_target(*session, *target, user);
-  if (!result) return fail(options.out.string(), result.error().what);
-  const auto agreement = compare_with_mask(session->document().mesh(), mask->volume, *label);
-  if (!agreement) return fail(options.mask.string(), agreement.error().what);
-  return Report{{{"case", options.out.string()},
-                 {"pulls", result->pulls},
-                 {"largest_deviation_mm", result->largest_deviation_mm},
-                 {"assd_mm", agreement->assd_mm},
-                 {"dice", agreement->dice}},
-                mask->warnings};
+  SchemeRunOptions work = options.work;
+  work.progress = &progress;
+  const auto run = run_scheme(*session, *subject, *scheme, work);
+  if (!run) return fail(options.out.string(), run.error().what);
+  Report report;
+  report.values = {{"case", options.out.string()}, {"scheme", scheme->name}};
+  report.values.update(json_of(*run));
+  return report;
+}
+
+void add_user(CLI::App& study, VerbRun& run) {
+  auto options = std::make_shared<UserOptions>();
+  CLI::App* verb = add_verb(study, "user", "A scripted user adapts a template to a mask: writes a case file");
+  verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
+      ->required();
+  verb->add_option("--mask", options->mask, "The label map to adapt to")->required();
+  add_target_options(*verb, options->target);
+  verb->add_option("--landmarks", options->landmarks, "Named places on the organ that the user recognises");
+  verb->add_option("--scheme", options->scheme,
+                   "anchored, raw, paper-1, paper-10 or spacing, alone or with +grab, +warp or +hold");
+  verb->add_option("--image", options->image, "The volume that the case is for");
+  verb->add_option("--pulls", options->work.most_pulls, "At most this many pulls")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
+  verb->add_option("--seed", options->work.seed, "Disturbs the placement, differently for each number");
+  verb->add_flag("--mirror", options->mirror, "Start from the template of the other side");
+  verb->add_option("-o,--output", options->out, "The case file to write")->required();
+  verb->callback([options, &run] { run = [options](Progress& progress) { return study_user(*options, progress); }; });
 }
 
 }  // namespace
 
+void add_target_options(CLI::App& verb, TargetOptions& options) {
+  verb.add_option("--label", options.label, "Which label of the mask, where it holds several")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--closing-mm", options.closing_mm, "Radius in mm of the closing: narrower clefts are filled")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+}
+
+Result<StudySubject> mask_subject(const fs::path& path, const TargetOptions& options, const Template& reference,
+                                  Progress& progress) {
+  VolumeReadOptions reading;
+  reading.progress = &progress;
+  auto read = read_volume(path, reading);
+  if (!read) return fail(read.error());
+  const Volume& mask = read->volume;
+  const auto label = options.label != 0 ? Result<int>(options.label) : only_label(mask);
+  if (!label) return fail(path.string(), label.error().what + " by --label");
+  auto boundary = label_boundary(mask, *label, 0, options.closing_mm, reference.points.rows());
+  if (!boundary) return fail(path.string(), boundary.error().what);
+  StudySubject subject;
+  subject.target = std::move(boundary->surface);
+  subject.visible_mm = mask.geometry.spacing_mm.maxCoeff();
+  return subject;
+}
+
+Json json_of(const SchemeRun& run) {
+  const auto or_null = [](const auto& value) { return value ? Json(*value) : Json(); };
+  return {{"landmarks_placed_mm", or_null(run.landmarks_placed)},
+          {"landmarks_after_features_mm", or_null(run.landmarks_after_features)},
+          {"landmarks_mm", or_null(run.landmarks)},
+          {"assd_placed_mm", run.assd_placed},
+          {"assd_mm", run.assd},
+          {"hd95_mm", run.hd95},
+          {"dice", run.dice},
+          {"feature_strokes", run.feature_strokes},
+          {"pulls", run.pulls},
+          {"pulls_to_1mm", or_null(run.pulls_to_1mm)},
+          {"edge_spread", run.edge_spread},
+          {"min_angle_deg", run.min_angle_deg},
+          {"turned_triangles", run.turned_triangles}};
+}
+
 void add_study(CLI::App& app, VerbRun& run) {
   CLI::App* study = app.add_subcommand("study", "Experiments with a scripted user");
   study->require_subcommand(1);
-  auto options = std::make_shared<StudyUser>();
-  CLI::App* verb =
-      add_verb(*study, "user", "A scripted user adapts a template to a mask by boundary pulls: writes a case file");
-  verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
-      ->required();
-  verb->add_option("--mask", options->mask, "The label map to adapt to")->required();
-  verb->add_option("--label", options->label, "Which label of the mask");
-  verb->add_option("--image", options->image, "The volume that the case is for");
-  verb->add_option("--pulls", options->most_pulls, "At most this many pulls")->check(CLI::Range(0, 10000));
-  verb->add_flag("--mirror", options->mirror, "Start from the template of the other side");
-  verb->add_option("-o,--output", options->out, "The case file to write")->required();
-  verb->callback([options, &run] { run = [options](Progress& progress) { return study_user(*options, progress); }; });
+  add_user(*study, run);
+  add_study_schemes(*study, run);
 }
 
 }  // namespace homolog

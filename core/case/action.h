@@ -72,7 +72,7 @@ struct SetTemplateLandmark {
   bool operator==(const SetTemplateLandmark&) const = default;
 };
 struct SetStiffnessBase {
-  double base = 10;
+  double base = default_stiffness_base;
   bool operator==(const SetStiffnessBase&) const = default;
 };
 /// Holds (or frees) the vertices within `radius_mm` of `at`: later strokes leave held ones where they are.

@@ -19,9 +19,9 @@ namespace homolog {
 struct Template {
   std::string source;  ///< path, or "built-in:kidney"
   std::shared_ptr<const Topology> topology;
-  Points points;               ///< in the template's own frame, mm
-  VertexScalars stiffness;     ///< factor_i of every vertex
-  double stiffness_base = 10;  ///< w_i = base × factor_i
+  Points points;                                   ///< in the template's own frame, mm
+  VertexScalars stiffness;                         ///< factor_i of every vertex
+  double stiffness_base = default_stiffness_base;  ///< w_i = base × factor_i
   Regions regions;
   std::vector<Landmark> landmarks;            ///< named, in the template's own frame
   std::vector<SurfacePoint> landmark_points;  ///< where on the surface each of them lies
@@ -55,7 +55,7 @@ struct Document {
 
   std::shared_ptr<const VertexScalars> stiffness;  ///< factor_i, the template's until painted
   std::shared_ptr<const Regions> regions;          ///< the template's until painted
-  double stiffness_base = 10;
+  double stiffness_base = default_stiffness_base;
   Scheme scheme = Scheme::anchored;
   int paper_events = 1;  ///< mouse events a stroke counts for in the scheme `paper`
   double spacing = 0;    ///< strength 0…1 of keeping landmarks evenly spread along with an edit

@@ -17,7 +17,7 @@ namespace homolog {
 namespace {
 
 /// The landmark warp reaches this share of the template's bounding-box diagonal.
-constexpr double warp_reach = 0.4;
+constexpr double warp_reach = 0.25;
 constexpr Eigen::Index warp_from_landmarks = 4;
 
 bool usable(const Similarity& s) {

@@ -10,7 +10,7 @@ namespace homolog {
 class LandmarkWarp {
  public:
   /// `from`, `to`: k×3, where landmarks are (under the similarity) and where they belong, mm.
-  /// `length_mm`: how far a landmark's pull reaches (0.4 of the template's bounding-box diagonal serves organs).
+  /// `length_mm`: how far a landmark's pull reaches (0.25 of the template's bounding-box diagonal serves organs).
   LandmarkWarp(const Points& from, const Points& to, double length_mm);
 
   Points apply(const Points& points) const;

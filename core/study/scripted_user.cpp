@@ -6,32 +6,35 @@
 #include <numbers>
 #include <optional>
 
+#include "core/deform/shape_solver.h"
+#include "core/fit/find_placement.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/surface_search.h"
-#include "core/placement/similarity_fit.h"
+#include "core/phantom/noise.h"
 
 namespace homolog {
 
 namespace {
 
-constexpr Eigen::Index looked_at = 2500;
-constexpr std::size_t most_tries = 24;
-constexpr double helps = 0.998;  // of the mean square deviation: less is not seen
-constexpr double largest_tilt = 40 * std::numbers::pi / 180;
-
-/// σ presets as fractions of the placed reference's bounding-box diagonal, large to small: the editor's defaults.
+/// The editor's σ presets as fractions of the placed reference's bounding-box diagonal, large to small.
 constexpr std::array<double, 3> sigma_fractions{0.16, 0.08, 0.04};
+/// What the solve adds to a σ, about, as a share of the stiffness length: enough to choose a place by.
+constexpr double widening_share = 0.8;
+constexpr std::size_t most_places = 60, most_tries = 24;
+constexpr double farthest_drag = 3;  // times the deviation, where the surface lags behind the cursor
+constexpr double helps = 0.998;      // of the mean square deviation: less is not seen
 
-struct Deviation {
-  Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< on the mesh, where the target has it
-  double distance_mm = 0;
-};
+constexpr double turn_deviation = 3 * std::numbers::pi / 180, shift_fraction = 0.015, size_deviation = 0.015;
+constexpr int feature_rounds = 3;
+constexpr double hold_fraction = 0.05;
 
-/// Mean point and root-mean-square distance from it, over the surface's vertices.
-std::pair<Vec3, double> place_and_size(const Points& points) {
-  const Vec3 mean = points.colwise().mean();
-  const double size = std::sqrt((points.rowwise() - mean.transpose()).rowwise().squaredNorm().mean());
-  return {mean, size};
+double widening_mm(const Document& document) {
+  if (document.scheme == Scheme::raw) return 0;
+  const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().points);
+  return widening_share * stiffness_length_mm(document.stiffness_base * document.stiffness->mean(), edge_mm);
+}
+
+double diagonal_mm(const EditSession& session) {
+  return bounds_of(*session.document().shape().placed).diagonal().norm();
 }
 
 /// What a person sees in slices of the three views: the in-plane part of a deviation. The plane is the one that shows
@@ -41,113 +44,205 @@ Vec3 in_slice(const Deviation& deviation) {
   Eigen::Index across = 0;
   d.cwiseAbs().minCoeff(&across);
   d[across] = 0;
-  return deviation.from + d;
+  return d;
 }
 
-/// Deviations in both directions, largest first: mesh vertices off the target, and target vertices that the mesh does
-/// not reach.
-std::vector<Deviation> deviations(const Mesh& mesh, const SurfaceSearch& target) {
-  std::vector<Deviation> found;
-  const SurfaceSearch own(mesh);
-  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
-    const auto nearest = target.nearest(mesh.points.row(i));
-    found.push_back({mesh.points.row(i), nearest.position, nearest.distance_mm});
+/// A deviation along the mesh's normal.
+struct Offset {
+  Vec3 normal = Vec3::Zero();
+  double signed_mm = 0;
+};
+
+std::vector<Offset> offsets_of(const Mesh& mesh, const std::vector<Deviation>& seen) {
+  const Points normals = vertex_normals(mesh);
+  std::vector<Offset> offsets;
+  offsets.reserve(seen.size());
+  for (const Deviation& d : seen) {
+    const Vec3 normal = normals.row(d.vertex);
+    offsets.push_back({normal, std::copysign(d.distance_mm, normal.dot(d.to - d.from))});
   }
-  // A fine mask has far more vertices than a person looks at.
-  const Points& there = target.mesh().points;
-  const Eigen::Index stride = 1 + there.rows() / looked_at;
-  for (Eigen::Index i = 0; i < there.rows(); i += stride) {
-    const auto nearest = own.nearest(there.row(i));
-    found.push_back({nearest.position, there.row(i), nearest.distance_mm});
+  return offsets;
+}
+
+/// How many times a movement fits all offsets best, in the least-squares sense, and by how much the sum of their
+/// squares falls then.
+struct BestFit {
+  double times = 0, gain_mm2 = 0;
+};
+/// `moved(k)`: how far offset k's place goes along its normal.
+template <class Moved>
+BestFit best_fit(const std::vector<Offset>& offsets, const Moved& moved) {
+  double off = 0, square = 1e-12;
+  for (std::size_t k = 0; k < offsets.size(); ++k) {
+    const double m = moved(k);
+    off += m * offsets[k].signed_mm;
+    square += m * m;
   }
-  std::sort(found.begin(), found.end(),
-            [](const Deviation& a, const Deviation& b) { return a.distance_mm > b.distance_mm; });
+  return {off / square, off * off / square};
+}
+
+/// A place to pull, with the σ that fits it.
+struct Choice {
+  const Deviation* deviation = nullptr;
+  double sigma_mm = 0, gain_mm2 = 0;
+};
+
+/// Visible deviations at least `apart_mm` from each other, the largest first.
+std::vector<const Deviation*> distinct_places(const std::vector<Deviation>& seen, double visible_mm, double apart_mm) {
+  std::vector<const Deviation*> visible, places;
+  for (const Deviation& d : seen)
+    if (d.distance_mm >= visible_mm) visible.push_back(&d);
+  std::stable_sort(visible.begin(), visible.end(),
+                   [](const Deviation* a, const Deviation* b) { return a->distance_mm > b->distance_mm; });
+  for (const Deviation* d : visible) {
+    if (places.size() == most_places) break;
+    const bool near_another = std::any_of(places.begin(), places.end(), [&](const Deviation* other) {
+      return (other->from - d->from).norm() < apart_mm;
+    });
+    if (!near_another) places.push_back(d);
+  }
+  return places;
+}
+
+/// The places and σ to try, most to gain first.
+std::vector<Choice> choices(const EditSession& session, const std::vector<Deviation>& seen,
+                            const std::vector<Offset>& offsets, double visible_mm) {
+  const double diagonal = diagonal_mm(session);
+  const double widening2 = std::pow(widening_mm(session.document()), 2);
+  std::vector<Choice> found;
+  for (const Deviation* place : distinct_places(seen, visible_mm, sigma_fractions.back() * diagonal)) {
+    const Vec3 direction = in_slice(*place).normalized();
+    for (const double fraction : sigma_fractions) {
+      const double sigma_mm = fraction * diagonal;
+      const double reach2 = sigma_mm * sigma_mm + widening2;
+      const BestFit fit = best_fit(offsets, [&](std::size_t k) {
+        const double d2 = (seen[k].from - place->from).squaredNorm();
+        return d2 > 9 * reach2 ? 0 : std::exp(-d2 / (2 * reach2)) * direction.dot(offsets[k].normal);
+      });
+      if (fit.times > 0) found.push_back({place, sigma_mm, fit.gain_mm2});
+    }
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Choice& a, const Choice& b) { return a.gain_mm2 > b.gain_mm2; });
   return found;
 }
 
-double mean_square(const std::vector<Deviation>& all) {
-  double sum = 0;
-  for (const Deviation& d : all) sum += d.distance_mm * d.distance_mm;
-  return sum / static_cast<double>(all.size());
+/// The stroke of a choice, dragged as far as fits; nothing where it cannot be done or fits nowhere.
+std::optional<Stroke> fitting_stroke(EditSession& session, const Choice& choice, const std::vector<Deviation>& seen,
+                                     const std::vector<Offset>& offsets) {
+  Stroke stroke;
+  stroke.tool = Tool::pull;
+  stroke.at = choice.deviation->from;
+  stroke.to = stroke.at + in_slice(*choice.deviation);
+  stroke.sigma_mm = choice.sigma_mm;
+  const auto shown = session.preview(stroke);
+  if (!shown) return std::nullopt;
+  const Points moved = *shown->document.shape().points - *session.document().shape().points;
+  const BestFit fit =
+      best_fit(offsets, [&](std::size_t k) { return moved.row(seen[k].vertex).dot(offsets[k].normal); });
+  if (fit.times <= 0) return std::nullopt;
+  stroke.to = stroke.at + std::min(fit.times, farthest_drag) * in_slice(*choice.deviation);
+  return stroke;
 }
 
-/// Tries the largest deviations until a pull helps; a person takes back a pull that made things worse, too, and goes
-/// only half the way where the whole is too much.
-Result<bool> pull_once(EditSession& session, const SurfaceSearch& target, const std::vector<Deviation>& seen,
-                       double sigma_mm, double visible_mm) {
-  const double before = mean_square(seen);
-  std::vector<Vec3> tried;
-  for (const Deviation& deviation : seen) {
-    if (deviation.distance_mm < visible_mm || tried.size() == most_tries) break;
-    const bool near_tried = std::any_of(tried.begin(), tried.end(),
-                                        [&](const Vec3& p) { return (p - deviation.from).norm() < sigma_mm / 2; });
-    if (near_tried) continue;
-    tried.push_back(deviation.from);
-    for (const double share : {1.0, 0.5}) {
-      Stroke stroke;
-      stroke.tool = Tool::pull;
-      stroke.at = deviation.from;
-      stroke.to = deviation.from + share * (in_slice(deviation) - deviation.from);
-      stroke.sigma_mm = sigma_mm;
-      const auto shown = session.preview(stroke);
-      if (!shown || mean_square(deviations(shown->document.mesh(), target)) > before * helps) continue;
-      if (auto done = session.apply(stroke); !done) return fail(done.error());
-      return true;
-    }
+/// Pulls until one helps; a person takes back a pull that made things worse.
+Result<bool> pull_once(EditSession& session, Sight& sight, const std::vector<Deviation>& seen, double visible_mm) {
+  const double before = mean_square_mm2(seen);
+  const std::vector<Offset> offsets = offsets_of(session.document().mesh(), seen);
+  std::size_t tries = 0;
+  for (const Choice& choice : choices(session, seen, offsets, visible_mm)) {
+    if (++tries > most_tries) break;
+    const auto stroke = fitting_stroke(session, choice, seen, offsets);
+    if (!stroke) continue;
+    const auto shown = session.preview(*stroke);
+    if (!shown || mean_square_mm2(sight.look(*shown->document.shape().points)) > before * helps) continue;
+    if (auto done = session.apply(*stroke); !done) return fail(done.error());
+    return true;
   }
   return false;
+}
+
+/// Where a landmark of the template lies on the mesh as it is.
+std::optional<Vec3> on_mesh(const Document& document, const std::string& name) {
+  const Template& reference = *document.reference;
+  for (std::size_t k = 0; k < reference.landmarks.size(); ++k)
+    if (reference.landmarks[k].name == name)
+      return Vec3(reference.landmark_points[k].interpolate(*reference.topology, *document.shape().points));
+  return std::nullopt;
 }
 
 }  // namespace
 
 Result<void> place_on(EditSession& session, const Mesh& target) {
-  const Points& points = session.document().reference->points;
-  const auto [centre, size] = place_and_size(points);
-  const auto [there, size_there] = place_and_size(target.points);
-  Similarity placement{Eigen::Quaterniond::Identity(), size_there / size, Vec3::Zero()};
-  placement.translation = there - placement.scale * centre;
-  const SurfaceSearch surface(target);
-  for (int round = 0; round < 60; ++round) {
-    // Both directions, so that neither a small template inside the target nor a large one around it looks perfect.
-    const Mesh placed{session.document().reference->topology, placement.apply(points)};
-    const std::vector<Deviation> all = deviations(placed, surface);
-    Points from(static_cast<Eigen::Index>(all.size()), 3), to(from.rows(), 3);
-    for (Eigen::Index k = 0; k < from.rows(); ++k) {
-      from.row(k) = all[static_cast<std::size_t>(k)].from.transpose();
-      to.row(k) = all[static_cast<std::size_t>(k)].to.transpose();
-    }
-    const Similarity next = fit_similarity(from, to, {}).after(placement);
-    const bool settled =
-        next.rotation.angularDistance(placement.rotation) < 1e-4 && std::abs(next.scale / placement.scale - 1) < 1e-4;
-    if (Eigen::AngleAxisd(next.rotation).angle() > largest_tilt) break;
-    placement = next;
-    if (settled) break;
-  }
-  auto done = session.apply(SetPlacement{placement});
+  const auto found = find_placement(*session.document().reference, mesh_boundary(target), {}, Orientation::patient);
+  auto done = session.apply(SetPlacement{found.placement});
   return done ? Result<void>{} : fail(done.error());
 }
 
-Result<ScriptedUserResult> pull_to_target(EditSession& session, const Mesh& target,
-                                          const ScriptedUserOptions& options) {
-  const SurfaceSearch surface(target);
-  const double diagonal = bounds_of(*session.document().shape().placed).diagonal().norm();
-  ScriptedUserResult result;
-  std::vector<Deviation> seen = deviations(session.document().mesh(), surface);
-  for (const double fraction : sigma_fractions) {
-    // The smaller σ takes over where the larger one no longer helps.
-    while (result.pulls < options.most_pulls) {
-      if (options.progress != nullptr) {
-        options.progress->report(static_cast<double>(result.pulls) / options.most_pulls);
-        if (options.progress->cancelled()) return fail("", "The scripted user was stopped");
-      }
-      const auto pulled = pull_once(session, surface, seen, fraction * diagonal, options.visible_mm);
-      if (!pulled) return fail(pulled.error());
-      if (!*pulled) break;
-      ++result.pulls;
-      seen = deviations(session.document().mesh(), surface);
+Result<void> disturb_placement(EditSession& session, std::uint64_t seed) {
+  phantom::Random random(seed);
+  std::array<double, 7> normal{};
+  for (double& number : normal) number = random.normal();
+  const Vec3 turn = turn_deviation * Vec3(normal[0], normal[1], normal[2]);
+  const Vec3 shift = shift_fraction * diagonal_mm(session) * Vec3(normal[3], normal[4], normal[5]);
+  const Vec3 centre = session.document().shape().placed->colwise().mean();
+  Similarity off;
+  off.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized());
+  off.scale = std::exp(size_deviation * normal[6]);
+  off.translation = centre + shift - off.scale * (off.rotation * centre);
+  auto done = session.apply(SetPlacement{off.after(session.document().shape().placement)});
+  return done ? Result<void>{} : fail(done.error());
+}
+
+Result<int> grab_features(EditSession& session, const std::vector<Landmark>& features) {
+  int strokes = 0;
+  for (int round = 0; round < feature_rounds; ++round) {
+    for (const Landmark& feature : features) {
+      const auto at = on_mesh(session.document(), feature.name);
+      if (!at) continue;
+      Stroke stroke;
+      stroke.tool = Tool::grab;
+      stroke.at = *at;
+      stroke.to = feature.position;
+      stroke.sigma_mm = sigma_fractions.front() * diagonal_mm(session);
+      if (auto done = session.apply(stroke); !done) return fail(done.error());
+      ++strokes;
     }
   }
-  result.largest_deviation_mm = seen.front().distance_mm;
+  return strokes;
+}
+
+Result<int> click_features(EditSession& session, const std::vector<Landmark>& features) {
+  for (const Landmark& feature : features)
+    if (auto done = session.apply(PlaceLandmark{feature.name, feature.position}); !done) return fail(done.error());
+  return static_cast<int>(features.size());
+}
+
+Result<void> hold_features(EditSession& session, const std::vector<Landmark>& features) {
+  const double radius_mm = hold_fraction * diagonal_mm(session);
+  for (const Landmark& feature : features)
+    if (auto done = session.apply(Confirm{feature.position, radius_mm, true}); !done) return fail(done.error());
+  return {};
+}
+
+Result<PullingResult> pull_to_target(EditSession& session, const Mesh& target, const PullingOptions& options) {
+  Sight sight(target, session.document().reference->topology);
+  PullingResult result;
+  std::vector<Deviation> seen = sight.look(*session.document().shape().points);
+  while (result.pulls < options.most_pulls) {
+    if (options.progress != nullptr) {
+      options.progress->report(static_cast<double>(result.pulls) / options.most_pulls);
+      if (options.progress->cancelled()) return fail("", "The scripted user was stopped");
+    }
+    const auto pulled = pull_once(session, sight, seen, options.visible_mm);
+    if (!pulled) return fail(pulled.error());
+    if (!*pulled) break;
+    ++result.pulls;
+    seen = sight.look(*session.document().shape().points);
+    if (options.watch) options.watch(result.pulls, seen);
+  }
+  for (const Deviation& deviation : seen)
+    result.largest_deviation_mm = std::max(result.largest_deviation_mm, deviation.distance_mm);
   return result;
 }
 

@@ -1,34 +1,54 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/base/progress.h"
 #include "core/case/session.h"
-#include "core/mesh/topology.h"
+#include "core/study/sight.h"
+
+// A person at work, scripted: what each function does is committed to the session, and so to its journal.
+// Deterministic. Errors of all: the session's.
 
 namespace homolog {
 
-/// How the scripted user works. Lengths in mm.
-struct ScriptedUserOptions {
+/// Places the session's template on the surface `target` as a person would with the handles: patient axes kept but for
+/// a tilt, position and size by the target's.
+Result<void> place_on(EditSession& session, const Mesh& target);
+
+/// Moves the placement off by what a person's handiwork leaves, normally distributed: about each axis a turn of 3°,
+/// along each a shift of 1.5 % of the template's bounding-box diagonal, and 1.5 % of size.
+Result<void> disturb_placement(EditSession& session, std::uint64_t seed);
+
+/// Grabs the template's landmarks that `features` name and drags them to their places with the largest σ, three rounds,
+/// since each drag moves its neighbours too. Gives the number of strokes.
+Result<int> grab_features(EditSession& session, const std::vector<Landmark>& features);
+
+/// Clicks `features` in the image, so that the landmark warp carries the template along; gives their number.
+Result<int> click_features(EditSession& session, const std::vector<Landmark>& features);
+
+/// Confirms a small region around each of `features` (5 % of the template's diagonal), so that later strokes leave them
+/// where they are.
+Result<void> hold_features(EditSession& session, const std::vector<Landmark>& features);
+
+/// How boundary pulls are done.
+struct PullingOptions {
   double visible_mm = 0.5;  ///< deviations below this are not seen (a voxel, for label maps)
   int most_pulls = 120;
   Progress* progress = nullptr;
+  /// Called after each pull with their number so far and what is seen then.
+  std::function<void(int pulls, const std::vector<Deviation>& seen)> watch;
 };
 
-struct ScriptedUserResult {
+struct PullingResult {
   int pulls = 0;
   double largest_deviation_mm = 0;  ///< left at the end, both directions
 };
 
-/// Places the session's template on the surface `target` as a person would with the handles: patient axes kept but for
-/// a tilt, position and size by the target's (one committed placement). Closed-form steps of closest points, proper
-/// rotations of at most 40° only.
-Result<void> place_on(EditSession& session, const Mesh& target);
-
-/// Adapts the session's mesh to `target` by boundary pulls in axial, sagittal and coronal slices: always the largest
-/// visible deviation, in both directions (mesh outside the target, and target not reached by the mesh), σ from large to
-/// small. Every pull is committed to the session (and so to its journal). Deterministic. Errors: the session's.
-Result<ScriptedUserResult> pull_to_target(EditSession& session, const Mesh& target,
-                                          const ScriptedUserOptions& options = {});
+/// Adapts the session's mesh to `target` by boundary pulls in axial, sagittal and coronal slices until nothing visible
+/// can be made better: the place first where most is off as far around as a σ reaches, in both directions (mesh outside
+/// the target, and target not reached by the mesh), dragged as far as fits its surroundings. So large σ come first.
+Result<PullingResult> pull_to_target(EditSession& session, const Mesh& target, const PullingOptions& options = {});
 
 }  // namespace homolog

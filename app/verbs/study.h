@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+
+#include "app/verbs/verb.h"
+#include "core/case/document.h"
+#include "core/study/schemes.h"
+
+// What the verbs of `study` share.
+
+namespace homolog {
+
+/// Which label of a mask is the target, and how it is worked on.
+struct TargetOptions {
+  int label = 0;          ///< 0: the only one
+  double closing_mm = 1;  ///< as in `fit`
+};
+void add_target_options(CLI::App& verb, TargetOptions& options);
+
+/// A label map as the organ to adapt `reference` to, without landmarks. Errors: the reader's, the label's.
+Result<StudySubject> mask_subject(const std::filesystem::path& path, const TargetOptions& options,
+                                  const Template& reference, Progress& progress);
+
+/// The figures of a run by name, lengths in mm; null where there is none.
+Json json_of(const SchemeRun& run);
+
+void add_study_schemes(CLI::App& study, VerbRun& run);
+
+}  // namespace homolog

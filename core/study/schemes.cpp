@@ -1,0 +1,178 @@
+#include "core/study/schemes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/deform/fold_guard.h"
+#include "core/measure/compare.h"
+#include "core/mesh/isosurface.h"
+#include "core/mesh/label_map.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double near_mm = 1, near_dice = 0.95;
+
+/// Mean distance from where landmarks or vertices are known to belong.
+std::optional<double> landmark_error(const Document& document, const StudySubject& subject) {
+  const Points& points = *document.shape().points;
+  if (subject.truth) return (points - *subject.truth).rowwise().norm().mean();
+  const Template& reference = *document.reference;
+  double sum = 0;
+  int known = 0;
+  for (const Landmark& landmark : subject.hidden) {
+    for (std::size_t k = 0; k < reference.landmarks.size(); ++k) {
+      if (reference.landmarks[k].name != landmark.name) continue;
+      const Vec3 here = reference.landmark_points[k].interpolate(*reference.topology, points);
+      sum += (here - landmark.position).norm();
+      ++known;
+    }
+  }
+  return known > 0 ? std::optional(sum / known) : std::nullopt;
+}
+
+double edge_spread(const Topology& topology, const Points& reference, const Points& points) {
+  Eigen::ArrayXd ratios(static_cast<Eigen::Index>(topology.edges().size()));
+  Eigen::Index k = 0;
+  for (const auto& [a, b] : topology.edges())
+    ratios[k++] = (points.row(a) - points.row(b)).norm() / (reference.row(a) - reference.row(b)).norm();
+  return std::sqrt((ratios - ratios.mean()).square().mean()) / ratios.mean();
+}
+
+Agreement agreement_with(const EditSession& session, const Mesh& target) {
+  return compare_meshes(capped(session.document().mesh()), target);
+}
+
+Result<void> set_up(EditSession& session, const WorkingScheme& scheme) {
+  if (auto done = session.apply(SetScheme{scheme.scheme, scheme.paper_events}); !done) return fail(done.error());
+  if (auto done = session.apply(SetSpacing{scheme.spacing}); !done) return fail(done.error());
+  return {};
+}
+
+Result<int> use_features(EditSession& session, const std::vector<Landmark>& features, FeatureUse use) {
+  if (use == FeatureUse::none) return 0;
+  if (use == FeatureUse::grab) return grab_features(session, features);
+  const auto clicked = click_features(session, features);
+  if (!clicked || use == FeatureUse::warp) return clicked;
+  if (auto held = hold_features(session, features); !held) return fail(held.error());
+  return 2 * *clicked;
+}
+
+void measure(const EditSession& session, const StudySubject& subject, SchemeRun& run) {
+  const Document& document = session.document();
+  const Agreement agreement = agreement_with(session, subject.target);
+  run.assd = agreement.assd_mm;
+  run.hd95 = agreement.hd95_mm;
+  run.dice = agreement.dice;
+  run.landmarks = landmark_error(document, subject);
+  const Topology& topology = *document.reference->topology;
+  const Shape& shape = document.shape();
+  run.points = *shape.points;
+  run.edge_spread = edge_spread(topology, *shape.placed, run.points);
+  run.turned_triangles = turned_triangles(topology, *shape.placed, run.points).size();
+  const Mesh mesh = document.mesh();
+  run.min_angle_deg = 180;
+  for (Eigen::Index f = 0; f < topology.triangles().rows(); ++f)
+    run.min_angle_deg = std::min(run.min_angle_deg, smallest_angle_deg(mesh, f));
+}
+
+}  // namespace
+
+Result<WorkingScheme> working_scheme(const std::string& name) {
+  const auto plus = name.find('+');
+  const std::string moving = name.substr(0, plus), features = plus == std::string::npos ? "" : name.substr(plus);
+  WorkingScheme made;
+  made.name = name;
+  bool known = true;
+  if (moving == "raw")
+    made.scheme = Scheme::raw;
+  else if (moving == "paper-1" || moving == "paper-10") {
+    made.scheme = Scheme::paper;
+    made.paper_events = moving == "paper-1" ? 1 : 10;
+  } else if (moving == "spacing")
+    made.spacing = 1;
+  else
+    known = moving == "anchored";
+  if (features == "+grab")
+    made.features = FeatureUse::grab;
+  else if (features == "+warp")
+    made.features = FeatureUse::warp;
+  else if (features == "+hold")
+    made.features = FeatureUse::hold;
+  else
+    known = known && features.empty();
+  if (!known)
+    return fail(
+        name, "is no scheme; choose raw, paper-1, paper-10, anchored or spacing, alone or with +grab, +warp or +hold");
+  return made;
+}
+
+std::vector<std::string> compared_schemes(bool with_features) {
+  const std::vector<std::string> moving{"raw", "paper-1", "paper-10", "anchored", "spacing"};
+  if (!with_features) return moving;
+  std::vector<std::string> names{"anchored"};
+  for (const char* features : {"+grab", "+warp"})
+    for (const std::string& one : moving) names.push_back(one + features);
+  names.push_back("anchored+hold");
+  return names;
+}
+
+std::string default_scheme(bool with_features) {
+  return with_features ? "anchored+warp" : "anchored";
+}
+
+StudySubject phantom_study_subject(Organ organ, int number) {
+  const MeshFile made = phantom_truth(organ, number).front();
+  const Mesh truth{Topology::make(made.points.rows(), made.triangles).value(), made.points};
+  VolumeGeometry grid;
+  const Box box = bounds_of(made.points);
+  grid.origin_mm = box.min() - Vec3::Constant(4);
+  for (int axis = 0; axis < 3; ++axis)
+    grid.dims[static_cast<std::size_t>(axis)] = static_cast<int>(std::ceil(box.sizes()[axis])) + 9;
+  StudySubject subject;
+  subject.name = std::string(organ_name(organ)) + "-" + std::to_string(number);
+  subject.target = mask_surface(label_map(truth, grid), 1).value();
+  subject.visible_mm = grid.spacing_mm.maxCoeff();
+  subject.shown = made.landmarks;
+  subject.truth = made.points;
+  return subject;
+}
+
+Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, const WorkingScheme& scheme,
+                             const SchemeRunOptions& options) {
+  SchemeRun run;
+  if (auto done = set_up(session, scheme); !done) return fail(done.error());
+  if (auto done = place_on(session, subject.target); !done) return fail(done.error());
+  if (options.seed)
+    if (auto done = disturb_placement(session, *options.seed); !done) return fail(done.error());
+  run.assd_placed = agreement_with(session, subject.target).assd_mm;
+  run.landmarks_placed = landmark_error(session.document(), subject);
+
+  const auto strokes = use_features(session, subject.shown, scheme.features);
+  if (!strokes) return fail(strokes.error());
+  run.feature_strokes = *strokes;
+  run.landmarks_after_features = landmark_error(session.document(), subject);
+
+  PullingOptions pulling;
+  pulling.visible_mm = subject.visible_mm;
+  pulling.most_pulls = options.most_pulls;
+  pulling.progress = options.progress;
+  const auto note_when_near = [&](int pulls) {
+    const Agreement agreement = agreement_with(session, subject.target);
+    if (agreement.assd_mm <= near_mm && agreement.dice >= near_dice) run.pulls_to_1mm = pulls;
+  };
+  pulling.watch = [&](int pulls, const std::vector<Deviation>& seen) {
+    // The exact measure is dear; far from 1 mm what is seen says enough.
+    if (!run.pulls_to_1mm && mean_mm(seen) < 1.2 * near_mm) note_when_near(pulls);
+  };
+  note_when_near(0);
+  const auto pulled = pull_to_target(session, subject.target, pulling);
+  if (!pulled) return fail(pulled.error());
+  run.pulls = pulled->pulls;
+  measure(session, subject, run);
+  return run;
+}
+
+}  // namespace homolog

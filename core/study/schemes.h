@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/fit/boundary.h"
+#include "core/phantom/phantom.h"
+#include "core/study/scripted_user.h"
+
+namespace homolog {
+
+/// What is done with the landmarks shown before the boundary is pulled.
+enum class FeatureUse {
+  none,
+  grab,  ///< each dragged to its place with a large σ
+  warp,  ///< clicked: similarity and landmark warp
+  hold   ///< warp, then a small region around each confirmed
+};
+
+/// A way of working: "anchored+warp".
+struct WorkingScheme {
+  std::string name;
+  Scheme scheme = Scheme::anchored;
+  int paper_events = 1;
+  double spacing = 0;
+  FeatureUse features = FeatureUse::none;
+};
+
+/// The scheme of a name: raw, paper-1, paper-10, anchored or spacing (anchored, spacing 1), alone or with +grab, +warp
+/// or +hold. Errors: another name.
+Result<WorkingScheme> working_scheme(const std::string& name);
+/// Names of the schemes that are compared, with landmarks to show or without.
+std::vector<std::string> compared_schemes(bool with_features);
+/// What the editor does unless told otherwise.
+std::string default_scheme(bool with_features);
+
+/// An organ to adapt a template to. All LPS mm.
+struct StudySubject {
+  std::string name;
+  Mesh target;            ///< closed
+  double visible_mm = 1;  ///< a voxel
+  std::vector<Landmark> shown,
+      hidden;                   ///< landmarks of the template's names: to work with, and to measure the error at
+  std::optional<Points> truth;  ///< of every vertex: then the error is measured at all of them
+};
+
+/// A phantom: its label map on a 1 mm grid as target, all its landmarks shown, every vertex known.
+StudySubject phantom_study_subject(Organ organ, int number);
+
+/// What a run came to. Lengths in mm; landmark errors are means, absent where nothing is known.
+struct SchemeRun {
+  std::optional<double> landmarks_placed, landmarks_after_features, landmarks;
+  double assd_placed = 0, assd = 0, hd95 = 0, dice = 0;
+  int feature_strokes = 0, pulls = 0;
+  std::optional<int> pulls_to_1mm;  ///< until the mean distance is at most 1 mm and Dice at least 0.95
+  double edge_spread = 0;           ///< deviation/mean of edge length ÷ the reference's, over the edges
+  double min_angle_deg = 0;
+  std::size_t turned_triangles = 0;
+  Points points;
+};
+
+struct SchemeRunOptions {
+  std::optional<std::uint64_t> seed;  ///< of the placement's disturbance; none without
+  int most_pulls = 40;
+  Progress* progress = nullptr;
+};
+
+/// The scripted user at work by one scheme: placement, features, pulls [docs/method.md §6]. `session` is new and has
+/// the template. Openings of the mesh are capped flat for surface distances and Dice. Errors: the session's; cancelled.
+Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, const WorkingScheme& scheme,
+                             const SchemeRunOptions& options);
+
+}  // namespace homolog

@@ -91,7 +91,7 @@ void EditorApp::start_session(EditSession session) {
   displayed_ = snapshot_->shown;
   show_document(state_, *displayed_, layout_);
   fit_wanted_ = layout_.scale <= 0 || layout_.status_line.width <= 0 || layout_.models.width > 0;
-  Models::show_repair(state_, *snapshot_);
+  if (!fit_wanted_) show_repair();
   remember_case();
   if (displayed_->volume != volume_before) {
     labels_.reset();
@@ -100,6 +100,10 @@ void EditorApp::start_session(EditSession session) {
   figures_.reset();
   quality_.post(nullptr);
   quality_.post(displayed_);
+}
+
+void EditorApp::show_repair() {
+  if (const auto frame = Models::show_repair(state_, *snapshot_)) session_->apply(SetFrame{*frame});
 }
 
 ControlsContext EditorApp::controls_context() const {
@@ -113,6 +117,7 @@ void EditorApp::handle(const InputEvent& event) {
 std::optional<double> EditorApp::next_move_seconds(double now) const {
   constexpr double progress_seconds = 0.1;
   if (state_.playing) return std::max(frame_due_ - now, 0.0);
+  if (thumbnails_left_) return 0;
   if (opener_.busy() || template_maker_.busy()) return progress_seconds;
   auto next = models_.next_move_seconds(state_.models);
   for (const Notice& notice : state_.notices)
@@ -188,7 +193,7 @@ bool EditorApp::update(double seconds) {
   figures_ = figures;
   const bool new_stage = take_stage();
   forget_old_news(seconds);
-  return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model ||
+  return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model || thumbnails_left_ ||
          state_.playing || opener_.busy() || was_opening;
 }
 
@@ -231,15 +236,29 @@ SceneBuilder::Input EditorApp::scene_input(const EditorState& state) const {
 }
 
 UiContext EditorApp::ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const {
-  return {*theme_, layout_, state,        *snapshot_,    displayed_,      figures_,
-          opening, labels_, labels_name_, label_values_, template_maker_, shown_making() != nullptr,
+  return {*theme_,
+          layout_,
+          state,
+          *snapshot_,
+          displayed_,
+          figures_,
+          opening,
+          labels_,
+          labels_name_,
+          label_values_,
+          template_maker_,
+          thumbnails_,
+          shown_making() != nullptr,
           fps};
 }
 
 void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
                         {state_.maximised, state_.preferences.panel_open, state_.models.shown});
-  if (!state_.models.shown && std::exchange(fit_wanted_, false)) fit_views(state_, *displayed_, layout_);
+  if (!state_.models.shown && std::exchange(fit_wanted_, false)) {
+    fit_views(state_, *displayed_, layout_);
+    show_repair();
+  }
   follow_layout(state_, layout_);
   GLint target_framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target_framebuffer);
@@ -257,6 +276,7 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
             : pictures_->slice(kind, scene, slice_view(state_, kind, geometry_of(*displayed_)), target);
   }
   const ModelsLayout models = models_layout(layout_);
+  thumbnails_left_ = state_.models.shown && thumbnails_.draw(state_.models, scale_, pictures_->renderer());
   if (state_.models.shown) gallery_.draw(state_.models, models, scale_, pictures_->renderer());
   for (auto error : {pictures_->take_error(), gallery_.take_error()})
     if (!error.empty()) add_notice(state_, std::move(error));

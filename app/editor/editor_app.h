@@ -41,6 +41,8 @@ class EditorApp {
   bool update(double seconds);
   /// Draws the window; ImGui's frame must not have begun. `fps` is shown.
   void draw(int width_px, int height_px, double frames_per_second);
+  /// Whether the next draw shows more than the last, without anything having happened.
+  bool draws_on() const { return thumbnails_left_; }
   /// Sets the scale of the interface; the next draw uses it.
   void set_scale(float scale);
 
@@ -64,6 +66,8 @@ class EditorApp {
   void take_snapshot();
   /// Puts the case's file among the recent ones.
   void remember_case();
+  /// Goes to the place that the case was opened for, where it was for one.
+  void show_repair();
   void take_opened(Opened opened);
   void start_document(Document document);
   void run_commands();
@@ -88,6 +92,8 @@ class EditorApp {
   EditorState state_;
   Models models_{wake_};
   GalleryPictures gallery_;
+  CaseThumbnails thumbnails_;
+  bool thumbnails_left_ = false;  ///< some are drawn in the next frame
   Outbox out_;
   Layout layout_;
   float scale_ = 1;

@@ -63,6 +63,11 @@ void draw_models_status(const UiContext& ui) {
 
 }  // namespace
 
+std::string study_stem(const ModelsState& state) {
+  const std::string name = state.study_file.filename().string();
+  return name.empty() ? "study" : name.substr(0, name.find('.'));
+}
+
 void progress_bar(const Theme& theme, double fraction) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = theme.px(4);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "app/editor/case_thumbnails.h"
 #include "app/editor/commands.h"
 #include "app/editor/quality.h"
 #include "app/editor/theme.h"
@@ -34,6 +35,7 @@ struct UiContext {
   std::string labels_name;
   const std::vector<int>& label_values;  ///< of the overlay, without 0
   const TemplateMaker& template_maker;
+  const CaseThumbnails& thumbnails;
   bool making_shown = false;  ///< a template in the making stands in for the case's mesh
   double frames_per_second = 0;
 

@@ -29,7 +29,8 @@ void write_table(const Evaluation& evaluation, std::ostream& out) {
   out << "modes";
   for (const auto* part : {&evaluation.at_every, &evaluation.at_modes})
     for (const auto& [name, measures] : *part) out << ',' << name << ',' << name << "_se";
-  for (const auto& [name, measures] : evaluation.shapeworks) out << ",shapeworks_" << name;
+  for (const auto& [name, measures] : evaluation.shapeworks)
+    out << ",shapeworks_" << name << ",shapeworks_" << name << "_se";
   out << '\n';
   const std::size_t counts = evaluation.at_every.front().second.size();
   for (std::size_t m = 0; m < counts; ++m) {
@@ -38,16 +39,14 @@ void write_table(const Evaluation& evaluation, std::ostream& out) {
       out << ',' << measures[m].mean << ',' << measures[m].standard_error;
     const auto asked = std::find(evaluation.modes.begin(), evaluation.modes.end(), static_cast<int>(m) + 1);
     const auto at = static_cast<std::size_t>(asked - evaluation.modes.begin());
-    for (const auto& [name, measures] : evaluation.at_modes) {
-      out << ',';
-      if (asked != evaluation.modes.end())
-        out << measures[at].mean << ',' << measures[at].standard_error;
-      else
+    for (const auto* part : {&evaluation.at_modes, &evaluation.shapeworks}) {
+      for (const auto& [name, measures] : *part) {
         out << ',';
-    }
-    for (const auto& [name, measures] : evaluation.shapeworks) {
-      out << ',';
-      if (asked != evaluation.modes.end()) out << measures[at].mean;
+        if (asked != evaluation.modes.end())
+          out << measures[at].mean << ',' << measures[at].standard_error;
+        else
+          out << ',';
+      }
     }
     out << '\n';
   }
@@ -59,6 +58,12 @@ const Measures* Evaluation::find(const std::string& name) const {
   for (const auto* part : {&at_every, &at_modes})
     for (const auto& [known, measures] : *part)
       if (known == name) return &measures;
+  return nullptr;
+}
+
+const Measures* Evaluation::find_shapeworks(const std::string& name) const {
+  for (const auto& [known, measures] : shapeworks)
+    if (known == name) return &measures;
   return nullptr;
 }
 

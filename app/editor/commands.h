@@ -89,6 +89,9 @@ struct CloseTemplateMaking {};  ///< shows the case's mesh again
 struct UseMadeTemplate {        ///< writes it and starts anew with it
   std::filesystem::path path;
 };
+/// Fits the shown frame's template to the label map that is shown, as the settings say.
+struct StartFit {};
+struct CancelFit {};
 struct ExportPicture {
   std::filesystem::path path;
   PictureOptions options;
@@ -121,7 +124,7 @@ using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, Ope
                              OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
                              ImportLandmarks, ExportLandmarks, ExportTemplate, ImportStiffness, ImportTemplateLandmarks,
                              ExportTemplateLandmarks, MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking,
-                             UseMadeTemplate, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog,
+                             UseMadeTemplate, StartFit, CancelFit, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog,
                              AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
 
 /// Commands in the order they were given.

@@ -28,7 +28,7 @@ bool has_unsaved_edits(const Snapshot& snapshot) {
 }
 
 EditorApp::EditorApp(std::function<void()> wake)
-    : wake_(std::move(wake)), opener_(wake_), quality_(wake_), template_maker_(wake_) {}
+    : wake_(std::move(wake)), opener_(wake_), quality_(wake_), template_maker_(wake_), fitter_(wake_) {}
 
 EditorApp::~EditorApp() {
   close_session();
@@ -106,6 +106,43 @@ void EditorApp::show_repair() {
   if (const auto frame = Models::show_repair(state_, *snapshot_)) session_->apply(SetFrame{*frame});
 }
 
+void EditorApp::cancel_fit() {
+  if (!fitter_.busy()) return;
+  fitter_.cancel();
+  session_->preview(std::nullopt);
+}
+
+void EditorApp::follow_fit() {
+  if (fitter_.document() && fitter_.document() != snapshot_->document) {
+    cancel_fit();
+    add_notice(state_, "The fit was given up, since the case was edited meanwhile.", false);
+  }
+  if (auto step = fitter_.take_step(); step && fitter_.busy())
+    session_->preview(SetPoints{"fit", std::nullopt, std::move(step)});
+  if (auto done = fitter_.take()) {
+    if (*done) return take_fit(std::move(**done));
+    session_->preview(std::nullopt);
+    add_notice(state_, labels_name_ + ": " + done->error().sentence());
+  }
+}
+
+void EditorApp::take_fit(Fitted fitted) {
+  FitReport report;
+  report.points = std::make_shared<const Points>(std::move(fitted.fit.mesh.points));
+  report.assd_mm = fitted.agreement.assd_mm;
+  report.hd95_mm = fitted.agreement.hd95_mm;
+  report.dice = fitted.agreement.dice;
+  report.remarks = std::move(fitted.warnings);
+  constexpr double doubtful_dice = 0.9;
+  if (fitted.mirrored)
+    report.remarks.emplace_back(
+        "The organ looks like the template's mirror image; try Mirror left and right (Reference), then fit again.");
+  else if (report.dice < doubtful_dice)
+    report.remarks.emplace_back("The fit stays bad; is this the template of another organ, or another label?");
+  session_->apply(SetPoints{"fit", fitted.fit.placement, report.points});
+  state_.last_fit = std::move(report);
+}
+
 ControlsContext EditorApp::controls_context() const {
   return {layout_, *displayed_, snapshot_->can_undo, snapshot_->can_redo};
 }
@@ -118,7 +155,7 @@ std::optional<double> EditorApp::next_move_seconds(double now) const {
   constexpr double progress_seconds = 0.1;
   if (state_.playing) return std::max(frame_due_ - now, 0.0);
   if (thumbnails_left_) return 0;
-  if (opener_.busy() || template_maker_.busy()) return progress_seconds;
+  if (opener_.busy() || template_maker_.busy() || fitter_.busy()) return progress_seconds;
   auto next = models_.next_move_seconds(state_.models);
   for (const Notice& notice : state_.notices)
     if (notice.until) next = std::min(next.value_or(*notice.until - now), std::max(*notice.until - now, 0.0));
@@ -187,13 +224,15 @@ bool EditorApp::update(double seconds) {
     state_.shown_frame = (shown_frame(state_, *displayed_) + 1) % volume.frames;
   }
   take_snapshot();
+  const bool was_fitting = fitter_.busy();
+  follow_fit();
   const bool new_model = models_.update(state_, *snapshot_, seconds);
   const auto figures = quality_.latest();
   const bool new_figures = figures != figures_;
   figures_ = figures;
   const bool new_stage = take_stage();
   forget_old_news(seconds);
-  return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model || thumbnails_left_ ||
+  return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model || was_fitting || thumbnails_left_ ||
          state_.playing || opener_.busy() || was_opening;
 }
 
@@ -236,19 +275,8 @@ SceneBuilder::Input EditorApp::scene_input(const EditorState& state) const {
 }
 
 UiContext EditorApp::ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const {
-  return {*theme_,
-          layout_,
-          state,
-          *snapshot_,
-          displayed_,
-          figures_,
-          opening,
-          labels_,
-          labels_name_,
-          label_values_,
-          template_maker_,
-          thumbnails_,
-          shown_making() != nullptr,
+  return {*theme_, layout_,      state,         *snapshot_,      displayed_, figures_,    opening,
+          labels_, labels_name_, label_values_, template_maker_, fitter_,    thumbnails_, shown_making() != nullptr,
           fps};
 }
 

@@ -66,6 +66,10 @@ class EditorApp {
   void take_snapshot();
   /// Puts the case's file among the recent ones.
   void remember_case();
+  /// Shows how far the fit is, and takes it in when it is done; gives it up where the case was edited meanwhile.
+  void follow_fit();
+  void take_fit(Fitted fitted);
+  void cancel_fit();
   /// Goes to the place that the case was opened for, where it was for one.
   void show_repair();
   void take_opened(Opened opened);
@@ -92,6 +96,7 @@ class EditorApp {
   EditorState state_;
   Models models_{wake_};
   GalleryPictures gallery_;
+  Fitter fitter_;
   CaseThumbnails thumbnails_;
   bool thumbnails_left_ = false;  ///< some are drawn in the next frame
   Outbox out_;

@@ -26,7 +26,5 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out);
 
 /// What files made of the study are called after.
 std::string study_stem(const ModelsState& state);
-/// A bar that fills as work goes on, as wide as there is room.
-void progress_bar(const Theme& theme, double fraction);
 
 }  // namespace homolog

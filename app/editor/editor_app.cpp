@@ -28,7 +28,7 @@ bool has_unsaved_edits(const Snapshot& snapshot) {
 }
 
 EditorApp::EditorApp(std::function<void()> wake)
-    : wake_(std::move(wake)), opener_(wake_), quality_(wake_), template_maker_(wake_), fitter_(wake_) {}
+    : wake_(std::move(wake)), opener_(wake_), quality_(wake_), template_maker_(wake_) {}
 
 EditorApp::~EditorApp() {
   close_session();

@@ -96,7 +96,7 @@ class EditorApp {
   EditorState state_;
   Models models_{wake_};
   GalleryPictures gallery_;
-  Fitter fitter_;
+  Fitter fitter_{wake_};
   CaseThumbnails thumbnails_;
   bool thumbnails_left_ = false;  ///< some are drawn in the next frame
   Outbox out_;

@@ -16,7 +16,7 @@ namespace homolog {
 namespace {
 
 // Layout units.
-constexpr float group_width = 66, state_width = 28, distance_width = 52, row_height = 40;
+constexpr float group_title_width = 66, state_width = 28, distance_width = 52, row_height = 40;
 
 const char* state_icon(CaseState state) {
   switch (state) {
@@ -124,7 +124,7 @@ Columns columns_in(const Theme& theme, float width_px) {
   c.right = width_px - theme.px(8);
   c.distance = c.right - theme.px(distance_width);
   c.state = c.distance - theme.px(state_width);
-  c.group = c.state - theme.px(group_width);
+  c.group = c.state - theme.px(group_title_width);
   c.picture = theme.px(2);
   c.name = c.picture + theme.px(CaseThumbnails::width + 6);
   return c;
@@ -162,15 +162,20 @@ void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox&
     draw.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture)), corner,
                   {corner.x + theme.px(CaseThumbnails::width), corner.y + theme.px(CaseThumbnails::height)});
   }
-  const float name_room = columns.group - columns.name - theme.px(8) - (one.notes.empty() ? 0 : theme.px(20));
+  const float name_room = columns.state - columns.name - theme.px(8) - (one.notes.empty() ? 0 : theme.px(20));
   const std::string name = shortened(one.name, name_room);
   const bool left_out = state.model && shape < 0;
-  draw.AddText({at.x + columns.name, y}, left_out ? palette::bad : palette::text, name.c_str());
+  const float name_y = one.group.empty() ? y : std::floor(at.y + theme.px(3));
+  draw.AddText({at.x + columns.name, name_y}, left_out ? palette::bad : palette::text, name.c_str());
   if (!one.notes.empty())
-    draw.AddText({at.x + columns.name + ImGui::CalcTextSize(name.c_str()).x + theme.px(6), y}, palette::dim,
+    draw.AddText({at.x + columns.name + ImGui::CalcTextSize(name.c_str()).x + theme.px(6), name_y}, palette::dim,
                  icon::note);
-  draw.AddText({at.x + columns.group, y}, palette::dim,
-               shortened(one.group, columns.state - columns.group - theme.px(6)).c_str());
+  if (!one.group.empty()) {
+    ImGui::PushFont(theme.small);
+    draw.AddText({at.x + columns.name, std::floor(at.y + theme.px(21))}, palette::dim,
+                 shortened(one.group, columns.state - columns.name - theme.px(8)).c_str());
+    ImGui::PopFont();
+  }
   if (const auto distance = distance_mm(state, one)) {
     const std::string text = format("%.2f", *distance);
     draw.AddText({at.x + columns.right - ImGui::CalcTextSize(text.c_str()).x, y}, distance_colour(*state.model, shape),

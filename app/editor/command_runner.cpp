@@ -182,6 +182,7 @@ struct CommandRunner {
     state.last_fit.reset();
     app.fitter_.start(app.snapshot_->document, app.labels_, settings);
   }
+  void operator()(const BlendModel& command) const { app.blend_model(command); }
   void operator()(const CancelFit&) const { app.cancel_fit(); }
   void operator()(const ExportPicture& command) const {
     const auto picture = app.picture(command.options);

@@ -92,6 +92,11 @@ struct UseMadeTemplate {        ///< writes it and starts anew with it
 /// Fits the shown frame's template to the label map that is shown, as the settings say.
 struct StartFit {};
 struct CancelFit {};
+/// Blends what the study's model expects into the shape, 0…1: previewed, or as one edit.
+struct BlendModel {
+  double strength = 0;
+  bool commit = false;
+};
 struct ExportPicture {
   std::filesystem::path path;
   PictureOptions options;
@@ -124,7 +129,7 @@ using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, Ope
                              OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
                              ImportLandmarks, ExportLandmarks, ExportTemplate, ImportStiffness, ImportTemplateLandmarks,
                              ExportTemplateLandmarks, MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking,
-                             UseMadeTemplate, StartFit, CancelFit, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog,
+                             UseMadeTemplate, StartFit, CancelFit, BlendModel, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog,
                              AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
 
 /// Commands in the order they were given.

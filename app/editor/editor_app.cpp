@@ -143,6 +143,35 @@ void EditorApp::take_fit(Fitted fitted) {
   state_.last_fit = std::move(report);
 }
 
+void EditorApp::blend_model(const BlendModel& command) {
+  const auto& document = snapshot_->document;
+  if (!state_.models.model || !document->has_shape()) return;
+  const StudyCase* one = find_case(state_.models, snapshot_->file, document->frame);
+  model_help_.ask(document, state_.models.model, one != nullptr ? one->name : std::string());
+  state_.model_help = command.strength;
+  const auto points = model_help_.at(command.strength);
+  if (!points) {
+    blend_wanted_ = command;
+    return;
+  }
+  blend_wanted_.reset();
+  if (!command.commit) return session_->preview(SetPoints{"model help", std::nullopt, points});
+  state_.model_help = 0;
+  if (command.strength > 0)
+    session_->apply(SetPoints{"model help", std::nullopt, points});
+  else
+    session_->preview(std::nullopt);
+}
+
+void EditorApp::follow_model_help() {
+  if (const auto error = model_help_.update()) {
+    add_notice(state_, *error);
+    blend_wanted_.reset();
+    state_.model_help = 0;
+  }
+  if (blend_wanted_ && !model_help_.busy()) blend_model(*blend_wanted_);
+}
+
 ControlsContext EditorApp::controls_context() const {
   return {layout_, *displayed_, snapshot_->can_undo, snapshot_->can_redo};
 }
@@ -226,6 +255,7 @@ bool EditorApp::update(double seconds) {
   take_snapshot();
   const bool was_fitting = fitter_.busy();
   follow_fit();
+  follow_model_help();
   const bool new_model = models_.update(state_, *snapshot_, seconds);
   const auto figures = quality_.latest();
   const bool new_figures = figures != figures_;

@@ -7,6 +7,7 @@
 
 #include "app/editor/controls.h"
 #include "app/editor/editor.h"
+#include "app/editor/model_help.h"
 #include "app/editor/models.h"
 #include "app/editor/opener.h"
 #include "app/editor/quality_monitor.h"
@@ -70,6 +71,9 @@ class EditorApp {
   void follow_fit();
   void take_fit(Fitted fitted);
   void cancel_fit();
+  /// Shows, or commits, the shape with as much of the study's model in it; once that is computed, where it is not yet.
+  void blend_model(const BlendModel& command);
+  void follow_model_help();
   /// Goes to the place that the case was opened for, where it was for one.
   void show_repair();
   void take_opened(Opened opened);
@@ -97,6 +101,8 @@ class EditorApp {
   Models models_{wake_};
   GalleryPictures gallery_;
   Fitter fitter_{wake_};
+  ModelHelp model_help_{wake_};
+  std::optional<BlendModel> blend_wanted_;  ///< as soon as the model's part is computed
   CaseThumbnails thumbnails_;
   bool thumbnails_left_ = false;  ///< some are drawn in the next frame
   Outbox out_;

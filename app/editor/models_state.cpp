@@ -108,6 +108,14 @@ StudyCase* find_case(Study& study, const std::string& name) {
   return const_cast<StudyCase*>(find_case(std::as_const(study), name));
 }
 
+const StudyCase* find_case(const ModelsState& state, const fs::path& file, int frame) {
+  const auto& cases = state.study.cases;
+  const auto found = std::find_if(cases.begin(), cases.end(), [&](const StudyCase& one) {
+    return one.file == file && one.frame.value_or(frame) == frame;
+  });
+  return found == cases.end() ? nullptr : &*found;
+}
+
 void flip_cases(ModelsState& state, const std::vector<std::string>& names) {
   for (const std::string& name : names)
     if (StudyCase* one = find_case(state.study, name)) one->flipped = !one->flipped;

@@ -100,6 +100,8 @@ void sort_by(ModelsState& state, CaseColumn column);
 std::size_t add_cases(ModelsState& state, const std::vector<std::filesystem::path>& files);
 void remove_case(ModelsState& state, const std::string& name);
 /// Null where there is none of that name.
+/// The study's case of a file's frame; null where it is none.
+const StudyCase* find_case(const ModelsState& state, const std::filesystem::path& file, int frame);
 StudyCase* find_case(Study& study, const std::string& name);
 const StudyCase* find_case(const Study& study, const std::string& name);
 /// Takes cases left for right from now on, or as they lie where they were flipped.

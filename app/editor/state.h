@@ -143,6 +143,7 @@ struct EditorState {
   TemplateSettings template_settings;
   std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
   FitSettings fit_settings;
+  double model_help = 0;  ///< strength that is being tried; 0 where it is committed or not asked for
   std::optional<FitReport> last_fit;
   Overlay overlay = Overlay::landmark_hue;
   double glyph_spacing_mm = 12;

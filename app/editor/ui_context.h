@@ -85,6 +85,8 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out);
 void draw_template_making(const UiContext& ui, Outbox& out);
 /// The labels of the overlay to choose from; one that it does not hold becomes its first. True where it changed.
 bool label_choice(const UiContext& ui, int& label);
+/// In the section Deform: what the study's model makes of the rest.
+void draw_model_help(const UiContext& ui, Outbox& out);
 /// In the section Place: the fit to the overlay.
 void draw_fit(const UiContext& ui, Outbox& out);
 /// The figures of a mesh that a template is judged by.

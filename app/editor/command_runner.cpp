@@ -180,6 +180,7 @@ struct CommandRunner {
     FitSettings settings = state.fit_settings;
     if (settings.label == 0 && !app.label_values_.empty()) settings.label = app.label_values_.front();
     state.last_fit.reset();
+    app.fit_seen_ = false;
     app.fitter_.start(app.snapshot_->document, app.labels_, settings);
   }
   void operator()(const BlendModel& command) const { app.blend_model(command); }

@@ -117,8 +117,11 @@ void EditorApp::follow_fit() {
     cancel_fit();
     add_notice(state_, "The fit was given up, since the case was edited meanwhile.", false);
   }
-  if (auto step = fitter_.take_step(); step && fitter_.busy())
+  if (auto step = fitter_.take_step(); step && fitter_.busy()) {
+    // The organ may be far from where the template was.
+    if (!std::exchange(fit_seen_, true)) look_at_mesh(state_, *step);
     session_->preview(SetPoints{"fit", std::nullopt, std::move(step)});
+  }
   if (auto done = fitter_.take()) {
     if (*done) return take_fit(std::move(**done));
     session_->preview(std::nullopt);
@@ -139,6 +142,7 @@ void EditorApp::take_fit(Fitted fitted) {
         "The organ looks like the template's mirror image; try Mirror left and right (Reference), then fit again.");
   else if (report.dice < doubtful_dice)
     report.remarks.emplace_back("The fit stays bad; is this the template of another organ, or another label?");
+  look_at_mesh(state_, *report.points);
   session_->apply(SetPoints{"fit", fitted.fit.placement, report.points});
   state_.last_fit = std::move(report);
 }

@@ -101,6 +101,7 @@ class EditorApp {
   Models models_{wake_};
   GalleryPictures gallery_;
   Fitter fitter_{wake_};
+  bool fit_seen_ = false;  ///< a step of the fit that goes on was shown
   ModelHelp model_help_{wake_};
   std::optional<BlendModel> blend_wanted_;  ///< as soon as the model's part is computed
   CaseThumbnails thumbnails_;

@@ -42,8 +42,8 @@ void tell(EditorState& state, const Result<void>& done, const fs::path& path) {
 void Models::open_study(EditorState& state, const fs::path& path) {
   auto read = read_study(path);
   if (!read) return add_notice(state, read.error().sentence());
-  for (const std::string& warning : read->warnings) add_notice(state, warning);
   told_.clear();
+  tell_once(state, read->warnings, true);
   show_study(state.models, std::move(read->study), fs::absolute(path).lexically_normal());
   written_revision_ = state.models.study_revision;
 }
@@ -102,8 +102,8 @@ void Models::open_case(const OpenCaseOfStudy& command, EditorState& state, const
     ++models.shapes_revision;
     ++models.study_revision;
     add_notice(state,
-               one->name + ": opened as a case of its own, " + made->string() + "; " + one->imported.string() +
-                   " stays as it is.",
+               one->name + ": opened as a case of its own, repaired/" + made->filename().string() + "; " +
+                   one->imported.filename().string() + " stays as it is.",
                false);
   }
   models.repair = RepairPlace{one->file, one->frame, command.landmark};
@@ -160,15 +160,23 @@ void Models::take_built(EditorState& state, StudyModelBuilt built) {
   state.models.mirrored = std::move(built.mirrored);
   take_model(state.models, std::move(built.model));
   state.models.model_error = std::move(built.error);
-  const auto tell_once = [&](const std::vector<std::string>& sentences, bool error) {
-    for (const std::string& sentence : sentences) {
-      if (std::find(told_.begin(), told_.end(), sentence) != told_.end()) continue;
-      told_.push_back(sentence);
-      add_notice(state, sentence, error);
-    }
-  };
-  tell_once(built.refusals, true);
-  tell_once(built.warnings, false);
+  // Where nothing can be read the window says so itself.
+  if (state.models.model || state.models.model_error.empty() || !state.models.shapes.empty())
+    tell_once(state, built.refusals, true);
+  tell_once(state, built.warnings, false);
+}
+
+void Models::tell_once(EditorState& state, const std::vector<std::string>& sentences, bool error) {
+  constexpr std::size_t most = 3;
+  std::vector<std::string> fresh;
+  for (const std::string& sentence : sentences)
+    if (std::find(told_.begin(), told_.end(), sentence) == told_.end()) fresh.push_back(sentence);
+  told_.insert(told_.end(), fresh.begin(), fresh.end());
+  const std::size_t shown = fresh.size() > most ? 1 : fresh.size();
+  for (std::size_t k = 0; k < shown; ++k) add_notice(state, fresh[k], error);
+  if (fresh.size() > shown)
+    add_notice(state, "And " + std::to_string(fresh.size() - shown) + " more cases of which the like is to be said.",
+               error);
 }
 
 void Models::write_study_file(EditorState& state) {

@@ -37,6 +37,8 @@ class Models {
   };
   void build(EditorState& state, const Snapshot& snapshot);
   void take_built(EditorState& state, StudyModelBuilt built);
+  /// Says what was not said yet; of many sentences the first, and how many more there are.
+  void tell_once(EditorState& state, const std::vector<std::string>& sentences, bool error);
   void write_study_file(EditorState& state);
   void open_study(EditorState& state, const std::filesystem::path& path);
   void open_case(const OpenCaseOfStudy& command, EditorState& state, const Snapshot& snapshot, Outbox& out);

@@ -59,6 +59,11 @@ Gathered gather(const StudyModelRequest& request, StudyModelBuilt& built, Progre
     if (progress.cancelled()) break;
     const auto refuse = [&](const Error& error) { built.refusals.push_back(error.sentence() + " (left out)"); };
     auto file = built.known.find(one.file);
+    std::error_code ignored;
+    if (file == built.known.end() && !fs::exists(one.file, ignored)) {
+      built.refusals.push_back(missing_case(one));
+      continue;
+    }
     if (file == built.known.end()) {
       auto read = read_file(one.file, request);
       if (!read) {

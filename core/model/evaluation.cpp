@@ -80,10 +80,18 @@ Result<Evaluation> evaluate_model(const PrincipalComponents& components,
   evaluation.at_every = {{"compactness", shares},
                          {"generalization_rms", generalisation_rms(components)},
                          {"specificity_rms", specificity_rms(components, samples, seed)}};
+  // The surface distance takes most of the time, where there are surfaces.
+  const double surface_from = topology ? 0.4 : 1;
+  const auto part = [&](double from, double to) {
+    if (progress != nullptr) progress->part(from * surface_from, to * surface_from);
+  };
+  part(0, 0.2);
   auto general = generalisation_mean(components, modes, progress);
   if (!general) return fail(general.error());
+  part(0.2, 0.6);
   auto specific = specificity_mean(components, modes, samples, seed, false, progress);
   if (!specific) return fail(specific.error());
+  part(0.6, 1);
   auto shapeworks = specificity_mean(components, modes, samples, seed, true, progress);
   if (!shapeworks) return fail(shapeworks.error());
   Measures shares_at_modes;
@@ -93,10 +101,12 @@ Result<Evaluation> evaluate_model(const PrincipalComponents& components,
                            {"generalization", std::move(*general)},
                            {"specificity", std::move(*shapeworks)}};
   if (topology) {
+    if (progress != nullptr) progress->part(surface_from, 1);
     auto surface = generalisation_surface(components, topology, modes, progress);
     if (!surface) return fail(surface.error());
     evaluation.at_modes.emplace_back("generalization_surface", std::move(*surface));
   }
+  if (progress != nullptr) progress->part(0, 1);
   return evaluation;
 }
 

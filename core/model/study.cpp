@@ -119,9 +119,7 @@ std::vector<std::string> missing_files(const Study& study, const fs::path& path)
   std::vector<std::string> warnings;
   std::error_code ignored;
   for (const StudyCase& one : study.cases)
-    if (!fs::exists(one.file, ignored))
-      warnings.push_back("case \"" + one.name + "\": " + one.file.string() +
-                         " is not there; put it back, or take the case off the study");
+    if (!fs::exists(one.file, ignored)) warnings.push_back(missing_case(one));
   if (!study.cases.empty() && warnings.size() == study.cases.size())
     warnings = {path.string() + ": none of its " + std::to_string(study.cases.size()) +
                 " cases is where it says (first " + study.cases.front().file.string() +
@@ -143,6 +141,11 @@ Json case_json(const StudyCase& one, const fs::path& folder) {
 }
 
 }  // namespace
+
+std::string missing_case(const StudyCase& one) {
+  return "case \"" + one.name + "\": " + one.file.string() +
+         " is not there; put it back, or take the case off the study";
+}
 
 const char* state_name(CaseState state) {
   return state_names[static_cast<std::size_t>(state)];

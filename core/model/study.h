@@ -50,6 +50,9 @@ Result<StudyRead> read_study(const std::filesystem::path& path);
 /// Whole or not at all. Fields that were read and are not known here are written again.
 Result<void> write_study(const Study& study, const std::filesystem::path& path);
 
+/// The sentence for a case whose file is not there.
+std::string missing_case(const StudyCase& one);
+
 const char* state_name(CaseState state);
 
 }  // namespace homolog

@@ -20,7 +20,7 @@ using namespace homolog;
 namespace {
 
 /// An organ without any symmetry, one of a family.
-MeshFile organ(int number) {
+MeshFile lopsided_organ(int number) {
   const Mesh ball = shapes::icosphere(2, 30);
   MeshFile file{ball.points, ball.topology->triangles()};
   const double k = 0.05 * number;
@@ -33,7 +33,7 @@ MeshFile organ(int number) {
 }
 
 /// A cine of four frames without voxels to speak of.
-std::shared_ptr<const Volume> cine() {
+std::shared_ptr<const Volume> empty_cine() {
   auto volume = std::make_shared<Volume>();
   volume->geometry.dims = {2, 2, 2};
   volume->frames = 4;
@@ -41,17 +41,17 @@ std::shared_ptr<const Volume> cine() {
   return volume;
 }
 
-struct Files : TemporaryFolder {
+struct ShapeFolder : TemporaryFolder {
   fs::path write(const MeshFile& mesh, const std::string& name) const {
     REQUIRE(write_mesh_file(mesh, path / name));
     return path / name;
   }
-  /// A case of the template organ(0) in which the points of another organ were found.
+  /// A case of the template lopsided_organ(0) in which the points of another organ were found.
   fs::path write_case(int number, const std::string& name) const {
-    const fs::path reference = write(organ(0), "template.ply");
+    const fs::path reference = write(lopsided_organ(0), "template.ply");
     EditSession session =
         create_case(new_document("", nullptr, load_template(reference.string()).value()), path / name).value();
-    REQUIRE(session.apply(SetPoints{"fit", {}, std::make_shared<const Points>(organ(number).points)}));
+    REQUIRE(session.apply(SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(number).points)}));
     return path / name;
   }
 };
@@ -59,30 +59,30 @@ struct Files : TemporaryFolder {
 }  // namespace
 
 TEST_CASE("a case file gives its current mesh to a training set beside meshes") {
-  const Files files;
+  const ShapeFolder files;
   const TrainingSetRead read =
-      read_training_set({files.write(organ(1), "one.ply"), files.write_case(2, "two.homolog")}).value();
+      read_training_set({files.write(lopsided_organ(1), "one.ply"), files.write_case(2, "two.homolog")}).value();
   CHECK(read.warnings.empty());
   REQUIRE(read.set.shapes.cols() == 2);
-  CHECK(points_of(read.set.shapes, 0) == organ(1).points);
-  CHECK(points_of(read.set.shapes, 1) == organ(2).points);
+  CHECK(points_of(read.set.shapes, 0) == lopsided_organ(1).points);
+  CHECK(points_of(read.set.shapes, 1) == lopsided_organ(2).points);
   CHECK(shape_names(read.set.names) == std::vector<std::string>{"one", "two"});
 }
 
 TEST_CASE("of a cine the frames that were edited are shapes and without asking the one it shows") {
-  Document document = new_document("", cine(), make_template(organ(0), "organ.ply").value());
+  Document document = new_document("", empty_cine(), make_template(lopsided_organ(0), "organ.ply").value());
   EditSession session(std::move(document));
   for (const int frame : {1, 3}) {
     REQUIRE(session.apply(SetFrame{frame}));
-    REQUIRE(session.apply(SetPoints{"fit", {}, std::make_shared<const Points>(organ(frame).points)}));
+    REQUIRE(session.apply(SetPoints{"fit", {}, std::make_shared<const Points>(lopsided_organ(frame).points)}));
   }
   REQUIRE(session.apply(SetFrame{2}));
   REQUIRE(session.apply(SetFrame{3}));
   const ShapesOfFile shapes = shapes_of(session.document());
   CHECK(shapes.shown == 3);
   CHECK(shapes.edited == std::vector<int>{1, 3});
-  CHECK(shapes.shape({}, "heart").value()->points == organ(3).points);
-  CHECK(shapes.shape(1, "heart").value()->points == organ(1).points);
+  CHECK(shapes.shape({}, "heart").value()->points == lopsided_organ(3).points);
+  CHECK(shapes.shape(1, "heart").value()->points == lopsided_organ(1).points);
   const auto none = shapes.shape(7, "heart");
   REQUIRE(!none);
   CHECK(none.error().sentence() == "heart: has no mesh at frame 7 yet; place a template in it first");
@@ -91,11 +91,11 @@ TEST_CASE("of a cine the frames that were edited are shapes and without asking t
 }
 
 TEST_CASE("a study stands for its cases and a group for those that belong to it") {
-  const Files files;
+  const ShapeFolder files;
   Study study;
   for (int k = 0; k < 4; ++k) {
     const std::string name = "case" + std::to_string(k);
-    study.cases.push_back({name, files.write(organ(k), name + ".ply"), {}, k < 2 ? "healthy" : "ill"});
+    study.cases.push_back({name, files.write(lopsided_organ(k), name + ".ply"), {}, k < 2 ? "healthy" : "ill"});
   }
   const fs::path path = files.path / "s.study.json";
   REQUIRE(write_study(study, path));
@@ -104,7 +104,7 @@ TEST_CASE("a study stands for its cases and a group for those that belong to it"
   ill.group = "ill";
   const auto read = read_training_set({path}, ill);
   REQUIRE(read);
-  CHECK(points_of(read->set.shapes, 0) == organ(2).points);
+  CHECK(points_of(read->set.shapes, 0) == lopsided_organ(2).points);
   ill.group = "odd";
   const auto unknown = read_training_set({path}, ill);
   REQUIRE(!unknown);
@@ -113,11 +113,11 @@ TEST_CASE("a study stands for its cases and a group for those that belong to it"
 }
 
 TEST_CASE("a mirrored shape is named and flipped where that is asked for") {
-  const Files files;
+  const ShapeFolder files;
   std::vector<fs::path> paths;
-  for (int k = 0; k < 4; ++k) paths.push_back(files.write(organ(k), "right" + std::to_string(k) + ".ply"));
+  for (int k = 0; k < 4; ++k) paths.push_back(files.write(lopsided_organ(k), "right" + std::to_string(k) + ".ply"));
   // As a template of the other side has it: faces turned too.
-  paths.push_back(files.write(mirrored(organ(4)), "left.ply"));
+  paths.push_back(files.write(mirrored(lopsided_organ(4)), "left.ply"));
   const TrainingSetRead plain = read_training_set(paths).value();
   CHECK(plain.mirrored == std::vector<std::string>{paths.back().string()});
   REQUIRE(plain.warnings.size() == 1);
@@ -125,41 +125,47 @@ TEST_CASE("a mirrored shape is named and flipped where that is asked for") {
   TrainingOptions flip;
   flip.flip_mirrored = true;
   const TrainingSetRead flipped = read_training_set(paths, flip).value();
-  CHECK(points_of(flipped.set.shapes, 4) == organ(4).points);
-  CHECK(points_of(flipped.set.shapes, 1) == organ(1).points);
+  CHECK(points_of(flipped.set.shapes, 4) == lopsided_organ(4).points);
+  CHECK(points_of(flipped.set.shapes, 1) == lopsided_organ(1).points);
   CHECK(mirrored_shapes(flipped.set).empty());
-  CHECK(flipped.set.topology->triangles() == organ(0).triangles);
+  CHECK(flipped.set.topology->triangles() == lopsided_organ(0).triangles);
 }
 
 TEST_CASE("faces turned inside out are said and taken as those of most others") {
-  const Files files;
-  MeshFile inside_out = organ(0);
+  const ShapeFolder files;
+  MeshFile inside_out = lopsided_organ(0);
   inside_out.triangles.col(1).swap(inside_out.triangles.col(2));
-  const TrainingSetRead read = read_training_set({files.write(inside_out, "inside.ply"),
-                                                  files.write(organ(1), "one.ply"), files.write(organ(2), "two.ply")})
-                                   .value();
+  const TrainingSetRead read =
+      read_training_set({files.write(inside_out, "inside.ply"), files.write(lopsided_organ(1), "one.ply"),
+                         files.write(lopsided_organ(2), "two.ply")})
+          .value();
   REQUIRE(read.warnings.size() == 1);
   CHECK(read.warnings[0].find("inside.ply") != std::string::npos);
   CHECK(read.warnings[0].find("inside out") != std::string::npos);
-  CHECK(read.set.topology->triangles() == organ(0).triangles);
+  CHECK(read.set.topology->triangles() == lopsided_organ(0).triangles);
 }
 
 TEST_CASE("a training set goes out as it came in with one shape repaired") {
   for (const std::string extension : {".particles", ".vtk", ".ply"}) {
-    const Files files;
+    const ShapeFolder files;
     std::vector<NamedShape> shapes;
     for (int k = 0; k < 3; ++k) {
       const std::string name = "s" + std::to_string(k);
-      const fs::path path = files.write(organ(k), name + extension);
+      const fs::path path = files.write(lopsided_organ(k), name + extension);
       shapes.push_back({name, read_shapes_of(path).value().shape({}, name).value(), path, false});
     }
-    const auto faces = Topology::make(organ(0).points.rows(), organ(0).triangles).value();
+    const auto faces = Topology::make(lopsided_organ(0).points.rows(), lopsided_organ(0).triangles).value();
     const fs::path made = make_repair_case(*shapes[1].mesh, faces, "s1", files.path / "repaired").value();
     {
       EditSession session = open_case(made).value().session;
-      CHECK(session.document().shape().points->isApprox(organ(1).points, 1e-12));
-      REQUIRE(session.apply(
-          Stroke{Tool::grab, organ(1).points.row(7), Vec3(organ(1).points.row(7)) + Vec3(2, 0, 0), 5, {}, false, 1}));
+      CHECK(session.document().shape().points->isApprox(lopsided_organ(1).points, 1e-12));
+      REQUIRE(session.apply(Stroke{Tool::grab,
+                                   lopsided_organ(1).points.row(7),
+                                   Vec3(lopsided_organ(1).points.row(7)) + Vec3(2, 0, 0),
+                                   5,
+                                   {},
+                                   false,
+                                   1}));
     }
     shapes[1].mesh = read_shapes_of(made).value().shape({}, "s1").value();
     shapes[1].changed = true;
@@ -169,35 +175,36 @@ TEST_CASE("a training set goes out as it came in with one shape repaired") {
       CHECK(read_whole_file(files.path / "out" / name).value() == read_whole_file(files.path / name).value());
     }
     const MeshFile repaired = read_mesh_file(files.path / "out" / ("s1" + extension)).value();
-    CHECK((repaired.points.row(7) - organ(1).points.row(7)).norm() == doctest::Approx(2).epsilon(1e-3));
-    CHECK((repaired.points - organ(1).points).rowwise().norm().minCoeff() < 1);
-    CHECK(repaired.triangles.rows() == (extension == ".particles" ? 0 : organ(0).triangles.rows()));
+    CHECK((repaired.points.row(7) - lopsided_organ(1).points.row(7)).norm() == doctest::Approx(2).epsilon(1e-3));
+    CHECK((repaired.points - lopsided_organ(1).points).rowwise().norm().minCoeff() < 1);
+    CHECK(repaired.triangles.rows() == (extension == ".particles" ? 0 : lopsided_organ(0).triangles.rows()));
     REQUIRE(write_shapes(shapes, ".particles", files.path / "points"));
-    CHECK(read_mesh_file(files.path / "points/s2.particles").value().points.isApprox(organ(2).points, 1e-8));
+    CHECK(read_mesh_file(files.path / "points/s2.particles").value().points.isApprox(lopsided_organ(2).points, 1e-8));
   }
 }
 
 TEST_CASE("points alone are not repaired without faces and a second repair takes another name") {
-  const Files files;
-  MeshFile points = organ(1);
+  const ShapeFolder files;
+  MeshFile points = lopsided_organ(1);
   points.triangles.resize(0, 3);
   const auto refused = make_repair_case(points, nullptr, "s1", files.path / "repaired");
   REQUIRE(!refused);
   CHECK(refused.error().sentence().find("template") != std::string::npos);
-  CHECK(make_repair_case(organ(1), nullptr, "s1", files.path / "repaired").value().filename() == "s1.homolog");
-  CHECK(make_repair_case(organ(1), nullptr, "s1", files.path / "repaired").value().filename() == "s1-2.homolog");
-  const std::vector<NamedShape> escaping{{"../s1", std::make_shared<const MeshFile>(organ(1)), {}, true}};
+  CHECK(make_repair_case(lopsided_organ(1), nullptr, "s1", files.path / "repaired").value().filename() == "s1.homolog");
+  CHECK(make_repair_case(lopsided_organ(1), nullptr, "s1", files.path / "repaired").value().filename() ==
+        "s1-2.homolog");
+  const std::vector<NamedShape> escaping{{"../s1", std::make_shared<const MeshFile>(lopsided_organ(1)), {}, true}};
   CHECK(!write_shapes(escaping, "", files.path / "out"));
 }
 
 TEST_CASE("the difference of two groups is that of their means and goes along the normals") {
-  ShapeMatrix columns(organ(0).points.size(), 5);
+  ShapeMatrix columns(lopsided_organ(0).points.size(), 5);
   for (int k = 0; k < 5; ++k) {
-    const MeshFile one = organ(k);
+    const MeshFile one = lopsided_organ(k);
     columns.col(k) = Eigen::Map<const Eigen::VectorXd>(one.points.data(), one.points.size());
   }
-  const Points expected =
-      (organ(2).points + organ(3).points + organ(4).points) / 3 - (organ(0).points + organ(1).points) / 2;
+  const Points expected = (lopsided_organ(2).points + lopsided_organ(3).points + lopsided_organ(4).points) / 3 -
+                          (lopsided_organ(0).points + lopsided_organ(1).points) / 2;
   const PrincipalComponents components = principal_components(columns);
   const Points difference = group_difference_mm(components, {0, 1}, {2, 3, 4});
   CHECK((difference - expected).norm() < 1e-9);

@@ -9,8 +9,8 @@ namespace homolog {
 namespace {
 
 /// How far a confirmed landmark may be off, a coordinate.
-constexpr double noise_mm = 0.5;
-constexpr double share_held = 0.99;
+constexpr double confirmed_noise_mm = 0.5;
+constexpr double share_kept = 0.99;
 
 /// The model of all shapes but one; of all where `left_out` is −1. Errors: too few are left.
 Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_out) {
@@ -23,7 +23,7 @@ Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_ou
     const Points& points = *study.shapes[static_cast<std::size_t>(k)];
     shapes.col(column++) = Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
   }
-  return make_model(principal_components(std::move(shapes)), share_held, study.topology, {});
+  return make_model(principal_components(std::move(shapes)), share_kept, study.topology, {});
 }
 
 Result<Points> completed_by(const StudyModel& study, std::ptrdiff_t left_out, const Document& document) {
@@ -34,7 +34,7 @@ Result<Points> completed_by(const StudyModel& study, std::ptrdiff_t left_out, co
   const VertexScalars known = shape.confirmed ? *shape.confirmed : VertexScalars(VertexScalars::Zero(landmarks));
   ShapeSolver solver(document.reference->topology);
   const VertexScalars stiffness = document.stiffness_base * *document.stiffness;
-  auto done = completed(*model, *shape.points, known, noise_mm, 1, stiffness, solver);
+  auto done = completed(*model, *shape.points, known, confirmed_noise_mm, 1, stiffness, solver);
   if (!done) return fail(done.error());
   return std::move(done->points);
 }

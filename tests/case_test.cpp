@@ -43,7 +43,7 @@ Stroke pull(const Vec3& at, const Vec3& to, double sigma_mm = 10) {
 
 /// The template's ball, blown up unevenly.
 std::shared_ptr<const Points> found_points(double factor) {
-  Points points = shapes::icosphere(3, 40 * factor).points;
+  Points points = icosphere(3, 40 * factor).points;
   points.col(1) *= 1 / 1.3;
   return std::make_shared<const Points>(std::move(points));
 }

@@ -4,7 +4,7 @@
 
 #include <Eigen/LU>
 
-#include "tests/shapes.h"
+#include "core/mesh/icosphere.h"
 
 using namespace homolog;
 
@@ -15,13 +15,13 @@ constexpr Eigen::Index shapes_count = 7;
 /// Balls whose landmarks vary at random, far less than the balls are large.
 ShapeMatrix varied_balls() {
   std::srand(3);
-  const Mesh ball = shapes::icosphere(1, 30);
+  const Mesh ball = icosphere(1, 30);
   const Eigen::VectorXd middle = Eigen::Map<const Eigen::VectorXd>(ball.points.data(), ball.points.size());
   return (2 * ShapeMatrix::Random(middle.size(), shapes_count)).colwise() + middle;
 }
 
 ShapeModel varied_balls_model() {
-  return make_model(principal_components(varied_balls()), 1, shapes::icosphere(1, 30).topology, {});
+  return make_model(principal_components(varied_balls()), 1, icosphere(1, 30).topology, {});
 }
 
 Points picked_rows(const Points& points, const std::vector<Eigen::Index>& rows) {

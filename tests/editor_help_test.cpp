@@ -4,10 +4,10 @@
 
 #include "app/editor/fitter.h"
 #include "app/editor/model_help.h"
+#include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/model/shape_model.h"
 #include "tests/render_help.h"
-#include "tests/shapes.h"
 
 // What the editor does on threads of its own for the case: the fit to a label, and the model's help.
 
@@ -16,7 +16,7 @@ namespace homolog {
 namespace {
 
 std::shared_ptr<const Template> ball(double radius_mm) {
-  const Mesh mesh = shapes::icosphere(3, radius_mm);
+  const Mesh mesh = icosphere(3, radius_mm);
   return test::must(make_template({mesh.points, mesh.topology->triangles()}, "ball"));
 }
 
@@ -44,7 +44,7 @@ std::shared_ptr<const StudyModel> balls_model() {
   StudyModel model;
   for (const int radius_mm : {20, 22, 24, 26}) {
     model.names.push_back("ball" + std::to_string(radius_mm));
-    const Mesh mesh = shapes::icosphere(3, radius_mm);
+    const Mesh mesh = icosphere(3, radius_mm);
     Points points = mesh.points;
     if (radius_mm == 22) points.col(2) *= 1.2;
     model.topology = mesh.topology;

@@ -4,6 +4,7 @@
 
 #include "core/base/files.h"
 #include "core/case/case_file.h"
+#include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
 #include "core/model/groups.h"
@@ -11,7 +12,6 @@
 #include "core/model/repair.h"
 #include "core/model/study.h"
 #include "core/model/training_set.h"
-#include "tests/shapes.h"
 #include "tests/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -21,7 +21,7 @@ namespace {
 
 /// An organ without any symmetry, one of a family.
 MeshFile lopsided_organ(int number) {
-  const Mesh ball = shapes::icosphere(2, 30);
+  const Mesh ball = icosphere(2, 30);
   MeshFile file{ball.points, ball.topology->triangles()};
   const double k = 0.05 * number;
   for (Eigen::Index v = 0; v < file.points.rows(); ++v) {
@@ -209,7 +209,7 @@ TEST_CASE("the difference of two groups is that of their means and goes along th
   const Points difference = group_difference_mm(components, {0, 1}, {2, 3, 4});
   CHECK((difference - expected).norm() < 1e-9);
   CHECK((group_difference_mm(components, {2, 3, 4}, {0, 1}) + difference).norm() < 1e-9);
-  const Mesh ball = shapes::icosphere(2, 30);
+  const Mesh ball = icosphere(2, 30);
   const Points normals = vertex_normals(ball);
   CHECK((outward_mm(ball, 1.5 * normals).array() - 1.5).abs().maxCoeff() < 1e-12);
   CHECK((outward_mm({nullptr, ball.points}, -2 * normals).array() - 2).abs().maxCoeff() < 1e-12);

@@ -42,6 +42,10 @@ void tell(EditorState& state, const Result<void>& done, const fs::path& path) {
 void Models::open_study(EditorState& state, const fs::path& path) {
   auto read = read_study(path);
   if (!read) return add_notice(state, read.error().sentence());
+  // What was said of the study before does not concern this one.
+  std::erase_if(state.notices, [&](const Notice& notice) {
+    return std::find(told_.begin(), told_.end(), notice.text) != told_.end();
+  });
   told_.clear();
   tell_once(state, read->warnings, true);
   show_study(state.models, std::move(read->study), fs::absolute(path).lexically_normal());

@@ -125,12 +125,13 @@ struct Quit {
   bool sure = false;  ///< an unsaved case is not asked about again
 };
 
-using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenRequested, OpenPhantom, OpenTemplate,
-                             OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
-                             ImportLandmarks, ExportLandmarks, ExportTemplate, ImportStiffness, ImportTemplateLandmarks,
-                             ExportTemplateLandmarks, MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking,
-                             UseMadeTemplate, StartFit, CancelFit, BlendModel, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog,
-                             AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
+using Command =
+    std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenRequested, OpenPhantom, OpenTemplate, OpenLabels,
+                 CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ImportLandmarks,
+                 ExportLandmarks, ExportTemplate, ImportStiffness, ImportTemplateLandmarks, ExportTemplateLandmarks,
+                 MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, StartFit, CancelFit,
+                 BlendModel, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog, AcceptReplacement,
+                 ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
 
 /// Commands in the order they were given.
 class Outbox {

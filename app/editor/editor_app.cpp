@@ -266,8 +266,8 @@ bool EditorApp::update(double seconds) {
   figures_ = figures;
   const bool new_stage = take_stage();
   forget_old_news(seconds);
-  return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model || was_fitting || thumbnails_left_ ||
-         state_.playing || opener_.busy() || was_opening;
+  return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model ||
+         was_fitting || thumbnails_left_ || state_.playing || opener_.busy() || was_opening;
 }
 
 void EditorApp::preview(Action action) {

@@ -42,6 +42,13 @@ Stroke pull(const Vec3& at, const Vec3& to, double sigma_mm = 10) {
   return {Tool::pull, at, to, sigma_mm, {}, false, 1};
 }
 
+/// The template's ball, blown up unevenly.
+std::shared_ptr<const Points> found_points(double factor) {
+  Points points = icosphere(3, 40 * factor).points;
+  points.col(1) *= 1 / 1.3;
+  return std::make_shared<const Points>(std::move(points));
+}
+
 std::vector<Action> some_of_every_kind() {
   return {
       SetPlacement{{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Vec3(1, 2, 2) / 3)), 1.1, Vec3(3, 0.1, -7)}},
@@ -67,6 +74,9 @@ std::vector<Action> some_of_every_kind() {
       pull(Vec3(0, -40, 0), Vec3(0, -44, 0)),
       SetScheme{Scheme::anchored, 1},
       Confirm{Vec3(0, 0, -40), 12, false},
+      SetPoints{"fit", Similarity{Eigen::Quaterniond::Identity(), 1.3, Vec3(0.1, 0, 7)}, found_points(1.3)},
+      pull(Vec3(0, 0, 52), Vec3(1, 2, 55)),
+      SetPoints{"snap", std::nullopt, found_points(1.1)},
       Note{"naïve, “quoted” \\ note"},
       SetPlacement{{Eigen::Quaterniond::Identity(), 1.2, Vec3(1, 2, 3)}},
       Undo{},
@@ -181,6 +191,22 @@ TEST_CASE("a case whose image has moved opens with the image where it is now and
   const auto again = open_case(file);
   REQUIRE(again);
   CHECK(again->session.document().volume->geometry.dims == grid.dims);
+}
+
+TEST_CASE("points that were found are taken as they are and lines with other counts are refused") {
+  const CaseFolder folder;
+  EditSession session(folder.document());
+  const auto found = found_points(1.2);
+  REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found}));
+  CHECK(*session.document().shape().points == *found);
+  CHECK(*session.document().shape().reference == session.document().reference->points);
+  CHECK(session.undo_name() == "fit");
+  CHECK(!session.apply(SetPoints{"fit", std::nullopt, std::make_shared<const Points>(Points::Zero(5, 3))}));
+  Points broken = *found;
+  broken(7, 1) = std::nan("");
+  CHECK(!session.apply(SetPoints{"fit", std::nullopt, std::make_shared<const Points>(broken)}));
+  CHECK(!parse_action(R"({"points":[1,2],"by":"fit"})"));
+  CHECK(!parse_action(R"({"points":[1,2,"x"],"by":"fit"})"));
 }
 
 TEST_CASE("a preview changes neither the document nor the file") {

@@ -11,6 +11,7 @@
 #include "app/editor/latest_wins.h"
 #include "app/editor/plots.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/mirror.h"
 #include "tests/golden.h"
 #include "tests/render_help.h"
 #include "tests/temporary_folder.h"
@@ -113,20 +114,81 @@ TEST_CASE("shapes that are known already are not read again") {
   Progress progress;
   StudyModelRequest request;
   request.cases = balls.state.study.cases;
-  request.known = build_study_model(request, progress).known;
+  const StudyModelBuilt first = build_study_model(request, progress);
+  request.known = first.known;
   REQUIRE(request.known.size() == 4);
   const auto again = build_study_model(request, progress);
-  for (const auto& [key, shape] : again.known) CHECK(shape.mesh == request.known.at(key).mesh);
+  REQUIRE(again.shapes.size() == 4);
+  for (const auto& [name, shape] : again.shapes) CHECK(shape == first.shapes.at(name));
+}
+
+TEST_CASE("a mirrored shape is listed and no more once it is flipped") {
+  Balls balls;
+  MeshFile lopsided;
+  for (const std::string name : {"a1", "a2", "b1", "b2"}) {
+    lopsided = test::must(read_mesh_file(balls.folder.path / (name + ".ply")));
+    for (Eigen::Index v = 0; v < lopsided.points.rows(); ++v) {
+      const Vec3 p = lopsided.points.row(v);
+      lopsided.points.row(v) += 0.05 * Eigen::RowVector3d(p.y() * p.y(), p.x() * p.z(), p.x() * p.y());
+    }
+    if (name == "b1") lopsided = mirrored(lopsided);
+    test::must(write_mesh_file(lopsided, balls.folder.path / (name + ".ply")).map([] { return 0; }));
+  }
+  CHECK(balls.build().mirrored == std::vector<std::string>{"b1"});
+  flip_cases(balls.state, {"b1"});
+  CHECK(balls.build().mirrored.empty());
+  flip_cases(balls.state, {"b1"});
+  CHECK_FALSE(find_case(balls.state.study, "b1")->flipped);
+}
+
+TEST_CASE("the other frames of a cine become cases beside the first") {
+  ModelsState state;
+  add_cases(state, {"/heart.homolog", "/knee.ply"});
+  CHECK(other_frames(state, state.study.cases[0]).empty());
+  ReadFile file;
+  file.shapes.edited = {0, 2, 3};
+  file.shapes.shown = 2;
+  state.files["/heart.homolog"] = file;
+  CHECK(other_frames(state, state.study.cases[0]) == std::vector<int>{0, 3});
+  add_frames(state, "heart");
+  std::vector<std::string> names;
+  for (const StudyCase& one : state.study.cases) names.push_back(one.name);
+  CHECK(names == std::vector<std::string>{"heart", "heart frame 0", "heart frame 3", "knee"});
+  CHECK(state.study.cases[0].frame == 2);
+  CHECK(other_frames(state, state.study.cases[0]).empty());
+}
+
+TEST_CASE("a study's template gives shapes of points alone their faces") {
+  Balls balls;
+  ModelsState points;
+  for (const char* name : {"a1", "a2", "b1"}) {
+    MeshFile mesh = test::must(read_mesh_file(balls.folder.path / (std::string(name) + ".ply")));
+    mesh.triangles.resize(0, 3);
+    const fs::path path = balls.folder.path / (std::string(name) + ".particles");
+    test::must(write_mesh_file(mesh, path).map([] { return 0; }));
+    add_cases(points, {path});
+  }
+  Progress progress;
+  StudyModelRequest request;
+  request.cases = points.study.cases;
+  CHECK_FALSE(build_study_model(request, progress).model->topology);
+  request.template_file = balls.folder.path / "b2.ply";
+  CHECK(build_study_model(request, progress).model->topology);
+  request.template_file = balls.write("coarse", Vec3::Constant(10), 1);
+  const StudyModelBuilt built = build_study_model(request, progress);
+  CHECK_FALSE(built.model->topology);
+  REQUIRE(built.warnings.size() == 1);
+  CHECK(built.warnings[0].find("coarse.ply") != std::string::npos);
 }
 
 TEST_CASE("the difference of two groups is how far one lies outside the other") {
   Balls balls;
   const ModelsState& state = balls.modelled();
   REQUIRE(state.model->comparable_groups() == std::vector<std::string>{"a", "b"});
-  const VertexScalars difference_mm = group_difference_mm(*state.model, "a", "b");
+  const VertexScalars difference_mm = difference_of_groups_mm(*state.model, "a", "b");
   CHECK(difference_mm.minCoeff() > 0.98);
   CHECK(difference_mm.maxCoeff() < 1.02);
-  CHECK((group_difference_mm(*state.model, "b", "a") + difference_mm).norm() < 1e-9);
+  CHECK((difference_of_groups_mm(*state.model, "b", "a") + difference_mm).norm() < 1e-9);
 }
 
 TEST_CASE("a case's coefficients give its shape back and stay within three standard deviations") {

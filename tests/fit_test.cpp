@@ -8,6 +8,7 @@
 #include "core/measure/compare.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/mirror.h"
 #include "core/phantom/phantom.h"
 #include "tests/shapes.h"
 
@@ -45,6 +46,15 @@ const Similarity elsewhere{Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3(1, 2, 
                            Vec3(40, -120, 300)};
 
 }  // namespace
+
+TEST_CASE("the organ of the other side looks mirrored and the own side does not") {
+  const auto reference = built_in(Organ::kidney);
+  Mesh organ{reference->topology, phantom_truth(Organ::kidney, 3).front().points};
+  CHECK_FALSE(looks_mirrored(*reference, mesh_boundary(organ)));
+  const MeshFile other = mirrored({organ.points, organ.topology->triangles()});
+  organ = {Topology::make(other.points.rows(), other.triangles).value(), other.points};
+  CHECK(looks_mirrored(*reference, mesh_boundary(organ)));
+}
 
 TEST_CASE("a template fitted to its own label map hardly moves") {
   for (const Organ organ : {Organ::kidney, Organ::vertebra}) {

@@ -3,7 +3,9 @@
 #include <imgui_stdlib.h>
 
 #include <cmath>
+#include <cstdint>
 
+#include "app/editor/case_thumbnails.h"
 #include "app/editor/controls.h"
 #include "app/editor/icons.h"
 #include "app/editor/models_ui.h"
@@ -14,11 +16,7 @@ namespace homolog {
 namespace {
 
 // Layout units.
-constexpr float group_width = 74, state_width = 30, distance_width = 58, row_height = 26, details_height = 206;
-
-bool is_case_file(const StudyCase& one) {
-  return one.file.extension() == ".homolog";
-}
+constexpr float group_title_width = 66, state_width = 28, distance_width = 52, row_height = 40;
 
 const char* state_icon(CaseState state) {
   switch (state) {
@@ -51,6 +49,23 @@ void draw_study_menu(const UiContext& ui, Outbox& out) {
     if (!ui.state.models.study_file.empty())
       item("Save study as\xe2\x80\xa6", "Ctrl+S",
            [&] { ask(FilePurpose::save_study, ui.state.models.study_file.filename().string()); });
+    const ModelsState& state = ui.state.models;
+    if (!state.study_file.empty()) {
+      item("Set the template\xe2\x80\xa6", nullptr, [&] { ask(FilePurpose::open_study_template); });
+      if (ImGui::IsItemHovered())
+        tooltip(theme, "A mesh of the shapes' numbering: gives .particles their faces" +
+                           (state.study.template_file.empty() ? "" : ". Now " + state.study.template_file.string()));
+    }
+    if (!state.shapes.empty()) {
+      ImGui::Separator();
+      const auto export_as = [&](const char* extension) {
+        out.change([extension](EditorState& s) { s.models.export_extension = extension; });
+        ask(FilePurpose::export_shapes, study_stem(state) + "-shapes");
+      };
+      item("Export shapes as imported\xe2\x80\xa6", nullptr, [&] { export_as(""); });
+      item("Export shapes as .ply\xe2\x80\xa6", nullptr, [&] { export_as(".ply"); });
+      item("Export shapes as .particles\xe2\x80\xa6", nullptr, [&] { export_as(".particles"); });
+    }
     ImGui::Separator();
     item("Phantom vertebrae (10 subjects)", nullptr, [&] { out.send(OpenPhantomStudy{Organ::vertebra}); });
     item("Phantom kidneys (16 subjects)", nullptr, [&] { out.send(OpenPhantomStudy{Organ::kidney}); });
@@ -102,15 +117,16 @@ void draw_title(const UiContext& ui, const char* text, CaseColumn column, float 
 }
 
 struct Columns {
-  float name, group, state, distance, right;
+  float picture, name, group, state, distance, right;
 };
 Columns columns_in(const Theme& theme, float width_px) {
   Columns c{};
   c.right = width_px - theme.px(8);
   c.distance = c.right - theme.px(distance_width);
   c.state = c.distance - theme.px(state_width);
-  c.group = c.state - theme.px(group_width);
-  c.name = theme.px(8);
+  c.group = c.state - theme.px(group_title_width);
+  c.picture = theme.px(2);
+  c.name = c.picture + theme.px(CaseThumbnails::width + 6);
   return c;
 }
 
@@ -132,8 +148,7 @@ void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox&
   ImGui::SetItemAllowOverlap();
   const bool hovered = ImGui::IsItemHovered();
   if (clicked) out.change([name = one.name](EditorState& s) { s.models.selected = name; });
-  if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left) && is_case_file(one))
-    out.send(OpenCaseOfStudy{one.name, {}});
+  if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) out.send(OpenCaseOfStudy{one.name, {}});
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const bool selected = state.selected == one.name;
   if (selected || hovered)
@@ -141,15 +156,26 @@ void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox&
                        selected ? with_alpha(palette::accent, 0.25f) : palette::raised, theme.px(4));
   const float y = at.y + std::floor((size.y - ImGui::GetFontSize()) / 2);
   const auto shape = state.model ? state.model->index_of(one.name) : -1;
-  const float name_room = columns.group - columns.name - theme.px(8) - (one.notes.empty() ? 0 : theme.px(20));
+  if (const unsigned texture = ui.thumbnails.texture(one.name)) {
+    const ImVec2 corner{std::floor(at.x + columns.picture),
+                        std::floor(at.y + (size.y - theme.px(CaseThumbnails::height)) / 2)};
+    draw.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture)), corner,
+                  {corner.x + theme.px(CaseThumbnails::width), corner.y + theme.px(CaseThumbnails::height)});
+  }
+  const float name_room = columns.state - columns.name - theme.px(8) - (one.notes.empty() ? 0 : theme.px(20));
   const std::string name = shortened(one.name, name_room);
   const bool left_out = state.model && shape < 0;
-  draw.AddText({at.x + columns.name, y}, left_out ? palette::bad : palette::text, name.c_str());
+  const float name_y = one.group.empty() ? y : std::floor(at.y + theme.px(3));
+  draw.AddText({at.x + columns.name, name_y}, left_out ? palette::bad : palette::text, name.c_str());
   if (!one.notes.empty())
-    draw.AddText({at.x + columns.name + ImGui::CalcTextSize(name.c_str()).x + theme.px(6), y}, palette::dim,
+    draw.AddText({at.x + columns.name + ImGui::CalcTextSize(name.c_str()).x + theme.px(6), name_y}, palette::dim,
                  icon::note);
-  draw.AddText({at.x + columns.group, y}, palette::dim,
-               shortened(one.group, columns.state - columns.group - theme.px(6)).c_str());
+  if (!one.group.empty()) {
+    ImGui::PushFont(theme.small);
+    draw.AddText({at.x + columns.name, std::floor(at.y + theme.px(21))}, palette::dim,
+                 shortened(one.group, columns.state - columns.name - theme.px(8)).c_str());
+    ImGui::PopFont();
+  }
   if (const auto distance = distance_mm(state, one)) {
     const std::string text = format("%.2f", *distance);
     draw.AddText({at.x + columns.right - ImGui::CalcTextSize(text.c_str()).x, y}, distance_colour(*state.model, shape),
@@ -159,7 +185,7 @@ void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox&
     std::string tip = one.file.string();
     if (left_out) tip += "\nNot in the model.";
     if (!one.notes.empty()) tip += "\n" + one.notes;
-    if (is_case_file(one)) tip += "\nDouble-click opens it.";
+    tip += is_case_file(one.file) ? "\nDouble-click opens it." : "\nDouble-click opens it for repair.";
     tooltip(theme, tip);
   }
   ImGui::SetCursorScreenPos({at.x + columns.state, at.y});
@@ -168,6 +194,28 @@ void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox&
   if (ImGui::IsItemHovered()) tooltip(theme, std::string("State: ") + state_name(one.state) + ". Click for the next.");
   draw.AddText({at.x + columns.state + theme.px(4), y}, state_colour(one.state), state_icon(one.state));
   ImGui::PopID();
+}
+
+/// Says which shapes are mirror images, with the offer to flip them.
+void draw_mirrored(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const auto& mirrored = ui.state.models.mirrored;
+  if (mirrored.empty()) return;
+  std::string names;
+  for (const std::string& name : mirrored) names += (names.empty() ? "" : ", ") + name;
+  ImGui::PushStyleColor(ImGuiCol_Text, palette::amber);
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextUnformatted((mirrored.size() == 1
+                              ? names + " is a mirror image of the other shapes."
+                              : format("%zu shapes are mirror images of the others: ", mirrored.size()) +
+                                    shortened(names, 3 * ImGui::GetContentRegionAvail().x) + ".")
+                             .c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::PopStyleColor();
+  if (button(theme, mirrored.size() == 1 ? "Flip it left for right" : "Flip them left for right",
+             "In this study alone; the files stay as they are", {}, ImGui::GetContentRegionAvail().x))
+    out.change([mirrored](EditorState& s) { flip_cases(s.models, mirrored); });
+  gap(theme, 4);
 }
 
 void draw_list(const UiContext& ui, Outbox& out) {
@@ -193,7 +241,8 @@ void draw_list(const UiContext& ui, Outbox& out) {
              out);
   ImGui::NewLine();
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
-  ImGui::BeginChild("cases", {0, state.selected.empty() ? 0 : -theme.px(details_height)});
+  const StudyCase* selected = find_case(state.study, state.selected);
+  ImGui::BeginChild("cases", {0, selected == nullptr ? 0 : -case_details_height(ui, *selected)});
   const auto listed = listed_cases(state);
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(listed.size()), theme.px(row_height));
@@ -205,54 +254,15 @@ void draw_list(const UiContext& ui, Outbox& out) {
   ImGui::PopStyleVar();
 }
 
-/// A text of the selected case; it counts when the field is left.
-void draw_text_field(const UiContext& ui, const StudyCase& one, const char* field, const char* hint,
-                     const std::string& committed, Outbox& out) {
-  const auto& edit = ui.state.models.text_edit;
-  const std::string key = one.name + '\n' + field;
-  std::string text = edit && edit->field == key ? edit->text : committed;
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-  const bool changed = ImGui::InputTextWithHint((std::string("##") + key).c_str(), hint, &text);
-  if (changed) out.change([key, text](EditorState& s) { s.models.text_edit = CaseTextEdit{key, text}; });
-  if (!ImGui::IsItemDeactivatedAfterEdit()) return;
-  out.change([name = one.name, field, text](EditorState& s) {
-    set_case_text(s.models, name, field, text);
-    s.models.text_edit.reset();
-  });
-}
-
-void draw_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
-  const Theme& theme = ui.theme;
-  gap(theme, 0);
-  rule(theme);
-  ImGui::PushFont(theme.strong);
-  ImGui::TextUnformatted(shortened(one.name, ImGui::GetContentRegionAvail().x).c_str());
-  ImGui::PopFont();
-  int chosen = static_cast<int>(one.state);
-  if (choice(theme, "state", {"To do", "In work", "Done"}, chosen, {"Not begun", "Begun", "Finished"}))
-    out.change([name = one.name, chosen](EditorState& s) {
-      if (StudyCase* now = find_case(s.models.study, name)) now->state = static_cast<CaseState>(chosen);
-      ++s.models.study_revision;
-    });
-  draw_text_field(ui, one, "group", "Group, e.g. healthy", one.group, out);
-  draw_text_field(ui, one, "notes", "Notes", one.notes, out);
-  const float width = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
-  if (button(theme, std::string(icon::open) + "  Open", "Open the case in the editor (Enter)",
-             is_case_file(one) ? "" : "This is a mesh alone; only cases of this editor (.homolog) can be opened.",
-             width))
-    out.send(OpenCaseOfStudy{one.name, {}});
-  ImGui::SameLine(0, theme.px(8));
-  if (button(theme, std::string(icon::trash) + "  Take off", "Takes the case off the study; its file stays", {}, width))
-    out.change([name = one.name](EditorState& s) { remove_case(s.models, name); });
-}
-
 }  // namespace
 
 void draw_case_table(const UiContext& ui, const RectPx& rect, Outbox& out) {
   begin_region("cases", rect, palette::surface, ui.theme.px(12));
   draw_buttons(ui, out);
+  draw_mirrored(ui, out);
   draw_list(ui, out);
-  if (const StudyCase* one = find_case(ui.state.models.study, ui.state.models.selected)) draw_details(ui, *one, out);
+  if (const StudyCase* one = find_case(ui.state.models.study, ui.state.models.selected))
+    draw_case_details(ui, *one, out);
   ImGui::End();
 }
 

@@ -174,6 +174,17 @@ struct CommandRunner {
     request.template_source = command.path.string();
     app.opener_.start(std::move(request));
   }
+  void operator()(const StartFit&) const {
+    if (!app.labels_ || !app.displayed_->has_shape()) return;
+    stop_playing();
+    FitSettings settings = state.fit_settings;
+    if (settings.label == 0 && !app.label_values_.empty()) settings.label = app.label_values_.front();
+    state.last_fit.reset();
+    app.fit_seen_ = false;
+    app.fitter_.start(app.snapshot_->document, app.labels_, settings);
+  }
+  void operator()(const BlendModel& command) const { app.blend_model(command); }
+  void operator()(const CancelFit&) const { app.cancel_fit(); }
   void operator()(const ExportPicture& command) const {
     const auto picture = app.picture(command.options);
     tell(picture ? write_picture(*picture, command.path) : fail(picture.error()), command.path);

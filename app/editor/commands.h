@@ -89,6 +89,14 @@ struct CloseTemplateMaking {};  ///< shows the case's mesh again
 struct UseMadeTemplate {        ///< writes it and starts anew with it
   std::filesystem::path path;
 };
+/// Fits the shown frame's template to the label map that is shown, as the settings say.
+struct StartFit {};
+struct CancelFit {};
+/// Blends what the study's model expects into the shape, 0…1: previewed, or as one edit.
+struct BlendModel {
+  double strength = 0;
+  bool commit = false;
+};
 struct ExportPicture {
   std::filesystem::path path;
   PictureOptions options;
@@ -117,12 +125,13 @@ struct Quit {
   bool sure = false;  ///< an unsaved case is not asked about again
 };
 
-using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenRequested, OpenPhantom, OpenTemplate,
-                             OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
-                             ImportLandmarks, ExportLandmarks, ExportTemplate, ImportStiffness, ImportTemplateLandmarks,
-                             ExportTemplateLandmarks, MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking,
-                             UseMadeTemplate, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog,
-                             AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
+using Command =
+    std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenRequested, OpenPhantom, OpenTemplate, OpenLabels,
+                 CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ImportLandmarks,
+                 ExportLandmarks, ExportTemplate, ImportStiffness, ImportTemplateLandmarks, ExportTemplateLandmarks,
+                 MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, StartFit, CancelFit,
+                 BlendModel, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog, AcceptReplacement,
+                 ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
 
 /// Commands in the order they were given.
 class Outbox {

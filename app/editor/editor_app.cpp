@@ -91,7 +91,7 @@ void EditorApp::start_session(EditSession session) {
   displayed_ = snapshot_->shown;
   show_document(state_, *displayed_, layout_);
   fit_wanted_ = layout_.scale <= 0 || layout_.status_line.width <= 0 || layout_.models.width > 0;
-  Models::show_repair(state_, *snapshot_);
+  if (!fit_wanted_) show_repair();
   remember_case();
   if (displayed_->volume != volume_before) {
     labels_.reset();
@@ -100,6 +100,80 @@ void EditorApp::start_session(EditSession session) {
   figures_.reset();
   quality_.post(nullptr);
   quality_.post(displayed_);
+}
+
+void EditorApp::show_repair() {
+  if (const auto frame = Models::show_repair(state_, *snapshot_)) session_->apply(SetFrame{*frame});
+}
+
+void EditorApp::cancel_fit() {
+  if (!fitter_.busy()) return;
+  fitter_.cancel();
+  session_->preview(std::nullopt);
+}
+
+void EditorApp::follow_fit() {
+  if (fitter_.document() && fitter_.document() != snapshot_->document) {
+    cancel_fit();
+    add_notice(state_, "The fit was given up, since the case was edited meanwhile.", false);
+  }
+  if (auto step = fitter_.take_step(); step && fitter_.busy()) {
+    // The organ may be far from where the template was.
+    if (!std::exchange(fit_seen_, true)) look_at_mesh(state_, *step);
+    session_->preview(SetPoints{"fit", std::nullopt, std::move(step)});
+  }
+  if (auto done = fitter_.take()) {
+    if (*done) return take_fit(std::move(**done));
+    session_->preview(std::nullopt);
+    add_notice(state_, labels_name_ + ": " + done->error().sentence());
+  }
+}
+
+void EditorApp::take_fit(Fitted fitted) {
+  FitReport report;
+  report.points = std::make_shared<const Points>(std::move(fitted.fit.mesh.points));
+  report.assd_mm = fitted.agreement.assd_mm;
+  report.hd95_mm = fitted.agreement.hd95_mm;
+  report.dice = fitted.agreement.dice;
+  report.remarks = std::move(fitted.warnings);
+  constexpr double doubtful_dice = 0.9;
+  if (fitted.mirrored)
+    report.remarks.emplace_back(
+        "The organ looks like the template's mirror image; try Mirror left and right (Reference), then fit again.");
+  else if (report.dice < doubtful_dice)
+    report.remarks.emplace_back("The fit stays bad; is this the template of another organ, or another label?");
+  look_at_mesh(state_, *report.points);
+  session_->apply(SetPoints{"fit", fitted.fit.placement, report.points});
+  state_.last_fit = std::move(report);
+}
+
+void EditorApp::blend_model(const BlendModel& command) {
+  const auto& document = snapshot_->document;
+  if (!state_.models.model || !document->has_shape()) return;
+  const StudyCase* one = find_case(state_.models, snapshot_->file, document->frame);
+  model_help_.ask(document, state_.models.model, one != nullptr ? one->name : std::string());
+  state_.model_help = command.strength;
+  const auto points = model_help_.at(command.strength);
+  if (!points) {
+    blend_wanted_ = command;
+    return;
+  }
+  blend_wanted_.reset();
+  if (!command.commit) return session_->preview(SetPoints{"model help", std::nullopt, points});
+  state_.model_help = 0;
+  if (command.strength > 0)
+    session_->apply(SetPoints{"model help", std::nullopt, points});
+  else
+    session_->preview(std::nullopt);
+}
+
+void EditorApp::follow_model_help() {
+  if (const auto error = model_help_.update()) {
+    add_notice(state_, *error);
+    blend_wanted_.reset();
+    state_.model_help = 0;
+  }
+  if (blend_wanted_ && !model_help_.busy()) blend_model(*blend_wanted_);
 }
 
 ControlsContext EditorApp::controls_context() const {
@@ -113,7 +187,8 @@ void EditorApp::handle(const InputEvent& event) {
 std::optional<double> EditorApp::next_move_seconds(double now) const {
   constexpr double progress_seconds = 0.1;
   if (state_.playing) return std::max(frame_due_ - now, 0.0);
-  if (opener_.busy() || template_maker_.busy()) return progress_seconds;
+  if (thumbnails_left_) return 0;
+  if (opener_.busy() || template_maker_.busy() || fitter_.busy()) return progress_seconds;
   auto next = models_.next_move_seconds(state_.models);
   for (const Notice& notice : state_.notices)
     if (notice.until) next = std::min(next.value_or(*notice.until - now), std::max(*notice.until - now, 0.0));
@@ -182,6 +257,9 @@ bool EditorApp::update(double seconds) {
     state_.shown_frame = (shown_frame(state_, *displayed_) + 1) % volume.frames;
   }
   take_snapshot();
+  const bool was_fitting = fitter_.busy();
+  follow_fit();
+  follow_model_help();
   const bool new_model = models_.update(state_, *snapshot_, seconds);
   const auto figures = quality_.latest();
   const bool new_figures = figures != figures_;
@@ -189,7 +267,7 @@ bool EditorApp::update(double seconds) {
   const bool new_stage = take_stage();
   forget_old_news(seconds);
   return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model ||
-         state_.playing || opener_.busy() || was_opening;
+         was_fitting || thumbnails_left_ || state_.playing || opener_.busy() || was_opening;
 }
 
 void EditorApp::preview(Action action) {
@@ -231,15 +309,18 @@ SceneBuilder::Input EditorApp::scene_input(const EditorState& state) const {
 }
 
 UiContext EditorApp::ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const {
-  return {*theme_, layout_, state,        *snapshot_,    displayed_,      figures_,
-          opening, labels_, labels_name_, label_values_, template_maker_, shown_making() != nullptr,
+  return {*theme_, layout_,      state,         *snapshot_,      displayed_, figures_,    opening,
+          labels_, labels_name_, label_values_, template_maker_, fitter_,    thumbnails_, shown_making() != nullptr,
           fps};
 }
 
 void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
                         {state_.maximised, state_.preferences.panel_open, state_.models.shown});
-  if (!state_.models.shown && std::exchange(fit_wanted_, false)) fit_views(state_, *displayed_, layout_);
+  if (!state_.models.shown && std::exchange(fit_wanted_, false)) {
+    fit_views(state_, *displayed_, layout_);
+    show_repair();
+  }
   follow_layout(state_, layout_);
   GLint target_framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target_framebuffer);
@@ -257,6 +338,7 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
             : pictures_->slice(kind, scene, slice_view(state_, kind, geometry_of(*displayed_)), target);
   }
   const ModelsLayout models = models_layout(layout_);
+  thumbnails_left_ = state_.models.shown && thumbnails_.draw(state_.models, scale_, pictures_->renderer());
   if (state_.models.shown) gallery_.draw(state_.models, models, scale_, pictures_->renderer());
   for (auto error : {pictures_->take_error(), gallery_.take_error()})
     if (!error.empty()) add_notice(state_, std::move(error));

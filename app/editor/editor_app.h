@@ -7,6 +7,7 @@
 
 #include "app/editor/controls.h"
 #include "app/editor/editor.h"
+#include "app/editor/model_help.h"
 #include "app/editor/models.h"
 #include "app/editor/opener.h"
 #include "app/editor/quality_monitor.h"
@@ -41,6 +42,8 @@ class EditorApp {
   bool update(double seconds);
   /// Draws the window; ImGui's frame must not have begun. `fps` is shown.
   void draw(int width_px, int height_px, double frames_per_second);
+  /// Whether the next draw shows more than the last, without anything having happened.
+  bool draws_on() const { return thumbnails_left_; }
   /// Sets the scale of the interface; the next draw uses it.
   void set_scale(float scale);
 
@@ -64,6 +67,15 @@ class EditorApp {
   void take_snapshot();
   /// Puts the case's file among the recent ones.
   void remember_case();
+  /// Shows how far the fit is, and takes it in when it is done; gives it up where the case was edited meanwhile.
+  void follow_fit();
+  void take_fit(Fitted fitted);
+  void cancel_fit();
+  /// Shows, or commits, the shape with as much of the study's model in it; once that is computed, where it is not yet.
+  void blend_model(const BlendModel& command);
+  void follow_model_help();
+  /// Goes to the place that the case was opened for, where it was for one.
+  void show_repair();
   void take_opened(Opened opened);
   void start_document(Document document);
   void run_commands();
@@ -88,6 +100,12 @@ class EditorApp {
   EditorState state_;
   Models models_{wake_};
   GalleryPictures gallery_;
+  Fitter fitter_{wake_};
+  bool fit_seen_ = false;  ///< a step of the fit that goes on was shown
+  ModelHelp model_help_{wake_};
+  std::optional<BlendModel> blend_wanted_;  ///< as soon as the model's part is computed
+  CaseThumbnails thumbnails_;
+  bool thumbnails_left_ = false;  ///< some are drawn in the next frame
   Outbox out_;
   Layout layout_;
   float scale_ = 1;

@@ -19,7 +19,7 @@ Result<Picture> editor_picture(EditSession session, const EditorPictureOptions& 
   io.DeltaTime = 1.0f / 60;
   // ImGui lays out what it has not seen before in the first frames; the third is as it stays.
   constexpr int frames = 3;
-  for (int frame = 0; frame < frames; ++frame) {
+  for (int frame = 0; frame < frames || app.draws_on(); ++frame) {
     (*framebuffer)->bind();
     app.draw(options.width_px, options.height_px, 0);
     if (frame == 0) {

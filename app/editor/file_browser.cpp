@@ -97,6 +97,10 @@ const char* purpose_title(FilePurpose purpose) {
       return "Export the measures";
     case FilePurpose::export_plots:
       return "Save the plots";
+    case FilePurpose::open_study_template:
+      return "Set the study's template";
+    case FilePurpose::export_shapes:
+      return "Export the shapes into a new folder";
   }
   return "";
 }
@@ -121,10 +125,12 @@ const std::vector<std::string>& purpose_extensions(FilePurpose purpose) {
   static const std::vector<std::string> shapes{".ply", ".vtk", ".vtp", ".obj", ".particles", ".homolog"};
   static const std::vector<std::string> models{".h5.json", ".h5"};
   static const std::vector<std::string> tables{".csv", ".json"};
+  static const std::vector<std::string> none;
   switch (purpose) {
     case FilePurpose::open:
       return openable;
     case FilePurpose::open_template:
+    case FilePurpose::open_study_template:
       return meshes;
     case FilePurpose::open_labels:
       return volumes;
@@ -156,6 +162,8 @@ const std::vector<std::string>& purpose_extensions(FilePurpose purpose) {
       return models;
     case FilePurpose::export_measures:
       return tables;
+    case FilePurpose::export_shapes:
+      return none;
   }
   return cases;
 }
@@ -275,7 +283,7 @@ std::optional<fs::path> accept(FileBrowser& browser) {
   const auto& extensions = purpose_extensions(browser.purpose);
   const bool complete = std::any_of(extensions.begin(), extensions.end(),
                                     [&](const auto& e) { return has_extension(typed.string(), e); });
-  return complete ? typed : fs::path(typed.string() + extensions.front());
+  return complete || extensions.empty() ? typed : fs::path(typed.string() + extensions.front());
 }
 
 }  // namespace homolog

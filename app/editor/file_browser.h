@@ -18,6 +18,7 @@ enum class FilePurpose {
   open_stiffness,
   open_template_landmarks,
   open_study,
+  open_study_template,
   add_shapes,
   save_case,
   export_mesh,
@@ -31,7 +32,8 @@ enum class FilePurpose {
   save_study,
   export_model,
   export_measures,
-  export_plots
+  export_plots,
+  export_shapes  ///< a new folder
 };
 
 /// A folder as the file dialog shows it. Free of any interface.

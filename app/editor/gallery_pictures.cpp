@@ -141,7 +141,7 @@ void GalleryPictures::draw_model(const ModelsState& state, const RectPx& rect, f
       state.show_difference ? model.mean.points : shape_of(model.model, shown_coefficients(state)));
   Scene scene = scene_of(state, points, state.glyphs && !moving && !state.show_difference);
   if (state.show_difference && model.topology) {
-    const VertexScalars difference_mm = group_difference_mm(model, state.compared[0], state.compared[1]);
+    const VertexScalars difference_mm = difference_of_groups_mm(model, state.compared[0], state.compared[1]);
     const double most_mm = difference_scale_mm(difference_mm);
     std::vector<Rgb> colours;
     for (const double value : difference_mm) colours.push_back(difference_colour(value / most_mm));

@@ -256,7 +256,8 @@ namespace {
 void draw_difference_legend(const UiContext& ui, const RectPx& rect) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  const double most_mm = difference_scale_mm(group_difference_mm(*state.model, state.compared[0], state.compared[1]));
+  const double most_mm =
+      difference_scale_mm(difference_of_groups_mm(*state.model, state.compared[0], state.compared[1]));
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float x0 = rect.x + theme.px(12), x1 = rect.x + rect.width - theme.px(12);
   const float y = rect.y + rect.height - theme.px(28), bar = theme.px(6), middle = std::round((x0 + x1) / 2);

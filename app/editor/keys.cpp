@@ -233,6 +233,10 @@ void send_choice(const EditorState& state, FilePurpose purpose, const std::files
       return out.send(ExportEvaluation{path});
     case FilePurpose::export_plots:
       return out.send(ExportPlots{path});
+    case FilePurpose::open_study_template:
+      return out.change([path](EditorState& s) { set_study_template(s.models, path); });
+    case FilePurpose::export_shapes:
+      return out.send(ExportShapes{path, state.models.export_extension});
   }
 }
 

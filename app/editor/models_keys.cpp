@@ -54,7 +54,7 @@ bool press_models_key(EditorState& state, const InputEvent& event, int key, Outb
       break;
     case key::enter:
     case key::keypad_enter:
-      if (const StudyCase* one = find_case(models.study, models.selected); one && one->file.extension() == ".homolog")
+      if (const StudyCase* one = find_case(models.study, models.selected))
         out.send(OpenCaseOfStudy{one->name, models.pinned});
       break;
     default:

@@ -108,6 +108,68 @@ StudyCase* find_case(Study& study, const std::string& name) {
   return const_cast<StudyCase*>(find_case(std::as_const(study), name));
 }
 
+const StudyCase* find_case(const ModelsState& state, const fs::path& file, int frame) {
+  const auto& cases = state.study.cases;
+  const auto found = std::find_if(cases.begin(), cases.end(), [&](const StudyCase& one) {
+    return one.file == file && one.frame.value_or(frame) == frame;
+  });
+  return found == cases.end() ? nullptr : &*found;
+}
+
+void flip_cases(ModelsState& state, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (StudyCase* one = find_case(state.study, name)) one->flipped = !one->flipped;
+  ++state.shapes_revision;
+  ++state.study_revision;
+}
+
+namespace {
+
+/// The frame whose shape a case gives; nothing where its file is not known yet.
+std::optional<int> frame_of(const ModelsState& state, const StudyCase& one) {
+  const auto file = state.files.find(one.file);
+  if (one.frame || file == state.files.end()) return one.frame;
+  return file->second.shapes.shown;
+}
+
+}  // namespace
+
+std::vector<int> other_frames(const ModelsState& state, const StudyCase& one) {
+  const auto file = state.files.find(one.file);
+  if (file == state.files.end()) return {};
+  std::vector<int> frames = file->second.shapes.edited;
+  for (const StudyCase& other : state.study.cases)
+    if (other.file == one.file)
+      if (const auto frame = frame_of(state, other)) std::erase(frames, *frame);
+  return frames;
+}
+
+void add_frames(ModelsState& state, const std::string& name) {
+  auto& cases = state.study.cases;
+  const auto found = std::find_if(cases.begin(), cases.end(), [&](const StudyCase& one) { return one.name == name; });
+  if (found == cases.end()) return;
+  const std::vector<int> frames = other_frames(state, *found);
+  if (frames.empty()) return;
+  const StudyCase first = *found;
+  found->frame = frame_of(state, first);  // from now on it is this one, whichever the case shows
+  std::vector<StudyCase> added;
+  for (const int frame : frames) {
+    StudyCase one;
+    one.file = first.file;
+    one.frame = frame;
+    one.group = first.group;
+    one.flipped = first.flipped;
+    const std::string stem = first.name + " frame " + std::to_string(frame);
+    one.name = stem;
+    for (int number = 2; find_case(state.study, one.name) != nullptr; ++number)
+      one.name = stem + "-" + std::to_string(number);
+    added.push_back(std::move(one));
+  }
+  cases.insert(found + 1, added.begin(), added.end());
+  ++state.shapes_revision;
+  ++state.study_revision;
+}
+
 void cycle_case_state(ModelsState& state, const std::string& name) {
   StudyCase* one = find_case(state.study, name);
   if (one == nullptr) return;
@@ -124,6 +186,12 @@ void set_case_text(ModelsState& state, const std::string& name, const std::strin
   } else {
     one->notes = std::move(text);
   }
+  ++state.study_revision;
+}
+
+void set_study_template(ModelsState& state, const fs::path& file) {
+  state.study.template_file = fs::absolute(file).lexically_normal();
+  ++state.shapes_revision;
   ++state.study_revision;
 }
 
@@ -188,16 +256,7 @@ void pin_landmark(ModelsState& state, const GalleryPlace& place, bool focus) {
   if (!focus) return;
   state.focused = true;
   const Mesh shape{state.model->topology, *state.model->shapes[place.shape]};
-  if (shape.topology) {
-    const Vec3 outwards = vertex_normals(shape).row(place.landmark);
-    if (outwards.norm() > 0.5) {
-      Camera3D& camera = state.camera;
-      camera.to_eye = outwards.normalized();
-      if (std::abs(camera.to_eye.dot(camera.up)) > 0.95)
-        camera.up = std::abs(camera.to_eye.z()) > 0.9 ? Vec3(0, -1, 0) : Vec3::UnitZ();
-      camera.up = (camera.up - camera.to_eye * camera.to_eye.dot(camera.up)).normalized();
-    }
-  }
+  if (shape.topology) look_from_outside(state.camera, vertex_normals(shape).row(place.landmark));
   constexpr double nearer = 0.5;
   state.camera.target = Vec3::Zero();
   state.camera.distance_mm = nearer * state.model->radius_mm / std::tan(15 * std::numbers::pi / 180);

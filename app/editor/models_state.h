@@ -26,7 +26,7 @@ struct GalleryPlace {
 /// A case that is to be shown at a landmark as soon as it is open.
 struct RepairPlace {
   std::filesystem::path file;
-  int frame = 0;
+  std::optional<int> frame;
   std::optional<Eigen::Index> landmark;
 };
 
@@ -50,6 +50,10 @@ struct ModelsState {
   bool descending = false;
   std::string selected;  ///< name of a case; empty: none
   std::optional<CaseTextEdit> text_edit;
+
+  ReadFiles files;                                                ///< the cases' files as they were read
+  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< of every case that has one, as it lies
+  std::vector<std::string> mirrored;                              ///< cases that are mirror images of most others
 
   Alignment alignment = Alignment::similarity;
   std::shared_ptr<const StudyModel> model;
@@ -77,6 +81,10 @@ struct ModelsState {
   bool evaluating = false;
   double evaluating_fraction = 0;
 
+  std::string export_extension;  ///< of exported shapes; empty: each as it was imported
+  bool exporting = false;
+  double exporting_fraction = 0;
+
   std::array<bool, 3> sections_open{true, true, true};  ///< Model, Measures, Suspicion
   std::optional<RepairPlace> repair;
 };
@@ -92,11 +100,21 @@ void sort_by(ModelsState& state, CaseColumn column);
 std::size_t add_cases(ModelsState& state, const std::vector<std::filesystem::path>& files);
 void remove_case(ModelsState& state, const std::string& name);
 /// Null where there is none of that name.
+/// The study's case of a file's frame; null where it is none.
+const StudyCase* find_case(const ModelsState& state, const std::filesystem::path& file, int frame);
 StudyCase* find_case(Study& study, const std::string& name);
 const StudyCase* find_case(const Study& study, const std::string& name);
+/// Takes cases left for right from now on, or as they lie where they were flipped.
+void flip_cases(ModelsState& state, const std::vector<std::string>& names);
+/// Frames of the case's cine that were edited and are no cases yet.
+std::vector<int> other_frames(const ModelsState& state, const StudyCase& one);
+/// Makes every frame of the case's cine that was edited a case, named "NAME frame K".
+void add_frames(ModelsState& state, const std::string& name);
 void cycle_case_state(ModelsState& state, const std::string& name);
 /// "group" or "notes" of a case.
 void set_case_text(ModelsState& state, const std::string& name, const std::string& field, std::string text);
+/// The mesh whose faces stand for those of shapes that are points alone.
+void set_study_template(ModelsState& state, const std::filesystem::path& file);
 /// Selects the next case that is not done, in the study's order.
 void select_next_case(ModelsState& state);
 
@@ -146,10 +164,16 @@ struct AddCases {
 struct OpenPhantomStudy {
   Organ organ = Organ::kidney;
 };
-/// Opens a case of the study in the case mode, at a landmark with the Slide tool where one is given.
+/// Opens a case of the study in the case mode, at a landmark with the Slide tool where one is given; a mesh becomes a
+/// case file first.
 struct OpenCaseOfStudy {
   std::string name;
   std::optional<Eigen::Index> landmark;
+};
+/// Writes every shape of the study, flipped ones flipped, into a folder; see write_shapes.
+struct ExportShapes {
+  std::filesystem::path folder;
+  std::string extension;
 };
 struct StartEvaluation {};
 struct CancelEvaluation {};
@@ -162,7 +186,8 @@ struct ExportEvaluation {
 struct ExportPlots {
   std::filesystem::path path;
 };
-using ModelsCommand = std::variant<OpenStudy, NewStudy, SaveStudyAs, AddCases, OpenPhantomStudy, OpenCaseOfStudy,
-                                   StartEvaluation, CancelEvaluation, ExportModel, ExportEvaluation, ExportPlots>;
+using ModelsCommand =
+    std::variant<OpenStudy, NewStudy, SaveStudyAs, AddCases, OpenPhantomStudy, OpenCaseOfStudy, ExportShapes,
+                 StartEvaluation, CancelEvaluation, ExportModel, ExportEvaluation, ExportPlots>;
 
 }  // namespace homolog

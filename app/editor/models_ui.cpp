@@ -63,13 +63,9 @@ void draw_models_status(const UiContext& ui) {
 
 }  // namespace
 
-void progress_bar(const Theme& theme, double fraction) {
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float width = ImGui::GetContentRegionAvail().x, height = theme.px(4);
-  ImDrawList& draw = *ImGui::GetWindowDrawList();
-  draw.AddRectFilled(at, {at.x + width, at.y + height}, palette::pressed, height / 2);
-  draw.AddRectFilled(at, {at.x + width * static_cast<float>(fraction), at.y + height}, palette::accent, height / 2);
-  ImGui::Dummy({width, height});
+std::string study_stem(const ModelsState& state) {
+  const std::string name = state.study_file.filename().string();
+  return name.empty() ? "study" : name.substr(0, name.find('.'));
 }
 
 void draw_mode_switch(const UiContext& ui, Outbox& out) {

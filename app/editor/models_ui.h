@@ -12,6 +12,9 @@ void draw_models_interface(const UiContext& ui, Outbox& out);
 
 // Its parts, each in a file of its own.
 void draw_case_table(const UiContext& ui, const RectPx& rect, Outbox& out);
+/// Below the list: what the selected case is, and what can be done with it.
+void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out);
+float case_details_height(const UiContext& ui, const StudyCase& one);
 void draw_gallery(const UiContext& ui, const ModelsLayout& layout, Outbox& out);
 void draw_model_view(const UiContext& ui, const ModelsLayout& layout, Outbox& out);
 void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out);
@@ -21,7 +24,7 @@ void draw_model_section(const UiContext& ui, Outbox& out);
 void draw_measures_section(const UiContext& ui, Outbox& out);
 void draw_suspicion_section(const UiContext& ui, Outbox& out);
 
-/// A bar that fills as work goes on, as wide as there is room.
-void progress_bar(const Theme& theme, double fraction);
+/// What files made of the study are called after.
+std::string study_stem(const ModelsState& state);
 
 }  // namespace homolog

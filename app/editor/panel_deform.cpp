@@ -148,6 +148,7 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
              sheets ? "" : "For meshes of several sheets; this one has one."))
     out.change([through](EditorState& s) { s.through_space = through; });
   draw_scheme(ui, out);
+  draw_model_help(ui, out);
   figure(theme, "Strokes", format("%d", document.shape().strokes));
   figure(theme, "Last solve", format("%.2f ms", ui.snapshot.solver_ms),
          "Core work of the last edit: job in, points out");

@@ -15,12 +15,6 @@ void ask_for_file(Outbox& out, FilePurpose purpose, const std::string& name) {
   out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
 }
 
-/// What files made of the study are called after.
-std::string study_stem(const ModelsState& state) {
-  const std::string name = state.study_file.filename().string();
-  return name.empty() ? "study" : name.substr(0, name.find('.'));
-}
-
 void draw_poses(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
@@ -155,6 +149,37 @@ void draw_model_section(const UiContext& ui, Outbox& out) {
     ask_for_file(out, FilePurpose::export_model, study_stem(state) + ".h5.json");
 }
 
+namespace {
+
+/// The same measures as ShapeWorks defines them, at the same number of modes.
+void draw_shapeworks_measures(const Theme& theme, const Evaluation& evaluation) {
+  gap(theme, 4);
+  caption(theme, "By ShapeWorks' definitions");
+  struct Row {
+    const char *name, *label, *tip;
+  };
+  static constexpr std::array<Row, 3> rows{
+      {{"compactness", "Compactness", "Cumulative share of the variance"},
+       {"generalization", "Generalisation",
+        "Leave-one-out reconstruction, neither clamped nor aligned again; mean Euclidean distance of the particles"},
+       {"specificity", "Specificity",
+        "Mean Euclidean distance of the particles to the nearest training shape. ShapeWorks takes the singular values "
+        "\xe2\x88\x9a((M\xe2\x88\x92"
+        "1)\xce\xbb) of the centred shapes for the variances of its samples, so compare it with ShapeWorks' alone"}}};
+  for (const Row& row : rows) {
+    const Measures* measures = evaluation.find_shapeworks(row.name);
+    if (measures == nullptr) continue;
+    const Measured& one = measures->front();
+    const bool share = row.name == rows[0].name;
+    figure(theme, row.label,
+           share ? format("%.1f \xc2\xb1 %.1f %%", 100 * one.mean, 100 * one.standard_error)
+                 : format("%.3f \xc2\xb1 %.3f mm", one.mean, one.standard_error),
+           row.tip);
+  }
+}
+
+}  // namespace
+
 void draw_measures_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
@@ -195,6 +220,7 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
          "Symmetric mean surface distance, mm: where it is much smaller than the distance of the landmarks, they slide "
          "within the surface");
   figure(theme, "Specificity, mean", mean_mm("specificity"), "Mean Euclidean distance of the landmarks, mm");
+  draw_shapeworks_measures(theme, evaluation);
   const float half = std::floor((width - theme.px(8)) / 2);
   if (button(theme, "Table\xe2\x80\xa6", "All measures with their standard errors: .csv or .json", {}, half))
     ask_for_file(out, FilePurpose::export_measures, study_stem(state) + "-measures.csv");

@@ -136,16 +136,8 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
   }
 }
 
-}  // namespace
-
-void draw_place_section(const UiContext& ui, Outbox& out) {
+void draw_landmarks(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  if (!ui.has_shape()) {
-    explanation(theme, "Load a template above, then place it on the organ.");
-    return;
-  }
-  PlacementNumbers(ui, out).draw();
-  gap(theme, 4);
   const auto& landmarks = ui.document().reference->landmarks;
   if (landmarks.empty()) {
     explanation(theme, "This template has no named landmarks; place it with the tool Place (M).");
@@ -173,6 +165,20 @@ void draw_place_section(const UiContext& ui, Outbox& out) {
              {"Landmarks are only recorded", "Move, turn and scale the template so that the landmarks meet",
               "The similarity, and from the fourth landmark on a smooth warp"}))
     out.apply(SetLandmarkFit{static_cast<LandmarkFit>(fit)});
+}
+
+}  // namespace
+
+void draw_place_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!ui.has_shape()) {
+    explanation(theme, "Load a template above, then place it on the organ.");
+    return;
+  }
+  PlacementNumbers(ui, out).draw();
+  gap(theme, 4);
+  draw_landmarks(ui, out);
+  draw_fit(ui, out);
 }
 
 }  // namespace homolog

@@ -21,8 +21,6 @@ void draw_entry(const UiContext& ui, int id, const GalleryPlace& place, const st
   const ImVec2 at = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, theme.px(24)};
   const bool clicked = ImGui::InvisibleButton("entry", size);
   const bool hovered = ImGui::IsItemHovered();
-  const StudyCase* one = find_case(state.study, name);
-  const bool opens = one != nullptr && one->file.extension() == ".homolog";
   if (clicked)
     out.change([place, has_place, name](EditorState& s) {
       if (has_place)
@@ -30,9 +28,9 @@ void draw_entry(const UiContext& ui, int id, const GalleryPlace& place, const st
       else
         s.models.selected = name;
     });
-  if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left) && opens)
+  if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
     out.send(OpenCaseOfStudy{name, has_place ? std::optional(place.landmark) : std::nullopt});
-  if (hovered) tooltip(theme, tip + (opens ? "\nDouble-click opens the case there, Slide tool in hand." : ""));
+  if (hovered) tooltip(theme, tip + "\nDouble-click opens the case there, Slide tool in hand.");
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const bool lit = has_place && state.pinned == place.landmark && state.selected == name;
   if (hovered || lit)

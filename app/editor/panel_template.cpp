@@ -10,26 +10,6 @@ namespace homolog {
 
 namespace {
 
-void draw_label_choice(const UiContext& ui, TemplateSettings& settings, bool& changed) {
-  const auto& known = ui.label_values;
-  if (known.size() < 2) return;
-  std::vector<std::string> names;
-  int chosen = 0;
-  for (std::size_t i = 0; i < known.size(); ++i) {
-    names.push_back(std::to_string(known[i]));
-    if (known[i] == settings.label) chosen = static_cast<int>(i);
-  }
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-  if (ImGui::BeginCombo("##label", ("Label " + names[static_cast<std::size_t>(chosen)]).c_str())) {
-    for (std::size_t i = 0; i < names.size(); ++i)
-      if (ImGui::Selectable(("Label " + names[i]).c_str(), static_cast<int>(i) == chosen)) {
-        settings.label = known[i];
-        changed = true;
-      }
-    ImGui::EndCombo();
-  }
-}
-
 void whole_number(const Theme& theme, const char* label, int& value, const SliderRange& range, const char* tip,
                   bool& changed) {
   bool released = false;
@@ -122,6 +102,24 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
 
 }  // namespace
 
+bool label_choice(const UiContext& ui, int& label) {
+  const auto& known = ui.label_values;
+  bool changed = false;
+  const auto choose = [&](int value) {
+    changed = changed || value != label;
+    label = value;
+  };
+  if (!known.empty() && std::find(known.begin(), known.end(), label) == known.end()) choose(known.front());
+  if (known.size() < 2) return changed;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  if (ImGui::BeginCombo("##label", format("Label %d", label).c_str())) {
+    for (const int value : known)
+      if (ImGui::Selectable(format("Label %d", value).c_str(), value == label)) choose(value);
+    ImGui::EndCombo();
+  }
+  return changed;
+}
+
 void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality) {
   figure(theme, "Landmarks", format("%ld", static_cast<long>(mesh.points.rows())));
   figure(theme, "Surface", format("%s, genus %d", mesh.topology->closed() ? "closed" : "open", mesh.topology->genus()),
@@ -146,10 +144,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
     return;
   }
   TemplateSettings settings = ui.state.template_settings;
-  if (std::find(ui.label_values.begin(), ui.label_values.end(), settings.label) == ui.label_values.end())
-    settings.label = ui.label_values.empty() ? 0 : ui.label_values.front();
-  bool changed = settings.label != ui.state.template_settings.label;
-  draw_label_choice(ui, settings, changed);
+  bool changed = label_choice(ui, settings.label);
   int kind = settings.tube ? 1 : 0;
   if (choice(theme, "template kind", {"Organ", "Tube"}, kind,
              {"Any shape: vertices spread evenly over the surface",
@@ -166,9 +161,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   const float width = ImGui::GetContentRegionAvail().x;
   const auto making = ui.template_maker.latest();
   if (ui.template_maker.busy()) {
-    ImGui::PushStyleColor(ImGuiCol_PlotHistogram, palette::accent);
-    ImGui::ProgressBar(static_cast<float>(ui.template_maker.fraction()), {width, theme.px(6)}, "");
-    ImGui::PopStyleColor();
+    progress_bar(theme, ui.template_maker.fraction());
     if (button(theme, "Cancel", "Stops after the present step", {}, width)) out.send(CancelTemplate{});
   } else if (button(theme, "Make the template", "Each stage is shown in the views as it is done",
                     settings.label == 0 ? "The label map is empty." : "", width, !making || !making->mesh)) {

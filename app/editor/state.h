@@ -8,6 +8,7 @@
 
 #include "app/editor/dialogs.h"
 #include "app/editor/drag.h"
+#include "app/editor/fitter.h"
 #include "app/editor/layout.h"
 #include "app/editor/models_state.h"
 #include "app/editor/template_maker.h"
@@ -79,6 +80,13 @@ struct PanelEdit {
   double value = 0;
 };
 
+/// How well the last automatic fit went, for as long as its mesh is the case's.
+struct FitReport {
+  std::shared_ptr<const Points> points;
+  double assd_mm = 0, hd95_mm = 0, dice = 0;
+  std::vector<std::string> remarks;  ///< each a sentence
+};
+
 struct Notice {
   std::string text;  ///< one sentence
   bool error = true;
@@ -134,6 +142,9 @@ struct EditorState {
   std::string new_region;         ///< the name that is being typed
   TemplateSettings template_settings;
   std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
+  FitSettings fit_settings;
+  double model_help = 0;  ///< strength that is being tried; 0 where it is committed or not asked for
+  std::optional<FitReport> last_fit;
   Overlay overlay = Overlay::landmark_hue;
   double glyph_spacing_mm = 12;
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
-#include "core/case/case_file.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/mirror.h"
+#include "core/model/groups.h"
 #include "core/model/training_set.h"
 
 namespace homolog {
@@ -14,68 +15,73 @@ namespace {
 
 constexpr double share_held = 0.95;
 
-bool is_case_file(const fs::path& file) {
-  return file.extension() == ".homolog";
-}
-
-Result<MeshFile> shape_of_document(const Document& document, int frame, const std::string& name) {
-  if (!document.reference || !document.shapes.contains(frame))
-    return fail(name, "has no mesh yet; place a template in it first");
-  return to_mesh_file(document, frame);
-}
-
-Result<MeshFile> read_shape(const StudyCase& one) {
-  if (!is_case_file(one.file)) {
-    const std::string extension = one.file.extension().string();
-    if (extension == ".stl" || extension == ".STL")
-      return fail(one.name, "is an STL file, which does not keep vertices and so no correspondence; use PLY or VTK");
-    return read_mesh_file(one.file);
-  }
-  const auto read = read_case(one.file);
-  if (!read) return fail(read.error());
-  return shape_of_document(read->session.document(), one.frame, one.name);
-}
-
 /// The shapes of all cases that can be read; the others are named among the refusals.
 struct Gathered {
   std::vector<const StudyCase*> cases;
   std::vector<std::shared_ptr<const MeshFile>> meshes;
 };
 
+/// The open case's shapes; one that did not change is the one that was known.
+ReadFile open_file(const StudyModelRequest& request) {
+  ReadFile open{{}, shapes_of(*request.open_document)};
+  const auto known = request.known.find(request.open_file);
+  if (known == request.known.end()) return open;
+  for (auto& [frame, mesh] : open.shapes.frames) {
+    const auto before = known->second.shapes.frames.find(frame);
+    if (before != known->second.shapes.frames.end() && before->second->points == mesh->points) mesh = before->second;
+  }
+  return open;
+}
+
+/// What a file holds, read where that is not known. Errors: it cannot be read.
+Result<ReadFile> read_file(const fs::path& file, const StudyModelRequest& request) {
+  if (request.open_document && file == request.open_file) return open_file(request);
+  std::error_code ignored;
+  const auto written = fs::last_write_time(file, ignored);
+  const auto known = request.known.find(file);
+  if (known != request.known.end() && known->second.written == written) return known->second;
+  auto read = read_shapes_of(file);
+  if (!read) return fail(read.error());
+  return ReadFile{written, std::move(*read)};
+}
+
+Result<std::shared_ptr<const MeshFile>> shape_of(const StudyCase& one, const ReadFile& file) {
+  auto mesh = file.shapes.shape(one.frame, one.name);
+  if (!mesh || !one.flipped) return mesh;
+  return std::make_shared<const MeshFile>(mirrored(**mesh));
+}
+
 Gathered gather(const StudyModelRequest& request, StudyModelBuilt& built, Progress& progress) {
   Gathered gathered;
-  std::error_code ignored;
   double done = 0;
   for (const StudyCase& one : request.cases) {
     progress.report(done++ / static_cast<double>(request.cases.size()));
     if (progress.cancelled()) break;
-    std::shared_ptr<const MeshFile> mesh;
-    std::string refusal;
-    if (request.open_document && one.file == request.open_file) {
-      auto shown = shape_of_document(*request.open_document, one.frame, one.name);
-      if (shown)
-        mesh = std::make_shared<const MeshFile>(std::move(*shown));
-      else
-        refusal = shown.error().sentence();
-    } else {
-      const auto written = fs::last_write_time(one.file, ignored);
-      const auto key = std::pair(one.file, one.frame);
-      const auto known = request.known.find(key);
-      if (known != request.known.end() && known->second.written == written) {
-        mesh = known->second.mesh;
-      } else if (auto read = read_shape(one)) {
-        mesh = std::make_shared<const MeshFile>(std::move(*read));
-      } else {
-        refusal = read.error().sentence();
-      }
-      if (mesh) built.known[key] = {written, mesh};
-    }
-    if (!mesh) {
-      built.refusals.push_back(refusal + " (left out)");
+    const auto refuse = [&](const Error& error) { built.refusals.push_back(error.sentence() + " (left out)"); };
+    auto file = built.known.find(one.file);
+    std::error_code ignored;
+    if (file == built.known.end() && !fs::exists(one.file, ignored)) {
+      built.refusals.push_back(missing_case(one));
       continue;
     }
+    if (file == built.known.end()) {
+      auto read = read_file(one.file, request);
+      if (!read) {
+        refuse(read.error());
+        continue;
+      }
+      file = built.known.emplace(one.file, std::move(*read)).first;
+      const auto& remarks = file->second.shapes.warnings;
+      built.warnings.insert(built.warnings.end(), remarks.begin(), remarks.end());
+    }
+    const auto mesh = shape_of(one, file->second);
+    if (!mesh) {
+      refuse(mesh.error());
+      continue;
+    }
+    built.shapes[one.name] = *mesh;
     gathered.cases.push_back(&one);
-    gathered.meshes.push_back(std::move(mesh));
+    gathered.meshes.push_back(*mesh);
   }
   return gathered;
 }
@@ -94,6 +100,21 @@ Result<TrainingSetRead> training_set(Gathered& gathered, StudyModelBuilt& built)
     gathered.meshes.erase(gathered.meshes.begin() + (offender - gathered.cases.begin()));
     gathered.cases.erase(offender);
   }
+}
+
+/// The template's faces for shapes that are points alone; null where it is of another count, or none.
+std::shared_ptr<const Topology> template_faces(const fs::path& file, Eigen::Index landmarks, StudyModelBuilt& built) {
+  if (file.empty()) return nullptr;
+  const auto reference = load_template(file.string());
+  if (!reference) {
+    built.warnings.push_back(reference.error().sentence());
+    return nullptr;
+  }
+  const Eigen::Index count = (*reference)->points.rows();
+  if (count == landmarks) return (*reference)->topology;
+  built.warnings.push_back(file.string() + ": has " + std::to_string(count) + " vertices where the shapes have " +
+                           std::to_string(landmarks) + ", so they stay without faces; choose another template");
+  return nullptr;
 }
 
 std::vector<float> hues_of(const StudyModel& model) {
@@ -133,17 +154,15 @@ std::vector<std::string> StudyModel::comparable_groups() const {
   return found;
 }
 
-VertexScalars group_difference_mm(const StudyModel& model, const std::string& from, const std::string& to) {
-  const auto mean_of = [&](const std::string& group) {
-    Points sum = Points::Zero(model.landmarks(), 3);
-    double count = 0;
-    for (std::size_t k = 0; k < model.groups.size(); ++k)
-      if (model.groups[k] == group) sum += *model.shapes[k], ++count;
-    return Points(sum / count);
-  };
-  const Points apart = mean_of(to) - mean_of(from);
-  if (!model.topology) return apart.rowwise().norm();
-  return apart.cwiseProduct(vertex_normals(model.mean)).rowwise().sum();
+std::vector<Eigen::Index> StudyModel::of_group(const std::string& group) const {
+  std::vector<Eigen::Index> found;
+  for (std::size_t k = 0; k < groups.size(); ++k)
+    if (groups[k] == group) found.push_back(static_cast<Eigen::Index>(k));
+  return found;
+}
+
+VertexScalars difference_of_groups_mm(const StudyModel& model, const std::string& from, const std::string& to) {
+  return outward_mm(model.mean, group_difference_mm(*model.components, model.of_group(from), model.of_group(to)));
 }
 
 StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& progress) {
@@ -159,13 +178,15 @@ StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& pr
     built.error = read.error().sentence();
     return built;
   }
-  built.warnings = std::move(read->warnings);
+  built.warnings.insert(built.warnings.end(), read->warnings.begin(), read->warnings.end());
+  built.mirrored = std::move(read->mirrored);
   auto model = std::make_shared<StudyModel>();
   for (const StudyCase* one : gathered.cases) {
     model->names.push_back(one->name);
     model->groups.push_back(one->group);
   }
   model->topology = read->set.topology;
+  if (!model->topology) model->topology = template_faces(request.template_file, read->set.shapes.rows() / 3, built);
   align(read->set.shapes, request.alignment);
   model->centre_mm = points_of(Eigen::VectorXd(read->set.shapes.rowwise().mean())).colwise().mean();
   for (Eigen::Index k = 0; k < read->set.shapes.cols(); ++k) {

@@ -10,6 +10,7 @@
 #include "core/base/progress.h"
 #include "core/case/document.h"
 #include "core/correspondence/colours.h"
+#include "core/model/shape_files.h"
 #include "core/model/shape_model.h"
 #include "core/model/study.h"
 #include "core/model/suspicion.h"
@@ -38,34 +39,39 @@ struct StudyModel {
   std::ptrdiff_t index_of(const std::string& name) const;
   /// Groups that at least two shapes belong to, in the order of their first.
   std::vector<std::string> comparable_groups() const;
+  /// The shapes of a group.
+  std::vector<Eigen::Index> of_group(const std::string& group) const;
 };
 
 /// Mean of group `to` minus mean of group `from` along the normals of the mean shape, mm; outwards is positive. Both
 /// must be comparable.
-VertexScalars group_difference_mm(const StudyModel& model, const std::string& from, const std::string& to);
+VertexScalars difference_of_groups_mm(const StudyModel& model, const std::string& from, const std::string& to);
 
-/// Shapes as they were read, by case: read again only when the file was written since.
-struct ReadShape {
+/// Shapes as they were read, by file: read again only when it was written since.
+struct ReadFile {
   std::filesystem::file_time_type written;
-  std::shared_ptr<const MeshFile> mesh;
+  ShapesOfFile shapes;
 };
-using ReadShapes = std::map<std::pair<std::filesystem::path, int>, ReadShape>;
+using ReadFiles = std::map<std::filesystem::path, ReadFile>;
 
 struct StudyModelRequest {
   std::vector<StudyCase> cases;
+  std::filesystem::path template_file;  ///< gives shapes of points alone their faces; may be empty
   Alignment alignment = Alignment::similarity;
-  ReadShapes known;
+  ReadFiles known;
   /// The case on the screen, as it is now, for the study's case of that file; null without one.
   std::shared_ptr<const Document> open_document;
   std::filesystem::path open_file;
 };
 
 struct StudyModelBuilt {
-  std::shared_ptr<const StudyModel> model;  ///< null where there is none
-  std::vector<std::string> refusals;        ///< a sentence for each case that is left out
+  std::shared_ptr<const StudyModel> model;                        ///< null where there is none
+  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< of every case that has one, as it lies
+  std::vector<std::string> mirrored;                              ///< cases that are mirror images of most others
+  std::vector<std::string> refusals;                              ///< a sentence for each case that is left out
   std::vector<std::string> warnings;
   std::string error;  ///< why there is no model
-  ReadShapes known;
+  ReadFiles known;
 };
 
 /// Reads what is not known yet and builds the model. A case that cannot be read, has no mesh yet, or is not in

@@ -6,7 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "app/editor/case_thumbnails.h"
 #include "app/editor/commands.h"
+#include "app/editor/fitter.h"
 #include "app/editor/quality.h"
 #include "app/editor/theme.h"
 #include "core/case/session_thread.h"
@@ -34,6 +36,8 @@ struct UiContext {
   std::string labels_name;
   const std::vector<int>& label_values;  ///< of the overlay, without 0
   const TemplateMaker& template_maker;
+  const Fitter& fitter;
+  const CaseThumbnails& thumbnails;
   bool making_shown = false;  ///< a template in the making stands in for the case's mesh
   double frames_per_second = 0;
 
@@ -79,6 +83,12 @@ void draw_notices(const UiContext& ui, Outbox& out);
 void draw_regions(const UiContext& ui, Outbox& out);
 void draw_template_landmarks(const UiContext& ui, Outbox& out);
 void draw_template_making(const UiContext& ui, Outbox& out);
+/// The labels of the overlay to choose from; one that it does not hold becomes its first. True where it changed.
+bool label_choice(const UiContext& ui, int& label);
+/// In the section Deform: what the study's model makes of the rest.
+void draw_model_help(const UiContext& ui, Outbox& out);
+/// In the section Place: the fit to the overlay.
+void draw_fit(const UiContext& ui, Outbox& out);
 /// The figures of a mesh that a template is judged by.
 void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality);
 

@@ -127,6 +127,14 @@ Camera3D camera_from(LookFrom from, const Box& box_mm) {
   return camera;
 }
 
+void look_from_outside(Camera3D& camera, const Vec3& normal) {
+  if (normal.norm() < 0.5) return;
+  camera.to_eye = normal.normalized();
+  if (std::abs(camera.to_eye.dot(camera.up)) > 0.95)
+    camera.up = std::abs(camera.to_eye.z()) > 0.9 ? Vec3(0, -1, 0) : Vec3::UnitZ();
+  camera.up = (camera.up - camera.to_eye * camera.to_eye.dot(camera.up)).normalized();
+}
+
 Camera3D turned(const Camera3D& camera, double right_px, double down_px) {
   constexpr double radians_per_px = 0.008;
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(-right_px * radians_per_px, camera.up) *

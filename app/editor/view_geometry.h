@@ -55,6 +55,8 @@ enum class LookFrom { anterior, posterior, left, right, superior, inferior };
 Camera3D camera_from(LookFrom from, const Box& box_mm);
 /// Turned about its target as a trackball by a movement of the mouse.
 Camera3D turned(const Camera3D& camera, double right_px, double down_px);
+/// Turns the camera so that it looks straight onto a surface with this normal; a zero normal turns nothing.
+void look_from_outside(Camera3D& camera, const Vec3& normal);
 /// Right direction on the screen.
 inline Vec3 camera_right(const Camera3D& camera) {
   return camera.up.cross(camera.to_eye);

@@ -72,6 +72,15 @@ ImVec2 text_size(ImFont* font, const std::string& text) {
   return font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str());
 }
 
+void progress_bar(const Theme& theme, double fraction) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = theme.px(4);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.AddRectFilled(at, {at.x + width, at.y + height}, palette::pressed, height / 2);
+  draw.AddRectFilled(at, {at.x + width * static_cast<float>(fraction), at.y + height}, palette::accent, height / 2);
+  ImGui::Dummy({width, height});
+}
+
 std::string shortened(const std::string& text, float width_px) {
   const auto fits = [width_px](const std::string& t) { return ImGui::CalcTextSize(t.c_str()).x <= width_px; };
   if (fits(text)) return text;

@@ -57,6 +57,8 @@ void explanation(const Theme& theme, const std::string& text);
 void caption(const Theme& theme, const char* text);
 void rule(const Theme& theme);
 void gap(const Theme& theme, float units);
+/// A bar that fills as work goes on, as wide as there is room.
+void progress_bar(const Theme& theme, double fraction);
 
 ImVec2 text_size(ImFont* font, const std::string& text);
 

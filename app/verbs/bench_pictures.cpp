@@ -84,7 +84,7 @@ Json gallery_frame_ms(Renderer& renderer, Framebuffer& framebuffer) {
     one.name = "kidney-" + std::to_string(number);
     one.file = one.name;
     const auto shape = std::make_shared<const MeshFile>(phantom_truth(Organ::kidney, number).front());
-    request.known[{one.file, 0}] = {fs::last_write_time(one.file, ignored), shape};
+    request.known[one.file] = {fs::last_write_time(one.file, ignored), {{{0, shape}}, {}, 0, {}}};
     request.cases.push_back(std::move(one));
   }
   Progress progress;

@@ -16,19 +16,27 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct TrainingOptions {
+struct TrainingVerb {
   std::vector<fs::path> files;
   bool keep_scale = false, no_align = false;
+  TrainingOptions reading;
 
   Alignment alignment() const {
     return no_align ? Alignment::none : keep_scale ? Alignment::rigid : Alignment::similarity;
   }
 };
 
-void add_training_options(CLI::App& verb, TrainingOptions& options) {
-  verb.add_option("MESH", options.files, "Shapes in correspondence (.ply, .vtk, .vtp, .obj, .particles)")->required();
+void add_training_options(CLI::App& verb, TrainingVerb& options) {
+  verb.add_option("SHAPE", options.files,
+                  "Shapes in correspondence (.ply, .vtk, .vtp, .obj, .particles, .homolog), or a study (.study.json)")
+      ->required();
   auto* keep_scale = verb.add_flag("--keep-scale", options.keep_scale, "Align by translation and rotation only");
   verb.add_flag("--no-align", options.no_align, "Take the shapes as they lie")->excludes(keep_scale);
+  verb.add_flag("--all-frames", options.reading.all_frames,
+                "Of a cine case take every frame that was edited, not only the one it shows");
+  verb.add_flag("--flip-mirrored", options.reading.flip_mirrored,
+                "Turn shapes that are mirror images of most others into what they are");
+  verb.add_option("--group", options.reading.group, "Of a study take the cases of this group only");
 }
 
 struct Training {
@@ -38,8 +46,8 @@ struct Training {
   std::vector<std::string> warnings;
 };
 
-Result<Training> train(const TrainingOptions& options, Progress& progress) {
-  auto read = read_training_set(options.files, &progress);
+Result<Training> train(const TrainingVerb& options, Progress& progress) {
+  auto read = read_training_set(options.files, options.reading, &progress);
   if (!read) return fail(read.error());
   Training training;
   training.names = std::move(read->set.names);
@@ -62,7 +70,7 @@ Json cumulative(const Eigen::VectorXd& variances) {
 }
 
 struct ModelOptions {
-  TrainingOptions training;
+  TrainingVerb training;
   fs::path out, tables, aligned;
   double variance = 0.95;
 };
@@ -94,7 +102,7 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
 }
 
 struct EvaluateOptions {
-  TrainingOptions training;
+  TrainingVerb training;
   fs::path csv;
   Eigen::Index samples = 1000;
   std::uint64_t seed = 1;

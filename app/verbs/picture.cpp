@@ -10,6 +10,8 @@
 #include "app/verbs/verb.h"
 #include "core/base/picture_io.h"
 #include "core/case/case_file.h"
+#include "core/mesh/mirror.h"
+#include "core/model/shape_files.h"
 #include "core/model/statismo.h"
 #include "core/model/study.h"
 #include "render/offscreen.h"
@@ -25,7 +27,7 @@ struct PictureVerb {
   fs::path out;
   std::string size = "1280x960", view = "anterior";
   double glyph_spacing_mm = 0;
-  bool transparent = false;
+  bool transparent = false, all_frames = false;
   int modes = 2;
 };
 
@@ -69,20 +71,35 @@ Result<Report> write(const Result<MadePicture>& made, const PictureVerb& verb) {
 }
 
 Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
-  const MontageOptions options = montage_options(verb);
+  const auto sources = shape_sources(verb.in);
+  if (!sources) return fail(sources.error());
   std::vector<Mesh> shapes;
-  for (const fs::path& path : verb.in) {
-    auto mesh = read_mesh(path);
-    if (!mesh) return fail(mesh.error());
-    if (!shapes.empty() && mesh->topology->hash() != shapes.front().topology->hash()) {
-      return fail(path.string(), "has another numbering or other faces than " + verb.in.front().string() +
-                                     "; only shapes in correspondence can be shown together");
+  std::string first;
+  const auto take = [&](const std::string& name, const MeshFile& mesh) -> Result<void> {
+    if (mesh.triangles.rows() == 0) return fail(name, "has points only; a picture needs faces, so give meshes");
+    if (shapes.empty()) {
+      auto topology = Topology::make(mesh.points.rows(), mesh.triangles);
+      if (!topology) return fail(name, topology.error().what);
+      first = name;
+      shapes.push_back({*topology, mesh.points});
+      return {};
     }
-    shapes.push_back(std::move(*mesh));
-    progress.report(static_cast<double>(shapes.size()) / static_cast<double>(verb.in.size()));
-    if (progress.cancelled()) return fail(verb.out.string(), "was not written: stopped");
-  }
-  return write(correspondence_picture(shapes, options), verb);
+    const auto& topology = shapes.front().topology;
+    const bool same_faces =
+        topology->triangles().rows() == mesh.triangles.rows() &&
+        (topology->triangles() == mesh.triangles || turned_faces(topology->triangles(), mesh.triangles));
+    if (mesh.points.rows() != topology->vertices() || !same_faces) {
+      return fail(name, "has another numbering or other faces than " + first +
+                            "; only shapes in correspondence can be shown together");
+    }
+    shapes.push_back({topology, mesh.points});
+    return {};
+  };
+  auto warnings = read_shapes(*sources, verb.all_frames, take, &progress);
+  if (!warnings) return fail(warnings.error());
+  auto report = write(correspondence_picture(shapes, montage_options(verb)), verb);
+  if (report) report->warnings = std::move(*warnings);
+  return report;
 }
 
 Result<Report> of_model(const PictureVerb& verb) {
@@ -157,7 +174,10 @@ void add_picture(CLI::App& app, VerbRun& run) {
   picture->require_subcommand(1);
   auto options = std::make_shared<PictureVerb>();
   CLI::App* all = add_verb(*picture, "correspondence", "Shapes in a grid, hue and glyphs by landmark");
-  all->add_option("MESH", options->in, "Shapes in correspondence")->required();
+  all->add_option("SHAPE", options->in,
+                  "Shapes in correspondence: meshes, case files (.homolog), a study (.study.json)")
+      ->required();
+  all->add_flag("--all-frames", options->all_frames, "Of a cine case show every frame that was edited");
   add_options(*all, *options);
   all->callback(
       [options, &run] { run = [options](Progress& progress) { return correspondence(*options, progress); }; });

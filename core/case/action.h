@@ -71,6 +71,17 @@ struct SetTemplateLandmark {
   std::optional<Vec3> at;
   bool operator==(const SetTemplateLandmark&) const = default;
 };
+/// Puts every landmark where something found it: an automatic fit, the image's boundary, a shape model. Kept as points,
+/// so that replaying needs neither what found them nor what it was found in.
+struct SetPoints {
+  std::string by;                        ///< what found them, for the undo menu: "fit"
+  std::optional<Similarity> placement;   ///< the reference moves there; unwarped then
+  std::shared_ptr<const Points> points;  ///< n×3, LPS mm
+  bool operator==(const SetPoints& other) const {
+    return by == other.by && placement == other.placement &&
+           (points == other.points || (points && other.points && *points == *other.points));
+  }
+};
 struct SetStiffnessBase {
   double base = default_stiffness_base;
   bool operator==(const SetStiffnessBase&) const = default;
@@ -127,8 +138,8 @@ struct Redo {
 };
 
 using Action = std::variant<Stroke, SetPlacement, PaintStiffness, SmoothStiffness, PaintRegion, FillRegion, SetRegion,
-                            RemoveRegion, SetStiffnessFactors, SetStiffnessBase, Confirm, SetScheme, SetSpacing,
-                            SetTemplateLandmark, PlaceLandmark, SetLandmarkFit, MirrorTemplate, SetFrame,
+                            RemoveRegion, SetStiffnessFactors, SetPoints, SetStiffnessBase, Confirm, SetScheme,
+                            SetSpacing, SetTemplateLandmark, PlaceLandmark, SetLandmarkFit, MirrorTemplate, SetFrame,
                             StartFrameFrom, Note, Undo, Redo>;
 
 /// What an edit did, for the interface: shown during a drag and when it is done.

@@ -123,6 +123,17 @@ Action stiffness_factors(const Json& value) {
       Eigen::Map<const VertexScalars>(factors.data(), static_cast<Eigen::Index>(factors.size())))};
 }
 
+Action points(const Json& value, const Json& line) {
+  const auto numbers = value.get<std::vector<double>>();
+  if (numbers.size() % 3 != 0) throw Unreadable{"\"points\" is not x, y, z of every landmark"};
+  SetPoints set;
+  set.by = line.value("by", "");
+  if (line.contains("placement")) set.placement = similarity(line.at("placement"));
+  set.points = std::make_shared<const Points>(
+      Eigen::Map<const Points>(numbers.data(), static_cast<Eigen::Index>(numbers.size() / 3), 3));
+  return set;
+}
+
 Action template_landmark(const Json& value) {
   SetTemplateLandmark named{value.at("name").get<std::string>(), {}};
   if (value.contains("at") && !value.at("at").is_null()) named.at = point(value, "at");
@@ -146,6 +157,7 @@ struct Spelling {
 };
 const Spelling spellings[] = {
     {"tool", [](const Json&, const Json& line) { return stroke(line); }},
+    {"points", points},
     {"placement", [](const Json& value, const Json&) -> Action { return SetPlacement{similarity(value)}; }},
     {"stiffness", [](const Json& value, const Json&) { return stiffness(value); }},
     {"smooth_stiffness", [](const Json& value, const Json&) { return smooth_stiffness(value); }},
@@ -206,6 +218,11 @@ struct Writer {
   Json operator()(const RemoveRegion& a) const { return {{"remove_region", a.name}}; }
   Json operator()(const SetStiffnessFactors& a) const {
     return {{"stiffness_factors", std::vector(a.factors->begin(), a.factors->end())}};
+  }
+  Json operator()(const SetPoints& a) const {
+    Json line{{"points", std::vector(a.points->data(), a.points->data() + a.points->size())}, {"by", a.by}};
+    if (a.placement) line["placement"] = to_json(*a.placement);
+    return line;
   }
   Json operator()(const SetTemplateLandmark& a) const {
     return {{"template_landmark", {{"name", a.name}, {"at", a.at ? json_of(*a.at) : Json()}}}};

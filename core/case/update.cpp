@@ -156,6 +156,26 @@ struct Updater {
     return done(std::move(after), std::move(report));
   }
 
+  Result<Updated> operator()(const SetPoints& action) const {
+    if (auto ready = needs_shape(); !ready) return fail(ready.error());
+    if (!action.points || action.points->rows() != before.reference->points.rows()) {
+      return fail("points", std::to_string(action.points ? action.points->rows() : 0) + " were given for " +
+                                std::to_string(before.reference->points.rows()) + " landmarks");
+    }
+    if (!action.points->allFinite()) return fail("points", "hold a coordinate that is no finite number");
+    if (action.placement && !usable(*action.placement))
+      return fail("placement", "is not a rotation, a positive scale and a translation");
+    Document after = before;
+    Shape& shape = shape_of(after);
+    if (action.placement) {
+      shape.placement = *action.placement;
+      shape.reference = shape.placed = share(action.placement->apply(before.reference->points));
+    }
+    shape.points = action.points;
+    ++shape.strokes;
+    return done(std::move(after));
+  }
+
   Result<Updated> operator()(const SetStiffnessBase& action) const {
     if (!(action.base > 0) || !std::isfinite(action.base)) return fail("stiffness", "must be positive");
     Document after = before;
@@ -319,6 +339,7 @@ std::string action_name(const Action& action) {
     std::string operator()(const RemoveRegion& remove) const { return "removal of " + remove.name; }
     std::string operator()(const SetStiffnessFactors&) const { return "imported stiffness"; }
     std::string operator()(const SetTemplateLandmark& landmark) const { return "template landmark " + landmark.name; }
+    std::string operator()(const SetPoints& set) const { return set.by.empty() ? "points" : set.by; }
     std::string operator()(const SetStiffnessBase&) const { return "stiffness"; }
     std::string operator()(const Confirm& confirm) const { return confirm.hold ? "confirm" : "release"; }
     std::string operator()(const SetScheme&) const { return "scheme"; }

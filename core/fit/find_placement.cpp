@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/mirror.h"
 #include "core/mesh/surface_search.h"
 #include "core/placement/similarity_fit.h"
 
@@ -186,6 +187,14 @@ FoundPlacement find_placement(const Template& reference, const Boundary& boundar
   // Nothing near the patient's axes settled: upright, by moments alone.
   if (!std::isfinite(best.distance_mm)) best = closest.refined(at(Eigen::Quaterniond::Identity()), 0);
   return best;
+}
+
+bool looks_mirrored(const Template& reference, const Boundary& boundary) {
+  constexpr double clearly = 0.85;
+  const auto other = make_template(mirrored(to_mesh_file(reference)), reference.source);
+  if (!other) return false;
+  const double own_mm = find_placement(reference, boundary, {}, Orientation::patient).distance_mm;
+  return find_placement(**other, boundary, {}, Orientation::patient).distance_mm < clearly * own_mm;
 }
 
 }  // namespace homolog

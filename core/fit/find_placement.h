@@ -29,4 +29,8 @@ FoundPlacement find_placement(const Template& reference, const Boundary& boundar
 /// `start` refined by closest points in both directions, turned by at most 60°.
 FoundPlacement refine_placement(const Template& reference, const Boundary& boundary, const Similarity& start);
 
+/// Whether the mirrored template, placed by a similarity alone, lies clearly nearer to the boundary than the template:
+/// the organ of the other side. Organs that are their own mirror images never look mirrored.
+bool looks_mirrored(const Template& reference, const Boundary& boundary);
+
 }  // namespace homolog

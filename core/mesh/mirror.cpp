@@ -11,4 +11,9 @@ MeshFile mirrored(const MeshFile& mesh, AnatomicalPlane plane) {
   return other;
 }
 
+bool turned_faces(const Triangles& faces, const Triangles& other) {
+  return faces.rows() > 0 && faces.rows() == other.rows() && faces.col(0) == other.col(0) &&
+         faces.col(1) == other.col(2) && faces.col(2) == other.col(1);
+}
+
 }  // namespace homolog

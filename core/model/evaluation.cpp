@@ -29,7 +29,8 @@ void write_table(const Evaluation& evaluation, std::ostream& out) {
   out << "modes";
   for (const auto* part : {&evaluation.at_every, &evaluation.at_modes})
     for (const auto& [name, measures] : *part) out << ',' << name << ',' << name << "_se";
-  for (const auto& [name, measures] : evaluation.shapeworks) out << ",shapeworks_" << name;
+  for (const auto& [name, measures] : evaluation.shapeworks)
+    out << ",shapeworks_" << name << ",shapeworks_" << name << "_se";
   out << '\n';
   const std::size_t counts = evaluation.at_every.front().second.size();
   for (std::size_t m = 0; m < counts; ++m) {
@@ -38,16 +39,14 @@ void write_table(const Evaluation& evaluation, std::ostream& out) {
       out << ',' << measures[m].mean << ',' << measures[m].standard_error;
     const auto asked = std::find(evaluation.modes.begin(), evaluation.modes.end(), static_cast<int>(m) + 1);
     const auto at = static_cast<std::size_t>(asked - evaluation.modes.begin());
-    for (const auto& [name, measures] : evaluation.at_modes) {
-      out << ',';
-      if (asked != evaluation.modes.end())
-        out << measures[at].mean << ',' << measures[at].standard_error;
-      else
+    for (const auto* part : {&evaluation.at_modes, &evaluation.shapeworks}) {
+      for (const auto& [name, measures] : *part) {
         out << ',';
-    }
-    for (const auto& [name, measures] : evaluation.shapeworks) {
-      out << ',';
-      if (asked != evaluation.modes.end()) out << measures[at].mean;
+        if (asked != evaluation.modes.end())
+          out << measures[at].mean << ',' << measures[at].standard_error;
+        else
+          out << ',';
+      }
     }
     out << '\n';
   }
@@ -59,6 +58,12 @@ const Measures* Evaluation::find(const std::string& name) const {
   for (const auto* part : {&at_every, &at_modes})
     for (const auto& [known, measures] : *part)
       if (known == name) return &measures;
+  return nullptr;
+}
+
+const Measures* Evaluation::find_shapeworks(const std::string& name) const {
+  for (const auto& [known, measures] : shapeworks)
+    if (known == name) return &measures;
   return nullptr;
 }
 
@@ -75,10 +80,18 @@ Result<Evaluation> evaluate_model(const PrincipalComponents& components,
   evaluation.at_every = {{"compactness", shares},
                          {"generalization_rms", generalisation_rms(components)},
                          {"specificity_rms", specificity_rms(components, samples, seed)}};
+  // The surface distance takes most of the time, where there are surfaces.
+  const double surface_from = topology ? 0.4 : 1;
+  const auto part = [&](double from, double to) {
+    if (progress != nullptr) progress->part(from * surface_from, to * surface_from);
+  };
+  part(0, 0.2);
   auto general = generalisation_mean(components, modes, progress);
   if (!general) return fail(general.error());
+  part(0.2, 0.6);
   auto specific = specificity_mean(components, modes, samples, seed, false, progress);
   if (!specific) return fail(specific.error());
+  part(0.6, 1);
   auto shapeworks = specificity_mean(components, modes, samples, seed, true, progress);
   if (!shapeworks) return fail(shapeworks.error());
   Measures shares_at_modes;
@@ -88,10 +101,12 @@ Result<Evaluation> evaluate_model(const PrincipalComponents& components,
                            {"generalization", std::move(*general)},
                            {"specificity", std::move(*shapeworks)}};
   if (topology) {
+    if (progress != nullptr) progress->part(surface_from, 1);
     auto surface = generalisation_surface(components, topology, modes, progress);
     if (!surface) return fail(surface.error());
     evaluation.at_modes.emplace_back("generalization_surface", std::move(*surface));
   }
+  if (progress != nullptr) progress->part(0, 1);
   return evaluation;
 }
 

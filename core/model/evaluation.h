@@ -28,6 +28,8 @@ struct Evaluation {
 
   /// Of at_every or at_modes; null where it was not measured.
   const Measures* find(const std::string& name) const;
+  /// Of shapeworks: "compactness", "generalization" or "specificity"; null where it was not measured.
+  const Measures* find_shapeworks(const std::string& name) const;
 };
 
 /// All measures; the surface distance where there is a topology. Needs at least three shapes. Errors: cancelled.

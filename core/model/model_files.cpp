@@ -72,7 +72,11 @@ std::vector<std::string> shape_names(const std::vector<std::string>& files) {
   std::vector<std::string> names;
   std::map<std::string, int> used;
   for (const std::string& file : files) {
-    const std::string stem = fs::path(file).stem().string();
+    // "heart.homolog frame 7" is the shape "heart frame 7".
+    const std::size_t frame = file.rfind(" frame ");
+    const bool of_cine = frame != std::string::npos && file.substr(0, frame).ends_with(".homolog");
+    const std::string stem =
+        of_cine ? fs::path(file.substr(0, frame)).stem().string() + file.substr(frame) : fs::path(file).stem().string();
     std::string name = stem;
     while (used.contains(name)) name = stem + "-" + std::to_string(++used[stem]);
     used[name] = 1;

@@ -56,8 +56,8 @@ Result<CaseState> parsed_state(const std::string& text, const std::string& where
 Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& folder) {
   std::string where = "case " + std::to_string(number);
   if (!json.is_object()) return fail("", where + " is no object; correct it in an editor");
-  std::array<std::string, 5> texts;
-  constexpr std::array<const char*, 5> keys{"name", "file", "group", "state", "notes"};
+  std::array<std::string, 6> texts;
+  constexpr std::array<const char*, 6> keys{"name", "file", "group", "state", "notes", "imported"};
   for (std::size_t k = 0; k < keys.size(); ++k) {
     auto text = take_text(json, keys[k], where);
     if (!text) return fail(text.error());
@@ -70,6 +70,7 @@ Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& fol
   one.file = absolute_in(folder, texts[1]);
   one.group = texts[2];
   one.notes = texts[4];
+  one.imported = absolute_in(folder, texts[5]);
   const auto state = parsed_state(texts[3], where);
   if (!state) return fail(state.error());
   one.state = *state;
@@ -78,6 +79,11 @@ Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& fol
       return fail("", where + " has a \"frame\" that is no frame number");
     one.frame = frame->get<int>();
     json.erase(frame);
+  }
+  if (const auto flipped = json.find("flipped"); flipped != json.end()) {
+    if (!flipped->is_boolean()) return fail("", where + " has a \"flipped\" that is neither true nor false");
+    one.flipped = *flipped;
+    json.erase(flipped);
   }
   one.other = std::move(json);
   return one;
@@ -113,9 +119,7 @@ std::vector<std::string> missing_files(const Study& study, const fs::path& path)
   std::vector<std::string> warnings;
   std::error_code ignored;
   for (const StudyCase& one : study.cases)
-    if (!fs::exists(one.file, ignored))
-      warnings.push_back("case \"" + one.name + "\": " + one.file.string() +
-                         " is not there; put it back, or take the case off the study");
+    if (!fs::exists(one.file, ignored)) warnings.push_back(missing_case(one));
   if (!study.cases.empty() && warnings.size() == study.cases.size())
     warnings = {path.string() + ": none of its " + std::to_string(study.cases.size()) +
                 " cases is where it says (first " + study.cases.front().file.string() +
@@ -127,7 +131,9 @@ std::vector<std::string> missing_files(const Study& study, const fs::path& path)
 
 Json case_json(const StudyCase& one, const fs::path& folder) {
   Json json{{"name", one.name}, {"file", relative_to(folder, one.file)}, {"state", state_name(one.state)}};
-  if (one.frame != 0) json["frame"] = one.frame;
+  if (one.frame) json["frame"] = *one.frame;
+  if (one.flipped) json["flipped"] = true;
+  if (!one.imported.empty()) json["imported"] = relative_to(folder, one.imported);
   if (!one.group.empty()) json["group"] = one.group;
   if (!one.notes.empty()) json["notes"] = one.notes;
   json.update(one.other);
@@ -135,6 +141,11 @@ Json case_json(const StudyCase& one, const fs::path& folder) {
 }
 
 }  // namespace
+
+std::string missing_case(const StudyCase& one) {
+  return "case \"" + one.name + "\": " + one.file.string() +
+         " is not there; put it back, or take the case off the study";
+}
 
 const char* state_name(CaseState state) {
   return state_names[static_cast<std::size_t>(state)];

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,12 @@ enum class CaseState { to_do, in_work, done };
 struct StudyCase {
   std::string name;
   std::filesystem::path file;  ///< .homolog or a mesh; absolute in memory, relative to the study's folder on disk
-  int frame = 0;               ///< of a case file
+  std::optional<int> frame;    ///< of a cine's case file; the one it shows where absent
   std::string group;           ///< e.g. "healthy"; empty: none
   CaseState state = CaseState::to_do;
   std::string notes;
+  bool flipped = false;            ///< taken left for right
+  std::filesystem::path imported;  ///< the mesh that the case file was made from, to repair it; empty: none
   nlohmann::ordered_json other = nlohmann::ordered_json::object();  ///< fields that are not known here, kept
 };
 
@@ -46,6 +49,9 @@ Result<StudyRead> read_study(const std::filesystem::path& path);
 
 /// Whole or not at all. Fields that were read and are not known here are written again.
 Result<void> write_study(const Study& study, const std::filesystem::path& path);
+
+/// The sentence for a case whose file is not there.
+std::string missing_case(const StudyCase& one);
 
 const char* state_name(CaseState state);
 

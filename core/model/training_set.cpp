@@ -6,6 +6,9 @@
 #include <string_view>
 #include <utility>
 
+#include "core/mesh/mirror.h"
+#include "core/model/shape_files.h"
+
 namespace homolog {
 
 namespace fs = std::filesystem;
@@ -54,20 +57,6 @@ void find_sizes(const TrainingSet& set, std::vector<std::string>& found) {
   }
 }
 
-void find_mirrored(const TrainingSet& set, std::vector<std::string>& found) {
-  const Points first = points_of(set.shapes, 0);
-  std::vector<std::string> like_first, other_hand;
-  for (Eigen::Index i = 0; i < set.shapes.cols(); ++i) {
-    const bool mirrored = reflection_gain(first, points_of(set.shapes, i)) > mirrored_gain;
-    (mirrored ? other_hand : like_first).push_back(set.names[static_cast<std::size_t>(i)]);
-  }
-  const auto& fewer = other_hand.size() > like_first.size() ? like_first : other_hand;
-  if (!fewer.empty())
-    found.push_back(
-        joined(fewer) +
-        ": a mirror image of the other shapes (left for right, or LPS for RAS); flip it with `homolog mirror`");
-}
-
 }  // namespace
 
 std::vector<std::string> oddities(const TrainingSet& set) {
@@ -75,39 +64,51 @@ std::vector<std::string> oddities(const TrainingSet& set) {
   if (set.shapes.cols() < 2) return found;
   find_twins(set, found);
   find_sizes(set, found);
-  find_mirrored(set, found);
   return found;
 }
 
-/// The connectivity that most files have.
+std::vector<Eigen::Index> mirrored_shapes(const TrainingSet& set) {
+  std::vector<Eigen::Index> like_first, other_hand;
+  if (set.shapes.cols() == 0) return other_hand;
+  const Points first = points_of(set.shapes, 0);
+  for (Eigen::Index i = 0; i < set.shapes.cols(); ++i) {
+    const bool mirrored = reflection_gain(first, points_of(set.shapes, i)) > mirrored_gain;
+    (mirrored ? other_hand : like_first).push_back(i);
+  }
+  return other_hand.size() > like_first.size() ? like_first : other_hand;
+}
+
+/// The connectivity that most files have; faces turned inside out are the same.
 class TrainingSetBuilder::Majority {
  public:
   /// `.particles` have no faces and may join any connectivity of their count.
   void add(const MeshFile& file) {
-    for (Kind& kind : kinds_) {
-      if (kind.vertices == file.points.rows() && kind.triangles.rows() == file.triangles.rows() &&
-          kind.triangles == file.triangles) {
-        ++kind.files;
-        kind_of_file_.push_back(&kind - kinds_.data());
-        return;
-      }
+    for (std::size_t k = 0; k < kinds_.size(); ++k) {
+      Kind& kind = kinds_[k];
+      if (kind.vertices != file.points.rows()) continue;
+      const bool is_turned = kind.triangles.rows() > 0 && turned_faces(kind.triangles, file.triangles);
+      if (!is_turned && (kind.triangles.rows() != file.triangles.rows() || kind.triangles != file.triangles)) continue;
+      ++(is_turned ? kind.turned_files : kind.files);
+      of_file_.push_back({k, is_turned});
+      return;
     }
-    kind_of_file_.push_back(std::ssize(kinds_));
-    kinds_.push_back({file.points.rows(), file.triangles, 1});
+    of_file_.push_back({kinds_.size(), false});
+    kinds_.push_back({file.points.rows(), file.triangles, 1, 0});
   }
 
   /// Errors: a file whose connectivity differs from that of most; `names` gives the files as they were added.
   Result<std::shared_ptr<const Topology>> common(const std::vector<std::string>& names) const {
     std::size_t best = 0;
     for (std::size_t k = 1; k < kinds_.size(); ++k)
-      if (std::pair(kinds_[k].triangles.rows() > 0, kinds_[k].files) >
-          std::pair(kinds_[best].triangles.rows() > 0, kinds_[best].files))
+      if (std::pair(kinds_[k].triangles.rows() > 0, kinds_[k].all_files()) >
+          std::pair(kinds_[best].triangles.rows() > 0, kinds_[best].all_files()))
         best = k;
     const Kind& most = kinds_[best];
-    const auto of_most = std::find(kind_of_file_.begin(), kind_of_file_.end(), std::ptrdiff_t(best));
-    const std::string& example = names[static_cast<std::size_t>(of_most - kind_of_file_.begin())];
+    const auto of_most =
+        std::find_if(of_file_.begin(), of_file_.end(), [&](const OfFile& one) { return one.kind == best; });
+    const std::string& example = names[static_cast<std::size_t>(of_most - of_file_.begin())];
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const Kind& kind = kinds_[static_cast<std::size_t>(kind_of_file_[i])];
+      const Kind& kind = kinds_[of_file_[i].kind];
       if (kind.vertices != most.vertices) {
         return fail(names[i],
                     "has " + std::to_string(kind.vertices) + " vertices where " + example + " has " +
@@ -123,19 +124,37 @@ class TrainingSetBuilder::Majority {
       }
     }
     if (most.triangles.rows() == 0) return std::shared_ptr<const Topology>();
-    auto topology = Topology::make(most.vertices, most.triangles);
+    Triangles triangles = most.triangles;
+    if (most.mostly_turned()) triangles.col(1).swap(triangles.col(2));
+    auto topology = Topology::make(most.vertices, std::move(triangles));
     if (!topology) return fail(example, topology.error().what);
     return *topology;
+  }
+
+  /// Those whose faces are turned the other way round than most have them.
+  std::vector<std::string> inside_out(const std::vector<std::string>& names) const {
+    std::vector<std::string> found;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const Kind& kind = kinds_[of_file_[i].kind];
+      if (kind.turned_files > 0 && of_file_[i].turned != kind.mostly_turned()) found.push_back(names[i]);
+    }
+    return found;
   }
 
  private:
   struct Kind {
     Eigen::Index vertices = 0;
     Triangles triangles;
-    int files = 0;
+    int files = 0, turned_files = 0;
+    int all_files() const { return files + turned_files; }
+    bool mostly_turned() const { return turned_files > files; }
+  };
+  struct OfFile {
+    std::size_t kind = 0;
+    bool turned = false;
   };
   std::vector<Kind> kinds_;
-  std::vector<std::ptrdiff_t> kind_of_file_;
+  std::vector<OfFile> of_file_;
 };
 
 TrainingSetBuilder::TrainingSetBuilder(std::size_t most_shapes)
@@ -147,11 +166,12 @@ void TrainingSetBuilder::add(std::string name, const MeshFile& mesh) {
   majority_->add(mesh);
   set_.names.push_back(std::move(name));
   if (shape == 0) set_.shapes.resize(mesh.points.size(), static_cast<Eigen::Index>(most_shapes_));
+  if (shape == set_.shapes.cols()) set_.shapes.conservativeResize(Eigen::NoChange, 2 * shape);
   if (mesh.points.size() == set_.shapes.rows())
     set_.shapes.col(shape) = Eigen::Map<const Eigen::VectorXd>(mesh.points.data(), mesh.points.size());
 }
 
-Result<TrainingSetRead> TrainingSetBuilder::finish() {
+Result<TrainingSetRead> TrainingSetBuilder::finish(bool flip_mirrored) {
   if (set_.names.empty()) return fail("", "no shape was given; a model needs at least two");
   auto topology = majority_->common(set_.names);
   if (!topology) return fail(topology.error());
@@ -169,33 +189,39 @@ Result<TrainingSetRead> TrainingSetBuilder::finish() {
   TrainingSetRead read;
   read.set = std::move(set_);
   read.warnings = oddities(read.set);
+  std::vector<std::string> inside_out = majority_->inside_out(read.set.names);
+  for (const Eigen::Index i : mirrored_shapes(read.set)) {
+    read.mirrored.push_back(read.set.names[static_cast<std::size_t>(i)]);
+    std::erase(inside_out, read.mirrored.back());  // as the mirror image of a template is
+    if (flip_mirrored)
+      for (Eigen::Index x = 0; x < read.set.shapes.rows(); x += 3) read.set.shapes(x, i) *= -1;
+  }
+  if (!inside_out.empty())
+    read.warnings.push_back(joined(inside_out) + ": faces turned inside out; taken as those of the other shapes");
   return read;
 }
 
-Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, Progress* progress) {
-  TrainingSetBuilder builder(files.size());
-  std::vector<std::string> warnings;
-  Error unreadable{"", "no shape was given; a model needs at least two"};
-  for (const fs::path& file : files) {
-    if (progress != nullptr) {
-      progress->report(static_cast<double>(builder.shapes()) / static_cast<double>(files.size()));
-      if (progress->cancelled()) return fail("", "was stopped while the shapes were read");
-    }
-    if (file.extension() == ".stl" || file.extension() == ".STL")
-      return fail(file.string(),
-                  "is an STL file, which does not keep vertices and so no correspondence; use PLY or VTK");
-    const auto mesh = read_mesh_file(file);
-    if (!mesh) {
-      if (warnings.empty() && builder.shapes() == 0) unreadable = mesh.error();
-      warnings.push_back(mesh.error().sentence() + " (left out)");
-      continue;
-    }
-    for (const std::string& warning : mesh->warnings) warnings.push_back(file.string() + ": " + warning);
-    builder.add(file.string(), *mesh);
-  }
-  if (builder.shapes() == 0) return fail(std::move(unreadable));
-  auto read = builder.finish();
-  if (read) read->warnings.insert(read->warnings.begin(), warnings.begin(), warnings.end());
+Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, const TrainingOptions& options,
+                                          Progress* progress) {
+  const auto sources = shape_sources(files, options.group);
+  if (!sources) return fail(sources.error());
+  TrainingSetBuilder builder(sources->size());
+  const auto warnings = read_shapes(
+      *sources, options.all_frames,
+      [&](std::string name, const MeshFile& mesh) {
+        builder.add(std::move(name), mesh);
+        return Result<void>();
+      },
+      progress);
+  if (!warnings) return fail(warnings.error());
+  auto read = builder.finish(options.flip_mirrored);
+  if (!read) return read;
+  read->warnings.insert(read->warnings.begin(), warnings->begin(), warnings->end());
+  if (!read->mirrored.empty())
+    read->warnings.push_back(joined(read->mirrored) + (options.flip_mirrored
+                                                           ? ": a mirror image of the other shapes; flipped"
+                                                           : ": a mirror image of the other shapes (left for right); "
+                                                             "--flip-mirrored turns it into what they are"));
   return read;
 }
 

@@ -20,9 +20,16 @@ struct TrainingSet {
   ShapeMatrix shapes;                        ///< 3n×M, mm
 };
 
+struct TrainingOptions {
+  bool all_frames = false;     ///< of a cine case every frame that was edited; else the one it shows
+  bool flip_mirrored = false;  ///< shapes that are mirror images of most others are turned into what they are
+  std::string group;           ///< of a study's cases those of this group; empty: all
+};
+
 struct TrainingSetRead {
   TrainingSet set;
   std::vector<std::string> warnings;  ///< each names its file: what was left out, and what looks wrong (see oddities)
+  std::vector<std::string> mirrored;  ///< names of the shapes that are mirror images of most others
 };
 
 /// Puts shapes together into a training set, one after the other; keeps one copy of their points.
@@ -33,11 +40,14 @@ class TrainingSetBuilder {
   TrainingSetBuilder(const TrainingSetBuilder&) = delete;
   TrainingSetBuilder& operator=(const TrainingSetBuilder&) = delete;
 
+  /// A mesh whose faces are those of the others turned inside out, as a template of the other side has them, is in
+  /// correspondence.
   void add(std::string name, const MeshFile& mesh);
   std::size_t shapes() const { return set_.names.size(); }
-  /// The set, once; the warnings are its oddities. Errors: a shape with another vertex count or other faces than most
-  /// of the rest have (the error's subject is its name), fewer than two shapes, shapes that are all equal.
-  Result<TrainingSetRead> finish();
+  /// The set, once; the warnings are its oddities, but mirror images are only listed. Errors: a shape with another
+  /// vertex count or other faces than most of the rest have (the error's subject is its name), fewer than two shapes,
+  /// shapes that are all equal.
+  Result<TrainingSetRead> finish(bool flip_mirrored = false);
 
  private:
   class Majority;
@@ -46,15 +56,18 @@ class TrainingSetBuilder {
   TrainingSet set_;
 };
 
-/// Reads meshes (PLY, VTK, VTP, OBJ) and `.particles` into one training set. A file that cannot be read (absent,
-/// damaged, a NaN vertex) is left out with a warning. Errors: a mesh with another vertex count or other faces than most
-/// of the rest have (named, with both counts), an STL file, fewer than two shapes left, shapes that are all equal,
-/// cancelled.
+/// Reads meshes (PLY, VTK, VTP, OBJ), `.particles`, case files and studies into one training set. A file that cannot be
+/// read (absent, damaged, a NaN vertex) is left out with a warning. Errors: a mesh with another vertex count or other
+/// faces than most of the rest have (named, with both counts), shape_sources' and read_shapes', fewer than two shapes
+/// left, shapes that are all equal, cancelled.
 Result<TrainingSetRead> read_training_set(const std::vector<std::filesystem::path>& files,
-                                          Progress* progress = nullptr);
+                                          const TrainingOptions& options = {}, Progress* progress = nullptr);
 
-/// What looks wrong in a set that can be computed with, a sentence each: shapes that are mirror images of most others,
-/// sizes 10, 100 or 1000 times those of most others, shapes given twice.
+/// What looks wrong in a set that can be computed with, a sentence each: sizes 10, 100 or 1000 times those of most
+/// others, shapes given twice.
 std::vector<std::string> oddities(const TrainingSet& set);
+
+/// The shapes, as columns of the set, that are mirror images of most others.
+std::vector<Eigen::Index> mirrored_shapes(const TrainingSet& set);
 
 }  // namespace homolog

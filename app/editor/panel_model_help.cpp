@@ -1,0 +1,36 @@
+#include "app/editor/ui_context.h"
+#include "app/editor/widgets.h"
+
+// What the shape model of a study makes of the case, in the section Deform.
+
+namespace homolog {
+
+namespace {
+
+std::string help_refusal(const UiContext& ui) {
+  const auto& model = ui.state.models.model;
+  if (!model) return "Open a study (Tab): the model of its cases helps with the next one.";
+  if (model->landmarks() != ui.document().reference->topology->vertices())
+    return "The study's shapes come from another template.";
+  return {};
+}
+
+}  // namespace
+
+void draw_model_help(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  double percent = 100 * ui.state.model_help;
+  bool released = false;
+  const bool changed =
+      slider(theme, "Model help", percent, {0, 100, "%.0f", "%", false},
+             "What is confirmed stays; the rest goes towards what the model of the study's other cases expects there. "
+             "With nothing confirmed it is the model's mean",
+             released, help_refusal(ui));
+  if (changed || released) out.send(BlendModel{percent / 100, released});
+  if (ui.state.model_help <= 0 || !ui.has_shape()) return;
+  const auto& held = ui.committed_shape().confirmed;
+  const double share = held ? held->mean() : 0;
+  explanation(theme, format("%.0f %% of the landmarks are confirmed and stay.", 100 * share));
+}
+
+}  // namespace homolog

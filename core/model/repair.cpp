@@ -1,0 +1,36 @@
+#include "core/model/repair.h"
+
+#include "core/case/case_file.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+Result<fs::path> make_repair_case(const MeshFile& shape, const std::shared_ptr<const Topology>& faces,
+                                  const std::string& name, const fs::path& folder) {
+  MeshFile imported = shape;
+  if (imported.triangles.rows() == 0) {
+    if (!faces || faces->vertices() != shape.points.rows()) {
+      return fail(name,
+                  "has points only, and the editor needs faces between them; set a mesh of the same numbering as "
+                  "the study's template");
+    }
+    imported.triangles = faces->triangles();
+  }
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    return fail(folder.string(), "cannot be made a folder (" + error.message() + "); save the study elsewhere");
+  std::string stem = name;
+  for (int number = 2; fs::exists(folder / (stem + ".homolog"), error); ++number)
+    stem = name + "-" + std::to_string(number);
+  const fs::path mesh = folder / (stem + "-imported.ply");
+  if (auto written = write_mesh_file(imported, mesh); !written) return fail(written.error());
+  auto reference = load_template(mesh.string());
+  if (!reference) return fail(reference.error());
+  const fs::path file = folder / (stem + ".homolog");
+  if (auto session = create_case(new_document("", nullptr, *reference), file); !session) return fail(session.error());
+  return file;
+}
+
+}  // namespace homolog

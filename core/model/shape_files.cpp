@@ -1,0 +1,181 @@
+#include "core/model/shape_files.h"
+
+#include <utility>
+
+#include "core/base/files.h"
+#include "core/case/case_file.h"
+#include "core/mesh/mirror.h"
+#include "core/model/study.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_stl(const fs::path& file) {
+  return file.extension() == ".stl" || file.extension() == ".STL";
+}
+
+tl::unexpected<Error> stl_refused(const fs::path& file) {
+  return fail(file.string(), "is an STL file, which does not keep vertices and so no correspondence; use PLY or VTK");
+}
+
+bool is_study(const fs::path& file) {
+  return file.string().ends_with(".study.json");
+}
+
+/// Reads a file only where it is another one than before: the frames of a cine come one after the other.
+class LastFile {
+ public:
+  const Result<ShapesOfFile>& read(const fs::path& file) {
+    if (!file_ || *file_ != file) {
+      shapes_ = read_shapes_of(file);
+      file_ = file;
+    }
+    return shapes_;
+  }
+
+ private:
+  std::optional<fs::path> file_;
+  Result<ShapesOfFile> shapes_;
+};
+
+std::vector<std::optional<int>> frames_of(const ShapeSource& source, const ShapesOfFile& shapes, bool all_frames) {
+  if (source.frame || !all_frames || shapes.edited.empty()) return {source.frame};
+  return {shapes.edited.begin(), shapes.edited.end()};
+}
+
+}  // namespace
+
+bool is_case_file(const fs::path& file) {
+  return file.extension() == ".homolog";
+}
+
+Result<std::shared_ptr<const MeshFile>> ShapesOfFile::shape(std::optional<int> frame, const std::string& name) const {
+  const auto found = frames.find(frame.value_or(shown));
+  if (found != frames.end()) return found->second;
+  return fail(name, (frame ? "has no mesh at frame " + std::to_string(*frame) : std::string("has no mesh")) +
+                        " yet; place a template in it first");
+}
+
+ShapesOfFile shapes_of(const Document& document) {
+  ShapesOfFile shapes;
+  shapes.shown = document.frame;
+  for (const auto& [frame, shape] : document.shapes) {
+    shapes.frames[frame] = std::make_shared<const MeshFile>(to_mesh_file(document, frame));
+    if (shape.strokes > 0) shapes.edited.push_back(frame);
+  }
+  return shapes;
+}
+
+Result<ShapesOfFile> read_shapes_of(const fs::path& file) {
+  if (is_stl(file)) return stl_refused(file);
+  if (is_case_file(file)) {
+    auto read = read_case(file);
+    if (!read) return fail(read.error());
+    ShapesOfFile shapes = shapes_of(read->session.document());
+    shapes.warnings = std::move(read->warnings);
+    return shapes;
+  }
+  auto mesh = read_mesh_file(file);
+  if (!mesh) return fail(mesh.error());
+  ShapesOfFile shapes;
+  for (const std::string& warning : mesh->warnings) shapes.warnings.push_back(file.string() + ": " + warning);
+  shapes.frames[0] = std::make_shared<const MeshFile>(std::move(*mesh));
+  return shapes;
+}
+
+Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& files, const std::string& group) {
+  std::vector<ShapeSource> sources;
+  for (const fs::path& file : files) {
+    if (!is_study(file)) {
+      if (!group.empty())
+        return fail(file.string(), "belongs to no group; only the cases of a study (.study.json) have groups");
+      sources.push_back({file, {}, false});
+      continue;
+    }
+    const auto read = read_study(file);
+    if (!read) return fail(read.error());
+    const std::size_t before = sources.size();
+    for (const StudyCase& one : read->study.cases)
+      if (group.empty() || one.group == group) sources.push_back({one.file, one.frame, one.flipped});
+    if (sources.size() > before) continue;
+    std::string known;
+    for (const std::string& name : read->study.groups()) known += (known.empty() ? "" : ", ") + name;
+    return fail(file.string(), group.empty()   ? "has no cases yet; add some first"
+                               : known.empty() ? "has no groups; leave --group out"
+                                               : "has no case of the group " + group + "; its groups are " + known);
+  }
+  return sources;
+}
+
+Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sources, bool all_frames,
+                                             const TakeShape& take, Progress* progress) {
+  std::vector<std::string> warnings;
+  std::optional<Error> unreadable;
+  std::size_t taken = 0, done = 0;
+  LastFile last;
+  const auto leave_out = [&](const Error& error) {
+    if (!unreadable) unreadable = error;
+    warnings.push_back(error.sentence() + " (left out)");
+  };
+  for (const ShapeSource& source : sources) {
+    if (progress != nullptr) {
+      progress->report(static_cast<double>(done++) / static_cast<double>(sources.size()));
+      if (progress->cancelled()) return fail("", "was stopped while the shapes were read");
+    }
+    if (is_stl(source.file)) return stl_refused(source.file);
+    const auto& shapes = last.read(source.file);
+    if (!shapes) {
+      leave_out(shapes.error());
+      continue;
+    }
+    warnings.insert(warnings.end(), shapes->warnings.begin(), shapes->warnings.end());
+    for (const auto& frame : frames_of(source, *shapes, all_frames)) {
+      const std::string name = source.file.string() + (frame ? " frame " + std::to_string(*frame) : "");
+      const auto mesh = shapes->shape(frame, source.file.string());
+      if (!mesh) {
+        leave_out(mesh.error());
+        continue;
+      }
+      if (auto took = take(name, source.flipped ? mirrored(**mesh) : **mesh); !took) return fail(took.error());
+      ++taken;
+    }
+  }
+  if (taken == 0) return fail(unreadable.value_or(Error{"", "no shape was given; a model needs at least two"}));
+  return warnings;
+}
+
+Result<void> write_shapes(const std::vector<NamedShape>& shapes, const std::string& extension, const fs::path& folder,
+                          Progress* progress) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(folder.string(), "cannot be made a folder (" + error.message() + "); choose another place");
+  double done = 0;
+  for (const NamedShape& shape : shapes) {
+    if (progress != nullptr) {
+      progress->report(done++ / static_cast<double>(shapes.size()));
+      if (progress->cancelled()) return fail("", "was stopped; the shapes written so far are kept");
+    }
+    if (fs::path(shape.name).filename() != shape.name)
+      return fail(shape.name, "cannot be the name of a file; rename the case");
+    const std::string imported = shape.imported.extension().string();
+    const std::string ending = !extension.empty() ? extension : imported.empty() ? ".ply" : imported;
+    const fs::path path = folder / (shape.name + ending);
+    if (!shape.changed && ending == imported) {
+      const auto bytes = read_whole_file(shape.imported);
+      if (!bytes) return fail(bytes.error());
+      const auto copied = write_whole_file(path, [&](std::ostream& out) {
+        out << *bytes;
+        return Result<void>();
+      });
+      if (!copied) return copied;
+      continue;
+    }
+    if (auto written = write_mesh_file(*shape.mesh, path); !written) return written;
+  }
+  return {};
+}
+
+}  // namespace homolog

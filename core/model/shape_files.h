@@ -1,0 +1,67 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/case/document.h"
+#include "core/mesh/mesh_io.h"
+
+namespace homolog {
+
+/// Whether the name ends as a case file's does: .homolog.
+bool is_case_file(const std::filesystem::path& file);
+
+/// The shapes that one file holds.
+struct ShapesOfFile {
+  std::map<int, std::shared_ptr<const MeshFile>> frames;  ///< frame 0 alone where it is no cine
+  std::vector<int> edited;                                ///< frames of a case that were worked on, ascending
+  int shown = 0;                                          ///< the frame that a case shows
+  std::vector<std::string> warnings;                      ///< each a sentence
+
+  /// The frame, or the one that is shown. Errors: there is no mesh of it.
+  Result<std::shared_ptr<const MeshFile>> shape(std::optional<int> frame, const std::string& name) const;
+};
+
+/// The meshes of a case that is open.
+ShapesOfFile shapes_of(const Document& document);
+/// Reads a mesh (PLY, VTK, VTP, OBJ), `.particles`, or the meshes of a case file. Errors: read_mesh_file's,
+/// read_case's, an STL file, which keeps no vertices.
+Result<ShapesOfFile> read_shapes_of(const std::filesystem::path& file);
+
+/// Where a shape of a training set comes from.
+struct ShapeSource {
+  std::filesystem::path file;
+  std::optional<int> frame;  ///< of a cine case; the one it shows where absent
+  bool flipped = false;      ///< left for right
+};
+/// Files as sources, one each; a study (*.study.json) stands for its cases, of one group where `group` is not empty.
+/// Errors: a study that cannot be read, a group without a study or that no case belongs to.
+Result<std::vector<ShapeSource>> shape_sources(const std::vector<std::filesystem::path>& files,
+                                               const std::string& group = {});
+
+using TakeShape = std::function<Result<void>(std::string name, const MeshFile& mesh)>;
+/// Reads one source after the other and hands its shape to `take` under the file's name, with the frame where one of
+/// several is taken; `all_frames`: of a cine case without a frame every one that was edited. What cannot be read is
+/// left out; gives the sentences that say so. Errors: take's, an STL file, nothing that could be read, cancelled.
+Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sources, bool all_frames,
+                                             const TakeShape& take, Progress* progress = nullptr);
+
+/// A shape to write.
+struct NamedShape {
+  std::string name;  ///< of its file, without extension; no two may be equal
+  std::shared_ptr<const MeshFile> mesh;
+  std::filesystem::path imported;  ///< where it came from, for its format; empty: .ply
+  bool changed = true;             ///< else the file it came from may be copied as it is
+};
+/// Writes shapes into `folder` (made where absent) as NAME.EXTENSION; without one (".ply", ".particles") each in the
+/// format it was imported in. Numbering is kept. Errors: a name that cannot be a file's, cancelled.
+Result<void> write_shapes(const std::vector<NamedShape>& shapes, const std::string& extension,
+                          const std::filesystem::path& folder, Progress* progress = nullptr);
+
+}  // namespace homolog

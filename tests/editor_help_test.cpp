@@ -1,0 +1,119 @@
+#include <doctest/doctest.h>
+
+#include <atomic>
+
+#include "app/editor/fitter.h"
+#include "app/editor/model_help.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/label_map.h"
+#include "core/model/shape_model.h"
+#include "tests/render_help.h"
+
+// What the editor does on threads of its own for the case: the fit to a label, and the model's help.
+
+namespace homolog {
+
+namespace {
+
+std::shared_ptr<const Template> ball(double radius_mm) {
+  const Mesh mesh = icosphere(3, radius_mm);
+  return test::must(make_template({mesh.points, mesh.topology->triangles()}, "ball"));
+}
+
+/// Label 2 is a ball of 24 mm about (60, 60, 60).
+std::shared_ptr<const Volume> labels() {
+  VolumeGeometry grid;
+  grid.dims = {60, 60, 60};
+  grid.spacing_mm.setConstant(2);
+  const Mesh organ = test::sphere(Vec3::Constant(60), 24, 3);
+  return std::make_shared<const Volume>(label_map(organ, grid, 2));
+}
+
+std::shared_ptr<const Document> case_of(const std::shared_ptr<const Template>& reference) {
+  return std::make_shared<const Document>(new_document("", nullptr, reference));
+}
+
+FitSettings settings() {
+  FitSettings chosen;
+  chosen.label = 2;
+  return chosen;
+}
+
+/// Balls of 20, 22, 24 and 26 mm as a study's model, and the last of them a case.
+std::shared_ptr<const StudyModel> balls_model() {
+  StudyModel model;
+  for (const int radius_mm : {20, 22, 24, 26}) {
+    model.names.push_back("ball" + std::to_string(radius_mm));
+    const Mesh mesh = icosphere(3, radius_mm);
+    Points points = mesh.points;
+    if (radius_mm == 22) points.col(2) *= 1.2;
+    model.topology = mesh.topology;
+    model.shapes.push_back(std::make_shared<const Points>(points));
+  }
+  model.mean = {model.topology, *model.shapes.front()};
+  return std::make_shared<const StudyModel>(std::move(model));
+}
+
+}  // namespace
+
+TEST_CASE("a fit shows its steps and gives the shape of the label") {
+  std::atomic<int> woken = 0;
+  Fitter fitter([&] { ++woken; });
+  const auto document = case_of(ball(20));
+  fitter.start(document, labels(), settings());
+  CHECK(fitter.document() == document);
+  fitter.finish();
+  CHECK(woken > 3);
+  CHECK(fitter.take_step());
+  CHECK_FALSE(fitter.take_step());
+  const auto done = fitter.take();
+  REQUIRE(done);
+  const Fitted& fitted = test::must(*done);
+  CHECK(fitted.agreement.dice > 0.97);
+  CHECK_FALSE(fitted.mirrored);
+  const VertexScalars radii = (fitted.fit.mesh.points.rowwise() - Vec3::Constant(60).transpose()).rowwise().norm();
+  CHECK(radii.minCoeff() > 23);
+  CHECK(radii.maxCoeff() < 25);
+  CHECK_FALSE(fitter.document());
+  CHECK_FALSE(fitter.take());
+}
+
+TEST_CASE("a fit that was cancelled gives nothing and one to an absent label says so") {
+  Fitter fitter([] {});
+  fitter.start(case_of(ball(20)), labels(), settings());
+  fitter.cancel();
+  CHECK_FALSE(fitter.busy());
+  CHECK_FALSE(fitter.take());
+  CHECK_FALSE(fitter.take_step());
+  FitSettings absent;
+  absent.label = 7;
+  fitter.start(case_of(ball(20)), labels(), absent);
+  fitter.finish();
+  const auto done = fitter.take();
+  REQUIRE(done);
+  CHECK_FALSE(*done);
+}
+
+TEST_CASE("the model's help is computed once and blended at any strength") {
+  ModelHelp help([] {});
+  const auto model = balls_model();
+  Document begun = new_document("", nullptr, ball(26));
+  VertexScalars held = VertexScalars::Zero(begun.reference->points.rows());
+  for (Eigen::Index i = 0; i < held.size(); ++i) held[i] = begun.reference->points(i, 0) > 0 ? 1 : 0;
+  begun.shapes.at(0).confirmed = std::make_shared<const VertexScalars>(held);
+  const auto document = std::make_shared<const Document>(begun);
+  help.ask(document, model, "ball26");
+  while (help.busy()) continue;
+  CHECK_FALSE(help.update());
+  const auto none = help.at(0), full = help.at(1);
+  REQUIRE(full);
+  CHECK(*none == *begun.shape().points);
+  CHECK((*full - *none).norm() > 0);
+  for (Eigen::Index i = 0; i < held.size(); ++i)
+    if (held[i] > 0) CHECK((full->row(i) - none->row(i)).norm() < 1e-12);
+  help.ask(document, model, "ball26");
+  CHECK_FALSE(help.busy());
+  CHECK(help.at(1));
+}
+
+}  // namespace homolog

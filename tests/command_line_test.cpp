@@ -166,7 +166,9 @@ TEST_CASE("a phantom goes through replay and compare and label map") {
   CHECK(played.json()["turned_triangles"] == 0);
   const Ran compared = run(folder, "compare k.ply --mask " + labels + " --json");
   REQUIRE(compared.status == 0);
-  CHECK(compared.json()["assd_mm"].get<double>() == doctest::Approx(user.json()["assd_mm"].get<double>()));
+  // The user works towards the label's boundary as a fit does; compare measures against its voxels.
+  CHECK(compared.json()["assd_mm"].get<double>() ==
+        doctest::Approx(user.json()["assd_mm"].get<double>()).epsilon(0.02));
   CHECK(run(folder, "compare k.ply --mesh " + truth + " --json").json()["vertex_distance_mm"]["mean"].is_number());
   const Ran voxels = run(folder, "label-map k.ply --like " + image + " -o k.nii.gz --value 7 --json");
   REQUIRE(voxels.status == 0);

@@ -398,8 +398,10 @@ TEST_CASE("opening takes a file that is there without a question") {
   CHECK(desk.sent<ImportLandmarks>().size() == 1);
 }
 
-TEST_CASE("a case is opened alone") {
-  CHECK_FALSE(sort_files({"a.homolog", "ct.nii.gz"}));
+TEST_CASE("a case is opened alone or with its image") {
+  CHECK_FALSE(sort_files({"a.homolog", "kidney.ply"}));
+  CHECK_FALSE(sort_files({"a.homolog", "b.homolog"}));
+  CHECK(sort_files({"a.homolog", "ct.nii.gz"})->volume_source == "ct.nii.gz");
   CHECK(sort_files({"ct.nii.gz", "kidney.ply"})->template_source == "kidney.ply");
 }
 

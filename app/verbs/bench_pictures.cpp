@@ -77,19 +77,22 @@ Json opening_figures(Renderer& renderer) {
 
 /// A frame of the Models mode while its 24 shapes of 2,500 landmarks are turned, in a window of 1280×800.
 Json gallery_frame_ms(Renderer& renderer, Framebuffer& framebuffer) {
-  StudyModelRequest request;
+  const fs::path folder = fs::temp_directory_path() / ("homolog-bench-" + std::to_string(::getpid()));
   std::error_code ignored;
+  fs::create_directories(folder, ignored);
+  StudyModelRequest request;
   for (int number = 1; number <= 24; ++number) {
     StudyCase one;
     one.name = "kidney-" + std::to_string(number);
-    one.file = one.name;
-    const auto shape = std::make_shared<const MeshFile>(phantom_truth(Organ::kidney, number).front());
-    request.known[one.file] = {fs::last_write_time(one.file, ignored), {{{0, shape}}, {}, 0, {}}};
+    one.file = folder / (one.name + ".ply");
+    if (auto written = write_mesh_file(phantom_truth(Organ::kidney, number).front(), one.file); !written)
+      return written.error().sentence();
     request.cases.push_back(std::move(one));
   }
   Progress progress;
   ModelsState state;
   take_model(state, build_study_model(request, progress).model);
+  fs::remove_all(folder, ignored);
   if (!state.model) return "no model to be had";
   state.turning = true;
   GalleryPictures pictures;

@@ -60,10 +60,10 @@ void check_refused(const Ran& ran, const std::string& subject) {
   CHECK(ran.errors.find(subject) != std::string::npos);
 }
 
-const char* all_verbs[] = {"demo",       "info",         "replay",  "compare",      "label-map",
-                           "mirror",     "phantom",      "convert", "picture case", "picture correspondence",
-                           "study user", "bench",        "model",   "evaluate",     "picture modes",
-                           "template",   "study schemes"};
+const char* all_verbs[] = {"demo",       "info",          "replay",  "compare",      "label-map",
+                           "mirror",     "phantom",       "convert", "picture case", "picture correspondence",
+                           "study user", "bench",         "model",   "evaluate",     "picture modes",
+                           "template",   "study schemes", "fit",     "snap",         "propagate"};
 
 }  // namespace
 
@@ -467,4 +467,89 @@ TEST_CASE("study schemes knows the truth of phantoms") {
   CHECK(ours["generalization_rms"] > 0);
   CHECK(json["schemes"][1]["scheme"] == "truth");
   CHECK(json["paths"].empty());
+}
+
+namespace {
+
+/// A ball of 20 mm in the middle of an image; frame by frame smaller where there are several.
+Volume ball_image(int frames) {
+  VolumeGeometry grid;
+  grid.dims = {30, 30, 30};
+  grid.spacing_mm.setConstant(2);
+  grid.origin_mm.setConstant(-29);
+  Volume image;
+  std::vector<std::uint8_t> voxels;
+  for (int f = 0; f < frames; ++f) {
+    image = label_map(icosphere(3, 20 - 1.5 * f), grid, 100);
+    const auto& frame = std::get<std::vector<std::uint8_t>>(image.data);
+    voxels.insert(voxels.end(), frame.begin(), frame.end());
+  }
+  image.data = std::move(voxels);
+  image.frames = frames;
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("snap and fit to an image report confidence and write the mesh on the edge") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(icosphere(3, 23), folder.path / "large.ply"));
+  REQUIRE(write_mesh(icosphere(3, 20), folder.path / "truth.ply"));
+  REQUIRE(write_volume(ball_image(1), folder.path / "ball.nii.gz"));
+  std::ofstream(folder.path / "near.json") << R"({"rotation":[1,0,0,0],"scale":1,"translation":[1,0,0]})";
+  std::ofstream(folder.path / "far.json") << R"({"rotation":[1,0,0,0],"scale":1,"translation":[400,0,0]})";
+  for (const std::string command :
+       {"snap large.ply --image ball.nii.gz", "fit large.ply --image ball.nii.gz --placement near.json"}) {
+    const Ran ran = run(folder, command + " -o M.ply --json");
+    INFO(ran.errors);
+    REQUIRE(ran.status == 0);
+    const Json json = ran.json();
+    CHECK(json["confidence"] > 0.8);
+    CHECK(json["doubtful"] == false);
+    CHECK(json["turned_triangles"] == 0);
+    CHECK(json["self_intersections"] == 0);
+    CHECK(json["moved_mm"] > 2);
+    CHECK(run(folder, "compare M.ply --mesh truth.ply --json").json()["assd_mm"] < 0.6);
+  }
+  const Ran still = run(folder, "snap large.ply --image ball.nii.gz --strength 0 -o S.ply --json");
+  CHECK(still.json()["moved_mm"] == 0);
+  check_refused(run(folder, "fit large.ply --image ball.nii.gz --placement far.json -o N.ply"), "ball.nii.gz");
+  check_refused(run(folder, "fit large.ply --image ball.nii.gz -o N.ply"), "--placement");
+  check_refused(run(folder, "snap large.ply --image ball.nii.gz --frame 3 -o N.ply"), "ball.nii.gz");
+  CHECK(!fs::exists(folder.path / "N.ply"));
+  CHECK(run(folder, "snap large.ply -o N.ply").status == 2);
+}
+
+TEST_CASE("a snap of a case is one more line and replays without search") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(icosphere(3, 23), folder.path / "large.ply"));
+  REQUIRE(write_volume(ball_image(1), folder.path / "ball.nii.gz"));
+  std::ofstream(folder.path / "c.homolog")
+      << R"({"homolog":1,"volume":"ball.nii.gz","template":"large.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[0,0,0]}})"
+      << "\n";
+  REQUIRE(run(folder, "snap c.homolog -o snapped.ply").status == 0);
+  const std::string text = read_whole_file(folder.path / "c.homolog").value();
+  CHECK(lines(text) == 2);
+  CHECK(text.find(R"("by":"snap")") != std::string::npos);
+  REQUIRE(run(folder, "replay c.homolog -o replayed.ply").status == 0);
+  CHECK(run(folder, "compare snapped.ply --mesh replayed.ply --json").json()["vertex_distance_mm"]["max"] < 1e-9);
+}
+
+TEST_CASE("propagate writes a mesh a frame with volumes and a study") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(icosphere(3, 20), folder.path / "first.ply"));
+  REQUIRE(write_volume(ball_image(4), folder.path / "cine.nii.gz"));
+  const Ran ran = run(folder, "propagate first.ply --image cine.nii.gz --frame 0 -o out --json");
+  INFO(ran.errors);
+  REQUIRE(ran.status == 0);
+  const Json json = ran.json();
+  REQUIRE(json["frames"].size() == 4);
+  CHECK(json["end_diastole"] == 0);
+  CHECK(json["end_systole"] == 3);
+  CHECK(json["ejection_fraction"].get<double>() == doctest::Approx(1 - std::pow(15.5 / 20, 3)).epsilon(0.1));
+  CHECK(lines(read_whole_file(folder.path / "out" / "volumes.csv").value()) == 5);
+  CHECK(fs::exists(folder.path / "out" / "cine.study.json"));
+  REQUIRE(run(folder, "replay out/cine.homolog --frame 2 -o replayed.ply").status == 0);
+  CHECK(run(folder, "compare out/frame-02.ply --mesh replayed.ply --json").json()["vertex_distance_mm"]["max"] < 1e-6);
+  check_refused(run(folder, "propagate first.ply --image cine.nii.gz --frame 4 -o out"), "cine.nii.gz");
 }

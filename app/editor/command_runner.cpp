@@ -21,6 +21,14 @@ struct CommandRunner {
     stop_playing();
     app.session_->apply(command.action, command.joined);
   }
+  void operator()(const SnapMesh& command) const {
+    const Document& document = *app.displayed_;
+    if (!document.volume || !document.has_shape())
+      return add_notice(state, "A snap needs an image and a mesh on it.", false);
+    stop_playing();
+    app.snaps_.start(*app.session_, command.region, state.snap, command.joined);
+  }
+  void operator()(const CancelSnap&) const { app.snaps_.cancel(); }
   void operator()(const OpenFiles& command) const {
     if (state.models.shown) return open_in_models(command.paths);
     auto request = sort_files(command.paths);

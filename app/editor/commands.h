@@ -28,6 +28,12 @@ struct ApplyEdit {
   Action action;
   bool joined = false;  ///< undone together with the edit before it
 };
+/// Snaps the mesh, or a part of it, to the image, as the settings say.
+struct SnapMesh {
+  std::optional<SnapRegion> region;
+  bool joined = false;  ///< undone together with the edit before it
+};
+struct CancelSnap {};
 /// Opens cases, volumes and templates, told apart by their content.
 struct OpenFiles {
   std::vector<std::filesystem::path> paths;
@@ -125,13 +131,13 @@ struct Quit {
   bool sure = false;  ///< an unsaved case is not asked about again
 };
 
-using Command =
-    std::variant<ChangeState, PreviewEdit, ApplyEdit, OpenFiles, OpenRequested, OpenPhantom, OpenTemplate, OpenLabels,
-                 CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ImportLandmarks,
-                 ExportLandmarks, ExportTemplate, ImportStiffness, ImportTemplateLandmarks, ExportTemplateLandmarks,
-                 MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, StartFit, CancelFit,
-                 BlendModel, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog, AcceptReplacement,
-                 ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
+using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, SnapMesh, CancelSnap, OpenFiles, OpenRequested,
+                             OpenPhantom, OpenTemplate, OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs,
+                             ExportMesh, ExportLabelMap, ImportLandmarks, ExportLandmarks, ExportTemplate,
+                             ImportStiffness, ImportTemplateLandmarks, ExportTemplateLandmarks, MakeTemplate,
+                             CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, StartFit, CancelFit,
+                             BlendModel, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog,
+                             AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
 
 /// Commands in the order they were given.
 class Outbox {

@@ -64,7 +64,7 @@ void draw_keys(const UiContext& ui, Outbox& out) {
                                                    {"Space", "plays a cine"},
                                                    {"F", "everything in view"},
                                                    {"Shift+A P L R S I", "look from that side"}}};
-  static constexpr std::array<Row, 16> key_rows{{{"P", "Pull"},
+  static constexpr std::array<Row, 17> key_rows{{{"P", "Pull"},
                                                  {"G", "Grab"},
                                                  {"S", "Slide"},
                                                  {"R", "Relax"},
@@ -73,6 +73,7 @@ void draw_keys(const UiContext& ui, Outbox& out) {
                                                  {"B", "Stiffness brush"},
                                                  {"C", "Confirm"},
                                                  {"D", "Ruler"},
+                                                 {"N, Shift+N", "snap here, or after strokes"},
                                                  {"O", "outlines"},
                                                  {"X", "cross-hair"},
                                                  {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
@@ -94,7 +95,7 @@ void draw_keys(const UiContext& ui, Outbox& out) {
   };
   column(mouse_rows, 20, 180);
   column(key_rows, 400, 164);
-  ImGui::SetCursorPos({theme.px(20), theme.px(56 + 24 * 16)});
+  ImGui::SetCursorPos({theme.px(20), theme.px(56 + 24 * 17)});
   ImGui::Dummy({theme.px(680), theme.px(4)});
   end_dialog();
 }

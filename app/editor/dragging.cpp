@@ -3,6 +3,8 @@
 #include <limits>
 
 #include "app/editor/controls.h"
+#include "core/deform/shape_solver.h"
+#include "core/mesh/mesh_quality.h"
 
 namespace homolog {
 
@@ -66,6 +68,12 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
     return;
   }
   if (in_space) state.drag = TurnDrag{event.x_px, event.y_px, state.camera};
+}
+
+/// How far the surface follows a stroke: its falloff, spread by the stiffness.
+double moved_sigma_mm(const Document& document, double sigma_mm) {
+  const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().points);
+  return std::hypot(sigma_mm, stiffness_length_mm(document.stiffness_base, edge_mm));
 }
 
 }  // namespace
@@ -178,7 +186,12 @@ std::optional<Action> drag_action(const EditorState& state) {
 void finish_drag(EditorState& state, const ControlsContext& context, Outbox& out) {
   if (const auto action = drag_action(state)) {
     out.apply(*action);
-    if (std::holds_alternative<Stroke>(*action)) state.preferences.hints.dragged = true;
+    if (const auto* stroke = std::get_if<Stroke>(&*action)) {
+      state.preferences.hints.dragged = true;
+      const bool towards = stroke->tool == Tool::pull || stroke->tool == Tool::grab;
+      if (towards && state.snap.after_strokes && context.document.volume)
+        out.send(SnapMesh{SnapRegion{stroke->to, moved_sigma_mm(context.document, stroke->sigma_mm)}, true});
+    }
     if (const auto* placed = std::get_if<PlaceLandmark>(&*action))
       state.landmark = next_unplaced_landmark(context.document, placed->name);
   }

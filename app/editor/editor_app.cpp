@@ -78,6 +78,7 @@ void EditorApp::open(const std::vector<std::filesystem::path>& paths) {
 
 void EditorApp::close_session() {
   if (!session_) return;
+  snaps_.cancel();
   session_.reset();  // what was asked for is done, and the journal closed
   remove_without_edits(snapshot_->file);
 }
@@ -188,7 +189,7 @@ std::optional<double> EditorApp::next_move_seconds(double now) const {
   constexpr double progress_seconds = 0.1;
   if (state_.playing) return std::max(frame_due_ - now, 0.0);
   if (thumbnails_left_) return 0;
-  if (opener_.busy() || template_maker_.busy() || fitter_.busy()) return progress_seconds;
+  if (opener_.busy() || template_maker_.busy() || fitter_.busy() || snaps_.busy()) return progress_seconds;
   auto next = models_.next_move_seconds(state_.models);
   for (const Notice& notice : state_.notices)
     if (notice.until) next = std::min(next.value_or(*notice.until - now), std::max(*notice.until - now, 0.0));
@@ -260,6 +261,7 @@ bool EditorApp::update(double seconds) {
   const bool was_fitting = fitter_.busy();
   follow_fit();
   follow_model_help();
+  const bool new_snap = take_snap();
   const bool new_model = models_.update(state_, *snapshot_, seconds);
   const auto figures = quality_.latest();
   const bool new_figures = figures != figures_;
@@ -267,7 +269,7 @@ bool EditorApp::update(double seconds) {
   const bool new_stage = take_stage();
   forget_old_news(seconds);
   return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model ||
-         was_fitting || thumbnails_left_ || state_.playing || opener_.busy() || was_opening;
+         new_snap || was_fitting || thumbnails_left_ || state_.playing || opener_.busy() || was_opening;
 }
 
 void EditorApp::preview(Action action) {
@@ -286,6 +288,18 @@ void EditorApp::settle() {
   models_.settle(state_, *snapshot_);
   quality_.finish();
   figures_ = quality_.latest();
+}
+
+bool EditorApp::take_snap() {
+  if (auto found = snaps_.take()) {
+    if (!found->warning.empty()) add_notice(state_, found->warning, false);
+    state_.snapped = std::move(found);
+  }
+  const bool shown = state_.snapped && displayed_->has_shape() && state_.snapped->is_of(*displayed_->shape().points);
+  auto confidence = shown ? state_.snapped->confidence : nullptr;
+  const bool changed = confidence != state_.confidence;
+  state_.confidence = std::move(confidence);
+  return changed;
 }
 
 bool EditorApp::take_stage() {
@@ -309,8 +323,21 @@ SceneBuilder::Input EditorApp::scene_input(const EditorState& state) const {
 }
 
 UiContext EditorApp::ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const {
-  return {*theme_, layout_,      state,         *snapshot_,      displayed_, figures_,    opening,
-          labels_, labels_name_, label_values_, template_maker_, fitter_,    thumbnails_, shown_making() != nullptr,
+  return {*theme_,
+          layout_,
+          state,
+          *snapshot_,
+          displayed_,
+          figures_,
+          opening,
+          labels_,
+          labels_name_,
+          label_values_,
+          template_maker_,
+          fitter_,
+          thumbnails_,
+          snaps_.busy(),
+          shown_making() != nullptr,
           fps};
 }
 

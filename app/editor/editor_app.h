@@ -83,6 +83,8 @@ class EditorApp {
   /// Gives a case without a journal one, where edits are not on the disk yet.
   void keep_on_disk();
   void forget_old_news(double seconds);
+  /// Takes in what a snap found; true where there is something new to draw.
+  bool take_snap();
   /// Takes in what the template maker has; true where there is something new to draw.
   bool take_stage();
   /// The stage of the template in the making that is shown; null: the case's mesh is.
@@ -120,6 +122,7 @@ class EditorApp {
   std::shared_ptr<const Volume> labels_;
   std::string labels_name_;
   std::vector<int> label_values_;
+  Snaps snaps_;
   TemplateMaker template_maker_;
   std::shared_ptr<const TemplateMaking> seen_making_;
   bool making_shown_ = false;  ///< the template that is being made stands in for the case's mesh

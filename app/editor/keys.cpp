@@ -168,6 +168,18 @@ void press_key(EditorState& state, const InputEvent& event, int key, const Contr
     case 'O':
       state.preferences.show.outline = !state.preferences.show.outline;
       return;
+    case 'N':
+      if (event.shift) {
+        state.snap.after_strokes = !state.snap.after_strokes;
+        add_notice(state,
+                   state.snap.after_strokes ? "What a stroke leaves is snapped to the image (Shift+N: off)."
+                                            : "Strokes are no longer snapped to the image.",
+                   false);
+        return;
+      }
+      return out.send(SnapMesh{state.hover && state.hover->on_mesh
+                                   ? std::optional<SnapRegion>({*state.hover->on_mesh, state.sigma_mm()})
+                                   : std::nullopt});
     case 'X':
       state.preferences.show.crosshair = !state.preferences.show.crosshair;
       return;

@@ -44,6 +44,11 @@ const std::vector<Rgb>& quality_scale() {
   return scale;
 }
 
+const std::vector<Rgb>& confidence_scale() {
+  static const std::vector<Rgb> scale{{0.87f, 0.20f, 0.36f}, {0.98f, 0.72f, 0.30f}, {0.45f, 0.95f, 0.85f}};
+  return scale;
+}
+
 constexpr double stretch_octaves = 1;  // the scale's ends: half and double the length
 
 /// The largest distance of the scale: a round number that the mesh fills.
@@ -115,7 +120,7 @@ VertexScalars edge_stretch(const Document& document) {
 }
 
 std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, const std::vector<float>& hues,
-                                 float saturation) {
+                                 float saturation, const VertexScalars* confidence) {
   const auto n = static_cast<std::size_t>(document.shape().points->rows());
   std::vector<Rgb> colours(n);
   const auto colour_by = [&](const VertexScalars& values, const std::vector<Rgb>& scale, auto share) {
@@ -143,6 +148,9 @@ std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, cons
     }
     case Overlay::regions:
       for (std::size_t i = 0; i < n; ++i) colours[i] = region_colour(*document.regions, i);
+      break;
+    case Overlay::confidence:
+      if (confidence != nullptr) colour_by(*confidence, confidence_scale(), [](double sure) { return sure; });
       break;
     case Overlay::quality:
       colour_by(worst_triangle(document), quality_scale(), [](double quality) { return quality; });
@@ -182,6 +190,8 @@ Legend overlay_legend(const Document& document, Overlay overlay) {
       }
       return legend;
     }
+    case Overlay::confidence:
+      return {"no edge seen", "", "clear edge", confidence_scale()};
     case Overlay::quality:
       return {"flat", "", "equilateral", quality_scale(), {}};
   }

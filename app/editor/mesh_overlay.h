@@ -9,9 +9,10 @@
 
 namespace homolog {
 
-/// Colour of every vertex for an overlay; `hues` are the template's landmark hues, shown at `saturation`.
+/// Colour of every vertex for an overlay; `hues` are the template's landmark hues, shown at `saturation`; `confidence`
+/// is that of the last snap, which its overlay needs.
 std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, const std::vector<float>& hues,
-                                 float saturation);
+                                 float saturation, const VertexScalars* confidence = nullptr);
 /// Brightened towards white where a gesture takes the surface along (`response`, 0…1), greyed where it does not.
 std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response, bool stopped);
 

@@ -131,6 +131,7 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
       out.change([strength](EditorState& s) { s.relax_strength = strength / 100; });
   }
   if (tool == MouseTool::stiffness || tool == MouseTool::confirm) draw_brush(ui, out);
+  draw_snap(ui, out);
   const Document& document = ui.document();
   const Document& committed = *ui.snapshot.document;
   case_slider(ui, out, "Stiffness", committed.stiffness_base, {0.1, 200, "%.1f", "", true},

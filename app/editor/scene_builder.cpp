@@ -46,10 +46,11 @@ void SceneBuilder::update_mesh(const Input& input) {
   }
   const Overlay overlay = shown_overlay(input.state);
   const bool follows_points =
-      overlay != Overlay::landmark_hue && overlay != Overlay::stiffness && overlay != Overlay::regions;
+      overlay == Overlay::edge_stretch || overlay == Overlay::moved || overlay == Overlay::quality;
   const bool same = colours_ && overlay_ == overlay && response_ == response && stopped_ == stopped &&
                     stiffness_ == document.stiffness && regions_ == document.regions &&
-                    confirmed_ == document.shape().confirmed && !(moved && follows_points);
+                    confirmed_ == document.shape().confirmed && confidence_ == input.state.confidence &&
+                    !(moved && follows_points);
   if (same) return;
   overlay_ = overlay;
   response_ = response;
@@ -57,10 +58,12 @@ void SceneBuilder::update_mesh(const Input& input) {
   stiffness_ = document.stiffness;
   regions_ = document.regions;
   confirmed_ = document.shape().confirmed;
-  auto outline = overlay_colours(document, overlay_, hues_, 1);
+  confidence_ = input.state.confidence;
+  auto outline = overlay_colours(document, overlay_, hues_, 1, confidence_.get());
   if (response) outline = tinted(std::move(outline), *response, stopped);
   outline_colours_ = std::make_shared<const std::vector<Rgb>>(std::move(outline));
-  colours_ = std::make_shared<const std::vector<Rgb>>(overlay_colours(document, overlay_, hues_, 0.4f));
+  colours_ =
+      std::make_shared<const std::vector<Rgb>>(overlay_colours(document, overlay_, hues_, 0.4f, confidence_.get()));
   ++colours_revision_;
 }
 

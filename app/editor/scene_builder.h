@@ -40,7 +40,7 @@ class SceneBuilder {
   std::shared_ptr<const std::vector<Rgb>> outline_colours_;  ///< of the outlines: more saturated, tinted by a drag
   std::uint64_t colours_revision_ = 0;
   // What the colours were made for.
-  std::shared_ptr<const VertexScalars> response_, stiffness_, confirmed_;
+  std::shared_ptr<const VertexScalars> response_, stiffness_, confirmed_, confidence_;
   std::shared_ptr<const Regions> regions_;
   Overlay overlay_ = Overlay::landmark_hue;
   bool stopped_ = false;

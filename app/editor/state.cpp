@@ -11,6 +11,7 @@ namespace homolog {
 
 Overlay shown_overlay(const EditorState& state) {
   const bool paints = state.tool == MouseTool::stiffness;
+  if (!paints && state.confidence && state.snap.show_confidence) return Overlay::confidence;
   const bool regions = state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill;
   if (paints && regions) return Overlay::regions;
   return paints || state.tool == MouseTool::confirm ? Overlay::stiffness : state.overlay;

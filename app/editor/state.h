@@ -11,6 +11,7 @@
 #include "app/editor/fitter.h"
 #include "app/editor/layout.h"
 #include "app/editor/models_state.h"
+#include "app/editor/snaps.h"
 #include "app/editor/template_maker.h"
 #include "app/editor/view_geometry.h"
 #include "core/case/action.h"
@@ -21,7 +22,7 @@ namespace homolog {
 enum class MouseTool { pull, grab, slide, relax, place, landmark, stiffness, confirm, ruler, template_landmark };
 
 /// What the colours of the mesh mean.
-enum class Overlay { landmark_hue, edge_stretch, moved, stiffness, regions, quality };
+enum class Overlay { landmark_hue, edge_stretch, moved, stiffness, regions, quality, confidence };
 
 /// Where a slice view looks within its plane; the plane itself goes through the cross-hair.
 struct SlicePan {
@@ -49,6 +50,13 @@ struct BrushSettings {
   double stiffness_factor = 5;  ///< painted by the stiffness brush, relative to the base
   double soft = 0.5;            ///< share of the radius over which it blends
   bool hold = true;             ///< the confirm brush holds, else it frees
+};
+
+struct SnapSettings {
+  double strength = 1, reach_mm = 10;
+  Polarity polarity = Polarity::automatic;
+  bool after_strokes = false;  ///< the part under the tool is snapped when a stroke ends
+  bool show_confidence = true;
 };
 
 /// What the pointer is over; nothing while it is outside the views.
@@ -145,6 +153,9 @@ struct EditorState {
   FitSettings fit_settings;
   double model_help = 0;  ///< strength that is being tried; 0 where it is committed or not asked for
   std::optional<FitReport> last_fit;
+  SnapSettings snap;
+  std::optional<SnapFound> snapped;                 ///< the last snap
+  std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
   Overlay overlay = Overlay::landmark_hue;
   double glyph_spacing_mm = 12;
 

@@ -38,6 +38,7 @@ struct UiContext {
   const TemplateMaker& template_maker;
   const Fitter& fitter;
   const CaseThumbnails& thumbnails;
+  bool snapping = false;
   bool making_shown = false;  ///< a template in the making stands in for the case's mesh
   double frames_per_second = 0;
 
@@ -78,6 +79,9 @@ void draw_side_panel(const UiContext& ui, Outbox& out);
 void draw_status_line(const UiContext& ui, Outbox& out);
 void draw_dialogs(const UiContext& ui, Outbox& out);
 void draw_notices(const UiContext& ui, Outbox& out);
+
+/// In the section Deform: snapping to the image.
+void draw_snap(const UiContext& ui, Outbox& out);
 
 /// In the section Reference: regions and landmarks of the template, and the making of one from a label map.
 void draw_regions(const UiContext& ui, Outbox& out);

@@ -6,6 +6,7 @@
 
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
+#include "app/verbs/snap_arguments.h"
 #include "app/verbs/verb.h"
 #include "core/base/files.h"
 #include "core/case/action_json.h"
@@ -13,8 +14,9 @@
 #include "core/measure/compare.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mirror.h"
+#include "core/placement/similarity_fit.h"
 
-// The verb `fit`: a template to one label map or surface, or to many.
+// The verb `fit`: a template to one label map or surface, or to many, or to the boundary that an image shows.
 
 namespace homolog {
 
@@ -28,8 +30,9 @@ constexpr double doubtful_share = 0.04;  ///< of the organ's diagonal
 struct Options {
   std::string template_source, orientation = "patient";
   std::vector<fs::path> masks, meshes;
-  fs::path out, placement, landmarks;
-  int label = 0, frame = 0;
+  fs::path image, out, placement, landmarks;
+  SnapArguments snap;  ///< for an image
+  int label = 0;
   double closing_mm = 1;
   bool mirror = false;
 
@@ -96,13 +99,13 @@ Result<Target> read_target(const Options& options, const fs::path& path, Eigen::
   reading.progress = &progress;
   auto read = read_volume(path, reading);
   if (!read) return fail(read.error());
-  if (options.frame >= read->volume.frames)
+  if (options.snap.frame >= read->volume.frames)
     return fail(path.string(),
                 "has " + std::to_string(read->volume.frames) + " frames, counted from 0; choose --frame among them");
-  const auto label = options.label != 0 ? Result<int>(options.label) : only_label(read->volume, options.frame);
+  const auto label = options.label != 0 ? Result<int>(options.label) : only_label(read->volume, options.snap.frame);
   if (!label) return fail(path.string(), label.error().what + " by --label");
   const auto started = Clock::now();
-  auto boundary = label_boundary(read->volume, *label, options.frame, options.closing_mm, vertices);
+  auto boundary = label_boundary(read->volume, *label, options.snap.frame, options.closing_mm, vertices);
   if (!boundary) return fail(path.string(), boundary.error().what);
   boundary->warnings.insert(boundary->warnings.begin(), read->warnings.begin(), read->warnings.end());
   return Target{started, std::move(*boundary), std::move(read->volume), *label};
@@ -122,7 +125,7 @@ Report report_of(const Target& target, const FitResult& fit, const Options& opti
   const bool doubtful = agreement.dice < doubtful_dice || agreement.hd95_mm > doubtful_share * diagonal_mm;
   Report report;
   report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", agreement.dice}};
-  if (target.mask) report.values["dice_raw"] = dice_with_mask(fit.mesh, *target.mask, target.label, options.frame);
+  if (target.mask) report.values["dice_raw"] = dice_with_mask(fit.mesh, *target.mask, target.label, options.snap.frame);
   report.values.update(Json{{"turned_triangles", fit.turned_triangles},
                             {"self_intersections", fit.self_intersections},
                             {"unseen_vertices", fit.unseen.size()},
@@ -149,6 +152,54 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
   if (auto written = write_mesh_file(fitted_file(*shared.reference, *fit), out); !written) return fail(written.error());
   Report report = report_of(*target, *fit, options, seconds);
   for (std::string& warning : report.warnings) warning = path.string() + ": " + warning;
+  return report;
+}
+
+/// Where the template starts in an image: as the placement says, or on three named places.
+Result<Similarity> start_in_image(const Shared& shared) {
+  if (shared.fit.placement) return *shared.fit.placement;
+  Points from(static_cast<Eigen::Index>(shared.reference->landmarks.size()), 3), to = from;
+  Eigen::Index count = 0;
+  for (const Landmark& landmark : shared.reference->landmarks) {
+    const auto there = shared.fit.landmarks.find(landmark.name);
+    if (there == shared.fit.landmarks.end()) continue;
+    from.row(count) = landmark.position;
+    to.row(count++) = there->second;
+  }
+  if (count < 3)
+    return fail("", "needs --placement, or --landmarks with three places that the template names, to start from");
+  return fit_similarity(from.topRows(count), to.topRows(count), Similarity{});
+}
+
+Result<Report> fit_image(const Options& options, const Shared& shared, Progress& progress) {
+  const auto placement = start_in_image(shared);
+  if (!placement) return fail(options.image.string(), placement.error().what);
+  auto image = read_image(options.image, options.snap.frame, progress);
+  if (!image) return fail(image.error());
+  const Template& reference = *shared.reference;
+  auto snapping = snap_options(options.snap, reference.points.rows(), progress);
+  if (!snapping) return fail(snapping.error());
+  snapping->progress = &progress;
+
+  const auto started = Clock::now();
+  Mesh mesh{reference.topology, placement->apply(reference.points)};
+  const Points placed = mesh.points;
+  const SnapStart start{mesh, placed, reference.stiffness, VertexScalars::Ones(mesh.points.rows())};
+  const auto snapped = snap(image->volume, options.snap.frame, start, *snapping);
+  if (!snapped) return fail(options.image.string(), snapped.error().what);
+  const double seconds = std::chrono::duration<double>(Clock::now() - started).count();
+  mesh.points = snapped->points;
+  FitResult fit;
+  fit.mesh = mesh;
+  fit.unseen = snapped->unseen;
+  for (std::size_t k = 0; k < reference.landmarks.size(); ++k)
+    fit.landmarks.push_back({reference.landmarks[k].name,
+                             reference.landmark_points[k].interpolate(*reference.topology, mesh.points).transpose()});
+  if (auto written = write_mesh_file(fitted_file(reference, fit), options.out); !written) return fail(written.error());
+  Report report = snap_report(*snapped, mesh, placed, options.image);
+  report.values["placement"] = to_json(fit_similarity(reference.points, mesh.points, *placement));
+  report.values["seconds"] = seconds;
+  report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
   return report;
 }
 
@@ -207,12 +258,15 @@ Result<Report> fit_many(const Options& options, const Shared& shared, Progress& 
 Result<Report> fit(const Options& options, Progress& progress) {
   const auto shared = shared_of(options);
   if (!shared) return fail(shared.error());
+  if (!options.image.empty()) return fit_image(options, *shared, progress);
   if (!is_mesh_name(options.out)) return fit_many(options, *shared, progress);
   return fit_case(options, *shared, options.cases().front(), options.out, progress);
 }
 
 void check(const Options& options) {
-  if (options.masks.empty() == options.meshes.empty()) throw CLI::RequiredError("exactly one of --mask and --mesh");
+  const int kinds = !options.masks.empty() + !options.meshes.empty() + !options.image.empty();
+  if (kinds != 1) throw CLI::RequiredError("exactly one of --mask, --mesh and --image");
+  if (!options.image.empty()) return;
   if (options.cases().size() == 1) return;
   if (is_mesh_name(options.out)) throw CLI::ValidationError("--output", "is a folder where several cases are fitted");
   if (!options.placement.empty()) throw CLI::ValidationError("--placement", "goes with one case");
@@ -229,13 +283,11 @@ void add_fit(CLI::App& app, VerbRun& run) {
   auto* mask = verb->add_option("--mask", options->masks, "The label map to adapt to; several with a folder as output");
   verb->add_option("--mesh", options->meshes, "The surface to adapt to; several with a folder as output")
       ->excludes(mask);
+  verb->add_option("--image", options->image, "The image to adapt to, from a placement: the boundary that it shows");
   verb->add_option("-o,--output", options->out, "The mesh to write, or a folder for one mesh a case (case.ply)")
       ->required();
   verb->add_option("--label", options->label, "Which label of the mask, where it holds several")
       ->check(CLI::PositiveNumber)
-      ->needs(mask);
-  verb->add_option("--frame", options->frame, "Which frame of a cine label map, from 0")
-      ->check(CLI::NonNegativeNumber)
       ->needs(mask);
   verb->add_option("--closing-mm", options->closing_mm, "Radius in mm of the closing: narrower clefts are filled")
       ->check(CLI::Range(0.0, 20.0))
@@ -248,6 +300,7 @@ void add_fit(CLI::App& app, VerbRun& run) {
                    "patient: near the patient's axes; any: every rotation is tried")
       ->check(CLI::IsMember({"patient", "any"}))
       ->capture_default_str();
+  add_snap_arguments(*verb, options->snap);
   verb->add_flag("--mirror", options->mirror, "Start from the template of the other side");
   verb->callback([options, &run] {
     check(*options);

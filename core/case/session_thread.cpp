@@ -19,7 +19,11 @@ struct SessionThread::Shared {
   struct SaveAs {
     std::filesystem::path path;
   };
-  using Job = std::variant<EditStep, SaveAs>;
+  struct Computed {
+    Compute compute;
+    bool joined = false;
+  };
+  using Job = std::variant<EditStep, Computed, SaveAs>;
 
   mutable std::mutex mutex;
   std::condition_variable changed;
@@ -72,6 +76,15 @@ struct SessionThread::Shared {
     publish(std::move(snapshot));
   }
 
+  void do_computed(const Computed& computed) {
+    auto action = computed.compute(session.document());
+    if (action && *action) return do_action({std::move(**action), computed.joined});
+    Snapshot snapshot = *latest;
+    ++snapshot.committed;
+    snapshot.error = action ? "" : action.error().sentence();
+    publish(std::move(snapshot));
+  }
+
   void do_save(const std::filesystem::path& path) {
     Snapshot snapshot = *latest;
     auto saved = save_case_as(session, path);
@@ -120,6 +133,7 @@ struct SessionThread::Shared {
       try {
         if (job && std::holds_alternative<EditStep>(*job)) do_action(std::get<EditStep>(std::move(*job)));
         if (job && std::holds_alternative<SaveAs>(*job)) do_save(std::get<SaveAs>(*job).path);
+        if (job && std::holds_alternative<Computed>(*job)) do_computed(std::get<Computed>(*job));
         if (preview) show_preview(*preview);
       } catch (const std::bad_alloc&) {
         Snapshot snapshot = *latest;
@@ -163,6 +177,14 @@ void SessionThread::apply(Action action, bool joined) {
     const std::lock_guard lock(shared_->mutex);
     shared_->next_preview.reset();  // it belonged to the gesture that this action ends
     shared_->jobs.emplace_back(EditStep{std::move(action), joined});
+  }
+  shared_->changed.notify_one();
+}
+
+void SessionThread::apply_computed(Compute compute, bool joined) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->jobs.emplace_back(Shared::Computed{std::move(compute), joined});
   }
   shared_->changed.notify_one();
 }

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/base/progress.h"
+#include "core/case/session_thread.h"
+#include "core/snap/snap_document.h"
+
+namespace homolog {
+
+struct SnapSettings;
+
+/// What a snap found.
+struct SnapFound {
+  Points points;
+  std::shared_ptr<const VertexScalars> confidence;  ///< per vertex, 0…1
+  double mean_confidence = 0, moved_mm = 0, seconds = 0;
+  bool doubtful = false;
+  std::string warning;  ///< a sentence; empty where there is none
+
+  bool is_of(const Points& shape) const { return shape.rows() == points.rows() && shape == points; }
+};
+
+/// Snaps the case's mesh to its image on the session's thread, each snap one edit. The latest wins: one that still
+/// runs is given up.
+class Snaps {
+ public:
+  void start(SessionThread& session, std::optional<SnapRegion> region, const SnapSettings& settings,
+             bool joined = false);
+  void cancel();
+  bool busy() const;
+  /// What the latest snap found, once.
+  std::optional<SnapFound> take();
+
+ private:
+  struct Box;
+  std::shared_ptr<Box> box_;
+};
+
+}  // namespace homolog

@@ -1,0 +1,178 @@
+#include <chrono>
+#include <cstdio>
+
+#include "app/verbs/snap_arguments.h"
+#include "core/base/files.h"
+#include "core/case/case_file.h"
+#include "core/model/study.h"
+#include "core/snap/propagate.h"
+#include "core/snap/snap_document.h"
+
+// The verb `propagate`: the mesh of one frame through a whole cine.
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct PropagateVerb {
+  std::string mesh;
+  fs::path image, out;
+  int frame = 0;
+  PropagateOptions options;
+};
+
+std::string frame_name(std::size_t frame) {
+  char name[32];
+  std::snprintf(name, sizeof name, "frame-%02zu", frame);
+  return name;
+}
+
+/// A case with a mesh in every frame.
+Result<void> write_case(const PropagateVerb& verb, const Document& initial, const Propagation& propagation,
+                        const fs::path& path) {
+  auto session = create_case(initial, path);
+  if (!session) return fail(session.error());
+  if (auto done = session->apply(SetPlacement{Similarity{}}); !done) return fail(done.error());
+  const auto show = [&](int frame) { return session->apply(SetFrame{frame}); };
+  for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
+    const PropagatedFrame& frame = propagation.frames[f];
+    if (auto done = show(static_cast<int>(f)); !done) return fail(done.error());
+    if (auto done = session->apply(points_edit(session->document(), frame.points, "propagate")); !done)
+      return fail(done.error());
+    if (frame.doubt.empty()) continue;
+    if (auto done = session->apply(Note{"frame " + std::to_string(f) + " " + frame.doubt}); !done)
+      return fail(done.error());
+  }
+  if (auto done = show(verb.frame); !done) return fail(done.error());
+  return {};
+}
+
+/// Every frame as a case of a study; those in doubt are still to do.
+Study study_of(const PropagateVerb& verb, const Propagation& propagation, const fs::path& case_path) {
+  Study study;
+  study.template_file = fs::absolute(verb.mesh);
+  for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
+    StudyCase one;
+    one.name = frame_name(f);
+    one.file = fs::absolute(case_path);
+    one.frame = static_cast<int>(f);
+    one.notes = propagation.frames[f].doubt;
+    one.state = one.notes.empty() ? CaseState::done : CaseState::to_do;
+    study.cases.push_back(std::move(one));
+  }
+  return study;
+}
+
+std::string volume_table(const Propagation& propagation, double frame_seconds) {
+  std::string table = "frame,seconds,volume_ml,confidence,disagreement_mm,doubt\n";
+  for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
+    const PropagatedFrame& frame = propagation.frames[f];
+    char line[160];
+    std::snprintf(line, sizeof line, "%zu,%.4f,%.3f,%.3f,", f, static_cast<double>(f) * frame_seconds, frame.volume_ml,
+                  frame.confidence);
+    table += line;
+    if (frame.disagreement_mm) {
+      std::snprintf(line, sizeof line, "%.3f", *frame.disagreement_mm);
+      table += line;
+    }
+    table += "," + (frame.doubt.empty() ? "" : '"' + frame.doubt + '"') + "\n";
+  }
+  return table;
+}
+
+Result<void> write_all(const PropagateVerb& verb, const Document& initial, const Propagation& propagation) {
+  std::error_code error;
+  fs::create_directories(verb.out, error);
+  if (error) return fail(verb.out.string(), "cannot be made (" + error.message() + "); choose another folder");
+  MeshFile file = to_mesh_file(*initial.reference);
+  const auto& landmarks = initial.reference->landmarks;
+  for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
+    file.points = propagation.frames[f].points;
+    for (std::size_t k = 0; k < landmarks.size(); ++k)
+      file.landmarks[k].position =
+          initial.reference->landmark_points[k].interpolate(*initial.reference->topology, file.points).transpose();
+    if (auto written = write_mesh_file(file, verb.out / (frame_name(f) + ".ply")); !written) return written;
+  }
+  const double frame_seconds = initial.volume->frame_seconds;
+  const auto table = [&](std::ostream& out) {
+    out << volume_table(propagation, frame_seconds);
+    return Result<void>();
+  };
+  if (auto written = write_whole_file(verb.out / "volumes.csv", table); !written) return written;
+  const fs::path case_path = verb.out / "cine.homolog";
+  if (auto written = write_case(verb, initial, propagation, case_path); !written) return written;
+  return write_study(study_of(verb, propagation, case_path), verb.out / "cine.study.json");
+}
+
+Report report_of(const PropagateVerb& verb, const Propagation& propagation) {
+  Report report;
+  Json frames = Json::array(), doubtful = Json::array();
+  for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
+    const PropagatedFrame& frame = propagation.frames[f];
+    frames.push_back({{"frame", f},
+                      {"mesh", (verb.out / (frame_name(f) + ".ply")).string()},
+                      {"volume_ml", frame.volume_ml},
+                      {"confidence", frame.confidence},
+                      {"disagreement_mm", frame.disagreement_mm ? Json(*frame.disagreement_mm) : Json()},
+                      {"doubt", frame.doubt}});
+    if (frame.doubt.empty()) continue;
+    doubtful.push_back(f);
+    report.warnings.push_back(verb.image.string() + ": frame " + std::to_string(f) + " " + frame.doubt +
+                              "; look at it in the editor");
+  }
+  const auto volume = [&](int f) { return propagation.frames[static_cast<std::size_t>(f)].volume_ml; };
+  report.values = {{"frames", std::move(frames)},
+                   {"cycle", propagation.cycle},
+                   {"end_diastole", propagation.end_diastole},
+                   {"end_systole", propagation.end_systole},
+                   {"end_diastolic_volume_ml", volume(propagation.end_diastole)},
+                   {"end_systolic_volume_ml", volume(propagation.end_systole)},
+                   {"ejection_fraction", propagation.ejection_fraction},
+                   {"doubtful", std::move(doubtful)},
+                   {"case", (verb.out / "cine.homolog").string()},
+                   {"study", (verb.out / "cine.study.json").string()}};
+  return report;
+}
+
+Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
+  auto reference = load_template(verb.mesh);
+  if (!reference) return fail(reference.error());
+  auto image = read_image(verb.image, verb.frame, progress);
+  if (!image) return fail(image.error());
+  PropagateOptions options = verb.options;
+  options.progress = &progress;
+  const auto start = std::chrono::steady_clock::now();
+  const auto propagation = propagate(image->volume, verb.frame, {(*reference)->topology, (*reference)->points},
+                                     (*reference)->stiffness, options);
+  if (!propagation) return fail(verb.image.string(), propagation.error().what);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Document initial =
+      new_document(verb.image.string(), std::make_shared<const Volume>(std::move(image->volume)), *reference);
+  if (auto written = write_all(verb, initial, *propagation); !written) return fail(written.error());
+  Report report = report_of(verb, *propagation);
+  report.values["seconds"] = seconds;
+  report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
+  return report;
+}
+
+}  // namespace
+
+void add_propagate(CLI::App& app, VerbRun& run) {
+  auto options = std::make_shared<PropagateVerb>();
+  CLI::App* verb = add_verb(app, "propagate", "Carries the mesh of one frame through all frames of a cine");
+  verb->add_option("MESH", options->mesh, "The mesh of one frame, where it lies in the image")->required();
+  verb->add_option("--image", options->image, "The cine")->required();
+  verb->add_option("--frame", options->frame, "The frame that the mesh is of, from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->required();
+  verb->add_option("-o,--output", options->out, "The folder for meshes, case, study and volumes")->required();
+  verb->add_option("--reach-mm", options->options.reach_mm, "How far the boundary may move between two frames")
+      ->check(CLI::Range(0.5, 50.0))
+      ->capture_default_str();
+  verb->callback(
+      [options, &run] { run = [options](Progress& progress) { return run_propagate(*options, progress); }; });
+}
+
+}  // namespace homolog

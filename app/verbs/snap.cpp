@@ -1,0 +1,112 @@
+#include <chrono>
+#include <optional>
+
+#include "app/verbs/snap_arguments.h"
+#include "core/case/case_file.h"
+#include "core/snap/snap_document.h"
+
+// The verb `snap`: draws a mesh, or a case's mesh as one more edit of it, to the boundary that an image shows.
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct SnapVerb {
+  SnapArguments snap;
+  fs::path source, image, out;
+  std::vector<double> at;
+  double sigma_mm = 10;
+
+  bool of_case() const { return source.extension() == ".homolog"; }
+};
+
+/// The mesh on its image as a case in memory, as it lies.
+Result<EditSession> session_of(const SnapVerb& verb, Progress& progress) {
+  auto mesh = load_template(verb.source.string());
+  if (!mesh) return fail(mesh.error());
+  auto image = read_image(verb.image, verb.snap.frame, progress);
+  if (!image) return fail(image.error());
+  EditSession session(
+      new_document(verb.image.string(), std::make_shared<const Volume>(std::move(image->volume)), *mesh));
+  for (const Action& action : {Action(SetFrame{verb.snap.frame}), Action(SetPlacement{Similarity{}})})
+    if (auto done = session.apply(action); !done) return fail(done.error());
+  return session;
+}
+
+Result<EditSession> opened(const SnapVerb& verb, Progress& progress) {
+  if (!verb.of_case()) return session_of(verb, progress);
+  auto read = open_case(verb.source, &progress);
+  if (!read) return fail(read.error());
+  return std::move(read->session);
+}
+
+Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
+  auto session = opened(verb, progress);
+  if (!session) return fail(session.error());
+  const Document& before = session->document();
+  if (!before.reference || !before.has_shape())
+    return fail(verb.source.string(), "has no mesh in the frame it shows; start it in the editor");
+  auto options = snap_options(verb.snap, before.shape().points->rows(), progress);
+  if (!options) return fail(options.error());
+  options->progress = &progress;
+  std::optional<SnapRegion> region;
+  if (!verb.at.empty()) region = SnapRegion{Vec3(verb.at[0], verb.at[1], verb.at[2]), verb.sigma_mm};
+
+  const auto start = std::chrono::steady_clock::now();
+  auto snapped = snap_document(before, region, *options);
+  const fs::path image = verb.image.empty() ? fs::path(before.volume_source) : verb.image;
+  if (!snapped) return fail(image.string(), snapped.error().what);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (auto done = session->apply(std::move(snapped->action)); !done)
+    return fail(verb.source.string(), done.error().what);
+
+  const Document& after = session->document();
+  if (!verb.out.empty()) {
+    MeshFile file = to_mesh_file(after, after.frame);
+    if (!verb.of_case()) {
+      file.landmarks.clear();
+      for (std::size_t k = 0; k < after.reference->landmarks.size(); ++k)
+        file.landmarks.push_back(
+            {after.reference->landmarks[k].name, after.reference->landmark_points[k]
+                                                     .interpolate(*after.reference->topology, *after.shape().points)
+                                                     .transpose()});
+    }
+    if (auto written = write_mesh_file(file, verb.out); !written) return fail(written.error());
+  }
+  Report report = snap_report(snapped->result, after.mesh(), *after.shape().placed, image);
+  report.values["seconds"] = seconds;
+  return report;
+}
+
+void check(const SnapVerb& verb) {
+  if (!verb.of_case() && verb.image.empty()) throw CLI::RequiredError("--image");
+  if (!verb.of_case() && verb.out.empty()) throw CLI::RequiredError("--output");
+  if (verb.of_case() && !verb.image.empty())
+    throw CLI::ValidationError("--image", "goes with a mesh; a case has its own");
+}
+
+}  // namespace
+
+void add_snap(CLI::App& app, VerbRun& run) {
+  auto options = std::make_shared<SnapVerb>();
+  CLI::App* verb = add_verb(app, "snap", "Draws a mesh to the boundary that an image shows");
+  verb->add_option("MESH|CASE", options->source, "A mesh that lies on its organ, or a case, which gets one more edit")
+      ->required();
+  verb->add_option("--image", options->image, "The image, where a mesh is given");
+  verb->add_option("-o,--output", options->out, "The mesh to write");
+  verb->add_option("--at", options->at, "x,y,z in mm: only the part of the mesh around this point")
+      ->delimiter(',')
+      ->expected(3);
+  verb->add_option("--sigma-mm", options->sigma_mm, "How large that part is")
+      ->check(CLI::Range(0.5, 200.0))
+      ->capture_default_str();
+  add_snap_arguments(*verb, options->snap);
+  verb->callback([options, &run] {
+    check(*options);
+    run = [options](Progress& progress) { return run_snap(*options, progress); };
+  });
+}
+
+}  // namespace homolog

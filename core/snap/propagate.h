@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/mesh/topology.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+struct PropagateOptions {
+  double reach_mm = 6;  ///< how far the boundary may move from one frame to the next
+  Progress* progress = nullptr;
+};
+
+/// One frame's mesh, and how far it is to be trusted.
+struct PropagatedFrame {
+  Points points;
+  double volume_ml = 0;
+  double confidence = 0;  ///< 0…1: how much the image along the boundary looks as in the given frame
+  /// Mean distance between the landmarks that came forwards and those that came backwards through a whole cycle; a
+  /// cine that is no closed cycle has none.
+  std::optional<double> disagreement_mm;
+  std::string doubt;  ///< why a person has to look at it, a sentence; empty where nothing speaks against it
+};
+
+struct Propagation {
+  std::vector<PropagatedFrame> frames;
+  int given = 0;                          ///< the frame the mesh is from
+  bool cycle = false;                     ///< the last frame leads on to the first
+  int end_diastole = 0, end_systole = 0;  ///< frames of the largest and the smallest volume, doubtful ones left out
+  double ejection_fraction = 0;           ///< (largest − smallest) / largest
+};
+
+/// Carries the mesh of one frame through all frames of a cine, in both directions: each frame starts from the one
+/// before and snaps to where the image looks along the normals as it does in the given frame. Around a closed cycle
+/// both ways meet in every frame and are blended, the shorter way counting more. A frame that shows nothing of the
+/// kind gets the mean of its neighbours and a doubt. Errors: one frame only; the mesh lies outside the image;
+/// cancelled.
+Result<Propagation> propagate(const Volume& cine, int frame, const Mesh& mesh, const VertexScalars& stiffness,
+                              const PropagateOptions& options = {});
+
+}  // namespace homolog

@@ -9,7 +9,7 @@ namespace homolog {
 namespace {
 
 constexpr double label_px = 130, width_px = 640, margin_px = 24, row_px = 22;
-constexpr const char* names[] = {"landmarks_placed_mm", "landmarks_after_features_mm", "landmarks_mm"};
+constexpr const char* keys[] = {"landmarks_placed_mm", "landmarks_after_features_mm", "landmarks_mm"};
 
 /// From mm to the picture.
 struct Axis {
@@ -26,7 +26,7 @@ void draw_axis(std::ostream& out, const Axis& axis, double bottom_px) {
 }
 
 void draw_row(std::ostream& out, const Axis& axis, const Json& row, double y_px) {
-  const double placed = axis.at(row[names[0]]), features = axis.at(row[names[1]]), end = axis.at(row[names[2]]);
+  const double placed = axis.at(row[keys[0]]), features = axis.at(row[keys[1]]), end = axis.at(row[keys[2]]);
   out << "<text x='" << label_px - 10 << "' y='" << y_px + 4 << "' text-anchor='end'>"
       << row["scheme"].get<std::string>() << "</text>\n<line x1='" << std::min({placed, features, end}) << "' y1='"
       << y_px << "' x2='" << std::max({placed, features, end}) << "' y2='" << y_px << "' stroke='#999'/>\n<circle cx='"
@@ -40,9 +40,9 @@ std::string landmark_chart(const std::vector<Json>& rows) {
   std::vector<const Json*> known;
   double most_mm = 0;
   for (const Json& row : rows) {
-    if (!row.contains(names[2]) || row[names[2]].is_null()) continue;
+    if (!row.contains(keys[2]) || row[keys[2]].is_null()) continue;
     known.push_back(&row);
-    for (const char* name : names) most_mm = std::max(most_mm, row[name].get<double>());
+    for (const char* name : keys) most_mm = std::max(most_mm, row[name].get<double>());
   }
   if (known.empty()) return {};
   const Axis axis{std::ceil(most_mm)};

@@ -1,0 +1,76 @@
+#include "app/editor/editor_app.h"
+
+// What becomes of files that were opened.
+
+namespace homolog {
+
+void EditorApp::take_opened(Opened opened) {
+  for (auto& warning : opened.warnings) add_notice(state_, std::move(warning), false);
+  if (opened.cancelled) return;
+  if (!opened.error.empty()) return add_notice(state_, std::move(opened.error));
+  if (opened.needs_spacing) {
+    state_.dialog = SpacingDialog{std::move(opened.request)};
+    return;
+  }
+  if (!opened.series.empty()) {
+    state_.dialog = SeriesDialog{std::move(opened.request), std::move(opened.series)};
+    return;
+  }
+  if (opened.labels) {
+    labels_ = std::move(opened.labels);
+    labels_name_ = opened.request.labels.filename().string();
+    label_values_.clear();
+    for (const auto& [value, voxels] : labels_of(*labels_)) label_values_.push_back(value);
+    return;
+  }
+  if (has_unsaved_edits(*snapshot_) && snapshot_->file.empty())
+    return add_notice(state_, "The case on the screen could not be kept on the disk; save it before opening another.");
+  if (opened.opened_case) {
+    start_session(std::move(opened.opened_case->session));
+    return;
+  }
+  const Document& now = *snapshot_->document;
+  const bool new_image = opened.volume != nullptr;
+  const auto volume = new_image ? opened.volume : now.volume;
+  const std::string source = new_image ? opened.request.volume_source : now.volume_source;
+  // A case's first line names the template's file, so a mirrored one is loaded as it is there and mirrored again.
+  const auto reference = opened.reference ? opened.reference : loaded_template_;
+  const bool mirrored = !opened.reference && reference && reference->points != now.reference->points;
+  const bool demo = opened.demo.has_value();
+  start_document(opened.demo ? std::move(*opened.demo) : new_document(source, volume, reference));
+  if (mirrored && !demo) session_->apply(MirrorTemplate{});
+  if (demo && displayed_->volume->modality == "CT") {
+    // Soft tissue: what the demo is about.
+    state_.window_low = -160;
+    state_.window_high = 240;
+  }
+  if (new_image && !source.starts_with("phantom:")) remember_recent(state_.preferences, source);
+  if (!demo) offer_flip(*snapshot_->document);
+}
+
+void EditorApp::start_document(Document document) {
+  const bool edited = snapshot_->committed > 0 && has_unsaved_edits(*snapshot_);
+  auto session = create_unsaved_case(document);
+  if (!session) {
+    add_notice(state_, session.error().sentence());
+    start_session(EditSession(std::move(document)));
+    return;
+  }
+  start_session(std::move(*session));
+  if (edited) add_notice(state_, "The case before was not saved; it is kept, and offered at the next start.", false);
+}
+
+void EditorApp::offer_flip(const Document& document) {
+  if (!document.volume || !document.reference || document.reference->source.starts_with("built-in:")) return;
+  const Box image = document.volume->geometry.bounds_mm();
+  const Points& points = document.reference->points;
+  if (image.intersects(bounds_of(points))) return;
+  // To negate x and y is half a turn about z.
+  const Similarity flip{Eigen::Quaterniond(0, 0, 0, 1), 1, Vec3::Zero()};
+  const Box flipped = bounds_of(Points(points * Vec3(-1, -1, 1).asDiagonal()));
+  if (!image.intersects(flipped)) return;
+  const std::string name = std::filesystem::path(document.reference->source).filename().string();
+  state_.dialog = FlipDialog{name, flip, flipped};
+}
+
+}  // namespace homolog

@@ -1,0 +1,256 @@
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <random>
+
+#include "core/volume/volume_io.h"
+#include "tests/case_folder.h"
+
+namespace homolog {
+
+TEST_CASE("a case whose image has moved opens with the image where it is now and remembers it") {
+  const TemporaryFolder folder;
+  VolumeGeometry grid;
+  grid.dims = {4, 5, 6};
+  Volume volume;
+  volume.geometry = grid;
+  volume.data = std::vector<std::int16_t>(grid.voxels(), 7);
+  const fs::path image = folder.path / "ct.nrrd", moved = folder.path / "moved.nrrd", file = folder.path / "a.homolog";
+  REQUIRE(write_volume(volume, image));
+  const auto read = std::make_shared<const Volume>(read_volume(image).value().volume);
+  REQUIRE(create_case(new_document(image.string(), read, load_template("built-in:kidney").value()), file));
+  fs::rename(image, moved);
+  const auto lost = open_case(file);
+  REQUIRE_FALSE(lost);
+  CHECK(lost.error().sentence().find("a.homolog") != std::string::npos);
+  CHECK(lost.error().sentence().find("open the case together with the image") != std::string::npos);
+  {
+    auto found = open_case(file, nullptr, moved.string());
+    REQUIRE(found);
+    REQUIRE(found->session.apply(Note{"here it is"}));
+  }
+  const auto again = open_case(file);
+  REQUIRE(again);
+  CHECK(again->session.document().volume->geometry.dims == grid.dims);
+}
+
+TEST_CASE("a torn last line is dropped with a warning and everything before it is restored") {
+  const CaseFolder folder;
+  Points kept;
+  {
+    EditSession session = folder.create();
+    REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
+    kept = *session.document().shape().points;
+  }
+  const std::string torn = R"({"tool":"pull","at":[0,0,-40],"to":[0,0,-4)";
+  for (std::size_t length = 1; length <= torn.size(); ++length) {
+    const std::string whole = folder.text();
+    folder.append(torn.substr(0, length));
+    auto read = read_case(folder.case_path);
+    REQUIRE(read);
+    CHECK(read->warnings.size() == 1);
+    CHECK(*read->session.document().shape().points == kept);
+    CHECK(read->whole_bytes == whole.size());
+    fs::resize_file(folder.case_path, whole.size());
+  }
+  folder.append(torn);
+  auto opened = open_case(folder.case_path);
+  REQUIRE(opened);
+  REQUIRE(opened->session.apply(pull(pole, Vec3(0, 0, 55))));
+  CHECK(read_case(folder.case_path)->warnings.empty());
+}
+
+TEST_CASE("a file without a last line feed goes on in a line of its own") {
+  const CaseFolder folder;
+  { const EditSession session = folder.create(); }
+  folder.append(R"({"note":"written by a script"})");
+  {
+    auto opened = open_case(folder.case_path);
+    REQUIRE(opened);
+    REQUIRE(opened->session.apply(pull(pole, Vec3(0, 0, 50))));
+  }
+  CHECK(read_case(folder.case_path)->session.strokes() == 1);
+}
+
+TEST_CASE("lines that are no action are errors that name the line") {
+  const CaseFolder folder;
+  { const EditSession session = folder.create(); }
+  const std::string whole = folder.text();
+  for (const std::string bad : {R"({"wobble":1})", R"({"tool":"push","at":[0,0,0],"to":[0,0,0],"sigma_mm":1})",
+                                R"({"tool":"pull","at":[0,0],"to":[0,0,0],"sigma_mm":1})", R"({"tool":"pull"})",
+                                R"({"tool":"pull","at":[0,0,40],"to":[0,0,45],"sigma_mm":-1})", R"({"undo":true})",
+                                R"({"frame":3})", R"({"frame":0.5})", R"({"frame":1e300})", R"({"undo":false})",
+                                R"([1,2])", R"(nonsense)", R"({"stiffness_base":"soft"})"}) {
+    folder.append("{\"note\":\"fine\"}\n" + bad + "\n{\"note\":\"fine\"}\n");
+    const auto read = read_case(folder.case_path);
+    REQUIRE_MESSAGE(!read, bad);
+    CHECK_MESSAGE(read.error().sentence().find("ball.homolog: line 3: ") != std::string::npos, read.error().sentence());
+    fs::resize_file(folder.case_path, whole.size());
+  }
+}
+
+TEST_CASE("unknown keys are no error and stay in the file") {
+  const CaseFolder folder;
+  { const EditSession session = folder.create(); }
+  folder.append("{\"note\":\"x\",\"author\":\"someone\"}\n");
+  const fs::path copy = folder.folder.path / "copy.homolog";
+  {
+    auto opened = open_case(folder.case_path);
+    REQUIRE(opened);
+    REQUIRE(save_case_as(opened->session, copy));
+  }
+  CHECK(read_whole_file(copy)->find("\"author\":\"someone\"") != std::string::npos);
+}
+
+TEST_CASE("a template that differs from the case is refused with both values") {
+  const CaseFolder folder;
+  { const EditSession session = folder.create(); }
+  REQUIRE(write_mesh(icosphere(2, 40), folder.template_path));
+  const auto read = read_case(folder.case_path);
+  REQUIRE(!read);
+  CHECK(read.error().sentence().find("642") != std::string::npos);
+  CHECK(read.error().sentence().find("162") != std::string::npos);
+}
+
+TEST_CASE("a second opener is told that the case is open") {
+  const CaseFolder folder;
+  const EditSession session = folder.create();
+  const auto second = open_case(folder.case_path);
+  REQUIRE(!second);
+  CHECK(second.error().what.find("open in another program") != std::string::npos);
+  CHECK(!create_case(folder.document(), folder.case_path));
+  CHECK(read_case(folder.case_path));  // reading alone is no harm
+}
+
+TEST_CASE("saving under another name goes on there with relative paths") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
+  const fs::path other = folder.folder.path / "elsewhere";
+  fs::create_directories(other);
+  REQUIRE(save_case_as(session, other / "moved.homolog"));
+  REQUIRE(session.apply(pull(-pole, Vec3(0, 0, -50))));
+  const auto read = read_case(other / "moved.homolog");
+  REQUIRE(read);
+  CHECK(read->session.strokes() == 2);
+  CHECK(read_whole_file(other / "moved.homolog")->find("../ball.ply") != std::string::npos);
+  CHECK(read_case(folder.case_path)->session.strokes() == 1);
+}
+
+TEST_CASE("an edit that cannot be written is not made") {
+  const CaseFolder folder;
+  { const EditSession session = folder.create(); }
+  const std::string before = folder.text();
+  const pid_t child = ::fork();
+  if (child == 0) {  // with a disk that is full a few bytes on
+    auto opened = open_case(folder.case_path);
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{before.size() + 10, before.size() + 10};
+    if (!opened || ::setrlimit(RLIMIT_FSIZE, &limit) != 0) ::_exit(2);
+    const Points points = *opened->session.document().shape().points;
+    const auto done = opened->session.apply(pull(pole, Vec3(0, 0, 50)));
+    const bool refused = !done && done.error().what.find("the edit was not made") != std::string::npos;
+    ::_exit(refused && *opened->session.document().shape().points == points && !opened->session.can_undo() ? 0 : 1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+  CHECK(folder.text() == before);
+}
+
+TEST_CASE("looking for unsaved cases does not mend what opening must find torn") {
+  const CaseFolder folder;
+  ::setenv("XDG_STATE_HOME", folder.folder.path.c_str(), 1);
+  {
+    auto session = create_unsaved_case(folder.document()).value();
+    REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
+  }
+  REQUIRE(unsaved_cases().size() == 1);
+  const fs::path left = unsaved_cases().front();
+  std::ofstream(left, std::ios::app) << "{\"tool\":\"pu";
+  REQUIRE(unsaved_cases().size() == 1);
+  const auto opened = open_case(left);
+  REQUIRE(opened);
+  CHECK(opened->warnings.size() == 1);
+  CHECK(opened->session.strokes() == 1);
+  ::unsetenv("XDG_STATE_HOME");
+}
+
+TEST_CASE("a session that could not be journalled is saved whole") {
+  const CaseFolder folder;
+  EditSession session(folder.document());
+  REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
+  REQUIRE(session.apply(pull(-pole, Vec3(0, 0, -50))));
+  REQUIRE(session.apply(Undo{}));
+  REQUIRE(save_case_as(session, folder.case_path));
+  REQUIRE(session.apply(pull(Vec3(40, 0, 0), Vec3(45, 0, 0))));
+  const auto read = read_case(folder.case_path);
+  REQUIRE(read);
+  CHECK(largest_difference(*read->session.document().shape().points, *session.document().shape().points) < 1e-9);
+}
+
+TEST_CASE("a case behind a linked folder finds its template") {
+  const CaseFolder folder;
+  const fs::path real = folder.folder.path / "a" / "b", link = folder.folder.path / "link";
+  fs::create_directories(real);
+  fs::create_directory_symlink(real, link);
+  { REQUIRE(create_case(folder.document(), link / "case.homolog")); }
+  CHECK(read_case(link / "case.homolog"));
+}
+
+TEST_CASE("after kill minus nine at any moment everything shown as done is restored") {
+  const CaseFolder folder;
+  { const EditSession session = folder.create(); }
+  std::mt19937 random(1);
+  int done_before = 0;
+  for (int round = 0; round < 8; ++round) {
+    int report[2];
+    REQUIRE(::pipe(report) == 0);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      auto opened = open_case(folder.case_path);
+      for (int k = 0; opened; ++k) {
+        if (!opened->session.apply(pull(pole, Vec3(0, 0, 45 + k % 3)))) break;
+        const char done = 1;
+        if (::write(report[1], &done, 1) != 1) break;  // shown as done
+      }
+      ::_exit(1);
+    }
+    ::close(report[1]);
+    ::usleep(static_cast<useconds_t>(20000 + random() % 60000));
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    int shown = 0;
+    for (char byte; ::read(report[0], &byte, 1) == 1;) ++shown;
+    ::close(report[0]);
+    const auto read = read_case(folder.case_path);
+    REQUIRE(read);
+    const int restored = read->session.strokes() - done_before;
+    CHECK(restored >= shown);
+    CHECK(restored <= shown + 1);  // the one on disk but not yet shown
+    done_before = read->session.strokes();
+  }
+  CHECK(done_before > 0);
+}
+
+TEST_CASE("unsaved cases are offered once they hold an action and are not open") {
+  const CaseFolder folder;
+  ::setenv("XDG_STATE_HOME", folder.folder.path.c_str(), 1);
+  {
+    auto session = create_unsaved_case(folder.document()).value();
+    CHECK(unsaved_cases().empty());
+    REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
+    CHECK(unsaved_cases().empty());  // open here
+  }
+  REQUIRE(unsaved_cases().size() == 1);
+  auto again = open_case(unsaved_cases().front());
+  REQUIRE(again);
+  REQUIRE(save_case_as(again->session, folder.case_path));
+  CHECK(unsaved_cases().empty());
+  ::unsetenv("XDG_STATE_HOME");
+}
+
+}  // namespace homolog

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "core/base/files.h"
+#include "tests/temporary_folder.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct Ran {
+  int status = -1;
+  std::string out, errors;
+  Json json() const { return Json::parse(out, nullptr, false); }
+};
+
+/// Runs the program with `arguments` as a shell would, without a display.
+inline Ran run(const TemporaryFolder& folder, const std::string& arguments) {
+  const fs::path errors = folder.path / "stderr";
+  const std::string command = "cd '" + folder.path.string() +
+                              "' && env -u DISPLAY -u WAYLAND_DISPLAY '" HOMOLOG_PROGRAM "' " + arguments + " 2>'" +
+                              errors.string() + "' </dev/null";
+  FILE* pipe = ::popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  Ran ran;
+  std::array<char, 4096> buffer{};
+  for (std::size_t got = 0; (got = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+    ran.out.append(buffer.data(), got);
+  const int status = ::pclose(pipe);
+  ran.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  ran.errors = read_whole_file(errors).value_or("");
+  return ran;
+}
+
+inline std::size_t lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+/// A refusal: status 1, nothing on stdout, one line on stderr that starts as the contract says and names `subject`.
+inline void check_refused(const Ran& ran, const std::string& subject) {
+  INFO(ran.errors);
+  CHECK(ran.status == 1);
+  CHECK(ran.out.empty());
+  CHECK(lines(ran.errors) == 1);
+  CHECK(ran.errors.rfind("homolog: ", 0) == 0);
+  CHECK(ran.errors.find(subject) != std::string::npos);
+}
+
+}  // namespace homolog

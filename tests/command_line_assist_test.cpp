@@ -1,0 +1,198 @@
+// The command-line contract of docs/commands.md: fit, snap, propagate and the studies.
+#include <fstream>
+
+#include "core/mesh/label_map.h"
+#include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
+#include "tests/command_line.h"
+#include "tests/real_data.h"
+#include "tests/shapes.h"
+
+namespace homolog {
+
+TEST_CASE("fit does every case of a folder that can be done and reports the others") {
+  const TemporaryFolder folder;
+  const Mesh ball = icosphere(3, 20);
+  VolumeGeometry grid;
+  grid.dims = {30, 30, 30};
+  grid.spacing_mm.setConstant(2);
+  grid.origin_mm.setConstant(-29);
+  REQUIRE(write_mesh(ball, folder.path / "ball.ply"));
+  REQUIRE(write_volume(label_map(ball, grid), folder.path / "good.nii.gz"));
+  REQUIRE(write_volume(label_map({ball.topology, 0.001 * ball.points}, grid), folder.path / "empty.nii.gz"));
+  const Ran both = run(folder, "fit ball.ply --mask good.nii.gz empty.nii.gz -o fitted --json");
+  CHECK(both.status == 0);
+  const Json json = both.json();
+  REQUIRE(json.is_object());
+  CHECK(json["fitted"] == 1);
+  CHECK(json["failed"] == 1);
+  CHECK(json["cases"][0]["dice"] > 0.97);
+  CHECK(json["cases"][0]["turned_triangles"] == 0);
+  CHECK(json["cases"][1]["error"].get<std::string>().find("empty.nii.gz") == 0);
+  CHECK(fs::exists(folder.path / "fitted" / "good.ply"));
+  CHECK(!fs::exists(folder.path / "fitted" / "empty.ply"));
+
+  check_refused(run(folder, "fit ball.ply --mask empty.nii.gz -o M.ply"), "empty.nii.gz");
+  check_refused(run(folder, "fit ball.ply --mask good.nii.gz --label 7 -o M.ply"), "label 7");
+  CHECK(!fs::exists(folder.path / "M.ply"));
+  CHECK(run(folder, "fit ball.ply --mask good.nii.gz empty.nii.gz -o M.ply").status == 2);
+  CHECK(run(folder, "fit ball.ply -o M.ply").status == 2);
+}
+
+TEST_CASE("fit starts where a placement file says") {
+  const TemporaryFolder folder;
+  const Mesh ball = icosphere(3, 20);
+  VolumeGeometry grid;
+  grid.dims = {30, 30, 30};
+  grid.spacing_mm.setConstant(2);
+  grid.origin_mm.setConstant(-29);
+  REQUIRE(write_mesh(ball, folder.path / "ball.ply"));
+  REQUIRE(write_volume(label_map(ball, grid), folder.path / "good.nii.gz"));
+  std::ofstream(folder.path / "near.json") << R"({"placement":{"rotation":[1,0,0,0],"scale":1,"translation":[4,0,0]}})";
+  std::ofstream(folder.path / "far.json") << R"({"rotation":[1,0,0,0],"scale":1,"translation":[400,0,0]})";
+  std::ofstream(folder.path / "wrong.json") << "[]";
+  CHECK(run(folder, "fit ball.ply --mask good.nii.gz -o M.ply --placement near.json").status == 0);
+  check_refused(run(folder, "fit ball.ply --mask good.nii.gz -o N.ply --placement far.json"), "placement");
+  check_refused(run(folder, "fit ball.ply --mask good.nii.gz -o N.ply --placement wrong.json"), "wrong.json");
+}
+
+TEST_CASE("study schemes compares ways of working and writes tables and case files") {
+  const TemporaryFolder folder;
+  const Mesh ball = icosphere(3, 20);
+  Mesh longer = ball;
+  longer.points.col(2) *= 1.3;
+  VolumeGeometry grid;
+  grid.dims = {30, 30, 36};
+  grid.spacing_mm.setConstant(2);
+  grid.origin_mm = Vec3(-29, -29, -35);
+  REQUIRE(write_mesh(ball, folder.path / "ball.ply"));
+  REQUIRE(write_volume(label_map(longer, grid), folder.path / "good.nii.gz"));
+  REQUIRE(write_volume(label_map(longer, grid, 2), folder.path / "other.nii.gz"));
+
+  const Ran ran = run(folder,
+                      "study schemes ball.ply --mask good.nii.gz other.nii.gz --label 1 --schemes raw,anchored "
+                      "--pulls 4 -o out --cases --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.errors.find("other.nii.gz: label 1") != std::string::npos);
+  const Json json = ran.json();
+  REQUIRE(json["schemes"].size() == 2);
+  CHECK(json["schemes"][1]["scheme"] == "anchored");
+  CHECK(json["schemes"][1]["cases"] == 1);
+  CHECK(json["schemes"][1]["turned_triangles"] == 0);
+  CHECK(json["runs"][1]["assd_mm"] < json["runs"][1]["assd_placed_mm"]);
+  CHECK(json["runs"][1]["landmarks_mm"].is_null());
+  for (const std::string path : json["paths"]) CHECK_MESSAGE(fs::exists(folder.path / path), path);
+
+  const Ran played = run(folder, "replay out/good.anchored.homolog -o again.ply --json");
+  REQUIRE_MESSAGE(played.status == 0, played.errors);
+  CHECK(played.json()["strokes"] == json["runs"][1]["pulls"]);
+
+  check_refused(run(folder, "study schemes ball.ply --mask other.nii.gz --label 1 --json"), "other.nii.gz");
+  check_refused(run(folder, "study schemes ball.ply --mask good.nii.gz --schemes magic"), "magic");
+  check_refused(run(folder, "study schemes ball.ply --mask good.nii.gz --schemes raw+warp"), "raw+warp");
+  CHECK(run(folder, "study schemes ball.ply").status == 2);
+  CHECK(run(folder, "study schemes ball.ply --phantoms 1").status == 2);
+  CHECK(run(folder, "study schemes built-in:kidney --phantoms 1 --cases").status == 2);
+}
+
+TEST_CASE("study schemes knows the truth of phantoms") {
+  const TemporaryFolder folder;
+  const Ran ran =
+      run(folder, "study schemes built-in:ventricle --phantoms 1,2,3,4 --schemes anchored+warp --pulls 2 --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json json = ran.json();
+  CHECK(json["default_scheme"] == "anchored+warp");
+  REQUIRE(json["schemes"].size() == 2);
+  const Json& ours = json["schemes"][0];
+  CHECK(ours["landmarks_mm"] < ours["landmarks_placed_mm"]);
+  CHECK(ours["generalization_rms"] > 0);
+  CHECK(json["schemes"][1]["scheme"] == "truth");
+  CHECK(json["paths"].empty());
+}
+
+namespace {
+
+/// A ball of 20 mm in the middle of an image; frame by frame smaller where there are several.
+Volume ball_image(int frames) {
+  VolumeGeometry grid;
+  grid.dims = {30, 30, 30};
+  grid.spacing_mm.setConstant(2);
+  grid.origin_mm.setConstant(-29);
+  Volume image;
+  std::vector<std::uint8_t> voxels;
+  for (int f = 0; f < frames; ++f) {
+    image = label_map(icosphere(3, 20 - 1.5 * f), grid, 100);
+    const auto& frame = std::get<std::vector<std::uint8_t>>(image.data);
+    voxels.insert(voxels.end(), frame.begin(), frame.end());
+  }
+  image.data = std::move(voxels);
+  image.frames = frames;
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("snap and fit to an image report confidence and write the mesh on the edge") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(icosphere(3, 23), folder.path / "large.ply"));
+  REQUIRE(write_mesh(icosphere(3, 20), folder.path / "truth.ply"));
+  REQUIRE(write_volume(ball_image(1), folder.path / "ball.nii.gz"));
+  std::ofstream(folder.path / "near.json") << R"({"rotation":[1,0,0,0],"scale":1,"translation":[1,0,0]})";
+  std::ofstream(folder.path / "far.json") << R"({"rotation":[1,0,0,0],"scale":1,"translation":[400,0,0]})";
+  for (const std::string command :
+       {"snap large.ply --image ball.nii.gz", "fit large.ply --image ball.nii.gz --placement near.json"}) {
+    const Ran ran = run(folder, command + " -o M.ply --json");
+    INFO(ran.errors);
+    REQUIRE(ran.status == 0);
+    const Json json = ran.json();
+    CHECK(json["confidence"] > 0.8);
+    CHECK(json["doubtful"] == false);
+    CHECK(json["turned_triangles"] == 0);
+    CHECK(json["self_intersections"] == 0);
+    CHECK(json["moved_mm"] > 2);
+    CHECK(run(folder, "compare M.ply --mesh truth.ply --json").json()["assd_mm"] < 0.6);
+  }
+  const Ran still = run(folder, "snap large.ply --image ball.nii.gz --strength 0 -o S.ply --json");
+  CHECK(still.json()["moved_mm"] == 0);
+  check_refused(run(folder, "fit large.ply --image ball.nii.gz --placement far.json -o N.ply"), "ball.nii.gz");
+  check_refused(run(folder, "fit large.ply --image ball.nii.gz -o N.ply"), "--placement");
+  check_refused(run(folder, "snap large.ply --image ball.nii.gz --frame 3 -o N.ply"), "ball.nii.gz");
+  CHECK(!fs::exists(folder.path / "N.ply"));
+  CHECK(run(folder, "snap large.ply -o N.ply").status == 2);
+}
+
+TEST_CASE("a snap of a case is one more line and replays without search") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(icosphere(3, 23), folder.path / "large.ply"));
+  REQUIRE(write_volume(ball_image(1), folder.path / "ball.nii.gz"));
+  std::ofstream(folder.path / "c.homolog")
+      << R"({"homolog":1,"volume":"ball.nii.gz","template":"large.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[0,0,0]}})"
+      << "\n";
+  REQUIRE(run(folder, "snap c.homolog -o snapped.ply").status == 0);
+  const std::string text = read_whole_file(folder.path / "c.homolog").value();
+  CHECK(lines(text) == 2);
+  CHECK(text.find(R"("by":"snap")") != std::string::npos);
+  REQUIRE(run(folder, "replay c.homolog -o replayed.ply").status == 0);
+  CHECK(run(folder, "compare snapped.ply --mesh replayed.ply --json").json()["vertex_distance_mm"]["max"] < 1e-9);
+}
+
+TEST_CASE("propagate writes a mesh a frame with volumes and a study") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(icosphere(3, 20), folder.path / "first.ply"));
+  REQUIRE(write_volume(ball_image(4), folder.path / "cine.nii.gz"));
+  const Ran ran = run(folder, "propagate first.ply --image cine.nii.gz --frame 0 -o out --json");
+  INFO(ran.errors);
+  REQUIRE(ran.status == 0);
+  const Json json = ran.json();
+  REQUIRE(json["frames"].size() == 4);
+  CHECK(json["end_diastole"] == 0);
+  CHECK(json["end_systole"] == 3);
+  CHECK(json["ejection_fraction"].get<double>() == doctest::Approx(1 - std::pow(15.5 / 20, 3)).epsilon(0.1));
+  CHECK(lines(read_whole_file(folder.path / "out" / "volumes.csv").value()) == 5);
+  CHECK(fs::exists(folder.path / "out" / "cine.study.json"));
+  REQUIRE(run(folder, "replay out/cine.homolog --frame 2 -o replayed.ply").status == 0);
+  CHECK(run(folder, "compare out/frame-02.ply --mesh replayed.ply --json").json()["vertex_distance_mm"]["max"] < 1e-6);
+  check_refused(run(folder, "propagate first.ply --image cine.nii.gz --frame 4 -o out"), "cine.nii.gz");
+}
+
+}  // namespace homolog

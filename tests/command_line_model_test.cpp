@@ -1,0 +1,129 @@
+// The command-line contract of docs/commands.md: templates and models.
+#include <fstream>
+
+#include "core/mesh/label_map.h"
+#include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
+#include "tests/command_line.h"
+#include "tests/real_data.h"
+#include "tests/shapes.h"
+
+namespace homolog {
+
+TEST_CASE("a training set becomes a model that info and picture and evaluate know") {
+  const TemporaryFolder folder;
+  std::string files;
+  for (int k = 0; k < 6; ++k) {
+    Mesh mesh = icosphere(2, 40);
+    mesh.points.col(0) *= 1 + 0.1 * std::sin(k);
+    mesh.points.col(1) += 0.003 * std::cos(2.0 * k) * mesh.points.col(2).cwiseAbs2();
+    mesh.points.col(2) += 0.1 * std::sin(3.0 * k) * mesh.points.col(0);
+    files += " k" + std::to_string(k) + ".ply";
+    REQUIRE(write_mesh(mesh, folder.path / ("k" + std::to_string(k) + ".ply")));
+  }
+  for (const std::string name : {"m.h5.json", "m.h5"}) {
+    const Ran made = run(folder, "model" + files + " -o " + name + " --csv tables --aligned aligned --json");
+    REQUIRE_MESSAGE(made.status == 0, made.errors);
+    CHECK(made.json()["shapes"] == 6);
+    CHECK(made.json()["vertices"] == 162);
+    CHECK(made.json()["variances"].size() == 5);
+    CHECK(made.json()["explained"][4].get<double>() == doctest::Approx(1));
+    const Json info = run(folder, "info " + name + " --json").json();
+    CHECK(info["kind"] == "model");
+    CHECK(info["modes"] == made.json()["modes"]);
+    CHECK(info["shapes"][5] == "k5");
+  }
+  for (const char* path :
+       {"tables/mean.csv", "tables/variances.csv", "tables/scores.csv", "aligned/k3.ply", "aligned/k3.particles"})
+    CHECK_MESSAGE(fs::exists(folder.path / path), path);
+
+  const Ran evaluated = run(folder, "evaluate" + files + " --modes 1,3 --samples 50 --csv measures.csv --json");
+  REQUIRE_MESSAGE(evaluated.status == 0, evaluated.errors);
+  const Json measures = evaluated.json();
+  for (const std::string key : {"compactness", "generalization_rms", "specificity_rms"}) {
+    CHECK(measures[key].size() == 4);
+    CHECK(measures[key + "_se"].size() == 4);
+  }
+  CHECK(measures["modes"] == Json::array({1, 3}));
+  for (const std::string key : {"generalization", "specificity", "generalization_surface"}) {
+    CHECK(measures[key].size() == 2);
+    CHECK(measures[key + "_se"].size() == 2);
+    CHECK(measures[key][0].get<double>() > 0);
+  }
+  CHECK(measures["shapeworks"]["specificity"].size() == 2);
+  CHECK(lines(read_whole_file(folder.path / "measures.csv").value()) == 5);
+  CHECK(run(folder, "evaluate" + files + " --modes 1,3 --samples 50 --json").json() == measures);
+  CHECK(run(folder, "evaluate" + files + " --modes 1,3 --samples 50 --seed 2 --json").json() != measures);
+  CHECK(run(folder, "evaluate" + files + " --modes all --json").json()["modes"] == Json::array({1, 2, 3, 4}));
+
+  const Ran picture = run(folder, "picture modes m.h5 -o modes.png --size 300x200 --json");
+  if (picture.status == 1 && picture.errors.find("OpenGL") != std::string::npos) {
+    MESSAGE("picture skipped: no OpenGL here");
+    return;
+  }
+  REQUIRE_MESSAGE(picture.status == 0, picture.errors);
+  CHECK(picture.json()["size"] == Json::array({300, 200}));
+}
+
+TEST_CASE("a training set with faults is refused or goes on as documented") {
+  const TemporaryFolder folder;
+  for (int k = 0; k < 3; ++k)
+    REQUIRE(write_mesh(shapes::torus(8, 6, 20 + k, 5 + k * k), folder.path / ("t" + std::to_string(k) + ".ply")));
+  REQUIRE(write_mesh(icosphere(1, 20), folder.path / "ball.ply"));
+  check_refused(run(folder, "model t0.ply ball.ply t1.ply -o m.h5"), "ball.ply");
+  check_refused(run(folder, "model t0.ply -o m.h5"), "t0.ply");
+  check_refused(run(folder, "model t0.ply t1.ply -o m.txt"), "m.txt");
+  check_refused(run(folder, "evaluate t0.ply t1.ply"), "at least three");
+  check_refused(run(folder, "evaluate t0.ply t1.ply t2.ply --modes 5"), "--modes 5");
+  check_refused(run(folder, "info absent.h5"), "absent.h5");
+  const Ran two = run(folder, "model t0.ply absent.ply t1.ply -o m.h5 --json");
+  CHECK(two.status == 0);
+  CHECK(two.json()["modes"] == 1);
+  CHECK(two.errors.find("homolog: warning: absent.ply") != std::string::npos);
+  CHECK(two.errors.find("single mode") != std::string::npos);
+}
+
+TEST_CASE("template makes a reference mesh of a label and says how") {
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, "phantom kidney --subject 1 -o .").status == 0);
+  const Ran ran = run(folder, "template kidney-1-labels.nii.gz -o t.ply --vertices 800 --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const auto report = ran.json();
+  CHECK(report["vertices"] == 800);
+  CHECK(report["genus"] == 0);
+  CHECK(report["closed"] == true);
+  CHECK(report["self_intersections"] == 0);
+  for (const char* key : {"mean", "p95", "max"}) {
+    CHECK(report["distance_to_mask_mm"][key].get<double>() < 3);
+    CHECK(report["distance_from_mask_mm"].contains(key));
+  }
+  const auto file = read_mesh_file(folder.path / "t.ply");
+  REQUIRE(file);
+  REQUIRE(file->stiffness);
+  CHECK(std::any_of(file->comments.begin(), file->comments.end(),
+                    [](const std::string& comment) { return comment.starts_with("homolog.provenance {"); }));
+  const auto info = run(folder, "info t.ply --mask kidney-1-labels.nii.gz --json").json();
+  CHECK(info["distance_to_mask_mm"]["mean"].get<double>() ==
+        doctest::Approx(report["distance_to_mask_mm"]["mean"].get<double>()).epsilon(0.05));
+  const Ran again = run(folder, "template t.ply -o u.ply --vertices 500 --json");
+  REQUIRE_MESSAGE(again.status == 0, again.errors);
+  CHECK(again.json()["vertices"] == 500);
+  CHECK(run(folder, "template kidney-1-labels.nii.gz -o v.ply --label 4").status == 1);
+  CHECK(run(folder, "template kidney-1-labels.nii.gz -o v.ply --opening-mm 20 --closing-mm 0").status == 1);
+  CHECK(run(folder, "template kidney-1-labels.nii.gz -o v.ply --genus many").status == 2);
+  CHECK(run(folder, "template kidney-1-labels.nii.gz -o v.ply --rings 5").status == 2);
+  CHECK_FALSE(fs::exists(folder.path / "v.ply"));
+}
+
+TEST_CASE("template --tube makes rings and sectors of a ventricle") {
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, "phantom ventricle --subject 1 -o .").status == 0);
+  const Ran ran =
+      run(folder, "template ventricle-1-labels.nii.gz --label 1 --tube --rings 12 --sectors 20 -o t.ply --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  CHECK(ran.json()["vertices"] == 12 * 20 + 1);
+  CHECK(ran.json()["closed"] == false);
+  CHECK(ran.json()["distance_to_mask_mm"]["mean"].get<double>() < 2);
+}
+
+}  // namespace homolog

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include "app/editor/controls.h"
+#include "app/editor/demo.h"
+#include "tests/render_help.h"
+
+namespace homolog {
+
+inline const Document& demo() {
+  static const Document document = test::must(demo_document(Organ::kidney, 1));
+  return document;
+}
+
+/// The demo case as the editor shows it at 1280 × 800, with the events a user would send.
+struct Desk {
+  Document document = demo();
+  EditorState state;
+  Layout layout = make_layout(1280, 800, 1, {});
+  Outbox out;
+  double seconds = 0;
+
+  Desk() { show_document(state, document, layout); }
+  ControlsContext context() const { return {layout, document, true, false}; }
+
+  template <class What>
+  void send(What what, double x, double y, bool shift = false, bool ctrl = false) {
+    InputEvent event{what, x, y, shift, ctrl, false, seconds += 1, !layout.view_at(x, y).has_value()};
+    handle_event(state, event, context(), out);
+  }
+  void press(int key, bool ctrl = false) { send(KeyPress{key}, 300, 250, false, ctrl); }
+  Eigen::Vector2d middle_of(ViewKind kind) const {
+    const RectPx& rect = layout.image(kind);
+    return {rect.x + rect.width / 2, rect.y + rect.height / 2};
+  }
+  /// A px on the outline in a slice view: sideways from the cross-hair.
+  Eigen::Vector2d on_outline(ViewKind kind) {
+    const ViewMap map = view_map(state, context(), kind);
+    const Eigen::Vector2d start = *map.to_px(state.crosshair_mm);
+    for (double x = start.x(); x > layout.image(kind).x; x -= 1) {
+      update_hover(state, context(), x, start.y());
+      if (state.hover && state.hover->on_mesh) return *map.to_px(*state.hover->on_mesh);
+    }
+    FAIL("the cross-hair's row does not meet the outline");
+    return start;
+  }
+  template <class Kind>
+  std::vector<Kind> sent() {
+    std::vector<Kind> found;
+    for (const Command& command : out.take())
+      if (const auto* one = std::get_if<Kind>(&command)) found.push_back(*one);
+    return found;
+  }
+};
+
+}  // namespace homolog

@@ -1,0 +1,142 @@
+#include <imgui.h>
+
+#include <fstream>
+
+#include "app/editor/key_queue.h"
+#include "tests/desk.h"
+#include "tests/temporary_folder.h"
+
+namespace homolog {
+
+TEST_CASE("a double click fills the window with a view and another brings the four back") {
+  Desk desk;
+  const auto click = [&](double seconds) {
+    desk.seconds = seconds - 1;
+    desk.send(MousePress{}, 60, 80);
+    desk.send(MouseRelease{}, 60, 80);
+  };
+  click(10);
+  click(10.2);
+  CHECK(desk.state.maximised == ViewKind::axial);
+  click(20);
+  click(20.2);
+  CHECK_FALSE(desk.state.maximised);
+}
+
+TEST_CASE("keys and characters reach a field in the order they were typed and none is lost") {
+  ImGuiIO io;
+  KeyQueue queue;
+  std::vector<int> pressed;
+  const auto frame = [&] {
+    io.InputQueueCharacters.resize(0);
+    queue.feed(io, [&](const KeyStroke& stroke) {
+      pressed.push_back(stroke.key);
+      return true;
+    });
+    std::string characters;
+    for (const ImWchar c : io.InputQueueCharacters) characters += static_cast<char>(c);
+    return characters;
+  };
+  queue.wait_for_field();
+  queue.press({'A', false, true, false});
+  for (const char c : {'a', 'b'}) queue.type(static_cast<unsigned char>(c));
+  for (int i = 0; i < 2; ++i) queue.press({key::enter});
+  queue.type('c');
+  while (pressed.empty()) CHECK(frame().empty());
+  CHECK(io.KeysDown['A']);
+  CHECK(io.KeyCtrl);
+  CHECK(frame() == "ab");
+  CHECK_FALSE(io.KeysDown['A']);
+  CHECK(io.KeysDown[key::enter]);
+  CHECK(frame().empty());
+  CHECK_FALSE(io.KeysDown[key::enter]);
+  CHECK(frame().empty());
+  CHECK(io.KeysDown[key::enter]);
+  CHECK(frame() == "c");
+  CHECK(pressed == std::vector<int>{'A', key::enter, key::enter});
+  CHECK_FALSE(queue.busy());
+}
+
+TEST_CASE("saving takes the typed name and asks before it replaces a file") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path / "old.homolog") << "kept";
+  Desk desk;
+  desk.state.preferences.folder = folder.path;
+  show_file_dialog(desk.state, FilePurpose::save_case, "new");
+  desk.press(key::enter);
+  auto saved = desk.sent<SaveCaseAs>();
+  REQUIRE(saved.size() == 1);
+  CHECK(saved[0].path == folder.path / "new.homolog");
+
+  show_file_dialog(desk.state, FilePurpose::save_case, "new");
+  desk.press(key::down);
+  CHECK(std::get<FileDialog>(*desk.state.dialog).browser.name == "old.homolog");
+  desk.press(key::enter);
+  CHECK(desk.sent<SaveCaseAs>().empty());
+  REQUIRE(desk.state.dialog);
+  REQUIRE(std::holds_alternative<ReplaceDialog>(*desk.state.dialog));
+  accept_replacement(desk.state, desk.out);
+  saved = desk.sent<SaveCaseAs>();
+  REQUIRE(saved.size() == 1);
+  CHECK(saved[0].path == folder.path / "old.homolog");
+}
+
+TEST_CASE("a maximised view shows what it showed larger and then as before") {
+  Desk desk;
+  const double before = desk.state.slices[0].mm_per_px;
+  const Layout whole = make_layout(1280, 800, 1, {ViewKind::axial, true});
+  follow_layout(desk.state, whole);
+  CHECK(desk.state.slices[0].mm_per_px < 0.6 * before);
+  follow_layout(desk.state, desk.layout);
+  CHECK(desk.state.slices[0].mm_per_px == doctest::Approx(before));
+}
+
+TEST_CASE("opening takes a file that is there without a question") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path / "points.mrk.json") << "{}";
+  for (const FilePurpose purpose : {FilePurpose::open_landmarks, FilePurpose::open}) CHECK_FALSE(saves(purpose));
+  Desk desk;
+  desk.state.preferences.folder = folder.path;
+  show_file_dialog(desk.state, FilePurpose::open_landmarks, "points");
+  desk.press(key::down);
+  desk.press(key::enter);
+  CHECK(desk.sent<ImportLandmarks>().size() == 1);
+}
+
+TEST_CASE("a case is opened alone or with its image") {
+  CHECK_FALSE(sort_files({"a.homolog", "kidney.ply"}));
+  CHECK_FALSE(sort_files({"a.homolog", "b.homolog"}));
+  CHECK(sort_files({"a.homolog", "ct.nii.gz"})->volume_source == "ct.nii.gz");
+  CHECK(sort_files({"ct.nii.gz", "kidney.ply"})->template_source == "kidney.ply");
+}
+
+TEST_CASE("landmarks of a file are taken by the template's names") {
+  const std::string name = demo().reference->landmarks.front().name;
+  const auto known = known_landmarks({{"elsewhere", Vec3::Zero()}, {name, Vec3::Ones()}}, demo());
+  REQUIRE(known.size() == 1);
+  CHECK(known[0].name == name);
+}
+
+TEST_CASE("what a brush paints is shown while it is in hand") {
+  EditorState state;
+  state.overlay = Overlay::moved;
+  state.tool = MouseTool::confirm;
+  CHECK(shown_overlay(state) == Overlay::stiffness);
+  state.tool = MouseTool::pull;
+  CHECK(shown_overlay(state) == Overlay::moved);
+}
+
+TEST_CASE("reach presets grow with the mesh") {
+  const Points& reference = *demo().shape().reference;
+  const auto once = default_sigmas_mm(reference), twice = default_sigmas_mm(2 * reference);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(twice[i] == doctest::Approx(2 * once[i]).epsilon(0.1));
+}
+
+TEST_CASE("a notice is shown once and old ones make room") {
+  EditorState state;
+  for (int i = 0; i < 9; ++i) add_notice(state, "notice " + std::to_string(i / 2));
+  CHECK(state.notices.size() == 4);
+  CHECK(state.notices.back().text == "notice 4");
+}
+
+}  // namespace homolog

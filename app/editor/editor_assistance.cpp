@@ -1,0 +1,77 @@
+#include "app/editor/editor_app.h"
+
+// What assists the hand in the case on the screen: the fit to a label, and the help of the study's model.
+
+namespace homolog {
+
+void EditorApp::cancel_fit() {
+  if (!fitter_.busy()) return;
+  fitter_.cancel();
+  session_->preview(std::nullopt);
+}
+
+void EditorApp::follow_fit() {
+  if (fitter_.document() && fitter_.document() != snapshot_->document) {
+    cancel_fit();
+    add_notice(state_, "The fit was given up, since the case was edited meanwhile.", false);
+  }
+  if (auto step = fitter_.take_step(); step && fitter_.busy()) {
+    // The organ may be far from where the template was.
+    if (!std::exchange(fit_seen_, true)) look_at_mesh(state_, *step);
+    session_->preview(SetPoints{"fit", std::nullopt, std::move(step)});
+  }
+  if (auto done = fitter_.take()) {
+    if (*done) return take_fit(std::move(**done));
+    session_->preview(std::nullopt);
+    add_notice(state_, labels_name_ + ": " + done->error().sentence());
+  }
+}
+
+void EditorApp::take_fit(Fitted fitted) {
+  FitReport report;
+  report.points = std::make_shared<const Points>(std::move(fitted.fit.mesh.points));
+  report.assd_mm = fitted.agreement.assd_mm;
+  report.hd95_mm = fitted.agreement.hd95_mm;
+  report.dice = fitted.agreement.dice;
+  report.remarks = std::move(fitted.warnings);
+  constexpr double doubtful_dice = 0.9;
+  if (fitted.mirrored)
+    report.remarks.emplace_back(
+        "The organ looks like the template's mirror image; try Mirror left and right (Reference), then fit again.");
+  else if (report.dice < doubtful_dice)
+    report.remarks.emplace_back("The fit stays bad; is this the template of another organ, or another label?");
+  look_at_mesh(state_, *report.points);
+  session_->apply(SetPoints{"fit", fitted.fit.placement, report.points});
+  state_.last_fit = std::move(report);
+}
+
+void EditorApp::blend_model(const BlendModel& command) {
+  const auto& document = snapshot_->document;
+  if (!state_.models.model || !document->has_shape()) return;
+  const StudyCase* one = find_case(state_.models, snapshot_->file, document->frame);
+  model_help_.ask(document, state_.models.model, one != nullptr ? one->name : std::string());
+  state_.model_help = command.strength;
+  const auto points = model_help_.at(command.strength);
+  if (!points) {
+    blend_wanted_ = command;
+    return;
+  }
+  blend_wanted_.reset();
+  if (!command.commit) return session_->preview(SetPoints{"model help", std::nullopt, points});
+  state_.model_help = 0;
+  if (command.strength > 0)
+    session_->apply(SetPoints{"model help", std::nullopt, points});
+  else
+    session_->preview(std::nullopt);
+}
+
+void EditorApp::follow_model_help() {
+  if (const auto error = model_help_.update()) {
+    add_notice(state_, *error);
+    blend_wanted_.reset();
+    state_.model_help = 0;
+  }
+  if (blend_wanted_ && !model_help_.busy()) blend_model(*blend_wanted_);
+}
+
+}  // namespace homolog

@@ -164,7 +164,7 @@ TEST_CASE("confirmed landmarks stay when a case is snapped and replaying its lin
   Document without_image = before;
   without_image.volume = nullptr;
   EditSession replayed(without_image);
-  REQUIRE(replayed.apply(parse_action(line).value()));
+  REQUIRE(replayed.apply(parse_action(line).value().action));
   CHECK(*replayed.document().shape().points == after);
   CHECK(session.undo_name() == "snap");
   REQUIRE(session.apply(Undo{}));

@@ -148,7 +148,7 @@ class Snapping {
     result.doubtful = result.mean_confidence < doubtful_snap;
     if (result.doubtful)
       result.warnings.emplace_back(
-          "the image image_shows little of a boundary where the mesh lies; is this the organ, and the mesh placed on "
+          "the image shows little of a boundary where the mesh lies; is this the organ, and the mesh placed on "
           "it?");
     if (!result.unseen.empty())
       result.warnings.push_back(std::to_string(result.unseen.size()) +

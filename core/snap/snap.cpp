@@ -24,7 +24,7 @@ constexpr double least_snap_weight = 0.01;  ///< of a vertex that nothing pulls:
 constexpr double held_weight = 1e4;         ///< of a held vertex against all that pulls at it; then it is set still
 constexpr int shortening_rounds = 12;
 constexpr double least_seen_share = 0.1;
-constexpr double doubtful_snap = 0.35;
+constexpr double doubtful_snap = 0.55;
 
 bool image_shows(const VolumeGeometry& image, const Vec3& p_mm) {
   const Vec3 voxel = image.to_voxel(p_mm);
@@ -148,7 +148,7 @@ class Snapping {
     result.doubtful = result.mean_confidence < doubtful_snap;
     if (result.doubtful)
       result.warnings.emplace_back(
-          "the image image_shows little of a boundary where the mesh lies; is this the organ, and the mesh placed on "
+          "the image shows little of a boundary where the mesh lies; is this the organ, and the mesh placed on "
           "it?");
     if (!result.unseen.empty())
       result.warnings.push_back(std::to_string(result.unseen.size()) +

@@ -10,16 +10,28 @@
 
 namespace homolog {
 
-TEST_CASE("fit does every case of a folder that can be done and reports the others") {
-  const TemporaryFolder folder;
-  const Mesh ball = icosphere(3, 20);
+namespace {
+
+/// A folder with a ball as a mesh and as a label map.
+struct BallFolder : TemporaryFolder {
+  Mesh ball = icosphere(3, 20);
   VolumeGeometry grid;
-  grid.dims = {30, 30, 30};
-  grid.spacing_mm.setConstant(2);
-  grid.origin_mm.setConstant(-29);
-  REQUIRE(write_mesh(ball, folder.path / "ball.ply"));
-  REQUIRE(write_volume(label_map(ball, grid), folder.path / "good.nii.gz"));
-  REQUIRE(write_volume(label_map({ball.topology, 0.001 * ball.points}, grid), folder.path / "empty.nii.gz"));
+
+  BallFolder() {
+    grid.dims = {30, 30, 30};
+    grid.spacing_mm.setConstant(2);
+    grid.origin_mm.setConstant(-29);
+    REQUIRE(write_mesh(ball, path / "ball.ply"));
+    REQUIRE(write_volume(label_map(ball, grid), path / "good.nii.gz"));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("fit does every case of a folder that can be done and reports the others") {
+  const BallFolder folder;
+  REQUIRE(write_volume(label_map({folder.ball.topology, 0.001 * folder.ball.points}, folder.grid),
+                       folder.path / "empty.nii.gz"));
   const Ran both = run(folder, "fit ball.ply --mask good.nii.gz empty.nii.gz -o fitted --json");
   CHECK(both.status == 0);
   const Json json = both.json();
@@ -40,14 +52,7 @@ TEST_CASE("fit does every case of a folder that can be done and reports the othe
 }
 
 TEST_CASE("fit starts where a placement file says") {
-  const TemporaryFolder folder;
-  const Mesh ball = icosphere(3, 20);
-  VolumeGeometry grid;
-  grid.dims = {30, 30, 30};
-  grid.spacing_mm.setConstant(2);
-  grid.origin_mm.setConstant(-29);
-  REQUIRE(write_mesh(ball, folder.path / "ball.ply"));
-  REQUIRE(write_volume(label_map(ball, grid), folder.path / "good.nii.gz"));
+  const BallFolder folder;
   std::ofstream(folder.path / "near.json") << R"({"placement":{"rotation":[1,0,0,0],"scale":1,"translation":[4,0,0]}})";
   std::ofstream(folder.path / "far.json") << R"({"rotation":[1,0,0,0],"scale":1,"translation":[400,0,0]})";
   std::ofstream(folder.path / "wrong.json") << "[]";

@@ -34,11 +34,10 @@ void EditorApp::take_fit(Fitted fitted) {
   report.hd95_mm = fitted.agreement.hd95_mm;
   report.dice = fitted.agreement.dice;
   report.remarks = std::move(fitted.warnings);
-  constexpr double doubtful_dice = 0.9;
   if (fitted.mirrored)
     report.remarks.emplace_back(
         "The organ looks like the template's mirror image; try Mirror left and right (Reference), then fit again.");
-  else if (report.dice < doubtful_dice)
+  else if (fitted.doubtful)
     report.remarks.emplace_back("The fit stays bad; is this the template of another organ, or another label?");
   look_at_mesh(state_, *report.points);
   session_->apply(SetPoints{"fit", fitted.fit.placement, report.points});

@@ -17,9 +17,12 @@ Result<Fitted> fitted(const Document& document, const Volume& labels, const FitS
   options.landmarks = shape.landmarks;
   auto fit = fit_to_boundary(reference, *boundary, options);
   if (!fit) return fail(fit.error());
-  Fitted done{std::move(*fit), {}, false, std::move(boundary->warnings)};
+  Fitted done;
+  done.fit = std::move(*fit);
+  done.warnings = std::move(boundary->warnings);
   done.warnings.insert(done.warnings.end(), done.fit.warnings.begin(), done.fit.warnings.end());
   done.agreement = compare_meshes(done.fit.mesh, boundary->surface);
+  done.doubtful = is_doubtful(done.agreement, *boundary);
   done.mirrored = !settings.as_placed && looks_mirrored(reference, *boundary);
   return done;
 }

@@ -25,6 +25,7 @@ struct FitSettings {
 struct Fitted {
   FitResult fit;
   Agreement agreement;    ///< with the boundary that it was fitted to
+  bool doubtful = false;  ///< see is_doubtful
   bool mirrored = false;  ///< the organ looks like the template's mirror image; see looks_mirrored
   std::vector<std::string> warnings;
 };

@@ -24,26 +24,17 @@ void CaseNumber::settle(bool changed, bool released, const std::function<Action(
     out.preview(std::nullopt);
 }
 
-void draw_side_panel(const UiContext& ui, Outbox& out) {
-  struct Section {
-    const char* title;
-    void (*draw)(const UiContext&, Outbox&);
-  };
-  static constexpr std::array<Section, 6> sections{{{"Case", draw_case_section},
-                                                    {"Reference", draw_reference_section},
-                                                    {"Place", draw_place_section},
-                                                    {"Deform", draw_deform_section},
-                                                    {"Correspondence", draw_correspondence_section},
-                                                    {"Export", draw_export_section}}};
+void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,
+                   std::span<const bool> open, void (*toggle)(EditorState&, std::size_t), Outbox& out) {
   const Theme& theme = ui.theme;
-  begin_region("side panel", ui.layout.panel, palette::surface);
+  begin_region(name, rect, palette::surface);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(12), 0});
   ImGui::BeginChild("sections", {0, 0}, false, ImGuiWindowFlags_AlwaysUseWindowPadding);
   for (std::size_t i = 0; i < sections.size(); ++i) {
     bool toggled = false;
-    const bool open = section(theme, sections[i].title, ui.state.preferences.sections_open[i], toggled);
-    if (toggled) out.change([i](EditorState& s) { s.preferences.sections_open[i] = !s.preferences.sections_open[i]; });
-    if (!open) continue;
+    const bool shown = section(theme, sections[i].title, open[i], toggled);
+    if (toggled) out.change([i, toggle](EditorState& s) { toggle(s, i); });
+    if (!shown) continue;
     ImGui::PushID(sections[i].title);
     sections[i].draw(ui, out);
     ImGui::PopID();
@@ -52,6 +43,19 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
   ImGui::EndChild();
   ImGui::PopStyleVar();
   ImGui::End();
+}
+
+void draw_side_panel(const UiContext& ui, Outbox& out) {
+  static constexpr std::array<PanelSection, 6> sections{{{"Case", draw_case_section},
+                                                         {"Reference", draw_reference_section},
+                                                         {"Place", draw_place_section},
+                                                         {"Deform", draw_deform_section},
+                                                         {"Correspondence", draw_correspondence_section},
+                                                         {"Export", draw_export_section}}};
+  const auto toggle = [](EditorState& s, std::size_t i) {
+    s.preferences.sections_open[i] = !s.preferences.sections_open[i];
+  };
+  draw_sections(ui, "side panel", ui.layout.panel, sections, ui.state.preferences.sections_open, toggle, out);
 }
 
 }  // namespace homolog

@@ -230,29 +230,10 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
 }
 
 void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out) {
-  struct Section {
-    const char* title;
-    void (*draw)(const UiContext&, Outbox&);
-  };
-  static constexpr std::array<Section, 3> sections{
+  static constexpr std::array<PanelSection, 3> sections{
       {{"Model", draw_model_section}, {"Measures", draw_measures_section}, {"Suspicion", draw_suspicion_section}}};
-  const Theme& theme = ui.theme;
-  begin_region("models panel", rect, palette::surface);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(12), 0});
-  ImGui::BeginChild("sections", {0, 0}, false, ImGuiWindowFlags_AlwaysUseWindowPadding);
-  for (std::size_t i = 0; i < sections.size(); ++i) {
-    bool toggled = false;
-    const bool open = section(theme, sections[i].title, ui.state.models.sections_open[i], toggled);
-    if (toggled) out.change([i](EditorState& s) { s.models.sections_open[i] = !s.models.sections_open[i]; });
-    if (!open) continue;
-    ImGui::PushID(sections[i].title);
-    sections[i].draw(ui, out);
-    ImGui::PopID();
-    gap(theme, 8);
-  }
-  ImGui::EndChild();
-  ImGui::PopStyleVar();
-  ImGui::End();
+  const auto toggle = [](EditorState& s, std::size_t i) { s.models.sections_open[i] = !s.models.sections_open[i]; };
+  draw_sections(ui, "models panel", rect, sections, ui.state.models.sections_open, toggle, out);
 }
 
 }  // namespace homolog

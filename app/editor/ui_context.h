@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "app/editor/case_thumbnails.h"
@@ -95,6 +96,15 @@ void draw_model_help(const UiContext& ui, Outbox& out);
 void draw_fit(const UiContext& ui, Outbox& out);
 /// The figures of a mesh that a template is judged by.
 void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality);
+
+/// A part of a panel that folds under its title.
+struct PanelSection {
+  const char* title;
+  void (*draw)(const UiContext&, Outbox&);
+};
+/// A panel of sections in `rect`; `open`: which are, and `toggle` folds or unfolds one.
+void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,
+                   std::span<const bool> open, void (*toggle)(EditorState&, std::size_t), Outbox& out);
 
 // Sections of the side panel, in the order of the work.
 void draw_case_section(const UiContext& ui, Outbox& out);

@@ -24,9 +24,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double doubtful_dice = 0.9;
-constexpr double doubtful_share = 0.04;  ///< of the organ's diagonal
-
 struct Options {
   std::string template_source, orientation = "patient";
   std::vector<fs::path> masks, meshes;
@@ -121,8 +118,7 @@ MeshFile fitted_file(const Template& reference, const FitResult& fit) {
 
 Report report_of(const Target& target, const FitResult& fit, const Options& options, double seconds) {
   const Agreement agreement = compare_meshes(fit.mesh, target.boundary.surface);
-  const double diagonal_mm = bounds_of(target.boundary.surface.points).diagonal().norm();
-  const bool doubtful = agreement.dice < doubtful_dice || agreement.hd95_mm > doubtful_share * diagonal_mm;
+  const bool doubtful = is_doubtful(agreement, target.boundary);
   Report report;
   report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", agreement.dice}};
   if (target.mask) report.values["dice_raw"] = dice_with_mask(fit.mesh, *target.mask, target.label, options.snap.frame);

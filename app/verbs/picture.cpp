@@ -119,38 +119,36 @@ Result<Report> of_case(const PictureVerb& verb, Progress& progress) {
   return report;
 }
 
-Result<Report> of_window(const PictureVerb& verb, Progress& progress) {
+/// Writes the window as it shows a session.
+Result<Report> write_window(EditSession session, EditorPictureOptions window, const PictureVerb& verb,
+                            std::vector<std::string> warnings) {
+  const auto context = OffscreenContext::make();
+  if (!context) return fail(context.error());
   const MontageOptions options = montage_options(verb);
+  window.width_px = options.width_px;
+  window.height_px = options.height_px;
+  const auto picture = editor_picture(std::move(session), window);
+  if (!picture) return fail(picture.error());
+  if (auto written = write_picture(*picture, verb.out); !written) return fail(written.error());
+  return Report{{{"size", Json::array({picture->width, picture->height})}}, std::move(warnings)};
+}
+
+Result<Report> of_window(const PictureVerb& verb, Progress& progress) {
   ReplayOptions replay;
   replay.progress = &progress;
   auto read = read_case(verb.in.front(), replay);
   if (!read) return fail(read.error());
-  const auto context = OffscreenContext::make();
-  if (!context) return fail(context.error());
-  EditorPictureOptions window;
-  window.width_px = options.width_px;
-  window.height_px = options.height_px;
-  const auto picture = editor_picture(std::move(read->session), window);
-  if (!picture) return fail(picture.error());
-  if (auto written = write_picture(*picture, verb.out); !written) return fail(written.error());
-  return Report{{{"size", Json::array({picture->width, picture->height})}}, read->warnings};
+  return write_window(std::move(read->session), {}, verb, std::move(read->warnings));
 }
 
 Result<Report> of_study(const PictureVerb& verb) {
-  const MontageOptions options = montage_options(verb);
   auto read = read_study(verb.in.front());
   if (!read) return fail(read.error());
-  const auto context = OffscreenContext::make();
-  if (!context) return fail(context.error());
   EditorPictureOptions window;
-  window.width_px = options.width_px;
-  window.height_px = options.height_px;
   window.arrange = [&](EditorState& state) { show_study(state.models, std::move(read->study), verb.in.front()); };
   window.models = StartEvaluation{};
-  const auto picture = editor_picture(EditSession(new_document({}, nullptr, nullptr)), window);
-  if (!picture) return fail(picture.error());
-  if (auto written = write_picture(*picture, verb.out); !written) return fail(written.error());
-  return Report{{{"size", Json::array({picture->width, picture->height})}}, read->warnings};
+  auto warnings = read->warnings;
+  return write_window(EditSession(new_document({}, nullptr, nullptr)), window, verb, std::move(warnings));
 }
 
 void add_options(CLI::App& verb, PictureVerb& options) {

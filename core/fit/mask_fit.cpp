@@ -168,4 +168,10 @@ Result<FitResult> fit_to_boundary(const Template& reference, const Boundary& bou
   return Fitting(reference, boundary, options).run();
 }
 
+bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
+  constexpr double least_dice = 0.9, most_share = 0.04;
+  return agreement.dice < least_dice ||
+         agreement.hd95_mm > most_share * bounds_of(boundary.surface.points).diagonal().norm();
+}
+
 }  // namespace homolog

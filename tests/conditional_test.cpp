@@ -2,8 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <Eigen/LU>
-
 #include "core/mesh/icosphere.h"
 
 using namespace homolog;
@@ -56,7 +54,7 @@ TEST_CASE("a prediction is the conditional Gaussian of the full covariance") {
   for (Eigen::Index k = 0; k < m; ++k) pick(k, 3 * seen_landmarks[static_cast<std::size_t>(k / 3)] + k % 3) = 1;
   const Eigen::MatrixXd noisy =
       pick * covariance * pick.transpose() + noise_mm * noise_mm * Eigen::MatrixXd::Identity(m, m);
-  const Eigen::MatrixXd gain = covariance * pick.transpose() * noisy.inverse();
+  const Eigen::MatrixXd gain = noisy.llt().solve(pick * covariance).transpose();
   const Eigen::VectorXd y = Eigen::Map<const Eigen::VectorXd>(seen.data(), seen.size());
   const Eigen::VectorXd expected = model.mean + gain * (y - pick * model.mean);
   const Eigen::MatrixXd left = covariance - gain * pick * covariance;

@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "core/base/rotation.h"
 #include "core/deform/local_rotations.h"
 #include "core/deform/shape_solver.h"
 #include "tests/shapes.h"

@@ -1,6 +1,6 @@
 #include "core/deform/local_rotations.h"
 
-#include <Eigen/SVD>
+#include "core/base/rotation.h"
 
 namespace homolog {
 
@@ -23,17 +23,6 @@ bool extract_rotation(const Mat3& a, Eigen::Quaterniond& q) {
 }
 
 }  // namespace
-
-Mat3 nearest_rotation(const Mat3& a) {
-  const Eigen::JacobiSVD<Mat3> svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Mat3 turn = svd.matrixU() * svd.matrixV().transpose();
-  if (turn.determinant() < 0) {
-    Mat3 u = svd.matrixU();
-    u.col(2) *= -1;
-    turn = u * svd.matrixV().transpose();
-  }
-  return turn;
-}
 
 std::vector<Mat3> fit_local_rotations(const Topology& topology, const Points& reference, const Points& points) {
   std::vector<Mat3> rotations(static_cast<std::size_t>(topology.vertices()));

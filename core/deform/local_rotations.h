@@ -15,7 +15,4 @@ std::vector<Mat3> fit_local_rotations(const Topology& topology, const Points& re
 Points rotated_reference_force(const Topology& topology, const VertexScalars& w, const Points& reference,
                                const std::vector<Mat3>& rotations);
 
-/// The proper rotation nearest to a 3×3 matrix.
-Mat3 nearest_rotation(const Mat3& a);
-
 }  // namespace homolog

@@ -1,10 +1,10 @@
 #include "core/model/procrustes.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/base/rotation.h"
 
 namespace homolog {
 
@@ -17,13 +17,6 @@ constexpr int most_mean_rounds = 100;
 
 ShapeMap shape_in(ShapeMatrix& shapes, Eigen::Index i) {
   return {shapes.col(i).data(), shapes.rows() / 3, 3};
-}
-
-Mat3 rotation_from(const Mat3& covariance) {
-  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vec3 sign = Vec3::Ones();
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) sign[2] = -1;
-  return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
 }
 
 /// Centres every shape; gives their centroid sizes.
@@ -45,7 +38,7 @@ void turn_to(const Points& mean, ShapeMatrix& shapes) {
   in_parallel(shapes.cols(), [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
       ShapeMap shape = shape_in(shapes, i);
-      const Mat3 turned_back = rotation_from(mean.transpose() * shape).transpose();
+      const Mat3 turned_back = nearest_rotation(mean.transpose() * shape).transpose();
       for (Eigen::Index v = 0; v < shape.rows(); ++v) shape.row(v) = Eigen::RowVector3d(shape.row(v)) * turned_back;
     }
   });
@@ -55,10 +48,6 @@ void turn_to(const Points& mean, ShapeMatrix& shapes) {
 
 double centroid_size_mm(const Points& points) {
   return (points.rowwise() - points.colwise().mean()).norm();
-}
-
-Mat3 nearest_rotation(const Points& from, const Points& to) {
-  return rotation_from(to.transpose() * from);
 }
 
 void align(ShapeMatrix& shapes, Alignment alignment) {
@@ -83,7 +72,7 @@ Points aligned_to(const Points& points, const Points& target, Alignment alignmen
   const Eigen::RowVector3d to_centre = target.colwise().mean();
   const Points from = points.rowwise() - points.colwise().mean(), to = target.rowwise() - to_centre;
   const double scale = alignment == Alignment::similarity && from.norm() > 0 ? to.norm() / from.norm() : 1;
-  return (scale * from * nearest_rotation(from, to).transpose()).rowwise() + to_centre;
+  return (scale * from * nearest_rotation(to.transpose() * from).transpose()).rowwise() + to_centre;
 }
 
 double reflection_gain(const Points& a, const Points& b) {
@@ -91,11 +80,12 @@ double reflection_gain(const Points& a, const Points& b) {
   const double size = from.norm() * to.norm();
   if (!(size > 0)) return 1;
   const Mat3 covariance = to.transpose() * from / size;
-  const Vec3 s = Eigen::JacobiSVD<Mat3>(covariance).singularValues();
-  const double last = covariance.determinant() < 0 ? -s[2] : s[2];
-  // Of unit-size shapes the squared distance is 1 − (σ1 + σ2 ± σ3)² at the best scale.
-  const auto distance = [](double overlap) { return std::sqrt(std::max(1 - overlap * overlap, 1e-24)); };
-  return distance(s[0] + s[1] + last) / distance(s[0] + s[1] - last);
+  // Of unit-size shapes the squared distance is 1 − tr(Rᵀ covariance)² at the best scale; −R is the best reflection.
+  const auto distance = [](const Mat3& c) {
+    const double overlap = nearest_rotation(c).cwiseProduct(c).sum();
+    return std::sqrt(std::max(1 - overlap * overlap, 1e-24));
+  };
+  return distance(covariance) / distance(-covariance);
 }
 
 }  // namespace homolog

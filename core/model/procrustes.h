@@ -31,9 +31,6 @@ double centroid_size_mm(const Points& points);
 /// as the first shape was. Never a reflection. Shapes without extent are only centred.
 void align(ShapeMatrix& shapes, Alignment alignment);
 
-/// The proper rotation R for which R·from comes nearest to `to` (both n×3, centred) in the least-squares sense.
-Mat3 nearest_rotation(const Points& from, const Points& to);
-
 /// `points` aligned to `target` alone: centred on its centroid, turned, and scaled to its centroid size (similarity).
 Points aligned_to(const Points& points, const Points& target, Alignment alignment);
 

@@ -1,7 +1,6 @@
 #include "core/model/suspicion.h"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -76,9 +75,13 @@ Eigen::Matrix2d flat_edges(const Vec3& a, const Vec3& b, const Vec3& c) {
 /// area to speak of.
 double stretch_between(const Eigen::Matrix2d& from, const Eigen::Matrix2d& to) {
   if (!(std::abs(from.determinant()) > 1e-12 * from.squaredNorm())) return 1;
-  const Eigen::Vector2d s = Eigen::JacobiSVD<Eigen::Matrix2d>(to * from.inverse()).singularValues();
+  const Eigen::Matrix2d map = to * from.inverse();
+  // The singular values: their product is |det|, their squares' sum the squared norm.
+  const double product = std::abs(map.determinant()), squares = map.squaredNorm();
+  const double larger = std::sqrt((squares + std::sqrt(std::max(squares * squares - 4 * product * product, 0.0))) / 2);
   constexpr double most = 1e6;  // of a triangle that collapsed
-  return std::min(most, std::max(s[0], 1 / std::max(s[1], 1 / most)));
+  const double smaller = std::max(larger > 0 ? product / larger : 0, 1 / most);
+  return std::min(most, std::max(larger, 1 / smaller));
 }
 
 template <class Doubtful, class Value>

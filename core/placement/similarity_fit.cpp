@@ -1,8 +1,10 @@
 #include "core/placement/similarity_fit.h"
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <cassert>
 #include <cmath>
+
+#include "core/base/rotation.h"
 
 namespace homolog {
 
@@ -13,6 +15,17 @@ constexpr double collinear_share = 0.02;
 
 Similarity centred(const Eigen::Quaterniond& rotation, double scale, const Vec3& from, const Vec3& to) {
   return {rotation, scale, to - scale * (rotation * from)};
+}
+
+/// The line that points lie along: n×3, centred.
+struct MainLine {
+  Vec3 direction;
+  bool only;  ///< next to nothing lies across it
+};
+MainLine main_line(const Points& points) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> spread(points.transpose() * points);
+  return {spread.eigenvectors().col(2),
+          spread.eigenvalues()[1] < collinear_share * collinear_share * spread.eigenvalues()[2]};
 }
 
 }  // namespace
@@ -26,23 +39,16 @@ Similarity fit_similarity(const Points& from, const Points& to, const Similarity
   if (from.rows() == 1 || from_spread < 1e-9 || to_spread < 1e-9) {
     return centred(current.rotation, current.scale, from_centre, to_centre);
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> shape_a(a, Eigen::ComputeThinV), shape_b(b, Eigen::ComputeThinV);
-  const auto line_only = [](const auto& svd) {
-    return svd.singularValues()[1] < collinear_share * svd.singularValues()[0];
-  };
-  if (from.rows() == 2 || line_only(shape_a) || line_only(shape_b)) {
-    const Vec3 line_from = current.rotation * Vec3(shape_a.matrixV().col(0));
-    Vec3 line_to = shape_b.matrixV().col(0);
-    const double same_way = ((a * shape_a.matrixV().col(0)).transpose() * (b * line_to))(0);
-    if (same_way < 0) line_to = -line_to;
-    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(line_from, line_to);
+  const MainLine line_a = main_line(a), line_b = main_line(b);
+  const Mat3 covariance = b.transpose() * a;
+  if (from.rows() == 2 || line_a.only || line_b.only) {
+    const bool same_way = line_b.direction.dot(covariance * line_a.direction) >= 0;
+    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(
+        current.rotation * line_a.direction, same_way ? line_b.direction : Vec3(-line_b.direction));
     return centred((turn * current.rotation).normalized(), to_spread / from_spread, from_centre, to_centre);
   }
-  const Eigen::JacobiSVD<Mat3> svd(b.transpose() * a, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vec3 sign = Vec3::Ones();
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) sign[2] = -1;
-  const Mat3 rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  const double scale = svd.singularValues().dot(sign) / (from_spread * from_spread);
+  const Mat3 rotation = nearest_rotation(covariance);
+  const double scale = rotation.cwiseProduct(covariance).sum() / (from_spread * from_spread);
   return centred(Eigen::Quaterniond(rotation).normalized(), scale, from_centre, to_centre);
 }
 

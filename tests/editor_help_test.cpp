@@ -94,26 +94,43 @@ TEST_CASE("a fit that was cancelled gives nothing and one to an absent label say
   CHECK_FALSE(*done);
 }
 
-TEST_CASE("the model's help is computed once and blended at any strength") {
+TEST_CASE("the model completes what strokes leave open and leaves alone what is known") {
   ModelHelp help([] {});
-  const auto model = balls_model();
-  Document begun = new_document("", nullptr, ball(26));
-  VertexScalars held = VertexScalars::Zero(begun.reference->points.rows());
-  for (Eigen::Index i = 0; i < held.size(); ++i) held[i] = begun.reference->points(i, 0) > 0 ? 1 : 0;
-  begun.shapes.at(0).confirmed = std::make_shared<const VertexScalars>(held);
-  const auto document = std::make_shared<const Document>(begun);
-  help.ask(document, model, "ball26");
+  const auto study = balls_model();
+  CHECK_FALSE(help.completion(1));
+  help.ask(study, "ball26");
   while (help.busy()) continue;
   CHECK_FALSE(help.update());
-  const auto none = help.at(0), full = help.at(1);
-  REQUIRE(full);
-  CHECK(*none == *begun.shape().points);
-  CHECK((*full - *none).norm() > 0);
+  CHECK_FALSE(help.completion(0));
+
+  EditSession session(new_document("", nullptr, ball(26)));
+  const Points begun = *session.document().shape().points;
+  REQUIRE(session.apply(Confirm{Vec3(26, 0, 0), 15, true}));
+  const VertexScalars held = *session.document().shape().confirmed;
+  const auto helped = [&](double strength) {
+    return *test::must(session.preview(std::nullopt, {help.completion(strength)})).document.shape().points;
+  };
+  const Points half = helped(0.5), full = helped(1);
+  CHECK((full - begun).norm() > 0.1);
+  CHECK((half - begun).norm() == doctest::Approx((full - begun).norm() / 2).epsilon(1e-4));
   for (Eigen::Index i = 0; i < held.size(); ++i)
-    if (held[i] > 0) CHECK((full->row(i) - none->row(i)).norm() < 1e-12);
-  help.ask(document, model, "ball26");
-  CHECK_FALSE(help.busy());
-  CHECK(help.at(1));
+    if (held[i] >= 1) CHECK(full.row(i) == begun.row(i));
+
+  // A pull is completed while it is dragged: what it moved stays as it put it, the rest follows the model.
+  Stroke pull;
+  pull.at = Vec3(0, 0, 26);
+  pull.to = Vec3(0, 0, 30);
+  pull.sigma_mm = 8;
+  const Document plain = test::must(session.preview(pull)).document;
+  const Document completed = test::must(session.preview(pull, {help.completion(1)})).document;
+  const VertexScalars known = known_landmarks(plain.shape());
+  CHECK(known.maxCoeff() == 1);
+  CHECK(known.mean() < 0.5);
+  const VertexScalars moved = (*completed.shape().points - *plain.shape().points).rowwise().norm();
+  for (Eigen::Index i = 0; i < known.size(); ++i)
+    if (known[i] >= 1) CHECK(moved[i] == 0);
+  CHECK(moved.maxCoeff() > 0.01);
+  CHECK(known_landmarks(completed.shape()) == known);
 }
 
 }  // namespace homolog

@@ -27,11 +27,11 @@ TEST_CASE("the key N snaps the part under the pointer or else the whole mesh and
   drag();
   CHECK(desk.sent<SnapMesh>().empty());
   desk.send(KeyPress{'N'}, at.x(), at.y(), true);
-  CHECK(desk.state.snap.after_strokes);
+  CHECK(desk.state.snap.with_strokes);
   drag();
   CHECK(desk.sent<SnapMesh>().size() == 1);
   desk.send(KeyPress{'N'}, at.x(), at.y(), true);
-  CHECK_FALSE(desk.state.snap.after_strokes);
+  CHECK_FALSE(desk.state.snap.with_strokes);
 }
 
 TEST_CASE("a snap comes after what was asked before it and is undone as one step") {

@@ -16,7 +16,9 @@ struct CommandRunner {
   EditorState& state = app.state_;
 
   void operator()(const ChangeState& command) const { command.change(state); }
-  void operator()(const PreviewEdit& command) const { app.session_->preview(command.action); }
+  void operator()(const PreviewEdit& command) const {
+    app.session_->preview(command.action, command.action ? app.assistance(*command.action) : std::vector<Compute>{});
+  }
   void operator()(const ApplyEdit& command) const {
     stop_playing();
     app.session_->apply(command.action, command.joined);
@@ -192,6 +194,10 @@ struct CommandRunner {
     app.fitter_.start(app.snapshot_->document, app.labels_, settings);
   }
   void operator()(const BlendModel& command) const { app.blend_model(command); }
+  void operator()(const CompleteByModel&) const {
+    if (auto complete = app.model_help_.completion(state.model_help))
+      app.session_->apply_computed(std::move(complete), true);
+  }
   void operator()(const CancelFit&) const { app.cancel_fit(); }
   void operator()(const ExportPicture& command) const {
     const auto picture = app.picture(command.options);

@@ -98,11 +98,14 @@ struct UseMadeTemplate {        ///< writes it and starts anew with it
 /// Fits the shown frame's template to the label map that is shown, as the settings say.
 struct StartFit {};
 struct CancelFit {};
-/// Blends what the study's model expects into the shape, 0…1: previewed, or as one edit.
+/// How far what the study's model expects is blended into the shape, 0…1, now and after every stroke: previewed, or as
+/// an edit.
 struct BlendModel {
   double strength = 0;
   bool commit = false;
 };
+/// Completes by the study's model what the edit before left open, as part of it.
+struct CompleteByModel {};
 struct ExportPicture {
   std::filesystem::path path;
   PictureOptions options;
@@ -136,8 +139,8 @@ using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, SnapMesh, Canc
                              ExportMesh, ExportLabelMap, ImportLandmarks, ExportLandmarks, ExportTemplate,
                              ImportStiffness, ImportTemplateLandmarks, ExportTemplateLandmarks, MakeTemplate,
                              CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, StartFit, CancelFit,
-                             BlendModel, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog,
-                             AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
+                             BlendModel, CompleteByModel, ExportPicture, ShowRecovery, RecoverCase, DiscardCase,
+                             AcceptFileDialog, AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
 
 /// Commands in the order they were given.
 class Outbox {

@@ -3,8 +3,7 @@
 #include <limits>
 
 #include "app/editor/controls.h"
-#include "core/deform/shape_solver.h"
-#include "core/mesh/mesh_quality.h"
+#include "app/editor/snaps.h"
 
 namespace homolog {
 
@@ -68,12 +67,6 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
     return;
   }
   if (in_space) state.drag = TurnDrag{event.x_px, event.y_px, state.camera};
-}
-
-/// How far the surface follows a stroke: its falloff, spread by the stiffness.
-double moved_sigma_mm(const Document& document, double sigma_mm) {
-  const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().points);
-  return std::hypot(sigma_mm, stiffness_length_mm(document.stiffness_base, edge_mm));
 }
 
 }  // namespace
@@ -188,9 +181,11 @@ void finish_drag(EditorState& state, const ControlsContext& context, Outbox& out
     out.apply(*action);
     if (const auto* stroke = std::get_if<Stroke>(&*action)) {
       state.preferences.hints.dragged = true;
-      const bool towards = stroke->tool == Tool::pull || stroke->tool == Tool::grab;
-      if (towards && state.snap.after_strokes && context.document.volume)
-        out.send(SnapMesh{SnapRegion{stroke->to, moved_sigma_mm(context.document, stroke->sigma_mm)}, true});
+      if (moves_boundary(stroke->tool)) {
+        if (state.snap.with_strokes && context.document.volume)
+          out.send(SnapMesh{snap_region(context.document, *stroke), true});
+        if (state.model_help > 0) out.send(CompleteByModel{});
+      }
     }
     if (const auto* placed = std::get_if<PlaceLandmark>(&*action))
       state.landmark = next_unplaced_landmark(context.document, placed->name);

@@ -72,6 +72,9 @@ class EditorApp {
   void take_fit(Fitted fitted);
   void cancel_fit();
   /// Shows, or commits, the shape with as much of the study's model in it; once that is computed, where it is not yet.
+  /// What carries on from an edit while it is previewed.
+  std::vector<Compute> assistance(const Action& action) const;
+  void ask_model();
   void blend_model(const BlendModel& command);
   void follow_model_help();
   /// Goes to the place that the case was opened for, where it was for one.

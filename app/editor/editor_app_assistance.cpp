@@ -44,24 +44,36 @@ void EditorApp::take_fit(Fitted fitted) {
   state_.last_fit = std::move(report);
 }
 
+std::vector<Compute> EditorApp::assistance(const Action& action) const {
+  std::vector<Compute> then;
+  const auto* stroke = std::get_if<Stroke>(&action);
+  if (stroke == nullptr || !moves_boundary(stroke->tool)) return then;
+  if (state_.snap.with_strokes && displayed_->volume)
+    then.push_back(snap_compute(snap_region(*displayed_, *stroke), state_.snap));
+  if (auto complete = model_help_.completion(state_.model_help)) then.push_back(std::move(complete));
+  return then;
+}
+
+void EditorApp::ask_model() {
+  const StudyCase* one = find_case(state_.models, snapshot_->file, snapshot_->document->frame);
+  model_help_.ask(state_.models.model, one != nullptr ? one->name : std::string());
+}
+
 void EditorApp::blend_model(const BlendModel& command) {
-  const auto& document = snapshot_->document;
-  if (!state_.models.model || !document->has_shape()) return;
-  const StudyCase* one = find_case(state_.models, snapshot_->file, document->frame);
-  model_help_.ask(document, state_.models.model, one != nullptr ? one->name : std::string());
+  if (!state_.models.model || !snapshot_->document->has_shape()) return;
+  ask_model();
   state_.model_help = command.strength;
-  const auto points = model_help_.at(command.strength);
-  if (!points) {
-    blend_wanted_ = command;
+  auto complete = model_help_.completion(command.strength);
+  if (!complete) {
+    session_->preview(std::nullopt);
+    if (command.strength > 0) blend_wanted_ = command;
     return;
   }
   blend_wanted_.reset();
-  if (!command.commit) return session_->preview(SetPoints{"model help", std::nullopt, points});
-  state_.model_help = 0;
-  if (command.strength > 0)
-    session_->apply(SetPoints{"model help", std::nullopt, points});
+  if (command.commit)
+    session_->apply_computed(std::move(complete));
   else
-    session_->preview(std::nullopt);
+    session_->preview(std::nullopt, {std::move(complete)});
 }
 
 void EditorApp::follow_model_help() {
@@ -70,7 +82,13 @@ void EditorApp::follow_model_help() {
     blend_wanted_.reset();
     state_.model_help = 0;
   }
-  if (blend_wanted_ && !model_help_.busy()) blend_model(*blend_wanted_);
+  if (state_.model_help <= 0) return;
+  if (!state_.models.model || !snapshot_->document->has_shape()) {
+    state_.model_help = 0;
+    return;
+  }
+  ask_model();  // the study may have grown
+  if (blend_wanted_ && !model_help_.busy()) blend_model(BlendModel(*blend_wanted_));
 }
 
 }  // namespace homolog

@@ -170,10 +170,10 @@ void press_key(EditorState& state, const InputEvent& event, int key, const Contr
       return;
     case 'N':
       if (event.shift) {
-        state.snap.after_strokes = !state.snap.after_strokes;
+        state.snap.with_strokes = !state.snap.with_strokes;
         add_notice(state,
-                   state.snap.after_strokes ? "What a stroke leaves is snapped to the image (Shift+N: off)."
-                                            : "Strokes are no longer snapped to the image.",
+                   state.snap.with_strokes ? "What a stroke leaves is snapped to the image (Shift+N: off)."
+                                           : "Strokes are no longer snapped to the image.",
                    false);
         return;
       }

@@ -64,6 +64,7 @@ double stiffness_scale(const Document& document) {
   return std::max(document.stiffness->maxCoeff(), 2.0);
 }
 
+constexpr Rgb decided{0.30f, 0.72f, 0.62f}, left_open{0.62f, 0.52f, 0.85f};
 constexpr Rgb no_region{0.80f, 0.81f, 0.83f};
 
 Rgb rgb_of(const std::array<std::uint8_t, 3>& colour) {
@@ -149,6 +150,15 @@ std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, cons
     case Overlay::regions:
       for (std::size_t i = 0; i < n; ++i) colours[i] = region_colour(*document.regions, i);
       break;
+    case Overlay::known: {
+      const VertexScalars known = known_landmarks(document.shape());
+      const auto& held = document.shape().confirmed;
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto v = static_cast<Eigen::Index>(i);
+        colours[i] = mix(mix(left_open, decided, known[v]), {1, 1, 1}, held ? (*held)[v] : 0);
+      }
+      break;
+    }
     case Overlay::confidence:
       if (confidence != nullptr) colour_by(*confidence, confidence_scale(), [](double sure) { return sure; });
       break;
@@ -190,6 +200,12 @@ Legend overlay_legend(const Document& document, Overlay overlay) {
       }
       return legend;
     }
+    case Overlay::known:
+      return {"",
+              "",
+              "",
+              {{1, 1, 1}, decided, left_open},
+              {"confirmed", "moved by hand, fit or snap", "left to the shape and the model"}};
     case Overlay::confidence:
       return {"no edge seen", "", "clear edge", confidence_scale()};
     case Overlay::quality:

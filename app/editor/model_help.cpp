@@ -3,13 +3,14 @@
 #include <utility>
 
 #include "core/model/conditional.h"
+#include "core/snap/snap_document.h"
 
 namespace homolog {
 
 namespace {
 
-/// How far a confirmed landmark may be off, a coordinate.
-constexpr double confirmed_noise_mm = 0.5;
+/// How far a known landmark may be off, a coordinate.
+constexpr double known_noise_mm = 0.5;
 constexpr double share_kept = 0.99;
 
 /// The model of all shapes but one; of all where `left_out` is −1. Errors: too few are left.
@@ -26,43 +27,43 @@ Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_ou
   return make_model(principal_components(std::move(shapes)), share_kept, study.topology, {});
 }
 
-Result<Points> completed_by(const StudyModel& study, std::ptrdiff_t left_out, const Document& document) {
-  const auto model = model_without(study, left_out);
-  if (!model) return fail(model.error());
-  const Shape& shape = document.shape();
-  const Eigen::Index landmarks = shape.points->rows();
-  const VertexScalars known = shape.confirmed ? *shape.confirmed : VertexScalars(VertexScalars::Zero(landmarks));
-  ShapeSolver solver(document.reference->topology);
-  const VertexScalars stiffness = document.stiffness_base * *document.stiffness;
-  auto done = completed(*model, *shape.points, known, confirmed_noise_mm, 1, stiffness, solver);
-  if (!done) return fail(done.error());
-  return std::move(done->points);
-}
-
 }  // namespace
 
-void ModelHelp::ask(std::shared_ptr<const Document> document, std::shared_ptr<const StudyModel> model,
-                    const std::string& name) {
-  if (document_ == document && model_ == model) return;
-  document_ = document;
-  model_ = model;
-  completed_.reset();
-  work_.start([document = std::move(document), model = std::move(model), name](Progress&) {
-    return completed_by(*model, model->index_of(name), *document);
-  });
+/// The model with the solver that it completes shapes by. The solver belongs to the session's thread.
+struct ModelHelp::Completer {
+  ShapeModel model;
+  std::optional<ShapeSolver> solver;
+
+  Result<std::optional<Action>> complete(const Document& document, double strength) {
+    if (!document.reference || !document.has_shape()) return std::optional<Action>();
+    if (!solver || solver->topology() != document.reference->topology) solver.emplace(document.reference->topology);
+    const Shape& shape = document.shape();
+    const VertexScalars stiffness = document.stiffness_base * *document.stiffness;
+    auto done = completed(model, *shape.points, known_landmarks(shape), known_noise_mm, strength, stiffness, *solver);
+    if (!done) return fail(done.error());
+    return std::optional<Action>(points_edit(document, done->points, by_model));
+  }
+};
+
+void ModelHelp::ask(std::shared_ptr<const StudyModel> study, const std::string& name) {
+  if (study_ == study && name_ == name) return;
+  study_ = study;
+  name_ = name;
+  completer_.reset();
+  work_.start([study = std::move(study), name](Progress&) { return model_without(*study, study->index_of(name)); });
 }
 
-std::shared_ptr<const Points> ModelHelp::at(double strength) const {
-  if (!completed_) return nullptr;
-  const Points& now = *document_->shape().points;
-  return std::make_shared<const Points>(now + strength * (*completed_ - now));
+Compute ModelHelp::completion(double strength) const {
+  if (!completer_ || !(strength > 0)) return {};
+  return
+      [completer = completer_, strength](const Document& document) { return completer->complete(document, strength); };
 }
 
 std::optional<std::string> ModelHelp::update() {
   auto done = work_.take();
   if (!done) return std::nullopt;
   if (!*done) return done->error().sentence();
-  completed_ = std::make_shared<const Points>(std::move(**done));
+  completer_ = std::make_shared<Completer>(Completer{std::move(**done), {}});
   return std::nullopt;
 }
 

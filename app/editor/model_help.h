@@ -6,31 +6,33 @@
 
 #include "app/editor/latest_wins.h"
 #include "app/editor/study_model.h"
-#include "core/case/document.h"
+#include "core/case/session.h"
 
 namespace homolog {
 
-/// What the shape model of a study makes of the case: computed once on a thread of its own, then blended in at any
-/// strength. Called from the window's thread only.
+/// What the shape model of a study makes of the case: the model is computed on a thread of its own, then completes
+/// shapes on the session's. Called from the window's thread only.
 class ModelHelp {
  public:
   /// `wake` is called from the thread when it is computed.
   explicit ModelHelp(std::function<void()> wake) : work_(std::move(wake)) {}
 
-  /// Asks for the shown frame's shape completed by the model of all other cases, from what is confirmed; `name` is the
-  /// case's in the study, empty where it is none of its. Does nothing where that is known already.
-  void ask(std::shared_ptr<const Document> document, std::shared_ptr<const StudyModel> model, const std::string& name);
-  /// The shape at a strength 0…1; null while it is computed, and where it cannot be.
-  std::shared_ptr<const Points> at(double strength) const;
+  /// Asks for the model of all cases but the one called `name` (empty where the open case is none of the study's). Does
+  /// nothing where that is known already.
+  void ask(std::shared_ptr<const StudyModel> study, const std::string& name);
+  /// Carries the shown frame's mesh towards what the model expects from the landmarks that are known, as far as
+  /// `strength` 0…1 says. Empty at 0, while the model is computed, and where it cannot be.
+  Compute completion(double strength) const;
   /// Takes in what the thread did; gives the sentence where it failed.
   std::optional<std::string> update();
   bool busy() const { return work_.busy(); }
 
  private:
-  std::shared_ptr<const Document> document_;
-  std::shared_ptr<const StudyModel> model_;
-  std::shared_ptr<const Points> completed_;  ///< at strength 1
-  LatestWins<Result<Points>> work_;
+  struct Completer;
+  std::shared_ptr<const StudyModel> study_;
+  std::string name_;
+  std::shared_ptr<Completer> completer_;
+  LatestWins<Result<ShapeModel>> work_;
 };
 
 }  // namespace homolog

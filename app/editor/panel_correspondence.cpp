@@ -66,18 +66,20 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
     explanation(theme, "Shows, during a drag, whether the landmarks stay in correspondence.");
     return;
   }
-  static const std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Parts", "Shape"};
+  static const std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Parts", "Shape", "Known"};
   const bool snapped = shown_overlay(ui.state) == Overlay::confidence;
   int overlay = static_cast<int>(snapped ? ui.state.overlay : shown_overlay(ui.state));
   const bool brush = !snapped && shown_overlay(ui.state) != ui.state.overlay;
-  if (choice(theme, "overlay", names, overlay,
-             {"Each landmark in the hue of its index", "Edge length against the template's: blue shorter, red longer",
-              "How far each landmark is from where the placement (with its warp) had put it",
-              "Stiffness factor: dark soft, bright stiff; confirmed regions white",
-              "Regions of the template in their colours", "Shape of the triangles: red thin or turned"},
-             brush     ? "While a brush is in hand, what it paints is shown."
-             : snapped ? "The confidence of the snap is shown until the mesh changes (Deform, Show confidence)."
-                       : ""))
+  if (choice(
+          theme, "overlay", names, overlay,
+          {"Each landmark in the hue of its index", "Edge length against the template's: blue shorter, red longer",
+           "How far each landmark is from where the placement (with its warp) had put it",
+           "Stiffness factor: dark soft, bright stiff; confirmed regions white",
+           "Regions of the template in their colours", "Shape of the triangles: red thin or turned",
+           "What was confirmed, what a stroke, a fit or a snap decided, and what is left to the shape and the model"},
+          brush     ? "While a brush is in hand, what it paints is shown."
+          : snapped ? "The confidence of the snap is shown until the mesh changes (Deform, Show confidence)."
+                    : ""))
     out.change([overlay](EditorState& s) { s.overlay = static_cast<Overlay>(overlay); });
   draw_overlay_legend(ui);
   if (ui.state.preferences.show.glyphs) {

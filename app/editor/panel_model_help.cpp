@@ -21,16 +21,15 @@ void draw_model_help(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   double percent = 100 * ui.state.model_help;
   bool released = false;
-  const bool changed =
-      slider(theme, "Model help", percent, {0, 100, "%.0f", "%", false},
-             "What is confirmed stays; the rest goes towards what the model of the study's other cases expects there. "
-             "With nothing confirmed it is the model's mean",
-             released, help_refusal(ui));
+  const bool changed = slider(
+      theme, "Model help", percent, {0, 100, "%.0f", "%", false},
+      "What is confirmed or was moved by hand stays; the rest goes this far towards what the model of the study's "
+      "other cases expects there, now and with every pull and grab. With nothing known it is the model's mean",
+      released, help_refusal(ui));
   if (changed || released) out.send(BlendModel{percent / 100, released});
   if (ui.state.model_help <= 0 || !ui.has_shape()) return;
-  const auto& held = ui.committed_shape().confirmed;
-  const double share = held ? held->mean() : 0;
-  explanation(theme, format("%.0f %% of the landmarks are confirmed and stay.", 100 * share));
+  const double share = known_landmarks(ui.committed_shape()).mean();
+  explanation(theme, format("%.0f %% of the landmarks are known and stay (Correspondence: Known).", 100 * share));
 }
 
 }  // namespace homolog

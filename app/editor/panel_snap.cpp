@@ -21,9 +21,8 @@ bool draw_snap_settings(const Theme& theme, SnapSettings& snap) {
     snap.polarity = static_cast<Polarity>(polarity);
     changed = true;
   }
-  changed |=
-      toggle(theme, "Snap after strokes", snap.after_strokes,
-             "When a pull or grab ends, the part it moved is snapped (Shift+N); undone together with the stroke");
+  changed |= toggle(theme, "Snap while dragging", snap.with_strokes,
+                    "What a pull or grab moves is snapped as it is dragged (Shift+N); one step to undo");
   changed |= toggle(theme, "Show confidence", snap.show_confidence,
                     "Colours the mesh by how clear the edge is that each landmark lies on, until the mesh changes");
   return changed;

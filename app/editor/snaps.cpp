@@ -1,12 +1,43 @@
 #include "app/editor/snaps.h"
 
 #include <chrono>
+#include <cmath>
 #include <mutex>
 #include <utility>
 
 #include "app/editor/state.h"
+#include "core/deform/shape_solver.h"
+#include "core/mesh/mesh_quality.h"
 
 namespace homolog {
+
+namespace {
+
+SnapOptions options_of(const SnapSettings& settings) {
+  SnapOptions options;
+  options.strength = settings.strength;
+  options.edges.reach_mm = settings.reach_mm;
+  options.edges.polarity = settings.polarity;
+  return options;
+}
+
+}  // namespace
+
+bool moves_boundary(Tool tool) {
+  return tool == Tool::pull || tool == Tool::grab;
+}
+
+SnapRegion snap_region(const Document& document, const Stroke& stroke) {
+  const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().points);
+  return {stroke.to, std::hypot(stroke.sigma_mm, stiffness_length_mm(document.stiffness_base, edge_mm))};
+}
+
+Compute snap_compute(const SnapRegion& region, const SnapSettings& settings) {
+  return [region, options = options_of(settings)](const Document& document) -> Result<std::optional<Action>> {
+    auto edit = snap_document(document, region, options);
+    return edit ? std::optional<Action>(std::move(edit->action)) : std::nullopt;
+  };
+}
 
 /// What the session's thread and the window's share of one snap.
 struct Snaps::Box {
@@ -42,10 +73,7 @@ void Snaps::start(SessionThread& session, std::optional<SnapRegion> region, cons
   using Clock = std::chrono::steady_clock;
   cancel();
   box_ = std::make_shared<Box>();
-  SnapOptions options;
-  options.strength = settings.strength;
-  options.edges.reach_mm = settings.reach_mm;
-  options.edges.polarity = settings.polarity;
+  SnapOptions options = options_of(settings);
   options.progress = &box_->progress;
   session.apply_computed(
       [box = box_, region, options](const Document& document) -> Result<std::optional<Action>> {

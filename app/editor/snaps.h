@@ -23,6 +23,13 @@ struct SnapFound {
   bool is_of(const Points& shape) const { return shape.rows() == points.rows() && shape == points; }
 };
 
+/// Whether a tool carries the surface to another place, which a snap and the model's help carry on from.
+bool moves_boundary(Tool tool);
+/// What a stroke moves: its falloff, spread by the stiffness.
+SnapRegion snap_region(const Document& document, const Stroke& stroke);
+/// A snap as the settings say; what goes wrong is no error but leaves the mesh as it is.
+Compute snap_compute(const SnapRegion& region, const SnapSettings& settings);
+
 /// Snaps the case's mesh to its image on the session's thread, each snap one edit. The latest wins: one that still
 /// runs is given up.
 class Snaps {

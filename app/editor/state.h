@@ -22,7 +22,7 @@ namespace homolog {
 enum class MouseTool { pull, grab, slide, relax, place, landmark, stiffness, confirm, ruler, template_landmark };
 
 /// What the colours of the mesh mean.
-enum class Overlay { landmark_hue, edge_stretch, moved, stiffness, regions, quality, confidence };
+enum class Overlay { landmark_hue, edge_stretch, moved, stiffness, regions, quality, known, confidence };
 
 /// Where a slice view looks within its plane; the plane itself goes through the cross-hair.
 struct SlicePan {
@@ -55,7 +55,7 @@ struct BrushSettings {
 struct SnapSettings {
   double strength = 1, reach_mm = 10;
   Polarity polarity = Polarity::automatic;
-  bool after_strokes = false;  ///< the part under the tool is snapped when a stroke ends
+  bool with_strokes = false;  ///< the part under the tool is snapped while a stroke is dragged
   bool show_confidence = true;
 };
 
@@ -151,7 +151,7 @@ struct EditorState {
   TemplateSettings template_settings;
   std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
   FitSettings fit_settings;
-  double model_help = 0;  ///< strength that is being tried; 0 where it is committed or not asked for
+  double model_help = 0;  ///< 0…1: how far the study's model completes every stroke
   std::optional<FitReport> last_fit;
   SnapSettings snap;
   std::optional<SnapFound> snapped;                 ///< the last snap

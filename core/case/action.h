@@ -71,6 +71,8 @@ struct SetTemplateLandmark {
   std::optional<Vec3> at;
   bool operator==(const SetTemplateLandmark&) const = default;
 };
+/// What SetPoints is `by` where a study's shape model moved the landmarks.
+inline constexpr const char* by_model = "model help";
 /// Puts every landmark where something found it: an automatic fit, the image's boundary, a shape model. Kept as points,
 /// so that replaying needs neither what found them nor what it was found in.
 struct SetPoints {

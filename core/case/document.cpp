@@ -93,6 +93,26 @@ Result<VolumeRead> load_volume(const std::string& source, const VolumeReadOption
   return read;
 }
 
+std::pair<Points, Points> matched_landmarks(const Template& reference, const std::map<std::string, Vec3>& placed) {
+  Points from(std::ssize(reference.landmarks), 3), to = from;
+  Eigen::Index count = 0;
+  for (const Landmark& own : reference.landmarks) {
+    const auto found = placed.find(own.name);
+    if (found == placed.end()) continue;
+    from.row(count) = own.position.transpose();
+    to.row(count++) = found->second.transpose();
+  }
+  return {from.topRows(count), to.topRows(count)};
+}
+
+VertexScalars known_landmarks(const Shape& shape) {
+  constexpr double followed = 0.6;  // below it a stroke carried a landmark along and did not decide its place
+  VertexScalars known = VertexScalars::Zero(shape.points->rows());
+  if (shape.decided) known = (shape.decided->array() >= followed).cast<double>();
+  if (shape.confirmed) known = known.cwiseMax(*shape.confirmed);
+  return known;
+}
+
 Document new_document(std::string volume_source, std::shared_ptr<const Volume> volume,
                       std::shared_ptr<const Template> reference) {
   Document document;

@@ -27,6 +27,9 @@ struct Template {
   std::vector<SurfacePoint> landmark_points;  ///< where on the surface each of them lies
 };
 
+/// The landmarks that both name: where the template has them, and where they were `placed`, row by row.
+std::pair<Points, Points> matched_landmarks(const Template& reference, const std::map<std::string, Vec3>& placed);
+
 /// Whether placed landmarks pull the reference along before the first stroke.
 enum class LandmarkFit {
   off,         ///< landmarks are only recorded
@@ -42,8 +45,13 @@ struct Shape {
   std::shared_ptr<const Points> reference;  ///< R: `placed`, warped to the landmarks where asked; else the same pointer
   std::shared_ptr<const Points> points;     ///< P: the deformed mesh
   std::shared_ptr<const VertexScalars> confirmed;  ///< 0 free … 1 held where it is; null: all free
+  std::shared_ptr<const VertexScalars> decided;    ///< 0 … 1: see below; null: nothing is
   int strokes = 0;                                 ///< edits of P since it was last equal to R
 };
+
+/// How far each landmark's place is known, 0 … 1: as far as it is confirmed, and 1 where `decided` is large. `decided`
+/// is how far strokes have carried it, and 1 where a fit or a snap moved it; what a shape model did is no knowledge.
+VertexScalars known_landmarks(const Shape& shape);
 
 /// Everything of a case that is saved, as a value: a copy is a few reference counts, and undo keeps copies.
 struct Document {

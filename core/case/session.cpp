@@ -25,11 +25,26 @@ Result<void> EditSession::start_at(const Similarity& placement) {
   return {};
 }
 
-Result<Updated> EditSession::preview(const Action& action) {
+Result<Updated> EditSession::preview(const std::optional<Action>& action, const std::vector<Compute>& then) {
   const auto start = std::chrono::steady_clock::now();
-  auto updated = update(document(), action, deformer_, Pass::preview);
-  if (updated) updated->report.solver_ms = milliseconds_since(start);
+  Result<Updated> updated = Updated{document(), {}};
+  if (action) updated = update(document(), *action, deformer_, Pass::preview);
+  if (!updated) return updated;
+  for (const Compute& compute : then)
+    if (auto followed = follow(updated->document, compute); !followed)
+      updated->report.message = followed.error().sentence();
+  updated->report.solver_ms = milliseconds_since(start);
   return updated;
+}
+
+Result<void> EditSession::follow(Document& document, const Compute& compute) {
+  auto action = compute(document);
+  if (!action) return fail(action.error());
+  if (!*action) return {};
+  auto updated = update(document, **action, deformer_, Pass::preview);
+  if (!updated) return fail(updated.error());
+  document = std::move(updated->document);
+  return {};
 }
 
 Result<EditReport> EditSession::travel(const Action& action) {

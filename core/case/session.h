@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -16,6 +18,9 @@ struct EditStep {
   bool joined = false;
 };
 
+/// What is made of a document by something that is no action itself: an action that does the same, or none.
+using Compute = std::function<Result<std::optional<Action>>(const Document&)>;
+
 /// A case being edited: the document, its history and its journal. Belongs to one thread.
 /// An action is computed, then written and synced to the journal, then shown as done.
 class EditSession {
@@ -29,8 +34,9 @@ class EditSession {
   /// Applies an action (Undo and Redo too). `joined`: see EditStep; an action begins a step of its own all the same
   /// where the one before it was refused or taken back. On error nothing has changed, in memory or on disk.
   Result<EditReport> apply(Action action, bool joined = false);
-  /// What the action would give, without doing it. Cheap while a drag goes on: the gesture is cached.
-  Result<Updated> preview(const Action& action);
+  /// What the action would give, without doing it. Cheap while a drag goes on: the gesture is cached. Without an action
+  /// it starts from the document; `then` carry on from there one after the other, and what one refuses is a message.
+  Result<Updated> preview(const std::optional<Action>& action, const std::vector<Compute>& then = {});
 
   bool can_undo() const { return current_ > 0; }
   bool can_redo() const { return current_ + 1 < history_.size(); }
@@ -48,6 +54,7 @@ class EditSession {
   int solves() const { return solves_; }
 
  private:
+  Result<void> follow(Document& document, const Compute& compute);
   Result<EditReport> travel(const Action& action);
   Result<EditReport> edit(Action action, bool joined);
   Result<void> write(const Action& action, bool joined = false);

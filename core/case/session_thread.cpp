@@ -23,13 +23,17 @@ struct SessionThread::Shared {
     Compute compute;
     bool joined = false;
   };
+  struct Preview {
+    std::optional<Action> action;
+    std::vector<Compute> then;
+  };
   using Job = std::variant<EditStep, Computed, SaveAs>;
 
   mutable std::mutex mutex;
   std::condition_variable changed;
-  std::deque<Job> jobs;                               ///< in: every one is done, in order
-  std::optional<std::optional<Action>> next_preview;  ///< in: the latest wins
-  std::shared_ptr<const Snapshot> latest;             ///< out: the latest wins
+  std::deque<Job> jobs;                    ///< in: every one is done, in order
+  std::optional<Preview> next_preview;     ///< in: the latest wins
+  std::shared_ptr<const Snapshot> latest;  ///< out: the latest wins
   bool stopping = false;
   // ---
   EditSession session;
@@ -95,10 +99,10 @@ struct SessionThread::Shared {
     publish(std::move(snapshot));
   }
 
-  void show_preview(const std::optional<Action>& action) {
+  void show_preview(const Preview& preview) {
     Snapshot snapshot = *latest;
-    if (action) {
-      auto updated = session.preview(*action);
+    if (preview.action || !preview.then.empty()) {
+      auto updated = session.preview(preview.action, preview.then);
       if (!updated) {
         snapshot.message = updated.error().sentence();
       } else {
@@ -117,7 +121,7 @@ struct SessionThread::Shared {
   void run() {
     for (;;) {
       std::optional<Job> job;
-      std::optional<std::optional<Action>> preview;
+      std::optional<Preview> preview;
       {
         std::unique_lock lock(mutex);
         changed.wait(lock, [&] { return stopping || !jobs.empty() || next_preview; });
@@ -164,10 +168,10 @@ SessionThread::~SessionThread() {
   if (shared_) shared_->stop();
 }
 
-void SessionThread::preview(std::optional<Action> action) {
+void SessionThread::preview(std::optional<Action> action, std::vector<Compute> then) {
   {
     const std::lock_guard lock(shared_->mutex);
-    shared_->next_preview = std::move(action);
+    shared_->next_preview = Shared::Preview{std::move(action), std::move(then)};
   }
   shared_->changed.notify_one();
 }

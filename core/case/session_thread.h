@@ -34,13 +34,13 @@ class SessionThread {
   /// Finishes the queued actions, then joins.
   ~SessionThread();
 
-  /// Shows what `action` would give, until the next call; nullopt ends the preview.
-  void preview(std::optional<Action> action);
+  /// Shows what `action` and `then` would give (see EditSession::preview), until the next call; neither ends the
+  /// preview.
+  void preview(std::optional<Action> action, std::vector<Compute> then = {});
   /// Commits an action; `joined` as EditSession::apply takes it. A running preview of it stays shown until it is done.
   void apply(Action action, bool joined = false);
   /// Commits what `compute` makes of the document as it will be when everything posted before is done; on this thread,
   /// which takes no previews meanwhile. Nothing where it gives nothing.
-  using Compute = std::function<Result<std::optional<Action>>(const Document&)>;
   void apply_computed(Compute compute, bool joined = false);
   /// Continues the journal under another name (Save As): the whole history so far is written there first.
   void save_as(std::filesystem::path path);

@@ -6,7 +6,6 @@
 
 #include "core/case/action.h"
 #include "core/case/paint.h"
-#include "core/deform/fold_guard.h"
 #include "core/mesh/mirror.h"
 #include "core/mesh/surface_search.h"
 #include "core/placement/landmark_warp.h"
@@ -15,10 +14,6 @@
 namespace homolog {
 
 namespace {
-
-/// The landmark warp reaches this share of the template's bounding-box diagonal.
-constexpr double warp_reach = 0.25;
-constexpr Eigen::Index warp_from_landmarks = 4;
 
 bool usable(const Similarity& s) {
   return s.rotation.coeffs().allFinite() && std::abs(s.rotation.norm() - 1) < 1e-6 && std::isfinite(s.scale) &&
@@ -29,41 +24,27 @@ std::shared_ptr<const Points> share(Points points) {
   return std::make_shared<const Points>(std::move(points));
 }
 
+/// Notes how far landmarks are decided by an edit, 0 … 1.
+void decide(Shape& shape, const VertexScalars& share) {
+  shape.decided = std::make_shared<const VertexScalars>(shape.decided ? shape.decided->cwiseMax(share) : share);
+}
+
 /// The shape as it is before any edit: template, placement, and the warp where landmarks ask for it. Gives a sentence
 /// where the warp could not be followed.
 std::string start_anew(const Template& reference, LandmarkFit fit, const Points& from, const Points& to, Shape& shape) {
   std::string message;
   shape.placed = share(shape.placement.apply(reference.points));
   shape.reference = shape.placed;
-  if (fit == LandmarkFit::warp && from.rows() >= warp_from_landmarks) {
-    const LandmarkWarp warp(shape.placement.apply(from), to, warp_reach * bounds_of(*shape.placed).diagonal().norm());
-    Points warped = warp.apply(*shape.placed);
-    // Landmarks placed in the wrong order could fold space; then as much of the warp is used as folds nothing.
-    const FoldGuard guard(*reference.topology, *shape.placed, *shape.placed);
-    const Points offset = warp.apply(*shape.placed) - *shape.placed;
-    const auto at = [&](double step) { return Points(*shape.placed + step * offset); };
-    const double step = guard.accepted_step(1, at);
-    if (step > 0) shape.reference = share(at(step));
-    if (step < 1) message = "The landmarks would fold the mesh, so they are not met; check that each is in its place.";
+  if (fit == LandmarkFit::warp) {
+    WarpedReference warped = warp_to_landmarks(*reference.topology, *shape.placed, shape.placement.apply(from), to);
+    if (warped.share > 0) shape.reference = share(std::move(warped.points));
+    if (warped.folds)
+      message = "The landmarks would fold the mesh, so they are not met; check that each is in its place.";
   }
   shape.points = shape.reference;
+  shape.decided.reset();
   shape.strokes = 0;
   return message;
-}
-
-/// Placed landmarks the template knows too: template positions and image positions, row by row.
-std::pair<Points, Points> matched_landmarks(const Template& reference, const Shape& shape) {
-  std::vector<std::pair<Vec3, Vec3>> pairs;
-  for (const Landmark& landmark : reference.landmarks) {
-    const auto placed = shape.landmarks.find(landmark.name);
-    if (placed != shape.landmarks.end()) pairs.emplace_back(landmark.position, placed->second);
-  }
-  Points from(static_cast<Eigen::Index>(pairs.size()), 3), to(from.rows(), 3);
-  for (Eigen::Index k = 0; k < from.rows(); ++k) {
-    from.row(k) = pairs[static_cast<std::size_t>(k)].first.transpose();
-    to.row(k) = pairs[static_cast<std::size_t>(k)].second.transpose();
-  }
-  return {from, to};
 }
 
 /// Before the first stroke, landmarks carry the template along. Errors: landmarks that collapse it to nothing.
@@ -74,7 +55,7 @@ Result<EditReport> follow_landmarks(const Template& reference, LandmarkFit fit, 
     report.message = "After the first stroke landmarks are marks only; Slide or Grab brings the mesh to them.";
     return report;
   }
-  const auto [from, to] = matched_landmarks(reference, shape);
+  const auto [from, to] = matched_landmarks(reference, shape.landmarks);
   if (from.rows() == 0) return report;
   const Similarity placement = fit_similarity(from, to, shape.placement);
   if (!usable(placement) || placement.scale < 1e-3) {
@@ -129,6 +110,7 @@ struct Updater {
     if (report.stopped_by_guard) report.message = "Stopped before a triangle turned over.";
     Document after = before;
     shape_of(after).points = share(std::move(outcome->points));
+    if (outcome->response) decide(shape_of(after), *outcome->response);
     ++shape_of(after).strokes;
     return done(std::move(after), std::move(report));
   }
@@ -171,6 +153,8 @@ struct Updater {
       shape.placement = *action.placement;
       shape.reference = shape.placed = share(action.placement->apply(before.reference->points));
     }
+    if (action.by != by_model)
+      decide(shape, ((*action.points - *shape.points).rowwise().squaredNorm().array() > 0).cast<double>());
     shape.points = action.points;
     ++shape.strokes;
     return done(std::move(after));

@@ -34,7 +34,8 @@ Vec3 BoundarySearch::normal_at(const SurfacePoint& at) const {
   return at.interpolate(*boundary_.surface.topology, normals_).transpose();
 }
 
-std::optional<Vec3> BoundarySearch::counterpart(const Vec3& p, const Vec3& normal, std::int32_t& likely_face) const {
+std::optional<BoundarySearch::Counterpart> BoundarySearch::counterpart(const Vec3& p, const Vec3& normal,
+                                                                       std::int32_t& likely_face) const {
   if (!boundary_.shows(p)) return std::nullopt;
   const auto nearest = search_.nearest(p, likely_face);
   likely_face = nearest.at.face;
@@ -50,17 +51,18 @@ std::optional<Vec3> BoundarySearch::counterpart(const Vec3& p, const Vec3& norma
     }
   }
   if (!found || !boundary_.shows(found->position)) return std::nullopt;
-  return found->position;
+  return Counterpart{found->position, normal_at(found->at).stableNormalized()};
 }
 
 BoundaryPull BoundarySearch::nearest(const Mesh& mesh) {
-  BoundaryPull pull{mesh.points, VertexScalars::Zero(mesh.points.rows())};
+  BoundaryPull pull{mesh.points, VertexScalars::Zero(mesh.points.rows()), Points::Zero(mesh.points.rows(), 3)};
   const Points normals = vertex_normals(mesh);
   in_parallel(mesh.points.rows(), [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
       const auto there = counterpart(mesh.points.row(i), normals.row(i), likely_faces_[static_cast<std::size_t>(i)]);
       if (!there) continue;
-      pull.targets.row(i) = there->transpose();
+      pull.targets.row(i) = there->position.transpose();
+      pull.normals.row(i) = there->normal.transpose();
       pull.weights[i] = 1;
     }
   });

@@ -12,6 +12,7 @@ namespace homolog {
 struct BoundaryPull {
   Points targets;         ///< n×3, LPS mm; where nothing pulls, the vertex itself
   VertexScalars weights;  ///< 0 (nothing is known here) … 1
+  Points normals;         ///< n×3, outward: the boundary's at the target; of `nearest` only
 };
 
 /// Looks for force targets in both directions: from every vertex to the nearest point of the boundary that faces the
@@ -35,7 +36,10 @@ class BoundarySearch {
     SurfaceSearch::Nearest on_mesh;  ///< at the last call
   };
   Vec3 normal_at(const SurfacePoint& at) const;
-  std::optional<Vec3> counterpart(const Vec3& p, const Vec3& normal, std::int32_t& likely_face) const;
+  struct Counterpart {
+    Vec3 position, normal;
+  };
+  std::optional<Counterpart> counterpart(const Vec3& p, const Vec3& normal, std::int32_t& likely_face) const;
 
   const Boundary& boundary_;
   SurfaceSearch search_;

@@ -144,21 +144,6 @@ class ClosestPoints {
   std::vector<Vec3> own_, there_;
 };
 
-/// Rows of the landmarks that template and case both name.
-std::pair<Points, Points> named_pairs(const Template& reference, const std::map<std::string, Vec3>& landmarks) {
-  Points from(static_cast<Eigen::Index>(reference.landmarks.size()), 3), to = from;
-  Eigen::Index count = 0;
-  for (const Landmark& own : reference.landmarks) {
-    const auto found = landmarks.find(own.name);
-    if (found == landmarks.end()) continue;
-    from.row(count) = own.position.transpose();
-    to.row(count++) = found->second.transpose();
-  }
-  from.conservativeResize(count, 3);
-  to.conservativeResize(count, 3);
-  return {from, to};
-}
-
 }  // namespace
 
 FoundPlacement refine_placement(const Template& reference, const Boundary& boundary, const Similarity& start) {
@@ -173,7 +158,7 @@ FoundPlacement find_placement(const Template& reference, const Boundary& boundar
     const double scale = to.size_mm / from.size_mm;
     return Similarity{rotation, scale, to.centre - scale * (rotation * from.centre)};
   };
-  if (const auto [own, there] = named_pairs(reference, landmarks); own.rows() >= 3) {
+  if (const auto [own, there] = matched_landmarks(reference, landmarks); own.rows() >= 3) {
     const Similarity placed = fit_similarity(own, there, at(Eigen::Quaterniond::Identity()));
     return closest.refined(placed, 0);
   }

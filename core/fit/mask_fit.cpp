@@ -9,6 +9,7 @@
 #include "core/deform/shape_solver.h"
 #include "core/deform/tangential.h"
 #include "core/fit/boundary_pull.h"
+#include "core/fit/boundary_warp.h"
 #include "core/fit/untangle.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
@@ -22,6 +23,7 @@ constexpr int annealing_steps = 16;
 constexpr int settling_steps = 3;
 constexpr double stiffest_share = 0.3;  ///< of the organ's diagonal: the length stiffness carries an edit at first
 constexpr double softest_edges = 1;     ///< and at last, in mean edges
+constexpr double easing_edges = 1;      ///< mean edges: folds of the template finer than about this are eased
 constexpr double landmark_weight = 10;  ///< of a named place against a vertex on the boundary
 constexpr double least_weight = 0.01;   ///< of a force that is not known: the solver needs one
 
@@ -33,7 +35,9 @@ class Fitting {
         options_(options),
         search_(boundary, reference.points.rows()),
         solver_(reference.topology),
-        factors_(reference.stiffness / reference.stiffness.mean()) {}
+        factors_(reference.stiffness / reference.stiffness.mean()),
+        start_(reference.points),
+        rest_(reference.points) {}
 
   Result<FitResult> run() {
     if (auto placed = place(); !placed) return fail(placed.error());
@@ -48,13 +52,16 @@ class Fitting {
       const Points placed = options_.placement->apply(reference_.points);
       if (!bounds_of(placed).intersects(bounds_of(boundary_.surface.points)))
         return fail("", "the placement lays the template where the organ is not; leave it out to have one found");
-      placement_ = refine_placement(reference_, boundary_, *options_.placement).placement;
+      const auto [own, there] = matched_landmarks(reference_, options_.landmarks);
+      placement_ = own.rows() >= 3 ? fit_similarity(own, there, *options_.placement)
+                                   : refine_placement(reference_, boundary_, *options_.placement).placement;
     } else {
       placement_ = find_placement(reference_, boundary_, options_.landmarks, options_.orientation).placement;
     }
-    mesh_ = {reference_.topology, placement_.apply(reference_.points)};
-    const SurfaceSearch own({reference_.topology, reference_.points});
-    for (const Landmark& landmark : reference_.landmarks) landmarks_.push_back(own.nearest(landmark.position).at);
+    const Points placed = placement_.apply(reference_.points);
+    const auto [from, to] = matched_landmarks(reference_, options_.landmarks);
+    mesh_ = {reference_.topology, warp_to_boundary(reference_.topology, placed, placement_.apply(from), to, search_)};
+    start_ = placement_.inverse().apply(mesh_.points);
     return show(0.1);
   }
 
@@ -62,12 +69,24 @@ class Fitting {
     const double edge_mm = mean_edge_mm(*mesh_.topology, mesh_.points);
     const double first_mm = stiffest_share * bounds_of(mesh_.points).diagonal().norm();
     const double last_mm = softest_edges * edge_mm;
+    if (auto done = ease(); !done) return done;
     for (int step = 0; step < annealing_steps; ++step) {
       const double share = static_cast<double>(step) / (annealing_steps - 1);
       const double length_mm = first_mm * std::pow(last_mm / first_mm, share);
       if (auto done = solve(stiffness_from_length(length_mm, edge_mm)); !done) return done;
       if (auto shown = show(0.1 + 0.7 * share); !shown) return shown;
     }
+    return {};
+  }
+
+  /// Smooths the reference that the annealing keeps to. A deep fold that the case does not have would stay behind:
+  /// its walls face each other, and neither finds the boundary. The folds that a case has come from its boundary.
+  Result<void> ease() {
+    const double edge_mm = mean_edge_mm(*reference_.topology, start_);
+    const double stiffness = stiffness_from_length(easing_edges * edge_mm, edge_mm);
+    if (auto ready = solver_.factorise(VertexScalars::Constant(factors_.size(), stiffness)); !ready) return ready;
+    const Points smooth = solver_.solve(start_);
+    rest_ = fit_similarity(smooth, start_, {}).apply(smooth);
     return {};
   }
 
@@ -88,15 +107,16 @@ class Fitting {
 
   /// Adds the named places that the organ's landmarks pull on.
   void pull_landmarks(BoundaryPull& pull) const {
-    for (std::size_t k = 0; k < landmarks_.size(); ++k) {
+    for (std::size_t k = 0; k < reference_.landmarks.size(); ++k) {
       const auto there = options_.landmarks.find(reference_.landmarks[k].name);
       if (there == options_.landmarks.end()) continue;
       const Eigen::RowVector3d offset =
-          there->second.transpose() - landmarks_[k].interpolate(*mesh_.topology, mesh_.points);
-      const auto corners = mesh_.topology->triangles().row(landmarks_[k].face);
+          there->second.transpose() - reference_.landmark_points[k].interpolate(*mesh_.topology, mesh_.points);
+      const auto corners = mesh_.topology->triangles().row(reference_.landmark_points[k].face);
       for (int c = 0; c < 3; ++c) {
         const Eigen::Index i = corners[c];
-        const double weight = landmark_weight * landmarks_[k].weights[c], total = pull.weights[i] + weight;
+        const double weight = landmark_weight * reference_.landmark_points[k].weights[c],
+                     total = pull.weights[i] + weight;
         if (total <= 0) continue;
         pull.targets.row(i) = (pull.weights[i] * pull.targets.row(i) + weight * (mesh_.points.row(i) + offset)) / total;
         pull.weights[i] = total;
@@ -105,12 +125,13 @@ class Fitting {
   }
 
   void refit() {
-    placement_ = fit_similarity(reference_.points, mesh_.points, placement_);
-    placed_ = placement_.apply(reference_.points);
+    placement_ = fit_similarity(rest_, mesh_.points, placement_);
+    placed_ = placement_.apply(rest_);
   }
 
   /// Vertices onto the boundary, evenly spread as in the reference.
   Result<void> settle() {
+    rest_ = start_;
     if (auto ready = solver_.factorise(factors_); !ready) return ready;
     for (int step = 0; step < settling_steps; ++step) {
       refit();
@@ -134,9 +155,10 @@ class Fitting {
     result.self_intersections = self_intersections(mesh_).size();
     for (Eigen::Index i = 0; i < mesh_.points.rows(); ++i)
       if (!boundary_.shows(mesh_.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
-    for (std::size_t k = 0; k < landmarks_.size(); ++k)
+    for (std::size_t k = 0; k < reference_.landmarks.size(); ++k)
       result.landmarks.push_back(
-          {reference_.landmarks[k].name, landmarks_[k].interpolate(*mesh_.topology, mesh_.points).transpose()});
+          {reference_.landmarks[k].name,
+           reference_.landmark_points[k].interpolate(*mesh_.topology, mesh_.points).transpose()});
     if (result.turned_triangles + result.self_intersections > 0)
       result.warnings.emplace_back("some faces are turned or meet; the organ differs too much from the template there");
     result.mesh = std::move(mesh_);
@@ -156,9 +178,10 @@ class Fitting {
   BoundarySearch search_;
   ShapeSolver solver_;
   VertexScalars factors_;
-  std::vector<SurfacePoint> landmarks_;  ///< where the template's lie on its surface
+  Points start_;  ///< the template, warped where landmarks ask for it
+  Points rest_;   ///< R unplaced: `start_`, eased while the mesh anneals
   Similarity placement_;
-  Points placed_;  ///< R: the template under placement_
+  Points placed_;  ///< R: rest_ under placement_
   Mesh mesh_;
 };
 

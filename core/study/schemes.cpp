@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/deform/fold_guard.h"
+#include "core/fit/mask_fit.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
@@ -60,6 +61,34 @@ Result<int> use_features(EditSession& session, const std::vector<Landmark>& feat
   return 2 * *clicked;
 }
 
+/// Every vertex at the closest point of the target.
+Points projected(const Points& points, const Mesh& target) {
+  const SurfaceSearch search(target);
+  Points moved(points.rows(), 3);
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    moved.row(i) = search.nearest(Vec3(points.row(i))).position.transpose();
+  return moved;
+}
+
+Result<void> adapt_without_hand(EditSession& session, const Mesh& target, Adaptation adaptation, Progress* progress) {
+  SetPoints result{"fit", session.document().shape().placement, nullptr};
+  if (adaptation == Adaptation::projection) {
+    result.by = "projection";
+    result.points = std::make_shared<const Points>(projected(*session.document().shape().points, target));
+  } else {
+    FitOptions options;
+    options.placement = result.placement;
+    options.landmarks = session.document().shape().landmarks;
+    options.progress = progress;
+    auto fit = fit_to_boundary(*session.document().reference, mesh_boundary(target), options);
+    if (!fit) return fail(fit.error());
+    result.placement = fit->placement;
+    result.points = std::make_shared<const Points>(std::move(fit->mesh.points));
+  }
+  auto done = session.apply(result);
+  return done ? Result<void>{} : fail(done.error());
+}
+
 void measure(const EditSession& session, const StudySubject& subject, SchemeRun& run) {
   const Document& document = session.document();
   const Agreement agreement = agreement_with(session, subject.target);
@@ -86,7 +115,11 @@ Result<WorkingScheme> working_scheme(const std::string& name) {
   WorkingScheme made;
   made.name = name;
   bool known = true;
-  if (moving == "raw")
+  if (moving == "fit")
+    made.adaptation = Adaptation::fit;
+  else if (moving == "projection")
+    made.adaptation = Adaptation::projection;
+  else if (moving == "raw")
     made.scheme = Scheme::raw;
   else if (moving == "paper-1" || moving == "paper-10") {
     made.scheme = Scheme::paper;
@@ -95,7 +128,11 @@ Result<WorkingScheme> working_scheme(const std::string& name) {
     made.spacing = 1;
   else
     known = moving == "anchored";
-  if (features == "+grab")
+  if (made.adaptation == Adaptation::projection)
+    known = features.empty();
+  else if (made.adaptation == Adaptation::fit && features != "+warp")
+    known = features.empty();
+  else if (features == "+grab")
     made.features = FeatureUse::grab;
   else if (features == "+warp")
     made.features = FeatureUse::warp;
@@ -105,7 +142,9 @@ Result<WorkingScheme> working_scheme(const std::string& name) {
     known = known && features.empty();
   if (!known)
     return fail(
-        name, "is no scheme; choose raw, paper-1, paper-10, anchored or spacing, alone or with +grab, +warp or +hold");
+        name,
+        "is no scheme; choose raw, paper-1, paper-10, anchored or spacing, alone or with +grab, +warp or +hold, "
+        "fit, alone or with +warp, or projection");
   return made;
 }
 
@@ -155,6 +194,12 @@ Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, 
   run.feature_strokes = *strokes;
   run.landmarks_after_features = landmark_error(session.document(), subject);
 
+  if (scheme.adaptation != Adaptation::pulls) {
+    if (auto done = adapt_without_hand(session, subject.target, scheme.adaptation, options.progress); !done)
+      return fail(done.error());
+    measure(session, subject, run);
+    return run;
+  }
   PullingOptions pulling;
   pulling.visible_mm = subject.visible_mm;
   pulling.most_pulls = options.most_pulls;

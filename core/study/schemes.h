@@ -19,9 +19,17 @@ enum class FeatureUse {
   hold   ///< warp, then a small region around each confirmed
 };
 
+/// What brings the template to the boundary.
+enum class Adaptation {
+  pulls,      ///< the scripted user
+  fit,        ///< the automatic fit
+  projection  ///< every vertex to the closest point, without Eq. 3: what a fit is measured against
+};
+
 /// A way of working: "anchored+warp".
 struct WorkingScheme {
   std::string name;
+  Adaptation adaptation = Adaptation::pulls;
   Scheme scheme = Scheme::anchored;
   int paper_events = 1;
   double spacing = 0;
@@ -29,9 +37,9 @@ struct WorkingScheme {
 };
 
 /// The scheme of a name: raw, paper-1, paper-10, anchored or spacing (anchored, spacing 1), alone or with +grab, +warp
-/// or +hold. Errors: another name.
+/// or +hold; fit, alone or with +warp; projection. Errors: another name.
 Result<WorkingScheme> working_scheme(const std::string& name);
-/// Names of the schemes that are compared, with landmarks to show or without.
+/// Names of the scripted user's schemes that are compared, with landmarks to show or without.
 std::vector<std::string> compared_schemes(bool with_features);
 /// What the editor does unless told otherwise.
 std::string default_scheme(bool with_features);
@@ -67,8 +75,9 @@ struct SchemeRunOptions {
   Progress* progress = nullptr;
 };
 
-/// The scripted user at work by one scheme: placement, features, pulls [docs/method.md §6]. `session` is new and has
-/// the template. Openings of the mesh are capped flat for surface distances and Dice. Errors: the session's; cancelled.
+/// One scheme at work: placement, features, pulls of the scripted user [docs/method.md §6], or an adaptation without a
+/// hand. `session` is new and has the template. Openings of the mesh are capped flat for surface distances and Dice.
+/// Errors: the session's; cancelled.
 Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, const WorkingScheme& scheme,
                              const SchemeRunOptions& options);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -19,7 +20,7 @@ namespace {
 constexpr std::array<double, 3> sigma_fractions{0.16, 0.08, 0.04};
 /// What the solve adds to a σ, about, as a share of the stiffness length: enough to choose a place by.
 constexpr double widening_share = 0.8;
-constexpr std::size_t most_places = 60, most_tries = 24;
+constexpr std::size_t most_places = 60, most_tries = 24, most_compared = 4;
 constexpr double farthest_drag = 3;  // times the deviation, where the surface lags behind the cursor
 constexpr double helps = 0.998;      // of the mean square deviation: less is not seen
 
@@ -145,21 +146,30 @@ std::optional<Stroke> fitting_stroke(EditSession& session, const Choice& choice,
   return stroke;
 }
 
-/// Pulls until one helps; a person takes back a pull that made things worse.
+/// Of the pulls most to gain from, the first few that help are compared as a person compares them who moves the mouse
+/// and switches σ before letting go; the best is made.
 Result<bool> pull_once(EditSession& session, Sight& sight, const std::vector<Deviation>& seen, double visible_mm) {
-  const double before = mean_square_mm2(seen);
+  const double enough = mean_square_mm2(seen) * helps;
   const std::vector<Offset> offsets = offsets_of(session.document().mesh(), seen);
-  std::size_t tries = 0;
+  std::size_t tries = 0, compared = 0;
+  std::optional<Stroke> best;
+  double least = std::numeric_limits<double>::infinity();
   for (const Choice& choice : choices(session, seen, offsets, visible_mm)) {
-    if (++tries > most_tries) break;
+    if (++tries > most_tries || compared == most_compared) break;
     const auto stroke = fitting_stroke(session, choice, seen, offsets);
     if (!stroke) continue;
     const auto shown = session.preview(*stroke);
-    if (!shown || mean_square_mm2(sight.look(*shown->document.shape().points)) > before * helps) continue;
-    if (auto done = session.apply(*stroke); !done) return fail(done.error());
-    return true;
+    if (!shown) continue;
+    const double left = mean_square_mm2(sight.look(*shown->document.shape().points));
+    if (left > enough) continue;
+    ++compared;
+    if (left >= least) continue;
+    least = left;
+    best = stroke;
   }
-  return false;
+  if (!best) return false;
+  if (auto done = session.apply(*best); !done) return fail(done.error());
+  return true;
 }
 
 /// Where a landmark of the template lies on the mesh as it is.

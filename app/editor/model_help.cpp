@@ -10,7 +10,7 @@ namespace homolog {
 namespace {
 
 /// How far a known landmark may be off, a coordinate.
-constexpr double known_noise_mm = 0.5;
+constexpr double known_noise_mm = 2;
 constexpr double share_kept = 0.99;
 
 /// The model of all shapes but one; of all where `left_out` is −1. Errors: too few are left.

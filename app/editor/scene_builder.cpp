@@ -45,8 +45,8 @@ void SceneBuilder::update_mesh(const Input& input) {
     ++points_revision_;
   }
   const Overlay overlay = shown_overlay(input.state);
-  const bool follows_points =
-      overlay == Overlay::edge_stretch || overlay == Overlay::moved || overlay == Overlay::quality;
+  const bool follows_points = overlay == Overlay::edge_stretch || overlay == Overlay::moved ||
+                              overlay == Overlay::quality || overlay == Overlay::known;
   const bool same = colours_ && overlay_ == overlay && response_ == response && stopped_ == stopped &&
                     stiffness_ == document.stiffness && regions_ == document.regions &&
                     confirmed_ == document.shape().confirmed && confidence_ == input.state.confidence &&

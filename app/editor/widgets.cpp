@@ -184,15 +184,22 @@ bool choice(const Theme& theme, const char* id, const std::vector<std::string>& 
   const int before = chosen;
   ImGui::PushID(id);
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float width = available(), height = theme.px(row_units), part = width / static_cast<float>(labels.size());
+  const float width = available(), height = theme.px(row_units);
+  // In as many rows as the longest label asks for.
+  float widest = 1;
+  for (const std::string& label : labels) widest = std::max(widest, ImGui::CalcTextSize(label.c_str()).x + theme.px(8));
+  const auto fitting = std::max<std::size_t>(1, static_cast<std::size_t>(width / widest));
+  const std::size_t rows = (labels.size() + fitting - 1) / fitting, columns = (labels.size() + rows - 1) / rows;
+  const float part = width / static_cast<float>(columns);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  draw.AddRectFilled(at, {at.x + width, at.y + height}, palette::raised, theme.px(4));
+  draw.AddRectFilled(at, {at.x + width, at.y + height * static_cast<float>(rows)}, palette::raised, theme.px(4));
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, ImGui::GetStyle().ItemSpacing.y});
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto index = static_cast<int>(i);
     const Control control(theme, i < tips.size() ? tips[i] : std::string(), refusal);
-    const ImVec2 low{std::round(at.x + part * static_cast<float>(i)), at.y};
-    const ImVec2 high{std::round(at.x + part * static_cast<float>(i + 1)), at.y + height};
+    const auto column = static_cast<float>(i % columns);
+    const ImVec2 low{std::round(at.x + part * column), at.y + height * static_cast<float>(i / columns)};
+    const ImVec2 high{std::round(at.x + part * (column + 1)), low.y + height};
     ImGui::SetCursorScreenPos(low);
     if (ImGui::InvisibleButton(labels[i].c_str(), {high.x - low.x, height})) chosen = index;
     const bool lit = index == before;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <cassert>
+#include <cmath>
 
 #include "core/placement/similarity_fit.h"
 
@@ -17,6 +18,39 @@ VertexScalars deviations(const Eigen::MatrixXd& spread) {
   VertexScalars result(spread.rows() / 3);
   for (Eigen::Index i = 0; i < result.size(); ++i) result[i] = spread.middleRows(3 * i, 3).norm();
   return result;
+}
+
+// How far a shape may be from where the model's mean lies on it as a whole (standard deviations).
+constexpr double shift_share = 0.03;  // along each axis, of the shape's extent
+constexpr double turn_rad = 0.09;     // 5°, about each axis
+constexpr double size_share = 0.05;
+
+/// The model with seven more modes after its own: shifts, small turns and size about the mean's centre, so that what is
+/// known of a shape that does not lie quite right is not taken for a change of shape.
+ShapeModel with_pose(const ShapeModel& model) {
+  const Points mean = points_of(model.mean);
+  const Eigen::RowVector3d centre = mean.colwise().mean();
+  const double extent = bounds_of(mean).diagonal().norm();
+  ShapeModel posed;
+  posed.mean = model.mean;
+  posed.noise_variance = model.noise_variance;
+  posed.basis.resize(model.basis.rows(), model.modes() + 7);
+  posed.basis.leftCols(model.modes()) = model.basis;
+  posed.variances.resize(model.modes() + 7);
+  posed.variances.head(model.modes()) = model.variances;
+  const auto add = [&](Eigen::Index k, const Points& moves, double deviation) {
+    const double length = moves.norm();
+    posed.basis.col(model.modes() + k) = Eigen::Map<const Eigen::VectorXd>(moves.data(), moves.size()) / length;
+    posed.variances[model.modes() + k] = std::pow(deviation * length, 2);
+  };
+  const Points arms = mean.rowwise() - centre;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Eigen::RowVector3d unit = Eigen::RowVector3d::Unit(axis);
+    add(axis, unit.replicate(mean.rows(), 1), shift_share * extent);
+    add(3 + axis, arms.rowwise().cross(unit), turn_rad);
+  }
+  add(6, arms, size_share);
+  return posed;
 }
 
 }  // namespace
@@ -59,8 +93,9 @@ Result<Completion> completed(const ShapeModel& model, const Points& shape, const
   Points positions(std::ssize(landmarks), 3);
   for (Eigen::Index k = 0; k < positions.rows(); ++k)
     positions.row(k) = shape.row(landmarks[static_cast<std::size_t>(k)]);
-  const Prediction prediction = predict(model, landmarks, pose.inverse().apply(positions), noise_mm / pose.scale);
-  const Points expected = pose.apply(prediction.points);
+  const ShapeModel posed = with_pose(model);
+  const Prediction prediction = predict(posed, landmarks, pose.inverse().apply(positions), noise_mm / pose.scale);
+  const Points expected = pose.apply(shape_of(posed, clamped(posed, prediction.b)));
   const VertexScalars hold = hold_weight * known;
   if (auto ready = solver.factorise(stiffness, hold); !ready) return fail(ready.error());
   const Points reached = expected + solver.solve(Points(hold.asDiagonal() * (shape - expected)));

@@ -27,9 +27,10 @@ struct Completion {
 
 /// A shape of the model's numbering, completed by what the model predicts for the rest of it: those landmarks whose
 /// `known` is above 0 (1 fully) are given to the model, brought to the shape by the similarity that carries the mean to
-/// it; Eq. 3 then carries the prediction to where they are, with the prediction as its reference. `strength` 0…1 goes
-/// from the shape to that; known landmarks stay where they are, and at 0 all do. `solver` is of the shape's topology;
-/// `stiffness`: w. Errors: a model of another vertex count, weights that cannot be factorised.
+/// it and may be off by a little (3 % of the extent, 5°, 5 % of size); coefficients stay within ±3√λ. Eq. 3 then
+/// carries the prediction to where they are, with the prediction as its reference. `strength` 0…1 goes from the shape
+/// to that; known landmarks stay where they are, and at 0 all do. `solver` is of the shape's topology; `stiffness`: w.
+/// Errors: a model of another vertex count, weights that cannot be factorised.
 Result<Completion> completed(const ShapeModel& model, const Points& shape, const VertexScalars& known, double noise_mm,
                              double strength, const VertexScalars& stiffness, ShapeSolver& solver);
 

@@ -75,22 +75,30 @@ TEST_CASE("study schemes compares ways of working and writes tables and case fil
   REQUIRE(write_volume(label_map(longer, grid, 2), folder.path / "other.nii.gz"));
 
   const Ran ran = run(folder,
-                      "study schemes ball.ply --mask good.nii.gz other.nii.gz --label 1 --schemes raw,anchored "
+                      "study schemes ball.ply --mask good.nii.gz other.nii.gz --label 1 "
+                      "--schemes raw,anchored,fit,projection "
                       "--pulls 4 -o out --cases --json");
   REQUIRE_MESSAGE(ran.status == 0, ran.errors);
   CHECK(ran.errors.find("other.nii.gz: label 1") != std::string::npos);
   const Json json = ran.json();
-  REQUIRE(json["schemes"].size() == 2);
+  REQUIRE(json["schemes"].size() == 4);
   CHECK(json["schemes"][1]["scheme"] == "anchored");
   CHECK(json["schemes"][1]["cases"] == 1);
   CHECK(json["schemes"][1]["turned_triangles"] == 0);
   CHECK(json["runs"][1]["assd_mm"] < json["runs"][1]["assd_placed_mm"]);
   CHECK(json["runs"][1]["landmarks_mm"].is_null());
+  for (const int without_hand : {2, 3}) {
+    CHECK(json["runs"][without_hand]["pulls"] == 0);
+    CHECK(json["runs"][without_hand]["assd_mm"] < json["runs"][1]["assd_mm"]);
+  }
   for (const std::string path : json["paths"]) CHECK_MESSAGE(fs::exists(folder.path / path), path);
 
   const Ran played = run(folder, "replay out/good.anchored.homolog -o again.ply --json");
   REQUIRE_MESSAGE(played.status == 0, played.errors);
   CHECK(played.json()["strokes"] == json["runs"][1]["pulls"]);
+
+  const Ran fitted = run(folder, "replay out/good.fit.homolog -o fitted.ply --json");
+  REQUIRE_MESSAGE(fitted.status == 0, fitted.errors);
 
   check_refused(run(folder, "study schemes ball.ply --mask other.nii.gz --label 1 --json"), "other.nii.gz");
   check_refused(run(folder, "study schemes ball.ply --mask good.nii.gz --schemes magic"), "magic");

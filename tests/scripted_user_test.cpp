@@ -179,7 +179,10 @@ TEST_CASE("names of schemes say all of them and others are refused") {
   }
   CHECK(working_scheme("paper-10+grab").value().paper_events == 10);
   CHECK(working_scheme("paper-10+grab").value().features == FeatureUse::grab);
-  for (const char* wrong : {"", "anchored+", "anchored+magic", "paper", "raw+warp+hold"}) CHECK(!working_scheme(wrong));
+  CHECK(working_scheme("fit+warp").value().adaptation == Adaptation::fit);
+  CHECK(working_scheme("projection").value().adaptation == Adaptation::projection);
+  for (const char* wrong : {"", "anchored+", "anchored+magic", "paper", "raw+warp+hold", "fit+grab", "projection+warp"})
+    CHECK(!working_scheme(wrong));
 }
 
 TEST_CASE("a run that is cancelled says so") {

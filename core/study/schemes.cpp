@@ -194,9 +194,14 @@ Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, 
   run.feature_strokes = *strokes;
   run.landmarks_after_features = landmark_error(session.document(), subject);
 
+  const auto note_when_near = [&](int pulls) {
+    const Agreement agreement = agreement_with(session, subject.target);
+    if (agreement.assd_mm <= near_mm && agreement.dice >= near_dice) run.pulls_to_1mm = pulls;
+  };
   if (scheme.adaptation != Adaptation::pulls) {
     if (auto done = adapt_without_hand(session, subject.target, scheme.adaptation, options.progress); !done)
       return fail(done.error());
+    note_when_near(0);
     measure(session, subject, run);
     return run;
   }
@@ -204,10 +209,6 @@ Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, 
   pulling.visible_mm = subject.visible_mm;
   pulling.most_pulls = options.most_pulls;
   pulling.progress = options.progress;
-  const auto note_when_near = [&](int pulls) {
-    const Agreement agreement = agreement_with(session, subject.target);
-    if (agreement.assd_mm <= near_mm && agreement.dice >= near_dice) run.pulls_to_1mm = pulls;
-  };
   pulling.watch = [&](int pulls, const std::vector<Deviation>& seen) {
     // The exact measure is dear; far from 1 mm what is seen says enough.
     if (!run.pulls_to_1mm && mean_mm(seen) < 1.2 * near_mm) note_when_near(pulls);

@@ -150,11 +150,16 @@ Result<WorkingScheme> working_scheme(const std::string& name) {
 
 std::vector<std::string> compared_schemes(bool with_features) {
   const std::vector<std::string> moving{"raw", "paper-1", "paper-10", "anchored", "spacing"};
-  if (!with_features) return moving;
-  std::vector<std::string> names{"anchored"};
-  for (const char* features : {"+grab", "+warp"})
-    for (const std::string& one : moving) names.push_back(one + features);
-  names.push_back("anchored+hold");
+  std::vector<std::string> names;
+  if (with_features) {
+    names.emplace_back("anchored");
+    for (const char* features : {"+grab", "+warp"})
+      for (const std::string& one : moving) names.push_back(one + features);
+    names.insert(names.end(), {"anchored+hold", "fit", "fit+warp"});
+  } else {
+    names = moving;
+    names.insert(names.end(), {"fit", "projection"});
+  }
   return names;
 }
 

@@ -39,7 +39,7 @@ struct WorkingScheme {
 /// The scheme of a name: raw, paper-1, paper-10, anchored or spacing (anchored, spacing 1), alone or with +grab, +warp
 /// or +hold; fit, alone or with +warp; projection. Errors: another name.
 Result<WorkingScheme> working_scheme(const std::string& name);
-/// Names of the scripted user's schemes that are compared, with landmarks to show or without.
+/// Names of the schemes that are compared unless others are asked for, with landmarks to show or without.
 std::vector<std::string> compared_schemes(bool with_features);
 /// What the editor does unless told otherwise.
 std::string default_scheme(bool with_features);

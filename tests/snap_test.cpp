@@ -209,6 +209,8 @@ TEST_CASE("what the scan cuts off follows the rest and is named") {
   const Mesh truth = blob_mesh(blob.radii_mm);
   const auto result = snap(image, 0, all_free({truth.topology, 1.1 * truth.points}), {}).value();
   CHECK(mean_surface_distance_mm({truth.topology, result.points}, truth) < 1);
+  CHECK_FALSE(result.doubtful);  // what the scan shows is clear
+  CHECK(result.mean_confidence > 0.7);
   REQUIRE_FALSE(result.unseen.empty());
   for (const std::int32_t i : result.unseen) {
     CHECK(result.points(i, 2) > 19);

@@ -142,9 +142,10 @@ class Snapping {
     result.points = mesh_.points;
     result.confidence = edges_.find(mesh_, last_reach_share * edges_.reach_mm()).weights;
     result.unseen = unseen_vertices(grid_, mesh_.points, start_.free);
-    const double free = start_.free.sum();
-    result.mean_confidence = start_.free.dot(result.confidence) / free;
-    result.moved_mm = start_.free.dot((mesh_.points - start_.mesh.points).rowwise().norm()) / free;
+    VertexScalars seen = start_.free;
+    for (const std::int32_t v : result.unseen) seen[v] = 0;
+    if (seen.sum() > 0) result.mean_confidence = seen.dot(result.confidence) / seen.sum();
+    result.moved_mm = start_.free.dot((mesh_.points - start_.mesh.points).rowwise().norm()) / start_.free.sum();
     result.doubtful = result.mean_confidence < doubtful_snap;
     if (result.doubtful)
       result.warnings.emplace_back(

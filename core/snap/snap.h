@@ -28,7 +28,7 @@ struct SnapResult {
   Points points;
   VertexScalars confidence;           ///< per vertex 0…1: how clear its edge is where the mesh lies now
   std::vector<std::int32_t> unseen;   ///< free vertices beyond the scan: they follow the others
-  double mean_confidence = 0;         ///< over the free vertices
+  double mean_confidence = 0;         ///< over the free vertices that the scan shows
   double moved_mm = 0;                ///< mean over the free vertices
   bool doubtful = false;              ///< the image shows too little of a boundary here to trust the result
   std::vector<std::string> warnings;  ///< each a sentence

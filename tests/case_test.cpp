@@ -155,6 +155,49 @@ TEST_CASE("a preview changes neither the document nor the file") {
   CHECK(folder.text() == before);
 }
 
+TEST_CASE("a preview goes on with what is computed of it and says where that is refused") {
+  const CaseFolder folder;
+  EditSession session(folder.document());
+  const Compute twice = [](const Document& document) -> Result<std::optional<Action>> {
+    return SetPoints{by_model, std::nullopt, std::make_shared<const Points>(2 * *document.shape().points)};
+  };
+  const Compute nothing = [](const Document&) -> Result<std::optional<Action>> { return std::optional<Action>(); };
+  const Compute refused = [](const Document&) -> Result<std::optional<Action>> { return fail("", "Not today."); };
+  const Stroke stroke = pull(pole, Vec3(0, 0, 50));
+  const Points plain = *session.preview(stroke).value().document.shape().points;
+  const Updated followed = session.preview(stroke, {nothing, twice, refused}).value();
+  CHECK(*followed.document.shape().points == 2 * plain);
+  CHECK(followed.report.message.find("Not today") != std::string::npos);
+  CHECK(*session.preview(std::nullopt, {twice}).value().document.shape().points ==
+        2 * *session.document().shape().points);
+}
+
+TEST_CASE("what strokes and fits decide is known until it is undone and what a model did is not") {
+  const CaseFolder folder;
+  Document document = folder.document();
+  Volume cine;
+  cine.geometry.dims = {2, 2, 2};
+  cine.frames = 2;
+  cine.data = std::vector<std::int16_t>(16);
+  document.volume = std::make_shared<const Volume>(std::move(cine));
+  EditSession session(std::move(document));
+  const auto known = [&] { return known_landmarks(session.document().shape()); };
+  CHECK(known().isZero());
+  REQUIRE(session.apply(SetPoints{by_model, std::nullopt, found_points(1.1)}));
+  CHECK(known().isZero());
+  REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
+  CHECK(known().maxCoeff() == 1);
+  CHECK(known().mean() < 0.3);
+  REQUIRE(session.apply(SetFrame{1}));
+  REQUIRE(session.apply(StartFrameFrom{0}));
+  CHECK(*session.document().shape().points == *session.document().shapes.at(0).points);
+  CHECK(known().isZero());
+  REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found_points(1.2)}));
+  CHECK(known().minCoeff() == 1);
+  for (int step = 0; step < 4; ++step) REQUIRE(session.apply(Undo{}));
+  CHECK(known().isZero());
+}
+
 TEST_CASE("a stroke is kept exactly as its preview showed it") {
   const CaseFolder folder;
   EditSession session = folder.create();

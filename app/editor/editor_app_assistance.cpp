@@ -83,7 +83,9 @@ void EditorApp::follow_model_help() {
     state_.model_help = 0;
   }
   if (state_.model_help <= 0) return;
-  if (!state_.models.model || !snapshot_->document->has_shape()) {
+  const Document& document = *snapshot_->document;
+  if (!state_.models.model || !document.has_shape() ||
+      state_.models.model->landmarks() != document.reference->topology->vertices()) {
     state_.model_help = 0;
     return;
   }

@@ -289,7 +289,9 @@ struct Updater {
       return fail("frame", std::to_string(action.frame) + " has no mesh to start from");
     }
     Document after = before;
-    after.shapes.insert_or_assign(after.frame, from->second);
+    Shape begun = from->second;
+    begun.decided.reset();  // what was decided there is a guess here
+    after.shapes.insert_or_assign(after.frame, std::move(begun));
     return done(std::move(after));
   }
 

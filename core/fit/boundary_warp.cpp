@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "core/base/statistics.h"
 #include "core/deform/fold_guard.h"
 #include "core/placement/landmark_warp.h"
 
@@ -41,13 +42,6 @@ struct Observations {
   Eigen::Index count_ = 0;
 };
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed, const Points& from,
@@ -61,7 +55,7 @@ Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const P
     std::vector<double> distances;
     for (Eigen::Index v = 0; v < placed.rows(); v += stride)
       if (there.weights[v] > 0) distances.push_back((there.targets.row(v) - warped.row(v)).norm());
-    const double farthest = outlying * median(distances);
+    const double farthest = outlying * quantile(distances, 0.5);
     Observations known(3 * from.rows() + std::ssize(distances));
     for (Eigen::Index k = 0; k < from.rows(); ++k)
       for (int axis = 0; axis < 3; ++axis)

@@ -48,19 +48,18 @@ class Fitting {
 
  private:
   Result<void> place() {
+    const auto [own, there] = matched_landmarks(reference_, options_.landmarks);
     if (options_.placement) {
       const Points placed = options_.placement->apply(reference_.points);
       if (!bounds_of(placed).intersects(bounds_of(boundary_.surface.points)))
         return fail("", "the placement lays the template where the organ is not; leave it out to have one found");
-      const auto [own, there] = matched_landmarks(reference_, options_.landmarks);
       placement_ = own.rows() >= 3 ? fit_similarity(own, there, *options_.placement)
                                    : refine_placement(reference_, boundary_, *options_.placement).placement;
     } else {
       placement_ = find_placement(reference_, boundary_, options_.landmarks, options_.orientation).placement;
     }
     const Points placed = placement_.apply(reference_.points);
-    const auto [from, to] = matched_landmarks(reference_, options_.landmarks);
-    mesh_ = {reference_.topology, warp_to_boundary(reference_.topology, placed, placement_.apply(from), to, search_)};
+    mesh_ = {reference_.topology, warp_to_boundary(reference_.topology, placed, placement_.apply(own), there, search_)};
     start_ = placement_.inverse().apply(mesh_.points);
     return show(0.1);
   }

@@ -12,7 +12,7 @@ namespace homolog {
 namespace {
 
 /// The value below which `share` of the sorted values lie, interpolated.
-double quantile(const std::vector<double>& sorted, double share) {
+double sorted_quantile(const std::vector<double>& sorted, double share) {
   const double at = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(at);
   const std::size_t above = std::min(below + 1, sorted.size() - 1);
@@ -94,8 +94,8 @@ void sort_by(std::vector<Doubtful>& list, const Value& value) {
 Fences fences_of(std::vector<double> values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
-  const double upper_quartile = quantile(values, 0.75), range = upper_quartile - quantile(values, 0.25);
-  return {quantile(values, 0.5), upper_quartile + 1.5 * range, upper_quartile + 3 * range};
+  const double upper_quartile = sorted_quantile(values, 0.75), range = upper_quartile - sorted_quantile(values, 0.25);
+  return {sorted_quantile(values, 0.5), upper_quartile + 1.5 * range, upper_quartile + 3 * range};
 }
 
 std::vector<DoubtfulShape> shapes_by_distance(const PrincipalComponents& components) {

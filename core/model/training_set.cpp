@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/statistics.h"
 #include "core/mesh/mirror.h"
 #include "core/model/shape_files.h"
 
@@ -40,12 +41,10 @@ void find_twins(const TrainingSet& set, std::vector<std::string>& found) {
 void find_sizes(const TrainingSet& set, std::vector<std::string>& found) {
   std::vector<double> sizes;
   for (Eigen::Index i = 0; i < set.shapes.cols(); ++i) sizes.push_back(centroid_size_mm(points_of(set.shapes, i)));
-  std::vector<double> sorted = sizes;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((sorted.size() - 1) / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double usual = quantile(sizes, 0.5);
   std::map<int, std::vector<std::string>> by_power;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
-    const double power = std::log10(sizes[i] / *middle);
+    const double power = std::log10(sizes[i] / usual);
     const int whole = static_cast<int>(std::lround(power));
     if (std::isfinite(power) && whole != 0 && std::abs(whole) <= 6 && std::abs(power - whole) < 0.25)
       by_power[whole].push_back(set.names[i]);

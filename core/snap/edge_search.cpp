@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/base/parallel.h"
-#include "core/snap/statistics.h"
+#include "core/base/statistics.h"
 #include "core/snap/tissue.h"
 
 namespace homolog {

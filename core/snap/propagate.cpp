@@ -8,9 +8,9 @@
 #include <memory>
 
 #include "core/base/parallel.h"
+#include "core/base/statistics.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/snap/snap.h"
-#include "core/snap/statistics.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/snap/statistics.h"
+#include "core/base/statistics.h"
 
 namespace homolog {
 

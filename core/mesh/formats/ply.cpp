@@ -257,7 +257,7 @@ std::optional<Region> region_from(std::string_view text) {
 }
 
 std::uint8_t region_index(double value) {
-  return value >= 0 && value <= 255 ? static_cast<std::uint8_t>(value) : 0;
+  return static_cast<std::uint8_t>(value >= 0 && value <= 255 ? value : 0);
 }
 
 /// Indices without a region in the header belong to none; without any region they mean nothing.

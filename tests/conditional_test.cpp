@@ -79,22 +79,24 @@ TEST_CASE("a training shape is predicted from a few of its landmarks and noise l
 
 TEST_CASE("model help at strength 0 changes nothing and never moves what is known") {
   const ShapeModel model = varied_balls_model();
+  const ShapeModel posed = with_pose(model);
   ShapeSolver solver(model.topology);
   const VertexScalars stiffness = VertexScalars::Constant(42, 10);
   const Points shape = points_of(varied_balls(), 1) * 1.3;
   VertexScalars known = VertexScalars::Zero(42);
   for (const Eigen::Index i : seen_landmarks) known[i] = 1;
-  CHECK(completed(model, shape, known, 0.5, 0, stiffness, solver)->points == shape);
-  const Points half = completed(model, shape, known, 0.5, 0.5, stiffness, solver)->points;
-  const Points full = completed(model, shape, known, 0.5, 1, stiffness, solver)->points;
+  CHECK(completed(posed, shape, known, 0.5, 0, stiffness, solver)->points == shape);
+  const Points half = completed(posed, shape, known, 0.5, 0.5, stiffness, solver)->points;
+  const Points full = completed(posed, shape, known, 0.5, 1, stiffness, solver)->points;
   for (const Eigen::Index i : seen_landmarks) CHECK(full.row(i) == shape.row(i));
   CHECK((half - (shape + full) / 2).norm() < 1e-9);
   CHECK((full - shape).norm() > 0.1);
-  CHECK(!completed(model, shape.topRows(20), known.head(20), 0.5, 1, stiffness, solver));
+  CHECK(!completed(posed, shape.topRows(20), known.head(20), 0.5, 1, stiffness, solver));
 }
 
 TEST_CASE("model help completes a shape of the model from what is known wherever it lies") {
   const ShapeModel model = varied_balls_model();
+  const ShapeModel posed = with_pose(model);
   ShapeSolver solver(model.topology);
   const Points truth = points_of(varied_balls(), 5);
   const Similarity elsewhere{Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Vec3(1, 2, 2) / 3)), 1.5, Vec3(10, -20, 300)};
@@ -106,7 +108,7 @@ TEST_CASE("model help completes a shape of the model from what is known wherever
     known[i] = 1;
   }
   const Points there = elsewhere.apply(begun);
-  const auto help = completed(model, there, known, 0.1, 1, VertexScalars::Constant(42, 10), solver);
+  const auto help = completed(posed, there, known, 0.1, 1, VertexScalars::Constant(42, 10), solver);
   REQUIRE(help);
   const double before_mm = (there - elsewhere.apply(truth)).rowwise().norm().mean();
   CHECK((help->points - elsewhere.apply(truth)).rowwise().norm().mean() < 0.5 * before_mm);

@@ -73,7 +73,7 @@ void draw_keys(const UiContext& ui, Outbox& out) {
                                                  {"B", "Stiffness brush"},
                                                  {"C", "Confirm"},
                                                  {"D", "Ruler"},
-                                                 {"N, Shift+N", "snap here, or after strokes"},
+                                                 {"N, Shift+N", "snap here, or while dragging"},
                                                  {"O", "outlines"},
                                                  {"X", "cross-hair"},
                                                  {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},

@@ -66,7 +66,7 @@ void EditorApp::blend_model(const BlendModel& command) {
   auto complete = model_help_.completion(command.strength);
   if (!complete) {
     session_->preview(std::nullopt);
-    if (command.strength > 0) blend_wanted_ = command;
+    blend_wanted_ = command.strength > 0 ? std::optional(command) : std::nullopt;
     return;
   }
   blend_wanted_.reset();

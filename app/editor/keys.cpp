@@ -172,7 +172,7 @@ void press_key(EditorState& state, const InputEvent& event, int key, const Contr
       if (event.shift) {
         state.snap.with_strokes = !state.snap.with_strokes;
         add_notice(state,
-                   state.snap.with_strokes ? "What a stroke leaves is snapped to the image (Shift+N: off)."
+                   state.snap.with_strokes ? "What is dragged is snapped to the image (Shift+N: off)."
                                            : "Strokes are no longer snapped to the image.",
                    false);
         return;

@@ -29,7 +29,7 @@ Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_ou
 
 }  // namespace
 
-/// The model with the solver that it completes shapes by. The solver belongs to the session's thread.
+/// The model, with_pose, and the solver that it completes shapes by. The solver belongs to the session's thread.
 struct ModelHelp::Completer {
   ShapeModel model;
   std::optional<ShapeSolver> solver;
@@ -63,7 +63,7 @@ std::optional<std::string> ModelHelp::update() {
   auto done = work_.take();
   if (!done) return std::nullopt;
   if (!*done) return done->error().sentence();
-  completer_ = std::make_shared<Completer>(Completer{std::move(**done), {}});
+  completer_ = std::make_shared<Completer>(Completer{with_pose(**done), {}});
   return std::nullopt;
 }
 

@@ -134,12 +134,11 @@ void draw_template_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList
   const bool named = ui.state.tool == MouseTool::template_landmark || ui.state.tool == MouseTool::landmark;
   const Vec3 to_eye = ui.state.camera.to_eye;
   for (std::size_t l = 0; l < reference.landmarks.size(); ++l) {
-    const SurfacePoint& on = reference.landmark_points[l];
-    const Vec3 p_mm = on.interpolate(*reference.topology, points).transpose();
+    const Vec3 p_mm = carried_landmark(reference, l, points);
     const auto px = map.to_px(p_mm);
     if (!px) continue;
     float alpha = 0.8f * landmark_alpha(ui, map, p_mm, *px);
-    const auto t = reference.topology->triangles().row(on.face);
+    const auto t = reference.topology->triangles().row(reference.landmark_points[l].face);
     const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
     if (!map.is_slice() && (b - a).cross(c - a).dot(to_eye) < 0) alpha *= 0.25f;  // on the far side
     if (alpha == 0) continue;

@@ -6,6 +6,7 @@
 
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
+#include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
 #include "app/verbs/verb.h"
 #include "core/base/files.h"
@@ -92,20 +93,13 @@ Result<Target> read_target(const Options& options, const fs::path& path, Eigen::
     if (!mesh) return fail(mesh.error());
     return Target{Clock::now(), mesh_boundary(*mesh), std::nullopt, 0};
   }
-  VolumeReadOptions reading;
-  reading.progress = &progress;
-  auto read = read_volume(path, reading);
-  if (!read) return fail(read.error());
-  if (options.snap.frame >= read->volume.frames)
-    return fail(path.string(),
-                "has " + std::to_string(read->volume.frames) + " frames, counted from 0; choose --frame among them");
-  const auto label = options.label != 0 ? Result<int>(options.label) : only_label(read->volume, options.snap.frame);
-  if (!label) return fail(path.string(), label.error().what + " by --label");
+  auto mask = read_mask(path, options.label, options.snap.frame, progress);
+  if (!mask) return fail(mask.error());
   const auto started = Clock::now();
-  auto boundary = label_boundary(read->volume, *label, options.snap.frame, options.closing_mm, vertices);
+  auto boundary = label_boundary(mask->volume, mask->label, options.snap.frame, options.closing_mm, vertices);
   if (!boundary) return fail(path.string(), boundary.error().what);
-  boundary->warnings.insert(boundary->warnings.begin(), read->warnings.begin(), read->warnings.end());
-  return Target{started, std::move(*boundary), std::move(read->volume), *label};
+  boundary->warnings.insert(boundary->warnings.begin(), mask->warnings.begin(), mask->warnings.end());
+  return Target{started, std::move(*boundary), std::move(mask->volume), mask->label};
 }
 
 MeshFile fitted_file(const Template& reference, const FitResult& fit) {
@@ -154,17 +148,10 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
 /// Where the template starts in an image: as the placement says, or on three named places.
 Result<Similarity> start_in_image(const Shared& shared) {
   if (shared.fit.placement) return *shared.fit.placement;
-  Points from(static_cast<Eigen::Index>(shared.reference->landmarks.size()), 3), to = from;
-  Eigen::Index count = 0;
-  for (const Landmark& landmark : shared.reference->landmarks) {
-    const auto there = shared.fit.landmarks.find(landmark.name);
-    if (there == shared.fit.landmarks.end()) continue;
-    from.row(count) = landmark.position;
-    to.row(count++) = there->second;
-  }
-  if (count < 3)
+  const auto [from, to] = matched_landmarks(*shared.reference, shared.fit.landmarks);
+  if (from.rows() < 3)
     return fail("", "needs --placement, or --landmarks with three places that the template names, to start from");
-  return fit_similarity(from.topRows(count), to.topRows(count), Similarity{});
+  return fit_similarity(from, to, Similarity{});
 }
 
 Result<Report> fit_image(const Options& options, const Shared& shared, Progress& progress) {
@@ -188,9 +175,7 @@ Result<Report> fit_image(const Options& options, const Shared& shared, Progress&
   FitResult fit;
   fit.mesh = mesh;
   fit.unseen = snapped->unseen;
-  for (std::size_t k = 0; k < reference.landmarks.size(); ++k)
-    fit.landmarks.push_back({reference.landmarks[k].name,
-                             reference.landmark_points[k].interpolate(*reference.topology, mesh.points).transpose()});
+  fit.landmarks = carried_landmarks(reference, mesh.points);
   if (auto written = write_mesh_file(fitted_file(reference, fit), options.out); !written) return fail(written.error());
   Report report = snap_report(*snapped, mesh, placed, options.image);
   report.values["placement"] = to_json(fit_similarity(reference.points, mesh.points, *placement));

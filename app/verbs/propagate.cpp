@@ -1,6 +1,7 @@
 #include <chrono>
 #include <cstdio>
 
+#include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
 #include "core/base/files.h"
 #include "core/case/case_file.h"
@@ -87,12 +88,9 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, const
   fs::create_directories(verb.out, error);
   if (error) return fail(verb.out.string(), "cannot be made (" + error.message() + "); choose another folder");
   MeshFile file = to_mesh_file(*initial.reference);
-  const auto& landmarks = initial.reference->landmarks;
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
     file.points = propagation.frames[f].points;
-    for (std::size_t k = 0; k < landmarks.size(); ++k)
-      file.landmarks[k].position =
-          initial.reference->landmark_points[k].interpolate(*initial.reference->topology, file.points).transpose();
+    file.landmarks = carried_landmarks(*initial.reference, file.points);
     if (auto written = write_mesh_file(file, verb.out / (frame_name(f) + ".ply")); !written) return written;
   }
   const double frame_seconds = initial.volume->frame_seconds;

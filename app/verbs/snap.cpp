@@ -1,6 +1,7 @@
 #include <chrono>
 #include <optional>
 
+#include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
 #include "core/case/case_file.h"
 #include "core/snap/snap_document.h"
@@ -65,14 +66,7 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   const Document& after = session->document();
   if (!verb.out.empty()) {
     MeshFile file = to_mesh_file(after, after.frame);
-    if (!verb.of_case()) {
-      file.landmarks.clear();
-      for (std::size_t k = 0; k < after.reference->landmarks.size(); ++k)
-        file.landmarks.push_back(
-            {after.reference->landmarks[k].name, after.reference->landmark_points[k]
-                                                     .interpolate(*after.reference->topology, *after.shape().points)
-                                                     .transpose()});
-    }
+    if (!verb.of_case()) file.landmarks = carried_landmarks(*after.reference, *after.shape().points);
     if (auto written = write_mesh_file(file, verb.out); !written) return fail(written.error());
   }
   Report report = snap_report(snapped->result, after.mesh(), *after.shape().placed, image);

@@ -1,5 +1,6 @@
 #include "app/verbs/snap_arguments.h"
 
+#include "app/verbs/read_image.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
@@ -19,16 +20,6 @@ void add_snap_arguments(CLI::App& verb, SnapArguments& arguments) {
       ->capture_default_str();
   verb.add_option("--done", arguments.done,
                   "MESH IMAGE of a case that is done: its boundary's look is learned; may be given several times");
-}
-
-Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress) {
-  VolumeReadOptions reading;
-  reading.progress = &progress;
-  auto read = read_volume(path, reading);
-  if (read && frame >= read->volume.frames)
-    return fail(path.string(),
-                "has " + std::to_string(read->volume.frames) + " frames, counted from 0; choose --frame among them");
-  return read;
 }
 
 Result<SnapOptions> snap_options(const SnapArguments& arguments, Eigen::Index vertices, Progress& progress) {

@@ -7,7 +7,6 @@
 
 #include "app/verbs/verb.h"
 #include "core/snap/snap.h"
-#include "core/volume/volume_io.h"
 
 namespace homolog {
 
@@ -23,9 +22,6 @@ void add_snap_arguments(CLI::App& verb, SnapArguments& arguments);
 
 /// Reads the cases that are done. Errors: unreadable, of different templates, not of `vertices`.
 Result<SnapOptions> snap_options(const SnapArguments& arguments, Eigen::Index vertices, Progress& progress);
-
-/// The image, of which `frame` must exist.
-Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress);
 
 /// What a snap reports; `placed` is what turned triangles are counted against. Warnings name `path`.
 Report snap_report(const SnapResult& result, const Mesh& mesh, const Points& placed, const std::filesystem::path& path);

@@ -1,5 +1,6 @@
 #include "app/verbs/study.h"
 
+#include "app/verbs/read_image.h"
 #include "core/case/case_file.h"
 #include "core/measure/compare.h"
 #include "core/mesh/landmark_io.h"
@@ -38,9 +39,7 @@ Result<Report> study_user(const UserOptions& options, Progress& progress) {
   if (!subject) return fail(subject.error());
   std::shared_ptr<const Volume> image;
   if (!options.image.empty()) {
-    VolumeReadOptions reading;
-    reading.progress = &progress;
-    auto read = read_volume(options.image, reading);
+    auto read = read_image(options.image, 0, progress);
     if (!read) return fail(read.error());
     image = std::make_shared<const Volume>(std::move(read->volume));
   }
@@ -91,18 +90,13 @@ void add_target_options(CLI::App& verb, TargetOptions& options) {
 
 Result<StudySubject> mask_subject(const fs::path& path, const TargetOptions& options, const Template& reference,
                                   Progress& progress) {
-  VolumeReadOptions reading;
-  reading.progress = &progress;
-  auto read = read_volume(path, reading);
-  if (!read) return fail(read.error());
-  const Volume& mask = read->volume;
-  const auto label = options.label != 0 ? Result<int>(options.label) : only_label(mask);
-  if (!label) return fail(path.string(), label.error().what + " by --label");
-  auto boundary = label_boundary(mask, *label, 0, options.closing_mm, reference.points.rows());
+  auto mask = read_mask(path, options.label, 0, progress);
+  if (!mask) return fail(mask.error());
+  auto boundary = label_boundary(mask->volume, mask->label, 0, options.closing_mm, reference.points.rows());
   if (!boundary) return fail(path.string(), boundary.error().what);
   StudySubject subject;
   subject.target = std::move(boundary->surface);
-  subject.visible_mm = mask.geometry.spacing_mm.maxCoeff();
+  subject.visible_mm = mask->volume.geometry.spacing_mm.maxCoeff();
   return subject;
 }
 

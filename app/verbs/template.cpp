@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "app/verbs/describe.h"
+#include "app/verbs/read_image.h"
 #include "app/verbs/verb.h"
 #include "core/mesh/mesh_io.h"
 #include "core/template/mesh_template.h"
@@ -117,17 +118,10 @@ Result<Report> make_template_file(const TemplateJob& options, Progress& progress
       return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
     return from_mesh(options, progress);
   }
-  VolumeReadOptions reading;
-  reading.progress = &progress;
-  const auto mask = read_volume(options.in, reading);
+  const auto mask = read_mask(options.in, options.label, options.frame, progress);
   if (!mask) return fail(mask.error());
-  if (options.frame >= mask->volume.frames)
-    return fail(options.in.string(),
-                "has " + std::to_string(mask->volume.frames) + " frames, counted from 0; choose --frame among them");
-  const auto label = options.label != 0 ? Result<int>(options.label) : only_label(mask->volume, options.frame);
-  if (!label) return fail(options.in.string(), label.error().what + std::string(" by --label"));
-  return options.tube ? tube(options, mask->volume, *label, mask->warnings)
-                      : from_mask(options, mask->volume, *label, mask->warnings, progress);
+  return options.tube ? tube(options, mask->volume, mask->label, mask->warnings)
+                      : from_mask(options, mask->volume, mask->label, mask->warnings, progress);
 }
 
 }  // namespace

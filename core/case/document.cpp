@@ -105,6 +105,16 @@ std::pair<Points, Points> matched_landmarks(const Template& reference, const std
   return {from.topRows(count), to.topRows(count)};
 }
 
+Vec3 carried_landmark(const Template& reference, std::size_t landmark, const Points& points) {
+  return reference.landmark_points[landmark].interpolate(*reference.topology, points).transpose();
+}
+
+std::vector<Landmark> carried_landmarks(const Template& reference, const Points& points) {
+  std::vector<Landmark> carried = reference.landmarks;
+  for (std::size_t k = 0; k < carried.size(); ++k) carried[k].position = carried_landmark(reference, k, points);
+  return carried;
+}
+
 VertexScalars known_landmarks(const Shape& shape) {
   constexpr double followed = 0.6;  // below it a stroke carried a landmark along and did not decide its place
   VertexScalars known = VertexScalars::Zero(shape.points->rows());

@@ -30,6 +30,10 @@ struct Template {
 /// The landmarks that both name: where the template has them, and where they were `placed`, row by row.
 std::pair<Points, Points> matched_landmarks(const Template& reference, const std::map<std::string, Vec3>& placed);
 
+/// Where a landmark of the template lies on a mesh of its numbering, and all of them. `points`: n×3, mm.
+Vec3 carried_landmark(const Template& reference, std::size_t landmark, const Points& points);
+std::vector<Landmark> carried_landmarks(const Template& reference, const Points& points);
+
 /// Whether placed landmarks pull the reference along before the first stroke.
 enum class LandmarkFit {
   off,         ///< landmarks are only recorded

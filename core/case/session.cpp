@@ -27,8 +27,8 @@ Result<void> EditSession::start_at(const Similarity& placement) {
 
 Result<Updated> EditSession::preview(const std::optional<Action>& action, const std::vector<Compute>& then) {
   const auto start = std::chrono::steady_clock::now();
-  Result<Updated> updated = Updated{document(), {}};
-  if (action) updated = update(document(), *action, deformer_, Pass::preview);
+  auto updated =
+      action ? update(document(), *action, deformer_, Pass::preview) : Result<Updated>(Updated{document(), {}});
   if (!updated) return updated;
   for (const Compute& compute : then)
     if (auto followed = follow(updated->document, compute); !followed)

@@ -25,8 +25,8 @@ std::shared_ptr<const Points> share(Points points) {
 }
 
 /// Notes how far landmarks are decided by an edit, 0 … 1.
-void decide(Shape& shape, const VertexScalars& share) {
-  shape.decided = std::make_shared<const VertexScalars>(shape.decided ? shape.decided->cwiseMax(share) : share);
+void decide(Shape& shape, std::shared_ptr<const VertexScalars> share) {
+  shape.decided = shape.decided ? std::make_shared<const VertexScalars>(shape.decided->cwiseMax(*share)) : share;
 }
 
 /// The shape as it is before any edit: template, placement, and the warp where landmarks ask for it. Gives a sentence
@@ -110,7 +110,7 @@ struct Updater {
     if (report.stopped_by_guard) report.message = "Stopped before a triangle turned over.";
     Document after = before;
     shape_of(after).points = share(std::move(outcome->points));
-    if (outcome->response) decide(shape_of(after), *outcome->response);
+    if (outcome->response) decide(shape_of(after), outcome->response);
     ++shape_of(after).strokes;
     return done(std::move(after), std::move(report));
   }
@@ -153,8 +153,10 @@ struct Updater {
       shape.placement = *action.placement;
       shape.reference = shape.placed = share(action.placement->apply(before.reference->points));
     }
-    if (action.by != by_model)
-      decide(shape, ((*action.points - *shape.points).rowwise().squaredNorm().array() > 0).cast<double>());
+    if (action.by != by_model) {
+      const auto moved_mm2 = (*action.points - *shape.points).rowwise().squaredNorm().array();
+      decide(shape, std::make_shared<const VertexScalars>((moved_mm2 > 0).cast<double>()));
+    }
     shape.points = action.points;
     ++shape.strokes;
     return done(std::move(after));

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "core/base/statistics.h"
-#include "core/deform/fold_guard.h"
 #include "core/placement/landmark_warp.h"
 
 namespace homolog {
@@ -67,10 +66,7 @@ Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const P
     }
     warped = placed + known.regress(placed, kernel);
   }
-  const FoldGuard guard(*topology, placed, placed);
-  const Points offset = warped - placed;
-  const auto at = [&](double share) { return Points(placed + share * offset); };
-  return at(guard.accepted_step(1, at));
+  return without_folds(*topology, placed, warped - placed).points;
 }
 
 }  // namespace homolog

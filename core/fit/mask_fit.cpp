@@ -35,9 +35,7 @@ class Fitting {
         options_(options),
         search_(boundary, reference.points.rows()),
         solver_(reference.topology),
-        factors_(reference.stiffness / reference.stiffness.mean()),
-        start_(reference.points),
-        rest_(reference.points) {}
+        factors_(reference.stiffness / reference.stiffness.mean()) {}
 
   Result<FitResult> run() {
     if (auto placed = place(); !placed) return fail(placed.error());
@@ -109,8 +107,7 @@ class Fitting {
     for (std::size_t k = 0; k < reference_.landmarks.size(); ++k) {
       const auto there = options_.landmarks.find(reference_.landmarks[k].name);
       if (there == options_.landmarks.end()) continue;
-      const Eigen::RowVector3d offset =
-          there->second.transpose() - reference_.landmark_points[k].interpolate(*mesh_.topology, mesh_.points);
+      const Eigen::RowVector3d offset = (there->second - carried_landmark(reference_, k, mesh_.points)).transpose();
       const auto corners = mesh_.topology->triangles().row(reference_.landmark_points[k].face);
       for (int c = 0; c < 3; ++c) {
         const Eigen::Index i = corners[c];
@@ -148,16 +145,13 @@ class Fitting {
 
   Result<FitResult> finish() {
     FitResult result;
-    refit();
-    result.placement = placement_;
-    result.turned_triangles = turned_triangles(*mesh_.topology, placed_, mesh_.points).size();
+    result.placement = fit_similarity(reference_.points, mesh_.points, placement_);
+    result.turned_triangles =
+        turned_triangles(*mesh_.topology, result.placement.apply(reference_.points), mesh_.points).size();
     result.self_intersections = self_intersections(mesh_).size();
     for (Eigen::Index i = 0; i < mesh_.points.rows(); ++i)
       if (!boundary_.shows(mesh_.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
-    for (std::size_t k = 0; k < reference_.landmarks.size(); ++k)
-      result.landmarks.push_back(
-          {reference_.landmarks[k].name,
-           reference_.landmark_points[k].interpolate(*mesh_.topology, mesh_.points).transpose()});
+    result.landmarks = carried_landmarks(reference_, mesh_.points);
     if (result.turned_triangles + result.self_intersections > 0)
       result.warnings.emplace_back("some faces are turned or meet; the organ differs too much from the template there");
     result.mesh = std::move(mesh_);

@@ -25,34 +25,6 @@ constexpr double shift_share = 0.03;  // along each axis, of the shape's extent
 constexpr double turn_rad = 0.09;     // 5°, about each axis
 constexpr double size_share = 0.05;
 
-/// The model with seven more modes after its own: shifts, small turns and size about the mean's centre, so that what is
-/// known of a shape that does not lie quite right is not taken for a change of shape.
-ShapeModel with_pose(const ShapeModel& model) {
-  const Points mean = points_of(model.mean);
-  const Eigen::RowVector3d centre = mean.colwise().mean();
-  const double extent = bounds_of(mean).diagonal().norm();
-  ShapeModel posed;
-  posed.mean = model.mean;
-  posed.noise_variance = model.noise_variance;
-  posed.basis.resize(model.basis.rows(), model.modes() + 7);
-  posed.basis.leftCols(model.modes()) = model.basis;
-  posed.variances.resize(model.modes() + 7);
-  posed.variances.head(model.modes()) = model.variances;
-  const auto add = [&](Eigen::Index k, const Points& moves, double deviation) {
-    const double length = moves.norm();
-    posed.basis.col(model.modes() + k) = Eigen::Map<const Eigen::VectorXd>(moves.data(), moves.size()) / length;
-    posed.variances[model.modes() + k] = std::pow(deviation * length, 2);
-  };
-  const Points arms = mean.rowwise() - centre;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const Eigen::RowVector3d unit = Eigen::RowVector3d::Unit(axis);
-    add(axis, unit.replicate(mean.rows(), 1), shift_share * extent);
-    add(3 + axis, arms.rowwise().cross(unit), turn_rad);
-  }
-  add(6, arms, size_share);
-  return posed;
-}
-
 }  // namespace
 
 Prediction predict(const ShapeModel& model, const std::vector<Eigen::Index>& landmarks, const Points& positions,
@@ -80,9 +52,35 @@ Prediction predict(const ShapeModel& model, const std::vector<Eigen::Index>& lan
   return prediction;
 }
 
-Result<Completion> completed(const ShapeModel& model, const Points& shape, const VertexScalars& known, double noise_mm,
-                             double strength, const VertexScalars& stiffness, ShapeSolver& solver) {
+ShapeModel with_pose(const ShapeModel& model) {
   const Points mean = points_of(model.mean);
+  const Eigen::RowVector3d centre = mean.colwise().mean();
+  const double extent = bounds_of(mean).diagonal().norm();
+  ShapeModel posed;
+  posed.mean = model.mean;
+  posed.noise_variance = model.noise_variance;
+  posed.basis.resize(model.basis.rows(), model.modes() + 7);
+  posed.basis.leftCols(model.modes()) = model.basis;
+  posed.variances.resize(model.modes() + 7);
+  posed.variances.head(model.modes()) = model.variances;
+  const auto add = [&](Eigen::Index k, const Points& moves, double deviation) {
+    const double length = moves.norm();
+    posed.basis.col(model.modes() + k) = Eigen::Map<const Eigen::VectorXd>(moves.data(), moves.size()) / length;
+    posed.variances[model.modes() + k] = std::pow(deviation * length, 2);
+  };
+  const Points arms = mean.rowwise() - centre;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Eigen::RowVector3d unit = Eigen::RowVector3d::Unit(axis);
+    add(axis, unit.replicate(mean.rows(), 1), shift_share * extent);
+    add(3 + axis, arms.rowwise().cross(unit), turn_rad);
+  }
+  add(6, arms, size_share);
+  return posed;
+}
+
+Result<Completion> completed(const ShapeModel& posed, const Points& shape, const VertexScalars& known, double noise_mm,
+                             double strength, const VertexScalars& stiffness, ShapeSolver& solver) {
+  const Points mean = points_of(posed.mean);
   if (mean.rows() != shape.rows())
     return fail("model", "has " + std::to_string(mean.rows()) + " landmarks where the shape has " +
                              std::to_string(shape.rows()) + "; both must come from one template");
@@ -93,7 +91,6 @@ Result<Completion> completed(const ShapeModel& model, const Points& shape, const
   Points positions(std::ssize(landmarks), 3);
   for (Eigen::Index k = 0; k < positions.rows(); ++k)
     positions.row(k) = shape.row(landmarks[static_cast<std::size_t>(k)]);
-  const ShapeModel posed = with_pose(model);
   const Prediction prediction = predict(posed, landmarks, pose.inverse().apply(positions), noise_mm / pose.scale);
   const Points expected = pose.apply(shape_of(posed, clamped(posed, prediction.b)));
   const VertexScalars hold = hold_weight * known;

@@ -20,18 +20,23 @@ struct Prediction {
 Prediction predict(const ShapeModel& model, const std::vector<Eigen::Index>& landmarks, const Points& positions,
                    double noise_mm);
 
+/// The model with seven more modes after its own: shifts, small turns and size about the mean's centre (3 % of the
+/// extent, 5°, 5 % of size), so that what is known of a shape that does not lie quite right is not taken for a change
+/// of shape. Its modes are not orthogonal.
+ShapeModel with_pose(const ShapeModel& model);
+
 struct Completion {
   Points points;               ///< n×3, mm
   VertexScalars deviation_mm;  ///< of the model's prediction, in the case's size
 };
 
 /// A shape of the model's numbering, completed by what the model predicts for the rest of it: those landmarks whose
-/// `known` is above 0 (1 fully) are given to the model, brought to the shape by the similarity that carries the mean to
-/// it and may be off by a little (3 % of the extent, 5°, 5 % of size); coefficients stay within ±3√λ. Eq. 3 then
-/// carries the prediction to where they are, with the prediction as its reference. `strength` 0…1 goes from the shape
-/// to that; known landmarks stay where they are, and at 0 all do. `solver` is of the shape's topology; `stiffness`: w.
+/// `known` is above 0 (1 fully) are given to `posed`, a model with_pose, brought to the shape by the similarity that
+/// carries the mean to it; coefficients stay within ±3√λ. Eq. 3 then carries the prediction to where they are, with the
+/// prediction as its reference. `strength` 0…1 goes from the shape to that; known landmarks stay where they are, and at
+/// 0 all do. `solver` is of the shape's topology; `stiffness`: w.
 /// Errors: a model of another vertex count, weights that cannot be factorised.
-Result<Completion> completed(const ShapeModel& model, const Points& shape, const VertexScalars& known, double noise_mm,
+Result<Completion> completed(const ShapeModel& posed, const Points& shape, const VertexScalars& known, double noise_mm,
                              double strength, const VertexScalars& stiffness, ShapeSolver& solver);
 
 }  // namespace homolog

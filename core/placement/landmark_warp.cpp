@@ -31,19 +31,22 @@ LandmarkWarp::LandmarkWarp(const Points& from, const Points& to, double length_m
   weights_ = k.llt().solve(Eigen::MatrixX3d(to - from));
 }
 
-WarpedReference warp_to_landmarks(const Topology& topology, const Points& placed, const Points& from,
-                                  const Points& to) {
-  if (from.rows() < fewest_warp_landmarks) return {placed};
-  const LandmarkWarp warp(from, to, reach_share * bounds_of(placed).diagonal().norm());
+Points LandmarkWarp::apply(const Points& points) const {
+  return points + kernel_(points, from_) * weights_;
+}
+
+WarpedReference without_folds(const Topology& topology, const Points& placed, const Points& offset) {
   const FoldGuard guard(topology, placed, placed);
-  const Points offset = warp.apply(placed) - placed;
   const auto at = [&](double share) { return Points(placed + share * offset); };
   const double share = guard.accepted_step(1, at);
   return {at(share), share, share < 1};
 }
 
-Points LandmarkWarp::apply(const Points& points) const {
-  return points + kernel_(points, from_) * weights_;
+WarpedReference warp_to_landmarks(const Topology& topology, const Points& placed, const Points& from,
+                                  const Points& to) {
+  if (from.rows() < fewest_warp_landmarks) return {placed};
+  const LandmarkWarp warp(from, to, reach_share * bounds_of(placed).diagonal().norm());
+  return without_folds(topology, placed, warp.apply(placed) - placed);
 }
 
 }  // namespace homolog

@@ -46,6 +46,9 @@ struct WarpedReference {
   bool folds = false;  ///< the whole warp would turn triangles over: landmarks placed in the wrong order
 };
 
+/// A displacement of a placed reference, taken as far as it turns no triangle over. `offset`: n×3, mm.
+WarpedReference without_folds(const Topology& topology, const Points& placed, const Points& offset);
+
 /// The landmark warp of a reference, as far as it turns no triangle over. `placed`: n×3, the template under its
 /// similarity; `from`, `to`: as for LandmarkWarp, mm.
 WarpedReference warp_to_landmarks(const Topology& topology, const Points& placed, const Points& from, const Points& to);

@@ -26,8 +26,7 @@ std::optional<double> landmark_error(const Document& document, const StudySubjec
   for (const Landmark& landmark : subject.hidden) {
     for (std::size_t k = 0; k < reference.landmarks.size(); ++k) {
       if (reference.landmarks[k].name != landmark.name) continue;
-      const Vec3 here = reference.landmark_points[k].interpolate(*reference.topology, points);
-      sum += (here - landmark.position).norm();
+      sum += (carried_landmark(reference, k, points) - landmark.position).norm();
       ++known;
     }
   }

@@ -176,8 +176,7 @@ Result<bool> pull_once(EditSession& session, Sight& sight, const std::vector<Dev
 std::optional<Vec3> on_mesh(const Document& document, const std::string& name) {
   const Template& reference = *document.reference;
   for (std::size_t k = 0; k < reference.landmarks.size(); ++k)
-    if (reference.landmarks[k].name == name)
-      return Vec3(reference.landmark_points[k].interpolate(*reference.topology, *document.shape().points));
+    if (reference.landmarks[k].name == name) return carried_landmark(reference, k, *document.shape().points);
   return std::nullopt;
 }
 

@@ -4,7 +4,7 @@
 
 #include "app/editor/controls.h"
 #include "app/editor/demo.h"
-#include "tests/render_help.h"
+#include "tests/must.h"
 
 namespace homolog {
 

@@ -7,7 +7,7 @@
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/model/shape_model.h"
-#include "tests/render_help.h"
+#include "tests/must.h"
 
 // What the editor does on threads of its own for the case: the fit to a label, and the model's help.
 
@@ -25,7 +25,7 @@ std::shared_ptr<const Volume> labels() {
   VolumeGeometry grid;
   grid.dims = {60, 60, 60};
   grid.spacing_mm.setConstant(2);
-  const Mesh organ = test::sphere(Vec3::Constant(60), 24, 3);
+  const Mesh organ = icosphere(3, 24, Vec3::Constant(60));
   return std::make_shared<const Volume>(label_map(organ, grid, 2));
 }
 

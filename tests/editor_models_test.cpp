@@ -6,14 +6,12 @@
 #include <thread>
 
 #include "app/editor/controls.h"
-#include "app/editor/editor_picture.h"
 #include "app/editor/gallery.h"
 #include "app/editor/latest_wins.h"
-#include "app/editor/plots.h"
+#include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
-#include "tests/golden.h"
-#include "tests/render_help.h"
+#include "tests/must.h"
 #include "tests/temporary_folder.h"
 
 namespace homolog {
@@ -28,7 +26,7 @@ struct Balls {
   ModelsState state;
 
   fs::path write(const std::string& name, const Vec3& radii_mm, int subdivisions = 2) {
-    Mesh mesh = test::sphere(Vec3::Zero(), 1, subdivisions);
+    Mesh mesh = icosphere(subdivisions);
     mesh.points = mesh.points * radii_mm.asDiagonal();
     const fs::path path = folder.path / (name + ".ply");
     test::must(write_mesh(mesh, path).map([] { return 0; }));
@@ -242,12 +240,6 @@ TEST_CASE("cells of a gallery fill its area without overlapping") {
   }
 }
 
-TEST_CASE("the marks of an axis are round and reach its end") {
-  CHECK(axis_marks(0.93, 5) == std::vector<double>{0, 0.2, 0.4, 0.2 * 3, 0.8, 1});
-  CHECK(axis_marks(100, 5) == std::vector<double>{0, 20, 40, 60, 80, 100});
-  CHECK(axis_marks(0, 3).back() >= 1);
-}
-
 TEST_CASE("Tab exchanges case and models and in the models the tools' keys do nothing") {
   EditorState state;
   Outbox out;
@@ -291,22 +283,6 @@ TEST_CASE("a phantom study is written once and then kept as the user left it") {
   test::must(write_study(read.study, path).map([] { return 0; }));
   CHECK(test::must(make_phantom_study(Organ::vertebra, folder.path, progress)) == path);
   CHECK(test::must(read_study(path)).study.cases[3].notes == "odd");
-}
-
-TEST_CASE("golden picture of the models") {
-  const auto gl = OffscreenContext::make();
-  if (!gl) {
-    MESSAGE("skipped: " << gl.error().sentence());
-    return;
-  }
-  const TemporaryFolder folder;
-  Progress progress;
-  const fs::path path = test::must(make_phantom_study(Organ::vertebra, folder.path, progress));
-  EditorPictureOptions options;
-  options.arrange = [&](EditorState& state) { show_study(state.models, test::must(read_study(path)).study, path); };
-  options.models = StartEvaluation{};
-  const auto picture = editor_picture(EditSession(new_document({}, nullptr, nullptr)), options);
-  test::check_golden(test::must(picture), "models");
 }
 
 }  // namespace homolog

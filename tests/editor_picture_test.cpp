@@ -1,9 +1,13 @@
 #include <doctest/doctest.h>
 
+#include <filesystem>
+
 #include "app/editor/demo.h"
 #include "app/editor/editor_picture.h"
+#include "render/offscreen.h"
 #include "tests/golden.h"
-#include "tests/render_help.h"
+#include "tests/must.h"
+#include "tests/temporary_folder.h"
 
 namespace homolog {
 
@@ -21,6 +25,22 @@ TEST_CASE("golden picture of the whole window") {
   };
   const auto picture = editor_picture(EditSession(test::must(demo_document(Organ::kidney, 1))), options);
   test::check_golden(test::must(picture), "window");
+}
+
+TEST_CASE("golden picture of the models") {
+  const auto gl = OffscreenContext::make();
+  if (!gl) {
+    MESSAGE("skipped: " << gl.error().sentence());
+    return;
+  }
+  const TemporaryFolder folder;
+  Progress progress;
+  const std::filesystem::path path = test::must(make_phantom_study(Organ::vertebra, folder.path, progress));
+  EditorPictureOptions options;
+  options.arrange = [&](EditorState& state) { show_study(state.models, test::must(read_study(path)).study, path); };
+  options.models = StartEvaluation{};
+  const auto picture = editor_picture(EditSession(new_document({}, nullptr, nullptr)), options);
+  test::check_golden(test::must(picture), "models");
 }
 
 }  // namespace homolog

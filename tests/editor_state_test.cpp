@@ -1,8 +1,5 @@
-#include <imgui.h>
-
 #include <fstream>
 
-#include "app/editor/key_queue.h"
 #include "tests/desk.h"
 #include "tests/temporary_folder.h"
 
@@ -21,40 +18,6 @@ TEST_CASE("a double click fills the window with a view and another brings the fo
   click(20);
   click(20.2);
   CHECK_FALSE(desk.state.maximised);
-}
-
-TEST_CASE("keys and characters reach a field in the order they were typed and none is lost") {
-  ImGuiIO io;
-  KeyQueue queue;
-  std::vector<int> pressed;
-  const auto frame = [&] {
-    io.InputQueueCharacters.resize(0);
-    queue.feed(io, [&](const KeyStroke& stroke) {
-      pressed.push_back(stroke.key);
-      return true;
-    });
-    std::string characters;
-    for (const ImWchar c : io.InputQueueCharacters) characters += static_cast<char>(c);
-    return characters;
-  };
-  queue.wait_for_field();
-  queue.press({'A', false, true, false});
-  for (const char c : {'a', 'b'}) queue.type(static_cast<unsigned char>(c));
-  for (int i = 0; i < 2; ++i) queue.press({key::enter});
-  queue.type('c');
-  while (pressed.empty()) CHECK(frame().empty());
-  CHECK(io.KeysDown['A']);
-  CHECK(io.KeyCtrl);
-  CHECK(frame() == "ab");
-  CHECK_FALSE(io.KeysDown['A']);
-  CHECK(io.KeysDown[key::enter]);
-  CHECK(frame().empty());
-  CHECK_FALSE(io.KeysDown[key::enter]);
-  CHECK(frame().empty());
-  CHECK(io.KeysDown[key::enter]);
-  CHECK(frame() == "c");
-  CHECK(pressed == std::vector<int>{'A', key::enter, key::enter});
-  CHECK_FALSE(queue.busy());
 }
 
 TEST_CASE("saving takes the typed name and asks before it replaces a file") {

@@ -3,6 +3,7 @@
 #include "app/editor/layout.h"
 #include "app/editor/picking.h"
 #include "app/editor/view_geometry.h"
+#include "core/mesh/icosphere.h"
 #include "tests/render_help.h"
 
 namespace homolog {
@@ -107,7 +108,7 @@ TEST_CASE("turning the camera keeps its distance and its axes at right angles") 
 }
 
 TEST_CASE("the first point of a sphere along a ray is the near one and a plane before it hides it") {
-  const Mesh sphere = test::sphere(Vec3::Zero(), 10, 3);
+  const Mesh sphere = icosphere(3, 10);
   const Ray ray{Vec3(0, -100, 0), Vec3(0, 2, 0)};
   const auto hit = first_on_surface(*sphere.topology, sphere.points, ray);
   REQUIRE(hit);
@@ -125,7 +126,7 @@ TEST_CASE("the first point of a sphere along a ray is the near one and a plane b
 }
 
 TEST_CASE("the nearest outline point of a sphere is found within reach only") {
-  const Mesh sphere = test::sphere(Vec3::Zero(), 10, 3);
+  const Mesh sphere = icosphere(3, 10);
   const SliceView slice = test::axial(Vec3::Zero(), 1);
   const auto near = nearest_on_outline(*sphere.topology, sphere.points, slice, Vec3(12, 0, 0), 3);
   REQUIRE(near);

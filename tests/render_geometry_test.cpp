@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "core/mesh/icosphere.h"
 #include "render/outline.h"
 #include "tests/render_help.h"
 
@@ -41,7 +42,7 @@ Camera3D some_camera(double fov_deg) {
 }  // namespace
 
 TEST_CASE("the intersection of a mesh with a plane lies in the plane and on the surface") {
-  const Mesh ball = test::sphere(Vec3(3, 4, 5), 30, 3);
+  const Mesh ball = icosphere(3, 30, Vec3(3, 4, 5));
   const Vec3 normal = Vec3(1, 2, -0.5).normalized(), on_plane = Vec3(5, 6, 1);
   const auto outline = intersect_plane(*ball.topology, ball.points, on_plane, normal);
   REQUIRE(outline.size() > 40);
@@ -59,7 +60,7 @@ TEST_CASE("the intersection of a mesh with a plane lies in the plane and on the 
 TEST_CASE("outlines stay closed where the plane goes through vertices and along edges") {
   // The icosahedron's coordinate planes each hold four vertices and two edges.
   for (int subdivisions = 0; subdivisions < 3; ++subdivisions) {
-    const Mesh ball = test::sphere(Vec3::Zero(), 10, subdivisions);
+    const Mesh ball = icosphere(subdivisions, 10);
     for (const Vec3 normal : {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}) {
       for (const double sign : {-1.0, 1.0}) {
         const auto outline = intersect_plane(*ball.topology, ball.points, Vec3::Zero(), sign * normal);
@@ -71,7 +72,7 @@ TEST_CASE("outlines stay closed where the plane goes through vertices and along 
 }
 
 TEST_CASE("a plane that only touches a vertex or misses the mesh gives no outline of any length") {
-  const Mesh ball = test::sphere(Vec3::Zero(), 10, 1);
+  const Mesh ball = icosphere(1, 10);
   const Vec3 first = ball.points.row(0);
   for (const auto& outline : {intersect_plane(*ball.topology, ball.points, first, first),
                               intersect_plane(*ball.topology, ball.points, first, -first),
@@ -82,7 +83,7 @@ TEST_CASE("a plane that only touches a vertex or misses the mesh gives no outlin
 
 TEST_CASE("the outline of a sphere is a circle two pixels wide to within a pixel") {
   constexpr double kRadius_mm = 40, kAbove_mm = 12;
-  const Mesh ball = test::sphere(Vec3(100, -50, 20), kRadius_mm, 4);
+  const Mesh ball = icosphere(4, kRadius_mm, Vec3(100, -50, 20));
   Scene scene;
   scene.meshes.push_back(test::layer_of(ball));
   const Mat3 turn = Eigen::AngleAxisd(0.8, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
@@ -107,7 +108,7 @@ TEST_CASE("the outline of a sphere is a circle two pixels wide to within a pixel
 }
 
 TEST_CASE("an outline's width follows the content scale and its opacity is even along it") {
-  const Mesh ball = test::sphere(Vec3::Zero(), 40, 4);
+  const Mesh ball = icosphere(4, 40);
   Scene scene;
   scene.meshes.push_back(test::layer_of(ball));
   scene.meshes[0].outline_opacity = 0.5f;
@@ -126,7 +127,7 @@ TEST_CASE("an outline's width follows the content scale and its opacity is even 
 }
 
 TEST_CASE("outline colours are those of the vertices at full saturation") {
-  const Mesh ball = test::sphere(Vec3::Zero(), 40, 3);
+  const Mesh ball = icosphere(3, 40);
   Scene scene;
   scene.meshes.push_back(test::layer_of(ball));
   scene.meshes[0].colours =
@@ -230,7 +231,7 @@ TEST_CASE("a line from behind the eye is cut and not mirrored") {
 }
 
 TEST_CASE("the edges of a surface on a transparent background have its colour and not the background's") {
-  const Mesh ball = test::sphere(Vec3::Zero(), 60, 4);
+  const Mesh ball = icosphere(4, 60);
   Scene scene;
   scene.background = {0, 0, 0, 0};
   scene.meshes.push_back(test::layer_of(ball));
@@ -265,10 +266,10 @@ TEST_CASE("a surface before and behind a plane is hidden by depth") {
   scene.image.volume = test::volume_of<std::uint8_t>(grid, [](int, int, int) { return 1; });
   scene.image.window_high = 4;
   scene.planes.push_back({test::coronal(Vec3::Zero(), 1), 50, 50, {0, 0, 1}});
-  scene.meshes.push_back(test::layer_of(test::sphere(Vec3(0, 15, 0), 10, 3)));
+  scene.meshes.push_back(test::layer_of(icosphere(3, 10, Vec3(0, 15, 0))));
   const Camera3D from_front;
   CHECK(pixel(picture_of(scene, from_front, 100, 100, 4), 50, 50) == std::array{64, 64, 64, 255});
-  scene.meshes[0] = test::layer_of(test::sphere(Vec3(0, -15, 0), 10, 3));
+  scene.meshes[0] = test::layer_of(icosphere(3, 10, Vec3(0, -15, 0)));
   CHECK(pixel(picture_of(scene, from_front, 100, 100, 4), 50, 50)[0] > 150);
   scene.meshes[0].surface_opacity = 0.5f;
   const int through = pixel(picture_of(scene, from_front, 100, 100, 4), 50, 50)[0];
@@ -277,7 +278,7 @@ TEST_CASE("a surface before and behind a plane is hidden by depth") {
 }
 
 TEST_CASE("moved points and changed colours are drawn when the revision moves") {
-  const Mesh ball = test::sphere(Vec3::Zero(), 20, 2);
+  const Mesh ball = icosphere(2, 20);
   auto points = std::make_shared<Points>(ball.points);
   auto colours = std::make_shared<std::vector<Rgb>>(static_cast<std::size_t>(ball.points.rows()), Rgb{1, 0, 0});
   Scene scene;

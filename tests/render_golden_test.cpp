@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/correspondence/colours.h"
+#include "core/mesh/icosphere.h"
 #include "tests/golden.h"
 #include "tests/render_help.h"
 
@@ -49,7 +50,7 @@ Body make_body() {
 
 /// The organ on the left of the screen, as a mesh a little off its boundary, coloured by height.
 MeshLayer make_organ() {
-  Mesh organ = test::sphere(Vec3::Zero(), 1, 4);
+  Mesh organ = icosphere(4);
   std::vector<Rgb> colours;
   for (Eigen::Index i = 0; i < organ.points.rows(); ++i) {
     const Vec3 unit = organ.points.row(i);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/mesh/icosphere.h"
 #include "render/label_colours.h"
 #include "tests/render_help.h"
 
@@ -214,7 +215,7 @@ TEST_CASE("drawing stays inside the target rectangle") {
   Scene scene;
   scene.image.volume = test::volume_of<std::uint8_t>(grid, [](int, int, int) { return 1; });
   scene.lines.lines.push_back({Vec3(-50, 25, 0), Vec3(100, 25, 0), {1, 0, 0, 1}, 3});
-  scene.meshes.push_back(test::layer_of(test::sphere(Vec3(25, 25, 0), 20, 2)));
+  scene.meshes.push_back(test::layer_of(icosphere(2, 20, Vec3(25, 25, 0))));
   auto renderer = test::must(Renderer::make());
   auto framebuffer = test::must(Framebuffer::make(100, 80, 1));
   framebuffer->bind();

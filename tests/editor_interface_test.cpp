@@ -1,0 +1,53 @@
+#include <doctest/doctest.h>
+#include <imgui.h>
+
+#include <string>
+#include <vector>
+
+#include "app/editor/controls.h"
+#include "app/editor/key_queue.h"
+#include "app/editor/plots.h"
+
+namespace homolog {
+
+TEST_CASE("keys and characters reach a field in the order they were typed and none is lost") {
+  ImGuiIO io;
+  KeyQueue queue;
+  std::vector<int> pressed;
+  const auto frame = [&] {
+    io.InputQueueCharacters.resize(0);
+    queue.feed(io, [&](const KeyStroke& stroke) {
+      pressed.push_back(stroke.key);
+      return true;
+    });
+    std::string characters;
+    for (const ImWchar c : io.InputQueueCharacters) characters += static_cast<char>(c);
+    return characters;
+  };
+  queue.wait_for_field();
+  queue.press({'A', false, true, false});
+  for (const char c : {'a', 'b'}) queue.type(static_cast<unsigned char>(c));
+  for (int i = 0; i < 2; ++i) queue.press({key::enter});
+  queue.type('c');
+  while (pressed.empty()) CHECK(frame().empty());
+  CHECK(io.KeysDown['A']);
+  CHECK(io.KeyCtrl);
+  CHECK(frame() == "ab");
+  CHECK_FALSE(io.KeysDown['A']);
+  CHECK(io.KeysDown[key::enter]);
+  CHECK(frame().empty());
+  CHECK_FALSE(io.KeysDown[key::enter]);
+  CHECK(frame().empty());
+  CHECK(io.KeysDown[key::enter]);
+  CHECK(frame() == "c");
+  CHECK(pressed == std::vector<int>{'A', key::enter, key::enter});
+  CHECK_FALSE(queue.busy());
+}
+
+TEST_CASE("the marks of an axis are round and reach its end") {
+  CHECK(axis_marks(0.93, 5) == std::vector<double>{0, 0.2, 0.4, 0.2 * 3, 0.8, 1});
+  CHECK(axis_marks(100, 5) == std::vector<double>{0, 20, 40, 60, 80, 100});
+  CHECK(axis_marks(0, 3).back() >= 1);
+}
+
+}  // namespace homolog

@@ -106,7 +106,7 @@ int run_main(int argc, char** argv) {
   add_demo(app, run, editor);
   for (const auto add :
        {add_info, add_replay, add_compare, add_label_map, add_model, add_evaluate, add_mirror, add_phantom, add_picture,
-        add_convert, add_study, add_template, add_fit, add_snap, add_propagate, add_bench}) {
+        add_convert, add_study, add_template, add_fit, add_refine, add_snap, add_propagate, add_bench}) {
     add(app, run);
   }
   const auto add_editor_options = [&editor](CLI::App& to) {

@@ -97,6 +97,15 @@ TEST_CASE("study schemes compares ways of working and writes tables and case fil
   REQUIRE_MESSAGE(played.status == 0, played.errors);
   CHECK(played.json()["strokes"] == json["runs"][1]["pulls"]);
 
+  const Ran refined = run(folder, "refine out/good.anchored.homolog -o refined.ply --json");
+  REQUIRE_MESSAGE(refined.status == 0, refined.errors);
+  CHECK(refined.json()["moved_mm"]["max"] >= refined.json()["moved_mm"]["mean"]);
+  CHECK(refined.json()["assd_mm"] < 0.1);
+  CHECK(refined.json()["turned_triangles"] == 0);
+  CHECK(run(folder, "replay out/good.anchored.homolog -o again.ply").status == 0);
+  CHECK(run(folder, "compare refined.ply --mesh again.ply --json").json()["vertex_distance_mm"]["max"] < 1e-4);
+  check_refused(run(folder, "refine ball.ply"), "ball.ply");
+
   const Ran fitted = run(folder, "replay out/good.fit.homolog -o fitted.ply --json");
   REQUIRE_MESSAGE(fitted.status == 0, fitted.errors);
 
@@ -114,7 +123,7 @@ TEST_CASE("study schemes knows the truth of phantoms") {
       run(folder, "study schemes built-in:ventricle --phantoms 1,2,3,4 --schemes anchored+warp --pulls 2 --json");
   REQUIRE_MESSAGE(ran.status == 0, ran.errors);
   const Json json = ran.json();
-  CHECK(json["default_scheme"] == "anchored+warp");
+  CHECK(json["default_scheme"] == "anchored+warp+refine");
   REQUIRE(json["schemes"].size() == 2);
   const Json& ours = json["schemes"][0];
   CHECK(ours["landmarks_mm"] < ours["landmarks_placed_mm"]);

@@ -60,7 +60,7 @@ TEST_CASE("a fit shows its steps and gives the shape of the label") {
   std::atomic<int> woken = 0;
   Fitter fitter([&] { ++woken; });
   const auto document = case_of(ball(20));
-  fitter.start(document, labels(), settings());
+  fitter.start_fit(document, {labels(), "labels"}, settings());
   CHECK(fitter.document() == document);
   fitter.finish();
   CHECK(woken > 3);
@@ -70,8 +70,8 @@ TEST_CASE("a fit shows its steps and gives the shape of the label") {
   REQUIRE(done);
   const Fitted& fitted = test::must(*done);
   CHECK(fitted.agreement.dice > 0.97);
-  CHECK_FALSE(fitted.mirrored);
-  const VertexScalars radii = (fitted.fit.mesh.points.rowwise() - Vec3::Constant(60).transpose()).rowwise().norm();
+  CHECK(fitted.remarks.empty());
+  const VertexScalars radii = (fitted.edit.points->rowwise() - Vec3::Constant(60).transpose()).rowwise().norm();
   CHECK(radii.minCoeff() > 23);
   CHECK(radii.maxCoeff() < 25);
   CHECK_FALSE(fitter.document());
@@ -80,14 +80,14 @@ TEST_CASE("a fit shows its steps and gives the shape of the label") {
 
 TEST_CASE("a fit that was cancelled gives nothing and one to an absent label says so") {
   Fitter fitter([] {});
-  fitter.start(case_of(ball(20)), labels(), settings());
+  fitter.start_fit(case_of(ball(20)), {labels(), "labels"}, settings());
   fitter.cancel();
   CHECK_FALSE(fitter.busy());
   CHECK_FALSE(fitter.take());
   CHECK_FALSE(fitter.take_step());
   FitSettings absent;
   absent.label = 7;
-  fitter.start(case_of(ball(20)), labels(), absent);
+  fitter.start_fit(case_of(ball(20)), {labels(), "labels"}, absent);
   fitter.finish();
   const auto done = fitter.take();
   REQUIRE(done);

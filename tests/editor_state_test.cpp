@@ -75,7 +75,7 @@ TEST_CASE("a case is opened alone or with its image") {
 
 TEST_CASE("landmarks of a file are taken by the template's names") {
   const std::string name = demo().reference->landmarks.front().name;
-  const auto known = known_landmarks({{"elsewhere", Vec3::Zero()}, {name, Vec3::Ones()}}, demo());
+  const auto known = landmarks_of_template({{"elsewhere", Vec3::Zero()}, {name, Vec3::Ones()}}, demo());
   REQUIRE(known.size() == 1);
   CHECK(known[0].name == name);
 }

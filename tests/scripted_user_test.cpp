@@ -181,7 +181,10 @@ TEST_CASE("names of schemes say all of them and others are refused") {
   CHECK(working_scheme("paper-10+grab").value().features == FeatureUse::grab);
   CHECK(working_scheme("fit+warp").value().adaptation == Adaptation::fit);
   CHECK(working_scheme("projection").value().adaptation == Adaptation::projection);
-  for (const char* wrong : {"", "anchored+", "anchored+magic", "paper", "raw+warp+hold", "fit+grab", "projection+warp"})
+  CHECK(working_scheme("anchored+warp+refine").value().features == FeatureUse::warp);
+  CHECK(working_scheme("anchored+refine").value().refine);
+  for (const char* wrong : {"", "anchored+", "anchored+magic", "paper", "raw+warp+hold", "fit+grab", "projection+warp",
+                            "fit+refine", "anchored+refine+warp"})
     CHECK(!working_scheme(wrong));
 }
 

@@ -80,7 +80,7 @@ struct CommandRunner {
   void operator()(const ImportLandmarks& command) const {
     const auto read = read_landmarks(command.path);
     if (!read) return add_notice(state, read.error().sentence());
-    const auto known = known_landmarks(*read, *app.snapshot_->document);
+    const auto known = landmarks_of_template(*read, *app.snapshot_->document);
     const std::string name = command.path.filename().string();
     if (known.empty())
       return add_notice(state, name + ": none of its names is a landmark of the template; rename them as listed.");
@@ -191,7 +191,12 @@ struct CommandRunner {
     if (settings.label == 0 && !app.label_values_.empty()) settings.label = app.label_values_.front();
     state.last_fit.reset();
     app.fit_seen_ = false;
-    app.fitter_.start(app.snapshot_->document, app.labels_, settings);
+    app.fitter_.start_fit(app.snapshot_->document, {app.labels_, app.labels_name_}, settings);
+  }
+  void operator()(const RefineLandmarks&) const {
+    if (!app.displayed_->has_shape()) return;
+    stop_playing();
+    app.fitter_.start_refinement(app.snapshot_->document);
   }
   void operator()(const BlendModel& command) const { app.blend_model(command); }
   void operator()(const CompleteByModel&) const {

@@ -97,6 +97,9 @@ struct UseMadeTemplate {        ///< writes it and starts anew with it
 };
 /// Fits the shown frame's template to the label map that is shown, as the settings say.
 struct StartFit {};
+/// Moves landmarks along the mesh's own surface; see refine.
+struct RefineLandmarks {};
+/// Of a fit or a refinement.
 struct CancelFit {};
 /// How far what the study's model expects is blended into the shape, 0…1, now and after every stroke: previewed, or as
 /// an edit.
@@ -134,13 +137,14 @@ struct Quit {
   bool sure = false;  ///< an unsaved case is not asked about again
 };
 
-using Command = std::variant<ChangeState, PreviewEdit, ApplyEdit, SnapMesh, CancelSnap, OpenFiles, OpenRequested,
-                             OpenPhantom, OpenTemplate, OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs,
-                             ExportMesh, ExportLabelMap, ImportLandmarks, ExportLandmarks, ExportTemplate,
-                             ImportStiffness, ImportTemplateLandmarks, ExportTemplateLandmarks, MakeTemplate,
-                             CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, StartFit, CancelFit,
-                             BlendModel, CompleteByModel, ExportPicture, ShowRecovery, RecoverCase, DiscardCase,
-                             AcceptFileDialog, AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
+using Command =
+    std::variant<ChangeState, PreviewEdit, ApplyEdit, SnapMesh, CancelSnap, OpenFiles, OpenRequested, OpenPhantom,
+                 OpenTemplate, OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
+                 ImportLandmarks, ExportLandmarks, ExportTemplate, ImportStiffness, ImportTemplateLandmarks,
+                 ExportTemplateLandmarks, MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking,
+                 UseMadeTemplate, StartFit, RefineLandmarks, CancelFit, BlendModel, CompleteByModel, ExportPicture,
+                 ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog, AcceptReplacement, ShowFrame, PlayFrames,
+                 FitViews, Quit, ModelsCommand>;
 
 /// Commands in the order they were given.
 class Outbox {

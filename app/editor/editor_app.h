@@ -67,14 +67,15 @@ class EditorApp {
   void take_snapshot();
   /// Puts the case's file among the recent ones.
   void remember_case();
-  /// Shows how far the fit is, and takes it in when it is done; gives it up where the case was edited meanwhile.
+  /// Shows how far the fit (or refinement) is, and takes it in when it is done; gives it up where the case was edited
+  /// meanwhile.
   void follow_fit();
   void take_fit(Fitted fitted);
   void cancel_fit();
-  /// Shows, or commits, the shape with as much of the study's model in it; once that is computed, where it is not yet.
   /// What carries on from an edit while it is previewed.
   std::vector<Compute> assistance(const Action& action) const;
   void ask_model();
+  /// Shows, or commits, the shape with as much of the study's model in it; once that is computed, where it is not yet.
   void blend_model(const BlendModel& command);
   void follow_model_help();
   /// Goes to the place that the case was opened for, where it was for one.

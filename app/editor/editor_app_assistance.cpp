@@ -13,7 +13,7 @@ void EditorApp::cancel_fit() {
 void EditorApp::follow_fit() {
   if (fitter_.document() && fitter_.document() != snapshot_->document) {
     cancel_fit();
-    add_notice(state_, "The fit was given up, since the case was edited meanwhile.", false);
+    add_notice(state_, "The case was edited meanwhile, so what was being fitted was given up.", false);
   }
   if (auto step = fitter_.take_step(); step && fitter_.busy()) {
     // The organ may be far from where the template was.
@@ -23,25 +23,18 @@ void EditorApp::follow_fit() {
   if (auto done = fitter_.take()) {
     if (*done) return take_fit(std::move(**done));
     session_->preview(std::nullopt);
-    add_notice(state_, labels_name_ + ": " + done->error().sentence());
+    add_notice(state_, done->error().sentence());
   }
 }
 
 void EditorApp::take_fit(Fitted fitted) {
-  FitReport report;
-  report.points = std::make_shared<const Points>(std::move(fitted.fit.mesh.points));
-  report.assd_mm = fitted.agreement.assd_mm;
-  report.hd95_mm = fitted.agreement.hd95_mm;
-  report.dice = fitted.agreement.dice;
-  report.remarks = std::move(fitted.warnings);
-  if (fitted.mirrored)
-    report.remarks.emplace_back(
-        "The organ looks like the template's mirror image; try Mirror left and right (Reference), then fit again.");
-  else if (fitted.doubtful)
-    report.remarks.emplace_back("The fit stays bad; is this the template of another organ, or another label?");
-  look_at_mesh(state_, *report.points);
-  session_->apply(SetPoints{"fit", fitted.fit.placement, report.points});
-  state_.last_fit = std::move(report);
+  if (fitted.edit.by == by_refinement) {
+    for (const std::string& remark : fitted.remarks) add_notice(state_, remark, false);
+  } else {
+    look_at_mesh(state_, *fitted.edit.points);
+    state_.last_fit = fitted;
+  }
+  session_->apply(std::move(fitted.edit));
 }
 
 std::vector<Compute> EditorApp::assistance(const Action& action) const {

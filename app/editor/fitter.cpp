@@ -1,37 +1,59 @@
 #include "app/editor/fitter.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <utility>
+
+#include "core/fit/refine.h"
 
 namespace homolog {
 
 namespace {
 
-Result<Fitted> fitted(const Document& document, const Volume& labels, const FitSettings& settings, FitOptions options) {
+Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const FitSettings& settings,
+                      FitOptions options) {
   const Template& reference = *document.reference;
   const Shape& shape = document.shape();
-  const int frame = std::min(document.frame, labels.frames - 1);
-  auto boundary = label_boundary(labels, settings.label, frame, settings.closing_mm, reference.points.rows());
-  if (!boundary) return fail(boundary.error());
+  const int frame = std::min(document.frame, labels.volume->frames - 1);
+  auto boundary = label_boundary(*labels.volume, settings.label, frame, settings.closing_mm, reference.points.rows());
+  if (!boundary) return fail(labels.name, boundary.error().what);
   if (settings.as_placed) options.placement = shape.placement;
   options.landmarks = shape.landmarks;
   auto fit = fit_to_boundary(reference, *boundary, options);
-  if (!fit) return fail(fit.error());
+  if (!fit) return fail(labels.name, fit.error().what);
   Fitted done;
-  done.fit = std::move(*fit);
-  done.warnings = std::move(boundary->warnings);
-  done.warnings.insert(done.warnings.end(), done.fit.warnings.begin(), done.fit.warnings.end());
-  done.agreement = compare_meshes(done.fit.mesh, boundary->surface);
-  done.doubtful = is_doubtful(done.agreement, *boundary);
-  done.mirrored = !settings.as_placed && looks_mirrored(reference, *boundary);
+  done.agreement = compare_meshes(fit->mesh, boundary->surface);
+  done.remarks = std::move(boundary->warnings);
+  done.remarks.insert(done.remarks.end(), fit->warnings.begin(), fit->warnings.end());
+  if (!settings.as_placed && looks_mirrored(reference, *boundary))
+    done.remarks.emplace_back(
+        "The organ looks like the template's mirror image; try Mirror left and right (Reference), then fit again.");
+  else if (is_doubtful(done.agreement, *boundary))
+    done.remarks.emplace_back("The fit stays bad; is this the template of another organ, or another label?");
+  done.edit = {"fit", fit->placement, std::make_shared<const Points>(std::move(fit->mesh.points))};
+  return done;
+}
+
+Result<Fitted> refined(const Document& document, Progress& progress) {
+  auto edit = refine(document, &progress);
+  if (!edit) return fail(edit.error());
+  Fitted done;
+  done.agreement = compare_meshes({document.reference->topology, *edit->points}, document.mesh());
+  char remark[200];
+  std::snprintf(remark, sizeof remark,
+                "Landmarks moved along the surface by %.2f mm on average, at most %.1f mm; the surface stayed within "
+                "%.2f mm.",
+                *done.agreement.vertex_mean_mm, *done.agreement.vertex_max_mm, done.agreement.hd95_mm);
+  done.remarks.emplace_back(remark);
+  done.edit = std::move(*edit);
   return done;
 }
 
 }  // namespace
 
-void Fitter::start(std::shared_ptr<const Document> document, std::shared_ptr<const Volume> labels,
-                   const FitSettings& settings) {
+void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings) {
   document_ = document;
+  refining_ = false;
   box_ = std::make_shared<Box>();
   work_.start([=, box = box_, wake = wake_](Progress& progress) {
     FitOptions options;
@@ -43,8 +65,15 @@ void Fitter::start(std::shared_ptr<const Document> document, std::shared_ptr<con
       }
       wake();
     };
-    return fitted(*document, *labels, settings, std::move(options));
+    return fitted(*document, labels, settings, std::move(options));
   });
+}
+
+void Fitter::start_refinement(std::shared_ptr<const Document> document) {
+  document_ = document;
+  refining_ = true;
+  box_ = std::make_shared<Box>();
+  work_.start([document](Progress& progress) { return refined(*document, progress); });
 }
 
 void Fitter::cancel() {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/editor/latest_wins.h"
-#include "core/case/document.h"
+#include "core/case/action.h"
 #include "core/fit/mask_fit.h"
 #include "core/measure/compare.h"
 
@@ -21,30 +21,36 @@ struct FitSettings {
   bool as_placed = false;  ///< starts where the template is; else its place is found
 };
 
-/// A finished fit, with what it is judged by.
-struct Fitted {
-  FitResult fit;
-  Agreement agreement;    ///< with the boundary that it was fitted to
-  bool doubtful = false;  ///< see is_doubtful
-  bool mirrored = false;  ///< the organ looks like the template's mirror image; see looks_mirrored
-  std::vector<std::string> warnings;
+/// A label map with its name, for sentences.
+struct NamedLabels {
+  std::shared_ptr<const Volume> volume;
+  std::string name;
 };
 
-/// Fits the shown frame's template to a label on a thread of its own. Called from the window's thread only.
+/// A finished fit or refinement: the edit, and what it is judged by.
+struct Fitted {
+  SetPoints edit;
+  Agreement agreement;               ///< with the boundary that it was fitted to
+  std::vector<std::string> remarks;  ///< each a sentence
+};
+
+/// Fits the shown frame's template to a label, or to the surface that the mesh has already (see refine), on a thread of
+/// its own. Called from the window's thread only.
 class Fitter {
  public:
   /// `wake` is called from the thread after each step.
   explicit Fitter(std::function<void()> wake) : wake_(wake), work_(std::move(wake)) {}
 
   /// `labels` and the document must have the frame; the document must have a shape.
-  void start(std::shared_ptr<const Document> document, std::shared_ptr<const Volume> labels,
-             const FitSettings& settings);
+  void start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings);
+  void start_refinement(std::shared_ptr<const Document> document);
   void cancel();
   bool busy() const { return work_.busy(); }
+  bool refining() const { return refining_ && busy(); }
   double fraction() const { return work_.fraction(); }
   /// The document that is fitted, as it was when the fit began; null where nothing goes on.
   const std::shared_ptr<const Document>& document() const { return document_; }
-  /// The shape so far, once a step.
+  /// The shape so far, once a step; a refinement shows none.
   std::shared_ptr<const Points> take_step();
   /// The result, once.
   std::optional<Result<Fitted>> take();
@@ -58,6 +64,7 @@ class Fitter {
   std::function<void()> wake_;
   std::shared_ptr<Box> box_ = std::make_shared<Box>();
   std::shared_ptr<const Document> document_;
+  bool refining_ = false;
   LatestWins<Result<Fitted>> work_;
 };
 

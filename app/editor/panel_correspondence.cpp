@@ -109,6 +109,7 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
          q.turned > 0 ? palette::bad : palette::good);
   figure(theme, "Intersecting pairs", format("%zu", q.intersecting), "Triangles that pass through each other",
          q.intersecting > 0 ? palette::bad : palette::good);
+  draw_refinement(ui, out);
 }
 
 }  // namespace homolog

@@ -2,7 +2,8 @@
 #include "app/editor/ui_context.h"
 #include "app/editor/widgets.h"
 
-// The automatic fit to the label map that is shown, in the section Place.
+// The automatic fit to the label map that is shown, in the section Place, and to the mesh's own surface, in the section
+// Correspondence.
 
 namespace homolog {
 
@@ -26,6 +27,13 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
   if (changed) out.change([settings](EditorState& s) { s.fit_settings = settings; });
 }
 
+void draw_fitting(const UiContext& ui, const char* what, Outbox& out) {
+  explanation(ui.theme, format("%s: %.0f %%", what, 100 * ui.fitter.fraction()));
+  progress_bar(ui.theme, ui.fitter.fraction());
+  if (button(ui.theme, "Cancel", "The mesh stays as it was", {}, ImGui::GetContentRegionAvail().x))
+    out.send(CancelFit{});
+}
+
 std::string fit_refusal(const UiContext& ui) {
   if (ui.label_values.empty()) return "The label map is empty.";
   if (ui.snapshot.document->shapes.contains(ui.displayed->frame) && ui.committed_shape().confirmed)
@@ -33,12 +41,13 @@ std::string fit_refusal(const UiContext& ui) {
   return ui.needs_shape();
 }
 
-void draw_last_fit(const Theme& theme, const FitReport& report) {
-  figure(theme, "Distance to the label", format("%.2f mm, 95 %% %.2f", report.assd_mm, report.hd95_mm),
+void draw_last_fit(const Theme& theme, const Fitted& fitted) {
+  figure(theme, "Distance to the label",
+         format("%.2f mm, 95 %% %.2f", fitted.agreement.assd_mm, fitted.agreement.hd95_mm),
          "Mean distance of the two surfaces, both ways, and their 95th percentile");
-  figure(theme, "Dice", format("%.3f", report.dice), "Overlap with the label as it was closed, 1 is all",
-         report.dice < 0.9 ? palette::amber : palette::text);
-  for (const std::string& remark : report.remarks) explanation(theme, remark);
+  figure(theme, "Dice", format("%.3f", fitted.agreement.dice), "Overlap with the label as it was closed, 1 is all",
+         fitted.agreement.dice < 0.9 ? palette::amber : palette::text);
+  for (const std::string& remark : fitted.remarks) explanation(theme, remark);
 }
 
 }  // namespace
@@ -54,17 +63,23 @@ void draw_fit(const UiContext& ui, Outbox& out) {
       out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_labels); });
     return;
   }
-  if (ui.fitter.busy()) {
-    explanation(theme, format("Fitting: %.0f %%", 100 * ui.fitter.fraction()));
-    progress_bar(theme, ui.fitter.fraction());
-    if (button(theme, "Cancel", "The mesh stays as it was", {}, width)) out.send(CancelFit{});
-    return;
-  }
+  if (ui.fitter.busy() && !ui.fitter.refining()) return draw_fitting(ui, "Fitting", out);
   draw_fit_settings(ui, out);
   if (button(theme, "Fit to the label", "Shown as it goes on; one step to undo", fit_refusal(ui), width, true))
     out.send(StartFit{});
-  if (ui.state.last_fit && ui.state.last_fit->points == ui.committed_shape().points)
+  if (ui.state.last_fit && ui.state.last_fit->edit.points == ui.committed_shape().points)
     draw_last_fit(theme, *ui.state.last_fit);
+}
+
+void draw_refinement(const UiContext& ui, Outbox& out) {
+  if (ui.fitter.refining()) return draw_fitting(ui, "Refining", out);
+  gap(ui.theme, 4);
+  if (button(ui.theme, "Refine along the surface",
+             "Moves landmarks along the mesh's own surface to where the template, fitted to that surface and to the "
+             "landmarks placed in the image, has them. The surface and confirmed regions stay; one step to undo. For "
+             "when the outline is right",
+             ui.fitter.busy() ? "A fit is running." : ui.needs_shape(), ImGui::GetContentRegionAvail().x))
+    out.send(RefineLandmarks{});
 }
 
 }  // namespace homolog

@@ -159,7 +159,7 @@ void set_sigma(EditorState& state, double sigma_mm) {
   state.sigma_presets_mm[state.sigma_preset] = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
 }
 
-std::vector<Landmark> known_landmarks(const std::vector<Landmark>& landmarks, const Document& document) {
+std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document) {
   std::vector<Landmark> known;
   if (!document.reference) return known;
   const auto& names = document.reference->landmarks;

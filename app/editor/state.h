@@ -88,13 +88,6 @@ struct PanelEdit {
   double value = 0;
 };
 
-/// How well the last automatic fit went, for as long as its mesh is the case's.
-struct FitReport {
-  std::shared_ptr<const Points> points;
-  double assd_mm = 0, hd95_mm = 0, dice = 0;
-  std::vector<std::string> remarks;  ///< each a sentence
-};
-
 struct Notice {
   std::string text;  ///< one sentence
   bool error = true;
@@ -151,8 +144,8 @@ struct EditorState {
   TemplateSettings template_settings;
   std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
   FitSettings fit_settings;
-  double model_help = 0;  ///< 0…1: how far the study's model completes every stroke
-  std::optional<FitReport> last_fit;
+  double model_help = 0;           ///< 0…1: how far the study's model completes every stroke
+  std::optional<Fitted> last_fit;  ///< spoken of for as long as its mesh is the case's
   SnapSettings snap;
   std::optional<SnapFound> snapped;                 ///< the last snap
   std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
@@ -209,7 +202,7 @@ void set_sigma(EditorState& state, double sigma_mm);
 inline constexpr double smallest_sigma_mm = 0.5, largest_sigma_mm = 200;
 
 /// Those whose names are the template's.
-std::vector<Landmark> known_landmarks(const std::vector<Landmark>& landmarks, const Document& document);
+std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document);
 /// The next landmark of the template that the shape has no place for; empty where all are placed.
 std::string next_unplaced_landmark(const Document& document, const std::string& after = {});
 

@@ -94,6 +94,7 @@ bool label_choice(const UiContext& ui, int& label);
 void draw_model_help(const UiContext& ui, Outbox& out);
 /// In the section Place: the fit to the overlay.
 void draw_fit(const UiContext& ui, Outbox& out);
+void draw_refinement(const UiContext& ui, Outbox& out);
 /// The figures of a mesh that a template is judged by.
 void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality);
 

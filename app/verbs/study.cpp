@@ -66,8 +66,9 @@ void add_user(CLI::App& study, VerbRun& run) {
   verb->add_option("--mask", options->mask, "The label map to adapt to")->required();
   add_target_options(*verb, options->target);
   verb->add_option("--landmarks", options->landmarks, "Named places on the organ that the user recognises");
-  verb->add_option("--scheme", options->scheme,
-                   "anchored, raw, paper-1, paper-10 or spacing, alone or with +grab, +warp or +hold");
+  verb->add_option(
+      "--scheme", options->scheme,
+      "anchored, raw, paper-1, paper-10 or spacing, alone or with +grab, +warp or +hold, each also +refine");
   verb->add_option("--image", options->image, "The volume that the case is for");
   verb->add_option("--pulls", options->work.most_pulls, "At most this many pulls")
       ->check(CLI::Range(0, 10000))

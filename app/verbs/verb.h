@@ -39,6 +39,7 @@ void add_model(CLI::App& app, VerbRun& run);
 void add_phantom(CLI::App& app, VerbRun& run);
 void add_picture(CLI::App& app, VerbRun& run);
 void add_propagate(CLI::App& app, VerbRun& run);
+void add_refine(CLI::App& app, VerbRun& run);
 void add_replay(CLI::App& app, VerbRun& run);
 void add_snap(CLI::App& app, VerbRun& run);
 void add_study(CLI::App& app, VerbRun& run);

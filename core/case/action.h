@@ -71,8 +71,10 @@ struct SetTemplateLandmark {
   std::optional<Vec3> at;
   bool operator==(const SetTemplateLandmark&) const = default;
 };
-/// What SetPoints is `by` where a study's shape model moved the landmarks.
+/// What SetPoints is `by` where a study's shape model moved the landmarks, and where they were moved along the surface:
+/// neither decides where the boundary is.
 inline constexpr const char* by_model = "model help";
+inline constexpr const char* by_refinement = "refine";
 /// Puts every landmark where something found it: an automatic fit, the image's boundary, a shape model. Kept as points,
 /// so that replaying needs neither what found them nor what it was found in.
 struct SetPoints {
@@ -143,6 +145,9 @@ using Action = std::variant<Stroke, SetPlacement, PaintStiffness, SmoothStiffnes
                             RemoveRegion, SetStiffnessFactors, SetPoints, SetStiffnessBase, Confirm, SetScheme,
                             SetSpacing, SetTemplateLandmark, PlaceLandmark, SetLandmarkFit, MirrorTemplate, SetFrame,
                             StartFrameFrom, Note, Undo, Redo>;
+
+/// A shape as an edit, to a millionth of a mm where it differs from that of `document`.
+SetPoints points_edit(const Document& document, const Points& points, std::string by);
 
 /// What an edit did, for the interface: shown during a drag and when it is done.
 struct EditReport {

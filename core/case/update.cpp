@@ -153,7 +153,7 @@ struct Updater {
       shape.placement = *action.placement;
       shape.reference = shape.placed = share(action.placement->apply(before.reference->points));
     }
-    if (action.by != by_model) {
+    if (action.by != by_model && action.by != by_refinement) {
       const auto moved_mm2 = (*action.points - *shape.points).rowwise().squaredNorm().array();
       decide(shape, std::make_shared<const VertexScalars>((moved_mm2 > 0).cast<double>()));
     }
@@ -306,6 +306,15 @@ struct Updater {
 
 Result<Updated> update(const Document& document, const Action& action, Deformer& deformer, Pass pass) {
   return std::visit(Updater{document, deformer, pass}, action);
+}
+
+SetPoints points_edit(const Document& document, const Points& points, std::string by) {
+  constexpr double per_mm = 1e6;  // what is kept is what the line in the case file says, in few digits
+  const Points& now = *document.shape().points;
+  Points rounded = now;
+  for (Eigen::Index i = 0; i < now.rows(); ++i)
+    if (points.row(i) != now.row(i)) rounded.row(i) = (points.row(i) * per_mm).array().round() / per_mm;
+  return {std::move(by), std::nullopt, std::make_shared<const Points>(std::move(rounded))};
 }
 
 std::string action_name(const Action& action) {

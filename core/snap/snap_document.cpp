@@ -29,15 +29,6 @@ std::shared_ptr<const Appearance> appearance_of_frames(const Document& document)
 
 }  // namespace
 
-SetPoints points_edit(const Document& document, const Points& points, std::string by) {
-  constexpr double per_mm = 1e6;  // what is kept is what the line in the case file says, in few digits
-  const Points& now = *document.shape().points;
-  Points rounded = now;
-  for (Eigen::Index i = 0; i < now.rows(); ++i)
-    if (points.row(i) != now.row(i)) rounded.row(i) = (points.row(i) * per_mm).array().round() / per_mm;
-  return {std::move(by), std::nullopt, std::make_shared<const Points>(std::move(rounded))};
-}
-
 Result<SnapEdit> snap_document(const Document& document, const std::optional<SnapRegion>& region,
                                const SnapOptions& options) {
   if (!document.reference || !document.has_shape()) return fail("", "There is no mesh to snap; load a template first.");

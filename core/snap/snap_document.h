@@ -25,7 +25,4 @@ struct SnapEdit {
 Result<SnapEdit> snap_document(const Document& document, const std::optional<SnapRegion>& region,
                                const SnapOptions& options);
 
-/// A shape as an edit, to a millionth of a mm where it differs from that of `document`.
-SetPoints points_edit(const Document& document, const Points& points, std::string by);
-
 }  // namespace homolog

@@ -5,6 +5,7 @@
 
 #include "core/deform/fold_guard.h"
 #include "core/fit/mask_fit.h"
+#include "core/fit/refine.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
@@ -109,10 +110,13 @@ void measure(const EditSession& session, const StudySubject& subject, SchemeRun&
 }  // namespace
 
 Result<WorkingScheme> working_scheme(const std::string& name) {
-  const auto plus = name.find('+');
-  const std::string moving = name.substr(0, plus), features = plus == std::string::npos ? "" : name.substr(plus);
+  constexpr std::string_view at_the_end = "+refine";
   WorkingScheme made;
   made.name = name;
+  made.refine = name.ends_with(at_the_end);
+  const std::string before = name.substr(0, name.size() - (made.refine ? at_the_end.size() : 0));
+  const auto plus = before.find('+');
+  const std::string moving = before.substr(0, plus), features = plus == std::string::npos ? "" : before.substr(plus);
   bool known = true;
   if (moving == "fit")
     made.adaptation = Adaptation::fit;
@@ -139,11 +143,12 @@ Result<WorkingScheme> working_scheme(const std::string& name) {
     made.features = FeatureUse::hold;
   else
     known = known && features.empty();
+  if (made.refine) known = known && made.adaptation == Adaptation::pulls;
   if (!known)
     return fail(
         name,
-        "is no scheme; choose raw, paper-1, paper-10, anchored or spacing, alone or with +grab, +warp or +hold, "
-        "fit, alone or with +warp, or projection");
+        "is no scheme; choose raw, paper-1, paper-10, anchored or spacing, alone or with +grab, +warp or +hold, each "
+        "also with +refine; fit, alone or with +warp; or projection");
   return made;
 }
 
@@ -154,16 +159,16 @@ std::vector<std::string> compared_schemes(bool with_features) {
     names.emplace_back("anchored");
     for (const char* features : {"+grab", "+warp"})
       for (const std::string& one : moving) names.push_back(one + features);
-    names.insert(names.end(), {"anchored+hold", "fit", "fit+warp"});
+    names.insert(names.end(), {"anchored+hold", "anchored+warp+refine", "fit", "fit+warp"});
   } else {
     names = moving;
-    names.insert(names.end(), {"fit", "projection"});
+    names.insert(names.end(), {"anchored+refine", "fit", "projection"});
   }
   return names;
 }
 
 std::string default_scheme(bool with_features) {
-  return with_features ? "anchored+warp" : "anchored";
+  return with_features ? "anchored+warp+refine" : "anchored+refine";
 }
 
 StudySubject phantom_study_subject(Organ organ, int number) {
@@ -221,6 +226,11 @@ Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, 
   const auto pulled = pull_to_target(session, subject.target, pulling);
   if (!pulled) return fail(pulled.error());
   run.pulls = pulled->pulls;
+  if (scheme.refine) {
+    auto refined = refine(session.document(), options.progress);
+    if (!refined) return fail(refined.error());
+    if (auto done = session.apply(std::move(*refined)); !done) return fail(done.error());
+  }
   measure(session, subject, run);
   return run;
 }

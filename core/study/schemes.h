@@ -34,14 +34,15 @@ struct WorkingScheme {
   int paper_events = 1;
   double spacing = 0;
   FeatureUse features = FeatureUse::none;
+  bool refine = false;  ///< at the end landmarks are moved along the surface
 };
 
 /// The scheme of a name: raw, paper-1, paper-10, anchored or spacing (anchored, spacing 1), alone or with +grab, +warp
-/// or +hold; fit, alone or with +warp; projection. Errors: another name.
+/// or +hold, and each of these with +refine; fit, alone or with +warp; projection. Errors: another name.
 Result<WorkingScheme> working_scheme(const std::string& name);
 /// Names of the schemes that are compared unless others are asked for, with landmarks to show or without.
 std::vector<std::string> compared_schemes(bool with_features);
-/// What the editor does unless told otherwise.
+/// How a person works who knows the editor: its defaults, and the refinement when the outline is right.
 std::string default_scheme(bool with_features);
 
 /// An organ to adapt a template to. All LPS mm.

@@ -1,0 +1,58 @@
+#include "core/fit/refine.h"
+
+#include <chrono>
+#include <filesystem>
+
+#include "app/verbs/verb.h"
+#include "core/case/case_file.h"
+#include "core/deform/fold_guard.h"
+#include "core/measure/compare.h"
+
+// The verb `refine`: landmarks of a case along the surface that its mesh has.
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct RefineVerb {
+  fs::path file, out;
+};
+
+Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
+  auto read = open_case(verb.file, &progress);
+  if (!read) return fail(read.error());
+  EditSession& session = read->session;
+  const auto start = std::chrono::steady_clock::now();
+  auto refined = refine(session.document(), &progress);
+  if (!refined) return fail(verb.file.string(), refined.error().what);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Mesh before = session.document().mesh();
+  if (auto done = session.apply(std::move(*refined)); !done) return fail(verb.file.string(), done.error().what);
+  const Document& document = session.document();
+  if (!verb.out.empty()) {
+    auto written = write_mesh_file(to_mesh_file(document, document.frame), verb.out);
+    if (!written) return fail(written.error());
+  }
+  const Mesh after = document.mesh();
+  const Agreement agreement = compare_meshes(after, before);
+  return Report{
+      {{"moved_mm", {{"mean", *agreement.vertex_mean_mm}, {"max", *agreement.vertex_max_mm}}},
+       {"assd_mm", agreement.assd_mm},
+       {"turned_triangles", turned_triangles(*before.topology, *document.shape().placed, after.points).size()},
+       {"seconds", seconds}},
+      read->warnings};
+}
+
+}  // namespace
+
+void add_refine(CLI::App& app, VerbRun& run) {
+  auto options = std::make_shared<RefineVerb>();
+  CLI::App* verb = add_verb(app, "refine", "Moves a case's landmarks along the surface that its mesh has");
+  verb->add_option("CASE", options->file, "The case file, which gets one more edit")->required();
+  verb->add_option("-o,--output", options->out, "The mesh to write");
+  verb->callback([options, &run] { run = [options](Progress& progress) { return run_refine(*options, progress); }; });
+}
+
+}  // namespace homolog

@@ -1,0 +1,82 @@
+#include <doctest/doctest.h>
+
+#include "core/case/session.h"
+#include "core/fit/refine.h"
+#include "core/measure/compare.h"
+#include "core/mesh/surface_search.h"
+#include "core/phantom/phantom.h"
+#include "tests/must.h"
+#include "tests/shapes.h"
+
+using namespace homolog;
+
+namespace {
+
+/// The kidney of subject 2 as a case: its surface is right, but landmarks have flowed along it by some mm. Those that
+/// have names are placed in the image.
+EditSession flowed_kidney() {
+  const auto reference = test::must(load_template("built-in:kidney"));
+  const MeshFile truth = phantom_truth(Organ::kidney, 2).front();
+  EditSession session(new_document("", nullptr, reference));
+  test::must(session.apply(SetLandmarkFit{LandmarkFit::similarity}));
+  for (const Landmark& landmark : truth.landmarks)
+    test::must(session.apply(PlaceLandmark{landmark.name, landmark.position}));
+  const SurfaceSearch surface({reference->topology, truth.points});
+  const Box box = bounds_of(truth.points);
+  Points flowed = truth.points;
+  for (Eigen::Index i = 0; i < flowed.rows(); ++i) {
+    const double height = (flowed(i, 2) - box.center().z()) / box.sizes().z();
+    flowed.row(i) += Eigen::RowVector3d(0, 3, 4) * (1 - 4 * height * height);
+    flowed.row(i) = surface.nearest(Vec3(flowed.row(i))).position.transpose();
+  }
+  test::must(session.apply(points_edit(session.document(), flowed, "test")));
+  return session;
+}
+
+const Points& points_now(const EditSession& session) {
+  return *session.document().shape().points;
+}
+
+double error_mm(const Points& points) {
+  return mean_distance(points, phantom_truth(Organ::kidney, 2).front().points);
+}
+
+}  // namespace
+
+TEST_CASE("landmarks that flowed along a surface come back and the surface stays") {
+  EditSession session = flowed_kidney();
+  const Mesh before = session.document().mesh();
+  const double error_before_mm = error_mm(before.points);
+  CHECK(error_before_mm > 2.5);
+  const VertexScalars known = known_landmarks(session.document().shape());
+  test::must(session.apply(test::must(refine(session.document()))));
+  CHECK(error_mm(points_now(session)) < 0.75 * error_before_mm);
+  CHECK(compare_meshes(session.document().mesh(), before).assd_mm < 0.05);
+  CHECK(known_landmarks(session.document().shape()) == known);
+  CHECK(session.undo_name() == "refine");
+  test::must(session.apply(Undo{}));
+  CHECK(points_now(session) == before.points);
+}
+
+TEST_CASE("confirmed landmarks stay while the others are refined") {
+  EditSession session = flowed_kidney();
+  const Points before = points_now(session);
+  test::must(session.apply(Confirm{Vec3(before.row(100)), 25, true}));
+  const VertexScalars& confirmed = *session.document().shape().confirmed;
+  const Points after = *test::must(refine(session.document())).points;
+  int moved = 0;
+  for (Eigen::Index i = 0; i < after.rows(); ++i) {
+    if (confirmed[i] == 1) CHECK(after.row(i) == before.row(i));
+    moved += (after.row(i) - before.row(i)).norm() > 0.5;
+  }
+  CHECK(confirmed.sum() > 50);
+  CHECK(moved > 500);
+}
+
+TEST_CASE("without a mesh there is nothing to refine and a refinement that is cancelled says so") {
+  CHECK(refine(new_document("", nullptr, nullptr)).error().sentence() ==
+        "There is no mesh to refine; load a template first.");
+  Progress progress;
+  progress.cancel();
+  CHECK_FALSE(refine(flowed_kidney().document(), &progress));
+}

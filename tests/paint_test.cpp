@@ -57,6 +57,13 @@ TEST_CASE("removing a region leaves the stiffness and renumbers those behind it"
   REQUIRE(session.apply(PaintRegion{"capsule", {0, 0, 20}, 12, 0}));
   REQUIRE(session.apply(PaintRegion{"hilum", {0, 0, -20}, 12, 0}));
   const int in_hilum = vertices_in(session.document(), 2);
+  const auto in_capsule = session.document().regions->of_vertex;
+  CHECK_FALSE(session.apply(RenameRegion{"capsule", "hilum"}));
+  CHECK_FALSE(session.apply(RenameRegion{"cortex", "shell"}));
+  CHECK_FALSE(session.apply(RenameRegion{"capsule", ""}));
+  REQUIRE(session.apply(RenameRegion{"capsule", "shell"}));
+  CHECK(session.document().regions->of_vertex == in_capsule);
+  REQUIRE(session.apply(RenameRegion{"shell", "capsule"}));
   REQUIRE(session.apply(RemoveRegion{"capsule"}));
   CHECK(vertices_in(session.document(), 1) == in_hilum);
   CHECK(session.document().stiffness->maxCoeff() == 5);
@@ -152,6 +159,7 @@ TEST_CASE("every painting action reads back from its line") {
                             PaintRegion{"capsule", {1, 2, 3}, 4, 0.5},
                             FillRegion{"hilum", {1, 2, 3}, FillRegion::By::curvature, 0.125},
                             SetRegion{capsule},
+                            RenameRegion{"hilum", "renal sinus"},
                             RemoveRegion{"hilum"},
                             SetStiffnessFactors{factors},
                             SetTemplateLandmark{"pole", Vec3(1, 2, 3)},

@@ -59,10 +59,12 @@ struct CommandRunner {
   }
   void operator()(const CloseLabels&) const { app.labels_.reset(); }
   void operator()(const CancelOpening&) const { app.opener_.cancel(); }
-  void operator()(const SaveCase&) const {
+  void operator()(const CancelWriting&) const { app.exports_.cancel(); }
+  void operator()(const SaveCase& command) const {
     const auto& file = app.snapshot_->file;
     if (nothing_open()) return add_notice(state, "Nothing is open that could be saved; open an image or a template.");
-    if (file.empty() || file.parent_path() == unsaved_folder()) return show_file_dialog(state, FilePurpose::save_case);
+    if (command.as || file.empty() || file.parent_path() == unsaved_folder())
+      return show_file_dialog(state, FilePurpose::save_case, case_name(file, *app.displayed_));
     add_notice(state, "Every edit is on the disk already, in " + file.string(), false);
   }
   void operator()(const SaveCaseAs& command) const {
@@ -71,11 +73,16 @@ struct CommandRunner {
   }
   void operator()(const ExportMesh& command) const {
     const Document& document = *app.displayed_;
-    tell(write_mesh_file(to_mesh_file(document, document.frame), command.path), command.path);
+    write(command.path, [file = to_mesh_file(document, document.frame)](const auto& path, Progress&) {
+      return write_mesh_file(file, path);
+    });
   }
   void operator()(const ExportLabelMap& command) const {
     const Document& document = *app.displayed_;
-    tell(write_volume(label_map(document.mesh(), document.volume->geometry, 1), command.path), command.path);
+    write(command.path,
+          [mesh = document.mesh(), grid = document.volume->geometry](const auto& path, Progress& progress) {
+            return write_volume(label_map(mesh, grid, 1), path, &progress);
+          });
   }
   void operator()(const ImportLandmarks& command) const {
     const auto read = read_landmarks(command.path);
@@ -96,10 +103,12 @@ struct CommandRunner {
   void operator()(const ExportLandmarks& command) const {
     std::vector<Landmark> placed;
     for (const auto& [name, position] : app.displayed_->shape().landmarks) placed.push_back({name, position});
-    tell(write_landmarks(placed, command.path), command.path);
+    write(command.path, [placed](const auto& path, Progress&) { return write_landmarks(placed, path); });
   }
   void operator()(const ExportTemplate& command) const {
-    tell(write_mesh_file(painted_template(*app.displayed_), command.path), command.path);
+    write(command.path, [file = painted_template(*app.displayed_)](const auto& path, Progress&) {
+      return write_mesh_file(file, path);
+    });
   }
   void operator()(const ImportStiffness& command) const {
     const auto read = read_mesh_file(command.path);
@@ -144,7 +153,9 @@ struct CommandRunner {
                             "; check that the points are in the template's own frame.");
   }
   void operator()(const ExportTemplateLandmarks& command) const {
-    tell(write_landmarks(app.displayed_->reference->landmarks, command.path), command.path);
+    write(command.path, [landmarks = app.displayed_->reference->landmarks](const auto& path, Progress&) {
+      return write_landmarks(landmarks, path);
+    });
   }
   void operator()(const MakeTemplate&) const {
     TemplateSettings settings = state.template_settings;
@@ -176,8 +187,7 @@ struct CommandRunner {
     const auto provenance = settings.tube ? provenance_of(making->source, settings.tube_options)
                                           : provenance_of(making->source, settings.mask);
     const auto written = write_mesh_file(template_file(*making->mesh, provenance), command.path);
-    tell(written, command.path);
-    if (!written) return;
+    if (!written) return add_notice(state, written.error().sentence());
     app.making_shown_ = false;
     app.template_maker_.forget();
     OpenRequest request;
@@ -204,10 +214,7 @@ struct CommandRunner {
       app.session_->apply_computed(std::move(complete), true);
   }
   void operator()(const CancelFit&) const { app.cancel_fit(); }
-  void operator()(const ExportPicture& command) const {
-    const auto picture = app.picture(command.options);
-    tell(picture ? write_picture(*picture, command.path) : fail(picture.error()), command.path);
-  }
+  void operator()(const ExportPicture& command) const { write_drawn(app.picture(command.options), command.path); }
   void operator()(const ShowRecovery&) const {
     if (auto found = cases_to_recover(); !found.empty())
       state.dialog = RecoverDialog{std::move(found), {}};
@@ -252,8 +259,7 @@ struct CommandRunner {
     const auto* plots = std::get_if<ExportPlots>(&command);
     if (plots == nullptr) return app.models_.run(command, state, *app.snapshot_, app.out_);
     if (!state.models.evaluation) return;
-    const auto picture = app.plots_picture({std::nullopt, 1800, 560, false});
-    tell(picture ? write_picture(*picture, plots->path) : fail(picture.error()), plots->path);
+    write_drawn(app.plots_picture({std::nullopt, 1800, 560, false}), plots->path);
   }
   void operator()(const Quit& command) const {
     if (has_unsaved_edits(*app.snapshot_) && !command.sure)
@@ -275,8 +281,14 @@ struct CommandRunner {
     if (state.shown_frame) app.session_->apply(SetFrame{*state.shown_frame});
     state.shown_frame.reset();
   }
-  void tell(const Result<void>& done, const std::filesystem::path& path) const {
-    add_notice(state, done ? "Written: " + path.string() : done.error().sentence(), !done);
+  /// Has a file written; `how` keeps what it is written from.
+  template <class How>
+  void write(const std::filesystem::path& path, How how) const {
+    app.exports_.start(path, [path, how = std::move(how)](Progress& progress) { return how(path, progress); });
+  }
+  void write_drawn(Result<Picture> picture, const std::filesystem::path& path) const {
+    if (!picture) return add_notice(state, picture.error().sentence());
+    write(path, [picture = std::move(*picture)](const auto& to, Progress&) { return write_picture(picture, to); });
   }
 };
 

@@ -55,7 +55,12 @@ struct OpenLabels {
 };
 struct CloseLabels {};
 struct CancelOpening {};
-struct SaveCase {};  ///< asks for a name where the case has none
+/// Of the file that is being exported.
+struct CancelWriting {};
+/// Says where the case is kept; where it has no name yet, or another is wanted, asks for one.
+struct SaveCase {
+  bool as = false;
+};  ///< asks for a name where the case has none
 struct SaveCaseAs {
   std::filesystem::path path;
 };
@@ -139,12 +144,12 @@ struct Quit {
 
 using Command =
     std::variant<ChangeState, PreviewEdit, ApplyEdit, SnapMesh, CancelSnap, OpenFiles, OpenRequested, OpenPhantom,
-                 OpenTemplate, OpenLabels, CloseLabels, CancelOpening, SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap,
-                 ImportLandmarks, ExportLandmarks, ExportTemplate, ImportStiffness, ImportTemplateLandmarks,
-                 ExportTemplateLandmarks, MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking,
-                 UseMadeTemplate, StartFit, RefineLandmarks, CancelFit, BlendModel, CompleteByModel, ExportPicture,
-                 ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog, AcceptReplacement, ShowFrame, PlayFrames,
-                 FitViews, Quit, ModelsCommand>;
+                 OpenTemplate, OpenLabels, CloseLabels, CancelOpening, CancelWriting, SaveCase, SaveCaseAs, ExportMesh,
+                 ExportLabelMap, ImportLandmarks, ExportLandmarks, ExportTemplate, ImportStiffness,
+                 ImportTemplateLandmarks, ExportTemplateLandmarks, MakeTemplate, CancelTemplate, UndoTemplate,
+                 CloseTemplateMaking, UseMadeTemplate, StartFit, RefineLandmarks, CancelFit, BlendModel,
+                 CompleteByModel, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog,
+                 AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
 
 /// Commands in the order they were given.
 class Outbox {

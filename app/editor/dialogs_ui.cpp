@@ -198,8 +198,7 @@ void draw_quit(const UiContext& ui, Outbox& out) {
                           : "It could not be kept on the disk: save it in a folder you may write to, or it is lost.");
   gap(theme, 4);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
-  if (button(theme, "Save as…", "Choose a name", {}, half, true))
-    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::save_case); });
+  if (button(theme, "Save as…", "Choose a name", {}, half, true)) out.send(SaveCase{true});
   ImGui::SameLine();
   if (button(theme, kept ? "Quit" : "Lose it and quit", kept ? "Nothing is lost" : "What was done is not on the disk",
              {}, half))

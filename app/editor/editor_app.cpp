@@ -84,11 +84,12 @@ void EditorApp::close_session() {
 void EditorApp::start_session(EditSession session) {
   close_session();
   const auto volume_before = displayed_ ? displayed_->volume : nullptr;
+  const std::string source_before = volume_before ? displayed_->volume_source : std::string();
   loaded_template_ = session.initial_document().reference;
   session_ = std::make_unique<SessionThread>(std::move(session), wake_);
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
-  show_document(state_, *displayed_, layout_);
+  show_document(state_, *displayed_, layout_, !source_before.empty() && displayed_->volume_source == source_before);
   fit_wanted_ = layout_.scale <= 0 || layout_.status_line.width <= 0 || layout_.models.width > 0;
   if (!fit_wanted_) show_repair();
   remember_case();
@@ -117,7 +118,8 @@ std::optional<double> EditorApp::next_move_seconds(double now) const {
   constexpr double progress_seconds = 0.1;
   if (state_.playing) return std::max(frame_due_ - now, 0.0);
   if (thumbnails_left_) return 0;
-  if (opener_.busy() || template_maker_.busy() || fitter_.busy() || snaps_.busy()) return progress_seconds;
+  if (opener_.busy() || exports_.busy() || template_maker_.busy() || fitter_.busy() || snaps_.busy())
+    return progress_seconds;
   auto next = models_.next_move_seconds(state_.models);
   for (const Notice& notice : state_.notices)
     if (notice.until) next = std::min(next.value_or(*notice.until - now), std::max(*notice.until - now, 0.0));
@@ -186,6 +188,7 @@ bool EditorApp::update(double seconds) {
     state_.shown_frame = (shown_frame(state_, *displayed_) + 1) % volume.frames;
   }
   take_snapshot();
+  const bool was_writing = take_written() || exports_.busy();
   const bool was_fitting = fitter_.busy();
   follow_fit();
   follow_model_help();
@@ -197,7 +200,7 @@ bool EditorApp::update(double seconds) {
   const bool new_stage = take_stage();
   forget_old_news(seconds);
   return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model ||
-         new_snap || was_fitting || thumbnails_left_ || state_.playing || opener_.busy() || was_opening;
+         new_snap || was_fitting || was_writing || thumbnails_left_ || state_.playing || opener_.busy() || was_opening;
 }
 
 void EditorApp::preview(Action action) {
@@ -214,8 +217,17 @@ void EditorApp::settle() {
   }
   take_snapshot();
   models_.settle(state_, *snapshot_);
+  exports_.finish();
+  take_written();
   quality_.finish();
   figures_ = quality_.latest();
+}
+
+bool EditorApp::take_written() {
+  const auto written = exports_.take();
+  for (const auto& [path, result] : written)
+    add_notice(state_, result ? "Written: " + path.string() : result.error().sentence(), !result);
+  return !written.empty();
 }
 
 bool EditorApp::take_snap() {
@@ -250,22 +262,17 @@ SceneBuilder::Input EditorApp::scene_input(const EditorState& state) const {
   return {state, displayed_, snapshot_->preview, labels_, shown_making()};
 }
 
-UiContext EditorApp::ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const {
-  return {*theme_,
-          layout_,
-          state,
-          *snapshot_,
-          displayed_,
-          figures_,
-          opening,
-          labels_,
-          labels_name_,
-          label_values_,
-          template_maker_,
-          fitter_,
-          thumbnails_,
-          snaps_.busy(),
-          shown_making() != nullptr,
+UiContext EditorApp::ui_context(const EditorState& state, double fps) const {
+  constexpr double shown_after_seconds = 0.5;
+  std::optional<RunningWork> opening, writing;
+  if (opener_.busy())
+    opening = {"Opening " + opener_.what(), opener_.fraction(), opener_.seconds() > shown_after_seconds};
+  if (const auto file = exports_.running())
+    writing = {"Writing " + file->path.filename().string(), file->fraction, file->seconds > shown_after_seconds};
+  return {*theme_,    layout_,      state,         *snapshot_,
+          displayed_, figures_,     opening,       writing,
+          labels_,    labels_name_, label_values_, template_maker_,
+          fitter_,    thumbnails_,  snaps_.busy(), shown_making() != nullptr,
           fps};
 }
 

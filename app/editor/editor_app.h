@@ -7,6 +7,7 @@
 
 #include "app/editor/controls.h"
 #include "app/editor/editor.h"
+#include "app/editor/exports.h"
 #include "app/editor/model_help.h"
 #include "app/editor/models.h"
 #include "app/editor/opener.h"
@@ -94,13 +95,15 @@ class EditorApp {
   /// The stage of the template in the making that is shown; null: the case's mesh is.
   std::shared_ptr<const Mesh> shown_making() const;
   SceneBuilder::Input scene_input(const EditorState& state) const;
+  /// Says which files were written; true where there were some.
+  bool take_written();
   /// The window or one view in another size.
   Result<Picture> picture(const PictureOptions& options);
   /// Into the framebuffer that is bound, and the layout of that.
   void draw_view_picture(const PictureOptions& options);
   /// The plots of the model's measures, 3 side by side.
   Result<Picture> plots_picture(const PictureOptions& options);
-  UiContext ui_context(const EditorState& state, const std::optional<Opening>& opening, double fps) const;
+  UiContext ui_context(const EditorState& state, double fps) const;
 
   std::function<void()> wake_;
   EditorState state_;
@@ -121,6 +124,7 @@ class EditorApp {
   std::shared_ptr<const Document> displayed_;
   std::shared_ptr<const Template> loaded_template_;  ///< as its file holds it: the case may have mirrored it
   Opener opener_;
+  Exports exports_{wake_};
   QualityMonitor quality_;
   std::optional<QualityFigures> figures_;
   std::shared_ptr<const Volume> labels_;

@@ -11,12 +11,6 @@
 
 namespace homolog {
 
-namespace {
-
-constexpr double progress_after_seconds = 0.5;
-
-}  // namespace
-
 void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
                         {state_.maximised, state_.preferences.panel_open, state_.models.shown});
@@ -59,9 +53,7 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
 
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
-  std::optional<Opening> opening;
-  if (opener_.busy()) opening = {opener_.what(), opener_.fraction(), opener_.seconds() > progress_after_seconds};
-  draw_interface(ui_context(state_, opening, frames_per_second), out_);
+  draw_interface(ui_context(state_, frames_per_second), out_);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
@@ -115,8 +107,7 @@ void EditorApp::draw_view_picture(const PictureOptions& options) {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::GetIO().DisplaySize = {width, height};
   ImGui::NewFrame();
-  const std::optional<Opening> nothing;
-  const UiContext ui = ui_context(shown, nothing, 0);
+  const UiContext ui = ui_context(shown, 0);
   draw_view_overlay(ui, kind, *ImGui::GetBackgroundDrawList());
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());

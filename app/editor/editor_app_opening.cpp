@@ -49,7 +49,8 @@ void EditorApp::take_opened(Opened opened) {
 }
 
 void EditorApp::start_document(Document document) {
-  const bool edited = snapshot_->committed > 0 && has_unsaved_edits(*snapshot_);
+  const bool edited = snapshot_->can_undo;
+  const std::filesystem::path before = snapshot_->file;
   auto session = create_unsaved_case(document);
   if (!session) {
     add_notice(state_, session.error().sentence());
@@ -57,7 +58,9 @@ void EditorApp::start_document(Document document) {
     return;
   }
   start_session(std::move(*session));
-  if (edited) add_notice(state_, "The case before was not saved; it is kept, and offered at the next start.", false);
+  if (!edited || before.empty()) return;
+  add_notice(state_, "A new case was begun; the one before is kept.", false);
+  state_.notices.back().case_before = before;
 }
 
 void EditorApp::offer_flip(const Document& document) {

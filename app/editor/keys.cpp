@@ -43,7 +43,7 @@ void press_command_key(EditorState& state, const InputEvent& event, int key, con
     case 'O':
       return show_file_dialog(state, FilePurpose::open);
     case 'S':
-      return event.shift ? show_file_dialog(state, FilePurpose::save_case) : out.send(SaveCase{});
+      return out.send(SaveCase{event.shift});
     case 'Z':
       if (event.shift ? context.can_redo : context.can_undo) event.shift ? out.apply(Redo{}) : out.apply(Undo{});
       return;

@@ -27,6 +27,12 @@ void end_card(const UiContext& ui, float& bottom_px) {
   ImGui::End();
 }
 
+void dismiss_notice(std::size_t index, Outbox& out) {
+  out.change([index](EditorState& s) {
+    if (index < s.notices.size()) s.notices.erase(s.notices.begin() + static_cast<std::ptrdiff_t>(index));
+  });
+}
+
 void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbox& out) {
   const Theme& theme = ui.theme;
   const Notice& notice = ui.state.notices[index];
@@ -39,26 +45,31 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   ImGui::PushTextWrapPos(theme.px(356));
   ImGui::TextUnformatted(notice.text.c_str());
   ImGui::PopTextWrapPos();
+  if (!notice.case_before.empty()) {
+    ImGui::SetCursorPosX(theme.px(36));
+    if (button(theme, "Open it again", notice.case_before.string(), {}, theme.px(140), true)) {
+      out.send(RecoverCase{notice.case_before});
+      dismiss_notice(index, out);
+    }
+  }
   ImGui::SetCursorPos({theme.px(368), theme.px(8)});
-  if (icon_button(theme, icon::close, "dismiss", "Dismiss", {}, false, 24))
-    out.change([index](EditorState& s) {
-      if (index < s.notices.size()) s.notices.erase(s.notices.begin() + static_cast<std::ptrdiff_t>(index));
-    });
+  if (icon_button(theme, icon::close, "dismiss", "Dismiss", {}, false, 24)) dismiss_notice(index, out);
   end_card(ui, bottom_px);
 }
 
-void draw_opening(const UiContext& ui, float& bottom_px, Outbox& out) {
+void draw_work(const UiContext& ui, const RunningWork& work, const char* tip, const Command& cancel, float& bottom_px,
+               Outbox& out) {
   const Theme& theme = ui.theme;
-  begin_card(ui, "opening", bottom_px, palette::accent);
+  begin_card(ui, tip, bottom_px, palette::accent);
   ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(shortened("Opening " + ui.opening->what, theme.px(400 - 12 - 76 - 24)).c_str());
+  ImGui::TextUnformatted(shortened(work.what, theme.px(400 - 12 - 76 - 24)).c_str());
   ImGui::SameLine(theme.px(400 - 12 - 76));
-  if (button(theme, "Cancel", "What is open stays as it is", {}, theme.px(76))) out.send(CancelOpening{});
+  if (button(theme, "Cancel", tip, {}, theme.px(76))) out.send(cancel);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = theme.px(4);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.AddRectFilled(at, {at.x + width, at.y + height}, palette::pressed, height / 2);
-  const float done = width * static_cast<float>(ui.opening->fraction);
+  const float done = width * static_cast<float>(work.fraction);
   draw.AddRectFilled(at, {at.x + done, at.y + height}, palette::accent, height / 2);
   ImGui::Dummy({width, height});
   end_card(ui, bottom_px);
@@ -69,7 +80,11 @@ void draw_opening(const UiContext& ui, float& bottom_px, Outbox& out) {
 void draw_notices(const UiContext& ui, Outbox& out) {
   float bottom_px = ui.layout.status_line.y - ui.theme.px(16);
   for (std::size_t i = ui.state.notices.size(); i > 0; --i) draw_notice(ui, i - 1, bottom_px, out);
-  if (ui.opening && ui.opening->shown) draw_opening(ui, bottom_px, out);
+  if (ui.opening && ui.opening->shown)
+    draw_work(ui, *ui.opening, "What is open stays as it is", CancelOpening{}, bottom_px, out);
+  if (ui.writing && ui.writing->shown)
+    draw_work(ui, *ui.writing, "Nothing is written, and what the file held before stays", CancelWriting{}, bottom_px,
+              out);
 }
 
 }  // namespace homolog

@@ -97,13 +97,14 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   } else {
     explanation(theme, "No image is open. Open a DICOM folder, NIfTI, NRRD or MetaImage file, or drop one here.");
   }
+  gap(theme, 0);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   if (button(theme, std::string(icon::open) + "  Open…", "Image, case or template (Ctrl+O)", {}, half))
     out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open); });
   ImGui::SameLine();
   if (button(theme, std::string(icon::save) + "  Save as…", "Continue the case under another name (Ctrl+Shift+S)", {},
              half))
-    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::save_case); });
+    out.send(SaveCase{true});
   if (button(theme, "Unsaved cases…", "Cases that the program ended without saving: recover or delete them", {},
              ImGui::GetContentRegionAvail().x))
     out.send(ShowRecovery{});

@@ -7,28 +7,20 @@
 
 namespace homolog {
 
-std::string case_name(const UiContext& ui) {
-  const auto& file = ui.snapshot.file;
-  if (!file.empty() && file.parent_path() != unsaved_folder()) return file.stem().string();
-  std::string name = std::filesystem::path(ui.document().volume_source).filename().string();
-  if (name.empty()) name = "case";
-  std::replace(name.begin(), name.end(), ':', '-');
-  return name.substr(0, name.find('.'));
-}
-
 void draw_export_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const float width = ImGui::GetContentRegionAvail().x;
-  const auto ask = [&](FilePurpose purpose, const std::string& name) {
+  const std::string name = case_name(ui.snapshot.file, ui.document());
+  const auto ask = [&](FilePurpose purpose, const std::string& file) {
     if (ui.state.playing) out.send(PlayFrames{false});
-    out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
+    out.change([purpose, file](EditorState& s) { show_file_dialog(s, purpose, file); });
   };
   if (button(theme, "Mesh…", "With the template's numbering: goes straight into a shape model", ui.needs_shape(),
              width))
-    ask(FilePurpose::export_mesh, case_name(ui) + ".ply");
+    ask(FilePurpose::export_mesh, name + ".ply");
   const std::string refusal = ui.needs_shape().empty() ? ui.needs_volume() : ui.needs_shape();
   if (button(theme, "Label map…", "Voxels of the image whose centre is inside the mesh", refusal, width))
-    ask(FilePurpose::export_label_map, case_name(ui) + "-label.nii.gz");
+    ask(FilePurpose::export_label_map, name + "-label.nii.gz");
   gap(theme, 4);
   caption(theme, "Picture");
   PictureOptions options = ui.state.picture;
@@ -50,7 +42,7 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
   options.transparent = transparent;
   if (changed) out.change([options](EditorState& s) { s.picture = options; });
   if (button(theme, format("%s  Save the picture…", icon::camera), "PNG", {}, width))
-    ask(FilePurpose::export_picture, case_name(ui) + ".png");
+    ask(FilePurpose::export_picture, name + ".png");
 }
 
 }  // namespace homolog

@@ -159,7 +159,7 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Export…", "The placed ones, for 3D Slicer (.mrk.json) or scalismo (.json)",
              ui.document().shape().landmarks.empty() ? "None is placed yet." : "", half))
-    ask(FilePurpose::export_landmarks, case_name(ui) + "-landmarks.mrk.json");
+    ask(FilePurpose::export_landmarks, case_name(ui.snapshot.file, ui.document()) + "-landmarks.mrk.json");
   int fit = static_cast<int>(ui.document().landmark_fit);
   if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,
              {"Landmarks are only recorded", "Move, turn and scale the template so that the landmarks meet",

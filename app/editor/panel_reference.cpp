@@ -23,6 +23,7 @@ void draw_reference_section(const UiContext& ui, Outbox& out) {
     explanation(theme,
                 "The template is the mesh whose vertices are the landmarks. Take a built-in one or load your own.");
   }
+  gap(theme, 0);
   const float third = (ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3;
   struct BuiltIn {
     const char* label;
@@ -43,7 +44,9 @@ void draw_reference_section(const UiContext& ui, Outbox& out) {
     out.apply(MirrorTemplate{});
   if (button(theme, "Save the template…", "As PLY, with the stiffness, regions and landmarks as they are now",
              ui.needs_shape(), ImGui::GetContentRegionAvail().x))
-    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::export_template); });
+    out.change([name = case_name(ui.snapshot.file, ui.document()) + "-template"](EditorState& s) {
+      show_file_dialog(s, FilePurpose::export_template, name);
+    });
   draw_template_making(ui, out);
   if (!ui.has_shape()) return;
   draw_regions(ui, out);

@@ -32,39 +32,91 @@ bool chooser(const Theme& theme, const std::string& text, bool chosen, float wid
   return clicked;
 }
 
-/// The first colour that no region has yet.
-std::array<std::uint8_t, 3> fresh_colour(const Regions& regions) {
-  const auto free = std::find_if(region_colours.begin(), region_colours.end(), [&](const auto& colour) {
-    return std::none_of(regions.list.begin(), regions.list.end(), [&](const Region& r) { return r.colour == colour; });
+using Colour = std::array<std::uint8_t, 3>;
+
+/// The first colour from the `first`-th on that no region has yet; that one where all are taken.
+Colour free_colour(const Regions& regions, std::size_t first) {
+  for (std::size_t k = 0; k < region_colours.size(); ++k) {
+    const Colour& colour = region_colours[(first + k) % region_colours.size()];
+    if (std::none_of(regions.list.begin(), regions.list.end(), [&](const Region& r) { return r.colour == colour; }))
+      return colour;
+  }
+  return region_colours[first % region_colours.size()];
+}
+
+/// For a new region, and for one whose colour is to change.
+Colour fresh_colour(const Regions& regions) {
+  return free_colour(regions, regions.list.size() < region_colours.size() ? 0 : regions.list.size());
+}
+Colour next_colour(const Regions& regions, const Colour& colour) {
+  const auto at = std::find(region_colours.begin(), region_colours.end(), colour);
+  return free_colour(regions,
+                     at == region_colours.end() ? 0 : static_cast<std::size_t>(at - region_colours.begin()) + 1);
+}
+
+void take_region_brush(const std::string& name, Outbox& out) {
+  out.change([name](EditorState& s) {
+    s.tool = MouseTool::stiffness;
+    s.brush.region = name;
+    if (s.brush.paints != BrushPaints::fill) s.brush.paints = BrushPaints::region;
   });
-  return free != region_colours.end() ? *free : region_colours[regions.list.size() % region_colours.size()];
 }
 
 int landmarks_in(const Regions& regions, std::size_t number) {
   return static_cast<int>(std::count(regions.of_vertex.begin(), regions.of_vertex.end(), number));
 }
 
-void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
+/// In place of the row: the name as it is typed. Enter takes it, Escape does not.
+void draw_renaming(const UiContext& ui, const Regions& regions, float width, Outbox& out) {
+  RenameRegion renaming = *ui.state.renaming;
+  if (!ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
+  if (text_field(ui.theme, "##renamed region", renaming.to, "Name", width))
+    out.change([to = renaming.to](EditorState& s) {
+      if (s.renaming) s.renaming->to = to;
+    });
+  const bool entered = enter_pressed(), left = ImGui::IsItemDeactivated();
+  if (!entered && !left) return;
+  const bool taken = std::any_of(regions.list.begin(), regions.list.end(),
+                                 [&](const Region& region) { return region.name == renaming.to; });
+  const bool take = entered && !renaming.to.empty() && !taken;
+  if (take) out.apply(renaming);
+  out.change([take, renaming](EditorState& s) {
+    if (take && s.brush.region == renaming.name) s.brush.region = renaming.to;
+    s.renaming.reset();
+  });
+}
+
+/// The colour and the name: a click on the one gives another, on the other takes the brush; a double click renames.
+void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbox& out) {
   const Theme& theme = ui.theme;
   const Regions& regions = *ui.document().regions;
   const Region& region = regions.list[index];
-  ImGui::PushID(static_cast<int>(index));
+  if (ui.state.renaming && ui.state.renaming->name == region.name) return draw_renaming(ui, regions, width, out);
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float height = theme.px(28), swatch = theme.px(12), factor_width = theme.px(72), remove_width = theme.px(24);
-  const float name_width = ImGui::GetContentRegionAvail().x - factor_width - remove_width - theme.px(8);
+  const float swatch = theme.px(12), indent = theme.px(20), y = at.y + (theme.px(28) - swatch) / 2;
   const bool chosen = ui.state.tool == MouseTool::stiffness && ui.state.brush.region == region.name;
-  if (chooser(theme, region.name, chosen, name_width, theme.px(20)))
-    out.change([name = region.name](EditorState& s) {
-      s.tool = MouseTool::stiffness;
-      s.brush.region = name;
-      if (s.brush.paints != BrushPaints::fill) s.brush.paints = BrushPaints::region;
-    });
-  if (ImGui::IsItemHovered())
-    tooltip(theme, format("%d landmarks; a click takes the brush that paints them", landmarks_in(regions, index + 1)));
-  const float y = at.y + (height - swatch) / 2;
+  const bool on_swatch = ImGui::GetMousePos().x < at.x + indent;
+  const bool clicked = chooser(theme, region.name, chosen, width, indent);
+  if (clicked && on_swatch) out.apply(SetRegion{{region.name, region.factor, next_colour(regions, region.colour)}});
+  if (clicked && !on_swatch) take_region_brush(region.name, out);
+  if (ImGui::IsItemHovered()) {
+    tooltip(theme, on_swatch ? std::string("A click gives the region another colour")
+                             : format("%d landmarks; a click takes the brush that paints them, a double click renames",
+                                      landmarks_in(regions, index + 1)));
+    if (!on_swatch && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
+      out.change([name = region.name](EditorState& s) { s.renaming = RenameRegion{name, name}; });
+  }
   ImGui::GetWindowDrawList()->AddRectFilled({at.x + theme.px(4), y}, {at.x + theme.px(4) + swatch, y + swatch},
                                             IM_COL32(region.colour[0], region.colour[1], region.colour[2], 255),
                                             theme.px(2));
+}
+
+void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const Region& region = ui.document().regions->list[index];
+  ImGui::PushID(static_cast<int>(index));
+  const float factor_width = theme.px(72), remove_width = theme.px(24);
+  draw_region_name(ui, index, ImGui::GetContentRegionAvail().x - factor_width - remove_width - theme.px(8), out);
   ImGui::SameLine(0, theme.px(4));
   CaseNumber factor(ui, "factor of " + region.name, region.factor);
   bool released = false;

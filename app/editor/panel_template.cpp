@@ -93,7 +93,9 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
   for (const std::string& remark : making.remarks) explanation(theme, remark);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
   if (button(theme, "Save and use…", "Writes the template and starts the case anew with it", {}, half, true))
-    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::use_made_template); });
+    out.change([name = making.source.substr(0, making.source.find('.')) + "-template"](EditorState& s) {
+      show_file_dialog(s, FilePurpose::use_made_template, name);
+    });
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Back", "The template made before this one",
              ui.template_maker.can_undo() ? "" : "There is none before this one.", half))

@@ -68,14 +68,14 @@ std::array<double, 3> default_sigmas_mm(const Points& placed_reference) {
   return {share(0.03), share(0.08), share(0.2)};
 }
 
-void show_document(EditorState& state, const Document& document, const Layout& layout) {
+void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image) {
   state.drag.reset();
   state.ruler.reset();
   state.panel_edit.reset();
   state.shown_frame.reset();
   state.playing = false;
   state.own_planes = state.own_planes && is_oblique(geometry_of(document));
-  if (document.volume) std::tie(state.window_low, state.window_high) = default_window(*document.volume);
+  if (document.volume && !same_image) std::tie(state.window_low, state.window_high) = default_window(*document.volume);
   if (document.has_shape()) {
     state.crosshair_mm = bounds_of(*document.shape().points).center();
     state.sigma_presets_mm = default_sigmas_mm(*document.shape().reference);
@@ -157,6 +157,14 @@ void settle_crosshair(EditorState& state, const Document& document) {
 
 void set_sigma(EditorState& state, double sigma_mm) {
   state.sigma_presets_mm[state.sigma_preset] = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
+}
+
+std::string case_name(const std::filesystem::path& file, const Document& document) {
+  if (!file.empty() && file.parent_path() != unsaved_folder()) return file.stem().string();
+  std::string name = std::filesystem::path(document.volume_source).filename().string();
+  if (name.empty()) name = "case";
+  std::replace(name.begin(), name.end(), ':', '-');
+  return name.substr(0, name.find('.'));
 }
 
 std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document) {

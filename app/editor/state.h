@@ -91,12 +91,14 @@ struct PanelEdit {
 struct Notice {
   std::string text;  ///< one sentence
   bool error = true;
-  std::optional<double> until;  ///< when it goes by itself, in seconds of the window's clock
+  std::optional<double> until;        ///< when it goes by itself, in seconds of the window's clock
+  std::filesystem::path case_before;  ///< offered to be opened again; empty where there is none
 };
 
 /// Things a newcomer has to do once; each hint goes away when done, all when dismissed.
 struct Hints {
   bool dragged = false, scrolled = false, turned_camera = false;
+  bool operator==(const Hints&) const = default;
 };
 
 /// Of Preferences::sections_open: the section Place.
@@ -113,6 +115,7 @@ struct Preferences {
   Hints hints;
   std::vector<std::filesystem::path> recent;  ///< newest first
   std::filesystem::path folder;               ///< last used in the file dialog
+  bool operator==(const Preferences&) const = default;
 };
 
 /// Everything the editor remembers that is not part of the case. Changed by the free functions below and in
@@ -138,9 +141,10 @@ struct EditorState {
   double relax_strength = 0.5;
   bool through_space = false;
   BrushSettings brush;
-  std::string landmark;           ///< the one that the next click places
-  std::string template_landmark;  ///< the one that the next click names on the template
-  std::string new_region;         ///< the name that is being typed
+  std::string landmark;                  ///< the one that the next click places
+  std::string template_landmark;         ///< the one that the next click names on the template
+  std::string new_region;                ///< the name that is being typed
+  std::optional<RenameRegion> renaming;  ///< with the name as typed so far
   TemplateSettings template_settings;
   std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
   FitSettings fit_settings;
@@ -179,8 +183,8 @@ SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeomet
 std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document& document);
 
 /// Shows a case from the start: cross-hair in the middle of the mesh (or volume), everything in view, σ presets from
-/// the size of the placed reference, window from the volume.
-void show_document(EditorState& state, const Document& document, const Layout& layout);
+/// the size of the placed reference; window from the volume, or as it was on the same image.
+void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image = false);
 /// Brings the cross-hair and the 3D view to a mesh; the slices show as much as before.
 void look_at_mesh(EditorState& state, const Points& points);
 void fit_views(EditorState& state, const Document& document, const Layout& layout);
@@ -201,6 +205,8 @@ void set_sigma(EditorState& state, double sigma_mm);
 /// Limits of σ, mm.
 inline constexpr double smallest_sigma_mm = 0.5, largest_sigma_mm = 200;
 
+/// What to call a case and what is written from it: as its file is called, else as its image.
+std::string case_name(const std::filesystem::path& file, const Document& document);
 /// Those whose names are the template's.
 std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document);
 /// The next landmark of the template that the shape has no place for; empty where all are placed.

@@ -17,8 +17,8 @@
 namespace homolog {
 
 /// Background work that the window shows with a progress bar.
-struct Opening {
-  std::string what;  ///< "ct.nii.gz"
+struct RunningWork {
+  std::string what;  ///< "Opening ct.nii.gz"
   double fraction = 0;
   bool shown = false;  ///< it takes longer than half a second
 };
@@ -32,7 +32,7 @@ struct UiContext {
   const Snapshot& snapshot;
   std::shared_ptr<const Document> displayed;  ///< what is shown: the preview, at the frame that plays
   const std::optional<QualityFigures>& quality;
-  const std::optional<Opening>& opening;
+  std::optional<RunningWork> opening, writing;
   std::shared_ptr<const Volume> labels;  ///< the overlay; null without one
   std::string labels_name;
   const std::vector<int>& label_values;  ///< of the overlay, without 0
@@ -114,9 +114,6 @@ void draw_place_section(const UiContext& ui, Outbox& out);
 void draw_deform_section(const UiContext& ui, Outbox& out);
 void draw_correspondence_section(const UiContext& ui, Outbox& out);
 void draw_export_section(const UiContext& ui, Outbox& out);
-
-/// The case's name without extension: what files made of it are called after.
-std::string case_name(const UiContext& ui);
 
 /// What the overlay's colours mean, as a bar with figures.
 void draw_overlay_legend(const UiContext& ui);

@@ -267,13 +267,15 @@ void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
     text = "Drag beside the mesh to turn it";
   if (text.empty()) return;
   const RectPx& rect = ui.layout.image(kind);
-  const ImVec2 size = text_size(ui.theme.body, text);
-  const ImVec2 at{std::round(rect.x + (rect.width - size.x) / 2), rect.y + rect.height - ui.theme.px(60)};
-  const float pad_x = ui.theme.px(12), pad_y = ui.theme.px(7);
+  const ImFont& font = *ui.theme.body;
+  const float pad_x = ui.theme.px(12), pad_y = ui.theme.px(7), wrap = rect.width - 4 * pad_x;
+  const ImVec2 size = font.CalcTextSizeA(font.FontSize, FLT_MAX, wrap, text.c_str());
+  const ImVec2 at{std::round(rect.x + (rect.width - size.x) / 2), rect.y + rect.height - ui.theme.px(44) - size.y};
   const ImVec2 low{at.x - pad_x, at.y - pad_y}, high{at.x + size.x + pad_x, at.y + size.y + pad_y};
-  draw.AddRectFilled(low, high, IM_COL32(0x1A, 0x1C, 0x1F, 225), (high.y - low.y) / 2);
-  draw.AddRect(low, high, with_alpha(palette::accent, 0.5f), (high.y - low.y) / 2);
-  draw.AddText(ui.theme.body, ui.theme.body->FontSize, at, palette::text, text.c_str());
+  const float rounding = (font.FontSize + 2 * pad_y) / 2;
+  draw.AddRectFilled(low, high, IM_COL32(0x1A, 0x1C, 0x1F, 225), rounding);
+  draw.AddRect(low, high, with_alpha(palette::accent, 0.5f), rounding);
+  draw.AddText(&font, font.FontSize, at, palette::text, text.c_str(), nullptr, wrap);
 }
 
 void draw_empty_state(const UiContext& ui, ViewKind kind, ImDrawList& draw) {

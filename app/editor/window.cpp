@@ -29,6 +29,7 @@ struct Window {
   GLFWwindow* handle = nullptr;
   EditorApp* app = nullptr;
   KeyQueue keys;
+  Preferences kept;  ///< as the file has them
   int frames_due = frames_per_event;
   double cursor_x = 0,
          cursor_y = 0;  ///< of the latest event, in units of the window system; it may be elsewhere by now
@@ -155,11 +156,30 @@ double display_period_seconds() {
   return 1.0 / rate;
 }
 
+/// Writes the preferences where they changed: a program that is killed remembers them too.
+void keep_preferences(Window& window) {
+  Preferences now = window.app->state().preferences;
+  // In layout units: the next start's window is made larger by the monitor's scale again.
+  int width = 0, height = 0;
+  float scale = 1, scale_y = 1;
+  glfwGetFramebufferSize(window.handle, &width, &height);
+  glfwGetWindowContentScale(window.handle, &scale, &scale_y);
+  if (width > 0 && height > 0) {
+    now.window_width = static_cast<int>(std::lround(static_cast<float>(width) / scale));
+    now.window_height = static_cast<int>(std::lround(static_cast<float>(height) / scale_y));
+  }
+  if (now == window.kept) return;
+  if (auto written = write_preferences(now, preferences_file()); !written)
+    std::fprintf(stderr, "homolog: warning: %s\n", written.error().sentence().c_str());
+  window.kept = std::move(now);
+}
+
 /// Draws when there is something new, at most once in a display's period; sleeps otherwise.
 void run_loop(Window& window) {
   const double period = display_period_seconds();
   double drawn_at = 0, smoothed_period = 0;
   while (!window.app->wants_to_quit()) {
+    if (window.frames_due == 0) keep_preferences(window);
     if (window.frames_due > 0)
       glfwPollEvents();
     else if (const auto wait = window.app->next_move_seconds(glfwGetTime()))
@@ -212,7 +232,7 @@ int show_window(GLFWwindow* handle, const EditorOptions& options, const Preferen
   const ImGuiOnOpenGl imgui;
   EditorApp app([] { glfwPostEmptyEvent(); });
   window.app = &app;
-  app.state().preferences = preferences;
+  app.state().preferences = window.kept = preferences;
   float scale = 1, scale_y = 1;
   glfwGetWindowContentScale(handle, &scale, &scale_y);
   if (auto started = app.start_drawing(scale); !started) {
@@ -225,19 +245,24 @@ int show_window(GLFWwindow* handle, const EditorOptions& options, const Preferen
   app.start(options);
   run_loop(window);
 
-  Preferences kept = app.state().preferences;
-  // In layout units: the next start's window is made larger by the monitor's scale again.
-  int width = 0, height = 0;
-  glfwGetFramebufferSize(handle, &width, &height);
-  glfwGetWindowContentScale(handle, &scale, &scale_y);
-  if (width > 0 && height > 0) {
-    kept.window_width = static_cast<int>(std::lround(static_cast<float>(width) / scale));
-    kept.window_height = static_cast<int>(std::lround(static_cast<float>(height) / scale_y));
-  }
-  if (auto written = write_preferences(kept, preferences_file()); !written)
-    std::fprintf(stderr, "homolog: warning: %s\n", written.error().sentence().c_str());
+  keep_preferences(window);
   ImGui_ImplGlfw_Shutdown();
   return 0;
+}
+
+/// The window was last on a larger screen.
+void fit_to_monitor(Preferences& preferences) {
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  if (monitor == nullptr) return;
+  int x = 0, y = 0, width = 0, height = 0;
+  float scale = 1, scale_y = 1;
+  glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
+  glfwGetMonitorContentScale(monitor, &scale, &scale_y);
+  const auto fitted = [](int wanted, int room, float per_unit) {
+    return room > 0 ? std::min(wanted, static_cast<int>(static_cast<float>(room) / per_unit)) : wanted;
+  };
+  preferences.window_width = fitted(preferences.window_width, width, scale);
+  preferences.window_height = fitted(preferences.window_height, height, scale_y);
 }
 
 }  // namespace
@@ -247,7 +272,8 @@ int run_editor(const EditorOptions& options) {
     std::fprintf(stderr, "homolog: there is no display; set DISPLAY, or use a verb that needs none (see --help)\n");
     return 1;
   }
-  const Preferences preferences = read_preferences(preferences_file());
+  Preferences preferences = read_preferences(preferences_file());
+  fit_to_monitor(preferences);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);

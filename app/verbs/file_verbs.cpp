@@ -106,7 +106,7 @@ void add_convert(CLI::App& app, VerbRun& run) {
     }
     auto read = read_volume(options->in, read_options(options->series, options->spacing_mm, progress));
     if (!read) return fail(read.error());
-    if (auto written = write_volume(read->volume, options->out); !written) return fail(written.error());
+    if (auto written = write_volume(read->volume, options->out, &progress); !written) return fail(written.error());
     return Report{describe(read->volume), read->warnings};
   };
   verb->callback([convert, &run] { run = convert; });
@@ -150,7 +150,7 @@ void add_label_map(CLI::App& app, VerbRun& run) {
     auto like = read_volume(options->like, read_options("", {}, progress));
     if (!like) return fail(like.error());
     const Volume labels = label_map(*mesh, like->volume.geometry, options->value);
-    if (auto written = write_volume(labels, options->out); !written) return fail(written.error());
+    if (auto written = write_volume(labels, options->out, &progress); !written) return fail(written.error());
     const auto counted = labels_of(labels);
     const std::size_t voxels = counted.contains(options->value) ? counted.at(options->value) : 0;
     Report report;

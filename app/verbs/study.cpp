@@ -30,8 +30,9 @@ Result<StudySubject> subject_of(const UserOptions& options, const Template& refe
 }
 
 Result<Report> study_user(const UserOptions& options, Progress& progress) {
-  const auto scheme =
-      working_scheme(options.scheme.empty() ? default_scheme(!options.landmarks.empty()) : options.scheme);
+  // Not refined unless asked for: the case is to be replayed by other schemes too.
+  const std::string unless_asked = options.landmarks.empty() ? "anchored" : "anchored+warp";
+  const auto scheme = working_scheme(options.scheme.empty() ? unless_asked : options.scheme);
   if (!scheme) return fail(scheme.error());
   auto reference = load_template(options.template_source);
   if (!reference) return fail(reference.error());

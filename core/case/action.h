@@ -52,6 +52,10 @@ struct SetRegion {
   Region region;
   bool operator==(const SetRegion&) const = default;
 };
+struct RenameRegion {
+  std::string name, to;
+  bool operator==(const RenameRegion&) const = default;
+};
 /// Forgets a region; its landmarks keep their factors.
 struct RemoveRegion {
   std::string name;
@@ -142,9 +146,9 @@ struct Redo {
 };
 
 using Action = std::variant<Stroke, SetPlacement, PaintStiffness, SmoothStiffness, PaintRegion, FillRegion, SetRegion,
-                            RemoveRegion, SetStiffnessFactors, SetPoints, SetStiffnessBase, Confirm, SetScheme,
-                            SetSpacing, SetTemplateLandmark, PlaceLandmark, SetLandmarkFit, MirrorTemplate, SetFrame,
-                            StartFrameFrom, Note, Undo, Redo>;
+                            RenameRegion, RemoveRegion, SetStiffnessFactors, SetPoints, SetStiffnessBase, Confirm,
+                            SetScheme, SetSpacing, SetTemplateLandmark, PlaceLandmark, SetLandmarkFit, MirrorTemplate,
+                            SetFrame, StartFrameFrom, Note, Undo, Redo>;
 
 /// A shape as an edit, to a millionth of a mm where it differs from that of `document`.
 SetPoints points_edit(const Document& document, const Points& points, std::string by);

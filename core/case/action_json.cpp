@@ -164,6 +164,10 @@ const Spelling spellings[] = {
     {"paint_region", [](const Json& value, const Json&) { return paint_region(value); }},
     {"fill_region", [](const Json& value, const Json&) { return fill_region(value); }},
     {"region", [](const Json& value, const Json&) { return region(value); }},
+    {"rename_region",
+     [](const Json& value, const Json&) -> Action {
+       return RenameRegion{value.at("name").get<std::string>(), value.at("to").get<std::string>()};
+     }},
     {"remove_region", [](const Json& value, const Json&) -> Action { return RemoveRegion{value.get<std::string>()}; }},
     {"stiffness_factors", [](const Json& value, const Json&) { return stiffness_factors(value); }},
     {"template_landmark", [](const Json& value, const Json&) { return template_landmark(value); }},
@@ -215,6 +219,7 @@ struct Writer {
   Json operator()(const SetRegion& a) const {
     return {{"region", {{"name", a.region.name}, {"factor", a.region.factor}, {"colour", hex_of(a.region.colour)}}}};
   }
+  Json operator()(const RenameRegion& a) const { return {{"rename_region", {{"name", a.name}, {"to", a.to}}}}; }
   Json operator()(const RemoveRegion& a) const { return {{"remove_region", a.name}}; }
   Json operator()(const SetStiffnessFactors& a) const {
     return {{"stiffness_factors", std::vector(a.factors->begin(), a.factors->end())}};

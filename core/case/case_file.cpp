@@ -57,6 +57,40 @@ Result<void> check(const Json& header, const char* key, const Value& loaded, con
                       "; put the original back or start a new case");
 }
 
+/// "128 × 128 × 90 voxels of 1.5 × 1.5 × 3 mm"
+std::string grid_in_words(const Json& voxels, const Json& spacing_mm) {
+  std::string words;
+  for (const auto& [numbers, unit] : {std::pair(&voxels, " voxels of "), std::pair(&spacing_mm, " mm")}) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      char number[32];
+      std::snprintf(number, sizeof number, "%.4g", numbers->at(axis).get<double>());
+      words += (axis > 0 ? " × " : "") + std::string(number);
+    }
+    words += unit;
+  }
+  return words;
+}
+
+/// Refuses an image on another grid than the case was made on.
+Result<void> check_grid(const Json& header, const Volume& volume, const std::string& source) {
+  const std::string here = geometry_hash(volume.geometry);
+  try {
+    if (header.value("geometry", here) == here) return {};
+    const VolumeGeometry& g = volume.geometry;
+    std::string made_on = "another grid", is;
+    if (header.contains("voxels") && header.contains("spacing_mm")) {
+      made_on = grid_in_words(header["voxels"], header["spacing_mm"]);
+      is = grid_in_words(g.dims, {g.spacing_mm[0], g.spacing_mm[1], g.spacing_mm[2]});
+      if (is == made_on) is = "as many, but lies elsewhere or otherwise turned";
+    }
+    return fail("", "was made on an image of " + made_on + " (geometry " + header["geometry"].get<std::string>() +
+                        "), and " + source + " has " + (is.empty() ? "" : is + " ") + "(geometry " + here +
+                        "); open it together with its own image, or start a new case");
+  } catch (const Json::exception&) {
+    return fail("", "line 1: \"geometry\", \"voxels\" or \"spacing_mm\" is of the wrong kind");
+  }
+}
+
 struct Lines {
   std::vector<std::string> whole;
   bool torn = false;
@@ -117,8 +151,7 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const R
     if (!read) return fail(read.error());
     warnings.insert(warnings.end(), read->warnings.begin(), read->warnings.end());
     volume = std::make_shared<const Volume>(std::move(read->volume));
-    if (auto same = check(header, "geometry", geometry_hash(volume->geometry), "a volume"); !same)
-      return fail(same.error());
+    if (auto same = check_grid(header, *volume, volume_source); !same) return fail(same.error());
     if (auto same = check(header, "series", volume->series_uid, "a volume"); !same) return fail(same.error());
   }
   std::shared_ptr<const Template> reference;
@@ -168,6 +201,7 @@ std::string case_header(const Document& document, const fs::path& folder) {
   if (document.volume) {
     const Volume& volume = *document.volume;
     header["geometry"] = geometry_hash(volume.geometry);
+    header["voxels"] = volume.geometry.dims;
     if (!volume.series_uid.empty()) header["series"] = volume.series_uid;
     const Vec3& spacing = volume.geometry.spacing_mm;
     header["spacing_mm"] = Json::array({spacing[0], spacing[1], spacing[2]});

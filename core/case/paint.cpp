@@ -147,6 +147,17 @@ Result<Painted> painted(const Document& document, const SetRegion& action) {
   return Painted{std::move(factors), std::move(regions), touched};
 }
 
+Result<Painted> painted(const Document& document, const RenameRegion& action) {
+  auto regions = regions_to_paint(document);
+  const auto number = region_number(*regions, action.name);
+  if (!number) return fail(number.error());
+  if (*number == 0 || action.to.empty()) return fail("region", "needs a name");
+  if (region_number(*regions, action.to))
+    return fail("region", "\"" + action.to + "\" exists already; choose another name");
+  regions->list[*number - 1U].name = action.to;
+  return Painted{document.stiffness, std::move(regions), 0};
+}
+
 Result<Painted> painted(const Document& document, const RemoveRegion& action) {
   auto regions = regions_to_paint(document);
   const auto number = region_number(*regions, action.name);

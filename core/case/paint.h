@@ -22,6 +22,7 @@ Result<Painted> painted(const Document& document, const SmoothStiffness& action)
 Result<Painted> painted(const Document& document, const PaintRegion& action);
 Result<Painted> painted(const Document& document, const FillRegion& action);
 Result<Painted> painted(const Document& document, const SetRegion& action);
+Result<Painted> painted(const Document& document, const RenameRegion& action);
 Result<Painted> painted(const Document& document, const RemoveRegion& action);
 Result<Painted> painted(const Document& document, const SetStiffnessFactors& action);
 

@@ -333,6 +333,7 @@ std::string action_name(const Action& action) {
       return "filled " + (fill.name.empty() ? "with none" : fill.name);
     }
     std::string operator()(const SetRegion& set) const { return "region " + set.region.name; }
+    std::string operator()(const RenameRegion& rename) const { return "name of " + rename.to; }
     std::string operator()(const RemoveRegion& remove) const { return "removal of " + remove.name; }
     std::string operator()(const SetStiffnessFactors&) const { return "imported stiffness"; }
     std::string operator()(const SetTemplateLandmark& landmark) const { return "template landmark " + landmark.name; }

@@ -48,7 +48,8 @@ bool looks_like_volume(const std::filesystem::path& path);
 bool is_picture_stack(const std::filesystem::path& path);
 
 /// Writes NIfTI (.nii, .nii.gz; qform and sform, RAS on disk), NRRD (.nrrd) or MetaImage (.mha), chosen by the
-/// extension, whole or not at all. NIfTI-1 keeps directions in single precision.
-Result<void> write_volume(const Volume& volume, const std::filesystem::path& path);
+/// extension, whole or not at all. NIfTI-1 keeps directions in single precision. Errors: the extension, the disk,
+/// cancelled.
+Result<void> write_volume(const Volume& volume, const std::filesystem::path& path, Progress* progress = nullptr);
 
 }  // namespace homolog

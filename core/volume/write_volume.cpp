@@ -28,6 +28,20 @@ void write_bytes(std::ostream& out, Bytes bytes) {
   out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
+/// The voxels in pieces, each handed to `write`. Errors: cancelled.
+template <class Write>
+Result<void> in_pieces(const VoxelData& data, Progress* progress, const Write& write) {
+  constexpr std::size_t piece = std::size_t{4} << 20;
+  const Bytes all = bytes_of(data);
+  for (std::size_t at = 0; at < all.size(); at += piece) {
+    write(all.subspan(at, std::min(piece, all.size() - at)));
+    if (progress == nullptr) continue;
+    progress->report(static_cast<double>(at) / static_cast<double>(all.size()));
+    if (progress->cancelled()) return fail("", "was not written, since that was cancelled");
+  }
+  return {};
+}
+
 /// One gzip stream made of several pieces.
 class GzipWriter {
  public:
@@ -39,11 +53,8 @@ class GzipWriter {
   GzipWriter(const GzipWriter&) = delete;
   GzipWriter& operator=(const GzipWriter&) = delete;
 
-  void write(Bytes bytes) {
-    constexpr std::size_t most = std::size_t{1} << 30;  // zlib counts in 32 bits
-    for (; bytes.size() > most; bytes = bytes.subspan(most)) push(bytes.first(most), Z_NO_FLUSH);
-    push(bytes, Z_NO_FLUSH);
-  }
+  /// At most 4 GB: zlib counts in 32 bits.
+  void write(Bytes bytes) { push(bytes, Z_NO_FLUSH); }
   bool finish() {
     push({}, Z_FINISH);
     return ready_;
@@ -68,6 +79,19 @@ class GzipWriter {
   z_stream stream_{};
   bool ready_ = false;
 };
+
+Result<void> write_plain(std::ostream& out, const VoxelData& data, Progress* progress) {
+  return in_pieces(data, progress, [&](Bytes bytes) { write_bytes(out, bytes); });
+}
+
+/// `begin` and the voxels as one gzip stream.
+Result<void> write_compressed(std::ostream& out, const std::string& begin, const VoxelData& data, Progress* progress) {
+  GzipWriter gzip(out);
+  gzip.write(std::as_bytes(std::span(begin)));
+  if (auto written = in_pieces(data, progress, [&](Bytes bytes) { gzip.write(bytes); }); !written) return written;
+  if (!gzip.finish()) return fail("", "could not be compressed; save it as .nii");
+  return {};
+}
 
 int nifti_type(const VoxelData& data) {
   constexpr std::array types{NIFTI_TYPE_UINT8, NIFTI_TYPE_INT16, NIFTI_TYPE_UINT16, NIFTI_TYPE_FLOAT32};
@@ -125,7 +149,7 @@ std::string header_bytes(Header header, std::int64_t offset) {
   return bytes;
 }
 
-Result<void> write_nifti(const Volume& volume, const fs::path& path, bool compress) {
+Result<void> write_nifti(const Volume& volume, const fs::path& path, bool compress, Progress* progress) {
   nifti_image image = nifti_header_image(volume);
   const bool small =
       std::all_of(image.dim + 1, image.dim + 5, [](auto n) { return n <= std::numeric_limits<short>::max(); });
@@ -141,14 +165,9 @@ Result<void> write_nifti(const Volume& volume, const fs::path& path, bool compre
   return write_whole_file(path, [&](std::ostream& out) -> Result<void> {
     if (!compress) {
       out << header;
-      write_bytes(out, bytes_of(volume.data));
-      return {};
+      return write_plain(out, volume.data, progress);
     }
-    GzipWriter gzip(out);
-    gzip.write(std::as_bytes(std::span(header)));
-    gzip.write(bytes_of(volume.data));
-    if (!gzip.finish()) return fail(path.string(), "could not be compressed; save it as .nii");
-    return {};
+    return write_compressed(out, header, volume.data, progress);
   });
 }
 
@@ -163,7 +182,7 @@ const char* endian_name() {
   return native_big_endian() ? "big" : "little";
 }
 
-Result<void> write_nrrd(const Volume& volume, const fs::path& path) {
+Result<void> write_nrrd(const Volume& volume, const fs::path& path, Progress* progress) {
   constexpr std::array types{"uint8", "int16", "uint16", "float"};
   const VolumeGeometry& g = volume.geometry;
   const bool cine = volume.frames > 1;
@@ -183,14 +202,11 @@ Result<void> write_nrrd(const Volume& volume, const fs::path& path) {
   header << "\n\n";
   return write_whole_file(path, [&](std::ostream& out) -> Result<void> {
     out << header.str();
-    GzipWriter gzip(out);
-    gzip.write(bytes_of(volume.data));
-    if (!gzip.finish()) return fail(path.string(), "could not be compressed; save it as .nii");
-    return {};
+    return write_compressed(out, {}, volume.data, progress);
   });
 }
 
-Result<void> write_metaimage(const Volume& volume, const fs::path& path) {
+Result<void> write_metaimage(const Volume& volume, const fs::path& path, Progress* progress) {
   constexpr std::array types{"MET_UCHAR", "MET_SHORT", "MET_USHORT", "MET_FLOAT"};
   const VolumeGeometry& g = volume.geometry;
   const int n = volume.frames > 1 ? 4 : 3;
@@ -208,20 +224,23 @@ Result<void> write_metaimage(const Volume& volume, const fs::path& path) {
   header << "\nElementType = " << types[volume.data.index()] << "\nElementDataFile = LOCAL\n";
   return write_whole_file(path, [&](std::ostream& out) -> Result<void> {
     out << header.str();
-    write_bytes(out, bytes_of(volume.data));
-    return {};
+    return write_plain(out, volume.data, progress);
   });
 }
 
 }  // namespace
 
-Result<void> write_volume(const Volume& volume, const fs::path& path) {
+Result<void> write_volume(const Volume& volume, const fs::path& path, Progress* progress) {
   const std::string name = lower_case_name(path);
-  if (name.ends_with(".nii")) return write_nifti(volume, path, false);
-  if (name.ends_with(".nii.gz")) return write_nifti(volume, path, true);
-  if (name.ends_with(".nrrd")) return write_nrrd(volume, path);
-  if (name.ends_with(".mha")) return write_metaimage(volume, path);
-  return fail(path.string(), "is no kind of volume that can be written; end its name in .nii.gz, .nii, .nrrd or .mha");
+  const auto written = [&]() -> Result<void> {
+    if (name.ends_with(".nii")) return write_nifti(volume, path, false, progress);
+    if (name.ends_with(".nii.gz")) return write_nifti(volume, path, true, progress);
+    if (name.ends_with(".nrrd")) return write_nrrd(volume, path, progress);
+    if (name.ends_with(".mha")) return write_metaimage(volume, path, progress);
+    return fail("", "is no kind of volume that can be written; end its name in .nii.gz, .nii, .nrrd or .mha");
+  }();
+  if (!written && written.error().subject.empty()) return fail(path.string(), written.error().what);
+  return written;
 }
 
 }  // namespace homolog

@@ -1,0 +1,84 @@
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "app/editor/exports.h"
+#include "core/volume/volume_io.h"
+#include "tests/temporary_folder.h"
+
+namespace homolog {
+
+TEST_CASE("files are written one after the other and each is told of once") {
+  std::atomic<int> woken = 0;
+  Exports exports([&] { ++woken; });
+  std::vector<int> order;
+  for (int i = 0; i < 3; ++i)
+    exports.start("file " + std::to_string(i), [&order, i](Progress&) -> Result<void> {
+      order.push_back(i);
+      if (i == 1) return fail("file 1", "cannot be written");
+      return {};
+    });
+  exports.finish();
+  CHECK(order == std::vector<int>{0, 1, 2});
+  const auto written = exports.take();
+  REQUIRE(written.size() == 3);
+  CHECK(written[0].result);
+  CHECK(written[1].result.error().sentence() == "file 1: cannot be written");
+  CHECK(written[2].path == "file 2");
+  CHECK(exports.take().empty());
+  CHECK_FALSE(exports.busy());
+}
+
+TEST_CASE("a file that is being written can be given up and those after it are written") {
+  Exports exports([] {});
+  const auto until_cancelled = [](Progress& progress) -> Result<void> {
+    progress.report(0.5);
+    while (!progress.cancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return fail("first", "was given up");
+  };
+  exports.start("first", until_cancelled);
+  exports.start("second", [](Progress&) { return Result<void>(); });
+  while (exports.running().value().fraction == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK(exports.running()->path == "first");
+  exports.cancel();
+  exports.finish();
+  const auto written = exports.take();
+  REQUIRE(written.size() == 2);
+  CHECK_FALSE(written[0].result);
+  CHECK(written[1].result);
+}
+
+TEST_CASE("closing the window finishes what is being written") {
+  const TemporaryFolder folder;
+  {
+    Exports exports([] {});
+    exports.start(folder.path / "late.txt", [&](Progress&) -> Result<void> {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      std::ofstream(folder.path / "late.txt") << "written";
+      return {};
+    });
+  }
+  CHECK(std::filesystem::file_size(folder.path / "late.txt") == 7);
+}
+
+TEST_CASE("a volume whose writing is cancelled leaves the file as it was") {
+  const TemporaryFolder folder;
+  Volume volume;
+  volume.geometry.dims = {8, 8, 8};
+  volume.data = std::vector<std::uint8_t>(512, 1);
+  for (const char* name : {"v.nii", "v.nii.gz", "v.nrrd", "v.mha"}) {
+    const auto path = folder.path / name;
+    std::ofstream(path) << "before";
+    Progress progress;
+    progress.cancel();
+    const auto written = write_volume(volume, path, &progress);
+    REQUIRE_FALSE(written);
+    CHECK(written.error().sentence() == path.string() + ": was not written, since that was cancelled");
+    CHECK(std::filesystem::file_size(path) == 6);
+  }
+}
+
+}  // namespace homolog

@@ -1,5 +1,9 @@
 #include "app/editor/snaps.h"
+#include "app/editor/study_appearance.h"
+#include "core/case/case_file.h"
+#include "core/phantom/phantom.h"
 #include "tests/desk.h"
+#include "tests/temporary_folder.h"
 
 namespace homolog {
 
@@ -53,6 +57,52 @@ TEST_CASE("a snap comes after what was asked before it and is undone as one step
   CHECK(done.document().shape().points->row(0) == before.row(0));
   REQUIRE(done.apply(Undo{}));
   CHECK(*done.document().shape().points == before);
+}
+
+TEST_CASE("what the boundary looks like is learned from the cases of a study that are done") {
+  const TemporaryFolder folder;
+  Study study;
+  for (const int number : {2, 3, 4}) {
+    const auto reference = demo().reference;
+    StudyCase one;
+    one.name = "kidney-" + std::to_string(number);
+    one.file = folder.path / (one.name + ".homolog");
+    one.state = number == 4 ? CaseState::to_do : CaseState::done;
+    // The third is done but has no image.
+    auto volume = std::make_shared<const Volume>(make_phantom(Organ::kidney, number).image);
+    Document begun = number == 3 ? new_document("", nullptr, reference)
+                                 : new_document("phantom:kidney:" + std::to_string(number), volume, reference);
+    EditSession session = test::must(create_case(std::move(begun), one.file));
+    test::must(
+        session.apply(points_edit(session.document(), phantom_truth(Organ::kidney, number).front().points, "test")));
+    study.cases.push_back(std::move(one));
+  }
+  const auto cases = cases_to_learn(study, {});
+  REQUIRE(cases.size() == 2);
+  CHECK(cases_to_learn(study, study.cases[0].file).size() == 1);
+
+  StudyAppearance learning([] {});
+  learning.ask(cases, demo().reference->topology->vertices());
+  learning.finish();
+  const auto left_out = learning.update();
+  REQUIRE(left_out.size() == 1);
+  CHECK(left_out[0].starts_with("kidney-3"));
+  CHECK(learning.learned().cases == 1);
+  REQUIRE(learning.learned().appearance);
+  CHECK(learning.learned().appearance->vertices() == demo().reference->topology->vertices());
+  learning.ask(cases, demo().reference->topology->vertices());
+  CHECK_FALSE(learning.busy());
+
+  // A case on its own image: what was learned there is met.
+  SessionThread session(EditSession(demo()), [] {});
+  Snaps snaps;
+  SnapSettings settings;
+  settings.learned = learning.learned().appearance;
+  snaps.start(session, std::nullopt, settings);
+  session.finish();
+  REQUIRE(snaps.take());
+  learning.forget();
+  CHECK_FALSE(learning.learned().appearance);
 }
 
 }  // namespace homolog

@@ -118,7 +118,8 @@ std::optional<double> EditorApp::next_move_seconds(double now) const {
   constexpr double progress_seconds = 0.1;
   if (state_.playing) return std::max(frame_due_ - now, 0.0);
   if (thumbnails_left_) return 0;
-  if (opener_.busy() || exports_.busy() || template_maker_.busy() || fitter_.busy() || snaps_.busy())
+  if (opener_.busy() || exports_.busy() || template_maker_.busy() || fitter_.busy() || study_appearance_.busy() ||
+      snaps_.busy())
     return progress_seconds;
   auto next = models_.next_move_seconds(state_.models);
   for (const Notice& notice : state_.notices)
@@ -189,9 +190,10 @@ bool EditorApp::update(double seconds) {
   }
   take_snapshot();
   const bool was_writing = take_written() || exports_.busy();
-  const bool was_fitting = fitter_.busy();
+  const bool was_fitting = fitter_.busy() || study_appearance_.busy();
   follow_fit();
   follow_model_help();
+  follow_learning();
   const bool new_snap = take_snap();
   const bool new_model = models_.update(state_, *snapshot_, seconds);
   const auto figures = quality_.latest();
@@ -269,10 +271,23 @@ UiContext EditorApp::ui_context(const EditorState& state, double fps) const {
     opening = {"Opening " + opener_.what(), opener_.fraction(), opener_.seconds() > shown_after_seconds};
   if (const auto file = exports_.running())
     writing = {"Writing " + file->path.filename().string(), file->fraction, file->seconds > shown_after_seconds};
-  return {*theme_,    layout_,      state,         *snapshot_,
-          displayed_, figures_,     opening,       writing,
-          labels_,    labels_name_, label_values_, template_maker_,
-          fitter_,    thumbnails_,  snaps_.busy(), shown_making() != nullptr,
+  return {*theme_,
+          layout_,
+          state,
+          *snapshot_,
+          displayed_,
+          figures_,
+          opening,
+          writing,
+          labels_,
+          labels_name_,
+          label_values_,
+          template_maker_,
+          fitter_,
+          study_appearance_,
+          thumbnails_,
+          snaps_.busy(),
+          shown_making() != nullptr,
           fps};
 }
 

@@ -13,6 +13,7 @@
 #include "app/editor/opener.h"
 #include "app/editor/quality_monitor.h"
 #include "app/editor/scene_builder.h"
+#include "app/editor/study_appearance.h"
 #include "app/editor/ui_context.h"
 #include "app/editor/view_pictures.h"
 
@@ -79,6 +80,8 @@ class EditorApp {
   /// Shows, or commits, the shape with as much of the study's model in it; once that is computed, where it is not yet.
   void blend_model(const BlendModel& command);
   void follow_model_help();
+  /// Learns what the boundary looks like from the study's cases that are done, where snaps are to go by that.
+  void follow_learning();
   /// Goes to the place that the case was opened for, where it was for one.
   void show_repair();
   void take_opened(Opened opened);
@@ -109,6 +112,7 @@ class EditorApp {
   EditorState state_;
   Models models_{wake_};
   GalleryPictures gallery_;
+  StudyAppearance study_appearance_{wake_};
   Fitter fitter_{wake_};
   bool fit_seen_ = false;  ///< a step of the fit that goes on was shown
   ModelHelp model_help_{wake_};

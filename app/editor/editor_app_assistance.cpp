@@ -37,6 +37,17 @@ void EditorApp::take_fit(Fitted fitted) {
   session_->apply(std::move(fitted.edit));
 }
 
+void EditorApp::follow_learning() {
+  for (const std::string& sentence : study_appearance_.update()) add_notice(state_, sentence, false);
+  const Document& document = *snapshot_->document;
+  auto cases = cases_to_learn(state_.models.study, snapshot_->file);
+  if (!state_.snap.learn || !document.reference || cases.empty())
+    study_appearance_.forget();
+  else
+    study_appearance_.ask(std::move(cases), document.reference->topology->vertices());
+  state_.snap.learned = study_appearance_.learned().appearance;
+}
+
 std::vector<Compute> EditorApp::assistance(const Action& action) const {
   std::vector<Compute> then;
   const auto* stroke = std::get_if<Stroke>(&action);

@@ -5,7 +5,26 @@ namespace homolog {
 
 namespace {
 
-bool draw_snap_settings(const Theme& theme, SnapSettings& snap) {
+/// Whether the look of the boundary is learned from the study's cases that are done.
+bool draw_learning(const UiContext& ui, SnapSettings& snap) {
+  const std::size_t cases = cases_to_learn(ui.state.models.study, ui.snapshot.file).size();
+  const bool changed = toggle(
+      ui.theme, "Learn from done cases", snap.learn,
+      "Snaps look for the boundary as it looks, landmark by landmark, in the study's cases that are done (the first "
+      "eight), in place of any edge",
+      cases == 0                             ? "Open a study and mark cases as done (Models)."
+      : snap.polarity != Polarity::automatic ? "The polarity is chosen by hand; take Auto."
+                                             : "");
+  if (!snap.learn || cases == 0) return changed;
+  if (ui.study_appearance.busy())
+    explanation(ui.theme, format("Learning: %.0f %%", 100 * ui.study_appearance.fraction()));
+  else
+    explanation(ui.theme, format("Learned from %d of %zu.", ui.study_appearance.learned().cases, cases));
+  return changed;
+}
+
+bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
+  const Theme& theme = ui.theme;
   bool released = false, changed = false;
   double strength = 100 * snap.strength;
   changed |= slider(theme, "Strength", strength, {0, 100, "%.0f", "%", false},
@@ -21,6 +40,7 @@ bool draw_snap_settings(const Theme& theme, SnapSettings& snap) {
     snap.polarity = static_cast<Polarity>(polarity);
     changed = true;
   }
+  changed |= draw_learning(ui, snap);
   changed |= toggle(theme, "Snap while dragging", snap.with_strokes,
                     "What a pull or grab moves is snapped as it is dragged (Shift+N); one step to undo");
   changed |= toggle(theme, "Show confidence", snap.show_confidence,
@@ -54,7 +74,7 @@ void draw_snap(const UiContext& ui, Outbox& out) {
     out.send(SnapMesh{});
   }
   SnapSettings snap = ui.state.snap;
-  if (draw_snap_settings(theme, snap)) out.change([snap](EditorState& s) { s.snap = snap; });
+  if (draw_snap_settings(ui, snap)) out.change([snap](EditorState& s) { s.snap = snap; });
   if (ui.state.confidence && ui.state.snapped) {
     draw_last_snap(ui);
     if (shown_overlay(ui.state) == Overlay::confidence) draw_overlay_legend(ui);

@@ -18,6 +18,7 @@ SnapOptions options_of(const SnapSettings& settings) {
   options.strength = settings.strength;
   options.edges.reach_mm = settings.reach_mm;
   options.edges.polarity = settings.polarity;
+  if (settings.polarity == Polarity::automatic) options.edges.appearance = settings.learned;
   return options;
 }
 
@@ -82,7 +83,7 @@ void Snaps::start(SessionThread& session, std::optional<SnapRegion> region, cons
         if (!edit) {
           box->put(std::nullopt);
           if (box->progress.cancelled()) return std::optional<Action>();
-          return fail("", "Not snapped: the image " + edit.error().what + ".");
+          return fail(document.volume_source, edit.error().what);
         }
         SnapFound found;
         found.points = edit->result.points;

@@ -15,6 +15,7 @@
 #include "app/editor/template_maker.h"
 #include "app/editor/view_geometry.h"
 #include "core/case/action.h"
+#include "core/snap/appearance.h"
 
 namespace homolog {
 
@@ -57,6 +58,8 @@ struct SnapSettings {
   Polarity polarity = Polarity::automatic;
   bool with_strokes = false;  ///< the part under the tool is snapped while a stroke is dragged
   bool show_confidence = true;
+  bool learn = false;                         ///< from the study's cases that are done
+  std::shared_ptr<const Appearance> learned;  ///< what came of that; null where nothing did
 };
 
 /// What the pointer is over; nothing while it is outside the views.

@@ -11,6 +11,7 @@
 #include "app/editor/commands.h"
 #include "app/editor/fitter.h"
 #include "app/editor/quality.h"
+#include "app/editor/study_appearance.h"
 #include "app/editor/theme.h"
 #include "core/case/session_thread.h"
 
@@ -38,6 +39,7 @@ struct UiContext {
   const std::vector<int>& label_values;  ///< of the overlay, without 0
   const TemplateMaker& template_maker;
   const Fitter& fitter;
+  const StudyAppearance& study_appearance;
   const CaseThumbnails& thumbnails;
   bool snapping = false;
   bool making_shown = false;  ///< a template in the making stands in for the case's mesh

@@ -133,4 +133,38 @@ TEST_CASE("the model completes what strokes leave open and leaves alone what is 
   CHECK(known_landmarks(completed.shape()) == known);
 }
 
+TEST_CASE("the model's help does not add up and can be taken back") {
+  ModelHelp help([] {});
+  help.ask(balls_model(), "ball26");
+  while (help.busy()) continue;
+  CHECK_FALSE(help.update());
+  EditSession session(new_document("", nullptr, ball(26)));
+  REQUIRE(session.apply(Confirm{Vec3(26, 0, 0), 15, true}));
+  const auto points = [&] { return *session.document().shape().points; };
+  const auto blend = [&](double strength) {
+    REQUIRE(session.apply(*test::must(help.completion(strength)(session.document()))));
+  };
+  const Points begun = points();
+  blend(0.5);
+  const Points half = points();
+  CHECK((half - begun).norm() > 0.1);
+  blend(0.5);
+  CHECK((points() - half).norm() < 1e-4);
+
+  // An edit moves the aided shape and the one without help alike; what follows is as if the model came in just now.
+  Stroke grab;
+  grab.tool = Tool::grab;
+  grab.at = Vec3(0, 0, 26);
+  grab.to = Vec3(0, 3, 28);
+  grab.sigma_mm = 8;
+  REQUIRE(session.apply(grab));
+  blend(0.5);
+  const Points aided = points(), unaided = unaided_points(session.document().shape());
+  blend(0.5);
+  CHECK((points() - aided).norm() < 1e-4);
+  REQUIRE(session.apply(points_edit(session.document(), unaided_points(session.document().shape()), by_model)));
+  CHECK((points() - unaided).norm() < 1e-4);
+  CHECK((unaided - aided).norm() > 0.05);
+}
+
 }  // namespace homolog

@@ -9,6 +9,9 @@
 #include "core/phantom/phantom.h"
 #include "core/snap/propagate.h"
 #include "core/snap/snap_document.h"
+#include "core/study/scripted_user.h"
+#include "core/volume/volume_io.h"
+#include "tests/real_data.h"
 #include "tests/shapes.h"
 #include "tests/temporary_folder.h"
 
@@ -281,4 +284,26 @@ TEST_CASE("a mesh goes through a cine and a corrupt frame is marked") {
 
   CHECK_FALSE(propagate(blob_image({Blob{}}, 4, 20), 0, first, ones));
   CHECK_FALSE(propagate(cine, 8, first, ones));
+}
+
+TEST_CASE("five gestures lay the built-in kidney on one in a CT of 3 mm voxels") {
+  const auto folder = real_data();
+  if (folder.empty()) return;
+  const auto image =
+      std::make_shared<const Volume>(read_volume(folder / "ct/totalseg_example_ct_3mm.nii.gz").value().volume);
+  const Volume labels = read_volume(folder / "ct/totalseg_example_ct_3mm_label.nii.gz").value().volume;
+  constexpr int kidney_right = 1;
+  const auto reference = load_template("built-in:kidney").value();
+  const Mesh target = label_boundary(labels, kidney_right, 0, 0, reference->points.rows()).value().surface;
+  EditSession session(new_document("ct", image, reference));
+  REQUIRE(place_on(session, target));
+  const auto snap_within = [&](double reach_mm) {
+    SnapOptions options;
+    options.edges.reach_mm = reach_mm;
+    REQUIRE(session.apply(snap_document(session.document(), std::nullopt, options).value().action));
+  };
+  snap_within(15);
+  REQUIRE(pull_to_target(session, target, {.visible_mm = 1, .most_pulls = 3}));
+  snap_within(10);
+  CHECK(compare_with_mask(session.document().mesh(), labels, kidney_right)->assd_mm < 1.25);
 }

@@ -4,6 +4,15 @@
 
 namespace homolog {
 
+namespace {
+
+/// Takes back what the model did.
+Result<std::optional<Action>> without_help(const Document& document) {
+  return std::optional<Action>(points_edit(document, unaided_points(document.shape()), by_model));
+}
+
+}  // namespace
+
 void EditorApp::cancel_fit() {
   if (!fitter_.busy()) return;
   fitter_.cancel();
@@ -68,6 +77,7 @@ void EditorApp::blend_model(const BlendModel& command) {
   ask_model();
   state_.model_help = command.strength;
   auto complete = model_help_.completion(command.strength);
+  if (command.strength <= 0 && snapshot_->document->shape().unaided) complete = without_help;
   if (!complete) {
     session_->preview(std::nullopt);
     blend_wanted_ = command.strength > 0 ? std::optional(command) : std::nullopt;

@@ -39,7 +39,8 @@ struct ModelHelp::Completer {
     if (!solver || solver->topology() != document.reference->topology) solver.emplace(document.reference->topology);
     const Shape& shape = document.shape();
     const VertexScalars stiffness = document.stiffness_base * *document.stiffness;
-    auto done = completed(model, *shape.points, known_landmarks(shape), known_noise_mm, strength, stiffness, *solver);
+    auto done =
+        completed(model, unaided_points(shape), known_landmarks(shape), known_noise_mm, strength, stiffness, *solver);
     if (!done) return fail(done.error());
     return std::optional<Action>(points_edit(document, done->points, by_model));
   }

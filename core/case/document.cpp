@@ -123,6 +123,12 @@ VertexScalars known_landmarks(const Shape& shape) {
   return known;
 }
 
+Points unaided_points(const Shape& shape) {
+  if (!shape.unaided) return *shape.points;
+  const VertexScalars known = known_landmarks(shape);
+  return *shape.unaided + known.asDiagonal() * (*shape.points - *shape.unaided);
+}
+
 Document new_document(std::string volume_source, std::shared_ptr<const Volume> volume,
                       std::shared_ptr<const Template> reference) {
   Document document;

@@ -50,12 +50,17 @@ struct Shape {
   std::shared_ptr<const Points> points;     ///< P: the deformed mesh
   std::shared_ptr<const VertexScalars> confirmed;  ///< 0 free … 1 held where it is; null: all free
   std::shared_ptr<const VertexScalars> decided;    ///< 0 … 1: see below; null: nothing is
+  std::shared_ptr<const Points> unaided;           ///< see unaided_points; null: no model moved anything
   int strokes = 0;                                 ///< edits of P since it was last equal to R
 };
 
 /// How far each landmark's place is known, 0 … 1: as far as it is confirmed, and 1 where `decided` is large. `decided`
 /// is how far strokes have carried it, and 1 where a fit or a snap moved it; what a shape model did is no knowledge.
 VertexScalars known_landmarks(const Shape& shape);
+
+/// The shape without what a shape model made of it, n×3, LPS mm: landmarks that are known as they are, the others where
+/// the edits alone leave them. A model's help is measured from here, so that it does not add up from edit to edit.
+Points unaided_points(const Shape& shape);
 
 /// Everything of a case that is saved, as a value: a copy is a few reference counts, and undo keeps copies.
 struct Document {

@@ -29,6 +29,14 @@ void decide(Shape& shape, std::shared_ptr<const VertexScalars> share) {
   shape.decided = shape.decided ? std::make_shared<const VertexScalars>(shape.decided->cwiseMax(*share)) : share;
 }
 
+/// What edits alone would leave, where something put landmarks somewhere: those that moved are there.
+Points unaided_after(const Points& unaided, const Points& from, const Points& to) {
+  Points after = unaided;
+  for (Eigen::Index i = 0; i < after.rows(); ++i)
+    if (from.row(i) != to.row(i)) after.row(i) = to.row(i);
+  return after;
+}
+
 /// The shape as it is before any edit: template, placement, and the warp where landmarks ask for it. Gives a sentence
 /// where the warp could not be followed.
 std::string start_anew(const Template& reference, LandmarkFit fit, const Points& from, const Points& to, Shape& shape) {
@@ -43,6 +51,7 @@ std::string start_anew(const Template& reference, LandmarkFit fit, const Points&
   }
   shape.points = shape.reference;
   shape.decided.reset();
+  shape.unaided.reset();
   shape.strokes = 0;
   return message;
 }
@@ -71,6 +80,7 @@ void move_placement(const Template& reference, const Similarity& placement, Shap
   const Similarity move = placement.after(shape.placement.inverse());
   const bool warped = shape.reference != shape.placed;
   const bool edited = shape.points != shape.reference;
+  if (shape.unaided) shape.unaided = share(move.apply(*shape.unaided));
   shape.placement = placement;
   shape.placed = share(placement.apply(reference.points));
   shape.reference = warped ? share(move.apply(*shape.reference)) : shape.placed;
@@ -109,6 +119,7 @@ struct Updater {
     report.solves = outcome->solves;
     if (report.stopped_by_guard) report.message = "Stopped before a triangle turned over.";
     Document after = before;
+    if (shape.unaided) shape_of(after).unaided = share(*shape.unaided + outcome->points - *shape.points);
     shape_of(after).points = share(std::move(outcome->points));
     if (outcome->response) decide(shape_of(after), outcome->response);
     ++shape_of(after).strokes;
@@ -152,6 +163,14 @@ struct Updater {
     if (action.placement) {
       shape.placement = *action.placement;
       shape.reference = shape.placed = share(action.placement->apply(before.reference->points));
+    }
+    if (action.by == by_model) {
+      constexpr double file_mm = 1e-6;  // points of a case file are rounded to it
+      Points unaided = unaided_points(shape);
+      const bool taken_back = (unaided - *action.points).cwiseAbs().maxCoeff() <= file_mm;
+      shape.unaided = taken_back ? nullptr : share(std::move(unaided));
+    } else if (shape.unaided) {
+      shape.unaided = share(unaided_after(*shape.unaided, *shape.points, *action.points));
     }
     if (action.by != by_model && action.by != by_refinement) {
       const auto moved_mm2 = (*action.points - *shape.points).rowwise().squaredNorm().array();

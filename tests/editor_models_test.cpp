@@ -267,9 +267,12 @@ TEST_CASE("of several pieces of work the latest gives the result") {
   });
   work.start([](Progress&) { return 2; });
   work.finish();
-  CHECK(work.take() == 2);
+  CHECK(test::must(work.take().value()) == 2);
   CHECK_FALSE(work.take());
   CHECK_FALSE(work.busy());
+  work.start([](Progress&) -> Result<int> { throw std::bad_alloc(); });
+  work.finish();
+  CHECK(work.take().value().error().sentence() == "This needs more memory than there is; close other programs.");
 }
 
 TEST_CASE("a phantom study is written once and then kept as the user left it") {

@@ -33,6 +33,20 @@ TEST_CASE("a file is replaced only when the new one is whole") {
   CHECK(entries(folder.path) == 1);
 }
 
+TEST_CASE("a link stays one and what it leads to is replaced") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path / "far");
+  std::ofstream(folder.path / "far/file.txt") << "before";
+  std::filesystem::create_symlink("far/file.txt", folder.path / "link.txt");
+  const auto write = [](std::ostream& out) {
+    out << "after";
+    return Result<void>();
+  };
+  REQUIRE(write_whole_file(folder.path / "link.txt", write));
+  CHECK(std::filesystem::is_symlink(folder.path / "link.txt"));
+  CHECK(read_whole_file(folder.path / "far/file.txt").value() == "after");
+}
+
 TEST_CASE("a full disk is named and leaves nothing behind") {
   if (!fs::exists("/dev/full")) return;
   const auto written = write_whole_file("/dev/full/x", [](std::ostream&) -> Result<void> { return {}; });

@@ -6,6 +6,7 @@
 #include "core/base/picture_io.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
+#include "core/model/statismo.h"
 #include "core/template/template_file.h"
 
 namespace homolog {
@@ -256,10 +257,7 @@ struct CommandRunner {
   }
   void operator()(const FitViews&) const { fit_views(state, *app.displayed_, app.layout_); }
   void operator()(const ModelsCommand& command) const {
-    const auto* plots = std::get_if<ExportPlots>(&command);
-    if (plots == nullptr) return app.models_.run(command, state, *app.snapshot_, app.out_);
-    if (!state.models.evaluation) return;
-    write_drawn(app.plots_picture({std::nullopt, 1800, 560, false}), plots->path);
+    if (!write_from_models(command)) app.models_.run(command, state, *app.snapshot_, app.out_);
   }
   void operator()(const Quit& command) const {
     if (has_unsaved_edits(*app.snapshot_) && !command.sure)
@@ -280,6 +278,23 @@ struct CommandRunner {
     state.playing = false;
     if (state.shown_frame) app.session_->apply(SetFrame{*state.shown_frame});
     state.shown_frame.reset();
+  }
+  /// What a command of the Models mode asks to be written; false where it asks for something else.
+  bool write_from_models(const ModelsCommand& command) const {
+    const ModelsState& models = state.models;
+    if (const auto* model = std::get_if<ExportModel>(&command)) {
+      if (models.model)
+        write(model->path, [of = models.model](const auto& path, Progress&) { return write_model(of->model, path); });
+    } else if (const auto* table = std::get_if<ExportEvaluation>(&command)) {
+      if (models.evaluation)
+        write(table->path,
+              [of = models.evaluation](const auto& path, Progress&) { return write_evaluation(*of, path); });
+    } else if (const auto* plots = std::get_if<ExportPlots>(&command)) {
+      if (models.evaluation) write_drawn(app.plots_picture({std::nullopt, 1800, 560, false}), plots->path);
+    } else {
+      return false;
+    }
+    return true;
   }
   /// Has a file written; `how` keeps what it is written from.
   template <class How>

@@ -65,7 +65,7 @@ class Fitter {
   std::shared_ptr<Box> box_ = std::make_shared<Box>();
   std::shared_ptr<const Document> document_;
   bool refining_ = false;
-  LatestWins<Result<Fitted>> work_;
+  LatestWins<Fitted> work_;
 };
 
 }  // namespace homolog

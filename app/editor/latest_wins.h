@@ -4,20 +4,22 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <thread>
 #include <utility>
 
 #include "core/base/progress.h"
+#include "core/base/result.h"
 
 namespace homolog {
 
 /// Does one piece of work after the other on a thread of its own. What is asked for last wins: what runs is cancelled
-/// then, and its result dropped.
-template <class Result>
+/// then, and its result dropped. Work for which memory is wanting fails with a sentence.
+template <class Value>
 class LatestWins {
  public:
-  using Work = std::function<Result(Progress&)>;
+  using Work = std::function<Result<Value>(Progress&)>;
 
   /// `wake` is called from the thread when a result is there.
   explicit LatestWins(std::function<void()> wake) : wake_(std::move(wake)), thread_([this] { run(); }) {}
@@ -61,7 +63,7 @@ class LatestWins {
     return progress_->fraction();
   }
   /// The latest work's result, once.
-  std::optional<Result> take() {
+  std::optional<Result<Value>> take() {
     const std::lock_guard lock(mutex_);
     return std::exchange(result_, std::nullopt);
   }
@@ -72,6 +74,14 @@ class LatestWins {
   }
 
  private:
+  static Result<Value> done(const Work& work, Progress& progress) {
+    try {
+      return work(progress);
+    } catch (const std::bad_alloc&) {
+      return fail("", "This needs more memory than there is; close other programs.");
+    }
+  }
+
   void run() {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -80,7 +90,7 @@ class LatestWins {
       const Work work = std::exchange(next_, nullptr);
       const auto progress = progress_;
       lock.unlock();
-      Result result = work(*progress);
+      Result<Value> result = done(work, *progress);
       lock.lock();
       if (progress->cancelled() || progress != progress_) continue;
       result_ = std::move(result);
@@ -97,7 +107,7 @@ class LatestWins {
   std::condition_variable changed_;
   std::shared_ptr<Progress> progress_ = std::make_shared<Progress>();
   Work next_;
-  std::optional<Result> result_;
+  std::optional<Result<Value>> result_;
   bool busy_ = false, stopping_ = false;
   std::thread thread_;
 };

@@ -33,7 +33,7 @@ class ModelHelp {
   std::shared_ptr<const StudyModel> study_;
   std::string name_;
   std::shared_ptr<Completer> completer_;
-  LatestWins<Result<ShapeModel>> work_;
+  LatestWins<ShapeModel> work_;
 };
 
 }  // namespace homolog

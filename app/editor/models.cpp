@@ -76,17 +76,15 @@ void Models::run(const ModelsCommand& command, EditorState& state, const Snapsho
     export_shapes(*shapes, models);
   } else if (std::holds_alternative<StartEvaluation>(command)) {
     if (!models.model) return;
-    evaluator_.start([model = models.model](Progress& progress) {
+    evaluator_.start([model = models.model](Progress& progress) -> Result<Evaluated> {
       const auto most = static_cast<int>(model->components->shapes()) - 2;
       const EvaluationOptions options{{std::min(most, static_cast<int>(model->model.modes()))}};
-      return Evaluated{model, evaluate_model(*model->components, model->topology, options, &progress)};
+      auto evaluation = evaluate_model(*model->components, model->topology, options, &progress);
+      if (!evaluation) return fail(evaluation.error());
+      return Evaluated{model, std::move(*evaluation)};
     });
   } else if (std::holds_alternative<CancelEvaluation>(command)) {
     evaluator_.cancel();
-  } else if (const auto* model = std::get_if<ExportModel>(&command)) {
-    if (models.model) tell(state, write_model(models.model->model, model->path), model->path);
-  } else if (const auto* table = std::get_if<ExportEvaluation>(&command)) {
-    if (models.evaluation) tell(state, write_evaluation(*models.evaluation, table->path), table->path);
   }
 }
 
@@ -210,14 +208,17 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
                      built_document_ != open_document(models, snapshot);
   if (models.shown && stale) build(state, snapshot);
   if (auto built = builder_.take()) {
-    take_built(state, std::move(*built));
+    if (*built)
+      take_built(state, std::move(**built));
+    else
+      models.model_error = built->error().sentence();
     changed = true;
   }
   if (auto evaluated = evaluator_.take()) {
-    if (!evaluated->evaluation)
-      add_notice(state, evaluated->evaluation.error().sentence());
-    else if (evaluated->model == models.model)
-      models.evaluation = std::make_shared<const Evaluation>(std::move(*evaluated->evaluation));
+    if (!*evaluated)
+      add_notice(state, evaluated->error().sentence());
+    else if ((*evaluated)->model == models.model)
+      models.evaluation = std::make_shared<const Evaluation>(std::move((*evaluated)->evaluation));
     changed = true;
   }
   const bool working = builder_.busy() || phantoms_.busy() || evaluator_.busy() || exporter_.busy();

@@ -33,7 +33,7 @@ class Models {
  private:
   struct Evaluated {
     std::shared_ptr<const StudyModel> model;
-    Result<Evaluation> evaluation;
+    Evaluation evaluation;
   };
   void build(EditorState& state, const Snapshot& snapshot);
   void take_built(EditorState& state, StudyModelBuilt built);
@@ -46,8 +46,8 @@ class Models {
 
   LatestWins<StudyModelBuilt> builder_;
   LatestWins<Evaluated> evaluator_;
-  LatestWins<Result<std::filesystem::path>> phantoms_;
-  LatestWins<Result<std::filesystem::path>> exporter_;
+  LatestWins<std::filesystem::path> phantoms_;
+  LatestWins<std::filesystem::path> exporter_;
   std::uint64_t built_revision_ = 0, written_revision_ = 0;
   Alignment built_alignment_ = Alignment::similarity;
   std::shared_ptr<const Document> built_document_;  ///< of the open case, where it is one of the study's

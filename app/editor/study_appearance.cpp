@@ -76,7 +76,8 @@ void StudyAppearance::forget() {
 std::vector<std::string> StudyAppearance::update() {
   auto done = work_.take();
   if (!done) return {};
-  learned_ = std::move(*done);
+  if (!*done) return {done->error().sentence()};
+  learned_ = std::move(**done);
   return learned_.left_out;
 }
 

@@ -34,6 +34,14 @@ int sync_path(const fs::path& path, int flags) {
   return error == EINVAL ? 0 : error;  // some file systems cannot sync a folder
 }
 
+/// What a link leads to, so that it stays one.
+fs::path followed(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_symlink(path, error)) return path;
+  const fs::path target = fs::canonical(path, error);
+  return error ? path : target;
+}
+
 fs::path temporary_beside(const fs::path& path) {
   // The extension stays last and ".gz" keeps its partner, since libraries choose the format by it.
   return path.parent_path() / (".tmp" + std::to_string(::getpid()) + "-" + path.filename().string());
@@ -41,7 +49,8 @@ fs::path temporary_beside(const fs::path& path) {
 
 }  // namespace
 
-Result<void> write_through_temporary(const fs::path& path, const std::function<Result<void>(const fs::path&)>& write) {
+Result<void> write_through_temporary(const fs::path& asked, const std::function<Result<void>(const fs::path&)>& write) {
+  const fs::path path = followed(asked);
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return fail(path.string(), "is a folder; give a file name");
   const fs::path temporary = temporary_beside(path);

@@ -11,7 +11,7 @@ namespace homolog {
 
 /// Writes a file so that PATH holds either what it held before or the whole new content: `write` fills a temporary
 /// file beside PATH, which is synced and then renamed. Nothing is left behind on failure (full disk, unwritable
-/// folder, `write` returning an error).
+/// folder, `write` returning an error). Where PATH is a link, what it leads to is written.
 Result<void> write_whole_file(const std::filesystem::path& path,
                               const std::function<Result<void>(std::ostream&)>& write);
 

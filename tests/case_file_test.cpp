@@ -5,8 +5,10 @@
 
 #include <random>
 
+#include "core/base/files.h"
 #include "core/volume/volume_io.h"
 #include "tests/case_folder.h"
+#include "tests/refusal.h"
 
 namespace homolog {
 
@@ -34,6 +36,39 @@ TEST_CASE("a case whose image has moved opens with the image where it is now and
   const auto again = open_case(file);
   REQUIRE(again);
   CHECK(again->session.document().volume->geometry.dims == grid.dims);
+}
+
+TEST_CASE("an image on another grid is refused in voxels and mm") {
+  const TemporaryFolder folder;
+  const auto write = [&](const fs::path& path, double spacing_mm, double origin_mm) {
+    Volume volume;
+    volume.geometry.dims = {4, 5, 6};
+    volume.geometry.spacing_mm.setConstant(spacing_mm);
+    volume.geometry.origin_mm.setConstant(origin_mm);
+    volume.data = std::vector<std::int16_t>(volume.geometry.voxels(), 7);
+    REQUIRE(write_volume(volume, path));
+    return std::make_shared<const Volume>(std::move(volume));
+  };
+  const fs::path image = folder.path / "ct.nrrd", coarse = folder.path / "coarse.nrrd",
+                 away = folder.path / "away.nrrd", file = folder.path / "a.homolog";
+  const auto volume = write(image, 1.5, 0);
+  write(coarse, 3, 0);
+  write(away, 1.5, 40);
+  REQUIRE(create_case(new_document(image.string(), volume, load_template("built-in:kidney").value()), file));
+  CHECK(open_case(file, nullptr, image.string()));
+  CHECK(says(open_case(file, nullptr, coarse.string()), "made on an image of 4 × 5 × 6 voxels of 1.5 × 1.5 × 1.5 mm"));
+  CHECK(says(open_case(file, nullptr, coarse.string()), "coarse.nrrd has 4 × 5 × 6 voxels of 3 × 3 × 3 mm"));
+  CHECK(says(open_case(file, nullptr, away.string()), "lies elsewhere"));
+
+  // Headers of other hands: without the grid in numbers, and with a grid that is none.
+  std::string text = read_whole_file(file).value();
+  const std::string voxels = R"("voxels":[4,5,6],)";
+  REQUIRE(text.find(voxels) != std::string::npos);
+  std::ofstream(file) << std::string(text).erase(text.find(voxels), voxels.size());
+  CHECK(open_case(file));
+  CHECK(says(open_case(file, nullptr, coarse.string()), "made on an image of another grid"));
+  std::ofstream(file) << std::string(text).replace(text.find(voxels), voxels.size(), R"("voxels":"many",)");
+  CHECK(says(open_case(file, nullptr, coarse.string()), "of the wrong kind"));
 }
 
 TEST_CASE("a torn last line is dropped with a warning and everything before it is restored") {

@@ -198,6 +198,46 @@ TEST_CASE("what strokes and fits decide is known until it is undone and what a m
   CHECK(known().isZero());
 }
 
+TEST_CASE("what edits alone made of a shape goes along with edits of the aided one") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  const auto shape = [&]() -> const Shape& { return session.document().shape(); };
+  const auto largest = [](const Points& a, const Points& b) { return (a - b).cwiseAbs().maxCoeff(); };
+  const Points begun = *shape().points;
+  const auto aided = found_points(1.2);
+  CHECK(unaided_points(shape()) == begun);
+  REQUIRE(session.apply(SetPoints{by_model, std::nullopt, aided}));
+  CHECK(unaided_points(shape()) == begun);
+
+  // Relax takes out of the mesh what it takes out, not as much again of what the edits made.
+  REQUIRE(session.apply(Stroke{.tool = Tool::relax, .at = 1.2 * pole, .sigma_mm = 30, .strength = 1}));
+  const Points relaxed = *shape().points, unaided = unaided_points(shape());
+  int there = 0;
+  for (Eigen::Index i = 0; i < begun.rows(); ++i) {
+    CHECK((unaided.row(i) == begun.row(i) || unaided.row(i) == relaxed.row(i)));
+    there += unaided.row(i) == relaxed.row(i);
+  }
+  CHECK(there > 100);
+  REQUIRE(session.apply(Undo{}));
+
+  // A refinement moves both alike, a placement carries both.
+  Points along = *aided;
+  along.col(0).array() += 2;
+  REQUIRE(session.apply(SetPoints{by_refinement, std::nullopt, std::make_shared<const Points>(along)}));
+  CHECK(largest(unaided_points(shape()), begun.rowwise() + Eigen::RowVector3d(2, 0, 0)) < 1e-9);
+  Similarity moved = shape().placement;
+  moved.translation += Vec3(0, 0, 100);
+  REQUIRE(session.apply(SetPlacement{moved}));
+  CHECK(largest(unaided_points(shape()), begun.rowwise() + Eigen::RowVector3d(2, 0, 100)) < 1e-9);
+  REQUIRE(session.apply(Undo{}));
+  REQUIRE(session.apply(Undo{}));
+
+  // Replayed it is the same, and what something else put somewhere is no help.
+  CHECK(*read_case(folder.case_path)->session.document().shape().unaided == *shape().unaided);
+  REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found_points(1.1)}));
+  CHECK(shape().unaided == nullptr);
+}
+
 TEST_CASE("a stroke is kept exactly as its preview showed it") {
   const CaseFolder folder;
   EditSession session = folder.create();

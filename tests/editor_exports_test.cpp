@@ -43,12 +43,15 @@ TEST_CASE("a file that is being written can be given up and those after it are w
   exports.start("second", [](Progress&) { return Result<void>(); });
   while (exports.running().value().fraction == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   CHECK(exports.running()->path == "first");
-  exports.cancel();
+  exports.cancel("second");
+  exports.cancel("first");
   exports.finish();
   const auto written = exports.take();
   REQUIRE(written.size() == 2);
   CHECK_FALSE(written[0].result);
+  CHECK(written[0].cancelled);
   CHECK(written[1].result);
+  CHECK_FALSE(written[1].cancelled);
 }
 
 TEST_CASE("closing the window finishes what is being written") {
@@ -67,8 +70,8 @@ TEST_CASE("closing the window finishes what is being written") {
 TEST_CASE("a volume whose writing is cancelled leaves the file as it was") {
   const TemporaryFolder folder;
   Volume volume;
-  volume.geometry.dims = {8, 8, 8};
-  volume.data = std::vector<std::uint8_t>(512, 1);
+  volume.geometry.dims = {512, 512, 20};  // more than is written at once
+  volume.data = std::vector<std::uint8_t>(volume.geometry.voxels(), 1);
   for (const char* name : {"v.nii", "v.nii.gz", "v.nrrd", "v.mha"}) {
     const auto path = folder.path / name;
     std::ofstream(path) << "before";

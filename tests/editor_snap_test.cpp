@@ -93,14 +93,20 @@ TEST_CASE("what the boundary looks like is learned from the cases of a study tha
   learning.ask(cases, demo().reference->topology->vertices());
   CHECK_FALSE(learning.busy());
 
-  // A case on its own image: what was learned there is met.
-  SessionThread session(EditSession(demo()), [] {});
-  Snaps snaps;
-  SnapSettings settings;
-  settings.learned = learning.learned().appearance;
-  snaps.start(session, std::nullopt, settings);
-  session.finish();
-  REQUIRE(snaps.take());
+  // Snaps go by it, unless the polarity is given.
+  const auto snapped = [&](std::shared_ptr<const Appearance> learned, Polarity polarity) {
+    SessionThread session(EditSession(demo()), [] {});
+    Snaps snaps;
+    SnapSettings settings;
+    settings.learned = std::move(learned);
+    settings.polarity = polarity;
+    snaps.start(session, std::nullopt, settings);
+    session.finish();
+    return snaps.take().value().points;
+  };
+  const auto learned = learning.learned().appearance;
+  CHECK(snapped(learned, Polarity::automatic) != snapped(nullptr, Polarity::automatic));
+  CHECK(snapped(learned, Polarity::either) == snapped(nullptr, Polarity::either));
   learning.forget();
   CHECK_FALSE(learning.learned().appearance);
 }

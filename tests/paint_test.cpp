@@ -63,7 +63,13 @@ TEST_CASE("removing a region leaves the stiffness and renumbers those behind it"
   CHECK_FALSE(session.apply(RenameRegion{"capsule", ""}));
   REQUIRE(session.apply(RenameRegion{"capsule", "shell"}));
   CHECK(session.document().regions->of_vertex == in_capsule);
+  REQUIRE(session.apply(PaintRegion{"shell", {20, 0, 0}, 12, 0}));
+  CHECK(vertices_in(session.document(), 1) > static_cast<int>(std::count(in_capsule.begin(), in_capsule.end(), 1)));
+  REQUIRE(session.apply(Undo{}));
   REQUIRE(session.apply(RenameRegion{"shell", "capsule"}));
+  const auto stiffness = session.document().stiffness;
+  REQUIRE(session.apply(SetRegion{{"capsule", capsule.factor, {9, 9, 9}}}));
+  CHECK(session.document().stiffness == stiffness);  // another colour is no work for the solver
   REQUIRE(session.apply(RemoveRegion{"capsule"}));
   CHECK(vertices_in(session.document(), 1) == in_hilum);
   CHECK(session.document().stiffness->maxCoeff() == 5);

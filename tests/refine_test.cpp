@@ -1,6 +1,8 @@
 #include <doctest/doctest.h>
 
 #include "core/case/session.h"
+#include "core/deform/fold_guard.h"
+#include "core/deform/tangential.h"
 #include "core/fit/refine.h"
 #include "core/measure/compare.h"
 #include "core/mesh/surface_search.h"
@@ -49,7 +51,7 @@ TEST_CASE("landmarks that flowed along a surface come back and the surface stays
   const double error_before_mm = error_mm(before.points);
   CHECK(error_before_mm > 2.5);
   const VertexScalars known = known_landmarks(session.document().shape());
-  test::must(session.apply(test::must(refine(session.document()))));
+  test::must(session.apply(test::must(refine(session.document())).edit));
   CHECK(error_mm(points_now(session)) < 0.75 * error_before_mm);
   CHECK(compare_meshes(session.document().mesh(), before).assd_mm < 0.05);
   CHECK(known_landmarks(session.document().shape()) == known);
@@ -63,7 +65,9 @@ TEST_CASE("confirmed landmarks stay while the others are refined") {
   const Points before = points_now(session);
   test::must(session.apply(Confirm{Vec3(before.row(100)), 25, true}));
   const VertexScalars& confirmed = *session.document().shape().confirmed;
-  const Points after = *test::must(refine(session.document())).points;
+  const Refinement refined = test::must(refine(session.document()));
+  CHECK(refined.warnings.empty());
+  const Points after = *refined.edit.points;
   int moved = 0;
   for (Eigen::Index i = 0; i < after.rows(); ++i) {
     if (confirmed[i] == 1) CHECK(after.row(i) == before.row(i));
@@ -71,6 +75,22 @@ TEST_CASE("confirmed landmarks stay while the others are refined") {
   }
   CHECK(confirmed.sum() > 50);
   CHECK(moved > 500);
+  const Document& document = session.document();
+  CHECK(surface_distance({document.reference->topology, after}, document.mesh()).mean_mm < 0.05);
+  CHECK(turned_triangles(*document.reference->topology, *document.shape().placed, after).empty());
+}
+
+TEST_CASE("the rim of an open mesh stays where it is") {
+  const auto reference = test::must(load_template("built-in:ventricle"));
+  const MeshFile truth = phantom_truth(Organ::ventricle, 1).front();
+  EditSession session(new_document("", nullptr, reference));
+  test::must(session.apply(points_edit(session.document(), truth.points, "test")));
+  const Mesh before = session.document().mesh();
+  const Points after = *test::must(refine(session.document())).edit.points;
+  CHECK((after - before.points).rowwise().norm().maxCoeff() > 0.5);
+  REQUIRE(!reference->topology->boundary_loops().empty());
+  CHECK((on_boundary_loops(before, after) - after).cwiseAbs().maxCoeff() < 1e-5);
+  CHECK(surface_distance(before, {reference->topology, after}).mean_mm < 0.05);
 }
 
 TEST_CASE("without a mesh there is nothing to refine and a refinement that is cancelled says so") {

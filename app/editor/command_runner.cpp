@@ -60,7 +60,7 @@ struct CommandRunner {
   }
   void operator()(const CloseLabels&) const { app.labels_.reset(); }
   void operator()(const CancelOpening&) const { app.opener_.cancel(); }
-  void operator()(const CancelWriting&) const { app.exports_.cancel(); }
+  void operator()(const CancelWriting& command) const { app.exports_.cancel(command.path); }
   void operator()(const SaveCase& command) const {
     const auto& file = app.snapshot_->file;
     if (nothing_open()) return add_notice(state, "Nothing is open that could be saved; open an image or a template.");
@@ -262,7 +262,10 @@ struct CommandRunner {
   void operator()(const Quit& command) const {
     if (has_unsaved_edits(*app.snapshot_) && !command.sure)
       state.dialog = QuitDialog{};
-    else
+    else if (const auto file = app.exports_.running()) {
+      app.quit_when_written_ = true;
+      add_notice(state, "Homolog closes as soon as " + file->path.filename().string() + " is written.", false);
+    } else
       app.quit_ = true;
   }
 

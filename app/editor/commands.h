@@ -55,12 +55,13 @@ struct OpenLabels {
 };
 struct CloseLabels {};
 struct CancelOpening {};
-/// Of the file that is being exported.
-struct CancelWriting {};
+struct CancelWriting {
+  std::filesystem::path path;
+};
 /// Says where the case is kept; where it has no name yet, or another is wanted, asks for one.
 struct SaveCase {
   bool as = false;
-};  ///< asks for a name where the case has none
+};
 struct SaveCaseAs {
   std::filesystem::path path;
 };

@@ -139,6 +139,7 @@ void EditorApp::take_snapshot() {
   // The brush lets go of a region that was taken back.
   const std::string& brushed = state_.brush.region;
   if (has_region(*snapshot_->document, brushed) && !has_region(*latest->document, brushed)) state_.brush.region.clear();
+  if (state_.renaming && !has_region(*latest->document, state_.renaming->rename.name)) state_.renaming.reset();
   snapshot_ = latest;
   if (renamed) remember_case();
   keep_on_disk();
@@ -227,8 +228,11 @@ void EditorApp::settle() {
 
 bool EditorApp::take_written() {
   const auto written = exports_.take();
-  for (const auto& [path, result] : written)
-    add_notice(state_, result ? "Written: " + path.string() : result.error().sentence(), !result);
+  for (const auto& [path, result, cancelled] : written) {
+    add_notice(state_, result ? "Written: " + path.string() : result.error().sentence(), !result && !cancelled);
+    if (!result) quit_when_written_ = false;
+  }
+  if (quit_when_written_ && !exports_.busy()) quit_ = true;
   return !written.empty();
 }
 
@@ -268,9 +272,11 @@ UiContext EditorApp::ui_context(const EditorState& state, double fps) const {
   constexpr double shown_after_seconds = 0.5;
   std::optional<RunningWork> opening, writing;
   if (opener_.busy())
-    opening = {"Opening " + opener_.what(), opener_.fraction(), opener_.seconds() > shown_after_seconds};
+    opening = {"Opening " + opener_.what(), CancelOpening{}, opener_.fraction(),
+               opener_.seconds() > shown_after_seconds};
   if (const auto file = exports_.running())
-    writing = {"Writing " + file->path.filename().string(), file->fraction, file->seconds > shown_after_seconds};
+    writing = {"Writing " + file->path.filename().string(), CancelWriting{file->path}, file->fraction,
+               file->seconds > shown_after_seconds};
   return {*theme_,
           layout_,
           state,

@@ -143,7 +143,7 @@ class EditorApp {
   std::optional<Theme> theme_;
   double frame_due_ = 0;
   bool fit_wanted_ = true;
-  bool quit_ = false;
+  bool quit_ = false, quit_when_written_ = false;
 };
 
 }  // namespace homolog

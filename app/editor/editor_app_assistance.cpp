@@ -8,6 +8,7 @@ namespace {
 
 /// Takes back what the model did.
 Result<std::optional<Action>> without_help(const Document& document) {
+  if (!document.has_shape() || !document.shape().unaided) return std::optional<Action>();
   return std::optional<Action>(points_edit(document, unaided_points(document.shape()), by_model));
 }
 
@@ -77,10 +78,10 @@ void EditorApp::blend_model(const BlendModel& command) {
   ask_model();
   state_.model_help = command.strength;
   auto complete = model_help_.completion(command.strength);
-  if (command.strength <= 0 && snapshot_->document->shape().unaided) complete = without_help;
+  if (command.strength <= 0) complete = without_help;
   if (!complete) {
     session_->preview(std::nullopt);
-    blend_wanted_ = command.strength > 0 ? std::optional(command) : std::nullopt;
+    blend_wanted_ = command;
     return;
   }
   blend_wanted_.reset();

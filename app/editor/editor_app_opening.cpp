@@ -59,8 +59,9 @@ void EditorApp::start_document(Document document) {
   }
   start_session(std::move(*session));
   if (!edited || before.empty()) return;
-  add_notice(state_, "A new case was begun; the one before is kept.", false);
-  state_.notices.back().case_before = before;
+  Notice notice{"A new case was begun; the one before is kept.", false};
+  notice.case_before = before;
+  add_notice(state_, std::move(notice));
 }
 
 void EditorApp::offer_flip(const Document& document) {

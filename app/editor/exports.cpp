@@ -24,9 +24,9 @@ void Exports::start(std::filesystem::path path, Write write) {
   changed_.notify_all();
 }
 
-void Exports::cancel() {
+void Exports::cancel(const std::filesystem::path& path) {
   const std::lock_guard lock(mutex_);
-  if (!jobs_.empty()) jobs_.front().progress->cancel();
+  if (!jobs_.empty() && jobs_.front().path == path) jobs_.front().progress->cancel();
 }
 
 std::optional<Exports::Running> Exports::running() const {
@@ -61,7 +61,7 @@ void Exports::run() {
       result = fail(job.path.string(), "needs more memory than there is; close other programs");
     }
     lock.lock();
-    written_.push_back({job.path, std::move(result)});
+    written_.push_back({job.path, std::move(result), job.progress->cancelled()});
     jobs_.pop_front();
     changed_.notify_all();
     lock.unlock();

@@ -28,6 +28,7 @@ class Exports {
   struct Written {
     std::filesystem::path path;
     Result<void> result;
+    bool cancelled = false;
   };
 
   /// `wake` is called from the thread when a file is done.
@@ -39,8 +40,8 @@ class Exports {
 
   /// `write` gets all that it needs with it.
   void start(std::filesystem::path path, Write write);
-  /// Gives up the file that is being written; those after it are written all the same.
-  void cancel();
+  /// Gives up `path` where that is being written; those after it are written all the same.
+  void cancel(const std::filesystem::path& path);
   std::optional<Running> running() const;
   bool busy() const { return running().has_value(); }
   /// What was done since the last call.

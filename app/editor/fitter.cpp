@@ -35,17 +35,19 @@ Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const
 }
 
 Result<Fitted> refined(const Document& document, Progress& progress) {
-  auto edit = refine(document, &progress);
-  if (!edit) return fail(edit.error());
+  auto refinement = refine(document, &progress);
+  if (!refinement) return fail(refinement.error());
   Fitted done;
-  done.agreement = compare_meshes({document.reference->topology, *edit->points}, document.mesh());
+  done.edit = std::move(refinement->edit);
+  const auto moved_mm = (*done.edit.points - *document.shape().points).rowwise().norm();
+  const auto off = surface_distance({document.reference->topology, *done.edit.points}, document.mesh());
   char remark[200];
   std::snprintf(remark, sizeof remark,
                 "Landmarks moved along the surface by %.2f mm on average, at most %.1f mm; the surface stayed within "
                 "%.2f mm.",
-                *done.agreement.vertex_mean_mm, *done.agreement.vertex_max_mm, done.agreement.hd95_mm);
+                moved_mm.mean(), moved_mm.maxCoeff(), off.max_mm);
+  done.remarks = std::move(refinement->warnings);
   done.remarks.emplace_back(remark);
-  done.edit = std::move(*edit);
   return done;
 }
 

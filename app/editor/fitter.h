@@ -30,7 +30,7 @@ struct NamedLabels {
 /// A finished fit or refinement: the edit, and what it is judged by.
 struct Fitted {
   SetPoints edit;
-  Agreement agreement;               ///< with the boundary that it was fitted to
+  Agreement agreement;               ///< of a fit, with the boundary
   std::vector<std::string> remarks;  ///< each a sentence
 };
 

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "core/model/conditional.h"
-#include "core/snap/snap_document.h"
 
 namespace homolog {
 
@@ -29,9 +28,9 @@ Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_ou
 
 }  // namespace
 
-/// The model, with_pose, and the solver that it completes shapes by. The solver belongs to the session's thread.
+/// The model with the solver that it completes shapes by. The solver belongs to the session's thread.
 struct ModelHelp::Completer {
-  ShapeModel model;
+  ShapeModel model;  ///< with_pose
   std::optional<ShapeSolver> solver;
 
   Result<std::optional<Action>> complete(const Document& document, double strength) {
@@ -51,7 +50,9 @@ void ModelHelp::ask(std::shared_ptr<const StudyModel> study, const std::string& 
   study_ = study;
   name_ = name;
   completer_.reset();
-  work_.start([study = std::move(study), name](Progress&) { return model_without(*study, study->index_of(name)); });
+  work_.start([study = std::move(study), name](Progress&) {
+    return model_without(*study, study->index_of(name)).map(with_pose);
+  });
 }
 
 Compute ModelHelp::completion(double strength) const {
@@ -64,7 +65,7 @@ std::optional<std::string> ModelHelp::update() {
   auto done = work_.take();
   if (!done) return std::nullopt;
   if (!*done) return done->error().sentence();
-  completer_ = std::make_shared<Completer>(Completer{with_pose(**done), {}});
+  completer_ = std::make_shared<Completer>(Completer{std::move(**done), {}});
   return std::nullopt;
 }
 

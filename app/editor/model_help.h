@@ -33,7 +33,7 @@ class ModelHelp {
   std::shared_ptr<const StudyModel> study_;
   std::string name_;
   std::shared_ptr<Completer> completer_;
-  LatestWins<ShapeModel> work_;
+  LatestWins<ShapeModel> work_;  ///< with_pose
 };
 
 }  // namespace homolog

@@ -57,14 +57,13 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   end_card(ui, bottom_px);
 }
 
-void draw_work(const UiContext& ui, const RunningWork& work, const char* tip, const Command& cancel, float& bottom_px,
-               Outbox& out) {
+void draw_work(const UiContext& ui, const RunningWork& work, const char* tip, float& bottom_px, Outbox& out) {
   const Theme& theme = ui.theme;
   begin_card(ui, tip, bottom_px, palette::accent);
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(shortened(work.what, theme.px(400 - 12 - 76 - 24)).c_str());
   ImGui::SameLine(theme.px(400 - 12 - 76));
-  if (button(theme, "Cancel", tip, {}, theme.px(76))) out.send(cancel);
+  if (button(theme, "Cancel", tip, {}, theme.px(76))) out.send(work.cancel);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = theme.px(4);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
@@ -80,11 +79,9 @@ void draw_work(const UiContext& ui, const RunningWork& work, const char* tip, co
 void draw_notices(const UiContext& ui, Outbox& out) {
   float bottom_px = ui.layout.status_line.y - ui.theme.px(16);
   for (std::size_t i = ui.state.notices.size(); i > 0; --i) draw_notice(ui, i - 1, bottom_px, out);
-  if (ui.opening && ui.opening->shown)
-    draw_work(ui, *ui.opening, "What is open stays as it is", CancelOpening{}, bottom_px, out);
+  if (ui.opening && ui.opening->shown) draw_work(ui, *ui.opening, "What is open stays as it is", bottom_px, out);
   if (ui.writing && ui.writing->shown)
-    draw_work(ui, *ui.writing, "Nothing is written, and what the file held before stays", CancelWriting{}, bottom_px,
-              out);
+    draw_work(ui, *ui.writing, "Nothing is written, and what the file held before stays", bottom_px, out);
 }
 
 }  // namespace homolog

@@ -129,7 +129,7 @@ Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
     const bool folder = fs::is_directory(path, ignored);
     if (!folder && ends_with_any(path, purpose_extensions(FilePurpose::save_case))) {
       if (!request.case_file.empty()) return fail(path.string(), "is a second case; open one case at a time");
-      request.case_file = path;
+      request.case_file = fs::absolute(path).lexically_normal();  // as studies name it
     } else if (!folder && ends_with_any(path, purpose_extensions(FilePurpose::open_template))) {
       if (!request.template_source.empty()) return fail(path.string(), "is a second template; open one at a time");
       request.template_source = path.string();

@@ -34,7 +34,14 @@ void draw_fitting(const UiContext& ui, const char* what, Outbox& out) {
     out.send(CancelFit{});
 }
 
+/// Why neither can start.
+std::string busy_refusal(const UiContext& ui) {
+  if (ui.fitter.busy()) return ui.fitter.refining() ? "A refinement is running." : "A fit is running.";
+  return ui.state.playing ? "Stop the cine first." : "";
+}
+
 std::string fit_refusal(const UiContext& ui) {
+  if (auto busy = busy_refusal(ui); !busy.empty()) return busy;
   if (ui.label_values.empty()) return "The label map is empty.";
   if (ui.snapshot.document->shapes.contains(ui.displayed->frame) && ui.committed_shape().confirmed)
     return "Regions are confirmed, and a fit moves every landmark: release them first (C).";
@@ -78,7 +85,7 @@ void draw_refinement(const UiContext& ui, Outbox& out) {
              "Moves landmarks along the mesh's own surface to where the template, fitted to that surface and to the "
              "landmarks placed in the image, has them. The surface and confirmed regions stay; one step to undo. For "
              "when the outline is right",
-             ui.fitter.busy() ? "A fit is running." : ui.needs_shape(), ImGui::GetContentRegionAvail().x))
+             busy_refusal(ui).empty() ? ui.needs_shape() : busy_refusal(ui), ImGui::GetContentRegionAvail().x))
     out.send(RefineLandmarks{});
 }
 

@@ -68,11 +68,16 @@ int landmarks_in(const Regions& regions, std::size_t number) {
 
 /// In place of the row: the name as it is typed. Enter takes it, Escape does not.
 void draw_renaming(const UiContext& ui, const Regions& regions, float width, Outbox& out) {
-  RenameRegion renaming = *ui.state.renaming;
-  if (!ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
+  RenameRegion renaming = ui.state.renaming->rename;
+  if (!ui.state.renaming->focused) {
+    ImGui::SetKeyboardFocusHere();
+    out.change([](EditorState& s) {
+      if (s.renaming) s.renaming->focused = true;
+    });
+  }
   if (text_field(ui.theme, "##renamed region", renaming.to, "Name", width))
     out.change([to = renaming.to](EditorState& s) {
-      if (s.renaming) s.renaming->to = to;
+      if (s.renaming) s.renaming->rename.to = to;
     });
   const bool entered = enter_pressed(), left = ImGui::IsItemDeactivated();
   if (!entered && !left) return;
@@ -91,7 +96,7 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
   const Theme& theme = ui.theme;
   const Regions& regions = *ui.document().regions;
   const Region& region = regions.list[index];
-  if (ui.state.renaming && ui.state.renaming->name == region.name) return draw_renaming(ui, regions, width, out);
+  if (ui.state.renaming && ui.state.renaming->rename.name == region.name) return draw_renaming(ui, regions, width, out);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float swatch = theme.px(12), indent = theme.px(20), y = at.y + (theme.px(28) - swatch) / 2;
   const bool chosen = ui.state.tool == MouseTool::stiffness && ui.state.brush.region == region.name;
@@ -104,7 +109,7 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
                              : format("%d landmarks; a click takes the brush that paints them, a double click renames",
                                       landmarks_in(regions, index + 1)));
     if (!on_swatch && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
-      out.change([name = region.name](EditorState& s) { s.renaming = RenameRegion{name, name}; });
+      out.change([name = region.name](EditorState& s) { s.renaming = RegionNaming{{name, name}}; });
   }
   ImGui::GetWindowDrawList()->AddRectFilled({at.x + theme.px(4), y}, {at.x + theme.px(4) + swatch, y + swatch},
                                             IM_COL32(region.colour[0], region.colour[1], region.colour[2], 255),

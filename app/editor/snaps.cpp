@@ -83,7 +83,7 @@ void Snaps::start(SessionThread& session, std::optional<SnapRegion> region, cons
         if (!edit) {
           box->put(std::nullopt);
           if (box->progress.cancelled()) return std::optional<Action>();
-          return fail(document.volume_source, edit.error().what);
+          return edit.error().subject.empty() ? fail(document.volume_source, edit.error().what) : fail(edit.error());
         }
         SnapFound found;
         found.points = edit->result.points;

@@ -72,6 +72,7 @@ void show_document(EditorState& state, const Document& document, const Layout& l
   state.drag.reset();
   state.ruler.reset();
   state.panel_edit.reset();
+  state.renaming.reset();
   state.shown_frame.reset();
   state.playing = false;
   state.own_planes = state.own_planes && is_oblique(geometry_of(document));
@@ -192,9 +193,14 @@ std::string next_unplaced_landmark(const Document& document, const std::string& 
 }
 
 void add_notice(EditorState& state, std::string text, bool error) {
+  add_notice(state, Notice{std::move(text), error});
+}
+
+void add_notice(EditorState& state, Notice notice) {
   constexpr std::size_t most = 4;
-  if (std::any_of(state.notices.begin(), state.notices.end(), [&](const Notice& n) { return n.text == text; })) return;
-  state.notices.push_back({std::move(text), error});
+  const auto same = [&](const Notice& n) { return n.text == notice.text && n.case_before == notice.case_before; };
+  if (std::any_of(state.notices.begin(), state.notices.end(), same)) return;
+  state.notices.push_back(std::move(notice));
   if (state.notices.size() <= most) return;
   // An error stays longer than news.
   const auto news = std::find_if(state.notices.begin(), state.notices.end(), [](const Notice& n) { return !n.error; });

@@ -53,6 +53,12 @@ struct BrushSettings {
   bool hold = true;             ///< the confirm brush holds, else it frees
 };
 
+/// A region whose name is being typed.
+struct RegionNaming {
+  RenameRegion rename;
+  bool focused = false;  ///< the field has been given the keyboard
+};
+
 struct SnapSettings {
   double strength = 1, reach_mm = 10;
   Polarity polarity = Polarity::automatic;
@@ -144,10 +150,10 @@ struct EditorState {
   double relax_strength = 0.5;
   bool through_space = false;
   BrushSettings brush;
-  std::string landmark;                  ///< the one that the next click places
-  std::string template_landmark;         ///< the one that the next click names on the template
-  std::string new_region;                ///< the name that is being typed
-  std::optional<RenameRegion> renaming;  ///< with the name as typed so far
+  std::string landmark;           ///< the one that the next click places
+  std::string template_landmark;  ///< the one that the next click names on the template
+  std::string new_region;         ///< the name that is being typed
+  std::optional<RegionNaming> renaming;
   TemplateSettings template_settings;
   std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
   FitSettings fit_settings;
@@ -215,6 +221,7 @@ std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmar
 /// The next landmark of the template that the shape has no place for; empty where all are placed.
 std::string next_unplaced_landmark(const Document& document, const std::string& after = {});
 
+void add_notice(EditorState& state, Notice notice);
 void add_notice(EditorState& state, std::string text, bool error = true);
 void remember_recent(Preferences& preferences, const std::filesystem::path& path);
 

@@ -1,6 +1,5 @@
 #include "app/editor/study_appearance.h"
 
-#include <new>
 #include <utility>
 
 #include "core/case/case_file.h"
@@ -11,13 +10,8 @@ namespace {
 
 constexpr std::size_t most_cases = 8;
 
-/// Errors: the case's or its image's; no image, no mesh in the frame, another template.
-Result<void> learn_case(const StudyCase& one, Eigen::Index vertices, Appearance& appearance, Progress& progress) {
-  ReplayOptions options;
-  options.progress = &progress;
-  const auto read = read_case(one.file, options);
-  if (!read) return fail(read.error());
-  const Document& document = read->session.document();
+/// Errors: no image, no mesh in the frame, another template.
+Result<void> learn_case(const StudyCase& one, const Document& document, Eigen::Index vertices, Appearance& appearance) {
   const auto shape = document.shapes.find(one.frame.value_or(document.frame));
   if (!document.volume || shape == document.shapes.end())
     return fail(one.name, "has no image with a mesh on it to learn from");
@@ -39,15 +33,18 @@ std::vector<StudyCase> cases_to_learn(const Study& study, const std::filesystem:
 LearnedAppearance learn_appearance(const std::vector<StudyCase>& cases, Eigen::Index vertices, Progress& progress) {
   LearnedAppearance learned;
   auto appearance = std::make_shared<Appearance>();
+  std::optional<Result<CaseRead>> read;
   for (std::size_t k = 0; k < cases.size() && !progress.cancelled(); ++k) {
     const auto count = static_cast<double>(cases.size());
     progress.part(static_cast<double>(k) / count, static_cast<double>(k + 1) / count);
-    Result<void> done;
-    try {
-      done = learn_case(cases[k], vertices, *appearance, progress);
-    } catch (const std::bad_alloc&) {
-      done = fail(cases[k].name, "needs more memory than there is");
+    // Frames of one cine follow one another: its image is read once.
+    if (k == 0 || cases[k].file != cases[k - 1].file) {
+      ReplayOptions options;
+      options.progress = &progress;
+      read = read_case(cases[k].file, options);
     }
+    const Result<void> done = *read ? learn_case(cases[k], (*read)->session.document(), vertices, *appearance)
+                                    : Result<void>(fail(read->error()));
     learned.cases += done ? 1 : 0;
     if (!done) learned.left_out.push_back(done.error().sentence() + " (not learned from)");
   }

@@ -20,6 +20,7 @@ namespace homolog {
 /// Background work that the window shows with a progress bar.
 struct RunningWork {
   std::string what;  ///< "Opening ct.nii.gz"
+  Command cancel;
   double fraction = 0;
   bool shown = false;  ///< it takes longer than half a second
 };

@@ -3,10 +3,11 @@
 #include <chrono>
 #include <filesystem>
 
-#include "app/verbs/verb.h"
+#include "app/verbs/describe.h"
 #include "core/case/case_file.h"
 #include "core/deform/fold_guard.h"
 #include "core/measure/compare.h"
+#include "core/mesh/mesh_quality.h"
 
 // The verb `refine`: landmarks of a case along the surface that its mesh has.
 
@@ -29,20 +30,24 @@ Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
   if (!refined) return fail(verb.file.string(), refined.error().what);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Mesh before = session.document().mesh();
-  if (auto done = session.apply(std::move(*refined)); !done) return fail(verb.file.string(), done.error().what);
+  if (auto done = session.apply(std::move(refined->edit)); !done) return fail(verb.file.string(), done.error().what);
   const Document& document = session.document();
   if (!verb.out.empty()) {
     auto written = write_mesh_file(to_mesh_file(document, document.frame), verb.out);
     if (!written) return fail(written.error());
   }
   const Mesh after = document.mesh();
-  const Agreement agreement = compare_meshes(after, before);
-  return Report{
-      {{"moved_mm", {{"mean", *agreement.vertex_mean_mm}, {"max", *agreement.vertex_max_mm}}},
-       {"assd_mm", agreement.assd_mm},
-       {"turned_triangles", turned_triangles(*before.topology, *document.shape().placed, after.points).size()},
-       {"seconds", seconds}},
-      read->warnings};
+  const auto moved_mm = (after.points - before.points).rowwise().norm();
+  Report report;
+  report.values = {
+      {"moved_mm", {{"mean", moved_mm.mean()}, {"max", moved_mm.maxCoeff()}}},
+      {"surface_distance_mm", json_of(surface_distance(after, before))},
+      {"turned_triangles", turned_triangles(*before.topology, *document.shape().placed, after.points).size()},
+      {"self_intersections", self_intersections(after).size()},
+      {"seconds", seconds}};
+  report.warnings = read->warnings;
+  for (const std::string& warning : refined->warnings) report.warnings.push_back(verb.file.string() + ": " + warning);
+  return report;
 }
 
 }  // namespace

@@ -30,9 +30,8 @@ Result<StudySubject> subject_of(const UserOptions& options, const Template& refe
 }
 
 Result<Report> study_user(const UserOptions& options, Progress& progress) {
-  // Not refined unless asked for: the case is to be replayed by other schemes too.
-  const std::string unless_asked = options.landmarks.empty() ? "anchored" : "anchored+warp";
-  const auto scheme = working_scheme(options.scheme.empty() ? unless_asked : options.scheme);
+  const auto scheme =
+      working_scheme(options.scheme.empty() ? pulling_scheme(!options.landmarks.empty()) : options.scheme);
   if (!scheme) return fail(scheme.error());
   auto reference = load_template(options.template_source);
   if (!reference) return fail(reference.error());

@@ -82,7 +82,7 @@ inline constexpr const char* by_refinement = "refine";
 /// Puts every landmark where something found it: an automatic fit, the image's boundary, a shape model. Kept as points,
 /// so that replaying needs neither what found them nor what it was found in.
 struct SetPoints {
-  std::string by;                        ///< what found them, for the undo menu: "fit"
+  std::string by;                        ///< what found them: "fit", or one of those above, which count otherwise
   std::optional<Similarity> placement;   ///< the reference moves there; unwarped then
   std::shared_ptr<const Points> points;  ///< n×3, LPS mm
   bool operator==(const SetPoints& other) const {

@@ -60,15 +60,15 @@ Result<void> check(const Json& header, const char* key, const Value& loaded, con
 /// "128 × 128 × 90 voxels of 1.5 × 1.5 × 3 mm"
 std::string grid_in_words(const Json& voxels, const Json& spacing_mm) {
   std::string words;
-  for (const auto& [numbers, unit] : {std::pair(&voxels, " voxels of "), std::pair(&spacing_mm, " mm")}) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      char number[32];
-      std::snprintf(number, sizeof number, "%.4g", numbers->at(axis).get<double>());
-      words += (axis > 0 ? " × " : "") + std::string(number);
-    }
-    words += unit;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    words += (axis > 0 ? " × " : "") + std::to_string(voxels.at(axis).get<int>());
+  words += " voxels of ";
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%.4g", spacing_mm.at(axis).get<double>());
+    words += (axis > 0 ? " × " : "") + std::string(number);
   }
-  return words;
+  return words + " mm";
 }
 
 /// Refuses an image on another grid than the case was made on.

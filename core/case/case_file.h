@@ -12,7 +12,7 @@
 namespace homolog {
 
 /// Line 1 of a case file for this document: volume, template (paths relative to `folder`), placement, vertices,
-/// connectivity hash, series UID and geometry hash.
+/// connectivity hash, series UID, voxels, spacing and geometry hash.
 std::string case_header(const Document& document, const std::filesystem::path& folder);
 
 /// One line for an action, without line feed; numbers in the shortest form that reads back to the same double.

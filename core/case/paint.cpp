@@ -135,15 +135,16 @@ Result<Painted> painted(const Document& document, const SetRegion& action) {
     regions->list.push_back(region);
     return Painted{document.stiffness, std::move(regions), 0};
   }
-  auto factors = std::make_shared<VertexScalars>(*document.stiffness);
   const double change = region.factor / factor_of(*regions, *number);
+  regions->list[*number - 1U] = region;
+  if (change == 1) return Painted{document.stiffness, std::move(regions), 0};
+  auto factors = std::make_shared<VertexScalars>(*document.stiffness);
   int touched = 0;
   for (Eigen::Index i = 0; i < factors->size(); ++i)
     if (regions->of_vertex[static_cast<std::size_t>(i)] == *number) {
       (*factors)[i] *= change;
       ++touched;
     }
-  regions->list[*number - 1U] = region;
   return Painted{std::move(factors), std::move(regions), touched};
 }
 

@@ -119,7 +119,12 @@ struct Updater {
     report.solves = outcome->solves;
     if (report.stopped_by_guard) report.message = "Stopped before a triangle turned over.";
     Document after = before;
-    if (shape.unaided) shape_of(after).unaided = share(*shape.unaided + outcome->points - *shape.points);
+    if (shape.unaided) {
+      // Relax, and every stroke of `paper`, goes by where the landmark is, not by how far it is carried.
+      const bool absolute = stroke.tool == Tool::relax || before.scheme == Scheme::paper;
+      shape_of(after).unaided = share(absolute ? unaided_after(*shape.unaided, *shape.points, outcome->points)
+                                               : Points(*shape.unaided + outcome->points - *shape.points));
+    }
     shape_of(after).points = share(std::move(outcome->points));
     if (outcome->response) decide(shape_of(after), outcome->response);
     ++shape_of(after).strokes;
@@ -145,7 +150,7 @@ struct Updater {
     after.stiffness = std::move(result->stiffness);
     after.regions = std::move(result->regions);
     EditReport report;
-    report.message = std::to_string(result->touched) + " landmarks painted.";
+    if (result->touched > 0) report.message = std::to_string(result->touched) + " landmarks painted.";
     return done(std::move(after), std::move(report));
   }
 
@@ -169,8 +174,11 @@ struct Updater {
       Points unaided = unaided_points(shape);
       const bool taken_back = (unaided - *action.points).cwiseAbs().maxCoeff() <= file_mm;
       shape.unaided = taken_back ? nullptr : share(std::move(unaided));
+    } else if (shape.unaided && action.by == by_refinement) {
+      shape.unaided = share(*shape.unaided + *action.points - *shape.points);
     } else if (shape.unaided) {
-      shape.unaided = share(unaided_after(*shape.unaided, *shape.points, *action.points));
+      Points unaided = unaided_after(*shape.unaided, *shape.points, *action.points);
+      shape.unaided = unaided == *action.points ? nullptr : share(std::move(unaided));
     }
     if (action.by != by_model && action.by != by_refinement) {
       const auto moved_mm2 = (*action.points - *shape.points).rowwise().squaredNorm().array();
@@ -311,7 +319,8 @@ struct Updater {
     }
     Document after = before;
     Shape begun = from->second;
-    begun.decided.reset();  // what was decided there is a guess here
+    begun.decided.reset();  // what was decided there is a guess here, and so is what a model did
+    begun.unaided.reset();
     after.shapes.insert_or_assign(after.frame, std::move(begun));
     return done(std::move(after));
   }

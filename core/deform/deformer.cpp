@@ -6,17 +6,6 @@ namespace homolog {
 
 namespace {
 
-/// How firmly confirmed vertices are held against the solve, relative to what else pulls at them: they follow by a
-/// 10,000th and are then set still; the firm hold lets the response fade towards them instead of tearing at their edge.
-VertexScalars hold_weights(const Topology& topology, const VertexScalars& w, const VertexScalars& confirmed) {
-  VertexScalars pull = VertexScalars::Ones(w.size());
-  for (const auto& [i, j] : topology.edges()) {
-    pull[i] += w[i] + w[j];
-    pull[j] += w[i] + w[j];
-  }
-  return 1e4 * pull.cwiseProduct(confirmed);
-}
-
 bool usable(const Stroke& stroke) {
   return stroke.at.allFinite() && stroke.to.allFinite() && std::isfinite(stroke.sigma_mm) && stroke.sigma_mm > 0 &&
          (!stroke.on || stroke.on->allFinite()) && stroke.strength >= 0 && stroke.strength <= 1;
@@ -35,7 +24,7 @@ Result<void> Deformer::prepare(const StrokeStart& start) {
   if (new_topology) solver_ = std::make_unique<ShapeSolver>(start.topology);
   const bool held = start.confirmed && start.confirmed->any();
   const VertexScalars w = start.stiffness_base * *start.stiffness;
-  const VertexScalars hold = held ? hold_weights(*start.topology, w, *start.confirmed) : VertexScalars();
+  const VertexScalars hold = held ? firm_hold(*start.topology, w, *start.confirmed) : VertexScalars();
   if (auto done = solver_->factorise(w, hold); !done) return done;
   stiffness_ = start.stiffness;
   stiffness_base_ = start.stiffness_base;

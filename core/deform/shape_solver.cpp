@@ -78,6 +78,15 @@ Points ShapeSolver::solve(const Points& b) const {
   return factor_->cholesky.solve(b);
 }
 
+VertexScalars firm_hold(const Topology& topology, const VertexScalars& w, const VertexScalars& held) {
+  VertexScalars pull = VertexScalars::Ones(w.size());
+  for (const auto& [i, j] : topology.edges()) {
+    pull[i] += w[i] + w[j];
+    pull[j] += w[i] + w[j];
+  }
+  return 1e4 * pull.cwiseProduct(held);
+}
+
 double stiffness_length_mm(double w, double edge_mm) {
   return edge_mm * std::sqrt(3 * w);
 }

@@ -37,6 +37,11 @@ class ShapeSolver {
   std::unique_ptr<Factor> factor_;
 };
 
+/// How firmly vertices are held against the solve (`held`: 0 free … 1), relative to what else pulls at them: they
+/// follow by a 10,000th and can then be set still; the firm hold lets what is solved fade towards them instead of
+/// tearing at their edge. `w`: the stiffness weights.
+VertexScalars firm_hold(const Topology& topology, const VertexScalars& w, const VertexScalars& held);
+
 /// The length over which stiffness carries an edit on a regular mesh of edge `edge_mm`: ℓ = h·√(3w), in mm. This is
 /// what is shown and what is kept when the vertex count changes.
 double stiffness_length_mm(double w, double edge_mm);

@@ -44,6 +44,15 @@ Points tangential(const Mesh& mesh, const Points& offset) {
   return along;
 }
 
+Points on_boundary_loops(const Mesh& mesh, const Points& points) {
+  Points brought = points;
+  for (const auto& loop : mesh.topology->boundary_loops())
+    for (const std::int32_t i : loop)
+      if (points.row(i) != mesh.points.row(i))
+        brought.row(i) = nearest_on_loop(loop, mesh.points, points.row(i).transpose()).transpose();
+  return brought;
+}
+
 Points slid_along_surface(const Mesh& mesh, const Points& offset) {
   const Topology& topology = *mesh.topology;
   const Points& points = mesh.points;
@@ -54,13 +63,10 @@ Points slid_along_surface(const Mesh& mesh, const Points& offset) {
     from.face = topology.faces_of(i).front();
     slid.row(i) = walk_to_nearest(topology, points, from, (points.row(i) + offset.row(i)).transpose()).position;
   }
-  for (const auto& loop : topology.boundary_loops()) {
-    for (const std::int32_t i : loop) {
-      if (offset.row(i).squaredNorm() < 1e-18) continue;
-      slid.row(i) = nearest_on_loop(loop, points, (points.row(i) + offset.row(i)).transpose()).transpose();
-    }
-  }
-  return slid;
+  for (const auto& loop : topology.boundary_loops())
+    for (const std::int32_t i : loop)
+      if (offset.row(i).squaredNorm() >= 1e-18) slid.row(i) += offset.row(i);
+  return on_boundary_loops(mesh, slid);
 }
 
 }  // namespace homolog

@@ -2,49 +2,65 @@
 
 #include "core/deform/fold_guard.h"
 #include "core/deform/shape_solver.h"
+#include "core/deform/surface_walk.h"
+#include "core/deform/tangential.h"
 #include "core/fit/mask_fit.h"
-#include "core/mesh/surface_search.h"
+#include "core/fit/untangle.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/placement/similarity_fit.h"
 
 namespace homolog {
 
 namespace {
 
-/// Force of a confirmed landmark towards its place, against 1 of every other towards where it was found.
-constexpr double hold_weight = 1e4;
-
-/// `found`, with confirmed landmarks back in their place and their surroundings carried along, on the surface.
+/// `found`, with confirmed landmarks back in their place and their surroundings carried along on the surface.
 Result<Points> held(const Document& document, const Points& found) {
   const Shape& shape = document.shape();
+  const Topology& topology = *document.reference->topology;
   ShapeSolver solver(document.reference->topology);
-  const VertexScalars hold = hold_weight * *shape.confirmed;
-  if (auto ready = solver.factorise(document.stiffness_base * *document.stiffness, hold); !ready)
-    return fail(ready.error());
+  const VertexScalars w = document.stiffness_base * *document.stiffness;
+  const VertexScalars hold = firm_hold(topology, w, *shape.confirmed);
+  if (auto ready = solver.factorise(w, hold); !ready) return fail(ready.error());
   const Points carried = found + solver.solve(Points(hold.asDiagonal() * (*shape.points - found)));
   const SurfaceSearch surface(document.mesh());
   Points back = *shape.points;
-  for (Eigen::Index i = 0; i < back.rows(); ++i)
-    if ((*shape.confirmed)[i] < 1) back.row(i) = surface.nearest(Vec3(carried.row(i))).position.transpose();
-  const FoldGuard guard(*document.reference->topology, *shape.placed, *shape.points);
-  const auto at = [&](double share) { return Points(*shape.points + share * (back - *shape.points)); };
-  return at(guard.accepted_step(1, at));
+  for (Eigen::Index i = 0; i < back.rows(); ++i) {
+    if ((*shape.confirmed)[i] == 1) continue;
+    // From where it was found, so that it stays on its side of a thin wall.
+    const SurfacePoint from = surface.nearest(Vec3(found.row(i))).at;
+    back.row(i) = walk_to_nearest(topology, *shape.points, from, carried.row(i).transpose()).position.transpose();
+  }
+  return back;
+}
+
+std::vector<std::string> warnings_of(const Document& document, const Points& points) {
+  const Topology& topology = *document.reference->topology;
+  const bool turned = !turned_triangles(topology, *document.shape().placed, points).empty();
+  if (!turned && self_intersections({document.reference->topology, points}).empty()) return {};
+  return {"Some faces are turned or meet; look at them (Correspondence, Shape) before the mesh goes into a model."};
 }
 
 }  // namespace
 
-Result<SetPoints> refine(const Document& document, Progress* progress) {
+Result<Refinement> refine(const Document& document, Progress* progress) {
   if (!document.reference || !document.has_shape())
     return fail("", "There is no mesh to refine; load a template first.");
   const Shape& shape = document.shape();
   FitOptions fitting;
-  fitting.placement = shape.placement;
+  fitting.placement = fit_similarity(document.reference->points, *shape.points, shape.placement);
   fitting.landmarks = shape.landmarks;
   fitting.progress = progress;
   auto fit = fit_to_boundary(*document.reference, {document.mesh(), {}, {}}, fitting);
   if (!fit) return fail(fit.error());
-  if (!shape.confirmed) return points_edit(document, fit->mesh.points, by_refinement);
-  const auto kept = held(document, fit->mesh.points);
-  if (!kept) return fail(kept.error());
-  return points_edit(document, *kept, by_refinement);
+  Points found = std::move(fit->mesh.points);
+  if (shape.confirmed) {
+    auto kept = held(document, found);
+    if (!kept) return fail(kept.error());
+    found = std::move(*kept);
+  }
+  found = on_boundary_loops(document.mesh(), found);
+  found = without_turning(*document.reference->topology, *shape.placed, *shape.points, found);
+  return Refinement{points_edit(document, found, by_refinement), warnings_of(document, found)};
 }
 
 }  // namespace homolog

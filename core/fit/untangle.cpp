@@ -1,5 +1,6 @@
 #include "core/fit/untangle.h"
 
+#include <algorithm>
 #include <set>
 #include <vector>
 
@@ -59,6 +60,25 @@ bool untangle(Mesh& mesh, const Points& reference, const VertexScalars& factors)
     tangled = tangled_vertices(mesh, reference);
   }
   return tangled.empty();
+}
+
+Points without_turning(const Topology& topology, const Points& placed, const Points& from, const Points& to) {
+  constexpr int rounds = 12;
+  const auto before = turned_triangles(topology, placed, from);
+  VertexScalars share = VertexScalars::Ones(from.rows());
+  Points points = to;
+  for (int round = 0; round < rounds; ++round) {
+    std::set<std::int32_t> patch;
+    for (const std::int32_t face : turned_triangles(topology, placed, points)) {
+      if (std::binary_search(before.begin(), before.end(), face)) continue;
+      for (const std::int32_t v : topology.triangles().row(face))
+        patch.insert(topology.one_ring(v).begin(), topology.one_ring(v).end());
+    }
+    if (patch.empty()) return points;
+    for (const std::int32_t v : patch) share[v] *= 0.5;
+    points = from + share.asDiagonal() * (to - from);
+  }
+  return from;
 }
 
 }  // namespace homolog

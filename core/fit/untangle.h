@@ -9,4 +9,8 @@ namespace homolog {
 /// template placed, n×3; `factors`: its stiffness factors. False where some are left.
 bool untangle(Mesh& mesh, const Points& reference, const VertexScalars& factors);
 
+/// `to`, with the way there from `from` shortened around triangles that it would turn over, but for those that are
+/// turned at `from`; `from` itself where that does not help. `placed`: the template as placed; all n×3.
+Points without_turning(const Topology& topology, const Points& placed, const Points& from, const Points& to);
+
 }  // namespace homolog

@@ -10,9 +10,6 @@ namespace homolog {
 
 namespace {
 
-/// Force of a known landmark towards its place, against 1 of every other towards the prediction.
-constexpr double hold_weight = 1e4;
-
 /// √ of the summed posterior variances of each landmark's coordinates: rows of Φ A with A Aᵀ the posterior of b.
 VertexScalars deviations(const Eigen::MatrixXd& spread) {
   VertexScalars result(spread.rows() / 3);
@@ -93,7 +90,7 @@ Result<Completion> completed(const ShapeModel& posed, const Points& shape, const
     positions.row(k) = shape.row(landmarks[static_cast<std::size_t>(k)]);
   const Prediction prediction = predict(posed, landmarks, pose.inverse().apply(positions), noise_mm / pose.scale);
   const Points expected = pose.apply(shape_of(posed, clamped(posed, prediction.b)));
-  const VertexScalars hold = hold_weight * known;
+  const VertexScalars hold = firm_hold(*solver.topology(), stiffness, known);
   if (auto ready = solver.factorise(stiffness, hold); !ready) return fail(ready.error());
   const Points reached = expected + solver.solve(Points(hold.asDiagonal() * (shape - expected)));
   const VertexScalars share = strength * (1 - known.array()).max(0);

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
-#include "core/deform/fold_guard.h"
 #include "core/deform/local_rotations.h"
 #include "core/deform/shape_solver.h"
 #include "core/fit/untangle.h"
@@ -22,7 +20,6 @@ constexpr double snap_softest_edges_learned = 3;  ///< a case done before differ
 constexpr double last_reach_share = 0.3;
 constexpr double least_snap_weight = 0.01;  ///< of a vertex that nothing pulls: the solver needs a force
 constexpr double held_weight = 1e4;         ///< of a held vertex against all that pulls at it; then it is set still
-constexpr int shortening_rounds = 12;
 constexpr double least_seen_share = 0.1;
 constexpr double doubtful_snap = 0.55;
 
@@ -118,23 +115,7 @@ class Snapping {
   void make_sound() {
     untangle(mesh_, reference_, factors_);
     keep_held();
-    const Topology& topology = *mesh_.topology;
-    const Points& from = start_.mesh.points;
-    const Points offset = mesh_.points - from;
-    const auto before = turned_triangles(topology, start_.placed, from);
-    VertexScalars share = VertexScalars::Ones(from.rows());
-    for (int round = 0; round < shortening_rounds; ++round) {
-      std::set<std::int32_t> patch;
-      for (const std::int32_t face : turned_triangles(topology, start_.placed, mesh_.points)) {
-        if (std::binary_search(before.begin(), before.end(), face)) continue;
-        for (const std::int32_t v : topology.triangles().row(face))
-          patch.insert(topology.one_ring(v).begin(), topology.one_ring(v).end());
-      }
-      if (patch.empty()) return;
-      for (const std::int32_t v : patch) share[v] *= 0.5;
-      mesh_.points = from + share.asDiagonal() * offset;
-    }
-    mesh_.points = from;
+    mesh_.points = without_turning(*mesh_.topology, start_.placed, start_.mesh.points, mesh_.points);
   }
 
   SnapResult finish() const {

@@ -16,6 +16,7 @@ namespace homolog {
 namespace {
 
 constexpr double near_mm = 1, near_dice = 0.95;
+constexpr std::string_view refined = "+refine";  // at the end of a scheme's name
 
 /// Mean distance from where landmarks or vertices are known to belong.
 std::optional<double> landmark_error(const Document& document, const StudySubject& subject) {
@@ -110,11 +111,10 @@ void measure(const EditSession& session, const StudySubject& subject, SchemeRun&
 }  // namespace
 
 Result<WorkingScheme> working_scheme(const std::string& name) {
-  constexpr std::string_view at_the_end = "+refine";
   WorkingScheme made;
   made.name = name;
-  made.refine = name.ends_with(at_the_end);
-  const std::string before = name.substr(0, name.size() - (made.refine ? at_the_end.size() : 0));
+  made.refine = name.ends_with(refined);
+  const std::string before = name.substr(0, name.size() - (made.refine ? refined.size() : 0));
   const auto plus = before.find('+');
   const std::string moving = before.substr(0, plus), features = plus == std::string::npos ? "" : before.substr(plus);
   bool known = true;
@@ -168,7 +168,11 @@ std::vector<std::string> compared_schemes(bool with_features) {
 }
 
 std::string default_scheme(bool with_features) {
-  return with_features ? "anchored+warp+refine" : "anchored+refine";
+  return pulling_scheme(with_features) + std::string(refined);
+}
+
+std::string pulling_scheme(bool with_features) {
+  return with_features ? "anchored+warp" : "anchored";
 }
 
 StudySubject phantom_study_subject(Organ organ, int number) {
@@ -227,9 +231,9 @@ Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, 
   if (!pulled) return fail(pulled.error());
   run.pulls = pulled->pulls;
   if (scheme.refine) {
-    auto refined = refine(session.document(), options.progress);
-    if (!refined) return fail(refined.error());
-    if (auto done = session.apply(std::move(*refined)); !done) return fail(done.error());
+    auto refinement = refine(session.document(), options.progress);
+    if (!refinement) return fail(refinement.error());
+    if (auto done = session.apply(std::move(refinement->edit)); !done) return fail(done.error());
   }
   measure(session, subject, run);
   return run;

@@ -44,6 +44,8 @@ Result<WorkingScheme> working_scheme(const std::string& name);
 std::vector<std::string> compared_schemes(bool with_features);
 /// How a person works who knows the editor: its defaults, and the refinement when the outline is right.
 std::string default_scheme(bool with_features);
+/// The same without the refinement: pulls alone, so that the case can be replayed by other schemes too.
+std::string pulling_scheme(bool with_features);
 
 /// An organ to adapt a template to. All LPS mm.
 struct StudySubject {

@@ -1,11 +1,16 @@
 #include "app/editor/snaps.h"
 #include "app/editor/study_appearance.h"
 #include "core/case/case_file.h"
-#include "core/phantom/phantom.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/label_map.h"
+#include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
 #include "tests/desk.h"
 #include "tests/temporary_folder.h"
 
 namespace homolog {
+
+namespace fs = std::filesystem;
 
 TEST_CASE("the key N snaps the part under the pointer or else the whole mesh and Shift+N switches it on for strokes") {
   Desk desk;
@@ -59,22 +64,38 @@ TEST_CASE("a snap comes after what was asked before it and is undone as one step
   CHECK(*done.document().shape().points == before);
 }
 
+namespace {
+
+/// A ball of `radius_mm`, brighter than what surrounds it, with a template of 24 mm placed on it.
+Document ball_on_image(double radius_mm, const fs::path& image_file) {
+  VolumeGeometry grid;
+  grid.dims = {40, 40, 40};
+  grid.spacing_mm.setConstant(2);
+  grid.origin_mm.setConstant(-39);
+  auto image = std::make_shared<const Volume>(label_map(icosphere(3, radius_mm), grid, 100));
+  if (!image_file.empty()) REQUIRE(write_volume(*image, image_file));
+  const Mesh mesh = icosphere(3, 24);
+  const auto reference = make_template({mesh.points, mesh.topology->triangles()}, "ball").value();
+  return new_document(image_file.string(), std::move(image), reference);
+}
+
+}  // namespace
+
 TEST_CASE("what the boundary looks like is learned from the cases of a study that are done") {
   const TemporaryFolder folder;
+  const Mesh ball = icosphere(3, 24);
+  REQUIRE(write_mesh(ball, folder.path / "ball.ply"));
+  const auto reference = load_template((folder.path / "ball.ply").string()).value();
   Study study;
   for (const int number : {2, 3, 4}) {
-    const auto reference = demo().reference;
     StudyCase one;
-    one.name = "kidney-" + std::to_string(number);
+    one.name = "ball-" + std::to_string(number);
     one.file = folder.path / (one.name + ".homolog");
     one.state = number == 4 ? CaseState::to_do : CaseState::done;
-    // The third is done but has no image.
-    auto volume = std::make_shared<const Volume>(make_phantom(Organ::kidney, number).image);
-    Document begun = number == 3 ? new_document("", nullptr, reference)
-                                 : new_document("phantom:kidney:" + std::to_string(number), volume, reference);
-    EditSession session = test::must(create_case(std::move(begun), one.file));
-    test::must(
-        session.apply(points_edit(session.document(), phantom_truth(Organ::kidney, number).front().points, "test")));
+    // The second is done but has no image.
+    Document begun =
+        number == 3 ? new_document("", nullptr, reference) : ball_on_image(24, folder.path / (one.name + ".nrrd"));
+    REQUIRE(create_case(new_document(begun.volume_source, begun.volume, reference), one.file));
     study.cases.push_back(std::move(one));
   }
   const auto cases = cases_to_learn(study, {});
@@ -82,20 +103,21 @@ TEST_CASE("what the boundary looks like is learned from the cases of a study tha
   CHECK(cases_to_learn(study, study.cases[0].file).size() == 1);
 
   StudyAppearance learning([] {});
-  learning.ask(cases, demo().reference->topology->vertices());
+  learning.ask(cases, ball.points.rows());
   learning.finish();
   const auto left_out = learning.update();
   REQUIRE(left_out.size() == 1);
-  CHECK(left_out[0].starts_with("kidney-3"));
+  CHECK(left_out[0].starts_with("ball-3"));
   CHECK(learning.learned().cases == 1);
   REQUIRE(learning.learned().appearance);
-  CHECK(learning.learned().appearance->vertices() == demo().reference->topology->vertices());
-  learning.ask(cases, demo().reference->topology->vertices());
+  CHECK(learning.learned().appearance->vertices() == ball.points.rows());
+  learning.ask(cases, ball.points.rows());
   CHECK_FALSE(learning.busy());
 
   // Snaps go by it, unless the polarity is given.
+  const Document document = ball_on_image(27, {});
   const auto snapped = [&](std::shared_ptr<const Appearance> learned, Polarity polarity) {
-    SessionThread session(EditSession(demo()), [] {});
+    SessionThread session(EditSession(document), [] {});
     Snaps snaps;
     SnapSettings settings;
     settings.learned = std::move(learned);

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -76,7 +77,7 @@ TEST_CASE("regions colour the mesh as they say") {
 
 TEST_CASE("the template maker shows every stage and undo brings the one before back") {
   std::mutex mutex;
-  int woken = 0;
+  std::atomic<int> woken = 0;
   TemplateMaker maker([&] {
     const std::lock_guard lock(mutex);
     ++woken;

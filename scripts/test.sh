@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The one test command, from a bare Debian 12 on: builds the release, then runs the unit tests, the command-line contract, the
 # pictures and the real window, and checks the formatting. With --sanitizers also core and the editor's state under
-# AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer, which takes half an hour.
+# AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer, which takes several times as long.
 # Closes with "N passed, N failed". Real data is looked for in HOMOLOG_DATA, else in ../shared/data.
 set -uo pipefail
 cd "$(dirname "$0")/.."

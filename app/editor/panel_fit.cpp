@@ -81,11 +81,12 @@ void draw_fit(const UiContext& ui, Outbox& out) {
 void draw_refinement(const UiContext& ui, Outbox& out) {
   if (ui.fitter.refining()) return draw_fitting(ui, "Refining", out);
   gap(ui.theme, 4);
+  const std::string busy = busy_refusal(ui);
   if (button(ui.theme, "Refine along the surface",
              "Moves landmarks along the mesh's own surface to where the template, fitted to that surface and to the "
              "landmarks placed in the image, has them. The surface and confirmed regions stay; one step to undo. For "
              "when the outline is right",
-             busy_refusal(ui).empty() ? ui.needs_shape() : busy_refusal(ui), ImGui::GetContentRegionAvail().x))
+             busy.empty() ? ui.needs_shape() : busy, ImGui::GetContentRegionAvail().x))
     out.send(RefineLandmarks{});
 }
 

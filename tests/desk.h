@@ -2,8 +2,8 @@
 
 #include <doctest/doctest.h>
 
-#include "app/editor/controls.h"
-#include "app/editor/demo.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/update/demo.h"
 #include "tests/must.h"
 
 namespace homolog {

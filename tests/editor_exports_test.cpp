@@ -5,7 +5,7 @@
 #include <fstream>
 #include <thread>
 
-#include "app/editor/exports.h"
+#include "app/editor/work/exports.h"
 #include "core/volume/volume_io.h"
 #include "tests/temporary_folder.h"
 

@@ -2,8 +2,8 @@
 
 #include <atomic>
 
-#include "app/editor/fitter.h"
-#include "app/editor/model_help.h"
+#include "app/editor/work/fitter.h"
+#include "app/editor/work/model_help.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/model/shape_model.h"

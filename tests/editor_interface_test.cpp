@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/controls.h"
-#include "app/editor/key_queue.h"
-#include "app/editor/plots.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/plots.h"
+#include "app/editor/window/key_queue.h"
 
 namespace homolog {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <thread>
 
-#include "app/editor/controls.h"
-#include "app/editor/gallery.h"
-#include "app/editor/latest_wins.h"
+#include "app/editor/state/gallery.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/work/latest_wins.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"

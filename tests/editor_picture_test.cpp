@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "app/editor/demo.h"
-#include "app/editor/editor_picture.h"
+#include "app/editor/update/demo.h"
+#include "app/editor/window/editor_picture.h"
 #include "render/offscreen.h"
 #include "tests/golden.h"
 #include "tests/must.h"

@@ -1,5 +1,5 @@
-#include "app/editor/snaps.h"
-#include "app/editor/study_appearance.h"
+#include "app/editor/work/snaps.h"
+#include "app/editor/work/study_appearance.h"
 #include "core/case/case_file.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"

@@ -5,9 +5,9 @@
 #include <mutex>
 #include <thread>
 
-#include "app/editor/controls.h"
-#include "app/editor/mesh_overlay.h"
-#include "app/editor/template_maker.h"
+#include "app/editor/scene/mesh_overlay.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/work/template_maker.h"
 #include "core/mesh/label_map.h"
 #include "tests/shapes.h"
 

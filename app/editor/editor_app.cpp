@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "app/editor/plots.h"
-#include "app/editor/recovery.h"
-#include "app/editor/view_overlay.h"
+#include "app/editor/widgets/plots.h"
+#include "app/editor/window/view_overlay.h"
+#include "app/editor/work/recovery.h"
 
 namespace homolog {
 

@@ -5,17 +5,17 @@
 #include <optional>
 #include <string>
 
-#include "app/editor/controls.h"
 #include "app/editor/editor.h"
-#include "app/editor/exports.h"
-#include "app/editor/model_help.h"
-#include "app/editor/models.h"
-#include "app/editor/opener.h"
-#include "app/editor/quality_monitor.h"
-#include "app/editor/scene_builder.h"
-#include "app/editor/study_appearance.h"
-#include "app/editor/ui_context.h"
-#include "app/editor/view_pictures.h"
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/scene/scene_builder.h"
+#include "app/editor/scene/view_pictures.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/update/models.h"
+#include "app/editor/work/exports.h"
+#include "app/editor/work/model_help.h"
+#include "app/editor/work/opener.h"
+#include "app/editor/work/quality_monitor.h"
+#include "app/editor/work/study_appearance.h"
 
 namespace homolog {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "app/editor/editor_app.h"
-#include "app/editor/plots.h"
-#include "app/editor/view_overlay.h"
+#include "app/editor/widgets/plots.h"
+#include "app/editor/window/view_overlay.h"
 
 // Frames of the window, and pictures of it.
 

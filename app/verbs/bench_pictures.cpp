@@ -5,8 +5,8 @@
 #include <unistd.h>
 #include <filesystem>
 
-#include "app/editor/demo.h"
-#include "app/editor/gallery_pictures.h"
+#include "app/editor/scene/gallery_pictures.h"
+#include "app/editor/update/demo.h"
 #include "app/verbs/median.h"
 #include "core/correspondence/colours.h"
 #include "core/volume/volume_io.h"

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "app/editor/editor_picture.h"
+#include "app/editor/window/editor_picture.h"
 #include "app/pictures/pictures.h"
 #include "app/verbs/verb.h"
 #include "core/base/picture_io.h"

@@ -1,0 +1,91 @@
+#include <imgui.h>
+// After imgui.h, which it does not include.
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+#include "app/editor/window/models_ui.h"
+
+// What the list of cases shows of the selected one.
+
+namespace homolog {
+
+namespace {
+
+bool offers_flip(const ModelsState& state, const StudyCase& one) {
+  return one.flipped || std::find(state.mirrored.begin(), state.mirrored.end(), one.name) != state.mirrored.end();
+}
+
+/// A text of the selected case; it counts when the field is left.
+void draw_text_field(const UiContext& ui, const StudyCase& one, const char* field, const char* hint,
+                     const std::string& committed, Outbox& out) {
+  const auto& edit = ui.state.models.text_edit;
+  const std::string key = one.name + '\n' + field;
+  std::string text = edit && edit->field == key ? edit->text : committed;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  const bool changed = ImGui::InputTextWithHint((std::string("##") + key).c_str(), hint, &text);
+  if (changed) out.change([key, text](EditorState& s) { s.models.text_edit = CaseTextEdit{key, text}; });
+  if (!ImGui::IsItemDeactivatedAfterEdit()) return;
+  out.change([name = one.name, field, text](EditorState& s) {
+    set_case_text(s.models, name, field, text);
+    s.models.text_edit.reset();
+  });
+}
+
+void draw_flip(const UiContext& ui, const StudyCase& one, Outbox& out) {
+  if (!offers_flip(ui.state.models, one)) return;
+  bool flipped = one.flipped;
+  if (toggle(ui.theme, "Flipped left for right", flipped, "In this study alone; the file stays as it is"))
+    out.change([name = one.name](EditorState& s) { flip_cases(s.models, {name}); });
+}
+
+void draw_frames(const UiContext& ui, const StudyCase& one, Outbox& out) {
+  const std::size_t count = other_frames(ui.state.models, one).size();
+  if (count == 0) return;
+  if (button(ui.theme, format("Its %zu other %s as cases", count, count == 1 ? "frame" : "frames"),
+             "Every frame of the cine that was edited becomes a case of the study", {},
+             ImGui::GetContentRegionAvail().x))
+    out.change([name = one.name](EditorState& s) { add_frames(s.models, name); });
+}
+
+}  // namespace
+
+float case_details_height(const UiContext& ui, const StudyCase& one) {
+  constexpr float plain = 206, row = 36;  // layout units
+  const ModelsState& state = ui.state.models;
+  return ui.theme.px(plain + (offers_flip(state, one) ? row : 0) + (other_frames(state, one).empty() ? 0 : row));
+}
+
+void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
+  const Theme& theme = ui.theme;
+  gap(theme, 0);
+  rule(theme);
+  ImGui::PushFont(theme.strong);
+  ImGui::TextUnformatted(shortened(one.name, ImGui::GetContentRegionAvail().x).c_str());
+  ImGui::PopFont();
+  int chosen = static_cast<int>(one.state);
+  if (choice(theme, "state", {"To do", "In work", "Done"}, chosen, {"Not begun", "Begun", "Finished"}))
+    out.change([name = one.name, chosen](EditorState& s) {
+      if (StudyCase* now = find_case(s.models.study, name)) now->state = static_cast<CaseState>(chosen);
+      ++s.models.study_revision;
+    });
+  draw_text_field(ui, one, "group", "Group, e.g. healthy", one.group, out);
+  draw_text_field(ui, one, "notes", "Notes", one.notes, out);
+  const float width = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  if (is_case_file(one.file)
+          ? button(theme, std::string(icon::open) + "  Open", "Open the case in the editor (Enter)", {}, width)
+          : button(theme, std::string(icon::open) + "  Repair",
+                   "Makes a case of the mesh, beside the study, and opens it in the editor (Enter); the mesh's file "
+                   "stays as it is",
+                   {}, width))
+    out.send(OpenCaseOfStudy{one.name, {}});
+  ImGui::SameLine(0, theme.px(8));
+  if (button(theme, std::string(icon::trash) + "  Take off", "Takes the case off the study; its file stays", {}, width))
+    out.change([name = one.name](EditorState& s) { remove_case(s.models, name); });
+  draw_flip(ui, one, out);
+  draw_frames(ui, one, out);
+}
+
+}  // namespace homolog

@@ -1,0 +1,141 @@
+#include <cmath>
+#include <iterator>
+#include <tuple>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+struct WindowPreset {
+  const char* label;
+  const char* tip;
+  double centre, width;
+};
+constexpr std::array<WindowPreset, 3> ct_presets{{{"Bone", "400 ± 900 HU", 400, 1800},
+                                                  {"Soft", "Soft tissue: 40 ± 200 HU", 40, 400},
+                                                  {"Lung", "−600 ± 750 HU", -600, 1500}}};
+
+void draw_volume_figures(const UiContext& ui) {
+  const Volume& volume = *ui.document().volume;
+  const auto& geometry = volume.geometry;
+  const auto& d = geometry.dims;
+  figure(ui.theme, "Image", std::filesystem::path(ui.document().volume_source).filename().string(),
+         ui.document().volume_source);
+  figure(ui.theme, "Voxels", format("%d \xc3\x97 %d \xc3\x97 %d", d[0], d[1], d[2]),
+         format("%s, %s", voxel_type_name(volume.data),
+                volume.modality.empty() ? "kind unknown" : volume.modality.c_str()));
+  figure(ui.theme, "Spacing",
+         format("%.3g \xc3\x97 %.3g \xc3\x97 %.3g mm", geometry.spacing_mm.x(), geometry.spacing_mm.y(),
+                geometry.spacing_mm.z()));
+}
+
+void draw_window_presets(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const auto& volume = ui.document().volume;
+  const bool ct = volume && (volume->modality == "CT" || volume->range_min < -500);
+  const std::string refusal = !volume ? ui.needs_volume() : ct ? "" : "For CT images, whose values are in HU.";
+  const float width = (ImGui::GetContentRegionAvail().x - 3 * theme.px(4)) / 4;
+  for (const WindowPreset& preset : ct_presets) {
+    if (button(theme, preset.label, preset.tip, refusal, width))
+      out.change([preset](EditorState& s) {
+        s.window_low = preset.centre - preset.width / 2;
+        s.window_high = preset.centre + preset.width / 2;
+      });
+    ImGui::SameLine(0, theme.px(4));
+  }
+  if (button(theme, "Auto", "The file's own window, else the range without its 0.1 % tails", ui.needs_volume(), width))
+    out.change([volume](EditorState& s) { std::tie(s.window_low, s.window_high) = default_window(*volume); });
+  const double centre = (ui.state.window_low + ui.state.window_high) / 2;
+  const double window_width = ui.state.window_high - ui.state.window_low;
+  figure(theme, "Window", format("%.4g \xc2\xb1 %.4g", centre, window_width / 2),
+         "Centre and half width of the grey range; right-drag in a slice changes it");
+}
+
+void draw_frames(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const Document& document = ui.document();
+  const int frames = document.volume->frames, frame = shown_frame(ui.state, document);
+  rule(theme);
+  double value = frame;
+  bool released = false;
+  const SliderRange range{0, static_cast<double>(frames - 1), "%.0f", "", false};
+  if (slider(theme, "Frame", value, range, "Frame of the cine; each has a mesh of its own", released))
+    out.change([k = static_cast<int>(std::lround(value))](EditorState& s) {
+      s.shown_frame = k;
+      s.playing = false;
+    });
+  if (released && ui.state.shown_frame && !ui.state.playing) out.send(ShowFrame{frame});
+  if (button(theme,
+             std::string(ui.state.playing ? icon::pause : icon::play) + (ui.state.playing ? "  Pause" : "  Play"),
+             "Play the frames (Space)"))
+    out.send(PlayFrames{!ui.state.playing});
+  ImGui::SameLine();
+  const auto from_here = document.shapes.lower_bound(frame);
+  const bool any_before = from_here != document.shapes.begin();
+  const int before = any_before ? std::prev(from_here)->first : 0;
+  const std::string refusal = !document.reference ? ui.needs_shape()
+                              : any_before        ? ""
+                                                  : "No frame before this one has a mesh.";
+  if (button(theme, "Start from previous", format("Give this frame a copy of the mesh of frame %d", before), refusal))
+    out.apply(StartFrameFrom{before});
+}
+
+}  // namespace
+
+void draw_case_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const auto& document = ui.document();
+  if (document.volume) {
+    draw_volume_figures(ui);
+    gap(theme, 0);
+    draw_window_presets(ui, out);
+  } else {
+    explanation(theme, "No image is open. Open a DICOM folder, NIfTI, NRRD or MetaImage file, or drop one here.");
+  }
+  gap(theme, 0);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  if (button(theme, std::string(icon::open) + "  Open…", "Image, case or template (Ctrl+O)", {}, half))
+    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open); });
+  ImGui::SameLine();
+  if (button(theme, std::string(icon::save) + "  Save as…", "Continue the case under another name (Ctrl+Shift+S)", {},
+             half))
+    out.send(SaveCase{true});
+  if (button(theme, "Unsaved cases…", "Cases that the program ended without saving: recover or delete them", {},
+             ImGui::GetContentRegionAvail().x))
+    out.send(ShowRecovery{});
+  if (!document.volume) return;
+  bool linear = ui.state.preferences.linear;
+  if (toggle(theme, "Smooth voxels", linear, "Trilinear interpolation; off shows the voxels as they are"))
+    out.change([linear](EditorState& s) { s.preferences.linear = linear; });
+  bool radiological = ui.state.preferences.radiological;
+  if (toggle(theme, "Radiological", radiological, "The patient's right on the left of the screen"))
+    out.change([radiological](EditorState& s) { s.preferences.radiological = radiological; });
+  bool own = ui.state.own_planes;
+  if (toggle(theme, "The image's own planes", own, "Slices as they were acquired, instead of the patient's axes",
+             is_oblique(document.volume->geometry) ? "" : "The image's planes are the patient's already."))
+    out.change([own, document = ui.displayed](EditorState& s) {
+      s.own_planes = own;
+      settle_crosshair(s, *document);
+    });
+  if (document.volume->frames > 1) draw_frames(ui, out);
+
+  rule(theme);
+  if (!ui.labels) {
+    if (button(theme, "Overlay a label map…", "Shown over the slices in colours", {}, ImGui::GetContentRegionAvail().x))
+      out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_labels); });
+    return;
+  }
+  figure(theme, "Labels", ui.labels_name);
+  double opacity = 100.0 * static_cast<double>(ui.state.label_opacity);
+  bool released = false;
+  if (slider(theme, "Opacity", opacity, {0, 100, "%.0f", "%", false}, "Of the label map over the image", released))
+    out.change([opacity](EditorState& s) { s.label_opacity = static_cast<float>(opacity / 100); });
+  if (button(theme, "Remove the overlay", "The file stays as it is")) out.send(CloseLabels{});
+}
+
+}  // namespace homolog

@@ -1,0 +1,115 @@
+#include <cmath>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/scene/mesh_overlay.h"
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+/// A swatch and a name each, side by side as far as they fit.
+void draw_names(const Theme& theme, const Legend& legend) {
+  const float swatch = theme.px(10), row = theme.px(18), left = ImGui::GetCursorScreenPos().x;
+  const float right = left + ImGui::GetContentRegionAvail().x;
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  ImVec2 at = ImGui::GetCursorScreenPos();
+  for (std::size_t i = 0; i < legend.names.size(); ++i) {
+    const std::string name = shortened(legend.names[i], right - left - swatch - theme.px(4));
+    const float width = swatch + theme.px(4) + ImGui::CalcTextSize(name.c_str()).x;
+    if (at.x > left && at.x + width > right) at = {left, at.y + row};
+    const auto& [r, g, b] = legend.colours[i];
+    const float y = at.y + (row - swatch) / 2;
+    draw.AddRectFilled({at.x, y}, {at.x + swatch, y + swatch}, ImGui::ColorConvertFloat4ToU32({r, g, b, 1}),
+                       theme.px(2));
+    draw.AddText({at.x + swatch + theme.px(4), std::floor(at.y + (row - ImGui::GetFontSize()) / 2)}, palette::dim,
+                 name.c_str());
+    at.x += width + theme.px(12);
+  }
+  ImGui::Dummy({right - left, at.y + row - ImGui::GetCursorScreenPos().y});
+}
+
+}  // namespace
+
+void draw_overlay_legend(const UiContext& ui) {
+  const Theme& theme = ui.theme;
+  const Legend legend = overlay_legend(ui.document(), shown_overlay(ui.state));
+  if (!legend.names.empty()) return draw_names(theme, legend);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, bar = theme.px(6), height = theme.px(26);
+  ImGui::Dummy({width, height});
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const auto colour = [&](std::size_t i) {
+    const auto& [r, g, b] = legend.colours[i];
+    return ImGui::ColorConvertFloat4ToU32({r, g, b, 1});
+  };
+  const std::size_t parts = legend.colours.size() - 1;
+  for (std::size_t i = 0; i < parts; ++i) {
+    const auto x = [&](std::size_t k) {
+      return std::round(at.x + width * static_cast<float>(k) / static_cast<float>(parts));
+    };
+    draw.AddRectFilledMultiColor({x(i), at.y}, {x(i + 1), at.y + bar}, colour(i), colour(i + 1), colour(i + 1),
+                                 colour(i));
+  }
+  ImGui::PushFont(theme.small);
+  const float y = at.y + bar + theme.px(3);
+  draw.AddText({at.x, y}, palette::dim, legend.low.c_str());
+  const float middle = ImGui::CalcTextSize(legend.middle.c_str()).x, high = ImGui::CalcTextSize(legend.high.c_str()).x;
+  draw.AddText({std::round(at.x + (width - middle) / 2), y}, palette::dim, legend.middle.c_str());
+  draw.AddText({at.x + width - high, y}, palette::dim, legend.high.c_str());
+  ImGui::PopFont();
+}
+
+void draw_correspondence_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!ui.has_shape()) {
+    explanation(theme, "Shows, during a drag, whether the landmarks stay in correspondence.");
+    return;
+  }
+  static const std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Parts", "Shape", "Known"};
+  const bool snapped = shown_overlay(ui.state) == Overlay::confidence;
+  int overlay = static_cast<int>(snapped ? ui.state.overlay : shown_overlay(ui.state));
+  const bool brush = !snapped && shown_overlay(ui.state) != ui.state.overlay;
+  if (choice(
+          theme, "overlay", names, overlay,
+          {"Each landmark in the hue of its index", "Edge length against the template's: blue shorter, red longer",
+           "How far each landmark is from where the placement (with its warp) had put it",
+           "Stiffness factor: dark soft, bright stiff; confirmed regions white",
+           "Regions of the template in their colours", "Shape of the triangles: red thin or turned",
+           "What was confirmed, what a stroke, a fit or a snap decided, and what is left to the shape and the model"},
+          brush     ? "While a brush is in hand, what it paints is shown."
+          : snapped ? "The confidence of the snap is shown until the mesh changes (Deform, Show confidence)."
+                    : ""))
+    out.change([overlay](EditorState& s) { s.overlay = static_cast<Overlay>(overlay); });
+  draw_overlay_legend(ui);
+  if (ui.state.preferences.show.glyphs) {
+    double spacing_mm = ui.state.glyph_spacing_mm;
+    bool released = false;
+    if (slider(theme, "Glyph spacing", spacing_mm, {3, 60, "%.0f", "mm", true},
+               "Glyphs are at least this far from each other on the template", released))
+      out.change([spacing_mm](EditorState& s) { s.glyph_spacing_mm = spacing_mm; });
+  }
+  if (!ui.quality) {
+    explanation(theme, "Measuring…");
+    return;
+  }
+  const QualityFigures& q = *ui.quality;
+  figure(theme, "Volume", format("%.2f ml", q.volume_ml), "Enclosed by the mesh; openings are capped flat");
+  figure(theme, "Edge stretch", format("%.2f · %.2f · %.2f", q.stretch_low, q.stretch_median, q.stretch_high),
+         "Edge length / the template's at this placement: 5 %, median, 95 %");
+  figure(theme, "Edges",
+         format("%.2f mm \xc2\xb1 %.0f %%, %.0f %% six", q.edge_mean_mm, 100 * q.edge_cv, 100 * q.regular_share),
+         "Mean edge length and its standard deviation; share of the landmarks that have six neighbours");
+  figure(theme, "Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg), {},
+         q.min_angle_deg < 10 ? palette::amber : palette::text);
+  figure(theme, "Moved", format("%.1f mm, at most %.1f mm", q.moved_mean_mm, q.moved_max_mm),
+         "Mean and largest distance of a landmark from where the placement (with its warp) had put it");
+  figure(theme, "Turned triangles", format("%zu", q.turned),
+         "Over 90° from their normal on the template, carried along by the local rotations",
+         q.turned > 0 ? palette::bad : palette::good);
+  figure(theme, "Intersecting pairs", format("%zu", q.intersecting), "Triangles that pass through each other",
+         q.intersecting > 0 ? palette::bad : palette::good);
+  draw_refinement(ui, out);
+}
+
+}  // namespace homolog

@@ -1,0 +1,158 @@
+#include <cmath>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/widgets/widgets.h"
+#include "core/deform/shape_solver.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+void draw_sigma(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const auto& presets = ui.state.sigma_presets_mm;
+  int chosen = static_cast<int>(ui.state.sigma_preset);
+  const auto label = [&](std::size_t i) { return format("%zu   %.1f mm", i + 1, presets[i]); };
+  if (choice(theme, "sigma", {label(0), label(1), label(2)}, chosen,
+             {"A vicinity (key 1, also while dragging)", "A part (key 2)", "A whole pole (key 3)"}, ui.needs_shape()))
+    out.change([chosen](EditorState& s) { s.sigma_preset = static_cast<std::size_t>(chosen); });
+  double sigma_mm = ui.state.sigma_mm();
+  bool released = false;
+  if (slider(theme, "Reach \xcf\x83", sigma_mm, {smallest_sigma_mm, 100, "%.1f", "mm", true},
+             "How far along the surface an edit reaches; the wheel changes it during a drag", released,
+             ui.needs_shape()))
+    out.change([sigma_mm](EditorState& s) { set_sigma(s, sigma_mm); });
+}
+
+/// A slider whose value belongs to the case.
+void case_slider(const UiContext& ui, Outbox& out, const char* label, double committed, const SliderRange& range,
+                 const std::string& tip, const std::function<Action(double)>& action_for) {
+  CaseNumber number(ui, label, committed);
+  bool released = false;
+  const bool changed = slider(ui.theme, label, number.value, range, tip, released, ui.needs_shape());
+  number.settle(changed, released, action_for, out);
+}
+
+/// What a touch of the stiffness brush does; true where that changed.
+bool draw_paints(const UiContext& ui, BrushSettings& brush) {
+  const Theme& theme = ui.theme;
+  bool released = false, changed = false;
+  int paints = static_cast<int>(brush.paints);
+  if (choice(theme, "paints", {"Factor", "Region", "Smooth", "Fill"}, paints,
+             {"Paints a stiffness factor", "Brings landmarks into a region, with its factor; Alt takes them out",
+              "Evens the stiffness out",
+              "Fills what hangs together with the landmark under the pointer; Alt empties it"})) {
+    brush.paints = static_cast<BrushPaints>(paints);
+    changed = true;
+  }
+  const bool regions = brush.paints == BrushPaints::region || brush.paints == BrushPaints::fill;
+  if (regions) {
+    const auto& list = ui.document().regions->list;
+    if (list.empty()) explanation(theme, "Add a region first (Reference, Regions).");
+    const std::string now = brush.region.empty() ? "No region (factor 1)" : brush.region;
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+    if (ImGui::BeginCombo("##region", now.c_str())) {
+      if (ImGui::Selectable("No region (factor 1)", brush.region.empty())) brush.region.clear(), changed = true;
+      for (const Region& region : list)
+        if (ImGui::Selectable(region.name.c_str(), brush.region == region.name))
+          brush.region = region.name, changed = true;
+      ImGui::EndCombo();
+    }
+  }
+  if (brush.paints == BrushPaints::factor)
+    changed |= slider(theme, "Paints factor", brush.stiffness_factor, {0.1, 50, "%.1f", "\xc3\x97", true},
+                      "Stiffness relative to the base; Alt paints 1", released);
+  if (brush.paints == BrushPaints::factor || brush.paints == BrushPaints::region) {
+    double soft = 100 * brush.soft;
+    changed |=
+        slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false}, "Share of the radius that blends", released);
+    brush.soft = soft / 100;
+  }
+  if (brush.paints == BrushPaints::fill) {
+    int by = static_cast<int>(brush.fill_by);
+    if (choice(theme, "fill by", {"Region", "Curvature"}, by,
+               {"All that is connected and in the same region", "Of that, only where the surface bends alike"})) {
+      brush.fill_by = static_cast<FillRegion::By>(by);
+      changed = true;
+    }
+    if (brush.fill_by == FillRegion::By::curvature)
+      changed |= slider(theme, "Bends alike", brush.fill_tolerance_per_mm, {0.005, 0.5, "%.3f", "/mm", true},
+                        "Largest difference of the mean curvature from that under the pointer", released);
+  }
+  return changed;
+}
+
+void draw_brush(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  BrushSettings brush = ui.state.brush;
+  bool released = false, changed = false;
+  changed |= slider(theme, "Brush radius", brush.radius_mm, {1, 100, "%.1f", "mm", true},
+                    "Of the stiffness and the confirm brush", released);
+  if (ui.state.tool == MouseTool::stiffness) {
+    changed |= draw_paints(ui, brush);
+  } else {
+    int frees = brush.hold ? 0 : 1;
+    changed |= choice(theme, "confirm", {"Hold", "Free"}, frees,
+                      {"Later strokes leave the region where it is", "The region follows strokes again"});
+    brush.hold = frees == 0;
+  }
+  if (changed) out.change([brush](EditorState& s) { s.brush = brush; });
+}
+
+void draw_scheme(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const Document& document = *ui.snapshot.document;
+  int scheme = static_cast<int>(document.scheme);
+  if (choice(theme, "scheme", {"Anchored", "Paper", "Raw"}, scheme,
+             {"An edit never relaxes an earlier one; the default",
+              "Literally as published: every solve pulls back towards the template",
+              "No optimisation: only the dragged falloff moves"}))
+    out.apply(SetScheme{static_cast<Scheme>(scheme), document.paper_events});
+  if (document.scheme == Scheme::paper)
+    case_slider(ui, out, "Mouse events", document.paper_events, {1, 100, "%.0f", "", true},
+                "How many mouse events a stroke counts for: every one is a solve of its own", [](double value) {
+                  return SetScheme{Scheme::paper, static_cast<int>(std::lround(value))};
+                });
+}
+
+}  // namespace
+
+void draw_deform_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  draw_sigma(ui, out);
+  if (!ui.has_shape()) return;
+  const MouseTool tool = ui.state.tool;
+  if (tool == MouseTool::relax) {
+    double strength = 100 * ui.state.relax_strength;
+    bool released = false;
+    if (slider(theme, "Strength", strength, {0, 100, "%.0f", "%", false}, "How far towards the template's local shape",
+               released))
+      out.change([strength](EditorState& s) { s.relax_strength = strength / 100; });
+  }
+  if (tool == MouseTool::stiffness || tool == MouseTool::confirm) draw_brush(ui, out);
+  draw_snap(ui, out);
+  const Document& document = ui.document();
+  const Document& committed = *ui.snapshot.document;
+  case_slider(ui, out, "Stiffness", committed.stiffness_base, {0.1, 200, "%.1f", "", true},
+              "Base w of the whole surface: a stiffer one spreads an edit wider",
+              [](double value) { return SetStiffnessBase{value}; });
+  const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().reference);
+  figure(theme, "Carries an edit over", format("%.1f mm", stiffness_length_mm(document.stiffness_base, edge_mm)),
+         "The stiffness as a length: mean edge of the mesh \xc3\x97 \xe2\x88\x9a(3w)");
+  case_slider(ui, out, "Even spacing", 100 * committed.spacing, {0, 100, "%.0f", "%", false},
+              "How strongly landmarks are kept evenly spread along with an edit",
+              [](double value) { return SetSpacing{value / 100}; });
+  bool through = ui.state.through_space;
+  const bool sheets = document.reference->topology->components() > 1;
+  if (toggle(theme, "Reach through space", through, "The falloff reaches other sheets of the mesh too",
+             sheets ? "" : "For meshes of several sheets; this one has one."))
+    out.change([through](EditorState& s) { s.through_space = through; });
+  draw_scheme(ui, out);
+  draw_model_help(ui, out);
+  figure(theme, "Strokes", format("%d", document.shape().strokes));
+  figure(theme, "Last solve", format("%.2f ms", ui.snapshot.solver_ms),
+         "Core work of the last edit: job in, points out");
+}
+
+}  // namespace homolog

@@ -1,0 +1,48 @@
+#include <algorithm>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+void draw_export_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const float width = ImGui::GetContentRegionAvail().x;
+  const std::string name = case_name(ui.snapshot.file, ui.document());
+  const auto ask = [&](FilePurpose purpose, const std::string& file) {
+    if (ui.state.playing) out.send(PlayFrames{false});
+    out.change([purpose, file](EditorState& s) { show_file_dialog(s, purpose, file); });
+  };
+  if (button(theme, "Mesh…", "With the template's numbering: goes straight into a shape model", ui.needs_shape(),
+             width))
+    ask(FilePurpose::export_mesh, name + ".ply");
+  const std::string refusal = ui.needs_shape().empty() ? ui.needs_volume() : ui.needs_shape();
+  if (button(theme, "Label map…", "Voxels of the image whose centre is inside the mesh", refusal, width))
+    ask(FilePurpose::export_label_map, name + "-label.nii.gz");
+  gap(theme, 4);
+  caption(theme, "Picture");
+  PictureOptions options = ui.state.picture;
+  int what = options.view ? static_cast<int>(*options.view) + 1 : 0;
+  bool changed = choice(theme, "picture of", {"Window", "Ax", "Sag", "Cor", "3D"}, what,
+                        {"The whole window", "The axial view", "The sagittal view", "The coronal view", "The 3D view"});
+  options.view = what == 0 ? std::nullopt : std::optional(static_cast<ViewKind>(what - 1));
+  const float half = (width - theme.px(4)) / 2;
+  bool released = false;
+  double picture_width = options.width, picture_height = options.height;
+  changed |= number_field(theme, "width", picture_width, 4, "%.0f", "px", half, "Width of the picture", released);
+  ImGui::SameLine(0, theme.px(4));
+  changed |= number_field(theme, "height", picture_height, 4, "%.0f", "px", half, "Height of the picture", released);
+  options.width = static_cast<int>(std::clamp(picture_width, 64.0, 8192.0));
+  options.height = static_cast<int>(std::clamp(picture_height, 64.0, 8192.0));
+  bool transparent = options.transparent;
+  changed |= toggle(theme, "Transparent background", transparent, "What is not drawn stays transparent",
+                    options.view == ViewKind::space ? "" : "For pictures of the 3D view.");
+  options.transparent = transparent;
+  if (changed) out.change([options](EditorState& s) { s.picture = options; });
+  if (button(theme, format("%s  Save the picture…", icon::camera), "PNG", {}, width))
+    ask(FilePurpose::export_picture, name + ".png");
+}
+
+}  // namespace homolog

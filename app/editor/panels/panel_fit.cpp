@@ -1,0 +1,93 @@
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/widgets.h"
+
+// The automatic fit to the label map that is shown, in the section Place, and to the mesh's own surface, in the section
+// Correspondence.
+
+namespace homolog {
+
+namespace {
+
+void draw_fit_settings(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  FitSettings settings = ui.state.fit_settings;
+  bool changed = label_choice(ui, settings.label), released = false;
+  changed |= slider(theme, "Closing", settings.closing_mm, {0, 10, "%.1f", "mm", false},
+                    "Radius: clefts of the label narrower than twice that are filled before the fit", released);
+  int start = settings.as_placed ? 1 : 0;
+  if (choice(
+          theme, "fit start", {"Find the place", "As placed"}, start,
+          {"Position, size and turn are found from the label, near the patient's axes; placed landmarks help. Never a "
+           "reflection",
+           "The fit starts where the template is now"})) {
+    settings.as_placed = start == 1;
+    changed = true;
+  }
+  if (changed) out.change([settings](EditorState& s) { s.fit_settings = settings; });
+}
+
+void draw_fitting(const UiContext& ui, const char* what, Outbox& out) {
+  explanation(ui.theme, format("%s: %.0f %%", what, 100 * ui.fitter.fraction()));
+  progress_bar(ui.theme, ui.fitter.fraction());
+  if (button(ui.theme, "Cancel", "The mesh stays as it was", {}, ImGui::GetContentRegionAvail().x))
+    out.send(CancelFit{});
+}
+
+/// Why neither can start.
+std::string busy_refusal(const UiContext& ui) {
+  if (ui.fitter.busy()) return ui.fitter.refining() ? "A refinement is running." : "A fit is running.";
+  return ui.state.playing ? "Stop the cine first." : "";
+}
+
+std::string fit_refusal(const UiContext& ui) {
+  if (auto busy = busy_refusal(ui); !busy.empty()) return busy;
+  if (ui.label_values.empty()) return "The label map is empty.";
+  if (ui.snapshot.document->shapes.contains(ui.displayed->frame) && ui.committed_shape().confirmed)
+    return "Regions are confirmed, and a fit moves every landmark: release them first (C).";
+  return ui.needs_shape();
+}
+
+void draw_last_fit(const Theme& theme, const Fitted& fitted) {
+  figure(theme, "Distance to the label",
+         format("%.2f mm, 95 %% %.2f", fitted.agreement.assd_mm, fitted.agreement.hd95_mm),
+         "Mean distance of the two surfaces, both ways, and their 95th percentile");
+  figure(theme, "Dice", format("%.3f", fitted.agreement.dice), "Overlap with the label as it was closed, 1 is all",
+         fitted.agreement.dice < 0.9 ? palette::amber : palette::text);
+  for (const std::string& remark : fitted.remarks) explanation(theme, remark);
+}
+
+}  // namespace
+
+void draw_fit(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const float width = ImGui::GetContentRegionAvail().x;
+  gap(theme, 4);
+  caption(theme, "Automatic fit");
+  if (!ui.labels) {
+    if (button(theme, "Open a label map\xe2\x80\xa6", "The template can be fitted to a label without a hand", {},
+               width))
+      out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_labels); });
+    return;
+  }
+  if (ui.fitter.busy() && !ui.fitter.refining()) return draw_fitting(ui, "Fitting", out);
+  draw_fit_settings(ui, out);
+  if (button(theme, "Fit to the label", "Shown as it goes on; one step to undo", fit_refusal(ui), width, true))
+    out.send(StartFit{});
+  if (ui.state.last_fit && ui.state.last_fit->edit.points == ui.committed_shape().points)
+    draw_last_fit(theme, *ui.state.last_fit);
+}
+
+void draw_refinement(const UiContext& ui, Outbox& out) {
+  if (ui.fitter.refining()) return draw_fitting(ui, "Refining", out);
+  gap(ui.theme, 4);
+  const std::string busy = busy_refusal(ui);
+  if (button(ui.theme, "Refine along the surface",
+             "Moves landmarks along the mesh's own surface to where the template, fitted to that surface and to the "
+             "landmarks placed in the image, has them. The surface and confirmed regions stay; one step to undo. For "
+             "when the outline is right",
+             busy.empty() ? ui.needs_shape() : busy, ImGui::GetContentRegionAvail().x))
+    out.send(RefineLandmarks{});
+}
+
+}  // namespace homolog

@@ -1,0 +1,239 @@
+#include <algorithm>
+#include <cmath>
+
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/plots.h"
+#include "app/editor/widgets/widgets.h"
+#include "app/editor/window/models_ui.h"
+
+namespace homolog {
+
+namespace {
+
+void ask_for_file(Outbox& out, FilePurpose purpose, const std::string& name) {
+  out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
+}
+
+void draw_poses(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3);
+  if (button(theme, "Mean", "Every mode at 0 (the mean shape)", {}, width))
+    out.change([](EditorState& s) { set_to_mean(s.models); });
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "Random",
+             "A random shape of the model: b ~ N(0, \xce\xbb), every mode within \xc2\xb1"
+             "3 standard deviations",
+             {}, width))
+    out.change([](EditorState& s) { set_to_sample(s.models); });
+  ImGui::SameLine(0, theme.px(4));
+  const bool in_model = state.model->index_of(state.selected) >= 0;
+  if (button(theme, "Selected",
+             "The coefficients of the selected case, within \xc2\xb1"
+             "3 standard deviations",
+             in_model ? "" : "Select a case that is in the model.", width))
+    out.change([](EditorState& s) { set_to_case(s.models, s.models.selected); });
+}
+
+void draw_mode_sliders(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const Eigen::VectorXd all = state.model->components->variances();
+  const double total = all.sum();
+  constexpr std::size_t first_few = 5;
+  const std::size_t count = state.deviations.size();
+  const std::size_t shown = state.all_modes || count <= first_few + 1 ? count : first_few;
+  for (std::size_t k = 0; k < shown; ++k) {
+    const double variance = state.model->model.variances[static_cast<Eigen::Index>(k)];
+    ImGui::PushID(static_cast<int>(k));
+    const bool playing = state.animated_mode == k;
+    if (icon_button(theme, playing ? icon::pause : icon::play, "animate",
+                    playing ? "Stop"
+                            : format("Move mode %zu between \xe2\x88\x92"
+                                     "3 and +3 standard deviations",
+                                     k + 1),
+                    {}, playing, 24))
+      out.change([k, playing](EditorState& s) {
+        s.models.animated_mode = playing ? std::nullopt : std::optional(k);
+        s.models.show_difference = false;
+        s.models.animation_started = -1;
+      });
+    ImGui::SameLine(0, theme.px(4));
+    double value = state.deviations[k];
+    bool released = false;
+    const std::string label = format("%zu  %.1f %%", k + 1, 100 * variance / total);
+    const std::string tip = format(
+        "Mode %zu in standard deviations; one is \xe2\x88\x9a\xce\xbb = %.2f mm over all landmarks. It holds %.1f %% "
+        "of "
+        "the variance.",
+        k + 1, std::sqrt(variance), 100 * variance / total);
+    if (slider(theme, label.c_str(), value, {-3, 3, "%+.2f", "\xcf\x83", false}, tip, released))
+      out.change([k, value](EditorState& s) {
+        if (k < s.models.deviations.size()) s.models.deviations[k] = value;
+        s.models.animated_mode.reset();
+        s.models.show_difference = false;
+      });
+    ImGui::PopID();
+  }
+  if (count > first_few + 1 &&
+      button(theme, state.all_modes ? format("First %zu modes", first_few) : format("All %zu modes", count),
+             "Sliders of the modes that hold 95 % of the variance", {}, ImGui::GetContentRegionAvail().x))
+    out.change([](EditorState& s) { s.models.all_modes = !s.models.all_modes; });
+}
+
+/// A button that goes on to the next group.
+void draw_group_choice(const UiContext& ui, std::size_t which, const std::vector<std::string>& groups, float width_px,
+                       Outbox& out) {
+  const std::string& now = ui.state.models.compared[which];
+  ImGui::PushID(static_cast<int>(which));
+  if (button(ui.theme, shortened(now, width_px - ui.theme.px(16)),
+             (which == 0 ? "From the mean of this group; click for the next group: "
+                         : "To the mean of this group; click for the next group: ") +
+                 now,
+             {}, width_px))
+    out.change([which, groups](EditorState& s) {
+      std::string& group = s.models.compared[which];
+      const auto found = std::find(groups.begin(), groups.end(), group);
+      const auto next = found == groups.end() ? 0 : (found - groups.begin() + 1) % std::ssize(groups);
+      group = groups[static_cast<std::size_t>(next)];
+    });
+  ImGui::PopID();
+}
+
+void draw_difference(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const auto groups = state.model->comparable_groups();
+  bool shown = state.show_difference;
+  if (toggle(theme, "Difference of two groups", shown,
+             "Colours the mean shape by how far the second group's mean lies outwards (red) or inwards (blue) of the "
+             "first's, mm along the normal",
+             groups.size() < 2 ? "Give cases a group: two groups of at least two cases each." : ""))
+    out.change([shown](EditorState& s) {
+      s.models.show_difference = shown;
+      s.models.animated_mode.reset();
+    });
+  if (!state.show_difference || groups.size() < 2) return;
+  const float half = std::floor((ImGui::GetContentRegionAvail().x - theme.px(8)) / 2);
+  draw_group_choice(ui, 0, groups, half, out);
+  ImGui::SameLine(0, theme.px(8));
+  draw_group_choice(ui, 1, groups, half, out);
+}
+
+}  // namespace
+
+void draw_model_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  int alignment = static_cast<int>(state.alignment);
+  if (choice(theme, "alignment", {"Similarity", "Rigid", "As they lie"}, alignment,
+             {"Generalised Procrustes: position, turn and size are taken out",
+              "Position and turn are taken out; size is part of the model", "Shapes stay where they are"}))
+    out.change([alignment](EditorState& s) { s.models.alignment = static_cast<Alignment>(alignment); });
+  if (!state.model) {
+    explanation(theme, "Two shapes in correspondence make a model.");
+    return;
+  }
+  const StudyModel& model = *state.model;
+  const Eigen::VectorXd all = model.components->variances();
+  figure(
+      theme, "Modes",
+      format("%td of %td hold %.1f %%", model.model.modes(), all.size(), 100 * model.model.variances.sum() / all.sum()),
+      "The smallest number of modes that holds 95 % of the variance");
+  draw_poses(ui, out);
+  draw_mode_sliders(ui, out);
+  draw_difference(ui, out);
+  if (button(theme, "Export the model\xe2\x80\xa6", "statismo / scalismo 0.9: .h5.json or .h5", {},
+             ImGui::GetContentRegionAvail().x))
+    ask_for_file(out, FilePurpose::export_model, study_stem(state) + ".h5.json");
+}
+
+namespace {
+
+/// The same measures as ShapeWorks defines them, at the same number of modes.
+void draw_shapeworks_measures(const Theme& theme, const Evaluation& evaluation) {
+  gap(theme, 4);
+  caption(theme, "By ShapeWorks' definitions");
+  struct Row {
+    const char *name, *label, *tip;
+  };
+  static constexpr std::array<Row, 3> rows{
+      {{"compactness", "Compactness", "Cumulative share of the variance"},
+       {"generalization", "Generalisation",
+        "Leave-one-out reconstruction, neither clamped nor aligned again; mean Euclidean distance of the particles"},
+       {"specificity", "Specificity",
+        "Mean Euclidean distance of the particles to the nearest training shape. ShapeWorks takes the singular values "
+        "\xe2\x88\x9a((M\xe2\x88\x92"
+        "1)\xce\xbb) of the centred shapes for the variances of its samples, so compare it with ShapeWorks' alone"}}};
+  for (const Row& row : rows) {
+    const Measures* measures = evaluation.find_shapeworks(row.name);
+    if (measures == nullptr) continue;
+    const Measured& one = measures->front();
+    const bool share = row.name == rows[0].name;
+    figure(theme, row.label,
+           share ? format("%.1f \xc2\xb1 %.1f %%", 100 * one.mean, 100 * one.standard_error)
+                 : format("%.3f \xc2\xb1 %.3f mm", one.mean, one.standard_error),
+           row.tip);
+  }
+}
+
+}  // namespace
+
+void draw_measures_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const float width = ImGui::GetContentRegionAvail().x;
+  if (state.evaluating) {
+    explanation(theme, format("Measuring: %.0f %%", 100 * state.evaluating_fraction));
+    progress_bar(theme, state.evaluating_fraction);
+    if (button(theme, "Cancel", "Stop measuring", {}, width)) out.send(CancelEvaluation{});
+    return;
+  }
+  if (!state.evaluation) {
+    const bool enough = state.model && state.model->names.size() >= 3;
+    explanation(theme, "Compactness, generalisation and specificity at every number of modes.");
+    if (button(theme, std::string(icon::chart) + "  Measure", "1,000 random shapes for specificity, seed 1",
+               enough ? "" : "At least three shapes are needed, to leave one out.", width, true))
+      out.send(StartEvaluation{});
+    return;
+  }
+  const Evaluation& evaluation = *state.evaluation;
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  for (const Plot& plot : plots_of(evaluation)) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float height = theme.px(148);
+    ImGui::Dummy({width, height});
+    const bool pointed = ImGui::IsItemHovered();
+    draw_plot(draw, theme, {at.x, at.y, width, height}, plot,
+              pointed ? std::optional(ImGui::GetIO().MousePos) : std::nullopt);
+  }
+  const int modes = evaluation.modes.front();
+  const auto mean_mm = [&](const char* name) {
+    const Measures* measures = evaluation.find(name);
+    if (measures == nullptr) return std::string("no faces");
+    return format("%.3f \xc2\xb1 %.3f mm", measures->front().mean, measures->front().standard_error);
+  };
+  caption(theme, format("At %d %s, \xc2\xb1 standard error", modes, modes == 1 ? "mode" : "modes").c_str());
+  figure(theme, "Generalisation, mean", mean_mm("generalization"), "Mean Euclidean distance of the landmarks, mm");
+  figure(theme, "Generalisation, surface", mean_mm("generalization_surface"),
+         "Symmetric mean surface distance, mm: where it is much smaller than the distance of the landmarks, they slide "
+         "within the surface");
+  figure(theme, "Specificity, mean", mean_mm("specificity"), "Mean Euclidean distance of the landmarks, mm");
+  draw_shapeworks_measures(theme, evaluation);
+  const float half = std::floor((width - theme.px(8)) / 2);
+  if (button(theme, "Table\xe2\x80\xa6", "All measures with their standard errors: .csv or .json", {}, half))
+    ask_for_file(out, FilePurpose::export_measures, study_stem(state) + "-measures.csv");
+  ImGui::SameLine(0, theme.px(8));
+  if (button(theme, "Plots\xe2\x80\xa6", "The three plots side by side: .png", {}, half))
+    ask_for_file(out, FilePurpose::export_plots, study_stem(state) + "-measures.png");
+}
+
+void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out) {
+  static constexpr std::array<PanelSection, 3> sections{
+      {{"Model", draw_model_section}, {"Measures", draw_measures_section}, {"Suspicion", draw_suspicion_section}}};
+  const auto toggle = [](EditorState& s, std::size_t i) { s.models.sections_open[i] = !s.models.sections_open[i]; };
+  draw_sections(ui, "models panel", rect, sections, ui.state.models.sections_open, toggle, out);
+}
+
+}  // namespace homolog

@@ -1,0 +1,56 @@
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+void draw_reference_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const auto& document = ui.document();
+  if (document.reference) {
+    const Template& reference = *document.reference;
+    const bool built_in = reference.source.starts_with("built-in:");
+    figure(theme, "Template",
+           built_in ? reference.source.substr(9) + " (built in)"
+                    : std::filesystem::path(reference.source).filename().string(),
+           reference.source);
+    figure(theme, "Vertices", format("%ld", static_cast<long>(reference.topology->vertices())));
+    figure(theme, "Triangles", format("%ld", static_cast<long>(reference.topology->triangles().rows())));
+    figure(theme, "Surface",
+           format("%s, genus %d", reference.topology->closed() ? "closed" : "open", reference.topology->genus()),
+           "Openings are capped flat for inside and outside; genus counts the tunnels");
+  } else {
+    explanation(theme,
+                "The template is the mesh whose vertices are the landmarks. Take a built-in one or load your own.");
+  }
+  gap(theme, 0);
+  const float third = (ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3;
+  struct BuiltIn {
+    const char* label;
+    const char* source;
+  };
+  static constexpr std::array<BuiltIn, 3> built_ins{
+      {{"Kidney", "built-in:kidney"}, {"Vertebra", "built-in:vertebra"}, {"Ventricle", "built-in:ventricle"}}};
+  for (std::size_t i = 0; i < built_ins.size(); ++i) {
+    if (i > 0) ImGui::SameLine(0, theme.px(4));
+    if (button(theme, built_ins[i].label, "Start anew with this built-in template", {}, third))
+      out.send(OpenTemplate{built_ins[i].source});
+  }
+  if (button(theme, "Load a template…", "PLY, VTK, VTP, OBJ or STL", {}, ImGui::GetContentRegionAvail().x))
+    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_template); });
+  if (button(theme, "Mirror left and right",
+             "The template of the other side, with the same numbering; the shape starts anew at its placement",
+             ui.needs_shape(), ImGui::GetContentRegionAvail().x))
+    out.apply(MirrorTemplate{});
+  if (button(theme, "Save the template…", "As PLY, with the stiffness, regions and landmarks as they are now",
+             ui.needs_shape(), ImGui::GetContentRegionAvail().x))
+    out.change([name = case_name(ui.snapshot.file, ui.document()) + "-template"](EditorState& s) {
+      show_file_dialog(s, FilePurpose::export_template, name);
+    });
+  draw_template_making(ui, out);
+  if (!ui.has_shape()) return;
+  draw_regions(ui, out);
+  draw_template_landmarks(ui, out);
+}
+
+}  // namespace homolog

@@ -1,0 +1,221 @@
+#include <algorithm>
+#include <array>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+
+// Regions and landmarks of the template, in the section Reference.
+
+namespace homolog {
+
+namespace {
+
+/// Colours for new regions, told apart also without colour vision.
+constexpr std::array<std::array<std::uint8_t, 3>, 8> region_colours{{{224, 164, 88},
+                                                                     {96, 165, 214},
+                                                                     {122, 190, 120},
+                                                                     {205, 120, 170},
+                                                                     {230, 215, 110},
+                                                                     {140, 120, 210},
+                                                                     {110, 205, 200},
+                                                                     {215, 115, 95}}};
+
+/// A row to choose, with its text in the middle of the height of a button; true when it was clicked.
+bool chooser(const Theme& theme, const std::string& text, bool chosen, float width, float indent = 0) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float height = theme.px(28);
+  const bool clicked = ImGui::Selectable("##row", chosen, 0, {width, height});
+  ImGui::GetWindowDrawList()->AddText({at.x + indent + theme.px(4), at.y + (height - ImGui::GetFontSize()) / 2},
+                                      palette::text, shortened(text, width - indent - theme.px(8)).c_str());
+  return clicked;
+}
+
+using Colour = std::array<std::uint8_t, 3>;
+
+/// The first colour from the `first`-th on that no region has yet; that one where all are taken.
+Colour free_colour(const Regions& regions, std::size_t first) {
+  for (std::size_t k = 0; k < region_colours.size(); ++k) {
+    const Colour& colour = region_colours[(first + k) % region_colours.size()];
+    if (std::none_of(regions.list.begin(), regions.list.end(), [&](const Region& r) { return r.colour == colour; }))
+      return colour;
+  }
+  return region_colours[first % region_colours.size()];
+}
+
+/// For a new region, and for one whose colour is to change.
+Colour fresh_colour(const Regions& regions) {
+  return free_colour(regions, regions.list.size() < region_colours.size() ? 0 : regions.list.size());
+}
+Colour next_colour(const Regions& regions, const Colour& colour) {
+  const auto at = std::find(region_colours.begin(), region_colours.end(), colour);
+  return free_colour(regions,
+                     at == region_colours.end() ? 0 : static_cast<std::size_t>(at - region_colours.begin()) + 1);
+}
+
+void take_region_brush(const std::string& name, Outbox& out) {
+  out.change([name](EditorState& s) {
+    s.tool = MouseTool::stiffness;
+    s.brush.region = name;
+    if (s.brush.paints != BrushPaints::fill) s.brush.paints = BrushPaints::region;
+  });
+}
+
+int landmarks_in(const Regions& regions, std::size_t number) {
+  return static_cast<int>(std::count(regions.of_vertex.begin(), regions.of_vertex.end(), number));
+}
+
+/// In place of the row: the name as it is typed. Enter takes it, Escape does not.
+void draw_renaming(const UiContext& ui, const Regions& regions, float width, Outbox& out) {
+  RenameRegion renaming = ui.state.renaming->rename;
+  if (!ui.state.renaming->focused) {
+    ImGui::SetKeyboardFocusHere();
+    out.change([](EditorState& s) {
+      if (s.renaming) s.renaming->focused = true;
+    });
+  }
+  if (text_field(ui.theme, "##renamed region", renaming.to, "Name", width))
+    out.change([to = renaming.to](EditorState& s) {
+      if (s.renaming) s.renaming->rename.to = to;
+    });
+  const bool entered = enter_pressed(), left = ImGui::IsItemDeactivated();
+  if (!entered && !left) return;
+  const bool taken = std::any_of(regions.list.begin(), regions.list.end(),
+                                 [&](const Region& region) { return region.name == renaming.to; });
+  const bool take = entered && !renaming.to.empty() && !taken;
+  if (take) out.apply(renaming);
+  out.change([take, renaming](EditorState& s) {
+    if (take && s.brush.region == renaming.name) s.brush.region = renaming.to;
+    s.renaming.reset();
+  });
+}
+
+/// The colour and the name: a click on the one gives another, on the other takes the brush; a double click renames.
+void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const Regions& regions = *ui.document().regions;
+  const Region& region = regions.list[index];
+  if (ui.state.renaming && ui.state.renaming->rename.name == region.name) return draw_renaming(ui, regions, width, out);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float swatch = theme.px(12), indent = theme.px(20), y = at.y + (theme.px(28) - swatch) / 2;
+  const bool chosen = ui.state.tool == MouseTool::stiffness && ui.state.brush.region == region.name;
+  const bool on_swatch = ImGui::GetMousePos().x < at.x + indent;
+  const bool clicked = chooser(theme, region.name, chosen, width, indent);
+  if (clicked && on_swatch) out.apply(SetRegion{{region.name, region.factor, next_colour(regions, region.colour)}});
+  if (clicked && !on_swatch) take_region_brush(region.name, out);
+  if (ImGui::IsItemHovered()) {
+    tooltip(theme, on_swatch ? std::string("A click gives the region another colour")
+                             : format("%d landmarks; a click takes the brush that paints them, a double click renames",
+                                      landmarks_in(regions, index + 1)));
+    if (!on_swatch && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
+      out.change([name = region.name](EditorState& s) { s.renaming = RegionNaming{{name, name}}; });
+  }
+  ImGui::GetWindowDrawList()->AddRectFilled({at.x + theme.px(4), y}, {at.x + theme.px(4) + swatch, y + swatch},
+                                            IM_COL32(region.colour[0], region.colour[1], region.colour[2], 255),
+                                            theme.px(2));
+}
+
+void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const Region& region = ui.document().regions->list[index];
+  ImGui::PushID(static_cast<int>(index));
+  const float factor_width = theme.px(72), remove_width = theme.px(24);
+  draw_region_name(ui, index, ImGui::GetContentRegionAvail().x - factor_width - remove_width - theme.px(8), out);
+  ImGui::SameLine(0, theme.px(4));
+  CaseNumber factor(ui, "factor of " + region.name, region.factor);
+  bool released = false;
+  const bool changed = number_field(theme, "factor", factor.value, 0.05, "%.1f", "\xc3\x97", factor_width,
+                                    "Stiffness of the region relative to the base", released);
+  factor.value = std::clamp(factor.value, 0.01, 1000.0);
+  factor.settle(
+      changed, released,
+      [&](double value) {
+        return SetRegion{{region.name, value, region.colour}};
+      },
+      out);
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "\xc3\x97", "Forgets the region; its landmarks keep their stiffness", {}, remove_width))
+    out.apply(RemoveRegion{region.name});
+  ImGui::PopID();
+}
+
+}  // namespace
+
+void draw_regions(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const Regions& regions = *ui.document().regions;
+  caption(theme, "Regions");
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(4), theme.px(2)});
+  for (std::size_t r = 0; r < regions.list.size(); ++r) draw_region(ui, r, out);
+  ImGui::PopStyleVar();
+  std::string name = ui.state.new_region;
+  const float width = ImGui::GetContentRegionAvail().x, add_width = theme.px(64);
+  if (text_field(theme, "##new region", name, "New region, e.g. hilum", width - add_width - theme.px(4)))
+    out.change([name](EditorState& s) { s.new_region = name; });
+  const bool entered = enter_pressed();
+  const bool taken =
+      std::any_of(regions.list.begin(), regions.list.end(), [&](const Region& r) { return r.name == name; });
+  ImGui::SameLine(0, theme.px(4));
+  const bool add = button(theme, "Add", "Adds the region and takes the brush that paints it (Enter)",
+                          name.empty() ? "Type a name first."
+                          : taken      ? "There is a region of that name."
+                                       : "",
+                          add_width);
+  if (add || (entered && !name.empty() && !taken)) {
+    out.apply(SetRegion{{name, 1, fresh_colour(regions)}});
+    out.change([name](EditorState& s) {
+      s.new_region.clear();
+      s.tool = MouseTool::stiffness;
+      s.brush.region = name;
+      s.brush.paints = BrushPaints::region;
+    });
+  }
+  if (button(theme, "Stiffness from a mesh…", "A PLY with one value per vertex, of the same vertices", {}, width))
+    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_stiffness); });
+}
+
+void draw_template_landmarks(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const auto& landmarks = ui.document().reference->landmarks;
+  caption(theme, format("Landmarks of the template: %zu", landmarks.size()).c_str());
+  const bool naming = ui.state.tool == MouseTool::template_landmark;
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(4), theme.px(2)});
+  for (const Landmark& landmark : landmarks) {
+    ImGui::PushID(landmark.name.c_str());
+    const float remove_width = theme.px(24);
+    const float name_width = ImGui::GetContentRegionAvail().x - remove_width - theme.px(4);
+    if (chooser(theme, landmark.name, naming && ui.state.template_landmark == landmark.name, name_width))
+      out.change([name = landmark.name](EditorState& s) {
+        s.tool = MouseTool::template_landmark;
+        s.template_landmark = name;
+      });
+    if (ImGui::IsItemHovered()) tooltip(theme, "A click on it, then on the mesh, moves it");
+    ImGui::SameLine(0, theme.px(4));
+    if (button(theme, "\xc3\x97", "Takes the landmark off the template", {}, remove_width))
+      out.apply(SetTemplateLandmark{landmark.name, std::nullopt});
+    ImGui::PopID();
+  }
+  ImGui::PopStyleVar();
+  std::string name = ui.state.template_landmark;
+  const float width = ImGui::GetContentRegionAvail().x, add_width = theme.px(64);
+  if (text_field(theme, "##new landmark", name, "New landmark, e.g. apex", width - add_width - theme.px(4)))
+    out.change([name](EditorState& s) { s.template_landmark = name; });
+  const bool entered = enter_pressed() && !name.empty();
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, naming ? "Click…" : "Name", "Then click the point on the mesh, in any view (Enter)",
+             name.empty() ? "Type a name first." : "", add_width) ||
+      entered)
+    out.change([](EditorState& s) { s.tool = MouseTool::template_landmark; });
+  const float half = (width - theme.px(4)) / 2;
+  if (button(theme, "Import…##template", "3D Slicer (.mrk.json) or scalismo (.json), in the template's own frame", {},
+             half))
+    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_template_landmarks); });
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "Export…##template", "3D Slicer (.mrk.json) or scalismo (.json), in the template's own frame",
+             landmarks.empty() ? "There is none yet." : "", half))
+    out.change(
+        [](EditorState& s) { show_file_dialog(s, FilePurpose::export_template_landmarks, "landmarks.mrk.json"); });
+}
+
+}  // namespace homolog

@@ -1,0 +1,85 @@
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+/// Whether the look of the boundary is learned from the study's cases that are done.
+bool draw_learning(const UiContext& ui, SnapSettings& snap) {
+  const std::size_t cases = cases_to_learn(ui.state.models.study, ui.snapshot.file).size();
+  const bool changed = toggle(
+      ui.theme, "Learn from done cases", snap.learn,
+      "Snaps look for the boundary as it looks, landmark by landmark, in the study's cases that are done (the first "
+      "eight), in place of any edge",
+      cases == 0                             ? "Open a study and mark cases as done (Models)."
+      : snap.polarity != Polarity::automatic ? "The polarity is chosen by hand; take Auto."
+                                             : "");
+  if (!snap.learn || cases == 0) return changed;
+  if (ui.study_appearance.busy())
+    explanation(ui.theme, format("Learning: %.0f %%", 100 * ui.study_appearance.fraction()));
+  else
+    explanation(ui.theme, format("Learned from %d of %zu.", ui.study_appearance.learned().cases, cases));
+  return changed;
+}
+
+bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
+  const Theme& theme = ui.theme;
+  bool released = false, changed = false;
+  double strength = 100 * snap.strength;
+  changed |= slider(theme, "Strength", strength, {0, 100, "%.0f", "%", false},
+                    "0: nothing moves; 100 %: the image decides wherever it shows an edge", released);
+  snap.strength = strength / 100;
+  changed |= slider(theme, "Search", snap.reach_mm, {1, 30, "%.1f", "mm", true},
+                    "How far to both sides of the mesh, along its normals, the boundary is looked for", released);
+  int polarity = static_cast<int>(snap.polarity);
+  if (choice(
+          theme, "polarity", {"Auto", "Bright", "Dark", "Either"}, polarity,
+          {"As most edges around the mesh are; in a cine, as the boundary looks in the nearest frame done",
+           "The organ is brighter than what surrounds it", "The organ is darker than what surrounds it", "Any edge"})) {
+    snap.polarity = static_cast<Polarity>(polarity);
+    changed = true;
+  }
+  changed |= draw_learning(ui, snap);
+  changed |= toggle(theme, "Snap while dragging", snap.with_strokes,
+                    "What a pull or grab moves is snapped as it is dragged (Shift+N); one step to undo");
+  changed |= toggle(theme, "Show confidence", snap.show_confidence,
+                    "Colours the mesh by how clear the edge is that each landmark lies on, until the mesh changes");
+  return changed;
+}
+
+void draw_last_snap(const UiContext& ui) {
+  const Theme& theme = ui.theme;
+  const SnapFound& found = *ui.state.snapped;
+  figure(theme, "Confidence", format("%.0f %%", 100 * found.mean_confidence),
+         "Mean over what was snapped; 100 %: every landmark lies on an edge as clear as usual in this image",
+         found.doubtful ? palette::amber : palette::good);
+  figure(theme, "Moved", format("%.1f mm in %.2f s", found.moved_mm, found.seconds),
+         "Mean way of the landmarks, and how long it took");
+}
+
+}  // namespace
+
+void draw_snap(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  rule(theme);
+  caption(theme, "Snap to the image");
+  const float width = ImGui::GetContentRegionAvail().x;
+  if (ui.snapping) {
+    if (button(theme, "Cancel", "Leaves the mesh as it is", {}, width)) out.send(CancelSnap{});
+  } else if (button(theme, "Snap the whole mesh",
+                    "Draws the mesh to the boundary that the image shows; confirmed regions stay. Key N: only the "
+                    "part under the pointer, as wide as \xcf\x83 (in mm); beside the mesh all of it",
+                    ui.needs_volume(), width)) {
+    out.send(SnapMesh{});
+  }
+  SnapSettings snap = ui.state.snap;
+  if (draw_snap_settings(ui, snap)) out.change([snap](EditorState& s) { s.snap = snap; });
+  if (ui.state.confidence && ui.state.snapped) {
+    draw_last_snap(ui);
+    if (shown_overlay(ui.state) == Overlay::confidence) draw_overlay_legend(ui);
+  }
+  rule(theme);
+}
+
+}  // namespace homolog

@@ -1,0 +1,95 @@
+#include <algorithm>
+#include <cmath>
+
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+#include "app/editor/window/models_ui.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr std::size_t most_rows = 30;  ///< of a kind; the worst come first
+
+/// One thing to look at; its place is looked at in the gallery, and its case opened there by a double click.
+void draw_entry(const UiContext& ui, int id, const GalleryPlace& place, const std::string& text,
+                const std::string& value, const std::string& tip, ImU32 colour, bool has_place, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const std::string& name = state.model->names[place.shape];
+  ImGui::PushID(id);
+  const ImVec2 at = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, theme.px(24)};
+  const bool clicked = ImGui::InvisibleButton("entry", size);
+  const bool hovered = ImGui::IsItemHovered();
+  if (clicked)
+    out.change([place, has_place, name](EditorState& s) {
+      if (has_place)
+        pin_landmark(s.models, place, true);
+      else
+        s.models.selected = name;
+    });
+  if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
+    out.send(OpenCaseOfStudy{name, has_place ? std::optional(place.landmark) : std::nullopt});
+  if (hovered) tooltip(theme, tip + "\nDouble-click opens the case there, Slide tool in hand.");
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const bool lit = has_place && state.pinned == place.landmark && state.selected == name;
+  if (hovered || lit)
+    draw.AddRectFilled({at.x - theme.px(4), at.y}, {at.x + size.x + theme.px(4), at.y + size.y},
+                       lit ? with_alpha(palette::accent, 0.25f) : palette::raised, theme.px(4));
+  const float y = at.y + std::floor((size.y - ImGui::GetFontSize()) / 2);
+  const float value_width = ImGui::CalcTextSize(value.c_str()).x;
+  draw.AddText({at.x, y}, palette::text, shortened(text, size.x - value_width - theme.px(12)).c_str());
+  draw.AddText({at.x + size.x - value_width, y}, colour, value.c_str());
+  ImGui::PopID();
+}
+
+/// "Landmarks (4)", and what is not listed.
+void draw_caption(const Theme& theme, const char* what, std::size_t count) {
+  gap(theme, 8);
+  caption(theme, count > most_rows ? format("%s: the worst %zu of %zu", what, most_rows, count).c_str()
+                                   : format("%s: %zu", what, count).c_str());
+}
+
+}  // namespace
+
+void draw_suspicion_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  if (!state.model || state.model->names.size() < 4) {
+    explanation(theme, "Four shapes are needed to tell what is unusual among them.");
+    return;
+  }
+  const StudyModel& model = *state.model;
+  const auto name = [&](Eigen::Index shape) { return model.names[static_cast<std::size_t>(shape)]; };
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
+  int id = 0;
+  draw_caption(theme, "Cases far from the mean", model.doubtful_shapes.size());
+  for (const DoubtfulShape& one : model.doubtful_shapes)
+    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), 0}, name(one.shape), format("%.2f mm", one.distance_mm),
+               one.doubt == Doubt::far_outside
+                   ? "Beyond the outer fence: 3 interquartile ranges above the upper quartile"
+                   : "Beyond the fence: 1.5 interquartile ranges above the upper quartile",
+               one.doubt == Doubt::far_outside ? palette::bad : palette::amber, false, out);
+  draw_caption(theme, "Landmarks elsewhere than predicted", model.doubtful_landmarks.size());
+  for (std::size_t k = 0; k < std::min(most_rows, model.doubtful_landmarks.size()); ++k) {
+    const DoubtfulLandmark& one = model.doubtful_landmarks[k];
+    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), one.landmark},
+               name(one.shape) + format(", %td", one.landmark), format("%.2f mm", one.deviation_mm),
+               format("Landmark %td lies %.2f mm from where the other shapes' model puts it; usual is %.2f mm.",
+                      one.landmark, one.deviation_mm, one.usual_mm),
+               palette::amber, true, out);
+  }
+  draw_caption(theme, "Triangles out of range", model.doubtful_triangles.size());
+  for (std::size_t k = 0; k < std::min(most_rows, model.doubtful_triangles.size()); ++k) {
+    const DoubtfulTriangle& one = model.doubtful_triangles[k];
+    const Eigen::Index corner = model.topology->triangles()(one.triangle, 0);
+    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), corner},
+               name(one.shape) + format(", triangle %td", one.triangle), format("%.2f\xc3\x97", one.stretch),
+               format("Triangle %td is stretched or shrunk by %.2f against the mean; usual is %.2f.", one.triangle,
+                      one.stretch, one.usual),
+               palette::amber, true, out);
+  }
+  ImGui::PopStyleVar();
+}
+
+}  // namespace homolog

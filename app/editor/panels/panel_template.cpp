@@ -1,0 +1,181 @@
+#include <algorithm>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/widgets.h"
+
+// The making of a template from the label map that is shown, in the section Reference.
+
+namespace homolog {
+
+namespace {
+
+void whole_number(const Theme& theme, const char* label, int& value, const SliderRange& range, const char* tip,
+                  bool& changed) {
+  bool released = false;
+  double number = value;
+  if (slider(theme, label, number, range, tip, released)) {
+    value = static_cast<int>(number + 0.5);
+    changed = true;
+  }
+}
+
+void draw_organ_settings(const Theme& theme, MaskTemplateOptions& options, bool& changed) {
+  bool released = false;
+  whole_number(theme, "Landmarks", options.vertices, {500, 40000, "%.0f", "", true},
+               "How many vertices are spread over the surface", changed);
+  changed |= slider(theme, "Closing", options.closing_mm, {0, 10, "%.1f", "mm", false},
+                    "Radius: clefts narrower than twice that are filled", released);
+  changed |= slider(theme, "Opening", options.opening_mm, {0, 10, "%.1f", "mm", false},
+                    "Radius: spurs thinner than twice that are removed", released);
+  int rule = options.genus.kind == GenusRule::Kind::automatic ? 0
+             : options.genus.kind == GenusRule::Kind::keep    ? 1
+             : options.genus.genus == 0                       ? 2
+                                                              : 3;
+  if (choice(theme, "tunnels", {"Auto", "Keep", "None", "One"}, rule,
+             {"Tunnels narrower than 5 mm are cut: a vertebral canal stays", "Every tunnel stays",
+              "All tunnels are cut, the narrowest first", "Cut until one is left: a vertebra"})) {
+    options.genus = rule == 0   ? GenusRule{}
+                    : rule == 1 ? GenusRule{GenusRule::Kind::keep, 0}
+                                : GenusRule{GenusRule::Kind::number, rule == 2 ? 0 : 1};
+    changed = true;
+  }
+}
+
+void draw_tube_settings(const UiContext& ui, TemplateSettings& settings, bool& changed) {
+  const Theme& theme = ui.theme;
+  whole_number(theme, "Rings", settings.tube_options.rings, {6, 100, "%.0f", "", false}, "From the base to the apex",
+               changed);
+  whole_number(theme, "Sectors", settings.tube_options.sectors, {12, 128, "%.0f", "", false}, "Landmarks of a ring",
+               changed);
+  const std::string no_ruler = ui.state.ruler ? "" : "Draw the ruler (D) from the base to the apex first.";
+  bool by_ruler = settings.axis_by_ruler;
+  if (toggle(theme, "Axis by the ruler", by_ruler,
+             "From the base to the apex as the ruler lies, else the label's main axis", no_ruler)) {
+    settings.axis_by_ruler = by_ruler;
+    changed = true;
+  }
+  changed |= toggle(theme, "Close the base", settings.tube_options.capped, "With a flat fan; else it stays open");
+  bool wall = settings.outer_label != 0;
+  const auto other =
+      std::find_if(ui.label_values.begin(), ui.label_values.end(), [&](int value) { return value != settings.label; });
+  const bool has_other = other != ui.label_values.end();
+  if (toggle(theme, "Outer sheet too", wall,
+             has_other ? "A second sheet around label " + std::to_string(*other) + " (epicardium)" : std::string(),
+             has_other ? std::string() : "The label map holds one label only.")) {
+    settings.outer_label = wall ? *other : 0;
+    changed = true;
+  }
+}
+
+void draw_stages(const UiContext& ui, const TemplateMaking& making, Outbox& out) {
+  const Theme& theme = ui.theme;
+  caption(theme, "Stages (click to look at one)");
+  for (std::size_t i = 0; i < making.stages.size(); ++i) {
+    const auto& stage = making.stages[i];
+    const bool shown = ui.state.shown_stage ? *ui.state.shown_stage == i : i + 1 == making.stages.size();
+    const std::string row = format("%zu  %s", i + 1, stage.name.c_str());
+    if (ImGui::Selectable(format("%s##stage%zu", row.c_str(), i).c_str(), shown))
+      out.change([i](EditorState& s) { s.shown_stage = i; });
+    const std::string time = format("%.2f s", stage.seconds);
+    ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(time.c_str()).x);
+    ImGui::TextDisabled("%s", time.c_str());
+  }
+}
+
+void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out) {
+  const Theme& theme = ui.theme;
+  draw_quality_report(theme, *making.mesh, making.quality);
+  figure(theme, "From the label", format("%.2f mm, at most %.1f", making.to_mask.mean_mm, making.to_mask.max_mm),
+         "Mean and largest distance of the template's surface from the label's");
+  figure(theme, "Label missed by", format("%.2f mm, at most %.1f", making.from_mask.mean_mm, making.from_mask.max_mm),
+         "The other way: mean and largest distance of the label's surface from the template's");
+  for (const std::string& remark : making.remarks) explanation(theme, remark);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
+  if (button(theme, "Save and use…", "Writes the template and starts the case anew with it", {}, half, true))
+    out.change([name = making.source.substr(0, making.source.find('.')) + "-template"](EditorState& s) {
+      show_file_dialog(s, FilePurpose::use_made_template, name);
+    });
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "Back", "The template made before this one",
+             ui.template_maker.can_undo() ? "" : "There is none before this one.", half))
+    out.send(UndoTemplate{});
+}
+
+}  // namespace
+
+bool label_choice(const UiContext& ui, int& label) {
+  const auto& known = ui.label_values;
+  bool changed = false;
+  const auto choose = [&](int value) {
+    changed = changed || value != label;
+    label = value;
+  };
+  if (!known.empty() && std::find(known.begin(), known.end(), label) == known.end()) choose(known.front());
+  if (known.size() < 2) return changed;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  if (ImGui::BeginCombo("##label", format("Label %d", label).c_str())) {
+    for (const int value : known)
+      if (ImGui::Selectable(format("Label %d", value).c_str(), value == label)) choose(value);
+    ImGui::EndCombo();
+  }
+  return changed;
+}
+
+void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality) {
+  figure(theme, "Landmarks", format("%ld", static_cast<long>(mesh.points.rows())));
+  figure(theme, "Surface", format("%s, genus %d", mesh.topology->closed() ? "closed" : "open", mesh.topology->genus()),
+         "Openings are capped flat for inside and outside; genus counts the tunnels");
+  figure(theme, "Edges", format("%.2f mm \xc2\xb1 %.0f %%", quality.edge_mean, 100 * quality.edge_cv),
+         format("Mean length and its standard deviation; %.2f to %.2f mm", quality.edge_min, quality.edge_max));
+  figure(theme, "Smallest angle", format("%.1f\xc2\xb0", quality.min_angle_deg), "60\xc2\xb0 is equilateral",
+         quality.min_angle_deg < 20 ? palette::amber : palette::text);
+  figure(theme, "Six neighbours", format("%.0f %%", 100 * quality.regular_share),
+         "Share of the landmarks that have six neighbours");
+  figure(theme, "Self-intersections", format("%zu", quality.self_intersections), "Pairs of faces",
+         quality.self_intersections > 0 ? palette::amber : palette::text);
+}
+
+void draw_template_making(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  caption(theme, "From a label map");
+  if (!ui.labels) {
+    if (button(theme, "Open a label map…", "Its labels become templates: an organ's surface, or rings and sectors", {},
+               ImGui::GetContentRegionAvail().x))
+      out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_labels); });
+    return;
+  }
+  TemplateSettings settings = ui.state.template_settings;
+  bool changed = label_choice(ui, settings.label);
+  int kind = settings.tube ? 1 : 0;
+  if (choice(theme, "template kind", {"Organ", "Tube"}, kind,
+             {"Any shape: vertices spread evenly over the surface",
+              "Rings and sectors along the main axis: a ventricle"})) {
+    settings.tube = kind == 1;
+    changed = true;
+  }
+  if (settings.tube)
+    draw_tube_settings(ui, settings, changed);
+  else
+    draw_organ_settings(theme, settings.mask, changed);
+  if (changed) out.change([settings](EditorState& s) { s.template_settings = settings; });
+
+  const float width = ImGui::GetContentRegionAvail().x;
+  const auto making = ui.template_maker.latest();
+  if (ui.template_maker.busy()) {
+    progress_bar(theme, ui.template_maker.fraction());
+    if (button(theme, "Cancel", "Stops after the present step", {}, width)) out.send(CancelTemplate{});
+  } else if (button(theme, "Make the template", "Each stage is shown in the views as it is done",
+                    settings.label == 0 ? "The label map is empty." : "", width, !making || !making->mesh)) {
+    out.send(MakeTemplate{});
+  }
+  if (!making) return;
+  if (!making->stages.empty()) draw_stages(ui, *making, out);
+  if (!making->error.empty()) explanation(theme, making->error);
+  if (making->mesh) draw_result(ui, *making, out);
+  if (!making->stages.empty() &&
+      button(theme, "Close", "Shows the case's mesh again", ui.template_maker.busy() ? "It is being made." : "", width))
+    out.send(CloseTemplateMaking{});
+}
+
+}  // namespace homolog

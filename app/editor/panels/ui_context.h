@@ -1,0 +1,130 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "app/editor/scene/case_thumbnails.h"
+#include "app/editor/state/quality.h"
+#include "app/editor/update/commands.h"
+#include "app/editor/widgets/theme.h"
+#include "app/editor/work/fitter.h"
+#include "app/editor/work/study_appearance.h"
+#include "core/case/session_thread.h"
+
+namespace homolog {
+
+/// Background work that the window shows with a progress bar.
+struct RunningWork {
+  std::string what;  ///< "Opening ct.nii.gz"
+  Command cancel;
+  double fraction = 0;
+  bool shown = false;  ///< it takes longer than half a second
+};
+
+/// Everything that the interface is drawn from, at one moment. Drawing changes nothing in it; what the user asks for
+/// goes to an Outbox.
+struct UiContext {
+  const Theme& theme;
+  const Layout& layout;
+  const EditorState& state;
+  const Snapshot& snapshot;
+  std::shared_ptr<const Document> displayed;  ///< what is shown: the preview, at the frame that plays
+  const std::optional<QualityFigures>& quality;
+  std::optional<RunningWork> opening, writing;
+  std::shared_ptr<const Volume> labels;  ///< the overlay; null without one
+  std::string labels_name;
+  const std::vector<int>& label_values;  ///< of the overlay, without 0
+  const TemplateMaker& template_maker;
+  const Fitter& fitter;
+  const StudyAppearance& study_appearance;
+  const CaseThumbnails& thumbnails;
+  bool snapping = false;
+  bool making_shown = false;  ///< a template in the making stands in for the case's mesh
+  double frames_per_second = 0;
+
+  const Document& document() const { return *displayed; }
+  /// As on the disk, at the frame that is shown: what a change in the panel starts from.
+  const Shape& committed_shape() const { return snapshot.document->shapes.at(displayed->frame); }
+  bool has_shape() const { return document().has_shape(); }
+  /// Why a control that needs a mesh is disabled; empty where there is one.
+  std::string needs_shape() const {
+    if (has_shape()) return {};
+    return document().reference ? "This frame has no mesh yet: Start from previous (Case) copies one."
+                                : "Load a template first (Reference): there is no mesh yet.";
+  }
+  std::string needs_volume() const { return document().volume ? std::string() : "Open an image first."; }
+};
+
+/// One number of the case in the panel: shown as it is being changed, previewed on the way, one edit when it is let go.
+/// What it becomes never depends on how far the preview has come.
+class CaseNumber {
+ public:
+  /// `committed` is the case's own value.
+  CaseNumber(const UiContext& ui, std::string control, double committed);
+  double value = 0;  ///< for the control to show and to change
+  /// `action_for` makes the edit that gives the case a value; called where the control changed or was let go.
+  void settle(bool changed, bool released, const std::function<Action(double)>& action_for, Outbox& out) const;
+
+ private:
+  const UiContext& ui_;
+  std::string control_;
+  double committed_;
+};
+
+// The parts of the window, from top to bottom; each in a file of its own.
+void draw_top_bar(const UiContext& ui, Outbox& out);
+void draw_tool_strip(const UiContext& ui, Outbox& out);
+void draw_views(const UiContext& ui, Outbox& out);
+void draw_side_panel(const UiContext& ui, Outbox& out);
+void draw_status_line(const UiContext& ui, Outbox& out);
+void draw_dialogs(const UiContext& ui, Outbox& out);
+void draw_notices(const UiContext& ui, Outbox& out);
+
+/// In the section Deform: snapping to the image.
+void draw_snap(const UiContext& ui, Outbox& out);
+
+/// In the section Reference: regions and landmarks of the template, and the making of one from a label map.
+void draw_regions(const UiContext& ui, Outbox& out);
+void draw_template_landmarks(const UiContext& ui, Outbox& out);
+void draw_template_making(const UiContext& ui, Outbox& out);
+/// The labels of the overlay to choose from; one that it does not hold becomes its first. True where it changed.
+bool label_choice(const UiContext& ui, int& label);
+/// In the section Deform: what the study's model makes of the rest.
+void draw_model_help(const UiContext& ui, Outbox& out);
+/// In the section Place: the fit to the overlay.
+void draw_fit(const UiContext& ui, Outbox& out);
+void draw_refinement(const UiContext& ui, Outbox& out);
+/// The figures of a mesh that a template is judged by.
+void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality);
+
+/// A part of a panel that folds under its title.
+struct PanelSection {
+  const char* title;
+  void (*draw)(const UiContext&, Outbox&);
+};
+/// A panel of sections in `rect`; `open`: which are, and `toggle` folds or unfolds one.
+void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,
+                   std::span<const bool> open, void (*toggle)(EditorState&, std::size_t), Outbox& out);
+
+// Sections of the side panel, in the order of the work.
+void draw_case_section(const UiContext& ui, Outbox& out);
+void draw_reference_section(const UiContext& ui, Outbox& out);
+void draw_place_section(const UiContext& ui, Outbox& out);
+void draw_deform_section(const UiContext& ui, Outbox& out);
+void draw_correspondence_section(const UiContext& ui, Outbox& out);
+void draw_export_section(const UiContext& ui, Outbox& out);
+
+/// What the overlay's colours mean, as a bar with figures.
+void draw_overlay_legend(const UiContext& ui);
+
+/// The whole window, inside an ImGui frame.
+void draw_interface(const UiContext& ui, Outbox& out);
+
+/// A borderless ImGui window that fills a rectangle of the layout. Pair with ImGui::End().
+void begin_region(const char* name, const RectPx& rect, ImU32 colour, float padding_px = 0);
+
+}  // namespace homolog

@@ -1,0 +1,199 @@
+#include "app/editor/picking/picking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "render/outline.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double handle_reach_units = 9, landmark_reach_units = 10;
+
+Eigen::Vector2d nearest_on_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                                   double& share) {
+  const Eigen::Vector2d along = b - a;
+  const double length2 = along.squaredNorm();
+  share = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0;
+  return a + share * along;
+}
+
+}  // namespace
+
+ViewMap::ViewMap(const RectPx& rect, const SliceView& slice) : rect_(rect), is_slice_(true), slice_(slice) {}
+ViewMap::ViewMap(const RectPx& rect, const Camera3D& camera) : rect_(rect), is_slice_(false), camera_(camera) {}
+
+Target ViewMap::target() const {
+  Target target;
+  target.width = static_cast<int>(rect_.width);
+  target.height = static_cast<int>(rect_.height);
+  return target;
+}
+
+std::optional<Eigen::Vector2d> ViewMap::to_px(const Vec3& p_mm) const {
+  const Eigen::Vector2d corner(rect_.x, rect_.y);
+  if (is_slice_) return corner + slice_point_px(slice_, target(), p_mm);
+  const Vec3 px = camera_point_px(camera_, target(), p_mm);
+  if (px.z() <= 0) return std::nullopt;
+  return corner + px.head<2>();
+}
+
+Ray ViewMap::ray(double x_px, double y_px) const {
+  if (is_slice_) return {slice_point_mm(slice_, target(), x_px - rect_.x, y_px - rect_.y), slice_.normal()};
+  return camera_ray(camera_, target(), x_px - rect_.x, y_px - rect_.y);
+}
+
+Vec3 ViewMap::on_facing_plane(double x_px, double y_px, const Vec3& on_plane) const {
+  const Ray line = ray(x_px, y_px);
+  if (is_slice_) return line.from;
+  const Vec3 normal = into_screen();
+  return line.from + line.direction * (normal.dot(on_plane - line.from) / normal.dot(line.direction));
+}
+
+Vec3 ViewMap::into_screen() const {
+  return is_slice_ ? slice_.normal() : Vec3(-camera_.to_eye.normalized());
+}
+
+Vec3 ViewMap::right() const {
+  return is_slice_ ? slice_.right : camera_right(camera_);
+}
+
+double ViewMap::mm_per_px(const Vec3& at) const {
+  if (is_slice_) return slice_.mm_per_px;
+  const double at_target = camera_mm_per_px(camera_, std::min(rect_.width, rect_.height));
+  const double depth = camera_.distance_mm + into_screen().dot(at - camera_.target);
+  return at_target * depth / camera_.distance_mm;
+}
+
+std::optional<Vec3> nearest_on_outline(const Topology& topology, const Points& points, const SliceView& slice,
+                                       const Vec3& p_mm, double radius_mm) {
+  const auto flat = [&](const Vec3& p) {
+    return Eigen::Vector2d(slice.right.dot(p - slice.centre), slice.down.dot(p - slice.centre));
+  };
+  const Eigen::Vector2d wanted = flat(p_mm);
+  std::optional<Vec3> nearest;
+  double smallest = radius_mm;
+  for (const OutlineSegment& segment : intersect_plane(topology, points, slice.centre, slice.normal())) {
+    double share = 0;
+    const double distance =
+        (nearest_on_segment(wanted, flat(segment.from.point), flat(segment.to.point), share) - wanted).norm();
+    if (distance > smallest) continue;
+    smallest = distance;
+    nearest = segment.from.point + share * (segment.to.point - segment.from.point);
+  }
+  return nearest;
+}
+
+std::optional<Vec3> first_on_surface(const Topology& topology, const Points& points, const Ray& ray) {
+  // [Möller & Trumbore 1997]
+  double first = std::numeric_limits<double>::infinity();
+  for (Eigen::Index face = 0; face < topology.triangles().rows(); ++face) {
+    const auto t = topology.triangles().row(face);
+    const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
+    const Vec3 p = ray.direction.cross(c - a);
+    const double determinant = (b - a).dot(p);
+    if (determinant == 0) continue;
+    const double u = (ray.from - a).dot(p) / determinant;
+    if (u < 0 || u > 1) continue;
+    const Vec3 q = (ray.from - a).cross(b - a);
+    const double v = ray.direction.dot(q) / determinant;
+    if (v < 0 || u + v > 1) continue;
+    const double along = (c - a).dot(q) / determinant;
+    if (along >= 0) first = std::min(first, along);
+  }
+  if (!std::isfinite(first)) return std::nullopt;
+  return ray.from + first * ray.direction;
+}
+
+bool hidden_by_planes(const std::vector<PlaneInSpace>& planes, const VolumeGeometry& image, const Ray& ray,
+                      const Vec3& p_mm) {
+  const double reach = ray.direction.dot(p_mm - ray.from) / ray.direction.squaredNorm();
+  return std::any_of(planes.begin(), planes.end(), [&](const PlaneInSpace& part) {
+    const Vec3 normal = part.plane.normal();
+    const double facing = normal.dot(ray.direction);
+    if (std::abs(facing) < 1e-9) return false;
+    const double along = normal.dot(part.plane.centre - ray.from) / facing;
+    if (along <= 0 || along > reach * (1 - 1e-6)) return false;
+    const Vec3 voxel = image.to_voxel(ray.from + along * ray.direction);
+    const Vec3 last(image.dims[0], image.dims[1], image.dims[2]);
+    return (voxel.array() > -0.5).all() && (voxel.array() < last.array() - 0.5).all();
+  });
+}
+
+std::optional<PlacementHandles> placement_handles(const ViewMap& map, const Points& points, float scale) {
+  PlacementHandles handles;
+  handles.centre_mm = bounds_of(points).center();
+  const auto centre = map.to_px(handles.centre_mm);
+  if (!centre) return std::nullopt;
+  handles.centre_px = *centre;
+  double reach_mm = 0;
+  const Vec3 normal = map.into_screen();
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const Vec3 arm = points.row(i).transpose() - handles.centre_mm;
+    reach_mm = std::max(reach_mm, (arm - normal * normal.dot(arm)).squaredNorm());
+  }
+  handles.radius_px = std::sqrt(reach_mm) / map.mm_per_px(handles.centre_mm) + 16 * scale;
+  const double diagonal = std::numbers::sqrt2 / 2;
+  handles.knob_px = handles.centre_px + handles.radius_px * Eigen::Vector2d(diagonal, diagonal);
+  return handles;
+}
+
+PlacePart part_at(const PlacementHandles& handles, double x_px, double y_px, float scale) {
+  const Eigen::Vector2d pointer(x_px, y_px);
+  const double reach = handle_reach_units * scale;
+  if ((pointer - handles.knob_px).norm() < reach) return PlacePart::knob;
+  const double from_centre = (pointer - handles.centre_px).norm();
+  if (std::abs(from_centre - handles.radius_px) < reach) return PlacePart::ring;
+  return from_centre < handles.radius_px ? PlacePart::body : PlacePart::none;
+}
+
+Similarity dragged_placement(const PlaceDrag& drag, const ViewMap& map, double x_px, double y_px) {
+  const Vec3 now = map.on_facing_plane(x_px, y_px, drag.centre_mm);
+  const Vec3 normal = map.into_screen();
+  const auto arm_to = [&](const Vec3& p) {
+    const Vec3 arm = p - drag.centre_mm;
+    return Vec3(arm - normal * normal.dot(arm));
+  };
+  const Vec3 from = arm_to(drag.press_mm), to = arm_to(now);
+  Similarity change;
+  switch (drag.part) {
+    case PlacePart::none:
+      break;
+    case PlacePart::body:
+      change.translation = now - drag.press_mm;
+      break;
+    case PlacePart::ring: {
+      const double angle = std::atan2(normal.dot(from.cross(to)), from.dot(to));
+      change.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(angle, normal));
+      change.translation = drag.centre_mm - change.rotation * drag.centre_mm;
+      break;
+    }
+    case PlacePart::knob: {
+      change.scale = std::clamp(from.norm() > 0 ? to.norm() / from.norm() : 1, 0.05, 20.0);
+      change.translation = (1 - change.scale) * drag.centre_mm;
+      break;
+    }
+  }
+  return change.after(drag.start);
+}
+
+std::string landmark_at(const ViewMap& map, const std::map<std::string, Vec3>& landmarks, double x_px, double y_px,
+                        double slice_reach_mm, float scale) {
+  std::string nearest;
+  double smallest = landmark_reach_units * scale;
+  for (const auto& [name, p_mm] : landmarks) {
+    if (map.is_slice() && std::abs(map.into_screen().dot(p_mm - map.slice().centre)) > slice_reach_mm) continue;
+    const auto px = map.to_px(p_mm);
+    if (!px) continue;
+    const double distance = (*px - Eigen::Vector2d(x_px, y_px)).norm();
+    if (distance >= smallest) continue;
+    smallest = distance;
+    nearest = name;
+  }
+  return nearest;
+}
+
+}  // namespace homolog

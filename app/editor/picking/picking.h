@@ -1,0 +1,70 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/editor/state/drag.h"
+#include "app/editor/state/layout.h"
+#include "core/mesh/topology.h"
+#include "render/renderer.h"
+
+namespace homolog {
+
+// What lies under the pointer, found on the CPU: the same with and without a GPU.
+
+/// How a view maps mm to px of the window; for a slice or for the 3D view.
+class ViewMap {
+ public:
+  ViewMap(const RectPx& rect, const SliceView& slice);
+  ViewMap(const RectPx& rect, const Camera3D& camera);
+
+  /// px of the window; nullopt behind the eye.
+  std::optional<Eigen::Vector2d> to_px(const Vec3& p_mm) const;
+  /// The point under a px on the plane through `on_plane` that faces the viewer (in a slice: on the slice).
+  Vec3 on_facing_plane(double x_px, double y_px, const Vec3& on_plane) const;
+  Ray ray(double x_px, double y_px) const;
+  /// mm that one px covers at a point.
+  double mm_per_px(const Vec3& at) const;
+  /// Into the screen, unit.
+  Vec3 into_screen() const;
+  Vec3 right() const;
+  const RectPx& rect() const { return rect_; }
+  bool is_slice() const { return is_slice_; }
+  const SliceView& slice() const { return slice_; }
+
+ private:
+  Target target() const;
+  RectPx rect_;
+  bool is_slice_;
+  SliceView slice_;
+  Camera3D camera_;
+};
+
+/// The outline point of the mesh nearest to `p_mm` (on the slice), where it is nearer than `radius_mm`.
+std::optional<Vec3> nearest_on_outline(const Topology& topology, const Points& points, const SliceView& slice,
+                                       const Vec3& p_mm, double radius_mm);
+/// First point of the mesh along a ray.
+std::optional<Vec3> first_on_surface(const Topology& topology, const Points& points, const Ray& ray);
+
+/// Whether the image on a slice plane hides a point that the ray meets.
+bool hidden_by_planes(const std::vector<PlaneInSpace>& planes, const VolumeGeometry& image, const Ray& ray,
+                      const Vec3& p_mm);
+
+/// A ring around the mesh with a knob, in px of the window.
+struct PlacementHandles {
+  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero(), knob_px = Eigen::Vector2d::Zero();
+  double radius_px = 0;
+  Vec3 centre_mm = Vec3::Zero();
+};
+std::optional<PlacementHandles> placement_handles(const ViewMap& map, const Points& points, float scale);
+PlacePart part_at(const PlacementHandles& handles, double x_px, double y_px, float scale);
+/// Where a drag of a handle takes the placement.
+Similarity dragged_placement(const PlaceDrag& drag, const ViewMap& map, double x_px, double y_px);
+
+/// Name of the landmark drawn nearest to the pointer, within reach; slices offer those near their plane.
+std::string landmark_at(const ViewMap& map, const std::map<std::string, Vec3>& landmarks, double x_px, double y_px,
+                        double slice_reach_mm, float scale);
+
+}  // namespace homolog

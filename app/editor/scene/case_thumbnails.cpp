@@ -1,0 +1,108 @@
+#include "app/editor/scene/case_thumbnails.h"
+
+#include <epoxy/gl.h>
+
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+namespace homolog {
+
+namespace {
+
+constexpr double frame_ms = 6;  ///< that a frame may spend on them
+/// More points than these cannot be told apart at that size.
+constexpr Eigen::Index most_dots = 400;
+
+/// A mesh from the front, or dots where a shape is points alone.
+Scene scene_of(const std::shared_ptr<const MeshFile>& shape) {
+  Scene scene;
+  scene.background = {0, 0, 0, 0};
+  const auto topology =
+      shape->triangles.rows() > 0 ? Topology::make(shape->points.rows(), shape->triangles) : fail("", "");
+  if (topology) {
+    MeshLayer layer;
+    layer.topology = *topology;
+    layer.points = std::shared_ptr<const Points>(shape, &shape->points);
+    scene.meshes.push_back(std::move(layer));
+    return scene;
+  }
+  const double radius_mm = 0.015 * bounds_of(shape->points).diagonal().norm();
+  const Eigen::Index step = 1 + shape->points.rows() / most_dots;
+  for (Eigen::Index i = 0; i < shape->points.rows(); i += step)
+    scene.glyphs.glyphs.push_back({shape->points.row(i), kMeshColour, static_cast<float>(radius_mm)});
+  return scene;
+}
+
+Camera3D camera_for(const Points& points) {
+  const Box box = bounds_of(points);
+  Camera3D camera = turned(camera_from(LookFrom::anterior, box), -40, 25);
+  camera.fov_deg = 0;
+  camera.target = box.center();
+  camera.distance_mm = 0.5 * box.diagonal().norm() / std::tan(15 * std::numbers::pi / 180);
+  return camera;
+}
+
+unsigned texture_of(const Picture& picture) {
+  unsigned texture = 0;
+  glGenTextures(1, &texture);
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, picture.width, picture.height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+               picture.rgba.data());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  return texture;
+}
+
+}  // namespace
+
+struct CaseThumbnails::Thumbnail {
+  std::shared_ptr<const MeshFile> shape;  ///< that it shows
+  unsigned texture = 0;
+
+  Thumbnail() = default;
+  Thumbnail(Thumbnail&& other) noexcept : shape(std::move(other.shape)), texture(std::exchange(other.texture, 0)) {}
+  ~Thumbnail() {
+    if (texture != 0) glDeleteTextures(1, &texture);
+  }
+};
+
+CaseThumbnails::CaseThumbnails() = default;
+CaseThumbnails::~CaseThumbnails() = default;
+
+bool CaseThumbnails::draw(const ModelsState& state, float scale, Renderer& renderer) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  const auto width_px = static_cast<int>(std::lround(width * scale));
+  const auto height_px = static_cast<int>(std::lround(height * scale));
+  if (std::exchange(scale_, scale) != scale) {
+    thumbnails_.clear();
+    framebuffer_.reset();
+  }
+  std::erase_if(thumbnails_, [&](const auto& entry) { return !state.shapes.contains(entry.first); });
+  for (const auto& [name, shape] : state.shapes) {
+    Thumbnail& thumbnail = thumbnails_[name];
+    if (thumbnail.shape == shape) continue;
+    if (std::chrono::duration<double, std::milli>(Clock::now() - begin).count() > frame_ms) return true;
+    thumbnail.shape = shape;
+    if (!framebuffer_) {
+      auto made = Framebuffer::make(width_px, height_px);
+      if (!made) return false;  // the list does without
+      framebuffer_ = std::move(*made);
+    }
+    framebuffer_->bind();
+    if (!renderer.draw(scene_of(shape), camera_for(shape->points), {0, 0, width_px, height_px, scale})) continue;
+    if (thumbnail.texture != 0) glDeleteTextures(1, &thumbnail.texture);
+    thumbnail.texture = texture_of(framebuffer_->read());
+  }
+  return false;
+}
+
+unsigned CaseThumbnails::texture(const std::string& name) const {
+  const auto found = thumbnails_.find(name);
+  return found == thumbnails_.end() ? 0 : found->second.texture;
+}
+
+}  // namespace homolog

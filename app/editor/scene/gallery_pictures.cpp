@@ -1,0 +1,176 @@
+#include "app/editor/scene/gallery_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace homolog {
+
+namespace {
+
+constexpr std::array<float, 4> background{0.075f, 0.08f, 0.09f, 1};
+
+}  // namespace
+
+double difference_scale_mm(const VertexScalars& difference_mm) {
+  const double largest = difference_mm.cwiseAbs().maxCoeff();
+  if (largest <= 0) return 1;
+  const double decade = std::pow(10, std::floor(std::log10(largest)));
+  for (const double step : {1.0, 2.0, 5.0})
+    if (largest <= step * decade) return step * decade;
+  return 10 * decade;
+}
+
+Rgb difference_colour(double share) {
+  const auto t = static_cast<float>(std::clamp(share, -1.0, 1.0));
+  constexpr Rgb inwards{0.16f, 0.38f, 0.86f}, none{0.93f, 0.93f, 0.93f}, outwards{0.84f, 0.20f, 0.16f};
+  const Rgb& end = t < 0 ? inwards : outwards;
+  const float part = std::abs(t);
+  return {none[0] + part * (end[0] - none[0]), none[1] + part * (end[1] - none[1]),
+          none[2] + part * (end[2] - none[2])};
+}
+
+bool GalleryPictures::same(const GalleryKey& a, const GalleryKey& b) {
+  const auto key = [](const GalleryKey& x) {
+    return std::tie(x.model, x.camera.target, x.camera.to_eye, x.camera.up, x.camera.distance_mm, x.focused, x.glyphs,
+                    x.moving, x.pinned, x.glyph_spacing_mm, x.grid, x.scale);
+  };
+  return key(a) == key(b);
+}
+
+GalleryPictures::GalleryKey GalleryPictures::key_of(const ModelsState& state, const GalleryGrid& grid, bool moving,
+                                                    float scale) const {
+  return {state.model,
+          state.camera,
+          state.focused,
+          state.glyphs,
+          moving,
+          state.focused ? *state.pinned : -1,
+          state.glyph_spacing_mm,
+          grid,
+          scale};
+}
+
+void GalleryPictures::prepare(const ModelsState& state) {
+  const StudyModel& model = *state.model;
+  if (prepared_for_ != state.model) {
+    std::vector<Rgb> colours;
+    for (const float hue : *model.hues) colours.push_back(hsv_to_rgb(hue, 0.4f, 1));
+    colours_ = std::make_shared<const std::vector<Rgb>>(std::move(colours));
+  }
+  if (prepared_for_ == state.model && prepared_spacing_mm_ == state.glyph_spacing_mm) return;
+  prepared_for_ = state.model;
+  prepared_spacing_mm_ = state.glyph_spacing_mm;
+  glyphs_.clear();
+  if (model.topology) {
+    glyphs_ = glyph_landmarks(model.mean, state.glyph_spacing_mm);
+  } else {
+    for (Eigen::Index i = 0; i < model.landmarks(); ++i) glyphs_.push_back(static_cast<std::int32_t>(i));
+  }
+}
+
+Scene GalleryPictures::scene_of(const ModelsState& state, std::shared_ptr<const Points> points, bool glyphs) const {
+  const StudyModel& model = *state.model;
+  Scene scene;
+  scene.background = background;
+  // Points alone have nothing but their glyphs.
+  const double radius_mm = model.topology ? 0.12 * state.glyph_spacing_mm : 0.012 * model.radius_mm;
+  if (glyphs || !model.topology)
+    for (const std::int32_t i : glyphs_)
+      scene.glyphs.glyphs.push_back({Vec3(points->row(i)), hsv_to_rgb((*model.hues)[static_cast<std::size_t>(i)], 1, 1),
+                                     static_cast<float>(radius_mm)});
+  if (!model.topology) return scene;
+  MeshLayer layer;
+  layer.topology = model.topology;
+  layer.points = std::move(points);
+  layer.colours = colours_;
+  layer.outline = false;
+  scene.meshes.push_back(std::move(layer));
+  return scene;
+}
+
+Framebuffer* GalleryPictures::fit(Drawn& drawn, const RectPx& rect, bool moving) {
+  const auto width = static_cast<int>(rect.width), height = static_cast<int>(rect.height);
+  if (drawn.width != width || drawn.height != height) drawn = {nullptr, nullptr, width, height};
+  auto& framebuffer = moving ? drawn.moving : drawn.still;
+  if (!framebuffer) {
+    auto made = Framebuffer::make(width, height, moving ? 1 : 4);
+    if (!made) {
+      error_ = made.error().sentence();
+      return nullptr;
+    }
+    framebuffer = std::move(*made);
+  }
+  return framebuffer.get();
+}
+
+void GalleryPictures::draw_gallery(const ModelsState& state, const RectPx& rect, float scale, Renderer& renderer) {
+  const GalleryGrid grid = gallery_grid(state.model->shapes.size(), {0, 0, rect.width, rect.height});
+  GalleryKey key = key_of(state, grid, state.turning, scale);
+  const bool fits = gallery_.width == static_cast<int>(rect.width) && gallery_.height == static_cast<int>(rect.height);
+  if (fits && same(key, gallery_key_)) return;
+  Framebuffer* framebuffer = fit(gallery_, rect, state.turning);
+  if (framebuffer == nullptr) return;
+  framebuffer->bind();
+  for (std::size_t k = 0; k < static_cast<std::size_t>(grid.columns * grid.rows); ++k) {
+    const RectPx cell = grid.cell(k);
+    const Target target{static_cast<int>(cell.x), static_cast<int>(rect.height - cell.y - cell.height),
+                        static_cast<int>(cell.width), static_cast<int>(cell.height), scale};
+    const auto points = k < grid.shapes ? state.model->shapes[k] : nullptr;
+    Scene empty;
+    empty.background = background;
+    const auto drawn = renderer.draw(points ? scene_of(state, points, state.glyphs && !state.turning) : empty,
+                                     points ? cell_camera(state, *points) : state.camera, target);
+    if (!drawn) error_ = drawn.error().sentence();
+  }
+  gallery_key_ = std::move(key);
+}
+
+void GalleryPictures::draw_model(const ModelsState& state, const RectPx& rect, float scale, Renderer& renderer) {
+  const bool moving = state.turning || state.animated_mode;
+  ModelKey key{key_of(state, {}, moving, scale), state.deviations, state.show_difference, state.compared};
+  const bool fits = model_.width == static_cast<int>(rect.width) && model_.height == static_cast<int>(rect.height);
+  if (fits && same(key.view, model_key_.view) &&
+      std::tie(key.deviations, key.difference, key.compared) ==
+          std::tie(model_key_.deviations, model_key_.difference, model_key_.compared))
+    return;
+  Framebuffer* framebuffer = fit(model_, rect, moving);
+  if (framebuffer == nullptr) return;
+  const StudyModel& model = *state.model;
+  const auto points = std::make_shared<const Points>(
+      state.show_difference ? model.mean.points : shape_of(model.model, shown_coefficients(state)));
+  Scene scene = scene_of(state, points, state.glyphs && !moving && !state.show_difference);
+  if (state.show_difference && model.topology) {
+    const VertexScalars difference_mm = difference_of_groups_mm(model, state.compared[0], state.compared[1]);
+    const double most_mm = difference_scale_mm(difference_mm);
+    std::vector<Rgb> colours;
+    for (const double value : difference_mm) colours.push_back(difference_colour(value / most_mm));
+    scene.meshes.front().colours = std::make_shared<const std::vector<Rgb>>(std::move(colours));
+  }
+  framebuffer->bind();
+  const Target target{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale};
+  if (auto drawn = renderer.draw(scene, cell_camera(state, *points), target); !drawn) error_ = drawn.error().sentence();
+  model_key_ = std::move(key);
+}
+
+void GalleryPictures::draw(const ModelsState& state, const ModelsLayout& layout, float scale, Renderer& renderer) {
+  if (!state.model) {
+    gallery_ = {};
+    model_ = {};
+    return;
+  }
+  prepare(state);
+  if (layout.gallery.width >= 1 && layout.gallery.height >= 1) draw_gallery(state, layout.gallery, scale, renderer);
+  if (layout.model.width >= 1 && layout.model.height >= 1) draw_model(state, layout.model, scale, renderer);
+}
+
+void GalleryPictures::copy(const ModelsLayout& layout, int height_px) const {
+  const auto copy_one = [&](const Drawn& drawn, bool moving, const RectPx& rect) {
+    const Framebuffer* shown = (moving ? drawn.moving : drawn.still).get();
+    if (shown != nullptr) shown->copy_to(static_cast<int>(rect.x), height_px - static_cast<int>(rect.y + rect.height));
+  };
+  copy_one(gallery_, gallery_key_.moving, layout.gallery);
+  copy_one(model_, model_key_.view.moving, layout.model);
+}
+
+}  // namespace homolog

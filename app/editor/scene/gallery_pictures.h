@@ -1,0 +1,71 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/editor/state/gallery.h"
+#include "render/offscreen.h"
+#include "render/renderer.h"
+
+namespace homolog {
+
+/// The pictures of the Models mode, the gallery and the model's shape, drawn again only when what they show changed.
+class GalleryPictures {
+ public:
+  /// Draws into framebuffers of its own; one of them stays bound.
+  void draw(const ModelsState& state, const ModelsLayout& layout, float scale, Renderer& renderer);
+  /// Copies what was drawn into the framebuffer that is bound, whose height is given.
+  void copy(const ModelsLayout& layout, int height_px) const;
+  /// What the renderer refused since the last call; empty where nothing.
+  std::string take_error() { return std::exchange(error_, {}); }
+
+ private:
+  struct Drawn {
+    std::unique_ptr<Framebuffer> still, moving;
+    int width = 0, height = 0;
+  };
+  /// What the gallery's picture shows.
+  struct GalleryKey {
+    std::shared_ptr<const StudyModel> model;
+    Camera3D camera;
+    bool focused = false, glyphs = false, moving = false;
+    Eigen::Index pinned = -1;
+    double glyph_spacing_mm = 0;
+    GalleryGrid grid;
+    float scale = 0;
+  };
+  struct ModelKey {
+    GalleryKey view;
+    std::vector<double> deviations;
+    bool difference = false;
+    std::array<std::string, 2> compared;
+  };
+  static bool same(const GalleryKey& a, const GalleryKey& b);
+  GalleryKey key_of(const ModelsState& state, const GalleryGrid& grid, bool moving, float scale) const;
+
+  /// Colours and glyphs of the landmarks, for the model and spacing that are shown.
+  void prepare(const ModelsState& state);
+  Scene scene_of(const ModelsState& state, std::shared_ptr<const Points> points, bool glyphs) const;
+  /// The framebuffer for a picture of that size; null where it could not be made.
+  Framebuffer* fit(Drawn& drawn, const RectPx& rect, bool moving);
+  void draw_gallery(const ModelsState& state, const RectPx& rect, float scale, Renderer& renderer);
+  void draw_model(const ModelsState& state, const RectPx& rect, float scale, Renderer& renderer);
+
+  std::shared_ptr<const StudyModel> prepared_for_;
+  double prepared_spacing_mm_ = 0;
+  std::shared_ptr<const std::vector<Rgb>> colours_;
+  std::vector<std::int32_t> glyphs_;
+  Drawn gallery_, model_;
+  GalleryKey gallery_key_;
+  ModelKey model_key_;
+  std::string error_;
+};
+
+/// The scale of a difference of groups: the largest, rounded up to a round number, mm.
+double difference_scale_mm(const VertexScalars& difference_mm);
+/// Blue inwards, light none, red outwards; `share` −1…1 of the scale.
+Rgb difference_colour(double share);
+
+}  // namespace homolog

@@ -1,0 +1,217 @@
+#include "app/editor/scene/mesh_overlay.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+Rgb mix(const Rgb& a, const Rgb& b, double share) {
+  const auto t = static_cast<float>(std::clamp(share, 0.0, 1.0));
+  return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
+}
+
+Rgb on_scale(const std::vector<Rgb>& scale, double share) {
+  const double place = std::clamp(share, 0.0, 1.0) * static_cast<double>(scale.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(place), scale.size() - 2);
+  return mix(scale[low], scale[low + 1], place - static_cast<double>(low));
+}
+
+// Scales that differ in lightness as well as in hue, so that they are read without colour vision.
+const std::vector<Rgb>& diverging() {
+  static const std::vector<Rgb> scale{{0.13f, 0.35f, 0.85f},
+                                      {0.55f, 0.72f, 0.95f},
+                                      {0.93f, 0.93f, 0.93f},
+                                      {0.96f, 0.62f, 0.47f},
+                                      {0.82f, 0.16f, 0.16f}};
+  return scale;
+}
+const std::vector<Rgb>& rising() {
+  static const std::vector<Rgb> scale{{0.17f, 0.19f, 0.38f},
+                                      {0.15f, 0.45f, 0.56f},
+                                      {0.29f, 0.69f, 0.49f},
+                                      {0.68f, 0.85f, 0.32f},
+                                      {0.99f, 0.95f, 0.55f}};
+  return scale;
+}
+const std::vector<Rgb>& quality_scale() {
+  static const std::vector<Rgb> scale{{0.85f, 0.16f, 0.16f}, {0.96f, 0.66f, 0.30f}, {0.86f, 0.87f, 0.88f}};
+  return scale;
+}
+
+const std::vector<Rgb>& confidence_scale() {
+  static const std::vector<Rgb> scale{{0.87f, 0.20f, 0.36f}, {0.98f, 0.72f, 0.30f}, {0.45f, 0.95f, 0.85f}};
+  return scale;
+}
+
+constexpr double stretch_octaves = 1;  // the scale's ends: half and double the length
+
+/// The largest distance of the scale: a round number that the mesh fills.
+double moved_scale_mm(const Document& document) {
+  const double largest = moved_mm(document).maxCoeff();
+  for (const double step : {2.0, 5.0, 10.0, 20.0, 50.0})
+    if (largest <= step) return step;
+  return 100;
+}
+
+/// The largest factor of the scale; the factor 1 stays well below the white of confirmed regions.
+double stiffness_scale(const Document& document) {
+  return std::max(document.stiffness->maxCoeff(), 2.0);
+}
+
+constexpr Rgb decided{0.30f, 0.72f, 0.62f}, left_open{0.62f, 0.52f, 0.85f};
+constexpr Rgb no_region{0.80f, 0.81f, 0.83f};
+
+Rgb rgb_of(const std::array<std::uint8_t, 3>& colour) {
+  return {static_cast<float>(colour[0]) / 255, static_cast<float>(colour[1]) / 255,
+          static_cast<float>(colour[2]) / 255};
+}
+
+Rgb region_colour(const Regions& regions, std::size_t vertex) {
+  const std::uint8_t number = regions.of_vertex.empty() ? 0 : regions.of_vertex[vertex];
+  return number == 0 ? no_region : rgb_of(regions.list[number - 1U].colour);
+}
+
+/// Quality of the worst triangle around every vertex.
+VertexScalars worst_triangle(const Document& document) {
+  const Topology& topology = *document.reference->topology;
+  const Points& p = *document.shape().points;
+  VertexScalars worst = VertexScalars::Ones(p.rows());
+  for (Eigen::Index face = 0; face < topology.triangles().rows(); ++face) {
+    const auto t = topology.triangles().row(face);
+    const double quality = triangle_quality(p.row(t[0]), p.row(t[1]), p.row(t[2]));
+    for (int corner = 0; corner < 3; ++corner) worst[t[corner]] = std::min(worst[t[corner]], quality);
+  }
+  return worst;
+}
+
+std::string figure_text(const char* pattern, double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), pattern, value);
+  return text.data();
+}
+
+}  // namespace
+
+VertexScalars moved_mm(const Document& document) {
+  return (*document.shape().points - *document.shape().reference).rowwise().norm();
+}
+
+VertexScalars edge_stretch(const Document& document) {
+  const Topology& topology = *document.reference->topology;
+  const Points& p = *document.shape().points;
+  const Points& r = document.reference->points;
+  const double scale = document.shape().placement.scale;
+  VertexScalars sum = VertexScalars::Zero(p.rows()), count = VertexScalars::Zero(p.rows());
+  for (const auto& [i, j] : topology.edges()) {
+    const double before = scale * (r.row(i) - r.row(j)).norm();
+    if (before <= 0) continue;
+    const double ratio = (p.row(i) - p.row(j)).norm() / before;
+    for (const auto vertex : {i, j}) {
+      sum[vertex] += ratio;
+      count[vertex] += 1;
+    }
+  }
+  return sum.cwiseQuotient(count.cwiseMax(1));
+}
+
+std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, const std::vector<float>& hues,
+                                 float saturation, const VertexScalars* confidence) {
+  const auto n = static_cast<std::size_t>(document.shape().points->rows());
+  std::vector<Rgb> colours(n);
+  const auto colour_by = [&](const VertexScalars& values, const std::vector<Rgb>& scale, auto share) {
+    for (std::size_t i = 0; i < n; ++i) colours[i] = on_scale(scale, share(values[static_cast<Eigen::Index>(i)]));
+  };
+  switch (overlay) {
+    case Overlay::landmark_hue:
+      for (std::size_t i = 0; i < n; ++i) colours[i] = hsv_to_rgb(hues[i], saturation, 1);
+      break;
+    case Overlay::edge_stretch:
+      colour_by(edge_stretch(document), diverging(),
+                [](double ratio) { return 0.5 + std::log2(std::max(ratio, 1e-6)) / (2 * stretch_octaves); });
+      break;
+    case Overlay::moved:
+      colour_by(moved_mm(document), rising(),
+                [most = moved_scale_mm(document)](double distance) { return distance / most; });
+      break;
+    case Overlay::stiffness: {
+      const double most = stiffness_scale(document);
+      colour_by(*document.stiffness, rising(), [most](double factor) { return factor / most; });
+      for (std::size_t i = 0; i < n; ++i)
+        if (document.shape().confirmed)
+          colours[i] = mix(colours[i], {1, 1, 1}, (*document.shape().confirmed)[static_cast<Eigen::Index>(i)]);
+      break;
+    }
+    case Overlay::regions:
+      for (std::size_t i = 0; i < n; ++i) colours[i] = region_colour(*document.regions, i);
+      break;
+    case Overlay::known: {
+      const VertexScalars known = known_landmarks(document.shape());
+      const auto& held = document.shape().confirmed;
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto v = static_cast<Eigen::Index>(i);
+        colours[i] = mix(mix(left_open, decided, known[v]), {1, 1, 1}, held ? (*held)[v] : 0);
+      }
+      break;
+    }
+    case Overlay::confidence:
+      if (confidence != nullptr) colour_by(*confidence, confidence_scale(), [](double sure) { return sure; });
+      break;
+    case Overlay::quality:
+      colour_by(worst_triangle(document), quality_scale(), [](double quality) { return quality; });
+      break;
+  }
+  return colours;
+}
+
+std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response, bool stopped) {
+  const Rgb rest{0.55f, 0.56f, 0.58f}, moving = stopped ? Rgb{1.0f, 0.66f, 0.25f} : Rgb{1, 1, 1};
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    const double follows = std::clamp(response[static_cast<Eigen::Index>(i)], 0.0, 1.0);
+    colours[i] = mix(mix(colours[i], rest, 0.35 * (1 - follows)), moving, (stopped ? 0.85 : 0.65) * follows);
+  }
+  return colours;
+}
+
+Legend overlay_legend(const Document& document, Overlay overlay) {
+  switch (overlay) {
+    case Overlay::landmark_hue: {
+      Legend legend{
+          "0", "", figure_text("%.0f", static_cast<double>(document.reference->topology->vertices() - 1)), {}, {}};
+      for (int i = 0; i <= 12; ++i) legend.colours.push_back(hsv_to_rgb(static_cast<float>(i) / 12.5f, 0.4f, 1));
+      return legend;
+    }
+    case Overlay::edge_stretch:
+      return {"0.5\xc3\x97", "1\xc3\x97", "2\xc3\x97", diverging(), {}};
+    case Overlay::moved:
+      return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(document)), rising(), {}};
+    case Overlay::stiffness:
+      return {"0", "", figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising(), {}};
+    case Overlay::regions: {
+      Legend legend{"", "", "", {no_region}, {"no region"}};
+      for (const Region& region : document.regions->list) {
+        legend.colours.push_back(rgb_of(region.colour));
+        legend.names.push_back(region.name);
+      }
+      return legend;
+    }
+    case Overlay::known:
+      return {"",
+              "",
+              "",
+              {{1, 1, 1}, decided, left_open},
+              {"confirmed", "moved by hand, fit or snap", "left to the shape and the model"}};
+    case Overlay::confidence:
+      return {"no edge seen", "", "clear edge", confidence_scale()};
+    case Overlay::quality:
+      return {"flat", "", "equilateral", quality_scale(), {}};
+  }
+  return {};
+}
+
+}  // namespace homolog

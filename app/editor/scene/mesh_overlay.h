@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/editor/state/state.h"
+#include "core/correspondence/colours.h"
+
+namespace homolog {
+
+/// Colour of every vertex for an overlay; `hues` are the template's landmark hues, shown at `saturation`; `confidence`
+/// is that of the last snap, which its overlay needs.
+std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, const std::vector<float>& hues,
+                                 float saturation, const VertexScalars* confidence = nullptr);
+/// Brightened towards white where a gesture takes the surface along (`response`, 0…1), greyed where it does not.
+std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response, bool stopped);
+
+/// Length of every edge relative to the unwarped template's at the shape's placement, by vertex: the mean over the
+/// one-ring.
+VertexScalars edge_stretch(const Document& document);
+/// Distance of every vertex from the shape's reference, mm.
+VertexScalars moved_mm(const Document& document);
+
+/// The figures at the ends and in the middle of an overlay's scale, as its legend shows them, and the colours there.
+struct Legend {
+  std::string low, middle, high;
+  std::vector<Rgb> colours;        ///< evenly spaced from low to high, or one a name
+  std::vector<std::string> names;  ///< of single colours, where there is no scale
+};
+Legend overlay_legend(const Document& document, Overlay overlay);
+
+}  // namespace homolog

@@ -1,0 +1,124 @@
+#include "app/editor/scene/scene_builder.h"
+
+#include "app/editor/scene/mesh_overlay.h"
+
+namespace homolog {
+
+namespace {
+
+/// The stages before the last have far more vertices than can be told apart; the finished mesh shows its edges.
+constexpr Eigen::Index wireframe_below = 12000;
+
+}  // namespace
+
+void SceneBuilder::update(const Input& input) {
+  const Document& document = *input.document;
+  if (input.making != making_) {
+    making_ = input.making;
+    making_points_ = making_ ? std::make_shared<const Points>(making_->points) : nullptr;
+    ++points_revision_;
+    ++colours_revision_;
+  }
+  if (document.reference != reference_) {
+    reference_ = document.reference;
+    hues_ = reference_ ? landmark_hues(*reference_->topology) : std::vector<float>();
+    points_.reset();
+    colours_.reset();
+    glyphs_.clear();
+    glyph_spacing_mm_ = 0;
+  }
+  if (!document.has_shape()) {
+    points_.reset();
+    return;
+  }
+  update_mesh(input);
+  update_glyphs(input);
+}
+
+void SceneBuilder::update_mesh(const Input& input) {
+  const Document& document = *input.document;
+  const auto response = input.preview ? input.preview->response : nullptr;
+  const bool stopped = input.preview && input.preview->stopped_by_guard;
+  const bool moved = document.shape().points != points_;
+  if (moved) {
+    points_ = document.shape().points;
+    ++points_revision_;
+  }
+  const Overlay overlay = shown_overlay(input.state);
+  const bool follows_points = overlay == Overlay::edge_stretch || overlay == Overlay::moved ||
+                              overlay == Overlay::quality || overlay == Overlay::known;
+  const bool same = colours_ && overlay_ == overlay && response_ == response && stopped_ == stopped &&
+                    stiffness_ == document.stiffness && regions_ == document.regions &&
+                    confirmed_ == document.shape().confirmed && confidence_ == input.state.confidence &&
+                    !(moved && follows_points);
+  if (same) return;
+  overlay_ = overlay;
+  response_ = response;
+  stopped_ = stopped;
+  stiffness_ = document.stiffness;
+  regions_ = document.regions;
+  confirmed_ = document.shape().confirmed;
+  confidence_ = input.state.confidence;
+  auto outline = overlay_colours(document, overlay_, hues_, 1, confidence_.get());
+  if (response) outline = tinted(std::move(outline), *response, stopped);
+  outline_colours_ = std::make_shared<const std::vector<Rgb>>(std::move(outline));
+  colours_ =
+      std::make_shared<const std::vector<Rgb>>(overlay_colours(document, overlay_, hues_, 0.4f, confidence_.get()));
+  ++colours_revision_;
+}
+
+void SceneBuilder::update_glyphs(const Input& input) {
+  if (!input.state.preferences.show.glyphs || glyph_spacing_mm_ == input.state.glyph_spacing_mm) return;
+  glyph_spacing_mm_ = input.state.glyph_spacing_mm;
+  glyphs_ = glyph_landmarks({reference_->topology, reference_->points}, glyph_spacing_mm_);
+}
+
+GlyphLayer SceneBuilder::glyph_layer(const Input& input) const {
+  GlyphLayer layer;
+  if (!input.state.preferences.show.glyphs || !points_ || making_) return layer;
+  for (const auto vertex : glyphs_)
+    layer.glyphs.push_back({points_->row(vertex), hsv_to_rgb(hues_[static_cast<std::size_t>(vertex)], 1, 1),
+                            static_cast<float>(0.12 * input.state.glyph_spacing_mm)});
+  return layer;
+}
+
+Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
+  const EditorState& state = input.state;
+  const auto& show = state.preferences.show;
+  const int frame = input.document->frame;
+  Scene scene;
+  scene.image = {input.document->volume, frame, state.window_low, state.window_high, state.preferences.linear};
+  if (input.labels) {
+    const int label_frame = input.labels->frames > frame ? frame : 0;
+    scene.labels = {input.labels, label_frame, state.label_opacity};
+  }
+  if (making_) {
+    MeshLayer mesh;
+    mesh.topology = making_->topology;
+    mesh.points = making_points_;
+    mesh.points_revision = points_revision_;
+    mesh.outline = mesh.surface = true;
+    mesh.wireframe = show.wireframe || making_->points.rows() < wireframe_below;
+    scene.meshes.push_back(std::move(mesh));
+  } else if (points_) {
+    MeshLayer mesh;
+    mesh.topology = reference_->topology;
+    mesh.points = points_;
+    mesh.points_revision = points_revision_;
+    mesh.colours = kind == ViewKind::space ? colours_ : outline_colours_;
+    mesh.colours_revision = colours_revision_;
+    mesh.outline = show.outline;
+    mesh.surface = show.surface;
+    mesh.wireframe = show.wireframe;
+    mesh.saturated_outline = false;
+    scene.meshes.push_back(std::move(mesh));
+  }
+  scene.glyphs = glyph_layer(input);
+  if (kind == ViewKind::space) {
+    scene.planes = shown_planes(state, *input.document);
+    scene.background = {0.075f, 0.08f, 0.09f, 1};
+  }
+  return scene;
+}
+
+}  // namespace homolog

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "app/editor/state/state.h"
+#include "core/case/action.h"
+#include "render/scene.h"
+
+namespace homolog {
+
+/// Makes scenes of what the editor shows. Keeps what is dear to compute (hues, overlay colours, glyphs) and gives
+/// every new content a revision of its own, so that the renderer uploads only what changed.
+class SceneBuilder {
+ public:
+  struct Input {
+    const EditorState& state;
+    std::shared_ptr<const Document> document;  ///< as shown
+    const std::optional<EditReport>& preview;
+    std::shared_ptr<const Volume> labels;
+    std::shared_ptr<const Mesh> making;  ///< a template being made, shown in place of the case's mesh; null: none
+  };
+
+  /// Takes in a new moment; cheap where nothing changed.
+  void update(const Input& input);
+  /// What a view shows. The 3D view has the slice planes.
+  Scene scene(const Input& input, ViewKind kind) const;
+
+ private:
+  void update_mesh(const Input& input);
+  void update_glyphs(const Input& input);
+  GlyphLayer glyph_layer(const Input& input) const;
+
+  std::shared_ptr<const Template> reference_;
+  std::vector<float> hues_;
+  std::shared_ptr<const Points> points_;
+  std::uint64_t points_revision_ = 0;
+  std::shared_ptr<const std::vector<Rgb>> colours_;          ///< of the surface
+  std::shared_ptr<const std::vector<Rgb>> outline_colours_;  ///< of the outlines: more saturated, tinted by a drag
+  std::uint64_t colours_revision_ = 0;
+  // What the colours were made for.
+  std::shared_ptr<const VertexScalars> response_, stiffness_, confirmed_, confidence_;
+  std::shared_ptr<const Regions> regions_;
+  Overlay overlay_ = Overlay::landmark_hue;
+  bool stopped_ = false;
+  std::shared_ptr<const Mesh> making_;
+  std::shared_ptr<const Points> making_points_;
+  std::vector<std::int32_t> glyphs_;
+  double glyph_spacing_mm_ = 0;
+};
+
+}  // namespace homolog

@@ -1,0 +1,121 @@
+#include "app/editor/scene/view_pictures.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace homolog {
+
+namespace {
+
+auto key(const ImageLayer& x) {
+  return std::tie(x.volume, x.frame, x.window_low, x.window_high, x.linear);
+}
+auto key(const LabelLayer& x) {
+  return std::tie(x.labels, x.frame, x.opacity);
+}
+auto key(const MeshLayer& x) {
+  return std::tie(x.topology, x.points, x.points_revision, x.colours, x.colours_revision, x.outline, x.outline_px,
+                  x.outline_opacity, x.surface, x.surface_opacity, x.wireframe, x.saturated_outline);
+}
+auto key(const GlyphLayer::Glyph& x) {
+  return std::tie(x.position, x.colour, x.radius_mm);
+}
+auto key(const LineLayer::Line& x) {
+  return std::tie(x.from, x.to, x.colour, x.width_px);
+}
+auto key(const SliceView& x) {
+  return std::tie(x.centre, x.right, x.down, x.mm_per_px);
+}
+auto key(const Camera3D& x) {
+  return std::tie(x.target, x.to_eye, x.up, x.distance_mm, x.fov_deg);
+}
+bool same(const PlaneInSpace& a, const PlaneInSpace& b) {
+  return key(a.plane) == key(b.plane) && a.half_width_mm == b.half_width_mm && a.half_height_mm == b.half_height_mm &&
+         a.frame_colour == b.frame_colour;
+}
+template <class Part>
+bool same(const Part& a, const Part& b) {
+  return key(a) == key(b);
+}
+template <class Part>
+bool same_all(const std::vector<Part>& a, const std::vector<Part>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Part& x, const Part& y) { return same(x, y); });
+}
+
+}  // namespace
+
+bool same_scene(const Scene& a, const Scene& b) {
+  return same(a.image, b.image) && same(a.labels, b.labels) && same_all(a.meshes, b.meshes) &&
+         same_all(a.glyphs.glyphs, b.glyphs.glyphs) && same_all(a.lines.lines, b.lines.lines) &&
+         same_all(a.planes, b.planes) && a.background == b.background;
+}
+
+Result<ViewPictures> ViewPictures::make() {
+  auto renderer = Renderer::make();
+  if (!renderer) return fail(renderer.error());
+  return ViewPictures(std::move(*renderer));
+}
+
+bool ViewPictures::fit(Drawn& drawn, const Target& target, int samples) {
+  if (drawn.framebuffer && drawn.width == target.width && drawn.height == target.height) return true;
+  drawn = {};
+  auto framebuffer = Framebuffer::make(target.width, target.height, samples);
+  if (!framebuffer) {
+    error_ = framebuffer.error().sentence();
+    return false;
+  }
+  drawn.framebuffer = std::move(*framebuffer);
+  drawn.width = target.width;
+  drawn.height = target.height;
+  return true;
+}
+
+bool ViewPictures::draw_slice(Drawn& drawn, const Scene& scene, const SliceView& view, const Target& target,
+                              const Framebuffer* below) {
+  const bool current =
+      drawn.content_scale == target.content_scale && same(drawn.slice, view) && same_scene(drawn.scene, scene);
+  if (current) return false;
+  drawn.framebuffer->bind();
+  if (below != nullptr) below->copy_to(0, 0);
+  if (auto done = renderer_->draw(scene, view, target); !done) error_ = done.error().sentence();
+  drawn.scene = scene;
+  drawn.slice = view;
+  drawn.content_scale = target.content_scale;
+  return true;
+}
+
+void ViewPictures::forget() {
+  slices_ = {};
+  still_space_ = {};
+  moving_space_ = {};
+}
+
+const Framebuffer* ViewPictures::slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target) {
+  DrawnSlice& drawn = slices_[index_of(kind)];
+  if (!fit(drawn.image, target, 1) || !fit(drawn.whole, target, 1)) return nullptr;
+  Scene image, over = scene;
+  image.image = std::exchange(over.image, {});
+  image.labels = std::exchange(over.labels, {});
+  image.background = std::exchange(over.background, std::nullopt);
+  if (draw_slice(drawn.image, image, view, target, nullptr)) drawn.whole.content_scale = 0;
+  draw_slice(drawn.whole, over, view, target, drawn.image.framebuffer.get());
+  return drawn.whole.framebuffer.get();
+}
+
+const Framebuffer* ViewPictures::space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving) {
+  Drawn& drawn = moving ? moving_space_ : still_space_;
+  if (!fit(drawn, target, moving ? 1 : 4)) return nullptr;
+  const bool current =
+      drawn.content_scale == target.content_scale && same(drawn.camera, camera) && same_scene(drawn.scene, scene);
+  if (!current) {
+    drawn.framebuffer->bind();
+    if (auto done = renderer_->draw(scene, camera, target); !done) error_ = done.error().sentence();
+    drawn.scene = scene;
+    drawn.camera = camera;
+    drawn.content_scale = target.content_scale;
+  }
+  return drawn.framebuffer.get();
+}
+
+}  // namespace homolog

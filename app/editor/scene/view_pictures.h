@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "app/editor/picking/view_geometry.h"
+#include "render/offscreen.h"
+#include "render/renderer.h"
+
+namespace homolog {
+
+/// The pictures of the four views, drawn again only when what they show changed. What a drag leaves as it is (the image
+/// of a slice) is kept apart: rendering in software samples a volume slowly.
+class ViewPictures {
+ public:
+  static Result<ViewPictures> make();
+
+  // Both bind a framebuffer of their own where they draw.
+  /// `scene` and the view's geometry decide whether a view is drawn again. Null where the driver has no room for it.
+  const Framebuffer* slice(ViewKind kind, const Scene& scene, const SliceView& view, const Target& target);
+  /// `moving` draws with one sample a pixel.
+  const Framebuffer* space(const Scene& scene, const Camera3D& camera, const Target& target, bool moving);
+  /// Lets go of everything that was drawn, and of the volume in it.
+  void forget();
+  /// What the renderer refused since the last call; empty where nothing.
+  std::string take_error() { return std::exchange(error_, {}); }
+  Renderer& renderer() { return *renderer_; }
+
+ private:
+  /// A picture, and what it shows.
+  struct Drawn {
+    std::unique_ptr<Framebuffer> framebuffer;
+    int width = 0, height = 0;
+    Scene scene;
+    SliceView slice;
+    Camera3D camera;
+    float content_scale = 0;
+  };
+  struct DrawnSlice {
+    Drawn image, whole;
+  };
+  explicit ViewPictures(std::unique_ptr<Renderer> renderer) : renderer_(std::move(renderer)) {}
+  /// False where the framebuffer could not be made.
+  bool fit(Drawn& drawn, const Target& target, int samples);
+  /// Draws `scene` where `drawn` shows another one, over `below` where given. True where it did.
+  bool draw_slice(Drawn& drawn, const Scene& scene, const SliceView& view, const Target& target,
+                  const Framebuffer* below);
+
+  std::unique_ptr<Renderer> renderer_;
+  std::array<DrawnSlice, 3> slices_;
+  Drawn still_space_, moving_space_;
+  std::string error_;
+};
+
+/// Whether two scenes give the same picture: the same shared parts, the same revisions, the same settings.
+bool same_scene(const Scene& a, const Scene& b);
+
+}  // namespace homolog

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "app/editor/picking/view_geometry.h"
+#include "app/editor/update/file_browser.h"
+#include "app/editor/work/opener.h"
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+/// Which part of the window a picture shows, and how large it is.
+struct PictureOptions {
+  std::optional<ViewKind> view;  ///< the whole window where none
+  int width = 1600, height = 1200;
+  bool transparent = false;  ///< 3D view only
+};
+
+// The dialogs that cover the window; one at a time.
+
+struct KeysDialog {};
+struct FileDialog {
+  FilePurpose purpose = FilePurpose::open;
+  FileBrowser browser;
+};
+/// A file of that name is there already.
+struct ReplaceDialog {
+  FileDialog files;  ///< to go back to
+  std::filesystem::path path;
+};
+/// Several series in a DICOM folder: one is chosen.
+struct SeriesDialog {
+  OpenRequest request;
+  std::vector<SeriesInfo> series;
+};
+/// A template whose own coordinates lie beside the volume, and in it with left-right and front-back exchanged.
+struct FlipDialog {
+  std::string name;
+  Similarity placement;  ///< where it lies then
+  Box bounds_mm;         ///< of the template there
+};
+/// Cases that were never saved.
+struct RecoverDialog {
+  struct Found {
+    std::filesystem::path journal;
+    std::string name;     ///< "ct.nii.gz"
+    std::string details;  ///< "12 edits, 14 March 2026, 16:02"
+  };
+  std::vector<Found> found;
+  std::filesystem::path to_discard;  ///< the one whose deletion waits for a second word
+};
+/// The window is closed over a case that was never saved.
+struct QuitDialog {};
+/// The stack's voxel size, which PNG and TIFF do not tell.
+struct SpacingDialog {
+  OpenRequest request;
+  Vec3 spacing_mm = Vec3::Ones();
+};
+
+using Dialog = std::variant<KeysDialog, FileDialog, ReplaceDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog,
+                            SpacingDialog>;
+
+}  // namespace homolog

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "app/editor/picking/view_geometry.h"
+#include "core/case/action.h"
+
+namespace homolog {
+
+enum class MouseButton { left, right, middle };
+
+/// Parts of the placement handles: the mesh itself (moves), the ring (turns), the knob (scales).
+enum class PlacePart { none, body, ring, knob };
+
+// A drag knows where it started, and what follows from the cursor is absolute: dropping an event loses nothing.
+
+struct PanDrag {
+  ViewKind view = ViewKind::axial;
+  double x_px = 0, y_px = 0;
+  Vec3 start_mm = Vec3::Zero();  ///< centre of the view (target of the camera) when it started
+};
+struct WindowDrag {
+  double x_px = 0, y_px = 0, low = 0, high = 1;
+};
+struct TurnDrag {
+  double x_px = 0, y_px = 0;
+  Camera3D start;
+};
+struct StrokeDrag {
+  ViewKind view = ViewKind::axial;
+  Stroke stroke;
+  Vec3 press_mm = Vec3::Zero();  ///< cursor when it started; the stroke moves by how far the cursor moved since
+  bool moved = false;
+};
+struct PlaceDrag {
+  ViewKind view = ViewKind::axial;
+  PlacePart part = PlacePart::body;
+  Similarity start, now;
+  Vec3 centre_mm = Vec3::Zero(), press_mm = Vec3::Zero();
+};
+struct LandmarkDrag {
+  ViewKind view = ViewKind::axial;
+  std::string name;
+  Vec3 to = Vec3::Zero();
+  Vec3 from_pointer = Vec3::Zero();  ///< of a landmark that was placed before: where it was taken hold of
+  bool moved = true;                 ///< false until such a one has left its place
+};
+/// Stamps a brush along the surface; every stamp is an action.
+struct BrushDrag {
+  ViewKind view = ViewKind::axial;
+  Vec3 last_at = Vec3::Zero();
+  bool reversed = false;  ///< Alt: frees where the brush holds
+};
+struct RulerDrag {
+  ViewKind view = ViewKind::axial;
+};
+
+using Drag = std::variant<PanDrag, WindowDrag, TurnDrag, StrokeDrag, PlaceDrag, LandmarkDrag, BrushDrag, RulerDrag>;
+
+}  // namespace homolog

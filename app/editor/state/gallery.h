@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+
+#include "app/editor/state/layout.h"
+#include "app/editor/state/models_state.h"
+
+namespace homolog {
+
+/// Where the parts of the Models mode lie.
+struct ModelsLayout {
+  RectPx cases, gallery_header, gallery, model_header, model, panel;
+};
+ModelsLayout models_layout(const Layout& layout);
+
+/// Cells for all shapes in an area, as near to square as can be, in reading order.
+struct GalleryGrid {
+  RectPx area;  ///< px of the window
+  int columns = 1, rows = 1;
+  std::size_t shapes = 0;
+
+  RectPx cell(std::size_t shape) const;
+  std::optional<std::size_t> shape_at(double x_px, double y_px) const;
+  bool operator==(const GalleryGrid&) const = default;
+};
+GalleryGrid gallery_grid(std::size_t shapes, const RectPx& area);
+
+/// The linked camera in the cell of a shape: around the shapes' common centre, or around the pinned landmark.
+Camera3D cell_camera(const ModelsState& state, const Points& shape);
+/// px of the window.
+Eigen::Vector2d cell_px(const Camera3D& camera, const RectPx& cell, const Vec3& p_mm);
+/// Whether the surface at a vertex faces the viewer.
+bool faces_viewer(const Camera3D& camera, const Mesh& shape, Eigen::Index vertex);
+/// The landmark under the pointer: the nearest to the eye of those within reach.
+std::optional<GalleryPlace> place_at(const ModelsState& state, const GalleryGrid& grid, double x_px, double y_px,
+                                     float scale);
+
+/// Moves what all cells look at along with the pointer; a cell is `side_px` wide or high, whichever is less.
+void pan_gallery(ModelsState& state, double right_px, double down_px, double side_px);
+void zoom_gallery(ModelsState& state, double steps);
+
+}  // namespace homolog

@@ -1,0 +1,358 @@
+#include "app/editor/state/models_state.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <system_error>
+
+#include "core/base/text.h"
+#include "core/case/journal.h"
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/model/model_files.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double most_deviations = 3;
+
+bool holds(const StudyCase& one, const std::string& wanted) {
+  return lower_case(one.name + '\n' + one.group + '\n' + one.notes).find(wanted) != std::string::npos;
+}
+
+}  // namespace
+
+std::optional<double> distance_mm(const ModelsState& state, const StudyCase& one) {
+  if (!state.model) return std::nullopt;
+  const auto shape = state.model->index_of(one.name);
+  if (shape < 0) return std::nullopt;
+  return state.model->distances_mm[static_cast<std::size_t>(shape)];
+}
+
+std::vector<std::size_t> listed_cases(const ModelsState& state) {
+  const auto& cases = state.study.cases;
+  const std::string wanted = lower_case(state.filter);
+  std::vector<std::size_t> listed;
+  for (std::size_t k = 0; k < cases.size(); ++k)
+    if (holds(cases[k], wanted)) listed.push_back(k);
+  const auto before = [&](std::size_t a, std::size_t b) {
+    switch (state.sorted_by) {
+      case CaseColumn::study:
+        return a < b;
+      case CaseColumn::name:
+        return lower_case(cases[a].name) < lower_case(cases[b].name);
+      case CaseColumn::group:
+        return lower_case(cases[a].group) < lower_case(cases[b].group);
+      case CaseColumn::state:
+        return cases[a].state < cases[b].state;
+      case CaseColumn::distance:
+        return distance_mm(state, cases[a]).value_or(-1) < distance_mm(state, cases[b]).value_or(-1);
+    }
+    return false;
+  };
+  std::stable_sort(listed.begin(), listed.end(),
+                   [&](std::size_t a, std::size_t b) { return state.descending ? before(b, a) : before(a, b); });
+  return listed;
+}
+
+void sort_by(ModelsState& state, CaseColumn column) {
+  if (state.sorted_by != column) {
+    state.sorted_by = column;
+    state.descending = column == CaseColumn::distance;  // the doubtful ones first
+  } else if (state.descending == (column == CaseColumn::distance)) {
+    state.descending = !state.descending;
+  } else {
+    state.sorted_by = CaseColumn::study;
+    state.descending = false;
+  }
+}
+
+std::size_t add_cases(ModelsState& state, const std::vector<fs::path>& files) {
+  std::size_t added = 0;
+  for (const fs::path& given : files) {
+    const fs::path file = fs::absolute(given).lexically_normal();
+    auto& cases = state.study.cases;
+    if (std::any_of(cases.begin(), cases.end(), [&](const StudyCase& one) { return one.file == file; })) continue;
+    const std::string stem = shape_names({file.string()}).front();
+    StudyCase one;
+    one.name = stem;
+    for (int number = 2; find_case(state.study, one.name) != nullptr; ++number)
+      one.name = stem + "-" + std::to_string(number);
+    one.file = file;
+    cases.push_back(std::move(one));
+    ++added;
+  }
+  if (added > 0) ++state.shapes_revision, ++state.study_revision;
+  return added;
+}
+
+void remove_case(ModelsState& state, const std::string& name) {
+  std::erase_if(state.study.cases, [&](const StudyCase& one) { return one.name == name; });
+  if (state.selected == name) state.selected.clear();
+  ++state.shapes_revision;
+  ++state.study_revision;
+}
+
+const StudyCase* find_case(const Study& study, const std::string& name) {
+  const auto found =
+      std::find_if(study.cases.begin(), study.cases.end(), [&](const StudyCase& one) { return one.name == name; });
+  return found == study.cases.end() ? nullptr : &*found;
+}
+
+StudyCase* find_case(Study& study, const std::string& name) {
+  return const_cast<StudyCase*>(find_case(std::as_const(study), name));
+}
+
+const StudyCase* find_case(const ModelsState& state, const fs::path& file, int frame) {
+  const auto& cases = state.study.cases;
+  const auto found = std::find_if(cases.begin(), cases.end(), [&](const StudyCase& one) {
+    return one.file == file && one.frame.value_or(frame) == frame;
+  });
+  return found == cases.end() ? nullptr : &*found;
+}
+
+void flip_cases(ModelsState& state, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (StudyCase* one = find_case(state.study, name)) one->flipped = !one->flipped;
+  ++state.shapes_revision;
+  ++state.study_revision;
+}
+
+namespace {
+
+/// The frame whose shape a case gives; nothing where its file is not known yet.
+std::optional<int> frame_of(const ModelsState& state, const StudyCase& one) {
+  const auto file = state.files.find(one.file);
+  if (one.frame || file == state.files.end()) return one.frame;
+  return file->second.shapes.shown;
+}
+
+}  // namespace
+
+std::vector<int> other_frames(const ModelsState& state, const StudyCase& one) {
+  const auto file = state.files.find(one.file);
+  if (file == state.files.end()) return {};
+  std::vector<int> frames = file->second.shapes.edited;
+  for (const StudyCase& other : state.study.cases)
+    if (other.file == one.file)
+      if (const auto frame = frame_of(state, other)) std::erase(frames, *frame);
+  return frames;
+}
+
+void add_frames(ModelsState& state, const std::string& name) {
+  auto& cases = state.study.cases;
+  const auto found = std::find_if(cases.begin(), cases.end(), [&](const StudyCase& one) { return one.name == name; });
+  if (found == cases.end()) return;
+  const std::vector<int> frames = other_frames(state, *found);
+  if (frames.empty()) return;
+  const StudyCase first = *found;
+  found->frame = frame_of(state, first);  // from now on it is this one, whichever the case shows
+  std::vector<StudyCase> added;
+  for (const int frame : frames) {
+    StudyCase one;
+    one.file = first.file;
+    one.frame = frame;
+    one.group = first.group;
+    one.flipped = first.flipped;
+    const std::string stem = first.name + " frame " + std::to_string(frame);
+    one.name = stem;
+    for (int number = 2; find_case(state.study, one.name) != nullptr; ++number)
+      one.name = stem + "-" + std::to_string(number);
+    added.push_back(std::move(one));
+  }
+  cases.insert(found + 1, added.begin(), added.end());
+  ++state.shapes_revision;
+  ++state.study_revision;
+}
+
+void cycle_case_state(ModelsState& state, const std::string& name) {
+  StudyCase* one = find_case(state.study, name);
+  if (one == nullptr) return;
+  one->state = static_cast<CaseState>((static_cast<int>(one->state) + 1) % 3);
+  ++state.study_revision;
+}
+
+void set_case_text(ModelsState& state, const std::string& name, const std::string& field, std::string text) {
+  StudyCase* one = find_case(state.study, name);
+  if (one == nullptr) return;
+  if (field == "group") {
+    one->group = std::move(text);
+    ++state.shapes_revision;
+  } else {
+    one->notes = std::move(text);
+  }
+  ++state.study_revision;
+}
+
+void set_study_template(ModelsState& state, const fs::path& file) {
+  state.study.template_file = fs::absolute(file).lexically_normal();
+  ++state.shapes_revision;
+  ++state.study_revision;
+}
+
+void select_next_case(ModelsState& state) {
+  const StudyCase* now = find_case(state.study, state.selected);
+  const auto next = state.study.next_case(now != nullptr ? now - state.study.cases.data() : -1);
+  if (next >= 0) state.selected = state.study.cases[static_cast<std::size_t>(next)].name;
+}
+
+void show_study(ModelsState& state, Study study, fs::path file) {
+  ModelsState fresh;
+  fresh.shown = true;
+  fresh.study = std::move(study);
+  fresh.study_file = std::move(file);
+  fresh.shapes_revision = state.shapes_revision + 1;
+  fresh.study_revision = state.study_revision;
+  fresh.glyphs = state.glyphs;
+  fresh.sections_open = state.sections_open;
+  state = std::move(fresh);
+}
+
+void take_model(ModelsState& state, std::shared_ptr<const StudyModel> model) {
+  const bool other_landmarks = !model || !state.model || state.model->landmarks() != model->landmarks();
+  state.model = std::move(model);
+  state.evaluation.reset();
+  state.hover.reset();
+  if (!state.model) {
+    unpin(state);
+    return;
+  }
+  state.deviations.resize(static_cast<std::size_t>(state.model->model.modes()), 0);
+  if (state.animated_mode && *state.animated_mode >= state.deviations.size()) state.animated_mode.reset();
+  const auto groups = state.model->comparable_groups();
+  const auto known = [&](const std::string& group) {
+    return std::find(groups.begin(), groups.end(), group) != groups.end();
+  };
+  if (groups.size() < 2) {
+    state.show_difference = false;
+  } else if (!known(state.compared[0]) || !known(state.compared[1])) {
+    state.compared = {groups[0], groups[1]};
+  }
+  if (!other_landmarks) return;
+  state.glyph_spacing_mm = std::clamp(state.model->radius_mm / 6, 1.0, 60.0);
+  set_to_mean(state);
+  fit_gallery(state);
+}
+
+void fit_gallery(ModelsState& state) {
+  unpin(state);
+  constexpr double left_px = 40, up_px = 25, room = 1.02;
+  state.camera = turned(camera_from(LookFrom::anterior, Box()), -left_px, up_px);
+  state.camera.fov_deg = 0;
+  state.camera.target = Vec3::Zero();
+  const double radius_mm = state.model ? state.model->radius_mm : 1;
+  state.camera.distance_mm = room * radius_mm / std::tan(15 * std::numbers::pi / 180);
+}
+
+void pin_landmark(ModelsState& state, const GalleryPlace& place, bool focus) {
+  if (!state.model || place.shape >= state.model->names.size()) return;
+  state.pinned = place.landmark;
+  state.selected = state.model->names[place.shape];
+  if (!focus) return;
+  state.focused = true;
+  const Mesh shape{state.model->topology, *state.model->shapes[place.shape]};
+  if (shape.topology) look_from_outside(state.camera, vertex_normals(shape).row(place.landmark));
+  constexpr double nearer = 0.5;
+  state.camera.target = Vec3::Zero();
+  state.camera.distance_mm = nearer * state.model->radius_mm / std::tan(15 * std::numbers::pi / 180);
+}
+
+void unpin(ModelsState& state) {
+  state.pinned.reset();
+  if (std::exchange(state.focused, false)) state.camera.distance_mm *= 2;
+}
+
+Eigen::VectorXd shown_coefficients(const ModelsState& state) {
+  const Eigen::VectorXd& variances = state.model->model.variances;
+  return Eigen::Map<const Eigen::VectorXd>(state.deviations.data(), std::ssize(state.deviations))
+      .cwiseProduct(variances.cwiseSqrt());
+}
+
+void set_to_mean(ModelsState& state) {
+  std::fill(state.deviations.begin(), state.deviations.end(), 0.0);
+  state.animated_mode.reset();
+}
+
+namespace {
+
+void set_coefficients(ModelsState& state, const Eigen::VectorXd& b) {
+  const Eigen::VectorXd& variances = state.model->model.variances;
+  for (std::size_t k = 0; k < state.deviations.size(); ++k) {
+    const auto mode = static_cast<Eigen::Index>(k);
+    state.deviations[k] = std::clamp(b[mode] / std::sqrt(variances[mode]), -most_deviations, most_deviations);
+  }
+  state.animated_mode.reset();
+}
+
+}  // namespace
+
+void set_to_sample(ModelsState& state) {
+  if (!state.model) return;
+  set_coefficients(state, sampled_coefficients(state.model->model.variances, 1, ++state.samples_drawn).col(0));
+}
+
+void set_to_case(ModelsState& state, const std::string& name) {
+  const auto shape = state.model ? state.model->index_of(name) : -1;
+  if (shape >= 0) set_coefficients(state, state.model->model.scores.col(shape));
+}
+
+void animate(ModelsState& state, double seconds) {
+  constexpr double period_seconds = 4;
+  if (!state.animated_mode || *state.animated_mode >= state.deviations.size()) return;
+  if (state.animation_started < 0) state.animation_started = seconds;
+  const double phase = (seconds - state.animation_started) / period_seconds;
+  state.deviations[*state.animated_mode] = most_deviations * std::sin(2 * std::numbers::pi * phase);
+}
+
+fs::path studies_folder() {
+  return unsaved_folder() / "studies";
+}
+
+int phantom_shapes(Organ organ) {
+  switch (organ) {
+    case Organ::vertebra:
+      return 10;
+    case Organ::kidney:
+      return 16;
+    case Organ::ventricle:
+      return 20;
+  }
+  return 0;
+}
+
+Result<fs::path> make_phantom_study(Organ organ, const fs::path& folder, Progress& progress) {
+  const fs::path path = folder / ("phantom-" + std::string(organ_name(organ)) + ".study.json");
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(folder.string(), "cannot be made (" + error.message() + "); choose another folder");
+  const bool cine = organ == Organ::ventricle;
+  const std::vector<MeshFile> phases = cine ? phantom_truth(organ, 1) : std::vector<MeshFile>();
+  ModelsState made;
+  std::vector<fs::path> files;
+  const int count = phantom_shapes(organ);
+  for (int k = 0; k < count; ++k) {
+    progress.report(static_cast<double>(k) / count);
+    if (progress.cancelled()) return fail("", "was stopped");
+    const std::string number = std::to_string(100 + k + (cine ? 0 : 1)).substr(1);
+    files.push_back(folder / (std::string(organ_name(organ)) + (cine ? "-phase-" : "-") + number + ".ply"));
+    if (fs::exists(files.back(), error)) continue;
+    const MeshFile shape = cine ? phases[static_cast<std::size_t>(k)] : phantom_truth(organ, k + 1).front();
+    if (auto written = write_mesh_file(shape, files.back()); !written) return fail(written.error());
+  }
+  if (fs::exists(path, error)) return path;
+  add_cases(made, files);
+  made.study.template_file = "built-in:" + std::string(organ_name(organ));
+  for (std::size_t k = 0; k < made.study.cases.size(); ++k) {
+    made.study.cases[k].state = CaseState::done;
+    if (cine) made.study.cases[k].group = 2 * k < made.study.cases.size() ? "first half" : "second half";
+  }
+  if (auto written = write_study(made.study, path); !written) return fail(written.error());
+  return path;
+}
+
+}  // namespace homolog

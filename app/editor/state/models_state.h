@@ -1,0 +1,193 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "app/editor/picking/view_geometry.h"
+#include "app/editor/work/study_model.h"
+#include "core/model/evaluation.h"
+#include "core/phantom/phantom.h"
+
+namespace homolog {
+
+enum class CaseColumn { study, name, group, state, distance };
+
+/// A landmark of one of the gallery's shapes.
+struct GalleryPlace {
+  std::size_t shape = 0;  ///< in the model
+  Eigen::Index landmark = 0;
+  bool operator==(const GalleryPlace&) const = default;
+};
+
+/// A case that is to be shown at a landmark as soon as it is open.
+struct RepairPlace {
+  std::filesystem::path file;
+  std::optional<int> frame;
+  std::optional<Eigen::Index> landmark;
+};
+
+/// A text of a case that is being typed.
+struct CaseTextEdit {
+  std::string field;
+  std::string text;
+};
+
+/// What the Models mode remembers. Changed by the functions below; drawing reads it as const.
+struct ModelsState {
+  bool shown = false;  ///< instead of the case's views
+
+  Study study;
+  std::filesystem::path study_file;   ///< written at every change; empty before the first case
+  std::uint64_t shapes_revision = 0;  ///< counts what the model has to be made again for
+  std::uint64_t study_revision = 0;   ///< counts what the study's file has to be written again for
+
+  std::string filter;
+  CaseColumn sorted_by = CaseColumn::study;
+  bool descending = false;
+  std::string selected;  ///< name of a case; empty: none
+  std::optional<CaseTextEdit> text_edit;
+
+  ReadFiles files;                                                ///< the cases' files as they were read
+  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< of every case that has one, as it lies
+  std::vector<std::string> mirrored;                              ///< cases that are mirror images of most others
+
+  Alignment alignment = Alignment::similarity;
+  std::shared_ptr<const StudyModel> model;
+  std::string model_error;
+  bool modelling = false;
+  double modelling_fraction = 0;
+
+  Camera3D camera;  ///< linked: of all cells and of the model; its target stands off each shape's centre
+  bool turning = false;
+  bool glyphs = true;
+  double glyph_spacing_mm = 12;
+  std::optional<GalleryPlace> hover;
+  std::optional<Eigen::Index> pinned;  ///< landmark that is marked in all shapes
+  bool focused = false;                ///< every cell looks at the pinned landmark
+
+  std::vector<double> deviations;  ///< coefficients of the shape that is shown, in standard deviations
+  bool all_modes = false;          ///< a slider for each, not the first few alone
+  std::optional<std::size_t> animated_mode;
+  double animation_started = -1;  ///< seconds; below 0 with the next move
+  std::uint64_t samples_drawn = 0;
+  bool show_difference = false;
+  std::array<std::string, 2> compared;  ///< groups: from, to
+
+  std::shared_ptr<const Evaluation> evaluation;
+  bool evaluating = false;
+  double evaluating_fraction = 0;
+
+  std::string export_extension;  ///< of exported shapes; empty: each as it was imported
+  bool exporting = false;
+  double exporting_fraction = 0;
+
+  std::array<bool, 3> sections_open{true, true, true};  ///< Model, Measures, Suspicion
+  std::optional<RepairPlace> repair;
+};
+
+/// The cases to list, as indices into the study: those whose name, group or notes hold the filter, sorted.
+std::vector<std::size_t> listed_cases(const ModelsState& state);
+/// RMS distance to the mean shape; nothing for a case that is not in the model.
+std::optional<double> distance_mm(const ModelsState& state, const StudyCase& one);
+void sort_by(ModelsState& state, CaseColumn column);
+
+/// Adds files as cases, named after them (with -2, -3, … where a name is taken); a file that is a case already is left.
+/// Gives the number of cases added.
+std::size_t add_cases(ModelsState& state, const std::vector<std::filesystem::path>& files);
+void remove_case(ModelsState& state, const std::string& name);
+/// Null where there is none of that name.
+/// The study's case of a file's frame; null where it is none.
+const StudyCase* find_case(const ModelsState& state, const std::filesystem::path& file, int frame);
+StudyCase* find_case(Study& study, const std::string& name);
+const StudyCase* find_case(const Study& study, const std::string& name);
+/// Takes cases left for right from now on, or as they lie where they were flipped.
+void flip_cases(ModelsState& state, const std::vector<std::string>& names);
+/// Frames of the case's cine that were edited and are no cases yet.
+std::vector<int> other_frames(const ModelsState& state, const StudyCase& one);
+/// Makes every frame of the case's cine that was edited a case, named "NAME frame K".
+void add_frames(ModelsState& state, const std::string& name);
+void cycle_case_state(ModelsState& state, const std::string& name);
+/// "group" or "notes" of a case.
+void set_case_text(ModelsState& state, const std::string& name, const std::string& field, std::string text);
+/// The mesh whose faces stand for those of shapes that are points alone.
+void set_study_template(ModelsState& state, const std::filesystem::path& file);
+/// Selects the next case that is not done, in the study's order.
+void select_next_case(ModelsState& state);
+
+/// Takes another study in hand: nothing of the one before stays.
+void show_study(ModelsState& state, Study study, std::filesystem::path file);
+/// Takes a model in: keeps the camera where one was shown, the coefficients where they fit.
+void take_model(ModelsState& state, std::shared_ptr<const StudyModel> model);
+
+/// Looks at all shapes, from the front.
+void fit_gallery(ModelsState& state);
+/// Marks a landmark in all shapes; `focus` turns it to the viewer, in the middle of every cell.
+void pin_landmark(ModelsState& state, const GalleryPlace& place, bool focus);
+void unpin(ModelsState& state);
+
+/// b of the model's shape that is shown: deviations · √λ.
+Eigen::VectorXd shown_coefficients(const ModelsState& state);
+void set_to_mean(ModelsState& state);
+/// A random shape of the model, every coefficient within ±3.
+void set_to_sample(ModelsState& state);
+/// The coefficients of a case that is in the model, clamped to ±3.
+void set_to_case(ModelsState& state, const std::string& name);
+/// Moves the animated mode: a sine of ±3 standard deviations in four seconds.
+void animate(ModelsState& state, double seconds);
+
+/// Where studies that were not given a place lie.
+std::filesystem::path studies_folder();
+/// Subjects of a phantom study as in the paper: 10 vertebrae, 16 kidneys, the 20 phases of one ventricle.
+int phantom_shapes(Organ organ);
+/// Writes the phantoms' true surfaces and their study into a folder, and gives the study's path; what is there already
+/// is kept.
+Result<std::filesystem::path> make_phantom_study(Organ organ, const std::filesystem::path& folder, Progress& progress);
+
+// What the Models mode asks for.
+struct OpenStudy {
+  std::filesystem::path path;
+};
+struct NewStudy {
+  std::filesystem::path path;
+};
+/// The study continues under another name.
+struct SaveStudyAs {
+  std::filesystem::path path;
+};
+struct AddCases {
+  std::vector<std::filesystem::path> paths;
+};
+struct OpenPhantomStudy {
+  Organ organ = Organ::kidney;
+};
+/// Opens a case of the study in the case mode, at a landmark with the Slide tool where one is given; a mesh becomes a
+/// case file first.
+struct OpenCaseOfStudy {
+  std::string name;
+  std::optional<Eigen::Index> landmark;
+};
+/// Writes every shape of the study, flipped ones flipped, into a folder; see write_shapes.
+struct ExportShapes {
+  std::filesystem::path folder;
+  std::string extension;
+};
+struct StartEvaluation {};
+struct CancelEvaluation {};
+struct ExportModel {
+  std::filesystem::path path;
+};
+struct ExportEvaluation {
+  std::filesystem::path path;
+};
+struct ExportPlots {
+  std::filesystem::path path;
+};
+using ModelsCommand =
+    std::variant<OpenStudy, NewStudy, SaveStudyAs, AddCases, OpenPhantomStudy, OpenCaseOfStudy, ExportShapes,
+                 StartEvaluation, CancelEvaluation, ExportModel, ExportEvaluation, ExportPlots>;
+
+}  // namespace homolog

@@ -1,0 +1,91 @@
+#include "app/editor/state/preferences.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "core/base/files.h"
+
+namespace homolog {
+
+namespace {
+
+using nlohmann::json;
+
+/// Visits every entry by its name, for reading and for writing alike.
+template <class Value, class Visit>
+void each_entry(Value& p, Visit visit) {
+  visit("window_width", p.window_width);
+  visit("window_height", p.window_height);
+  visit("panel_open", p.panel_open);
+  visit("sections_open", p.sections_open);
+  visit("radiological", p.radiological);
+  visit("linear", p.linear);
+  visit("show_outline", p.show.outline);
+  visit("show_surface", p.show.surface);
+  visit("show_planes", p.show.planes);
+  visit("show_glyphs", p.show.glyphs);
+  visit("show_wireframe", p.show.wireframe);
+  visit("show_crosshair", p.show.crosshair);
+  visit("show_letters", p.show.letters);
+  visit("hint_dragged", p.hints.dragged);
+  visit("hint_scrolled", p.hints.scrolled);
+  visit("hint_turned", p.hints.turned_camera);
+}
+
+}  // namespace
+
+std::filesystem::path preferences_file() {
+  std::filesystem::path folder;
+  if (const char* config = std::getenv("XDG_CONFIG_HOME"); config != nullptr && config[0] != 0)
+    folder = config;
+  else if (const char* home = std::getenv("HOME"))
+    folder = std::filesystem::path(home) / ".config";
+  return folder / "homolog" / "editor.json";
+}
+
+Preferences read_preferences(const std::filesystem::path& path) {
+  Preferences preferences;
+  const auto text = read_whole_file(path, 1 << 20);
+  const json kept = text ? json::parse(*text, nullptr, false) : json();
+  if (!kept.is_object()) return preferences;
+  // An entry of another kind (an older or newer version wrote it) is left at its default.
+  each_entry(preferences, [&](const char* name, auto& value) {
+    using Value = std::remove_reference_t<decltype(value)>;
+    const auto found = kept.find(name);
+    if (found == kept.end()) return;
+    const json now = value;
+    if (found->type() == now.type() || (found->is_number() && now.is_number())) {
+      if (now.is_array() && found->size() != now.size()) return;
+      try {
+        value = found->get<Value>();
+      } catch (const json::exception&) {
+      }
+    }
+  });
+  preferences.window_width = std::clamp(preferences.window_width, 640, 16384);
+  preferences.window_height = std::clamp(preferences.window_height, 480, 16384);
+  if (const auto folder = kept.find("folder"); folder != kept.end() && folder->is_string())
+    preferences.folder = folder->get<std::string>();
+  if (const auto recent = kept.find("recent"); recent != kept.end() && recent->is_array())
+    for (const auto& entry : *recent)
+      if (entry.is_string()) preferences.recent.emplace_back(entry.get<std::string>());
+  return preferences;
+}
+
+Result<void> write_preferences(const Preferences& preferences, const std::filesystem::path& path) {
+  json kept;
+  each_entry(preferences, [&](const char* name, const auto& value) { kept[name] = value; });
+  kept["folder"] = preferences.folder.string();
+  kept["recent"] = json::array();
+  for (const auto& recent : preferences.recent) kept["recent"].push_back(recent.string());
+  std::error_code error;
+  std::filesystem::create_directories(path.parent_path(), error);
+  return write_whole_file(path, [&](std::ostream& out) -> Result<void> {
+    // A path need not be UTF-8; what is not is replaced.
+    out << kept.dump(2, ' ', false, json::error_handler_t::replace) << '\n';
+    return {};
+  });
+}
+
+}  // namespace homolog

@@ -1,0 +1,49 @@
+#include "app/editor/state/quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/deform/fold_guard.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+QualityFigures quality_figures(const Document& document) {
+  const Topology& topology = *document.reference->topology;
+  const Shape& shape = document.shape();
+  const Points& p = *shape.points;
+  const Points& placed = *shape.placed;
+
+  QualityFigures figures;
+  std::vector<double> stretch;
+  stretch.reserve(topology.edges().size());
+  for (const auto& [i, j] : topology.edges()) {
+    const double before = (placed.row(i) - placed.row(j)).norm();
+    if (before > 0) stretch.push_back((p.row(i) - p.row(j)).norm() / before);
+  }
+  if (!stretch.empty()) {
+    std::sort(stretch.begin(), stretch.end());
+    const auto quantile = [&](double share) {
+      return stretch[static_cast<std::size_t>(share * static_cast<double>(stretch.size() - 1) + 0.5)];
+    };
+    figures.stretch_low = quantile(0.05);
+    figures.stretch_median = quantile(0.5);
+    figures.stretch_high = quantile(0.95);
+  }
+  const Eigen::VectorXd moved = (p - *shape.reference).rowwise().norm();
+  figures.moved_mean_mm = moved.mean();
+  figures.moved_max_mm = moved.maxCoeff();
+  const Mesh mesh = document.mesh();
+  const MeshQuality quality = mesh_quality(mesh);
+  figures.edge_mean_mm = quality.edge_mean;
+  figures.edge_cv = quality.edge_cv;
+  figures.regular_share = quality.regular_share;
+  figures.min_angle_deg = quality.min_angle_deg;
+  figures.intersecting = quality.self_intersections;
+  figures.volume_ml = quality.volume_ml;
+  figures.turned = turned_triangles(topology, placed, p).size();
+  return figures;
+}
+
+}  // namespace homolog

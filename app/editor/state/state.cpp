@@ -1,0 +1,245 @@
+#include "app/editor/state/state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <tuple>
+
+#include "app/editor/widgets/theme_colours.h"
+
+namespace homolog {
+
+Overlay shown_overlay(const EditorState& state) {
+  const bool paints = state.tool == MouseTool::stiffness;
+  if (!paints && state.confidence && state.snap.show_confidence) return Overlay::confidence;
+  const bool regions = state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill;
+  if (paints && regions) return Overlay::regions;
+  return paints || state.tool == MouseTool::confirm ? Overlay::stiffness : state.overlay;
+}
+
+SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry) {
+  const auto [right, down] = screen_axes(kind, slice_axes(geometry, state.own_planes), state.preferences.radiological);
+  const SlicePan& pan = state.slices[index_of(kind)];
+  SliceView view;
+  view.right = right;
+  view.down = down;
+  const Vec3 normal = view.normal();
+  view.centre = pan.centre_mm + normal * normal.dot(state.crosshair_mm - pan.centre_mm);
+  view.mm_per_px = pan.mm_per_px;
+  return view;
+}
+
+VolumeGeometry geometry_of(const Document& document) {
+  if (document.volume) return document.volume->geometry;
+  VolumeGeometry geometry;
+  const Box box =
+      document.has_shape() ? bounds_of(*document.shape().points) : Box(Vec3(-50, -50, -50), Vec3(50, 50, 50));
+  const Vec3 margin = 0.25 * box.sizes();
+  geometry.origin_mm = box.min() - margin;
+  for (int axis = 0; axis < 3; ++axis)
+    geometry.dims[static_cast<std::size_t>(axis)] = std::max(1, static_cast<int>(std::lround(1.5 * box.sizes()[axis])));
+  return geometry;
+}
+
+std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document& document) {
+  std::vector<PlaneInSpace> planes;
+  if (!state.preferences.show.planes || !document.volume) return planes;
+  const VolumeGeometry& geometry = document.volume->geometry;
+  const Box box = geometry.bounds_mm();
+  const Vec3 reach = box.sizes() / 2;
+  for (const ViewKind kind : slice_views) {
+    PlaneInSpace plane;
+    plane.plane = slice_view(state, kind, geometry);
+    const Vec3 normal = plane.plane.normal();
+    plane.plane.centre = box.center() + normal * normal.dot(state.crosshair_mm - box.center());
+    plane.half_width_mm = plane.plane.right.cwiseAbs().dot(reach);
+    plane.half_height_mm = plane.plane.down.cwiseAbs().dot(reach);
+    plane.frame_colour = view_colour(kind);
+    planes.push_back(plane);
+  }
+  return planes;
+}
+
+std::array<double, 3> default_sigmas_mm(const Points& placed_reference) {
+  const double diagonal = bounds_of(placed_reference).diagonal().norm();
+  const auto share = [&](double part) {
+    return std::clamp(std::round(2 * part * diagonal) / 2, smallest_sigma_mm, largest_sigma_mm);
+  };
+  return {share(0.03), share(0.08), share(0.2)};
+}
+
+void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image) {
+  state.drag.reset();
+  state.ruler.reset();
+  state.panel_edit.reset();
+  state.renaming.reset();
+  state.shown_frame.reset();
+  state.playing = false;
+  state.own_planes = state.own_planes && is_oblique(geometry_of(document));
+  if (document.volume && !same_image) std::tie(state.window_low, state.window_high) = default_window(*document.volume);
+  if (document.has_shape()) {
+    state.crosshair_mm = bounds_of(*document.shape().points).center();
+    state.sigma_presets_mm = default_sigmas_mm(*document.shape().reference);
+    state.landmark = next_unplaced_landmark(document);
+  } else {
+    state.crosshair_mm = geometry_of(document).bounds_mm().center();
+  }
+  settle_crosshair(state, document);
+  fit_views(state, document, layout);
+}
+
+void look_at_mesh(EditorState& state, const Points& points) {
+  const Box box = bounds_of(points);
+  state.crosshair_mm = state.camera.target = box.center();
+  state.camera.distance_mm = std::min(state.camera.distance_mm, 2.5 * box.diagonal().norm());
+}
+
+void fit_views(EditorState& state, const Document& document, const Layout& layout) {
+  const VolumeGeometry geometry = geometry_of(document);
+  const Box box = geometry.bounds_mm();
+  const Vec3 reach = box.sizes() / 2;
+  for (const ViewKind kind : slice_views) {
+    const auto [right, down] =
+        screen_axes(kind, slice_axes(geometry, state.own_planes), state.preferences.radiological);
+    const RectPx& rect = layout.image(kind);
+    if (rect.width <= 0 || rect.height <= 0) continue;
+    const double half_width_mm = right.cwiseAbs().dot(reach), half_height_mm = down.cwiseAbs().dot(reach);
+    SlicePan& pan = state.slices[index_of(kind)];
+    pan.centre_mm = box.center();
+    pan.side_px = std::min(rect.width, rect.height);
+    pan.mm_per_px = 2.04 * std::max(half_width_mm / rect.width, half_height_mm / rect.height);
+  }
+  const Box target = document.has_shape() ? bounds_of(*document.shape().points) : box;
+  // From the front, a little from the patient's left and from above: the planes do not hide each other.
+  constexpr double left_px = 70, up_px = 45;
+  state.camera = turned(camera_from(LookFrom::anterior, target), -left_px, up_px);
+  state.camera.distance_mm *= 1.5;
+}
+
+void follow_layout(EditorState& state, const Layout& layout) {
+  for (const ViewKind kind : slice_views) {
+    const float side_px = std::min(layout.image(kind).width, layout.image(kind).height);
+    if (side_px < 1) continue;
+    SlicePan& pan = state.slices[index_of(kind)];
+    if (pan.side_px > 0) pan.mm_per_px *= static_cast<double>(pan.side_px) / static_cast<double>(side_px);
+    pan.side_px = side_px;
+  }
+}
+
+void look_from(EditorState& state, LookFrom from) {
+  const Camera3D camera = camera_from(from, Box());
+  state.camera.to_eye = camera.to_eye;
+  state.camera.up = camera.up;
+}
+
+void scroll_slice(EditorState& state, ViewKind kind, const Document& document, double steps) {
+  state.scrolled += steps;
+  const double whole_steps = std::trunc(state.scrolled);
+  state.scrolled -= whole_steps;
+  if (whole_steps == 0) return;
+  // Away from the radiological viewer (axial: towards the head), whichever side is shown on the left.
+  const VolumeGeometry geometry = geometry_of(document);
+  const Vec3 normal = screen_axes(kind, slice_axes(geometry, state.own_planes), true).normal();
+  const Box box = geometry.bounds_mm();
+  // From the middle of the first voxel along the normal to that of the last; across it the cross-hair stays.
+  const double step_mm = slice_step_mm(geometry, normal);
+  const double reach = std::max(0.0, normal.cwiseAbs().dot(box.sizes() / 2) - step_mm / 2);
+  const double middle = normal.dot(box.center()), along = normal.dot(state.crosshair_mm);
+  state.crosshair_mm += normal * (std::clamp(along + whole_steps * step_mm, middle - reach, middle + reach) - along);
+  settle_crosshair(state, document);
+}
+
+void settle_crosshair(EditorState& state, const Document& document) {
+  if (!document.volume) return;
+  const VolumeGeometry& geometry = document.volume->geometry;
+  if (is_oblique(geometry) && !state.own_planes) return;
+  state.crosshair_mm = geometry.to_mm(geometry.to_voxel(state.crosshair_mm).array().round().matrix());
+}
+
+void set_sigma(EditorState& state, double sigma_mm) {
+  state.sigma_presets_mm[state.sigma_preset] = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
+}
+
+std::string case_name(const std::filesystem::path& file, const Document& document) {
+  if (!file.empty() && file.parent_path() != unsaved_folder()) return file.stem().string();
+  std::string name = std::filesystem::path(document.volume_source).filename().string();
+  if (name.empty()) name = "case";
+  std::replace(name.begin(), name.end(), ':', '-');
+  return name.substr(0, name.find('.'));
+}
+
+std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document) {
+  std::vector<Landmark> known;
+  if (!document.reference) return known;
+  const auto& names = document.reference->landmarks;
+  std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(known), [&](const Landmark& landmark) {
+    return std::any_of(names.begin(), names.end(), [&](const Landmark& n) { return n.name == landmark.name; });
+  });
+  return known;
+}
+
+std::string next_unplaced_landmark(const Document& document, const std::string& after) {
+  if (!document.reference || !document.has_shape()) return {};
+  const auto& landmarks = document.reference->landmarks;
+  const auto& placed = document.shape().landmarks;
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < landmarks.size(); ++i)
+    if (landmarks[i].name == after) start = i + 1;
+  for (std::size_t k = 0; k < landmarks.size(); ++k) {
+    const auto& name = landmarks[(start + k) % landmarks.size()].name;
+    if (!placed.contains(name) && name != after) return name;
+  }
+  return {};
+}
+
+void add_notice(EditorState& state, std::string text, bool error) {
+  add_notice(state, Notice{std::move(text), error});
+}
+
+void add_notice(EditorState& state, Notice notice) {
+  constexpr std::size_t most = 4;
+  const auto same = [&](const Notice& n) { return n.text == notice.text && n.case_before == notice.case_before; };
+  if (std::any_of(state.notices.begin(), state.notices.end(), same)) return;
+  state.notices.push_back(std::move(notice));
+  if (state.notices.size() <= most) return;
+  // An error stays longer than news.
+  const auto news = std::find_if(state.notices.begin(), state.notices.end(), [](const Notice& n) { return !n.error; });
+  state.notices.erase(news == state.notices.end() ? state.notices.begin() : news);
+}
+
+void remember_recent(Preferences& preferences, const std::filesystem::path& path) {
+  constexpr std::size_t most = 8;
+  std::error_code error;
+  // The next start may be in another working folder.
+  auto whole = std::filesystem::absolute(path, error).lexically_normal();
+  std::erase(preferences.recent, whole);
+  preferences.recent.insert(preferences.recent.begin(), std::move(whole));
+  if (preferences.recent.size() > most) preferences.recent.resize(most);
+}
+
+int shown_frame(const EditorState& state, const Document& document) {
+  return state.shown_frame.value_or(document.frame);
+}
+
+const char* tool_name(MouseTool tool) {
+  static constexpr std::array names{"Pull",     "Grab",      "Slide",   "Relax", "Place",
+                                    "Landmark", "Stiffness", "Confirm", "Ruler", "Template landmark"};
+  return names[static_cast<std::size_t>(tool)];
+}
+
+std::optional<Tool> stroke_tool(MouseTool tool) {
+  switch (tool) {
+    case MouseTool::pull:
+      return Tool::pull;
+    case MouseTool::grab:
+      return Tool::grab;
+    case MouseTool::slide:
+      return Tool::slide;
+    case MouseTool::relax:
+      return Tool::relax;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace homolog

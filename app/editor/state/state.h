@@ -1,0 +1,238 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/editor/picking/view_geometry.h"
+#include "app/editor/state/dialogs.h"
+#include "app/editor/state/drag.h"
+#include "app/editor/state/layout.h"
+#include "app/editor/state/models_state.h"
+#include "app/editor/work/fitter.h"
+#include "app/editor/work/snaps.h"
+#include "app/editor/work/template_maker.h"
+#include "core/case/action.h"
+#include "core/snap/appearance.h"
+
+namespace homolog {
+
+/// What the left mouse button does in a view.
+enum class MouseTool { pull, grab, slide, relax, place, landmark, stiffness, confirm, ruler, template_landmark };
+
+/// What the colours of the mesh mean.
+enum class Overlay { landmark_hue, edge_stretch, moved, stiffness, regions, quality, known, confidence };
+
+/// Where a slice view looks within its plane; the plane itself goes through the cross-hair.
+struct SlicePan {
+  Vec3 centre_mm = Vec3::Zero();
+  double mm_per_px = 0.5;
+  float side_px = 0;  ///< shorter side of the view that this is for
+  bool operator==(const SlicePan&) const = default;
+};
+
+struct ShownParts {
+  bool outline = true, surface = true, planes = true, glyphs = false, wireframe = false, crosshair = true,
+       letters = true;
+  bool operator==(const ShownParts&) const = default;
+};
+
+/// What a touch of the stiffness brush does.
+enum class BrushPaints { factor, region, smooth, fill };
+
+struct BrushSettings {
+  double radius_mm = 10;
+  BrushPaints paints = BrushPaints::factor;
+  std::string region;  ///< that is painted or filled; empty: none
+  FillRegion::By fill_by = FillRegion::By::region;
+  double fill_tolerance_per_mm = FillRegion{}.tolerance_per_mm;
+  double stiffness_factor = 5;  ///< painted by the stiffness brush, relative to the base
+  double soft = 0.5;            ///< share of the radius over which it blends
+  bool hold = true;             ///< the confirm brush holds, else it frees
+};
+
+/// A region whose name is being typed.
+struct RegionNaming {
+  RenameRegion rename;
+  bool focused = false;  ///< the field has been given the keyboard
+};
+
+struct SnapSettings {
+  double strength = 1, reach_mm = 10;
+  Polarity polarity = Polarity::automatic;
+  bool with_strokes = false;  ///< the part under the tool is snapped while a stroke is dragged
+  bool show_confidence = true;
+  bool learn = false;                         ///< from the study's cases that are done
+  std::shared_ptr<const Appearance> learned;  ///< what came of that; null where nothing did
+};
+
+/// What the pointer is over; nothing while it is outside the views.
+struct Hover {
+  ViewKind view = ViewKind::axial;
+  double x_px = 0, y_px = 0;         ///< from the window's upper left corner
+  std::optional<Vec3> p_mm;          ///< on the slice, or on the surface in the 3D view
+  std::optional<Vec3> on_mesh;       ///< the surface point that a press would take hold of
+  std::string landmark;              ///< name of the placed landmark under the pointer
+  PlacePart part = PlacePart::none;  ///< of the placement handles
+};
+
+/// For double clicks.
+struct LastPress {
+  double x_px = 0, y_px = 0, seconds = -1;
+};
+
+/// Radius of the ball that shows a placed landmark.
+inline constexpr double landmark_radius_mm = 1.5;
+
+struct Ruler {
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
+  double length_mm() const { return (to - from).norm(); }
+};
+
+/// A number of the case that is being changed in the panel: what it is now, whatever the screen shows yet.
+struct PanelEdit {
+  std::string control;
+  double value = 0;
+};
+
+struct Notice {
+  std::string text;  ///< one sentence
+  bool error = true;
+  std::optional<double> until;        ///< when it goes by itself, in seconds of the window's clock
+  std::filesystem::path case_before;  ///< offered to be opened again; empty where there is none
+};
+
+/// Things a newcomer has to do once; each hint goes away when done, all when dismissed.
+struct Hints {
+  bool dragged = false, scrolled = false, turned_camera = false;
+  bool operator==(const Hints&) const = default;
+};
+
+/// Of Preferences::sections_open: the section Place.
+inline constexpr std::size_t place_section = 2;
+
+/// What is kept between runs.
+struct Preferences {
+  int window_width = 1280, window_height = 800;
+  bool panel_open = true;
+  std::array<bool, 6> sections_open{true, false, false, true, true, false};  ///< Case … Export
+  bool radiological = true;
+  bool linear = true;
+  ShownParts show;
+  Hints hints;
+  std::vector<std::filesystem::path> recent;  ///< newest first
+  std::filesystem::path folder;               ///< last used in the file dialog
+  bool operator==(const Preferences&) const = default;
+};
+
+/// Everything the editor remembers that is not part of the case. Changed by the free functions below and in
+/// controls.h; drawing reads it as const.
+struct EditorState {
+  Preferences preferences;
+
+  Vec3 crosshair_mm = Vec3::Zero();
+  double scrolled = 0;  ///< slices, less than one: what the wheel has turned towards the next
+  std::array<SlicePan, 3> slices;
+  Camera3D camera;
+  bool own_planes = false;
+  std::optional<ViewKind> maximised;
+
+  double window_low = 0, window_high = 1;
+  float label_opacity = 0.4f;
+  std::optional<int> shown_frame;  ///< of a cine while it plays or its slider is dragged; else the document's
+  bool playing = false;
+
+  MouseTool tool = MouseTool::pull;
+  std::array<double, 3> sigma_presets_mm{4, 10, 25};
+  std::size_t sigma_preset = 1;
+  double relax_strength = 0.5;
+  bool through_space = false;
+  BrushSettings brush;
+  std::string landmark;           ///< the one that the next click places
+  std::string template_landmark;  ///< the one that the next click names on the template
+  std::string new_region;         ///< the name that is being typed
+  std::optional<RegionNaming> renaming;
+  TemplateSettings template_settings;
+  std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
+  FitSettings fit_settings;
+  double model_help = 0;           ///< 0…1: how far the study's model completes every stroke
+  std::optional<Fitted> last_fit;  ///< spoken of for as long as its mesh is the case's
+  SnapSettings snap;
+  std::optional<SnapFound> snapped;                 ///< the last snap
+  std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
+  Overlay overlay = Overlay::landmark_hue;
+  double glyph_spacing_mm = 12;
+
+  std::optional<Hover> hover;
+  LastPress last_press;
+  std::optional<Drag> drag;
+  MouseButton drag_button = MouseButton::left;  ///< whose release ends the drag
+  std::optional<Ruler> ruler;
+  std::optional<PanelEdit> panel_edit;
+
+  PictureOptions picture;
+
+  std::optional<Dialog> dialog;
+  std::vector<Notice> notices;
+
+  ModelsState models;
+
+  double sigma_mm() const { return sigma_presets_mm[sigma_preset]; }
+};
+
+/// What colours the mesh: while a brush is in hand, what it paints.
+Overlay shown_overlay(const EditorState& state);
+
+/// The plane of a slice view.
+SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry);
+
+/// The slice planes that the 3D view shows; none where they are switched off.
+std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document& document);
+
+/// Shows a case from the start: cross-hair in the middle of the mesh (or volume), everything in view, σ presets from
+/// the size of the placed reference; window from the volume, or as it was on the same image.
+void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image = false);
+/// Brings the cross-hair and the 3D view to a mesh; the slices show as much as before.
+void look_at_mesh(EditorState& state, const Points& points);
+void fit_views(EditorState& state, const Document& document, const Layout& layout);
+/// Slices show as much of the image after their view has grown or shrunk: maximised, or with the window.
+void follow_layout(EditorState& state, const Layout& layout);
+/// σ presets as shares of the placed reference's diagonal: a vicinity, a part, a whole pole.
+std::array<double, 3> default_sigmas_mm(const Points& placed_reference);
+
+/// Turns the 3D view to a standard direction; what it looks at, and from how far, stays.
+void look_from(EditorState& state, LookFrom from);
+/// The cross-hair goes along the view's normal by whole slices, from the slice that is shown to the next acquired one;
+/// what a touchpad gives of a step is kept for later.
+void scroll_slice(EditorState& state, ViewKind kind, const Document& document, double steps);
+/// Brings the cross-hair to the middle of the nearest voxel, so that slices show what was acquired and no mean of two;
+/// in planes oblique to the voxels it stays where it is.
+void settle_crosshair(EditorState& state, const Document& document);
+void set_sigma(EditorState& state, double sigma_mm);
+/// Limits of σ, mm.
+inline constexpr double smallest_sigma_mm = 0.5, largest_sigma_mm = 200;
+
+/// What to call a case and what is written from it: as its file is called, else as its image.
+std::string case_name(const std::filesystem::path& file, const Document& document);
+/// Those whose names are the template's.
+std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document);
+/// The next landmark of the template that the shape has no place for; empty where all are placed.
+std::string next_unplaced_landmark(const Document& document, const std::string& after = {});
+
+void add_notice(EditorState& state, Notice notice);
+void add_notice(EditorState& state, std::string text, bool error = true);
+void remember_recent(Preferences& preferences, const std::filesystem::path& path);
+
+/// The case's frame, or the one that is shown while a cine plays.
+int shown_frame(const EditorState& state, const Document& document);
+
+/// The volume's geometry; a box around the mesh where there is no volume.
+VolumeGeometry geometry_of(const Document& document);
+
+const char* tool_name(MouseTool tool);
+/// The tool's gesture, for the four that move the mesh.
+std::optional<Tool> stroke_tool(MouseTool tool);
+
+}  // namespace homolog

@@ -1,0 +1,319 @@
+#include <algorithm>
+#include <cmath>
+
+#include "app/editor/editor_app.h"
+#include "app/editor/work/recovery.h"
+#include "core/base/picture_io.h"
+#include "core/mesh/label_map.h"
+#include "core/mesh/landmark_io.h"
+#include "core/model/statismo.h"
+#include "core/template/template_file.h"
+
+namespace homolog {
+
+/// Does one command; one overload a kind.
+struct CommandRunner {
+  EditorApp& app;
+  EditorState& state = app.state_;
+
+  void operator()(const ChangeState& command) const { command.change(state); }
+  void operator()(const PreviewEdit& command) const {
+    app.session_->preview(command.action, command.action ? app.assistance(*command.action) : std::vector<Compute>{});
+  }
+  void operator()(const ApplyEdit& command) const {
+    stop_playing();
+    app.session_->apply(command.action, command.joined);
+  }
+  void operator()(const SnapMesh& command) const {
+    const Document& document = *app.displayed_;
+    if (!document.volume || !document.has_shape())
+      return add_notice(state, "A snap needs an image and a mesh on it.", false);
+    stop_playing();
+    app.snaps_.start(*app.session_, command.region, state.snap, command.joined);
+  }
+  void operator()(const CancelSnap&) const { app.snaps_.cancel(); }
+  void operator()(const OpenFiles& command) const {
+    if (state.models.shown) return open_in_models(command.paths);
+    auto request = sort_files(command.paths);
+    if (!request) return add_notice(state, request.error().sentence());
+    std::error_code ignored;
+    if (!request->case_file.empty() && std::filesystem::equivalent(request->case_file, app.snapshot_->file, ignored))
+      return add_notice(state, request->case_file.filename().string() + " is the case that is open.", false);
+    request->beside = app.displayed_->volume;
+    app.opener_.start(std::move(*request));
+  }
+  void operator()(const OpenRequested& command) const { app.opener_.start(command.request); }
+  void operator()(const OpenPhantom& command) const {
+    OpenRequest request;
+    request.demo = {command.organ, command.subject};
+    app.opener_.start(std::move(request));
+  }
+  void operator()(const OpenTemplate& command) const {
+    OpenRequest request;
+    request.template_source = command.source;
+    app.opener_.start(std::move(request));
+  }
+  void operator()(const OpenLabels& command) const {
+    OpenRequest request;
+    request.labels = command.path;
+    app.opener_.start(std::move(request));
+  }
+  void operator()(const CloseLabels&) const { app.labels_.reset(); }
+  void operator()(const CancelOpening&) const { app.opener_.cancel(); }
+  void operator()(const CancelWriting& command) const { app.exports_.cancel(command.path); }
+  void operator()(const SaveCase& command) const {
+    const auto& file = app.snapshot_->file;
+    if (nothing_open()) return add_notice(state, "Nothing is open that could be saved; open an image or a template.");
+    if (command.as || file.empty() || file.parent_path() == unsaved_folder())
+      return show_file_dialog(state, FilePurpose::save_case, case_name(file, *app.displayed_));
+    add_notice(state, "Every edit is on the disk already, in " + file.string(), false);
+  }
+  void operator()(const SaveCaseAs& command) const {
+    if (nothing_open()) return add_notice(state, "Nothing is open that could be saved; open an image or a template.");
+    app.session_->save_as(command.path);
+  }
+  void operator()(const ExportMesh& command) const {
+    const Document& document = *app.displayed_;
+    write(command.path, [file = to_mesh_file(document, document.frame)](const auto& path, Progress&) {
+      return write_mesh_file(file, path);
+    });
+  }
+  void operator()(const ExportLabelMap& command) const {
+    const Document& document = *app.displayed_;
+    write(command.path,
+          [mesh = document.mesh(), grid = document.volume->geometry](const auto& path, Progress& progress) {
+            return write_volume(label_map(mesh, grid, 1), path, &progress);
+          });
+  }
+  void operator()(const ImportLandmarks& command) const {
+    const auto read = read_landmarks(command.path);
+    if (!read) return add_notice(state, read.error().sentence());
+    const auto known = landmarks_of_template(*read, *app.snapshot_->document);
+    const std::string name = command.path.filename().string();
+    if (known.empty())
+      return add_notice(state, name + ": none of its names is a landmark of the template; rename them as listed.");
+    stop_playing();
+    for (std::size_t i = 0; i < known.size(); ++i)
+      app.session_->apply(PlaceLandmark{known[i].name, known[i].position}, i > 0);
+    if (known.size() < read->size())
+      add_notice(state,
+                 name + ": " + std::to_string(read->size() - known.size()) + " of " + std::to_string(read->size()) +
+                     " names are no landmarks of the template, and left out.",
+                 false);
+  }
+  void operator()(const ExportLandmarks& command) const {
+    std::vector<Landmark> placed;
+    for (const auto& [name, position] : app.displayed_->shape().landmarks) placed.push_back({name, position});
+    write(command.path, [placed](const auto& path, Progress&) { return write_landmarks(placed, path); });
+  }
+  void operator()(const ExportTemplate& command) const {
+    write(command.path, [file = painted_template(*app.displayed_)](const auto& path, Progress&) {
+      return write_mesh_file(file, path);
+    });
+  }
+  void operator()(const ImportStiffness& command) const {
+    const auto read = read_mesh_file(command.path);
+    if (!read) return add_notice(state, read.error().sentence());
+    std::optional<VertexScalars> factors = read->stiffness;
+    if (!factors && read->arrays.size() == 1) factors = read->arrays.begin()->second;
+    if (!factors) {
+      std::string names;
+      for (const auto& [name, values] : read->arrays) names += (names.empty() ? "" : ", ") + name;
+      return add_notice(state, command.path.filename().string() +
+                                   (names.empty() ? ": holds no value per vertex; save one as \"stiffness\"."
+                                                  : ": holds several values per vertex (" + names +
+                                                        "); name the one to take \"stiffness\"."));
+    }
+    const Topology& topology = *app.snapshot_->document->reference->topology;
+    if (read->triangles.rows() > 0 && read->triangles != topology.triangles())
+      return add_notice(state, command.path.filename().string() +
+                                   ": its faces are not those of the template, so its vertices are others; save the "
+                                   "values on the template's own mesh.");
+    app.session_->apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(std::move(*factors))});
+  }
+  void operator()(const ImportTemplateLandmarks& command) const {
+    const auto read = read_landmarks(command.path);
+    if (!read) return add_notice(state, read.error().sentence());
+    const Document& document = *app.snapshot_->document;
+    const SurfaceSearch search({document.reference->topology, document.reference->points});
+    constexpr double most_mm = 10;
+    std::string away;
+    bool joined = false;
+    for (const Landmark& landmark : *read) {
+      const auto nearest = search.nearest(landmark.position);
+      if (nearest.distance_mm > most_mm) {
+        away += (away.empty() ? "" : ", ") + landmark.name + " (" + std::to_string(std::lround(nearest.distance_mm)) +
+                " mm)";
+        continue;
+      }
+      const Vec3 on_mesh = nearest.at.interpolate(*document.reference->topology, *document.shape().points).transpose();
+      app.session_->apply(SetTemplateLandmark{landmark.name, on_mesh}, std::exchange(joined, true));
+    }
+    if (!away.empty())
+      add_notice(state, command.path.filename().string() + ": left out what lies away from the template: " + away +
+                            "; check that the points are in the template's own frame.");
+  }
+  void operator()(const ExportTemplateLandmarks& command) const {
+    write(command.path, [landmarks = app.displayed_->reference->landmarks](const auto& path, Progress&) {
+      return write_landmarks(landmarks, path);
+    });
+  }
+  void operator()(const MakeTemplate&) const {
+    TemplateSettings settings = state.template_settings;
+    if (!app.labels_) return;
+    if (settings.label == 0 && !app.label_values_.empty()) settings.label = app.label_values_.front();
+    settings.mask.label = settings.tube_options.label = settings.label;
+    settings.mask.frame = settings.tube_options.frame = std::min(app.displayed_->frame, app.labels_->frames - 1);
+    settings.tube_options.outer_label =
+        settings.outer_label != 0 ? std::optional<int>(settings.outer_label) : std::nullopt;
+    if (settings.axis_by_ruler && state.ruler)
+      settings.tube_options.base_and_apex = {state.ruler->from, state.ruler->to};
+    state.shown_stage.reset();
+    app.making_shown_ = true;
+    app.template_maker_.start(app.labels_, app.labels_name_, settings);
+  }
+  void operator()(const CancelTemplate&) const { app.template_maker_.cancel(); }
+  void operator()(const UndoTemplate&) const {
+    app.template_maker_.undo();
+    state.shown_stage.reset();
+  }
+  void operator()(const CloseTemplateMaking&) const {
+    app.making_shown_ = false;
+    app.template_maker_.forget();
+  }
+  void operator()(const UseMadeTemplate& command) const {
+    const auto making = app.template_maker_.latest();
+    if (!making || !making->mesh) return;
+    const TemplateSettings& settings = making->settings;
+    const auto provenance = settings.tube ? provenance_of(making->source, settings.tube_options)
+                                          : provenance_of(making->source, settings.mask);
+    const auto written = write_mesh_file(template_file(*making->mesh, provenance), command.path);
+    if (!written) return add_notice(state, written.error().sentence());
+    app.making_shown_ = false;
+    app.template_maker_.forget();
+    OpenRequest request;
+    request.template_source = command.path.string();
+    app.opener_.start(std::move(request));
+  }
+  void operator()(const StartFit&) const {
+    if (!app.labels_ || !app.displayed_->has_shape()) return;
+    stop_playing();
+    FitSettings settings = state.fit_settings;
+    if (settings.label == 0 && !app.label_values_.empty()) settings.label = app.label_values_.front();
+    state.last_fit.reset();
+    app.fit_seen_ = false;
+    app.fitter_.start_fit(app.snapshot_->document, {app.labels_, app.labels_name_}, settings);
+  }
+  void operator()(const RefineLandmarks&) const {
+    if (!app.displayed_->has_shape()) return;
+    stop_playing();
+    app.fitter_.start_refinement(app.snapshot_->document);
+  }
+  void operator()(const BlendModel& command) const { app.blend_model(command); }
+  void operator()(const CompleteByModel&) const {
+    if (auto complete = app.model_help_.completion(state.model_help))
+      app.session_->apply_computed(std::move(complete), true);
+  }
+  void operator()(const CancelFit&) const { app.cancel_fit(); }
+  void operator()(const ExportPicture& command) const { write_drawn(app.picture(command.options), command.path); }
+  void operator()(const ShowRecovery&) const {
+    if (auto found = cases_to_recover(); !found.empty())
+      state.dialog = RecoverDialog{std::move(found), {}};
+    else
+      add_notice(state, "No case waits to be recovered.", false);
+  }
+  void operator()(const RecoverCase& command) const {
+    OpenRequest request;
+    request.case_file = command.path;
+    app.opener_.start(std::move(request));
+  }
+  void operator()(const DiscardCase& command) const {
+    std::error_code ignored;
+    if (Journal::in_use(command.path))
+      add_notice(state, "That case was recovered in another window; it is not deleted.");
+    else
+      std::filesystem::remove(command.path, ignored);
+    if (!state.dialog) return;
+    auto* recover = std::get_if<RecoverDialog>(&*state.dialog);
+    if (recover == nullptr) return;
+    std::erase_if(recover->found, [&](const auto& found) { return found.journal == command.path; });
+    if (recover->found.empty()) state.dialog.reset();
+  }
+  void operator()(const AcceptFileDialog&) const {
+    if (state.dialog && std::holds_alternative<FileDialog>(*state.dialog)) accept_file_dialog(state, app.out_);
+  }
+  void operator()(const AcceptReplacement&) const {
+    if (state.dialog && std::holds_alternative<ReplaceDialog>(*state.dialog)) accept_replacement(state, app.out_);
+  }
+  void operator()(const ShowFrame& command) const {
+    app.session_->apply(SetFrame{command.frame});
+    state.shown_frame.reset();
+  }
+  void operator()(const PlayFrames& command) const {
+    if (command.play)
+      state.playing = true;
+    else
+      stop_playing();
+  }
+  void operator()(const FitViews&) const { fit_views(state, *app.displayed_, app.layout_); }
+  void operator()(const ModelsCommand& command) const {
+    if (!write_from_models(command)) app.models_.run(command, state, *app.snapshot_, app.out_);
+  }
+  void operator()(const Quit& command) const {
+    if (has_unsaved_edits(*app.snapshot_) && !command.sure)
+      state.dialog = QuitDialog{};
+    else if (const auto file = app.exports_.running()) {
+      app.quit_when_written_ = true;
+      add_notice(state, "Homolog closes as soon as " + file->path.filename().string() + " is written.", false);
+    } else
+      app.quit_ = true;
+  }
+
+ private:
+  bool nothing_open() const { return !app.displayed_->volume && !app.displayed_->reference; }
+  /// Dropped on the Models mode: studies are opened, all else becomes a case of the study.
+  void open_in_models(const std::vector<std::filesystem::path>& paths) const {
+    for (const auto& path : paths)
+      if (path.string().ends_with(".study.json")) return app.out_.send(OpenStudy{path});
+    app.out_.send(AddCases{paths});
+  }
+  void stop_playing() const {
+    state.playing = false;
+    if (state.shown_frame) app.session_->apply(SetFrame{*state.shown_frame});
+    state.shown_frame.reset();
+  }
+  /// What a command of the Models mode asks to be written; false where it asks for something else.
+  bool write_from_models(const ModelsCommand& command) const {
+    const ModelsState& models = state.models;
+    if (const auto* model = std::get_if<ExportModel>(&command)) {
+      if (models.model)
+        write(model->path, [of = models.model](const auto& path, Progress&) { return write_model(of->model, path); });
+    } else if (const auto* table = std::get_if<ExportEvaluation>(&command)) {
+      if (models.evaluation)
+        write(table->path,
+              [of = models.evaluation](const auto& path, Progress&) { return write_evaluation(*of, path); });
+    } else if (const auto* plots = std::get_if<ExportPlots>(&command)) {
+      if (models.evaluation) write_drawn(app.plots_picture({std::nullopt, 1800, 560, false}), plots->path);
+    } else {
+      return false;
+    }
+    return true;
+  }
+  /// Has a file written; `how` keeps what it is written from.
+  template <class How>
+  void write(const std::filesystem::path& path, How how) const {
+    app.exports_.start(path, [path, how = std::move(how)](Progress& progress) { return how(path, progress); });
+  }
+  void write_drawn(Result<Picture> picture, const std::filesystem::path& path) const {
+    if (!picture) return add_notice(state, picture.error().sentence());
+    write(path, [picture = std::move(*picture)](const auto& to, Progress&) { return write_picture(picture, to); });
+  }
+};
+
+void EditorApp::run_commands() {
+  // Commands may send further ones.
+  for (auto commands = out_.take(); !commands.empty(); commands = out_.take())
+    for (const Command& command : commands) std::visit(CommandRunner{*this}, command);
+}
+
+}  // namespace homolog

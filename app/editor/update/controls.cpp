@@ -1,0 +1,126 @@
+#include "app/editor/update/controls.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace homolog {
+
+namespace {
+
+constexpr double wheel_zoom = 1.12, wheel_sigma = 1.1, double_click_seconds = 0.35, pick_reach_units = 8;
+
+void turn_wheel(EditorState& state, const InputEvent& event, double steps, const ControlsContext& context,
+                Outbox& out) {
+  if (state.drag && std::holds_alternative<StrokeDrag>(*state.drag)) {
+    set_sigma(state, state.sigma_mm() * std::pow(wheel_sigma, steps));
+    std::get<StrokeDrag>(*state.drag).stroke.sigma_mm = state.sigma_mm();
+    if (const auto action = drag_action(state)) out.preview(action);
+    return;
+  }
+  if (!state.hover || event.over_panel) return;
+  const ViewKind kind = state.hover->view;
+  if (kind == ViewKind::space) {
+    state.camera.distance_mm = std::clamp(state.camera.distance_mm * std::pow(wheel_zoom, -steps), 5.0, 20000.0);
+  } else if (event.ctrl) {
+    // The point under the pointer stays where it is.
+    const Vec3 before = view_map(state, context, kind).on_facing_plane(event.x_px, event.y_px, state.crosshair_mm);
+    SlicePan& pan = state.slices[index_of(kind)];
+    pan.mm_per_px = std::clamp(pan.mm_per_px * std::pow(wheel_zoom, -steps), 0.005, 20.0);
+    const Vec3 after = view_map(state, context, kind).on_facing_plane(event.x_px, event.y_px, state.crosshair_mm);
+    pan.centre_mm += before - after;
+  } else {
+    scroll_slice(state, kind, context.document, steps);
+    state.preferences.hints.scrolled = true;
+  }
+}
+
+bool is_double_click(EditorState& state, const InputEvent& event) {
+  const LastPress last = state.last_press;
+  state.last_press = {event.x_px, event.y_px, event.seconds};
+  const double reach = 4;
+  const bool second = event.seconds - last.seconds < double_click_seconds &&
+                      std::hypot(event.x_px - last.x_px, event.y_px - last.y_px) < reach;
+  if (second) state.last_press.seconds = -1;
+  return second;
+}
+
+}  // namespace
+
+ViewMap view_map(const EditorState& state, const ControlsContext& context, ViewKind kind) {
+  const RectPx& rect = context.layout.image(kind);
+  if (kind == ViewKind::space) return {rect, state.camera};
+  return {rect, slice_view(state, kind, geometry_of(context.document))};
+}
+
+void update_hover(EditorState& state, const ControlsContext& context, double x_px, double y_px) {
+  const auto kind = context.layout.view_at(x_px, y_px);
+  if (!kind) {
+    state.hover.reset();
+    return;
+  }
+  Hover hover;
+  hover.view = *kind;
+  hover.x_px = x_px;
+  hover.y_px = y_px;
+  const ViewMap map = view_map(state, context, *kind);
+  if (map.is_slice()) hover.p_mm = map.on_facing_plane(x_px, y_px, state.crosshair_mm);
+  if (context.document.has_shape()) {
+    const Points& points = *context.document.shape().points;
+    const Topology& topology = *context.document.reference->topology;
+    const float scale = context.layout.scale;
+    const double reach_mm = pick_reach_units * scale * map.mm_per_px(state.crosshair_mm);
+    if (map.is_slice()) {
+      hover.on_mesh = nearest_on_outline(topology, points, map.slice(), *hover.p_mm, reach_mm);
+    } else {
+      const Ray ray = map.ray(x_px, y_px);
+      hover.on_mesh = first_on_surface(topology, points, ray);
+      const bool hidden = hover.on_mesh && hidden_by_planes(shown_planes(state, context.document),
+                                                            geometry_of(context.document), ray, *hover.on_mesh);
+      if (hidden) hover.on_mesh.reset();
+      hover.p_mm = hover.on_mesh;
+    }
+    const double slice_reach_mm =
+        0.75 * slice_step_mm(geometry_of(context.document), map.into_screen()) + landmark_radius_mm;
+    hover.landmark =
+        landmark_at(map, context.document.shape().landmarks, x_px, y_px, slice_reach_mm, context.layout.scale);
+    if (state.tool == MouseTool::place)
+      if (const auto handles = placement_handles(map, points, scale)) hover.part = part_at(*handles, x_px, y_px, scale);
+  }
+  state.hover = std::move(hover);
+}
+
+void handle_event(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
+  if (const auto* pressed = std::get_if<KeyPress>(&event.what)) {
+    press_key(state, event, pressed->key, context, out);
+  } else if (const auto* press = std::get_if<MousePress>(&event.what)) {
+    if (state.drag || event.over_panel || state.dialog) return;
+    update_hover(state, context, event.x_px, event.y_px);
+    if (!state.hover) return;
+    if (press->button == MouseButton::left && is_double_click(state, event)) {
+      const ViewKind kind = state.hover->view;
+      state.maximised = state.maximised ? std::nullopt : std::optional(kind);
+      return;
+    }
+    start_drag(state, event, press->button, context, out);
+  } else if (const auto* release = std::get_if<MouseRelease>(&event.what)) {
+    if (state.drag && release->button == state.drag_button) finish_drag(state, context, out);
+  } else if (const auto* wheel = std::get_if<Wheel>(&event.what)) {
+    turn_wheel(state, event, wheel->steps, context, out);
+  } else if (state.drag) {
+    move_drag(state, event, context, out);
+  }
+  if (event.over_panel && !state.drag) {
+    state.hover.reset();
+    return;
+  }
+  // A key that is let go with Shift held comes as a movement to where the pointer is already.
+  const bool moved = state.hover && (state.hover->x_px != event.x_px || state.hover->y_px != event.y_px);
+  update_hover(state, context, event.x_px, event.y_px);
+  const bool moves_crosshair = std::holds_alternative<MouseMove>(event.what) && moved && event.shift && !state.drag;
+  if (moves_crosshair && state.hover && state.hover->p_mm) {
+    state.crosshair_mm = *state.hover->p_mm;
+    settle_crosshair(state, context.document);
+  }
+}
+
+}  // namespace homolog

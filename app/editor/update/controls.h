@@ -1,0 +1,78 @@
+#pragma once
+
+#include <variant>
+
+#include "app/editor/picking/picking.h"
+#include "app/editor/state/state.h"
+#include "app/editor/update/commands.h"
+
+namespace homolog {
+
+/// Keys by GLFW's codes: printable ones are their capital letter in ASCII.
+namespace key {
+inline constexpr int escape = 256, enter = 257, tab = 258, backspace = 259, right = 262, left = 263, down = 264,
+                     up = 265, page_up = 266, page_down = 267, f1 = 290, keypad_enter = 335;
+}
+struct MouseMove {};
+struct MousePress {
+  MouseButton button = MouseButton::left;
+};
+struct MouseRelease {
+  MouseButton button = MouseButton::left;
+};
+struct Wheel {
+  double steps = 0;  ///< up is positive
+};
+struct KeyPress {
+  int key = 0;
+};
+
+/// One thing the user did, with where the pointer was and what was held, taken from the window system at once.
+struct InputEvent {
+  std::variant<MouseMove, MousePress, MouseRelease, Wheel, KeyPress> what;
+  double x_px = 0, y_px = 0;
+  bool shift = false, ctrl = false, alt = false;
+  double seconds = 0;       ///< a clock, for double clicks
+  bool over_panel = false;  ///< the interface takes the pointer: only keys and running drags are for the views
+};
+
+/// What the controls look at.
+struct ControlsContext {
+  const Layout& layout;
+  const Document& document;  ///< as shown
+  bool can_undo = false, can_redo = false;
+};
+
+/// Does what an event asks for: changes the state, and sends edits and other commands.
+void handle_event(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out);
+
+/// How the view that is `kind` maps mm to px now.
+ViewMap view_map(const EditorState& state, const ControlsContext& context, ViewKind kind);
+/// Pointer and what it is over, anew: after a scroll, or when the mesh moved beneath it.
+void update_hover(EditorState& state, const ControlsContext& context, double x_px, double y_px);
+
+// Parts of handle_event.
+void press_key(EditorState& state, const InputEvent& event, int key, const ControlsContext& context, Outbox& out);
+/// In the Models mode; false for the keys of both modes.
+bool press_models_key(EditorState& state, const InputEvent& event, int key, Outbox& out);
+void start_drag(EditorState& state, const InputEvent& event, MouseButton button, const ControlsContext& context,
+                Outbox& out);
+void move_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out);
+void finish_drag(EditorState& state, const ControlsContext& context, Outbox& out);
+void cancel_drag(EditorState& state, Outbox& out);
+
+/// Opens the file dialog where it was left.
+void show_file_dialog(EditorState& state, FilePurpose purpose, std::string name = {});
+/// Does what the file dialog's choice is for, and closes it; enters a folder instead where one is chosen, and asks
+/// first where a file would be replaced.
+void accept_file_dialog(EditorState& state, Outbox& out);
+/// Does it with the file that is there already.
+void accept_replacement(EditorState& state, Outbox& out);
+
+/// One stamp of the stiffness or the confirm brush.
+std::optional<Action> brush_action(const EditorState& state, const Document& document, const Vec3& at);
+/// What the drag would do, as it is now: shown while it goes on, committed when it ends. Nothing where it edits
+/// nothing (yet).
+std::optional<Action> drag_action(const EditorState& state);
+
+}  // namespace homolog

@@ -1,0 +1,36 @@
+#include "app/editor/update/demo.h"
+
+#include <algorithm>
+
+#include "core/placement/similarity_fit.h"
+
+namespace homolog {
+
+Result<Document> demo_document(Organ organ, int subject) {
+  const std::string name = organ_name(organ);
+  auto reference = load_template("built-in:" + name);
+  if (!reference) return fail(reference.error());
+  PhantomSubject phantom = make_phantom(organ, subject);
+  auto volume = std::make_shared<const Volume>(std::move(phantom.image));
+  Document document = new_document("phantom:" + name + ":" + std::to_string(subject), volume, *reference);
+
+  const auto& landmarks = (*reference)->landmarks;
+  std::vector<std::pair<Vec3, Vec3>> pairs;
+  for (const Landmark& from : landmarks) {
+    const auto to = std::find_if(phantom.landmarks.begin(), phantom.landmarks.end(),
+                                 [&](const Landmark& l) { return l.name == from.name; });
+    if (to != phantom.landmarks.end()) pairs.emplace_back(from.position, to->position);
+  }
+  Points from(pairs.size(), 3), to(pairs.size(), 3);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    from.row(static_cast<Eigen::Index>(i)) = pairs[i].first;
+    to.row(static_cast<Eigen::Index>(i)) = pairs[i].second;
+  }
+  Shape& shape = document.shapes.at(0);
+  shape.placement = fit_similarity(from, to, shape.placement);
+  shape.placed = std::make_shared<const Points>(shape.placement.apply((*reference)->points));
+  shape.reference = shape.points = shape.placed;
+  return document;
+}
+
+}  // namespace homolog

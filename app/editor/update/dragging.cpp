@@ -1,0 +1,210 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "app/editor/update/controls.h"
+#include "app/editor/work/snaps.h"
+
+namespace homolog {
+
+namespace {
+
+void start_left_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
+  const Hover& hover = *state.hover;
+  const ViewMap map = view_map(state, context, hover.view);
+  const bool in_space = hover.view == ViewKind::space;
+  // What is taken hold of belongs to the frame that is shown.
+  const auto stay_at_frame = [&] {
+    if (state.playing) out.send(PlayFrames{false});
+  };
+  if (const auto tool = stroke_tool(state.tool)) {
+    if (hover.on_mesh) {
+      stay_at_frame();
+      StrokeDrag drag;
+      drag.view = hover.view;
+      drag.stroke.tool = *tool;
+      drag.stroke.at = drag.stroke.to = *hover.on_mesh;
+      drag.stroke.sigma_mm = state.sigma_mm();
+      drag.stroke.through_space = state.through_space;
+      drag.stroke.strength = state.relax_strength;
+      drag.press_mm = map.on_facing_plane(event.x_px, event.y_px, *hover.on_mesh);
+      state.drag = drag;
+      return;
+    }
+  } else if (state.tool == MouseTool::place && hover.part != PlacePart::none && context.document.has_shape()) {
+    stay_at_frame();
+    PlaceDrag drag;
+    drag.view = hover.view;
+    drag.part = hover.part;
+    drag.start = drag.now = context.document.shape().placement;
+    drag.centre_mm = bounds_of(*context.document.shape().points).center();
+    drag.press_mm = map.on_facing_plane(event.x_px, event.y_px, drag.centre_mm);
+    state.drag = drag;
+    return;
+  } else if (state.tool == MouseTool::landmark && context.document.has_shape() && hover.p_mm) {
+    stay_at_frame();
+    const auto& placed = context.document.shape().landmarks;
+    if (const auto known = placed.find(hover.landmark); known != placed.end()) {
+      state.drag = LandmarkDrag{hover.view, known->first, known->second, known->second - *hover.p_mm, false};
+      return;
+    }
+    if (!state.landmark.empty()) {
+      state.drag = LandmarkDrag{hover.view, state.landmark, *hover.p_mm};
+      out.preview(drag_action(state));
+      return;
+    }
+  } else if ((state.tool == MouseTool::stiffness || state.tool == MouseTool::confirm) && hover.on_mesh) {
+    stay_at_frame();
+    state.drag = BrushDrag{hover.view, *hover.on_mesh, event.alt};
+    out.apply(*brush_action(state, context.document, *hover.on_mesh));
+    return;
+  } else if (state.tool == MouseTool::template_landmark && hover.on_mesh) {
+    if (!state.template_landmark.empty()) out.apply(SetTemplateLandmark{state.template_landmark, *hover.on_mesh});
+    return;
+  } else if (state.tool == MouseTool::ruler && hover.p_mm) {
+    state.ruler = Ruler{*hover.p_mm, *hover.p_mm};
+    state.drag = RulerDrag{hover.view};
+    return;
+  }
+  if (in_space) state.drag = TurnDrag{event.x_px, event.y_px, state.camera};
+}
+
+}  // namespace
+
+std::optional<Action> brush_action(const EditorState& state, const Document& document, const Vec3& at) {
+  const auto* drag = state.drag ? std::get_if<BrushDrag>(&*state.drag) : nullptr;
+  const bool reversed = drag != nullptr && drag->reversed;
+  const BrushSettings& brush = state.brush;
+  if (state.tool == MouseTool::stiffness) {
+    const std::string region = reversed ? std::string() : brush.region;
+    switch (brush.paints) {
+      case BrushPaints::factor:
+        return PaintStiffness{at, brush.radius_mm, document.stiffness_base * (reversed ? 1 : brush.stiffness_factor),
+                              brush.soft};
+      case BrushPaints::region:
+        return PaintRegion{region, at, brush.radius_mm, brush.soft};
+      case BrushPaints::smooth:
+        return SmoothStiffness{at, brush.radius_mm, 0.5};
+      case BrushPaints::fill:
+        return FillRegion{region, at, brush.fill_by, brush.fill_tolerance_per_mm};
+    }
+  }
+  if (state.tool == MouseTool::confirm) return Confirm{at, state.brush.radius_mm, state.brush.hold != reversed};
+  return std::nullopt;
+}
+
+void start_drag(EditorState& state, const InputEvent& event, MouseButton button, const ControlsContext& context,
+                Outbox& out) {
+  const ViewKind kind = state.hover->view;
+  const bool in_space = kind == ViewKind::space;
+  state.drag_button = button;
+  switch (button) {
+    case MouseButton::left:
+      return start_left_drag(state, event, context, out);
+    case MouseButton::middle:
+      state.drag = PanDrag{kind, event.x_px, event.y_px,
+                           in_space ? state.camera.target : state.slices[index_of(kind)].centre_mm};
+      return;
+    case MouseButton::right:
+      if (in_space)
+        state.drag = TurnDrag{event.x_px, event.y_px, state.camera};
+      else
+        state.drag = WindowDrag{event.x_px, event.y_px, state.window_low, state.window_high};
+      return;
+  }
+}
+
+void move_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
+  const auto map_of = [&](ViewKind kind) { return view_map(state, context, kind); };
+  const double scale = context.layout.scale;
+  if (auto* pan = std::get_if<PanDrag>(&*state.drag)) {
+    const ViewMap map = map_of(pan->view);
+    const Vec3 anchor = pan->start_mm;
+    const Vec3 moved =
+        map.on_facing_plane(event.x_px, event.y_px, anchor) - map.on_facing_plane(pan->x_px, pan->y_px, anchor);
+    (pan->view == ViewKind::space ? state.camera.target : state.slices[index_of(pan->view)].centre_mm) =
+        pan->start_mm - moved;
+  } else if (auto* window = std::get_if<WindowDrag>(&*state.drag)) {
+    // Sideways widens, upwards brightens, by shares of the width: the same feel for CT and MR.
+    const double width = window->high - window->low, centre = (window->high + window->low) / 2;
+    const double new_width = width * std::exp((event.x_px - window->x_px) / (200 * scale));
+    const double new_centre = centre + (event.y_px - window->y_px) / (300 * scale) * width;
+    state.window_low = new_centre - new_width / 2;
+    state.window_high = new_centre + new_width / 2;
+  } else if (auto* turn = std::get_if<TurnDrag>(&*state.drag)) {
+    state.camera = turned(turn->start, (event.x_px - turn->x_px) / scale, (event.y_px - turn->y_px) / scale);
+    state.preferences.hints.turned_camera = true;
+  } else if (auto* stroke = std::get_if<StrokeDrag>(&*state.drag)) {
+    const Vec3 cursor = map_of(stroke->view).on_facing_plane(event.x_px, event.y_px, stroke->stroke.at);
+    stroke->stroke.to = stroke->stroke.at + (cursor - stroke->press_mm);
+    stroke->moved = stroke->moved || cursor != stroke->press_mm;
+    if (stroke->moved) out.preview(stroke->stroke);
+  } else if (auto* place = std::get_if<PlaceDrag>(&*state.drag)) {
+    place->now = dragged_placement(*place, map_of(place->view), event.x_px, event.y_px);
+    out.preview(SetPlacement{place->now});
+  } else if (auto* landmark = std::get_if<LandmarkDrag>(&*state.drag)) {
+    update_hover(state, context, event.x_px, event.y_px);
+    if (state.hover && state.hover->view == landmark->view && state.hover->p_mm) {
+      const Vec3 to = *state.hover->p_mm + landmark->from_pointer;
+      landmark->moved = landmark->moved || to != landmark->to;
+      landmark->to = to;
+      out.preview(drag_action(state));
+    }
+  } else if (auto* brush = std::get_if<BrushDrag>(&*state.drag)) {
+    update_hover(state, context, event.x_px, event.y_px);
+    const bool fills = state.tool == MouseTool::stiffness && state.brush.paints == BrushPaints::fill;
+    const double step_mm = fills ? std::numeric_limits<double>::infinity() : state.brush.radius_mm / 2;
+    if (state.hover && state.hover->on_mesh && (*state.hover->on_mesh - brush->last_at).norm() >= step_mm) {
+      brush->last_at = *state.hover->on_mesh;
+      out.apply(*brush_action(state, context.document, brush->last_at), true);
+    }
+  } else if (auto* ruler = std::get_if<RulerDrag>(&*state.drag)) {
+    // In space both ends lie on the surface: a length across the screen would be too short.
+    update_hover(state, context, event.x_px, event.y_px);
+    if (state.hover && state.hover->view == ruler->view && state.hover->p_mm) state.ruler->to = *state.hover->p_mm;
+  }
+}
+
+std::optional<Action> drag_action(const EditorState& state) {
+  if (!state.drag) return std::nullopt;
+  if (const auto* stroke = std::get_if<StrokeDrag>(&*state.drag))
+    return stroke->moved ? std::optional<Action>(stroke->stroke) : std::nullopt;
+  if (const auto* place = std::get_if<PlaceDrag>(&*state.drag))
+    return place->now == place->start ? std::nullopt : std::optional<Action>(SetPlacement{place->now});
+  if (const auto* landmark = std::get_if<LandmarkDrag>(&*state.drag))
+    return landmark->moved ? std::optional<Action>(PlaceLandmark{landmark->name, landmark->to}) : std::nullopt;
+  return std::nullopt;
+}
+
+void finish_drag(EditorState& state, const ControlsContext& context, Outbox& out) {
+  if (const auto action = drag_action(state)) {
+    out.apply(*action);
+    if (const auto* stroke = std::get_if<Stroke>(&*action)) {
+      state.preferences.hints.dragged = true;
+      if (moves_boundary(stroke->tool)) {
+        if (state.snap.with_strokes && context.document.volume)
+          out.send(SnapMesh{snap_region(context.document, *stroke), true});
+        if (state.model_help > 0) out.send(CompleteByModel{});
+      }
+    }
+    if (const auto* placed = std::get_if<PlaceLandmark>(&*action))
+      state.landmark = next_unplaced_landmark(context.document, placed->name);
+  }
+  if (std::holds_alternative<RulerDrag>(*state.drag) && state.ruler->length_mm() == 0) state.ruler.reset();
+  state.drag.reset();
+}
+
+void cancel_drag(EditorState& state, Outbox& out) {
+  if (drag_action(state)) out.preview(std::nullopt);
+  if (const auto* window = std::get_if<WindowDrag>(&*state.drag)) {
+    state.window_low = window->low;
+    state.window_high = window->high;
+  } else if (const auto* turn = std::get_if<TurnDrag>(&*state.drag)) {
+    state.camera = turn->start;
+  } else if (std::holds_alternative<RulerDrag>(*state.drag)) {
+    state.ruler.reset();
+  }
+  state.drag.reset();
+}
+
+}  // namespace homolog

@@ -1,0 +1,255 @@
+#include "app/editor/update/models.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "core/mesh/mesh_quality.h"
+#include "core/model/repair.h"
+#include "core/model/statismo.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A study's file that is not there yet.
+fs::path new_study_file() {
+  std::error_code ignored;
+  fs::create_directories(studies_folder(), ignored);
+  for (int number = 1;; ++number) {
+    const fs::path path = studies_folder() / ("study-" + std::to_string(number) + ".study.json");
+    if (!fs::exists(path, ignored)) return path;
+  }
+}
+
+bool is_study_case(const Study& study, const fs::path& file) {
+  return !file.empty() &&
+         std::any_of(study.cases.begin(), study.cases.end(), [&](const StudyCase& one) { return one.file == file; });
+}
+
+/// The open case, where it is one of the study's.
+std::shared_ptr<const Document> open_document(const ModelsState& state, const Snapshot& snapshot) {
+  return is_study_case(state.study, snapshot.file) ? snapshot.document : nullptr;
+}
+
+void tell(EditorState& state, const Result<void>& done, const fs::path& path) {
+  add_notice(state, done ? "Written: " + path.string() : done.error().sentence(), !done);
+}
+
+}  // namespace
+
+void Models::open_study(EditorState& state, const fs::path& path) {
+  auto read = read_study(path);
+  if (!read) return add_notice(state, read.error().sentence());
+  // What was said of the study before does not concern this one.
+  std::erase_if(state.notices, [&](const Notice& notice) {
+    return std::find(told_.begin(), told_.end(), notice.text) != told_.end();
+  });
+  told_.clear();
+  tell_once(state, read->warnings, true);
+  show_study(state.models, std::move(read->study), fs::absolute(path).lexically_normal());
+  written_revision_ = state.models.study_revision;
+}
+
+void Models::run(const ModelsCommand& command, EditorState& state, const Snapshot& snapshot, Outbox& out) {
+  ModelsState& models = state.models;
+  if (const auto* open = std::get_if<OpenStudy>(&command)) {
+    open_study(state, open->path);
+  } else if (const auto* made = std::get_if<NewStudy>(&command)) {
+    if (auto written = write_study({}, made->path); !written) return add_notice(state, written.error().sentence());
+    open_study(state, made->path);
+  } else if (const auto* save = std::get_if<SaveStudyAs>(&command)) {
+    const auto written = write_study(models.study, save->path);
+    if (written) models.study_file = fs::absolute(save->path).lexically_normal();
+    tell(state, written, save->path);
+  } else if (const auto* add = std::get_if<AddCases>(&command)) {
+    if (add_cases(models, add->paths) == 0) add_notice(state, "These shapes are in the study already.", false);
+    if (models.study_file.empty()) models.study_file = new_study_file();
+  } else if (const auto* phantom = std::get_if<OpenPhantomStudy>(&command)) {
+    phantoms_.start([organ = phantom->organ](Progress& progress) {
+      return make_phantom_study(organ, studies_folder() / ("phantom-" + std::string(organ_name(organ))), progress);
+    });
+  } else if (const auto* of = std::get_if<OpenCaseOfStudy>(&command)) {
+    open_case(*of, state, snapshot, out);
+  } else if (const auto* shapes = std::get_if<ExportShapes>(&command)) {
+    export_shapes(*shapes, models);
+  } else if (std::holds_alternative<StartEvaluation>(command)) {
+    if (!models.model) return;
+    evaluator_.start([model = models.model](Progress& progress) -> Result<Evaluated> {
+      const auto most = static_cast<int>(model->components->shapes()) - 2;
+      const EvaluationOptions options{{std::min(most, static_cast<int>(model->model.modes()))}};
+      auto evaluation = evaluate_model(*model->components, model->topology, options, &progress);
+      if (!evaluation) return fail(evaluation.error());
+      return Evaluated{model, std::move(*evaluation)};
+    });
+  } else if (std::holds_alternative<CancelEvaluation>(command)) {
+    evaluator_.cancel();
+  }
+}
+
+void Models::open_case(const OpenCaseOfStudy& command, EditorState& state, const Snapshot& snapshot, Outbox& out) {
+  ModelsState& models = state.models;
+  StudyCase* one = find_case(models.study, command.name);
+  if (one == nullptr) return;
+  if (!is_case_file(one->file)) {
+    const auto file = models.files.find(one->file);
+    if (file == models.files.end())
+      return add_notice(state, one->name + ": could not be read, so there is nothing to open.");
+    const auto made =
+        make_repair_case(*file->second.shapes.frames.at(0), models.model ? models.model->topology : nullptr, one->name,
+                         models.study_file.parent_path() / "repaired");
+    if (!made) return add_notice(state, made.error().sentence());
+    one->imported = std::exchange(one->file, *made);
+    ++models.shapes_revision;
+    ++models.study_revision;
+    add_notice(state,
+               one->name + ": opened as a case of its own, repaired/" + made->filename().string() + "; " +
+                   one->imported.filename().string() + " stays as it is.",
+               false);
+  }
+  models.repair = RepairPlace{one->file, one->frame, command.landmark};
+  models.shown = false;
+  if (snapshot.file != one->file) return out.send(OpenFiles{{one->file}});
+  if (const auto frame = show_repair(state, snapshot)) out.send(ShowFrame{*frame});
+}
+
+void Models::export_shapes(const ExportShapes& command, const ModelsState& models) {
+  std::vector<NamedShape> shapes;
+  for (const StudyCase& one : models.study.cases) {
+    const auto shape = models.shapes.find(one.name);
+    if (shape == models.shapes.end()) continue;
+    const bool is_case = is_case_file(one.file);
+    shapes.push_back({one.name, shape->second, is_case ? one.imported : one.file, is_case || one.flipped});
+  }
+  exporter_.start([shapes = std::move(shapes), command](Progress& progress) -> Result<fs::path> {
+    if (auto written = write_shapes(shapes, command.extension, command.folder, &progress); !written)
+      return fail(written.error());
+    return command.folder;
+  });
+}
+
+std::optional<int> Models::show_repair(EditorState& state, const Snapshot& snapshot) {
+  const auto repair = std::exchange(state.models.repair, std::nullopt);
+  if (!repair || repair->file != snapshot.file) return std::nullopt;
+  const Document& document = *snapshot.document;
+  const int frame = repair->frame.value_or(document.frame);
+  const auto shape = document.shapes.find(frame);
+  if (shape == document.shapes.end()) return std::nullopt;
+  const Points& points = *shape->second.points;
+  if (repair->landmark && *repair->landmark < points.rows()) {
+    const Mesh mesh{document.reference->topology, points};
+    state.crosshair_mm = state.camera.target = points.row(*repair->landmark);
+    look_from_outside(state.camera, vertex_normals(mesh).row(*repair->landmark));
+    state.tool = MouseTool::slide;
+  }
+  return frame == document.frame ? std::nullopt : std::optional(frame);
+}
+
+void Models::build(EditorState& state, const Snapshot& snapshot) {
+  ModelsState& models = state.models;
+  built_revision_ = models.shapes_revision;
+  built_alignment_ = models.alignment;
+  built_document_ = open_document(models, snapshot);
+  StudyModelRequest request{
+      models.study.cases, models.study.template_file, models.alignment, models.files, built_document_, snapshot.file};
+  builder_.start([request = std::move(request)](Progress& progress) { return build_study_model(request, progress); });
+}
+
+void Models::take_built(EditorState& state, StudyModelBuilt built) {
+  state.models.files = std::move(built.known);
+  state.models.shapes = std::move(built.shapes);
+  state.models.mirrored = std::move(built.mirrored);
+  take_model(state.models, std::move(built.model));
+  state.models.model_error = std::move(built.error);
+  // Where nothing can be read the window says so itself.
+  if (state.models.model || state.models.model_error.empty() || !state.models.shapes.empty())
+    tell_once(state, built.refusals, true);
+  tell_once(state, built.warnings, false);
+}
+
+void Models::tell_once(EditorState& state, const std::vector<std::string>& sentences, bool error) {
+  constexpr std::size_t most = 3;
+  std::vector<std::string> fresh;
+  for (const std::string& sentence : sentences)
+    if (std::find(told_.begin(), told_.end(), sentence) == told_.end()) fresh.push_back(sentence);
+  told_.insert(told_.end(), fresh.begin(), fresh.end());
+  const std::size_t shown = fresh.size() > most ? 1 : fresh.size();
+  for (std::size_t k = 0; k < shown; ++k) add_notice(state, fresh[k], error);
+  if (fresh.size() > shown)
+    add_notice(state, "And " + std::to_string(fresh.size() - shown) + " more cases of which the like is to be said.",
+               error);
+}
+
+void Models::write_study_file(EditorState& state) {
+  ModelsState& models = state.models;
+  written_revision_ = models.study_revision;
+  if (models.study_file.empty()) return;
+  if (auto written = write_study(models.study, models.study_file); !written)
+    add_notice(state, written.error().sentence());
+}
+
+bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds) {
+  ModelsState& models = state.models;
+  bool changed = false;
+  if (auto made = phantoms_.take()) {
+    if (*made)
+      open_study(state, **made);
+    else
+      add_notice(state, made->error().sentence());
+    changed = true;
+  }
+  if (auto exported = exporter_.take()) {
+    tell(state, exported.value().map([](const fs::path&) {}), *exported ? **exported : fs::path());
+    changed = true;
+  }
+  if (written_revision_ != models.study_revision) write_study_file(state);
+  const bool stale = built_revision_ != models.shapes_revision || built_alignment_ != models.alignment ||
+                     built_document_ != open_document(models, snapshot);
+  if (models.shown && stale) build(state, snapshot);
+  if (auto built = builder_.take()) {
+    if (*built)
+      take_built(state, std::move(**built));
+    else
+      models.model_error = built->error().sentence();
+    changed = true;
+  }
+  if (auto evaluated = evaluator_.take()) {
+    if (!*evaluated)
+      add_notice(state, evaluated->error().sentence());
+    else if ((*evaluated)->model == models.model)
+      models.evaluation = std::make_shared<const Evaluation>(std::move((*evaluated)->evaluation));
+    changed = true;
+  }
+  const bool working = builder_.busy() || phantoms_.busy() || evaluator_.busy() || exporter_.busy();
+  changed = changed || working || working != (models.modelling || models.evaluating || models.exporting);
+  models.modelling = builder_.busy() || phantoms_.busy();
+  models.modelling_fraction = phantoms_.busy() ? phantoms_.fraction() : builder_.fraction();
+  models.evaluating = evaluator_.busy();
+  models.evaluating_fraction = evaluator_.fraction();
+  models.exporting = exporter_.busy();
+  models.exporting_fraction = exporter_.fraction();
+  if (models.shown && models.animated_mode) {
+    animate(models, seconds);
+    changed = true;
+  }
+  return changed;
+}
+
+std::optional<double> Models::next_move_seconds(const ModelsState& state) const {
+  constexpr double progress_seconds = 0.1, animation_seconds = 1.0 / 30;
+  if (state.shown && state.animated_mode) return animation_seconds;
+  if (state.modelling || state.evaluating || state.exporting) return progress_seconds;
+  return std::nullopt;
+}
+
+void Models::settle(EditorState& state, const Snapshot& snapshot) {
+  phantoms_.finish();
+  update(state, snapshot, 0);
+  builder_.finish();
+  evaluator_.finish();
+  exporter_.finish();
+  update(state, snapshot, 0);
+}
+
+}  // namespace homolog

@@ -1,0 +1,162 @@
+#include "app/editor/widgets/plots.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+void put_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text) {
+  draw.AddText(font, font->FontSize, {std::round(at.x), std::round(at.y)}, colour, text.c_str());
+}
+
+/// Text as short as the value allows: 0.5, 10, 0.05.
+std::string mark_text(double value, double step) {
+  const int decimals = std::max(0, -static_cast<int>(std::floor(std::log10(step) + 1e-9)));
+  return format("%.*f", decimals, value);
+}
+
+/// How values lie in a plot's field.
+struct Field {
+  ImVec2 low, high;
+  double most = 1;
+  std::size_t count = 1;
+
+  float x(std::size_t m) const {
+    const float share = count > 1 ? static_cast<float>(m) / static_cast<float>(count - 1) : 0.5f;
+    const float inset = std::min((high.x - low.x) / 20, 12.0f);
+    return low.x + inset + share * (high.x - low.x - 2 * inset);
+  }
+  float y(double value) const {
+    return high.y - static_cast<float>(std::clamp(value / most, 0.0, 1.0)) * (high.y - low.y);
+  }
+};
+
+void draw_axes(ImDrawList& draw, const Theme& theme, const Field& field, const std::vector<double>& marks) {
+  const double step = marks.size() > 1 ? marks[1] : 1;
+  for (const double mark : marks) {
+    const float y = std::round(field.y(mark));
+    draw.AddLine({field.low.x, y}, {field.high.x, y}, mark == 0 ? palette::faint : palette::line);
+    const std::string text = mark_text(mark, step);
+    const ImVec2 size = text_size(theme.small, text);
+    put_text(draw, theme.small, {field.low.x - theme.px(6) - size.x, y - size.y / 2}, palette::dim, text);
+  }
+  const float room = text_size(theme.small, "00").x + theme.px(8);
+  const auto every = static_cast<std::size_t>(
+      std::max(1.0f, std::ceil(room * static_cast<float>(field.count) / (field.high.x - field.low.x))));
+  for (std::size_t m = 0; m < field.count; m += every) {
+    const std::string text = std::to_string(m + 1);
+    const float x = field.x(m);
+    draw.AddLine({x, field.high.y}, {x, field.high.y + theme.px(3)}, palette::faint);
+    put_text(draw, theme.small, {x - text_size(theme.small, text).x / 2, field.high.y + theme.px(4)}, palette::dim,
+             text);
+  }
+}
+
+void draw_values(ImDrawList& draw, const Theme& theme, const Field& field, const Plot& plot) {
+  std::vector<ImVec2> line;
+  const float cap = theme.px(2), thick = std::max(theme.scale, 1.0f);
+  for (std::size_t m = 0; m < plot.measures.size(); ++m) {
+    const Measured& value = plot.measures[m];
+    const float x = field.x(m);
+    const float low = field.y(plot.factor * (value.mean - value.standard_error));
+    const float high = field.y(plot.factor * (value.mean + value.standard_error));
+    const ImU32 bar = with_alpha(palette::accent, 0.45f);
+    draw.AddLine({x, low}, {x, high}, bar, thick);
+    draw.AddLine({x - cap, low}, {x + cap + 1, low}, bar, thick);
+    draw.AddLine({x - cap, high}, {x + cap + 1, high}, bar, thick);
+    line.push_back({x, field.y(plot.factor * value.mean)});
+  }
+  draw.AddPolyline(line.data(), static_cast<int>(line.size()), palette::accent, 0, 1.5f * thick);
+  for (std::size_t m = 0; m < line.size(); ++m) {
+    const bool marked = plot.mark_modes == static_cast<int>(m) + 1;
+    draw.AddCircleFilled(line[m], theme.px(marked ? 4 : 2), marked ? IM_COL32_WHITE : palette::accent);
+  }
+}
+
+void draw_pointed(ImDrawList& draw, const Theme& theme, const Field& field, const Plot& plot, ImVec2 pointer) {
+  std::size_t nearest = 0;
+  for (std::size_t m = 1; m < field.count; ++m)
+    if (std::abs(field.x(m) - pointer.x) < std::abs(field.x(nearest) - pointer.x)) nearest = m;
+  const Measured& value = plot.measures[nearest];
+  const float x = field.x(nearest), y = field.y(plot.factor * value.mean);
+  draw.AddLine({x, field.low.y}, {x, field.high.y}, with_alpha(palette::text, 0.35f));
+  draw.AddCircle({x, y}, theme.px(5), IM_COL32_WHITE, 0, 1.5f);
+  const std::string text =
+      format("%zu %s: %.*f \xc2\xb1 %.*f %s", nearest + 1, nearest == 0 ? "mode" : "modes", plot.decimals,
+             plot.factor * value.mean, plot.decimals, plot.factor * value.standard_error, plot.unit.c_str());
+  const ImVec2 size = text_size(theme.small, text);
+  const float pad = theme.px(6);
+  const float at_x =
+      std::clamp(x - size.x / 2, field.low.x + pad, std::max(field.low.x + pad, field.high.x - size.x - pad));
+  const bool below = y - field.low.y < size.y + 4 * pad;
+  const float at_y = below ? std::min(y + 2 * pad, field.high.y - size.y - pad) : y - size.y - 2 * pad;
+  draw.AddRectFilled({at_x - pad, at_y - pad / 2}, {at_x + size.x + pad, at_y + size.y + pad / 2}, palette::raised,
+                     theme.px(4));
+  put_text(draw, theme.small, {at_x, at_y}, palette::text, text);
+}
+
+}  // namespace
+
+std::vector<double> axis_marks(double most, int count) {
+  if (!(most > 0)) most = 1;
+  const double rough = most / count, decade = std::pow(10, std::floor(std::log10(rough)));
+  double step = 10 * decade;
+  for (const double part : {5.0, 2.0, 1.0})
+    if (part * decade >= rough * (1 - 1e-12)) step = part * decade;
+  std::vector<double> marks;
+  for (int k = 0; marks.empty() || marks.back() < most * (1 - 1e-9); ++k) marks.push_back(k * step);
+  return marks;
+}
+
+std::vector<Plot> plots_of(const Evaluation& evaluation) {
+  const std::optional<int> own = evaluation.modes.empty() ? std::nullopt : std::optional(evaluation.modes.front());
+  const auto of = [&](const char* name) { return *evaluation.find(name); };
+  return {{"Compactness", "%", "share of the variance, %", of("compactness"), 100, 1, 100, own},
+          {"Generalisation", "mm", "RMS to unseen shapes, mm", of("generalization_rms"), 1, 3, {}, own},
+          {"Specificity", "mm", "RMS to the nearest shape, mm", of("specificity_rms"), 1, 3, {}, own}};
+}
+
+void draw_plot(ImDrawList& draw, const Theme& theme, const RectPx& rect, const Plot& plot,
+               std::optional<ImVec2> pointer) {
+  double most = 0;
+  for (const Measured& value : plot.measures) most = std::max(most, plot.factor * (value.mean + value.standard_error));
+  const int steps = rect.height > static_cast<float>(theme.px(200)) ? 5 : 3;
+  std::vector<double> marks = axis_marks(plot.whole ? *plot.whole : most, steps);
+  const double end = plot.whole ? std::max(*plot.whole, 1e-300) : marks.back();
+  if (plot.whole) std::erase_if(marks, [&](double mark) { return mark > end; });
+
+  const float line = theme.small->FontSize;
+  put_text(draw, theme.strong, {rect.x, rect.y}, palette::text, plot.title);
+  const ImVec2 axis = text_size(theme.small, plot.axis);
+  put_text(draw, theme.small, {rect.x + rect.width - axis.x, rect.y + theme.px(2)}, palette::dim, plot.axis);
+  const Field field{{rect.x + theme.px(36), rect.y + theme.strong->FontSize + theme.px(10)},
+                    {rect.x + rect.width, rect.y + rect.height - line - theme.px(8)},
+                    end,
+                    std::max<std::size_t>(plot.measures.size(), 1)};
+  draw_axes(draw, theme, field, marks);
+  const std::string modes = "modes";
+  put_text(draw, theme.small, {rect.x, field.high.y + theme.px(4)}, palette::dim, modes);
+  draw.PushClipRect({field.low.x, field.low.y - theme.px(6)}, {field.high.x, field.high.y + theme.px(6)}, true);
+  draw_values(draw, theme, field, plot);
+  draw.PopClipRect();
+  const bool inside = pointer && pointer->x >= field.low.x && pointer->x <= field.high.x && pointer->y >= field.low.y &&
+                      pointer->y <= field.high.y;
+  if (inside && !plot.measures.empty()) draw_pointed(draw, theme, field, plot, *pointer);
+}
+
+void draw_plots_picture(const Theme& theme, const Evaluation& evaluation, const PictureOptions& options,
+                        ImDrawList& draw) {
+  const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
+  draw.AddRectFilled({0, 0}, {width, height}, palette::surface);
+  const std::vector<Plot> plots = plots_of(evaluation);
+  const float margin = theme.px(32), part = (width - margin) / static_cast<float>(plots.size());
+  for (std::size_t k = 0; k < plots.size(); ++k)
+    draw_plot(draw, theme, {margin + part * static_cast<float>(k), margin, part - margin, height - 2 * margin},
+              plots[k], std::nullopt);
+}
+
+}  // namespace homolog

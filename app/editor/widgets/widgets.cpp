@@ -1,0 +1,345 @@
+#include "app/editor/widgets/widgets.h"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+
+#include "app/editor/widgets/icons.h"
+
+// ImGui's building blocks of controls (SliderBehavior, TempInputScalar) are declared here only.
+#include <imgui_internal.h>
+#include <imgui_stdlib.h>
+
+namespace homolog {
+
+namespace {
+
+constexpr float row_units = 28, label_units = 108, value_units = 76;
+
+float available() {
+  return ImGui::GetContentRegionAvail().x;
+}
+
+void text_at(ImVec2 at, ImU32 colour, const char* text, const char* end = nullptr) {
+  ImGui::GetWindowDrawList()->AddText(at, colour, text, end);
+}
+
+/// Text in the middle of the height, at the left or right edge of a rectangle.
+void text_in(ImVec2 low, ImVec2 high, ImU32 colour, const std::string& text, float align) {
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  text_at({std::floor(low.x + (high.x - low.x - size.x) * align), std::floor(low.y + (high.y - low.y - size.y) / 2)},
+          colour, text.c_str());
+}
+
+/// Makes what follows disabled where there is a refusal, and gives the tip afterwards.
+class Control {
+ public:
+  Control(const Theme& theme, const std::string& tip, const std::string& refusal)
+      : theme_(theme), text_(refusal.empty() ? tip : refusal), disabled_(!refusal.empty()) {
+    ImGui::BeginDisabled(disabled_);
+  }
+  ~Control() { ImGui::EndDisabled(); }
+  Control(const Control&) = delete;
+  Control& operator=(const Control&) = delete;
+  void tip() const {
+    if (!text_.empty() && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) tooltip(theme_, text_);
+  }
+  bool disabled() const { return disabled_; }
+
+ private:
+  const Theme& theme_;
+  std::string text_;
+  bool disabled_;
+};
+
+ImU32 fill_of_item(ImU32 resting) {
+  if (ImGui::IsItemActive()) return palette::pressed;
+  return ImGui::IsItemHovered() ? palette::hovered : resting;
+}
+
+}  // namespace
+
+std::string format(const char* pattern, ...) {
+  std::array<char, 512> text{};
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text.data(), text.size(), pattern, arguments);
+  va_end(arguments);
+  return text.data();
+}
+
+ImVec2 text_size(ImFont* font, const std::string& text) {
+  return font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str());
+}
+
+void progress_bar(const Theme& theme, double fraction) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = theme.px(4);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.AddRectFilled(at, {at.x + width, at.y + height}, palette::pressed, height / 2);
+  draw.AddRectFilled(at, {at.x + width * static_cast<float>(fraction), at.y + height}, palette::accent, height / 2);
+  ImGui::Dummy({width, height});
+}
+
+std::string shortened(const std::string& text, float width_px) {
+  const auto fits = [width_px](const std::string& t) { return ImGui::CalcTextSize(t.c_str()).x <= width_px; };
+  if (fits(text)) return text;
+  std::vector<std::size_t> characters;  // where each begins in UTF-8
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) characters.push_back(i);
+  for (std::size_t kept = characters.size() - 1; kept > 1; --kept) {
+    const std::size_t tail = kept / 2, head = kept - tail;
+    const std::string shorter =
+        text.substr(0, characters[head]) + "\xe2\x80\xa6" + text.substr(characters[characters.size() - tail]);
+    if (fits(shorter)) return shorter;
+  }
+  return "\xe2\x80\xa6";
+}
+
+void tooltip(const Theme& theme, const std::string& text) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(8), theme.px(6)});
+  ImGui::BeginTooltip();
+  ImGui::PushFont(theme.small);
+  ImGui::PushTextWrapPos(theme.px(280));
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::PopFont();
+  ImGui::EndTooltip();
+  ImGui::PopStyleVar();
+}
+
+bool section(const Theme& theme, const char* title, bool open, bool& toggled) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 size{available(), theme.px(36)};
+  toggled = ImGui::InvisibleButton(title, size);
+  const ImVec2 end{at.x + size.x, at.y + size.y};
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.AddLine({at.x - theme.px(12), at.y}, {end.x + theme.px(12), at.y}, palette::line);
+  const ImU32 colour = ImGui::IsItemHovered() ? palette::accent : palette::text;
+  ImGui::PushFont(theme.strong);
+  text_in(at, end, colour, title, 0);
+  ImGui::PopFont();
+  text_in(at, end, palette::dim, open ? icon::down_angle : icon::right_angle, 1);
+  return open;
+}
+
+bool button(const Theme& theme, const std::string& label, const std::string& tip, const std::string& refusal,
+            float width_px, bool primary) {
+  const Control control(theme, tip, refusal);
+  const bool lit = primary && !control.disabled();
+  if (lit) {
+    ImGui::PushStyleColor(ImGuiCol_Button, palette::accent);
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, IM_COL32(0x7D, 0xC0, 0xFF, 255));
+    ImGui::PushStyleColor(ImGuiCol_ButtonActive, IM_COL32(0x9A, 0xCF, 0xFF, 255));
+    ImGui::PushStyleColor(ImGuiCol_Text, palette::on_accent);
+  }
+  const bool pressed = ImGui::Button(label.c_str(), {width_px, theme.px(row_units)});
+  if (lit) ImGui::PopStyleColor(4);
+  control.tip();
+  return pressed;
+}
+
+bool icon_button(const Theme& theme, const char* glyph, const char* id, const std::string& tip,
+                 const std::string& refusal, bool selected, float size_units) {
+  const Control control(theme, tip, refusal);
+  const float side = theme.px(size_units);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const bool pressed = ImGui::InvisibleButton(id, {side, side});
+  const ImVec2 end{at.x + side, at.y + side};
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const ImU32 fill = selected ? with_alpha(palette::accent, 0.18f) : fill_of_item(IM_COL32_BLACK_TRANS);
+  if (fill != IM_COL32_BLACK_TRANS) draw.AddRectFilled(at, end, fill, theme.px(4));
+  ImFont* font = size_units >= 36 ? theme.icons : theme.body;
+  ImGui::PushFont(font);
+  const ImU32 colour = control.disabled() ? palette::faint : selected ? palette::accent : palette::text;
+  text_in(at, end, colour, glyph, 0.5f);
+  ImGui::PopFont();
+  control.tip();
+  return pressed;
+}
+
+bool toggle(const Theme& theme, const char* label, bool& value, const std::string& tip, const std::string& refusal) {
+  const Control control(theme, tip, refusal);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 size{available(), theme.px(24)};
+  const bool turned = ImGui::InvisibleButton(label, size);
+  if (turned) value = !value;
+  const ImVec2 end{at.x + size.x, at.y + size.y};
+  const float width = theme.px(28), height = theme.px(16), middle = at.y + size.y / 2;
+  const ImVec2 low{end.x - width, middle - height / 2}, high{end.x, middle + height / 2};
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const ImU32 track = value ? palette::accent : palette::pressed;
+  draw.AddRectFilled(low, high, control.disabled() ? with_alpha(track, 0.35f) : track, height / 2);
+  const float knob = height / 2 - theme.px(3);
+  draw.AddCircleFilled({value ? high.x - height / 2 : low.x + height / 2, middle}, knob,
+                       value ? palette::on_accent : palette::dim);
+  const ImU32 colour = control.disabled() ? palette::faint : ImGui::IsItemHovered() ? IM_COL32_WHITE : palette::text;
+  text_in(at, end, colour, label, 0);
+  control.tip();
+  return turned;
+}
+
+bool choice(const Theme& theme, const char* id, const std::vector<std::string>& labels, int& chosen,
+            const std::vector<std::string>& tips, const std::string& refusal) {
+  const int before = chosen;
+  ImGui::PushID(id);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = available(), height = theme.px(row_units);
+  // In as many rows as the longest label asks for.
+  float widest = 1;
+  for (const std::string& label : labels) widest = std::max(widest, ImGui::CalcTextSize(label.c_str()).x + theme.px(8));
+  const auto fitting = std::max<std::size_t>(1, static_cast<std::size_t>(width / widest));
+  const std::size_t rows = (labels.size() + fitting - 1) / fitting, columns = (labels.size() + rows - 1) / rows;
+  const float part = width / static_cast<float>(columns);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.AddRectFilled(at, {at.x + width, at.y + height * static_cast<float>(rows)}, palette::raised, theme.px(4));
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, ImGui::GetStyle().ItemSpacing.y});
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const auto index = static_cast<int>(i);
+    const Control control(theme, i < tips.size() ? tips[i] : std::string(), refusal);
+    const auto column = static_cast<float>(i % columns);
+    const ImVec2 low{std::round(at.x + part * column), at.y + height * static_cast<float>(i / columns)};
+    const ImVec2 high{std::round(at.x + part * (column + 1)), low.y + height};
+    ImGui::SetCursorScreenPos(low);
+    if (ImGui::InvisibleButton(labels[i].c_str(), {high.x - low.x, height})) chosen = index;
+    const bool lit = index == before;
+    if (lit) draw.AddRectFilled(low, high, with_alpha(palette::accent, 0.22f), theme.px(4));
+    if (lit) draw.AddRect(low, high, with_alpha(palette::accent, 0.7f), theme.px(4));
+    const ImU32 colour = control.disabled()       ? palette::faint
+                         : lit                    ? palette::text
+                         : ImGui::IsItemHovered() ? palette::text
+                                                  : palette::dim;
+    text_in(low, high, colour, labels[i], 0.5f);
+    control.tip();
+  }
+  ImGui::PopStyleVar();
+  ImGui::PopID();
+  return chosen != before;
+}
+
+bool number_field(const Theme& theme, const char* id, double& value, double per_px, const char* pattern,
+                  const char* unit, float width_px, const std::string& tip, bool& released) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float height = theme.px(24);
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {theme.px(6), (height - ImGui::GetFontSize()) / 2});
+  ImGui::SetNextItemWidth(width_px);
+  ImGui::PushID(id);
+  const ImGuiID item = ImGui::GetID("##number");
+  const bool typing = ImGui::TempInputIsActive(item);
+  // ImGui centres the number of a drag field: hidden here and drawn again at the right edge.
+  if (!typing) ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32_BLACK_TRANS);
+  const bool changed = ImGui::DragScalar("##number", ImGuiDataType_Double, &value, static_cast<float>(per_px), nullptr,
+                                         nullptr, pattern);
+  if (!typing) ImGui::PopStyleColor();
+  ImGui::PopStyleVar();
+  ImGui::PopID();
+  released = ImGui::IsItemDeactivatedAfterEdit();
+  if (ImGui::IsItemHovered() && !tip.empty() && !typing) tooltip(theme, tip);
+  if (!ImGui::TempInputIsActive(item)) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), pattern, value);
+    const bool disabled = (ImGui::GetCurrentContext()->CurrentItemFlags & ImGuiItemFlags_Disabled) != 0;
+    text_in(at, {at.x + width_px - theme.px(6), at.y + height}, disabled ? palette::faint : palette::text,
+            std::string(text.data()) + (unit[0] != 0 ? std::string(" ") + unit : std::string()), 1);
+  }
+  return changed;
+}
+
+bool slider(const Theme& theme, const char* label, double& value, const SliderRange& range, const std::string& tip,
+            bool& released, const std::string& refusal) {
+  const Control control(theme, tip, refusal);
+  ImGui::PushID(label);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = available(), height = theme.px(24);
+  const float label_width = theme.px(label_units), value_width = theme.px(value_units);
+  text_in(at, {at.x + label_width, at.y + height}, control.disabled() ? palette::faint : palette::text, label, 0);
+
+  const ImRect track({at.x + label_width, at.y}, {at.x + width - value_width - theme.px(8), at.y + height});
+  ImGui::SetCursorScreenPos(track.Min);
+  ImGui::InvisibleButton("track", track.GetSize());
+  const ImGuiID id = ImGui::GetItemID();
+  ImRect grab;
+  const ImGuiSliderFlags flags = range.logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None;
+  double slid = std::clamp(value, range.low, range.high);
+  bool changed = !control.disabled() && ImGui::SliderBehavior(track, id, ImGuiDataType_Double, &slid, &range.low,
+                                                              &range.high, range.format, flags, &grab);
+  if (changed) value = slid;
+  released = ImGui::IsItemDeactivated();
+  control.tip();
+  const float middle = track.GetCenter().y, knob_x = grab.GetCenter().x, radius = theme.px(6);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const bool live = !control.disabled();
+  const float half = theme.px(3) / 2;
+  draw.AddRectFilled({track.Min.x, middle - half}, {track.Max.x, middle + half}, palette::pressed, half);
+  if (live) {
+    draw.AddRectFilled({track.Min.x, middle - half}, {knob_x, middle + half}, palette::accent, half);
+    const bool lit = ImGui::IsItemActive() || ImGui::IsItemHovered();
+    draw.AddCircleFilled({knob_x, middle}, radius, lit ? IM_COL32_WHITE : palette::text);
+  }
+  ImGui::SetCursorScreenPos({at.x + width - value_width, at.y});
+  bool typed = false;
+  const double per_px = (range.high - range.low) / 400;
+  if (number_field(theme, "value", value, per_px, range.format, range.unit, value_width, tip, typed)) {
+    value = std::clamp(value, range.low, range.high);
+    changed = true;
+  }
+  released = released || typed;
+  ImGui::PopID();
+  return changed;
+}
+
+bool text_field(const Theme& theme, const char* id, std::string& text, const char* hint, float width_px) {
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {theme.px(6), (theme.px(24) - ImGui::GetFontSize()) / 2});
+  ImGui::SetNextItemWidth(width_px);
+  const bool changed = ImGui::InputTextWithHint(id, hint, &text);
+  ImGui::PopStyleVar();
+  return changed;
+}
+
+bool enter_pressed() {
+  return ImGui::IsItemDeactivated() &&
+         (ImGui::IsKeyPressed(ImGuiKey_Enter) || ImGui::IsKeyPressed(ImGuiKey_KeyPadEnter));
+}
+
+void figure(const Theme& theme, const char* label, const std::string& value, const std::string& tip, ImU32 colour) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 size{available(), theme.px(20)};
+  const ImVec2 end{at.x + size.x, at.y + size.y};
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, theme.px(2)});
+  ImGui::Dummy(size);
+  ImGui::PopStyleVar();
+  if (!tip.empty() && ImGui::IsItemHovered()) tooltip(theme, tip);
+  text_in(at, end, palette::dim, label, 0);
+  const float room = size.x - ImGui::CalcTextSize(label).x - theme.px(8);
+  text_in(at, end, colour, shortened(value, room), 1);
+}
+
+void explanation(const Theme& theme, const std::string& text) {
+  ImGui::PushFont(theme.small);
+  ImGui::PushStyleColor(ImGuiCol_Text, palette::dim);
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::PopStyleColor();
+  ImGui::PopFont();
+}
+
+void caption(const Theme& theme, const char* text) {
+  ImGui::PushFont(theme.small);
+  ImGui::PushStyleColor(ImGuiCol_Text, palette::dim);
+  ImGui::TextUnformatted(text);
+  ImGui::PopStyleColor();
+  ImGui::PopFont();
+}
+
+void rule(const Theme& theme) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::GetWindowDrawList()->AddLine(at, {at.x + available(), at.y}, palette::line);
+  ImGui::Dummy({0, theme.px(1)});
+}
+
+void gap(const Theme& theme, float units) {
+  ImGui::Dummy({0, theme.px(units)});
+}
+
+}  // namespace homolog

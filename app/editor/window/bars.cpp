@@ -1,0 +1,124 @@
+#include <cmath>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+#include "app/editor/window/models_ui.h"
+
+namespace homolog {
+
+namespace {
+
+void same_line(const UiContext& ui, float units) {
+  ImGui::SameLine(0, ui.theme.px(units));
+}
+
+std::string case_title(const UiContext& ui) {
+  const auto& file = ui.snapshot.file;
+  if (!file.empty() && file.parent_path() != unsaved_folder()) return file.filename().string();
+  const auto& document = ui.document();
+  if (document.volume_source.starts_with("phantom:")) return "Demo case";
+  if (!document.volume_source.empty()) return std::filesystem::path(document.volume_source).filename().string();
+  return "No image";
+}
+
+void draw_show_toggles(const UiContext& ui, Outbox& out) {
+  struct Item {
+    const char* glyph;
+    const char* tip;
+    bool ShownParts::*part;
+  };
+  static constexpr std::array<Item, 6> items{{
+      {icon::outline, "Outlines of the mesh in the slices (O)", &ShownParts::outline},
+      {icon::surface, "Surface in the 3D view", &ShownParts::surface},
+      {icon::wireframe, "Triangles on the surface", &ShownParts::wireframe},
+      {icon::glyphs, "Glyphs: landmarks spread by curvature, in the hue of their index", &ShownParts::glyphs},
+      {icon::planes, "Slice planes in the 3D view", &ShownParts::planes},
+      {icon::crosshair, "Cross-hair (X); Shift with the mouse moves it", &ShownParts::crosshair},
+  }};
+  for (const Item& item : items) {
+    const bool shown = ui.state.preferences.show.*item.part;
+    if (icon_button(ui.theme, item.glyph, item.tip, item.tip, {}, shown, 28))
+      out.change([part = item.part](EditorState& s) { s.preferences.show.*part = !(s.preferences.show.*part); });
+    same_line(ui, 2);
+  }
+}
+
+}  // namespace
+
+void draw_top_bar(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  begin_region("top bar", ui.layout.top_bar, palette::surface, theme.px(8));
+  const auto& snapshot = ui.snapshot;
+  draw_mode_switch(ui, out);
+  same_line(ui, 12);
+  if (icon_button(theme, icon::open, "open", "Open an image, a case or a template (Ctrl+O)", {}, false, 28))
+    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open); });
+  same_line(ui, 2);
+  if (icon_button(theme, icon::save, "save", "Save the case (Ctrl+S)", {}, false, 28)) out.send(SaveCase{});
+  same_line(ui, 12);
+  if (icon_button(theme, icon::undo, "undo", "Undo " + snapshot.undo_name + " (Ctrl+Z)",
+                  snapshot.can_undo ? "" : "Nothing to undo.", false, 28))
+    out.apply(Undo{});
+  same_line(ui, 2);
+  if (icon_button(theme, icon::redo, "redo", "Redo " + snapshot.redo_name + " (Ctrl+Shift+Z)",
+                  snapshot.can_redo ? "" : "Nothing to redo.", false, 28))
+    out.apply(Redo{});
+
+  const RectPx& bar = ui.layout.top_bar;
+  const float toggles = 6 * theme.px(30) + 3 * theme.px(30) + theme.px(16);
+  const float beside = std::max(toggles, theme.px(290));  // the switch and the file buttons
+  ImGui::PushFont(theme.strong);
+  const std::string title = shortened(case_title(ui), bar.width - 2 * (beside + theme.px(16)));
+  const ImVec2 size = ImGui::CalcTextSize(title.c_str());
+  ImGui::GetWindowDrawList()->AddText({std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)},
+                                      palette::text, title.c_str());
+  ImGui::PopFont();
+
+  ImGui::SetCursorPos({bar.width - toggles - theme.px(8), theme.px(8)});
+  draw_show_toggles(ui, out);
+  same_line(ui, 12);
+  if (icon_button(theme, icon::fit, "fit", "Everything in view (F)", {}, false, 28)) out.send(FitViews{});
+  same_line(ui, 2);
+  if (icon_button(theme, icon::keys, "keys", "Keys and mouse (F1)", {}, false, 28))
+    out.change([](EditorState& s) { s.dialog = KeysDialog{}; });
+  same_line(ui, 2);
+  if (icon_button(theme, icon::panel, "panel", "Side panel", {}, ui.state.preferences.panel_open, 28))
+    out.change([](EditorState& s) { s.preferences.panel_open = !s.preferences.panel_open; });
+  ImGui::End();
+}
+
+void draw_tool_strip(const UiContext& ui, Outbox& out) {
+  struct Item {
+    MouseTool tool;
+    const char* glyph;
+    const char* tip;
+  };
+  static constexpr std::array<Item, 9> items{{
+      {MouseTool::pull, icon::pull, "Pull (P): drag the outline; the surface follows along its normal"},
+      {MouseTool::grab, icon::grab, "Grab (G): drag a feature with its landmarks"},
+      {MouseTool::slide, icon::slide, "Slide (S): move landmarks along the surface; the surface stays"},
+      {MouseTool::relax, icon::relax, "Relax (R): back towards the template's local shape, under the brush"},
+      {MouseTool::place, icon::place, "Place (M): move, turn (ring) and scale (knob) the template"},
+      {MouseTool::landmark, icon::landmark, "Landmark (L): click where the named landmark is in the image"},
+      {MouseTool::stiffness, icon::stiffness, "Stiffness brush (B): paint how stiff the surface is; Alt paints 1"},
+      {MouseTool::confirm, icon::confirm, "Confirm (C): regions that later strokes leave alone; Alt frees them"},
+      {MouseTool::ruler, icon::ruler, "Ruler (D): drag to measure a distance in mm"},
+  }};
+  const Theme& theme = ui.theme;
+  begin_region("tool strip", ui.layout.tool_strip, palette::surface, theme.px(4));
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, theme.px(4)});
+  for (const Item& item : items) {
+    const bool free_of_mesh = item.tool == MouseTool::ruler;
+    const std::string refusal = free_of_mesh ? ui.needs_volume() : ui.needs_shape();
+    if (icon_button(theme, item.glyph, tool_name(item.tool), item.tip, refusal, ui.state.tool == item.tool, 40))
+      out.change([tool = item.tool](EditorState& s) { s.tool = tool; });
+    if (item.tool == MouseTool::relax || item.tool == MouseTool::landmark || item.tool == MouseTool::confirm)
+      gap(theme, 4);
+  }
+  ImGui::PopStyleVar();
+  ImGui::End();
+}
+
+}  // namespace homolog

@@ -1,0 +1,260 @@
+#include <algorithm>
+
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/dialog_frame.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+bool begin_dialog(const UiContext& ui, const char* title, float width_units, float height_units) {
+  const Theme& theme = ui.theme;
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  ImGui::GetBackgroundDrawList()->AddRectFilled({0, 0}, display, IM_COL32(0, 0, 0, 110));
+  const ImVec2 size{std::min(theme.px(width_units), display.x - theme.px(32)),
+                    height_units > 0 ? std::min(theme.px(height_units), display.y - theme.px(32)) : 0};
+  ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize(size);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(20), theme.px(16)});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(0x1F, 0x22, 0x26, 255));
+  ImGui::Begin(title, nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   (height_units > 0 ? 0 : ImGuiWindowFlags_AlwaysAutoResize));
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar(2);
+  ImGui::SetWindowFocus();
+  ImGui::PushFont(theme.strong);
+  ImGui::TextUnformatted(title);
+  ImGui::PopFont();
+  ImGui::SameLine(ImGui::GetWindowWidth() - theme.px(44));
+  ImGui::SetCursorPosY(ImGui::GetCursorPosY() - theme.px(4));
+  const bool closed = icon_button(theme, icon::close, "close", "Close (Escape)", {}, false, 24);
+  gap(theme, 2);
+  return !closed;
+}
+
+void end_dialog() {
+  ImGui::End();
+}
+
+namespace {
+
+void close_dialog(Outbox& out) {
+  out.change([](EditorState& s) { s.dialog.reset(); });
+}
+
+void draw_keys(const UiContext& ui, Outbox& out) {
+  struct Row {
+    const char* keys;
+    const char* does;
+  };
+  static constexpr std::array<Row, 15> mouse_rows{{{"Left-drag on the outline", "the tool"},
+                                                   {"Wheel", "slices; while dragging: \xcf\x83"},
+                                                   {"Ctrl+wheel", "zoom"},
+                                                   {"Middle-drag", "pan"},
+                                                   {"Right-drag", "window and level"},
+                                                   {"Shift+mouse", "cross-hair"},
+                                                   {"Double-click", "one view, or all four"},
+                                                   {"Left-drag beside the mesh", "turns the 3D view"},
+                                                   {"Alt while painting", "takes away"},
+                                                   {"Arrows, PgUp, PgDn", "slices, by 1 or 10"},
+                                                   {"1  2  3", "\xcf\x83 small, medium, large"},
+                                                   {"Escape", "gives up a drag"},
+                                                   {"Space", "plays a cine"},
+                                                   {"F", "everything in view"},
+                                                   {"Shift+A P L R S I", "look from that side"}}};
+  static constexpr std::array<Row, 17> key_rows{{{"P", "Pull"},
+                                                 {"G", "Grab"},
+                                                 {"S", "Slide"},
+                                                 {"R", "Relax"},
+                                                 {"M", "Place"},
+                                                 {"L", "Landmarks"},
+                                                 {"B", "Stiffness brush"},
+                                                 {"C", "Confirm"},
+                                                 {"D", "Ruler"},
+                                                 {"N, Shift+N", "snap here, or while dragging"},
+                                                 {"O", "outlines"},
+                                                 {"X", "cross-hair"},
+                                                 {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
+                                                 {"Ctrl+O", "open"},
+                                                 {"Ctrl+S, Ctrl+Shift+S", "save, save as"},
+                                                 {"Tab", "case or models"},
+                                                 {"F1", "this list"}}};
+  if (!begin_dialog(ui, "Keys and mouse", 720, 0)) close_dialog(out);
+  const Theme& theme = ui.theme;
+  const auto column = [&](const auto& rows, float x_units, float keys_units) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      ImGui::SetCursorPos({theme.px(x_units), theme.px(56 + 24 * static_cast<float>(i))});
+      ImGui::PushStyleColor(ImGuiCol_Text, palette::dim);
+      ImGui::TextUnformatted(rows[i].keys);
+      ImGui::PopStyleColor();
+      ImGui::SetCursorPos({theme.px(x_units + keys_units), theme.px(56 + 24 * static_cast<float>(i))});
+      ImGui::TextUnformatted(rows[i].does);
+    }
+  };
+  column(mouse_rows, 20, 180);
+  column(key_rows, 400, 164);
+  ImGui::SetCursorPos({theme.px(20), theme.px(56 + 24 * 17)});
+  ImGui::Dummy({theme.px(680), theme.px(4)});
+  end_dialog();
+}
+
+void draw_series(const UiContext& ui, const SeriesDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!begin_dialog(ui, "This folder holds several series", 560, 0)) close_dialog(out);
+  explanation(theme, "Choose the one to open.");
+  for (const SeriesInfo& series : dialog.series) {
+    const std::string name = series.description.empty() ? series.uid : series.description;
+    const std::string label = format("%s  %s  (%d files)", series.modality.c_str(), name.c_str(), series.files);
+    if (button(theme, label + "##" + series.uid, series.uid, {}, ImGui::GetContentRegionAvail().x)) {
+      OpenRequest request = dialog.request;
+      request.volume_options.series_uid = series.uid;
+      out.send(OpenRequested{std::move(request)});
+      close_dialog(out);
+    }
+  }
+  end_dialog();
+}
+
+void draw_flip(const UiContext& ui, const FlipDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!begin_dialog(ui, "Are the mesh's coordinates RAS?", 520, 0)) close_dialog(out);
+  explanation(theme, "Taken as LPS, " + dialog.name +
+                         " lies beside the image; taken as RAS (left-right and front-back exchanged) it lies in it. "
+                         "It was put in the middle of the image for now.");
+  gap(theme, 4);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  if (button(theme, "Flip RAS to LPS", "Places it where its coordinates say, with x and y negated", {}, half, true)) {
+    out.apply(SetPlacement{dialog.placement});
+    out.change([centre = Vec3(dialog.bounds_mm.center())](EditorState& s) {
+      s.crosshair_mm = s.camera.target = centre;
+      s.dialog.reset();
+    });
+  }
+  ImGui::SameLine();
+  if (button(theme, "Leave it in the middle", "It can be placed by hand", {}, half)) close_dialog(out);
+  end_dialog();
+}
+
+void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!begin_dialog(ui, "Cases that were not saved", 560, 0)) close_dialog(out);
+  explanation(theme, "The program ended before these were saved. Nothing but a gesture in progress was lost.");
+  for (const auto& found : dialog.found) {
+    ImGui::PushID(found.journal.c_str());
+    const float buttons = ImGui::GetWindowWidth() - theme.px(200), top = ImGui::GetCursorPosY();
+    ImGui::TextUnformatted(shortened(found.name, buttons - theme.px(28)).c_str());
+    ImGui::SetCursorPosY(top + ImGui::GetTextLineHeight());
+    explanation(theme, found.details);
+    ImGui::SetCursorPos({buttons, top + theme.px(4)});
+    // The word that deletes is not where the first click was.
+    const bool asked = dialog.to_discard == found.journal;
+    const auto ask_for = [&](const std::filesystem::path& journal) {
+      out.change([journal](EditorState& s) {
+        if (auto* open = s.dialog ? std::get_if<RecoverDialog>(&*s.dialog) : nullptr) open->to_discard = journal;
+      });
+    };
+    if (asked) {
+      if (button(theme, "Delete it", "For good: what was done in it is lost", {}, theme.px(90)))
+        out.send(DiscardCase{found.journal});
+      ImGui::SameLine(0, theme.px(4));
+      if (button(theme, "Keep it", "It is offered again at the next start", {}, theme.px(82), true)) ask_for({});
+    } else {
+      if (button(theme, "Recover", "Open it as it was", {}, theme.px(90), true)) {
+        out.send(RecoverCase{found.journal});
+        close_dialog(out);
+      }
+      ImGui::SameLine(0, theme.px(4));
+      if (button(theme, "Discard…", "Delete it, after a question", {}, theme.px(82))) ask_for(found.journal);
+    }
+    ImGui::PopID();
+    gap(theme, 0);
+  }
+  gap(theme, 4);
+  if (button(theme, "Later", "They are offered again at the next start", {}, ImGui::GetContentRegionAvail().x))
+    close_dialog(out);
+  end_dialog();
+}
+
+void draw_replace(const UiContext& ui, const ReplaceDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!begin_dialog(ui, "Replace the file?", 520, 0)) close_dialog(out);
+  explanation(theme, dialog.path.string() + " is there already.");
+  gap(theme, 4);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  if (button(theme, "Replace it", "What it holds now is lost", {}, half)) out.send(AcceptReplacement{});
+  ImGui::SameLine();
+  if (button(theme, "Choose another name", "Back to the files", {}, half, true))
+    out.change([files = dialog.files](EditorState& s) { s.dialog = files; });
+  end_dialog();
+}
+
+void draw_quit(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!begin_dialog(ui, "This case was not saved", 520, 0)) close_dialog(out);
+  const bool kept = !ui.snapshot.file.empty();
+  explanation(theme, kept ? "It is kept, and offered again at the next start."
+                          : "It could not be kept on the disk: save it in a folder you may write to, or it is lost.");
+  gap(theme, 4);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  if (button(theme, "Save as…", "Choose a name", {}, half, true)) out.send(SaveCase{true});
+  ImGui::SameLine();
+  if (button(theme, kept ? "Quit" : "Lose it and quit", kept ? "Nothing is lost" : "What was done is not on the disk",
+             {}, half))
+    out.send(Quit{true});
+  end_dialog();
+}
+
+void draw_spacing(const UiContext& ui, const SpacingDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!begin_dialog(ui, "How large is a voxel?", 440, 0)) close_dialog(out);
+  explanation(theme, "PNG and TIFF slices do not tell. Columns, rows, distance of the slices:");
+  Vec3 spacing = dialog.spacing_mm;
+  const float width = (ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3;
+  bool released = false, changed = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axis > 0) ImGui::SameLine(0, theme.px(4));
+    changed |=
+        number_field(theme, format("spacing %d", axis).c_str(), spacing[axis], 0.01, "%.3f", "mm", width, "", released);
+  }
+  spacing = spacing.cwiseMax(1e-3);
+  if (changed)
+    out.change([spacing](EditorState& s) {
+      if (s.dialog)
+        if (auto* open = std::get_if<SpacingDialog>(&*s.dialog)) open->spacing_mm = spacing;
+    });
+  gap(theme, 4);
+  if (button(theme, "Open", "With these voxels", {}, ImGui::GetContentRegionAvail().x, true)) {
+    OpenRequest request = dialog.request;
+    request.volume_options.stack_spacing_mm = spacing;
+    out.send(OpenRequested{std::move(request)});
+    close_dialog(out);
+  }
+  end_dialog();
+}
+
+}  // namespace
+
+void draw_dialogs(const UiContext& ui, Outbox& out) {
+  if (!ui.state.dialog) return;
+  const Dialog& dialog = *ui.state.dialog;
+  if (std::holds_alternative<KeysDialog>(dialog))
+    draw_keys(ui, out);
+  else if (const auto* files = std::get_if<FileDialog>(&dialog))
+    draw_file_dialog(ui, *files, out);
+  else if (const auto* replace = std::get_if<ReplaceDialog>(&dialog))
+    draw_replace(ui, *replace, out);
+  else if (const auto* series = std::get_if<SeriesDialog>(&dialog))
+    draw_series(ui, *series, out);
+  else if (const auto* flip = std::get_if<FlipDialog>(&dialog))
+    draw_flip(ui, *flip, out);
+  else if (const auto* recover = std::get_if<RecoverDialog>(&dialog))
+    draw_recover(ui, *recover, out);
+  else if (const auto* spacing = std::get_if<SpacingDialog>(&dialog))
+    draw_spacing(ui, *spacing, out);
+  else
+    draw_quit(ui, out);
+}
+
+}  // namespace homolog

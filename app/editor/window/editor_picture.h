@@ -1,0 +1,23 @@
+#pragma once
+
+#include <functional>
+
+#include "app/editor/update/commands.h"
+#include "core/base/picture.h"
+#include "core/case/session.h"
+
+namespace homolog {
+
+/// The editor's window as it would look, without a display. Needs an OpenGL context that is current (see
+/// OffscreenContext). `arrange` may change what the editor shows (views, tool, open sections) after the case is opened;
+/// preferences are the defaults. `preview` is an edit that is shown as if it were being dragged.
+struct EditorPictureOptions {
+  int width_px = 1280, height_px = 800;
+  float scale = 1;
+  std::function<void(EditorState&)> arrange;
+  std::optional<Action> preview;
+  std::optional<ModelsCommand> models;  ///< done when the study's model is made
+};
+Result<Picture> editor_picture(EditSession session, const EditorPictureOptions& options);
+
+}  // namespace homolog

@@ -1,0 +1,209 @@
+#include <imgui.h>
+// After imgui.h, which it does not include.
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/dialog_frame.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+/// A change of the browser, done after the frame.
+void change_browser(Outbox& out, std::function<void(FileBrowser&)> change) {
+  out.change([change = std::move(change)](EditorState& s) {
+    if (s.dialog)
+      if (auto* files = std::get_if<FileDialog>(&*s.dialog)) change(files->browser);
+  });
+}
+
+std::string size_text(std::uintmax_t bytes) {
+  const auto value = static_cast<double>(bytes);
+  if (value < 1e3) return format("%.0f B", value);
+  if (value < 1e6) return format("%.0f kB", value / 1e3);
+  if (value < 1e9) return format("%.1f MB", value / 1e6);
+  return format("%.2f GB", value / 1e9);
+}
+
+std::string date_text(std::filesystem::file_time_type changed) {
+  const auto on_system = std::chrono::file_clock::to_sys(changed);
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(on_system);
+  std::tm local{};
+  localtime_r(&seconds, &local);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M", &local);
+  return text.data();
+}
+
+bool row(const Theme& theme, const char* id, const char* glyph, const std::string& text, const std::string& middle,
+         const std::string& right, bool selected, bool& doubled) {
+  ImGui::PushID(id);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 size{ImGui::GetContentRegionAvail().x, theme.px(26)};
+  const bool clicked = ImGui::InvisibleButton("row", size);
+  doubled = ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const ImVec2 end{at.x + size.x, at.y + size.y};
+  if (selected || ImGui::IsItemHovered())
+    draw.AddRectFilled(at, end, selected ? with_alpha(palette::accent, 0.25f) : palette::raised, theme.px(4));
+  const float y = at.y + (size.y - ImGui::GetFontSize()) / 2;
+  draw.AddText({at.x + theme.px(8), y}, palette::dim, glyph);
+  const float right_width = theme.px(92), middle_width = theme.px(140);
+  const float text_end = middle.empty() && right.empty() ? end.x : end.x - right_width - middle_width;
+  draw.PushClipRect(at, {text_end, end.y}, true);
+  draw.AddText({at.x + theme.px(32), y}, palette::text, text.c_str());
+  draw.PopClipRect();
+  draw.AddText({end.x - right_width - middle_width + theme.px(8), y}, palette::dim, middle.c_str());
+  draw.AddText({end.x - theme.px(8) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right.c_str());
+  ImGui::PopID();
+  return clicked;
+}
+
+void draw_places(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
+  const Theme& theme = ui.theme;
+  bool doubled = false;
+  caption(theme, "Places");
+  for (const auto& place : browser.places)
+    if (row(theme, place.path.c_str(), icon::folder, place.name, "", "", place.path == browser.folder, doubled))
+      change_browser(out, [path = place.path](FileBrowser& b) { enter_folder(b, path); });
+  const auto& recent = ui.state.preferences.recent;
+  if (browser.purpose != FilePurpose::open || recent.empty()) return;
+  gap(theme, 8);
+  caption(theme, "Recent");
+  for (const auto& path : recent) {
+    if (row(theme, ("recent " + path.string()).c_str(), icon::history, path.filename().string(), "", "", false,
+            doubled)) {
+      out.send(OpenFiles{{path}});
+      out.change([](EditorState& s) { s.dialog.reset(); });
+    }
+    if (ImGui::IsItemHovered()) tooltip(theme, path.string());
+  }
+}
+
+void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const auto visible = browser.visible();
+  if (!browser.error.empty()) return explanation(theme, browser.error);
+  if (visible.empty())
+    return explanation(theme, browser.entries.empty() ? "Nothing of the right kind is here." : "No name holds that.");
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(visible.size()), theme.px(26));
+  while (clipper.Step()) {
+    for (int shown = clipper.DisplayStart; shown < clipper.DisplayEnd; ++shown) {
+      const auto& entry = browser.entries[static_cast<std::size_t>(visible[static_cast<std::size_t>(shown)])];
+      bool doubled = false;
+      const bool clicked =
+          row(theme, entry.name.c_str(), entry.folder ? icon::folder : icon::file, entry.name, date_text(entry.changed),
+              entry.folder ? "" : size_text(entry.bytes), browser.selected == shown, doubled);
+      if (clicked)
+        change_browser(out, [shown](FileBrowser& b) {
+          select_entry(b, shown);
+          b.scroll_to_selected = false;
+        });
+      if (doubled) out.send(AcceptFileDialog{});
+    }
+  }
+  if (browser.selected >= 0 && browser.scroll_to_selected)
+    ImGui::SetScrollY(
+        std::max(0.0f, theme.px(26) * static_cast<float>(browser.selected) - ImGui::GetWindowHeight() / 2));
+}
+
+void draw_path_bar(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (icon_button(theme, icon::up, "up", "The folder above (Backspace)",
+                  browser.folder.has_relative_path() ? "" : "This is the topmost folder.", false, 28))
+    change_browser(out, [](FileBrowser& b) { press_key(b, BrowserKey::parent); });
+  ImGui::SameLine(0, theme.px(8));
+  ImGui::AlignTextToFramePadding();
+  ImGui::PushStyleColor(ImGuiCol_Text, palette::dim);
+  ImGui::TextUnformatted(shortened(browser.folder.string(), ImGui::GetContentRegionAvail().x).c_str());
+  ImGui::PopStyleColor();
+}
+
+std::string refusal_of(const FileBrowser& browser) {
+  if (browser.selected >= 0 || !browser.name.empty()) return {};
+  return saves(browser.purpose) ? "Type a name first." : "Choose a file first.";
+}
+
+}  // namespace
+
+void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const FileBrowser& browser = dialog.browser;
+  const auto close = [](EditorState& s) { s.dialog.reset(); };
+  if (!begin_dialog(ui, purpose_title(dialog.purpose), 860, 580)) out.change(close);
+  draw_path_bar(ui, browser, out);
+  const float footer = theme.px(28) + theme.px(8) * 2 + theme.px(24);
+  ImGui::BeginChild("places", {theme.px(180), -footer});
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
+  draw_places(ui, browser, out);
+  ImGui::PopStyleVar();
+  ImGui::EndChild();
+  ImGui::SameLine(0, theme.px(12));
+  ImGui::BeginChild("entries", {0, -footer});
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
+  draw_entries(ui, browser, out);
+  ImGui::PopStyleVar();
+  ImGui::EndChild();
+  gap(theme, 2);
+
+  const bool saving = saves(dialog.purpose);
+  const bool several = dialog.purpose == FilePurpose::add_shapes;
+  const float buttons = theme.px(96) * 2 + theme.px(8) + (several ? theme.px(132) : 0);
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - buttons - theme.px(12));
+  std::string name = browser.name;
+  // The field has the keyboard from the start: typing filters (or names) at once.
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  const bool entered = ImGui::InputTextWithHint("##name", saving ? "Name" : "Type to filter", &name,
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  if (entered) ImGui::SetKeyboardFocusHere(-1);
+  if (name != browser.name)
+    change_browser(out, [name](FileBrowser& b) {
+      b.name = name;
+      b.selected = saves(b.purpose) || name.empty() ? -1 : 0;
+    });
+  if (entered) out.send(AcceptFileDialog{});
+  ImGui::SameLine(0, theme.px(12));
+  if (button(theme, "Cancel", "Escape", {}, theme.px(96))) out.change(close);
+  ImGui::SameLine(0, theme.px(8));
+  if (several) {
+    const auto files = visible_files(browser);
+    if (button(theme, format("Add all %zu", files.size()), "All files that are listed; the typed name leaves some out",
+               files.empty() ? "No shape is listed." : "", theme.px(124))) {
+      out.send(AddCases{files});
+      out.change([folder = browser.folder](EditorState& s) { s.preferences.folder = folder; });
+      out.change(close);
+    }
+    ImGui::SameLine(0, theme.px(8));
+  }
+  const bool opens_folder = dialog.purpose == FilePurpose::open && browser.selected < 0 && browser.name.empty();
+  if (button(theme,
+             saving         ? "Save"
+             : several      ? "Add"
+             : opens_folder ? "Open folder"
+                            : "Open",
+             opens_folder ? "Open this folder as a DICOM series" : "Enter",
+             opens_folder ? std::string() : refusal_of(browser), theme.px(96), true)) {
+    if (opens_folder) {
+      out.send(OpenFiles{{browser.folder}});
+      out.change(close);
+    } else {
+      out.send(AcceptFileDialog{});
+    }
+  }
+  bool all = browser.show_all;
+  if (toggle(theme, "All files, also hidden ones", all, "Also files whose names are of no known kind"))
+    change_browser(out, [all](FileBrowser& b) {
+      b.show_all = all;
+      refresh(b);
+    });
+  end_dialog();
+}
+
+}  // namespace homolog

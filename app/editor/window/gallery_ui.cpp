@@ -1,0 +1,313 @@
+#include <algorithm>
+#include <cmath>
+
+#include "app/editor/scene/gallery_pictures.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+#include "app/editor/window/models_ui.h"
+
+namespace homolog {
+
+namespace {
+
+/// Text that stays readable on any picture.
+void shadowed(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text) {
+  const ImVec2 whole{std::round(at.x), std::round(at.y)};
+  draw.AddText(font, font->FontSize, {whole.x + 1, whole.y + 1}, IM_COL32(0, 0, 0, 200), text.c_str());
+  draw.AddText(font, font->FontSize, whole, colour, text.c_str());
+}
+
+ImU32 to_im(const Rgb& colour) {
+  return ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], 1});
+}
+
+/// Text with what does not fit left out at its end.
+std::string cut(ImFont* font, std::string text, float width_px) {
+  const auto wide = [&] { return font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str()).x > width_px; };
+  if (!wide()) return text;
+  while (text.size() > 1 && wide()) {
+    do text.pop_back();
+    while (!text.empty() && (static_cast<unsigned char>(text.back()) & 0xC0U) == 0x80U);
+  }
+  return text;
+}
+
+/// A ring at a landmark; faint where the shape's other side hides it.
+void draw_marker(ImDrawList& draw, const Theme& theme, const ModelsState& state, const RectPx& cell,
+                 const Points& points, Eigen::Index landmark, bool lit) {
+  const Camera3D camera = cell_camera(state, points);
+  const Eigen::Vector2d px = cell_px(camera, cell, points.row(landmark));
+  const ImVec2 at{static_cast<float>(px.x()), static_cast<float>(px.y())};
+  const bool seen = faces_viewer(camera, {state.model->topology, points}, landmark);
+  const ImU32 colour = to_im(hsv_to_rgb((*state.model->hues)[static_cast<std::size_t>(landmark)], 1, 1));
+  const float radius = theme.px(lit ? 6 : 5), alpha = seen ? 1.0f : 0.35f;
+  draw.AddCircleFilled(at, radius, with_alpha(colour, alpha));
+  draw.AddCircle(at, radius, with_alpha(IM_COL32_BLACK, 0.8f * alpha), 0, theme.scale * 3);
+  draw.AddCircle(at, radius, with_alpha(IM_COL32_WHITE, alpha), 0, theme.scale * 1.5f);
+}
+
+/// The landmark that is shown in all cells: the hovered one, else the pinned one.
+std::optional<Eigen::Index> marked_landmark(const ModelsState& state) {
+  return state.hover ? std::optional(state.hover->landmark) : state.pinned;
+}
+
+ImU32 name_colour(const StudyModel& model, std::size_t shape, bool pointed) {
+  for (const DoubtfulShape& one : model.doubtful_shapes)
+    if (one.shape == static_cast<Eigen::Index>(shape))
+      return one.doubt == Doubt::far_outside ? palette::bad : palette::amber;
+  return with_alpha(palette::text, pointed ? 1.0f : 0.75f);
+}
+
+void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, std::size_t k) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const StudyModel& model = *state.model;
+  const RectPx cell = grid.cell(k);
+  const ImVec2 low{cell.x, cell.y}, high{cell.x + cell.width, cell.y + cell.height};
+  draw.PushClipRect(low, high, true);
+  const bool pointed = state.hover && state.hover->shape == k;
+  if (const auto landmark = marked_landmark(state))
+    draw_marker(draw, theme, state, cell, *model.shapes[k], *landmark, pointed);
+  if (cell.width >= theme.px(56)) {
+    const float room = cell.width - theme.px(8);
+    shadowed(draw, theme.small, {low.x + theme.px(4), low.y + theme.px(2)}, name_colour(model, k, pointed),
+             cut(theme.small, model.names[k], room));
+  }
+  draw.PopClipRect();
+  if (state.selected == model.names[k]) draw.AddRect(low, high, palette::accent, 0, 0, std::max(theme.scale, 1.0f));
+}
+
+std::string place_text(const StudyModel& model, const GalleryPlace& place) {
+  const Vec3 apart = model.shapes[place.shape]->row(place.landmark) - model.mean.points.row(place.landmark);
+  return format("%s, landmark %td: %.2f mm from the mean", model.names[place.shape].c_str(), place.landmark,
+                apart.norm());
+}
+
+void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float text_y = std::floor(rect.y + (theme.px(28) - theme.strong->FontSize) / 2);
+  draw.AddText(theme.strong, theme.strong->FontSize, {rect.x + theme.px(12), text_y}, palette::text, "Correspondence");
+  const float title = theme.strong->CalcTextSizeA(theme.strong->FontSize, 1e6f, 0, "Correspondence").x;
+  if (state.model)
+    draw.AddText({rect.x + theme.px(24) + title, text_y}, palette::dim,
+                 format("%zu shapes, %td landmarks", state.model->names.size(), state.model->landmarks()).c_str());
+  static constexpr std::array<LookFrom, 6> directions{LookFrom::anterior, LookFrom::posterior, LookFrom::left,
+                                                      LookFrom::right,    LookFrom::superior,  LookFrom::inferior};
+  static constexpr std::array<const char*, 6> letters{"A", "P", "L", "R", "S", "I"};
+  static constexpr std::array<const char*, 6> names{"anterior", "posterior", "left", "right", "superior", "inferior"};
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    ImGui::SetCursorPos({rect.width - theme.px(24) * static_cast<float>(8 - i), theme.px(2)});
+    if (icon_button(theme, letters[i], names[i],
+                    format("Look from %s (Shift+%s), as the first shape lies", names[i], letters[i]), {}, false, 24))
+      out.change([from = directions[i]](EditorState& s) {
+        const Camera3D camera = camera_from(from, Box());
+        s.models.camera.to_eye = camera.to_eye;
+        s.models.camera.up = camera.up;
+      });
+  }
+  ImGui::SetCursorPos({rect.width - theme.px(28), theme.px(2)});
+  if (icon_button(theme, icon::fit, "fit", "All shapes in view (F)", {}, false, 24))
+    out.change([](EditorState& s) { fit_gallery(s.models); });
+}
+
+void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const StudyModel& model = *state.model;
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  ImGui::SetCursorPos({theme.px(8), theme.px(30)});
+  if (icon_button(theme, icon::glyphs, "glyphs", "Glyphs: landmarks spread by curvature, in the hue of their index",
+                  model.topology ? "" : "Points alone are all shown.", state.glyphs, 28))
+    out.change([](EditorState& s) { s.models.glyphs = !s.models.glyphs; });
+  ImGui::SetCursorPos({theme.px(44), theme.px(32)});
+  ImGui::BeginChild("spacing", {theme.px(292), theme.px(24)});
+  double spacing_mm = state.glyph_spacing_mm;
+  bool released = false;
+  const double smallest_mm = std::max(model.radius_mm / 40, 0.1), largest_mm = model.radius_mm;
+  if (slider(theme, "Glyph spacing", spacing_mm, {smallest_mm, largest_mm, "%.1f", "mm", true},
+             "Glyphs are at least this far from each other on the mean shape, mm", released,
+             !model.topology ? "Points alone are all shown."
+             : state.glyphs  ? ""
+                             : "Glyphs are switched off."))
+    out.change([spacing_mm](EditorState& s) { s.models.glyph_spacing_mm = spacing_mm; });
+  ImGui::EndChild();
+  const auto& at = state.hover;
+  std::string text;
+  if (at)
+    text = place_text(model, *at);
+  else if (state.pinned)
+    text = format("Landmark %td is marked (Escape)", *state.pinned);
+  const float x = rect.x + theme.px(348), room = rect.x + rect.width - theme.px(12) - x;
+  ImGui::PushFont(theme.small);
+  draw.AddText({x, std::floor(rect.y + theme.px(44) - theme.small->FontSize / 2)}, palette::dim,
+               shortened(text, room).c_str());
+  ImGui::PopFont();
+}
+
+/// Turns, moves and zooms all cells with the mouse over the item that was made last.
+void steer(const UiContext& ui, double side_px, Outbox& out) {
+  const ImGuiIO& io = ImGui::GetIO();
+  const bool active = ImGui::IsItemActive();
+  const double right_px = io.MouseDelta.x, down_px = io.MouseDelta.y;
+  if (active && (right_px != 0 || down_px != 0)) {
+    const bool turns = ImGui::IsMouseDragging(ImGuiMouseButton_Left, ui.theme.px(3));
+    const bool pans = ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle);
+    if (turns || pans)
+      out.change([=](EditorState& s) {
+        s.models.turning = true;
+        s.models.hover.reset();
+        if (pans)
+          pan_gallery(s.models, right_px, down_px, side_px);
+        else
+          s.models.camera = turned(s.models.camera, right_px, down_px);
+      });
+  }
+  if (ImGui::IsItemDeactivated() && ui.state.models.turning)
+    out.change([](EditorState& s) { s.models.turning = false; });
+  if (ImGui::IsItemHovered() && io.MouseWheel != 0)
+    out.change([steps = io.MouseWheel](EditorState& s) { zoom_gallery(s.models, static_cast<double>(steps)); });
+}
+
+constexpr ImGuiButtonFlags any_button =
+    ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle;
+
+void draw_cells(const UiContext& ui, const RectPx& area, Outbox& out) {
+  const ModelsState& state = ui.state.models;
+  const GalleryGrid grid = gallery_grid(state.model->shapes.size(), area);
+  ImGui::SetCursorPos({0, 0});
+  ImGui::InvisibleButton("cells", {area.width, area.height}, any_button);
+  const RectPx first = grid.cell(0);
+  steer(ui, std::min(first.width, first.height), out);
+  const ImGuiIO& io = ImGui::GetIO();
+  const bool moved_far = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0).x != 0 && state.turning;
+  const bool hovered = ImGui::IsItemHovered() && !state.turning;
+  const auto place =
+      hovered ? place_at(state, grid, io.MousePos.x, io.MousePos.y, ui.theme.scale) : std::optional<GalleryPlace>();
+  if (place != state.hover && !state.turning) out.change([place](EditorState& s) { s.models.hover = place; });
+  if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+    out.change([place](EditorState& s) { place ? pin_landmark(s.models, *place, true) : unpin(s.models); });
+  } else if (ImGui::IsItemDeactivated() && !moved_far && ImGui::IsMouseReleased(ImGuiMouseButton_Left)) {
+    if (place)
+      out.change([place](EditorState& s) { pin_landmark(s.models, *place, false); });
+    else if (const auto shape = grid.shape_at(io.MousePos.x, io.MousePos.y); shape && !state.turning)
+      out.change([name = state.model->names[*shape]](EditorState& s) { s.models.selected = name; });
+  }
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  for (std::size_t k = 0; k < grid.shapes; ++k) draw_cell(draw, ui, grid, k);
+}
+
+void draw_phantom_buttons(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  for (const Organ organ : {Organ::vertebra, Organ::kidney, Organ::ventricle}) {
+    const std::string what = organ == Organ::ventricle ? "phases" : "subjects";
+    if (button(theme, format("Phantom %s: %d %s", organ_name(organ), phantom_shapes(organ), what.c_str()),
+               "Made-up shapes in true correspondence, as in the paper", {}, ImGui::GetContentRegionAvail().x))
+      out.send(OpenPhantomStudy{organ});
+  }
+}
+
+/// What to do where there is no model.
+void draw_start(const UiContext& ui, const RectPx& area, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const float width = std::min(theme.px(360), area.width - theme.px(32));
+  ImGui::SetCursorPos({std::floor((area.width - width) / 2), std::floor(area.height / 3)});
+  ImGui::BeginChild("start", {width, 0}, false, ImGuiWindowFlags_NoBackground);
+  if (state.modelling) {
+    explanation(theme, "Making the model…");
+    progress_bar(theme, state.modelling_fraction);
+  } else if (!state.study.cases.empty()) {
+    explanation(theme, state.model_error.empty() ? "No shape yet." : state.model_error);
+  } else {
+    explanation(theme, "Shapes in correspondence make a model: meshes of one template, from this editor or elsewhere.");
+    gap(theme, 4);
+    if (button(theme, std::string(icon::plus) + "  Add meshes\xe2\x80\xa6", "PLY, VTK, VTP, OBJ, .particles or cases",
+               {}, ImGui::GetContentRegionAvail().x, true))
+      out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::add_shapes); });
+    if (button(theme, std::string(icon::open) + "  Open a study\xe2\x80\xa6", "A .study.json file (Ctrl+O)", {},
+               ImGui::GetContentRegionAvail().x))
+      out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_study); });
+    gap(theme, 4);
+    draw_phantom_buttons(ui, out);
+  }
+  ImGui::EndChild();
+}
+
+}  // namespace
+
+void draw_gallery(const UiContext& ui, const ModelsLayout& layout, Outbox& out) {
+  begin_region("gallery header", layout.gallery_header, palette::surface);
+  draw_header_row(ui, layout.gallery_header, out);
+  if (ui.state.models.model) draw_tools_row(ui, layout.gallery_header, out);
+  ImGui::End();
+  begin_region("gallery", layout.gallery, IM_COL32_BLACK_TRANS);
+  if (ui.state.models.model)
+    draw_cells(ui, layout.gallery, out);
+  else
+    draw_start(ui, layout.gallery, out);
+  ImGui::End();
+}
+
+namespace {
+
+void draw_difference_legend(const UiContext& ui, const RectPx& rect) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const double most_mm =
+      difference_scale_mm(difference_of_groups_mm(*state.model, state.compared[0], state.compared[1]));
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float x0 = rect.x + theme.px(12), x1 = rect.x + rect.width - theme.px(12);
+  const float y = rect.y + rect.height - theme.px(28), bar = theme.px(6), middle = std::round((x0 + x1) / 2);
+  const ImU32 low = to_im(difference_colour(-1)), none = to_im(difference_colour(0)),
+              high = to_im(difference_colour(1));
+  draw.AddRectFilled({rect.x, y - theme.px(8)}, {rect.x + rect.width, rect.y + rect.height}, IM_COL32(0, 0, 0, 150));
+  draw.AddRectFilledMultiColor({x0, y}, {middle, y + bar}, low, none, none, low);
+  draw.AddRectFilledMultiColor({middle, y}, {x1, y + bar}, none, high, high, none);
+  const float text_y = y + bar + theme.px(2);
+  const std::string inwards = format("\xe2\x88\x92%g mm", most_mm), outwards = format("+%g mm", most_mm);
+  const auto width = [&](const std::string& t) {
+    return theme.small->CalcTextSizeA(theme.small->FontSize, 1e6f, 0, t.c_str()).x;
+  };
+  shadowed(draw, theme.small, {x0, text_y}, palette::dim, inwards);
+  shadowed(draw, theme.small, {middle - width("0") / 2, text_y}, palette::dim, "0");
+  shadowed(draw, theme.small, {x1 - width(outwards), text_y}, palette::dim, outwards);
+}
+
+std::string model_title(const ModelsState& state) {
+  if (state.show_difference) return state.compared[1] + " against " + state.compared[0];
+  const bool mean = std::all_of(state.deviations.begin(), state.deviations.end(), [](double d) { return d == 0; });
+  return mean ? "Mean shape" : "Shape of the model";
+}
+
+}  // namespace
+
+void draw_model_view(const UiContext& ui, const ModelsLayout& layout, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  begin_region("model header", layout.model_header, palette::surface);
+  const RectPx& header = layout.model_header;
+  ImGui::GetWindowDrawList()->AddText(
+      theme.strong, theme.strong->FontSize,
+      {header.x + theme.px(12), std::floor(header.y + (header.height - theme.strong->FontSize) / 2)}, palette::text,
+      state.model ? cut(theme.strong, model_title(state), header.width - theme.px(24)).c_str() : "Model");
+  ImGui::End();
+  begin_region("model", layout.model, state.model ? IM_COL32_BLACK_TRANS : palette::surface);
+  if (state.model) {
+    ImGui::SetCursorPos({0, 0});
+    ImGui::InvisibleButton("shape", {layout.model.width, layout.model.height}, any_button);
+    steer(ui, std::min(layout.model.width, layout.model.height), out);
+    const auto landmark = marked_landmark(state);
+    if (landmark && !state.animated_mode) {
+      const Points points =
+          state.show_difference ? state.model->mean.points : shape_of(state.model->model, shown_coefficients(state));
+      draw_marker(*ImGui::GetWindowDrawList(), theme, state, layout.model, points, *landmark, false);
+    }
+    if (state.show_difference) draw_difference_legend(ui, layout.model);
+  }
+  ImGui::End();
+}
+
+}  // namespace homolog

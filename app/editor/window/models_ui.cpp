@@ -1,0 +1,92 @@
+#include "app/editor/window/models_ui.h"
+
+#include <cmath>
+
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+std::string study_title(const ModelsState& state) {
+  std::string name = state.study_file.filename().string();
+  constexpr std::string_view ending = ".study.json";
+  if (name.ends_with(ending)) name.resize(name.size() - ending.size());
+  return name.empty() ? "No study" : name;
+}
+
+void draw_models_top_bar(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const RectPx& bar = ui.layout.top_bar;
+  begin_region("top bar", bar, palette::surface, theme.px(8));
+  draw_mode_switch(ui, out);
+  ImGui::PushFont(theme.strong);
+  const std::string title = shortened(study_title(ui.state.models), bar.width / 3);
+  const ImVec2 size = ImGui::CalcTextSize(title.c_str());
+  const ImVec2 at{std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)};
+  ImGui::GetWindowDrawList()->AddText(at, palette::text, title.c_str());
+  ImGui::PopFont();
+  const std::string path = ui.state.models.study_file.string();
+  if (!path.empty() && ImGui::IsMouseHoveringRect(at, {at.x + size.x, at.y + size.y})) tooltip(theme, path);
+  ImGui::SetCursorPos({bar.width - theme.px(36), theme.px(8)});
+  if (icon_button(theme, icon::keys, "keys", "Keys and mouse (F1)", {}, false, 28))
+    out.change([](EditorState& s) { s.dialog = KeysDialog{}; });
+  ImGui::End();
+}
+
+void draw_models_status(const UiContext& ui) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const RectPx& bar = ui.layout.status_line;
+  begin_region("status line", bar, palette::surface);
+  ImGui::PushFont(theme.small);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float y = std::floor(bar.y + (bar.height - ImGui::GetFontSize()) / 2);
+  draw.AddLine({bar.x, bar.y}, {bar.x + bar.width, bar.y}, palette::line);
+  std::string left = "Add meshes in correspondence, or open a study.";
+  if (state.modelling)
+    left = format("Making the model: %.0f %%", 100 * state.modelling_fraction);
+  else if (!state.model_error.empty())
+    left = state.model_error;
+  else if (state.model)
+    left =
+        "Drag turns all shapes, right-drag moves, the wheel zooms. Click marks a landmark, double-click looks at it.";
+  draw.AddText({bar.x + theme.px(12), y}, palette::dim, shortened(left, bar.width - theme.px(120)).c_str());
+  const std::string right = ui.frames_per_second > 0 ? format("%.0f fps", ui.frames_per_second) : "";
+  draw.AddText({bar.x + bar.width - theme.px(12) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim,
+               right.c_str());
+  ImGui::PopFont();
+  ImGui::End();
+}
+
+}  // namespace
+
+std::string study_stem(const ModelsState& state) {
+  const std::string name = state.study_file.filename().string();
+  return name.empty() ? "study" : name.substr(0, name.find('.'));
+}
+
+void draw_mode_switch(const UiContext& ui, Outbox& out) {
+  ImGui::BeginChild("mode", {ui.theme.px(140), ui.theme.px(28)});
+  int mode = ui.state.models.shown ? 1 : 0;
+  if (choice(ui.theme, "mode", {"Case", "Models"}, mode,
+             {"One image with its mesh (Tab)", "The study's shapes, their model and its measures (Tab)"}))
+    out.change([mode](EditorState& s) { s.models.shown = mode == 1; });
+  ImGui::EndChild();
+}
+
+void draw_models_interface(const UiContext& ui, Outbox& out) {
+  const ModelsLayout layout = models_layout(ui.layout);
+  draw_models_top_bar(ui, out);
+  draw_case_table(ui, layout.cases, out);
+  draw_gallery(ui, layout, out);
+  draw_model_view(ui, layout, out);
+  draw_models_panel(ui, layout.panel, out);
+  draw_models_status(ui);
+  draw_notices(ui, out);
+  draw_dialogs(ui, out);
+}
+
+}  // namespace homolog

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/state/gallery.h"
+
+namespace homolog {
+
+/// Case | Models, for the bar at the top of both modes.
+void draw_mode_switch(const UiContext& ui, Outbox& out);
+/// The whole window in the Models mode, inside an ImGui frame.
+void draw_models_interface(const UiContext& ui, Outbox& out);
+
+// Its parts, each in a file of its own.
+void draw_case_table(const UiContext& ui, const RectPx& rect, Outbox& out);
+/// Below the list: what the selected case is, and what can be done with it.
+void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out);
+float case_details_height(const UiContext& ui, const StudyCase& one);
+void draw_gallery(const UiContext& ui, const ModelsLayout& layout, Outbox& out);
+void draw_model_view(const UiContext& ui, const ModelsLayout& layout, Outbox& out);
+void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out);
+
+// Sections of the panel.
+void draw_model_section(const UiContext& ui, Outbox& out);
+void draw_measures_section(const UiContext& ui, Outbox& out);
+void draw_suspicion_section(const UiContext& ui, Outbox& out);
+
+/// What files made of the study are called after.
+std::string study_stem(const ModelsState& state);
+
+}  // namespace homolog

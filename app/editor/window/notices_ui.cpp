@@ -1,0 +1,87 @@
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+void begin_card(const UiContext& ui, const char* id, float& bottom_px, ImU32 edge) {
+  const Theme& theme = ui.theme;
+  const float width = theme.px(400);
+  const float right = ui.layout.panel.x - theme.px(16);
+  ImGui::SetNextWindowPos({right, bottom_px}, ImGuiCond_Always, {1, 1});
+  ImGui::SetNextWindowSize({width, 0});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, palette::raised);
+  ImGui::PushStyleColor(ImGuiCol_Border, with_alpha(edge, 0.7f));
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
+  ImGui::Begin(id, nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing);
+  ImGui::PopStyleVar();
+  ImGui::PopStyleColor(2);
+}
+
+void end_card(const UiContext& ui, float& bottom_px) {
+  bottom_px -= ImGui::GetWindowHeight() + ui.theme.px(8);
+  ImGui::End();
+}
+
+void dismiss_notice(std::size_t index, Outbox& out) {
+  out.change([index](EditorState& s) {
+    if (index < s.notices.size()) s.notices.erase(s.notices.begin() + static_cast<std::ptrdiff_t>(index));
+  });
+}
+
+void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const Notice& notice = ui.state.notices[index];
+  const ImU32 colour = notice.error ? palette::bad : palette::accent;
+  begin_card(ui, format("notice %zu", index).c_str(), bottom_px, colour);
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
+  ImGui::TextUnformatted(notice.error ? icon::warning : icon::info);
+  ImGui::PopStyleColor();
+  ImGui::SameLine(theme.px(36));
+  ImGui::PushTextWrapPos(theme.px(356));
+  ImGui::TextUnformatted(notice.text.c_str());
+  ImGui::PopTextWrapPos();
+  if (!notice.case_before.empty()) {
+    ImGui::SetCursorPosX(theme.px(36));
+    if (button(theme, "Open it again", notice.case_before.string(), {}, theme.px(140), true)) {
+      out.send(RecoverCase{notice.case_before});
+      dismiss_notice(index, out);
+    }
+  }
+  ImGui::SetCursorPos({theme.px(368), theme.px(8)});
+  if (icon_button(theme, icon::close, "dismiss", "Dismiss", {}, false, 24)) dismiss_notice(index, out);
+  end_card(ui, bottom_px);
+}
+
+void draw_work(const UiContext& ui, const RunningWork& work, const char* tip, float& bottom_px, Outbox& out) {
+  const Theme& theme = ui.theme;
+  begin_card(ui, tip, bottom_px, palette::accent);
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(shortened(work.what, theme.px(400 - 12 - 76 - 24)).c_str());
+  ImGui::SameLine(theme.px(400 - 12 - 76));
+  if (button(theme, "Cancel", tip, {}, theme.px(76))) out.send(work.cancel);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = ImGui::GetContentRegionAvail().x, height = theme.px(4);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.AddRectFilled(at, {at.x + width, at.y + height}, palette::pressed, height / 2);
+  const float done = width * static_cast<float>(work.fraction);
+  draw.AddRectFilled(at, {at.x + done, at.y + height}, palette::accent, height / 2);
+  ImGui::Dummy({width, height});
+  end_card(ui, bottom_px);
+}
+
+}  // namespace
+
+void draw_notices(const UiContext& ui, Outbox& out) {
+  float bottom_px = ui.layout.status_line.y - ui.theme.px(16);
+  for (std::size_t i = ui.state.notices.size(); i > 0; --i) draw_notice(ui, i - 1, bottom_px, out);
+  if (ui.opening && ui.opening->shown) draw_work(ui, *ui.opening, "What is open stays as it is", bottom_px, out);
+  if (ui.writing && ui.writing->shown)
+    draw_work(ui, *ui.writing, "Nothing is written, and what the file held before stays", bottom_px, out);
+}
+
+}  // namespace homolog

@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <cmath>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+/// "R 17.6 P 35.3 S 12.1    voxel 120 88 40    124": where the pointer is.
+std::string read_out(const UiContext& ui) {
+  if (!ui.state.hover || !ui.state.hover->p_mm) return {};
+  const Vec3& p_mm = *ui.state.hover->p_mm;
+  std::string text = position_text(p_mm);
+  const auto& volume = ui.document().volume;
+  if (!volume) return text;
+  const Vec3 voxel = volume->geometry.to_voxel(p_mm).array().round();
+  const auto& dims = volume->geometry.dims;
+  for (int axis = 0; axis < 3; ++axis)
+    if (voxel[axis] < 0 || voxel[axis] >= dims[static_cast<std::size_t>(axis)]) return text + "    outside the image";
+  const auto i = static_cast<int>(voxel.x()), j = static_cast<int>(voxel.y()), k = static_cast<int>(voxel.z());
+  const double value = volume->at(i, j, k, shown_frame(ui.state, ui.document()));
+  return text + format("    voxel %d %d %d    %.4g", i, j, k, value);
+}
+
+std::string default_hint(const UiContext& ui) {
+  if (!ui.document().volume && !ui.has_shape()) return "Open an image, or drop one on the window.";
+  if (!ui.has_shape()) return ui.needs_shape();
+  switch (ui.state.tool) {
+    case MouseTool::place:
+      return "Drag the mesh to move it, the ring to turn it, the knob to scale it.";
+    case MouseTool::landmark:
+      return ui.state.landmark.empty() ? "All landmarks are placed; drag one to move it."
+                                       : "Click where \"" + ui.state.landmark + "\" is.";
+    case MouseTool::ruler:
+      return "Drag from one point to another.";
+    case MouseTool::template_landmark:
+      return ui.state.template_landmark.empty()
+                 ? "Type the landmark's name first (Reference)."
+                 : "Click the point of the mesh that is \"" + ui.state.template_landmark + "\".";
+    case MouseTool::stiffness:
+    case MouseTool::confirm:
+      return "Paint on the outline or on the surface.";
+    default:
+      return "Drag the outline. Wheel: slices; while dragging: \xcf\x83.";
+  }
+}
+
+}  // namespace
+
+void draw_status_line(const UiContext& ui, Outbox&) {
+  const Theme& theme = ui.theme;
+  const RectPx& bar = ui.layout.status_line;
+  begin_region("status line", bar, palette::surface);
+  ImGui::PushFont(theme.small);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  const float y = std::floor(bar.y + (bar.height - ImGui::GetFontSize()) / 2);
+  draw.AddLine({bar.x, bar.y}, {bar.x + bar.width, bar.y}, palette::line);
+  draw.AddText({bar.x + theme.px(12), y}, palette::text, read_out(ui).c_str());
+
+  const auto& snapshot = ui.snapshot;
+  std::string message = snapshot.preview ? snapshot.preview->message : snapshot.message;
+  ImU32 colour = palette::dim;
+  if (snapshot.preview && snapshot.preview->stopped_by_guard) {
+    message.assign(icon::warning).append("  Held: going on would fold the surface.");
+    colour = palette::amber;
+  } else if (message.empty()) {
+    message = default_hint(ui);
+  }
+  draw.AddText({bar.x + std::max(theme.px(420), bar.width * 0.36f), y}, colour, message.c_str());
+
+  std::string right;
+  if (snapshot.solver_ms > 0) right = format("%.2f ms", snapshot.solver_ms);
+  if (ui.frames_per_second > 0) right += format("    %.0f fps", ui.frames_per_second);
+  const ImVec2 size = ImGui::CalcTextSize(right.c_str());
+  const ImVec2 at{bar.x + bar.width - theme.px(12) - size.x, y};
+  draw.AddText(at, palette::dim, right.c_str());
+  ImGui::SetCursorScreenPos(at);
+  ImGui::InvisibleButton("timings", {std::max(size.x, 1.0f), size.y});
+  if (ImGui::IsItemHovered())
+    tooltip(theme, "Core work of the last edit, job in to points out · frames drawn a second");
+  ImGui::PopFont();
+  ImGui::End();
+}
+
+}  // namespace homolog

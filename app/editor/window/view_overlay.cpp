@@ -1,0 +1,316 @@
+#include "app/editor/window/view_overlay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+namespace {
+
+ImVec2 to_im(const Eigen::Vector2d& p) {
+  return {static_cast<float>(p.x()), static_cast<float>(p.y())};
+}
+
+/// Text that stays readable on any image.
+void shadowed_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text) {
+  const float size = font->FontSize;
+  draw.AddText(font, size, {at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 200), text.c_str());
+  draw.AddText(font, size, at, colour, text.c_str());
+}
+
+void draw_letters(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const RectPx& rect = map.rect();
+  ImFont* font = ui.theme.strong;
+  const float inset = ui.theme.px(8);
+  const Vec3 right = map.right();
+  const Vec3 down = map.is_slice() ? map.slice().down : Vec3(-ui.state.camera.up);
+  const auto put = [&](const Vec3& direction, float share_x, float share_y) {
+    const std::string letters = direction_letters(direction);
+    const ImVec2 size = text_size(font, letters);
+    const ImVec2 at{std::round(rect.x + inset + (rect.width - 2 * inset - size.x) * share_x),
+                    std::round(rect.y + inset + (rect.height - 2 * inset - size.y) * share_y)};
+    shadowed_text(draw, font, at, palette::text, letters);
+  };
+  put(-right, 0, 0.5f);
+  put(right, 1, 0.5f);
+  put(-down, 0.5f, 0);
+  put(down, 0.5f, 1);
+}
+
+void draw_scale_bar(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const RectPx& rect = map.rect();
+  const double mm_per_px = map.mm_per_px(ui.state.crosshair_mm);
+  const double length_mm = scale_bar_mm(mm_per_px, 0.25 * rect.width);
+  const auto length_px = static_cast<float>(std::round(length_mm / mm_per_px));
+  const float x = rect.x + ui.theme.px(12), y = rect.y + rect.height - ui.theme.px(14), tick = ui.theme.px(4);
+  for (const auto& [shift, colour] : {std::pair(1.0f, IM_COL32(0, 0, 0, 160)), std::pair(0.0f, palette::text)}) {
+    draw.AddLine({x + shift, y + shift}, {x + length_px + shift, y + shift}, colour);
+    draw.AddLine({x + shift, y - tick + shift}, {x + shift, y + 1 + shift}, colour);
+    draw.AddLine({x + length_px + shift, y - tick + shift}, {x + length_px + shift, y + 1 + shift}, colour);
+  }
+  const std::string text = length_mm >= 10 ? format("%.0f mm", length_mm) : format("%g mm", length_mm);
+  shadowed_text(draw, ui.theme.small, {x + length_px + ui.theme.px(8), std::round(y - ui.theme.small->FontSize / 2)},
+                palette::text, text);
+}
+
+/// Lines of the other two planes, in their hues, with a gap around the cross-hair's middle.
+void draw_crosshair(const UiContext& ui, ViewKind kind, const ViewMap& map, ImDrawList& draw) {
+  const auto middle = map.to_px(ui.state.crosshair_mm);
+  if (!middle) return;
+  const VolumeGeometry geometry = geometry_of(ui.document());
+  const float gap_px = ui.theme.px(12);
+  const RectPx& rect = map.rect();
+  const float reach = rect.width + rect.height;
+  for (const ViewKind other : slice_views) {
+    if (other == kind) continue;
+    const Vec3 along_mm = slice_view(ui.state, other, geometry).normal().cross(map.into_screen());
+    const Eigen::Vector2d along(along_mm.dot(map.slice().right), along_mm.dot(map.slice().down));
+    const Eigen::Vector2d unit = along.normalized();
+    const ImU32 colour = with_alpha(view_hue(other), 0.55f);
+    for (const double sign : {-1.0, 1.0})
+      draw.AddLine(to_im(*middle + sign * static_cast<double>(gap_px) * unit),
+                   to_im(*middle + sign * static_cast<double>(reach) * unit), colour);
+  }
+}
+
+/// Names beside their points, each at the first side where it covers no other; none where all sides are taken.
+class NameTags {
+ public:
+  NameTags(const Theme& theme, ImDrawList& draw) : theme_(theme), draw_(draw) {}
+  /// Keeps names off a point.
+  void block(ImVec2 at) {
+    const float reach = theme_.px(5);
+    taken_.push_back({{at.x - reach, at.y - reach}, {at.x + reach, at.y + reach}});
+  }
+  void put(ImVec2 at, const std::string& name, float alpha) {
+    const ImVec2 size = text_size(theme_.small, name);
+    const float aside = theme_.px(9), middle = size.y / 2;
+    for (const ImVec2 corner :
+         {ImVec2{at.x + aside, at.y - middle}, ImVec2{at.x - aside - size.x, at.y - middle},
+          ImVec2{at.x - size.x / 2, at.y - aside - size.y}, ImVec2{at.x - size.x / 2, at.y + aside}}) {
+      const Rect tag{corner, {corner.x + size.x, corner.y + size.y}};
+      if (std::any_of(taken_.begin(), taken_.end(), [&](const Rect& other) { return tag.meets(other); })) continue;
+      taken_.push_back(tag);
+      shadowed_text(draw_, theme_.small, corner, with_alpha(palette::text, alpha), name);
+      return;
+    }
+  }
+
+ private:
+  struct Rect {
+    ImVec2 low, high;
+    bool meets(const Rect& o) const {
+      return low.x < o.high.x && o.low.x < high.x && low.y < o.high.y && o.low.y < high.y;
+    }
+  };
+  const Theme& theme_;
+  ImDrawList& draw_;
+  std::vector<Rect> taken_;
+};
+
+/// How clearly a landmark is shown: fading with its distance from a slice, faint behind the planes of the 3D view.
+float landmark_alpha(const UiContext& ui, const ViewMap& map, const Vec3& p_mm, const Eigen::Vector2d& px) {
+  const VolumeGeometry geometry = geometry_of(ui.document());
+  if (!map.is_slice()) {
+    constexpr float behind = 0.25f;
+    return hidden_by_planes(shown_planes(ui.state, ui.document()), geometry, map.ray(px.x(), px.y()), p_mm) ? behind
+                                                                                                            : 1;
+  }
+  const double reach_mm = 4 * slice_step_mm(geometry, map.into_screen());
+  const double off_mm = std::abs(map.into_screen().dot(p_mm - map.slice().centre));
+  return off_mm > reach_mm ? 0.0f : static_cast<float>(1 - 0.7 * off_mm / reach_mm);
+}
+
+/// The template's landmarks where the mesh has carried them: small rings, named while landmarks are in hand.
+void draw_template_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw, NameTags& tags) {
+  if (ui.making_shown) return;
+  const Template& reference = *ui.document().reference;
+  const Points& points = *ui.document().shape().points;
+  const bool named = ui.state.tool == MouseTool::template_landmark || ui.state.tool == MouseTool::landmark;
+  const Vec3 to_eye = ui.state.camera.to_eye;
+  for (std::size_t l = 0; l < reference.landmarks.size(); ++l) {
+    const Vec3 p_mm = carried_landmark(reference, l, points);
+    const auto px = map.to_px(p_mm);
+    if (!px) continue;
+    float alpha = 0.8f * landmark_alpha(ui, map, p_mm, *px);
+    const auto t = reference.topology->triangles().row(reference.landmark_points[l].face);
+    const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
+    if (!map.is_slice() && (b - a).cross(c - a).dot(to_eye) < 0) alpha *= 0.25f;  // on the far side
+    if (alpha == 0) continue;
+    draw.AddCircle(to_im(*px), ui.theme.px(4), with_alpha(palette::text, alpha), 0, ui.theme.px(1.5f));
+    if (named && alpha > 0.3f) tags.put(to_im(*px), reference.landmarks[l].name, alpha);
+  }
+}
+
+void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  struct Shown {
+    std::string name;
+    ImVec2 at;
+    float alpha;
+    bool lit;
+  };
+  std::vector<Shown> shown;
+  NameTags tags(ui.theme, draw);
+  for (const auto& [name, p_mm] : ui.document().shape().landmarks) {
+    const auto px = map.to_px(p_mm);
+    if (!px) continue;
+    const float alpha = landmark_alpha(ui, map, p_mm, *px);
+    if (alpha == 0) continue;
+    shown.push_back({name, to_im(*px), alpha, ui.state.hover && ui.state.hover->landmark == name});
+    tags.block(to_im(*px));
+  }
+  draw_template_landmarks(ui, map, draw, tags);
+  // What is pointed at is named first, then what is nearest.
+  std::stable_sort(shown.begin(), shown.end(),
+                   [](const Shown& a, const Shown& b) { return a.lit != b.lit ? a.lit : a.alpha > b.alpha; });
+  for (const Shown& landmark : shown) {
+    draw.AddCircleFilled(landmark.at, ui.theme.px(landmark.lit ? 5 : 4), with_alpha(palette::accent, landmark.alpha));
+    draw.AddCircle(landmark.at, ui.theme.px(landmark.lit ? 6 : 5), with_alpha(IM_COL32_BLACK, 0.6f * landmark.alpha));
+    const bool behind = !map.is_slice() && landmark.alpha < 1 && !landmark.lit;
+    if (!behind) tags.put(landmark.at, landmark.name, landmark.alpha);
+  }
+}
+
+void draw_placement_handles(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const auto handles = placement_handles(map, *ui.document().shape().points, ui.theme.scale);
+  if (!handles) return;
+  PlacePart lit = PlacePart::none;
+  if (ui.state.drag) {
+    if (const auto* drag = std::get_if<PlaceDrag>(&*ui.state.drag)) lit = drag->part;
+  } else if (ui.state.hover && map.rect().contains(ui.state.hover->x_px, ui.state.hover->y_px)) {
+    lit = ui.state.hover->part;
+  }
+  const auto colour = [&](PlacePart part) { return lit == part ? palette::accent : with_alpha(palette::text, 0.7f); };
+  const auto radius = static_cast<float>(handles->radius_px);
+  draw.AddCircle(to_im(handles->centre_px), radius, colour(PlacePart::ring), 0, lit == PlacePart::ring ? 2.0f : 1.5f);
+  draw.AddCircleFilled(to_im(handles->knob_px), ui.theme.px(6), palette::window);
+  draw.AddCircle(to_im(handles->knob_px), ui.theme.px(6), colour(PlacePart::knob), 0, 2);
+  const ImVec2 centre = to_im(handles->centre_px);
+  const float arm = ui.theme.px(6);
+  draw.AddLine({centre.x - arm, centre.y}, {centre.x + arm, centre.y}, colour(PlacePart::body), 1.5f);
+  draw.AddLine({centre.x, centre.y - arm}, {centre.x, centre.y + arm}, colour(PlacePart::body), 1.5f);
+}
+
+void draw_ring(ImDrawList& draw, const ViewMap& map, const Vec3& at_mm, double radius_mm, ImU32 colour) {
+  const auto px = map.to_px(at_mm);
+  if (px) draw.AddCircle(to_im(*px), static_cast<float>(radius_mm / map.mm_per_px(at_mm)), colour, 0, 1.5f);
+}
+
+/// The gesture's hold on the surface, its σ as a ring, and how far it moved, at the cursor.
+void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map, ImDrawList& draw) {
+  const bool stopped = ui.snapshot.preview && ui.snapshot.preview->stopped_by_guard;
+  const ImU32 colour = stopped ? palette::amber : palette::text;
+  const Vec3 held = ui.snapshot.preview && ui.snapshot.preview->on ? *ui.snapshot.preview->on : drag.stroke.at;
+  draw_ring(draw, map, held, drag.stroke.sigma_mm, with_alpha(colour, 0.55f));
+  if (const auto px = map.to_px(held)) draw.AddCircleFilled(to_im(*px), ui.theme.px(3), colour);
+  if (!ui.state.hover || !drag.moved) return;
+  const double moved_mm = ui.snapshot.preview ? ui.snapshot.preview->moved_mm : 0;
+  const std::string text = format("%.1f mm%s", moved_mm, stopped ? "  held" : "");
+  const std::string sigma = format("\xcf\x83 %.1f mm", drag.stroke.sigma_mm);
+  const ImVec2 a = text_size(ui.theme.strong, text), b = text_size(ui.theme.small, sigma);
+  const ImVec2 at{static_cast<float>(ui.state.hover->x_px) + ui.theme.px(20),
+                  static_cast<float>(ui.state.hover->y_px) + ui.theme.px(12)};
+  const float pad = ui.theme.px(6);
+  draw.AddRectFilled({at.x - pad, at.y - pad / 2}, {at.x + std::max(a.x, b.x) + pad, at.y + a.y + b.y + pad / 2},
+                     IM_COL32(0x1A, 0x1C, 0x1F, 205), ui.theme.px(4));
+  draw.AddText(ui.theme.strong, ui.theme.strong->FontSize, at, colour, text.c_str());
+  draw.AddText(ui.theme.small, ui.theme.small->FontSize, {at.x, at.y + a.y}, palette::dim, sigma.c_str());
+}
+
+/// What a press would do: the point that would be taken hold of, with σ or the brush around it.
+void draw_hover(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const Hover& hover = *ui.state.hover;
+  if (!hover.on_mesh) return;
+  const MouseTool tool = ui.state.tool;
+  const bool brush = tool == MouseTool::stiffness || tool == MouseTool::confirm;
+  if (!brush && !stroke_tool(tool)) return;
+  const double radius_mm = brush ? ui.state.brush.radius_mm : ui.state.sigma_mm();
+  draw_ring(draw, map, *hover.on_mesh, radius_mm, with_alpha(palette::text, 0.35f));
+  if (const auto px = map.to_px(*hover.on_mesh)) {
+    draw.AddCircleFilled(to_im(*px), ui.theme.px(4), palette::text);
+    draw.AddCircle(to_im(*px), ui.theme.px(5), IM_COL32(0, 0, 0, 160));
+  }
+}
+
+void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const Ruler& ruler = *ui.state.ruler;
+  const auto from = map.to_px(ruler.from), to = map.to_px(ruler.to);
+  if (!from || !to) return;
+  const double half_step_mm = slice_step_mm(geometry_of(ui.document()), map.into_screen()) / 2;
+  const auto near = [&](const Vec3& p) {
+    return !map.is_slice() || std::abs(map.into_screen().dot(p - map.slice().centre)) <= half_step_mm;
+  };
+  const bool in_plane = near(ruler.from) && near(ruler.to);
+  const ImU32 colour = with_alpha(palette::accent, in_plane ? 1.0f : 0.35f);
+  draw.AddLine(to_im(*from), to_im(*to), colour, 1.5f);
+  for (const auto& end : {*from, *to}) draw.AddCircleFilled(to_im(end), ui.theme.px(3), colour);
+  const Eigen::Vector2d middle = (*from + *to) / 2;
+  if (in_plane)
+    shadowed_text(draw, ui.theme.strong, {to_im(middle).x + ui.theme.px(8), to_im(middle).y + ui.theme.px(4)},
+                  palette::text, format("%.1f mm", ruler.length_mm()));
+}
+
+void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
+  const Hints& hints = ui.state.preferences.hints;
+  if (!ui.has_shape() || ui.state.drag) return;
+  std::string text;
+  if (kind == ViewKind::axial && !hints.dragged)
+    text = "Drag the coloured outline to the organ's edge";
+  else if (kind == ViewKind::sagittal && !hints.scrolled)
+    text = "Turn the wheel to go through the slices";
+  else if (kind == ViewKind::space && !hints.turned_camera)
+    text = "Drag beside the mesh to turn it";
+  if (text.empty()) return;
+  const RectPx& rect = ui.layout.image(kind);
+  const ImFont& font = *ui.theme.body;
+  const float pad_x = ui.theme.px(12), pad_y = ui.theme.px(7), wrap = rect.width - 4 * pad_x;
+  const ImVec2 size = font.CalcTextSizeA(font.FontSize, FLT_MAX, wrap, text.c_str());
+  const ImVec2 at{std::round(rect.x + (rect.width - size.x) / 2), rect.y + rect.height - ui.theme.px(44) - size.y};
+  const ImVec2 low{at.x - pad_x, at.y - pad_y}, high{at.x + size.x + pad_x, at.y + size.y + pad_y};
+  const float rounding = (font.FontSize + 2 * pad_y) / 2;
+  draw.AddRectFilled(low, high, IM_COL32(0x1A, 0x1C, 0x1F, 225), rounding);
+  draw.AddRect(low, high, with_alpha(palette::accent, 0.5f), rounding);
+  draw.AddText(&font, font.FontSize, at, palette::text, text.c_str(), nullptr, wrap);
+}
+
+void draw_empty_state(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
+  const bool nothing = !ui.document().volume && !ui.has_shape();
+  if (!nothing || kind != ViewKind::axial) return;
+  const RectPx& rect = ui.layout.image(kind);
+  const std::string title = "Nothing is open", text = "Ctrl+O opens an image, a case or a template";
+  const ImVec2 a = text_size(ui.theme.strong, title), b = text_size(ui.theme.body, text);
+  const float x = rect.x + rect.width / 2, y = rect.y + rect.height / 2;
+  draw.AddText(ui.theme.strong, ui.theme.strong->FontSize, {std::round(x - a.x / 2), y - ui.theme.px(20)},
+               palette::text, title.c_str());
+  draw.AddText(ui.theme.body, ui.theme.body->FontSize, {std::round(x - b.x / 2), y + ui.theme.px(4)}, palette::dim,
+               text.c_str());
+}
+
+}  // namespace
+
+void draw_view_overlay(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
+  const ControlsContext context{ui.layout, ui.document(), false, false};
+  const ViewMap map = view_map(ui.state, context, kind);
+  const auto& show = ui.state.preferences.show;
+  const bool nothing = !ui.document().volume && !ui.has_shape();
+  if (nothing) return draw_empty_state(ui, kind, draw);
+  if (show.crosshair && map.is_slice()) draw_crosshair(ui, kind, map, draw);
+  if (ui.state.ruler) draw_ruler(ui, map, draw);
+  if (ui.has_shape()) {
+    draw_landmarks(ui, map, draw);
+    if (ui.state.tool == MouseTool::place) draw_placement_handles(ui, map, draw);
+  }
+  const auto* stroke = ui.state.drag ? std::get_if<StrokeDrag>(&*ui.state.drag) : nullptr;
+  if (stroke != nullptr && stroke->view == kind) draw_stroke(ui, *stroke, map, draw);
+  if (!ui.state.drag && ui.state.hover && ui.state.hover->view == kind) draw_hover(ui, map, draw);
+  if (show.letters) draw_letters(ui, map, draw);
+  if (map.is_slice()) draw_scale_bar(ui, map, draw);
+  draw_hints(ui, kind, draw);
+}
+
+}  // namespace homolog

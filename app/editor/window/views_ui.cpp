@@ -1,0 +1,101 @@
+#include <cmath>
+
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/widgets.h"
+#include "app/editor/window/view_overlay.h"
+
+namespace homolog {
+
+namespace {
+
+void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const RectPx& rect = ui.layout.headers[index_of(kind)];
+  const std::string title = view_title(kind, geometry_of(ui.document()), ui.state.own_planes);
+  begin_region(("header " + title).c_str(), rect, palette::surface);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.AddRectFilled({rect.x, rect.y}, {rect.x + theme.px(3), rect.y + rect.height}, view_hue(kind));
+  ImGui::PushFont(theme.strong);
+  const float text_y = std::floor(rect.y + (rect.height - ImGui::GetFontSize()) / 2);
+  draw.AddText({rect.x + theme.px(12), text_y}, view_hue(kind), title.c_str());
+  const float title_width = ImGui::CalcTextSize(title.c_str()).x;
+  ImGui::PopFont();
+
+  if (kind != ViewKind::space) {
+    const Vec3 normal = slice_view(ui.state, kind, geometry_of(ui.document())).normal();
+    const double along = normal.dot(ui.state.crosshair_mm);
+    const std::string letters = direction_letters(along < 0 ? Vec3(-normal) : normal);
+    const std::string position = format("%s %.1f mm", letters.c_str(), std::abs(along));
+    draw.AddText({rect.x + theme.px(24) + title_width, text_y}, palette::dim, position.c_str());
+  }
+
+  const float side = theme.px(24), top = theme.px(2);
+  ImGui::SetCursorPos({rect.width - side - theme.px(4), top});
+  const bool whole = ui.state.maximised == kind;
+  if (icon_button(theme, whole ? icon::unfit : icon::fit, "maximise",
+                  whole ? "All four views (double-click)" : "This view alone (double-click)", {}, false, 24))
+    out.change([kind, whole](EditorState& s) { s.maximised = whole ? std::nullopt : std::optional(kind); });
+  if (kind == ViewKind::space && rect.width > theme.px(260)) {
+    static constexpr std::array<LookFrom, 6> directions{LookFrom::anterior, LookFrom::posterior, LookFrom::left,
+                                                        LookFrom::right,    LookFrom::superior,  LookFrom::inferior};
+    static constexpr std::array<const char*, 6> letters{"A", "P", "L", "R", "S", "I"};
+    static constexpr std::array<const char*, 6> names{"anterior", "posterior", "left", "right", "superior", "inferior"};
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      ImGui::SetCursorPos({rect.width - side * static_cast<float>(8 - i) - theme.px(4), top});
+      if (icon_button(theme, letters[i], names[i], format("Look from %s (Shift+%s)", names[i], letters[i]), {}, false,
+                      24))
+        out.change([from = directions[i]](EditorState& s) { look_from(s, from); });
+    }
+  }
+  ImGui::End();
+}
+
+ImGuiMouseCursor shape_over(const Hover& hover, MouseTool tool) {
+  if (tool == MouseTool::place) {
+    switch (hover.part) {
+      case PlacePart::none:
+        return ImGuiMouseCursor_Arrow;
+      case PlacePart::body:
+        return ImGuiMouseCursor_ResizeAll;
+      case PlacePart::ring:
+        return ImGuiMouseCursor_Hand;
+      case PlacePart::knob:
+        return ImGuiMouseCursor_ResizeNWSE;
+    }
+  }
+  const bool takes_mesh = tool != MouseTool::landmark && tool != MouseTool::ruler;
+  return (takes_mesh && hover.on_mesh) || !hover.landmark.empty() ? ImGuiMouseCursor_Hand : ImGuiMouseCursor_Arrow;
+}
+
+/// What the pointer's shape tells: what a press would take hold of, or what the drag does.
+ImGuiMouseCursor pointer_shape(const EditorState& state) {
+  if (!state.drag) return state.hover ? shape_over(*state.hover, state.tool) : ImGuiMouseCursor_Arrow;
+  const Drag& drag = *state.drag;
+  if (const auto* place = std::get_if<PlaceDrag>(&drag))
+    return place->part == PlacePart::knob ? ImGuiMouseCursor_ResizeNWSE : ImGuiMouseCursor_ResizeAll;
+  if (std::holds_alternative<RulerDrag>(drag)) return ImGuiMouseCursor_Arrow;
+  const bool of_view = std::holds_alternative<PanDrag>(drag) || std::holds_alternative<WindowDrag>(drag) ||
+                       std::holds_alternative<TurnDrag>(drag);
+  return of_view ? ImGuiMouseCursor_ResizeAll : ImGuiMouseCursor_Hand;
+}
+
+}  // namespace
+
+void draw_views(const UiContext& ui, Outbox& out) {
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  for (const ViewKind kind : all_views) {
+    const RectPx& rect = ui.layout.image(kind);
+    if (rect.width < 1 || rect.height < 1) continue;
+    const ImVec2 low{rect.x, rect.y}, high{rect.x + rect.width, rect.y + rect.height};
+    draw.PushClipRect(low, high);
+    draw_view_overlay(ui, kind, draw);
+    draw.PopClipRect();
+    const bool under_pointer = ui.state.hover && ui.state.hover->view == kind;
+    draw.AddRect(low, high, with_alpha(view_hue(kind), under_pointer ? 0.9f : 0.35f));
+    draw_header(ui, kind, out);
+  }
+  if (ui.state.drag || ui.state.hover) ImGui::SetMouseCursor(pointer_shape(ui.state));
+}
+
+}  // namespace homolog

@@ -1,0 +1,98 @@
+#include "app/editor/work/fitter.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "core/fit/refine.h"
+
+namespace homolog {
+
+namespace {
+
+Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const FitSettings& settings,
+                      FitOptions options) {
+  const Template& reference = *document.reference;
+  const Shape& shape = document.shape();
+  const int frame = std::min(document.frame, labels.volume->frames - 1);
+  auto boundary = label_boundary(*labels.volume, settings.label, frame, settings.closing_mm, reference.points.rows());
+  if (!boundary) return fail(labels.name, boundary.error().what);
+  if (settings.as_placed) options.placement = shape.placement;
+  options.landmarks = shape.landmarks;
+  auto fit = fit_to_boundary(reference, *boundary, options);
+  if (!fit) return fail(labels.name, fit.error().what);
+  Fitted done;
+  done.agreement = compare_meshes(fit->mesh, boundary->surface);
+  done.remarks = std::move(boundary->warnings);
+  done.remarks.insert(done.remarks.end(), fit->warnings.begin(), fit->warnings.end());
+  if (!settings.as_placed && looks_mirrored(reference, *boundary))
+    done.remarks.emplace_back(
+        "The organ looks like the template's mirror image; try Mirror left and right (Reference), then fit again.");
+  else if (is_doubtful(done.agreement, *boundary))
+    done.remarks.emplace_back("The fit stays bad; is this the template of another organ, or another label?");
+  done.edit = {"fit", fit->placement, std::make_shared<const Points>(std::move(fit->mesh.points))};
+  return done;
+}
+
+Result<Fitted> refined(const Document& document, Progress& progress) {
+  auto refinement = refine(document, &progress);
+  if (!refinement) return fail(refinement.error());
+  Fitted done;
+  done.edit = std::move(refinement->edit);
+  const auto moved_mm = (*done.edit.points - *document.shape().points).rowwise().norm();
+  const auto off = surface_distance({document.reference->topology, *done.edit.points}, document.mesh());
+  char remark[200];
+  std::snprintf(remark, sizeof remark,
+                "Landmarks moved along the surface by %.2f mm on average, at most %.1f mm; the surface stayed within "
+                "%.2f mm.",
+                moved_mm.mean(), moved_mm.maxCoeff(), off.max_mm);
+  done.remarks = std::move(refinement->warnings);
+  done.remarks.emplace_back(remark);
+  return done;
+}
+
+}  // namespace
+
+void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings) {
+  document_ = document;
+  refining_ = false;
+  box_ = std::make_shared<Box>();
+  work_.start([=, box = box_, wake = wake_](Progress& progress) {
+    FitOptions options;
+    options.progress = &progress;
+    options.show = [&](const Points& points) {
+      {
+        const std::lock_guard lock(box->mutex);
+        box->step = std::make_shared<const Points>(points);
+      }
+      wake();
+    };
+    return fitted(*document, labels, settings, std::move(options));
+  });
+}
+
+void Fitter::start_refinement(std::shared_ptr<const Document> document) {
+  document_ = document;
+  refining_ = true;
+  box_ = std::make_shared<Box>();
+  work_.start([document](Progress& progress) { return refined(*document, progress); });
+}
+
+void Fitter::cancel() {
+  work_.cancel();
+  document_.reset();
+  box_ = std::make_shared<Box>();
+}
+
+std::shared_ptr<const Points> Fitter::take_step() {
+  const std::lock_guard lock(box_->mutex);
+  return std::exchange(box_->step, nullptr);
+}
+
+std::optional<Result<Fitted>> Fitter::take() {
+  auto done = work_.take();
+  if (done) document_.reset();
+  return done;
+}
+
+}  // namespace homolog

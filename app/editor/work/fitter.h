@@ -1,0 +1,71 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/editor/work/latest_wins.h"
+#include "core/case/action.h"
+#include "core/fit/mask_fit.h"
+#include "core/measure/compare.h"
+
+namespace homolog {
+
+/// What the panel says about a fit.
+struct FitSettings {
+  int label = 0;           ///< 0: the label map's first
+  double closing_mm = 1;   ///< radius: narrower clefts are filled
+  bool as_placed = false;  ///< starts where the template is; else its place is found
+};
+
+/// A label map with its name, for sentences.
+struct NamedLabels {
+  std::shared_ptr<const Volume> volume;
+  std::string name;
+};
+
+/// A finished fit or refinement: the edit, and what it is judged by.
+struct Fitted {
+  SetPoints edit;
+  Agreement agreement;               ///< of a fit, with the boundary
+  std::vector<std::string> remarks;  ///< each a sentence
+};
+
+/// Fits the shown frame's template to a label, or to the surface that the mesh has already (see refine), on a thread of
+/// its own. Called from the window's thread only.
+class Fitter {
+ public:
+  /// `wake` is called from the thread after each step.
+  explicit Fitter(std::function<void()> wake) : wake_(wake), work_(std::move(wake)) {}
+
+  /// `labels` and the document must have the frame; the document must have a shape.
+  void start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings);
+  void start_refinement(std::shared_ptr<const Document> document);
+  void cancel();
+  bool busy() const { return work_.busy(); }
+  bool refining() const { return refining_ && busy(); }
+  double fraction() const { return work_.fraction(); }
+  /// The document that is fitted, as it was when the fit began; null where nothing goes on.
+  const std::shared_ptr<const Document>& document() const { return document_; }
+  /// The shape so far, once a step; a refinement shows none.
+  std::shared_ptr<const Points> take_step();
+  /// The result, once.
+  std::optional<Result<Fitted>> take();
+  void finish() { work_.finish(); }
+
+ private:
+  struct Box {
+    std::mutex mutex;
+    std::shared_ptr<const Points> step;
+  };
+  std::function<void()> wake_;
+  std::shared_ptr<Box> box_ = std::make_shared<Box>();
+  std::shared_ptr<const Document> document_;
+  bool refining_ = false;
+  LatestWins<Fitted> work_;
+};
+
+}  // namespace homolog

@@ -1,0 +1,72 @@
+#include "app/editor/work/model_help.h"
+
+#include <utility>
+
+#include "core/model/conditional.h"
+
+namespace homolog {
+
+namespace {
+
+/// How far a known landmark may be off, a coordinate.
+constexpr double known_noise_mm = 2;
+constexpr double share_kept = 0.99;
+
+/// The model of all shapes but one; of all where `left_out` is −1. Errors: too few are left.
+Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_out) {
+  const Eigen::Index count = std::ssize(study.shapes) - (left_out < 0 ? 0 : 1);
+  if (count < 2) return fail("", "The model needs at least two other cases of this template.");
+  ShapeMatrix shapes(3 * study.landmarks(), count);
+  Eigen::Index column = 0;
+  for (std::ptrdiff_t k = 0; k < std::ssize(study.shapes); ++k) {
+    if (k == left_out) continue;
+    const Points& points = *study.shapes[static_cast<std::size_t>(k)];
+    shapes.col(column++) = Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
+  }
+  return make_model(principal_components(std::move(shapes)), share_kept, study.topology, {});
+}
+
+}  // namespace
+
+/// The model with the solver that it completes shapes by. The solver belongs to the session's thread.
+struct ModelHelp::Completer {
+  ShapeModel model;  ///< with_pose
+  std::optional<ShapeSolver> solver;
+
+  Result<std::optional<Action>> complete(const Document& document, double strength) {
+    if (!document.reference || !document.has_shape()) return std::optional<Action>();
+    if (!solver || solver->topology() != document.reference->topology) solver.emplace(document.reference->topology);
+    const Shape& shape = document.shape();
+    const VertexScalars stiffness = document.stiffness_base * *document.stiffness;
+    auto done =
+        completed(model, unaided_points(shape), known_landmarks(shape), known_noise_mm, strength, stiffness, *solver);
+    if (!done) return fail(done.error());
+    return std::optional<Action>(points_edit(document, done->points, by_model));
+  }
+};
+
+void ModelHelp::ask(std::shared_ptr<const StudyModel> study, const std::string& name) {
+  if (study_ == study && name_ == name) return;
+  study_ = study;
+  name_ = name;
+  completer_.reset();
+  work_.start([study = std::move(study), name](Progress&) {
+    return model_without(*study, study->index_of(name)).map(with_pose);
+  });
+}
+
+Compute ModelHelp::completion(double strength) const {
+  if (!completer_ || !(strength > 0)) return {};
+  return
+      [completer = completer_, strength](const Document& document) { return completer->complete(document, strength); };
+}
+
+std::optional<std::string> ModelHelp::update() {
+  auto done = work_.take();
+  if (!done) return std::nullopt;
+  if (!*done) return done->error().sentence();
+  completer_ = std::make_shared<Completer>(Completer{std::move(**done), {}});
+  return std::nullopt;
+}
+
+}  // namespace homolog

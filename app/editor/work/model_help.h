@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "app/editor/work/latest_wins.h"
+#include "app/editor/work/study_model.h"
+#include "core/case/session.h"
+
+namespace homolog {
+
+/// What the shape model of a study makes of the case: the model is computed on a thread of its own, then completes
+/// shapes on the session's. Called from the window's thread only.
+class ModelHelp {
+ public:
+  /// `wake` is called from the thread when it is computed.
+  explicit ModelHelp(std::function<void()> wake) : work_(std::move(wake)) {}
+
+  /// Asks for the model of all cases but the one called `name` (empty where the open case is none of the study's). Does
+  /// nothing where that is known already.
+  void ask(std::shared_ptr<const StudyModel> study, const std::string& name);
+  /// Carries the shown frame's mesh from what its edits alone made of it towards what the model expects from the
+  /// landmarks that are known, as far as `strength` 0…1 says. Empty at 0, while the model is computed, and where it
+  /// cannot be.
+  Compute completion(double strength) const;
+  /// Takes in what the thread did; gives the sentence where it failed.
+  std::optional<std::string> update();
+  bool busy() const { return work_.busy(); }
+
+ private:
+  struct Completer;
+  std::shared_ptr<const StudyModel> study_;
+  std::string name_;
+  std::shared_ptr<Completer> completer_;
+  LatestWins<ShapeModel> work_;  ///< with_pose
+};
+
+}  // namespace homolog

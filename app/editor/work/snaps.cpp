@@ -1,0 +1,103 @@
+#include "app/editor/work/snaps.h"
+
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <utility>
+
+#include "app/editor/state/state.h"
+#include "core/deform/shape_solver.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+SnapOptions options_of(const SnapSettings& settings) {
+  SnapOptions options;
+  options.strength = settings.strength;
+  options.edges.reach_mm = settings.reach_mm;
+  options.edges.polarity = settings.polarity;
+  if (settings.polarity == Polarity::automatic) options.edges.appearance = settings.learned;
+  return options;
+}
+
+}  // namespace
+
+bool moves_boundary(Tool tool) {
+  return tool == Tool::pull || tool == Tool::grab;
+}
+
+SnapRegion snap_region(const Document& document, const Stroke& stroke) {
+  const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().points);
+  return {stroke.to, std::hypot(stroke.sigma_mm, stiffness_length_mm(document.stiffness_base, edge_mm))};
+}
+
+Compute snap_compute(const SnapRegion& region, const SnapSettings& settings) {
+  return [region, options = options_of(settings)](const Document& document) -> Result<std::optional<Action>> {
+    auto edit = snap_document(document, region, options);
+    return edit ? std::optional<Action>(std::move(edit->action)) : std::nullopt;
+  };
+}
+
+/// What the session's thread and the window's share of one snap.
+struct Snaps::Box {
+  std::mutex mutex;
+  Progress progress;
+  bool running = true;
+  std::optional<SnapFound> found;
+
+  void put(std::optional<SnapFound> result) {
+    const std::lock_guard lock(mutex);
+    running = false;
+    found = std::move(result);
+  }
+};
+
+void Snaps::cancel() {
+  if (box_) box_->progress.cancel();
+}
+
+bool Snaps::busy() const {
+  if (!box_) return false;
+  const std::lock_guard lock(box_->mutex);
+  return box_->running;
+}
+
+std::optional<SnapFound> Snaps::take() {
+  if (!box_) return std::nullopt;
+  const std::lock_guard lock(box_->mutex);
+  return std::exchange(box_->found, std::nullopt);
+}
+
+void Snaps::start(SessionThread& session, std::optional<SnapRegion> region, const SnapSettings& settings, bool joined) {
+  using Clock = std::chrono::steady_clock;
+  cancel();
+  box_ = std::make_shared<Box>();
+  SnapOptions options = options_of(settings);
+  options.progress = &box_->progress;
+  session.apply_computed(
+      [box = box_, region, options](const Document& document) -> Result<std::optional<Action>> {
+        const auto begin = Clock::now();
+        auto edit = snap_document(document, region, options);
+        if (!edit) {
+          box->put(std::nullopt);
+          if (box->progress.cancelled()) return std::optional<Action>();
+          return edit.error().subject.empty() ? fail(document.volume_source, edit.error().what) : fail(edit.error());
+        }
+        SnapFound found;
+        found.points = edit->result.points;
+        found.confidence = std::make_shared<const VertexScalars>(std::move(edit->result.confidence));
+        found.mean_confidence = edit->result.mean_confidence;
+        found.moved_mm = edit->result.moved_mm;
+        found.doubtful = edit->result.doubtful;
+        found.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+        for (const std::string& warning : edit->result.warnings)
+          found.warning += (found.warning.empty() ? "Snap: " : "; ") + warning;
+        box->put(std::move(found));
+        return std::optional<Action>(std::move(edit->action));
+      },
+      joined);
+}
+
+}  // namespace homolog

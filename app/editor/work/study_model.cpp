@@ -1,0 +1,214 @@
+#include "app/editor/work/study_model.h"
+
+#include <algorithm>
+
+#include "core/mesh/mesh_quality.h"
+#include "core/mesh/mirror.h"
+#include "core/model/groups.h"
+#include "core/model/training_set.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double share_held = 0.95;
+
+/// The shapes of all cases that can be read; the others are named among the refusals.
+struct Gathered {
+  std::vector<const StudyCase*> cases;
+  std::vector<std::shared_ptr<const MeshFile>> meshes;
+};
+
+/// The open case's shapes; one that did not change is the one that was known.
+ReadFile open_file(const StudyModelRequest& request) {
+  ReadFile open{{}, shapes_of(*request.open_document)};
+  const auto known = request.known.find(request.open_file);
+  if (known == request.known.end()) return open;
+  for (auto& [frame, mesh] : open.shapes.frames) {
+    const auto before = known->second.shapes.frames.find(frame);
+    if (before != known->second.shapes.frames.end() && before->second->points == mesh->points) mesh = before->second;
+  }
+  return open;
+}
+
+/// What a file holds, read where that is not known. Errors: it cannot be read.
+Result<ReadFile> read_file(const fs::path& file, const StudyModelRequest& request) {
+  if (request.open_document && file == request.open_file) return open_file(request);
+  std::error_code ignored;
+  const auto written = fs::last_write_time(file, ignored);
+  const auto known = request.known.find(file);
+  if (known != request.known.end() && known->second.written == written) return known->second;
+  auto read = read_shapes_of(file);
+  if (!read) return fail(read.error());
+  return ReadFile{written, std::move(*read)};
+}
+
+Result<std::shared_ptr<const MeshFile>> shape_of(const StudyCase& one, const ReadFile& file) {
+  auto mesh = file.shapes.shape(one.frame, one.name);
+  if (!mesh || !one.flipped) return mesh;
+  return std::make_shared<const MeshFile>(mirrored(**mesh));
+}
+
+Gathered gather(const StudyModelRequest& request, StudyModelBuilt& built, Progress& progress) {
+  Gathered gathered;
+  double done = 0;
+  for (const StudyCase& one : request.cases) {
+    progress.report(done++ / static_cast<double>(request.cases.size()));
+    if (progress.cancelled()) break;
+    const auto refuse = [&](const Error& error) { built.refusals.push_back(error.sentence() + " (left out)"); };
+    auto file = built.known.find(one.file);
+    std::error_code ignored;
+    if (file == built.known.end() && !fs::exists(one.file, ignored)) {
+      built.refusals.push_back(missing_case(one));
+      continue;
+    }
+    if (file == built.known.end()) {
+      auto read = read_file(one.file, request);
+      if (!read) {
+        refuse(read.error());
+        continue;
+      }
+      file = built.known.emplace(one.file, std::move(*read)).first;
+      const auto& remarks = file->second.shapes.warnings;
+      built.warnings.insert(built.warnings.end(), remarks.begin(), remarks.end());
+    }
+    const auto mesh = shape_of(one, file->second);
+    if (!mesh) {
+      refuse(mesh.error());
+      continue;
+    }
+    built.shapes[one.name] = *mesh;
+    gathered.cases.push_back(&one);
+    gathered.meshes.push_back(*mesh);
+  }
+  return gathered;
+}
+
+/// The largest training set that is in correspondence.
+Result<TrainingSetRead> training_set(Gathered& gathered, StudyModelBuilt& built) {
+  for (;;) {
+    TrainingSetBuilder builder(gathered.cases.size());
+    for (std::size_t k = 0; k < gathered.cases.size(); ++k) builder.add(gathered.cases[k]->name, *gathered.meshes[k]);
+    auto read = builder.finish();
+    if (read || gathered.cases.size() < 3) return read;
+    const auto offender = std::find_if(gathered.cases.begin(), gathered.cases.end(),
+                                       [&](const StudyCase* one) { return one->name == read.error().subject; });
+    if (offender == gathered.cases.end()) return read;
+    built.refusals.push_back(read.error().sentence() + " (left out)");
+    gathered.meshes.erase(gathered.meshes.begin() + (offender - gathered.cases.begin()));
+    gathered.cases.erase(offender);
+  }
+}
+
+/// The template's faces for shapes that are points alone; null where it is of another count, or none.
+std::shared_ptr<const Topology> template_faces(const fs::path& file, Eigen::Index landmarks, StudyModelBuilt& built) {
+  if (file.empty()) return nullptr;
+  const auto reference = load_template(file.string());
+  if (!reference) {
+    built.warnings.push_back(reference.error().sentence());
+    return nullptr;
+  }
+  const Eigen::Index count = (*reference)->points.rows();
+  if (count == landmarks) return (*reference)->topology;
+  built.warnings.push_back(file.string() + ": has " + std::to_string(count) + " vertices where the shapes have " +
+                           std::to_string(landmarks) + ", so they stay without faces; choose another template");
+  return nullptr;
+}
+
+std::vector<float> hues_of(const StudyModel& model) {
+  if (model.topology) return landmark_hues(*model.topology);
+  std::vector<float> hues;
+  for (Eigen::Index i = 0; i < model.landmarks(); ++i)
+    hues.push_back(static_cast<float>(i) / static_cast<float>(model.landmarks()));
+  return hues;
+}
+
+void find_doubts(StudyModel& model) {
+  const PrincipalComponents& components = *model.components;
+  model.distances_mm.resize(model.names.size());
+  for (const DoubtfulShape& shape : shapes_by_distance(components)) {
+    model.distances_mm[static_cast<std::size_t>(shape.shape)] = shape.distance_mm;
+    if (shape.doubt != Doubt::none) model.doubtful_shapes.push_back(shape);
+  }
+  if (components.shapes() < 4) return;  // fewer have no fences
+  const Eigen::Index modes = std::clamp<Eigen::Index>(model.model.modes(), 1, components.shapes() - 2);
+  model.doubtful_landmarks = doubtful_landmarks(components, model.topology, modes);
+  if (model.topology) model.doubtful_triangles = doubtful_triangles(components, *model.topology);
+}
+
+}  // namespace
+
+std::ptrdiff_t StudyModel::index_of(const std::string& name) const {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? -1 : found - names.begin();
+}
+
+std::vector<std::string> StudyModel::comparable_groups() const {
+  std::vector<std::string> found;
+  for (const std::string& group : groups)
+    if (!group.empty() && std::find(found.begin(), found.end(), group) == found.end() &&
+        std::count(groups.begin(), groups.end(), group) > 1)
+      found.push_back(group);
+  return found;
+}
+
+std::vector<Eigen::Index> StudyModel::of_group(const std::string& group) const {
+  std::vector<Eigen::Index> found;
+  for (std::size_t k = 0; k < groups.size(); ++k)
+    if (groups[k] == group) found.push_back(static_cast<Eigen::Index>(k));
+  return found;
+}
+
+VertexScalars difference_of_groups_mm(const StudyModel& model, const std::string& from, const std::string& to) {
+  return outward_mm(model.mean, group_difference_mm(*model.components, model.of_group(from), model.of_group(to)));
+}
+
+StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& progress) {
+  StudyModelBuilt built;
+  Gathered gathered = gather(request, built, progress);
+  if (progress.cancelled()) return built;
+  if (gathered.cases.empty()) {
+    if (!request.cases.empty()) built.error = "None of the study's cases has a shape that can be read.";
+    return built;
+  }
+  auto read = training_set(gathered, built);
+  if (!read) {
+    built.error = read.error().sentence();
+    return built;
+  }
+  built.warnings.insert(built.warnings.end(), read->warnings.begin(), read->warnings.end());
+  built.mirrored = std::move(read->mirrored);
+  auto model = std::make_shared<StudyModel>();
+  for (const StudyCase* one : gathered.cases) {
+    model->names.push_back(one->name);
+    model->groups.push_back(one->group);
+  }
+  model->topology = read->set.topology;
+  if (!model->topology) model->topology = template_faces(request.template_file, read->set.shapes.rows() / 3, built);
+  align(read->set.shapes, request.alignment);
+  model->centre_mm = points_of(Eigen::VectorXd(read->set.shapes.rowwise().mean())).colwise().mean();
+  for (Eigen::Index k = 0; k < read->set.shapes.cols(); ++k) {
+    model->shapes.push_back(std::make_shared<const Points>(points_of(read->set.shapes, k)));
+    model->radius_mm = std::max(
+        model->radius_mm, (model->shapes.back()->rowwise() - model->centre_mm.transpose()).rowwise().norm().maxCoeff());
+  }
+  auto components = principal_components(std::move(read->set.shapes));
+  if (components.scatter.size() == 0) {
+    built.error = model->names.front() +
+                  ": differs from the other shapes by its pose alone, so there is nothing to model; give different "
+                  "shapes";
+    return built;
+  }
+  model->model = make_model(components, share_held, model->topology, model->names);
+  model->mean = {model->topology, points_of(components.mean)};
+  model->components = std::make_shared<const PrincipalComponents>(std::move(components));
+  model->hues = std::make_shared<const std::vector<float>>(hues_of(*model));
+  if (progress.cancelled()) return built;
+  find_doubts(*model);
+  built.model = std::move(model);
+  return built;
+}
+
+}  // namespace homolog

@@ -6,6 +6,7 @@
 
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/plots.h"
+#include "app/editor/widgets/widgets.h"
 #include "app/editor/window/key_queue.h"
 
 namespace homolog {
@@ -42,6 +43,24 @@ TEST_CASE("keys and characters reach a field in the order they were typed and no
   CHECK(frame() == "c");
   CHECK(pressed == std::vector<int>{'A', key::enter, key::enter});
   CHECK_FALSE(queue.busy());
+}
+
+TEST_CASE("a text is shortened to any room") {
+  ImGui::CreateContext();
+  make_theme(1);
+  ImGui::GetIO().DisplaySize = {800, 600};
+  ImGui::NewFrame();
+  const std::string not_utf8 = "\x80\x81", dots = "\xe2\x80\xa6";
+  CHECK(shortened("", -5) == "");
+  CHECK(shortened(not_utf8, -5) == "");
+  CHECK(shortened("kidney", -5) == "");
+  CHECK(shortened("kidney", 500) == "kidney");
+  const std::string some = shortened("left kidney", 60);
+  CHECK(some.starts_with("l"));
+  CHECK(some.ends_with("y"));
+  CHECK(some.find(dots) != std::string::npos);
+  ImGui::EndFrame();
+  ImGui::DestroyContext();
 }
 
 TEST_CASE("the marks of an axis are round and reach its end") {

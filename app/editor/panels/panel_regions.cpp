@@ -116,6 +116,13 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
                                             theme.px(2));
 }
 
+/// What the case holds. What is shown is a preview of the very change that is compared with it.
+double committed_factor(const UiContext& ui, const Region& region) {
+  for (const Region& kept : ui.snapshot.document->regions->list)
+    if (kept.name == region.name) return kept.factor;
+  return region.factor;
+}
+
 void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
   const Theme& theme = ui.theme;
   const Region& region = ui.document().regions->list[index];
@@ -123,7 +130,7 @@ void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
   const float factor_width = theme.px(72), remove_width = theme.px(24);
   draw_region_name(ui, index, ImGui::GetContentRegionAvail().x - factor_width - remove_width - theme.px(8), out);
   ImGui::SameLine(0, theme.px(4));
-  CaseNumber factor(ui, "factor of " + region.name, region.factor);
+  CaseNumber factor(ui, "factor of " + region.name, committed_factor(ui, region));
   bool released = false;
   const bool changed = number_field(theme, "factor", factor.value, 0.05, "%.1f", "\xc3\x97", factor_width,
                                     "Stiffness of the region relative to the base", released);

@@ -83,17 +83,18 @@ void progress_bar(const Theme& theme, double fraction) {
 
 std::string shortened(const std::string& text, float width_px) {
   const auto fits = [width_px](const std::string& t) { return ImGui::CalcTextSize(t.c_str()).x <= width_px; };
-  if (fits(text)) return text;
+  if (text.empty() || fits(text)) return text;
+  const std::string ellipsis = "\xe2\x80\xa6";
   std::vector<std::size_t> characters;  // where each begins in UTF-8
   for (std::size_t i = 0; i < text.size(); ++i)
     if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) characters.push_back(i);
-  for (std::size_t kept = characters.size() - 1; kept > 1; --kept) {
+  for (std::size_t kept = characters.size(); kept-- > 2;) {
     const std::size_t tail = kept / 2, head = kept - tail;
     const std::string shorter =
-        text.substr(0, characters[head]) + "\xe2\x80\xa6" + text.substr(characters[characters.size() - tail]);
+        text.substr(0, characters[head]) + ellipsis + text.substr(characters[characters.size() - tail]);
     if (fits(shorter)) return shorter;
   }
-  return "\xe2\x80\xa6";
+  return fits(ellipsis) ? ellipsis : std::string();
 }
 
 void tooltip(const Theme& theme, const std::string& text) {

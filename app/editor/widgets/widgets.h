@@ -62,7 +62,7 @@ void progress_bar(const Theme& theme, double fraction);
 
 ImVec2 text_size(ImFont* font, const std::string& text);
 
-/// The text with its middle left out where it is wider.
+/// The text with its middle left out where it is wider; nothing where not even the dots fit.
 std::string shortened(const std::string& text, float width_px);
 
 /// printf into a string.

@@ -1,12 +1,11 @@
 #include "core/deform/sparse_cholesky.h"
 
-#include <metis.h>
-
 #include <algorithm>
 #include <limits>
 #include <numeric>
 
 #include "core/deform/dense_front.h"
+#include "core/solve/ordering.h"
 
 namespace homolog {
 
@@ -21,12 +20,7 @@ constexpr double unknown_value = std::numeric_limits<double>::quiet_NaN();  // w
 constexpr double most_zeros = 0.3;
 constexpr int small_pivots = 8;
 
-/// The neighbours of unknown i are neighbour[start[i]] … neighbour[start[i + 1] − 1].
-struct Graph {
-  std::vector<int> start, neighbour;
-};
-
-Graph graph_of(const Eigen::SparseMatrix<double>& lower) {
+SparsityGraph graph_of(const Eigen::SparseMatrix<double>& lower) {
   const auto each_edge = [&](const auto& visit) {
     for (int j = 0; j < lower.cols(); ++j) {
       for (int k = lower.outerIndexPtr()[j]; k < lower.outerIndexPtr()[j + 1]; ++k) {
@@ -34,7 +28,7 @@ Graph graph_of(const Eigen::SparseMatrix<double>& lower) {
       }
     }
   };
-  Graph graph{std::vector<int>(static_cast<std::size_t>(lower.cols()) + 1), {}};
+  SparsityGraph graph{std::vector<int>(static_cast<std::size_t>(lower.cols()) + 1), {}};
   each_edge([&](int i, int j) { ++graph.start[i + 1], ++graph.start[j + 1]; });
   std::partial_sum(graph.start.begin(), graph.start.end(), graph.start.begin());
   graph.neighbour.resize(graph.start.back());
@@ -52,7 +46,7 @@ struct SparseCholesky::EliminationTree {
 
   /// Row i of L has entries on the paths up the tree from the entries of row i of A [Liu 1990]; walking them, row by
   /// row, finds the tree and counts the columns.
-  EliminationTree(const Graph& graph, const std::vector<int>& order, const std::vector<int>& position)
+  EliminationTree(const SparsityGraph& graph, const std::vector<int>& order, const std::vector<int>& position)
       : parent(order.size(), -1), count(order.size(), 1) {
     std::vector<int> seen_in_row(order.size(), -1);
     for (int i = 0; i < static_cast<int>(order.size()); ++i) {
@@ -90,14 +84,10 @@ struct SparseCholesky::EliminationTree {
 };
 
 SparseCholesky::SparseCholesky(const Eigen::SparseMatrix<double>& lower)
-    : position_(lower.cols()), values_(Eigen::VectorXd::Constant(lower.nonZeros(), unknown_value)) {
-  Graph graph = graph_of(lower);
-  std::vector<int> order(lower.cols());
-  int n = static_cast<int>(lower.cols());
-  idx_t options[METIS_NOPTIONS];
-  METIS_SetDefaultOptions(options);
-  options[METIS_OPTION_NITER] = 1;  // a fifth faster than its ten rounds of refinement; L is up to 2 % larger
-  METIS_NodeND(&n, graph.start.data(), graph.neighbour.data(), nullptr, options, order.data(), position_.data());
+    : values_(Eigen::VectorXd::Constant(lower.nonZeros(), unknown_value)) {
+  const SparsityGraph graph = graph_of(lower);
+  auto [order, position] = nested_dissection(graph);
+  position_ = std::move(position);
   make_fronts(EliminationTree(graph, order, position_), order);
   distribute_entries(lower);
   lay_out();

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+namespace homolog {
+
+/// Which unknowns of a symmetric sparse matrix meet in an entry: the neighbours of unknown i are
+/// neighbour[start[i]] … neighbour[start[i + 1] − 1], i itself not among them.
+struct SparsityGraph {
+  std::vector<int> start, neighbour;
+};
+
+/// An order of elimination: `order[k]` is the unknown that comes at place k, `position[i]` the place of unknown i.
+struct Ordering {
+  std::vector<int> order, position;
+  bool operator==(const Ordering&) const = default;
+};
+
+/// A nested dissection [George 1973], which keeps the factor of a mesh's matrix sparse. The same graph gives the same
+/// order at any time and on any thread; threads that ask at the same time wait for each other. Throws std::bad_alloc
+/// where memory runs out.
+Ordering nested_dissection(SparsityGraph graph);
+
+}  // namespace homolog

@@ -1,0 +1,93 @@
+#include "core/solve/ordering.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <numeric>
+#include <thread>
+
+#include "core/base/index.h"
+#include "core/mesh/icosphere.h"
+
+using namespace homolog;
+
+namespace {
+
+SparsityGraph graph_of(const Topology& topology) {
+  SparsityGraph graph{{0}, {}};
+  for (Eigen::Index i = 0; i < topology.vertices(); ++i) {
+    for (const std::int32_t j : topology.one_ring(i)) graph.neighbour.push_back(j);
+    graph.start.push_back(static_cast<int>(graph.neighbour.size()));
+  }
+  return graph;
+}
+
+}  // namespace
+
+TEST_CASE("an order of elimination numbers every unknown once") {
+  const SparsityGraph graph = graph_of(*icosphere(3).topology);
+  const Ordering ordering = nested_dissection(graph);
+  std::vector<int> sorted = ordering.order;
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<int> all(graph.start.size() - 1);
+  std::iota(all.begin(), all.end(), 0);
+  CHECK(sorted == all);
+  for (const int i : all) CHECK(ordering.order[index(ordering.position[index(i)])] == i);
+}
+
+TEST_CASE("orders made at the same time as others and as anything that draws random numbers are the same") {
+  const SparsityGraph graph = graph_of(*icosphere(4).topology);
+  const Ordering alone = nested_dissection(graph);
+  std::atomic<bool> done = false;
+  std::atomic<int> different = 0;
+  std::jthread draws([&] {  // as a graphics driver may
+    while (!done) {
+      std::srand(1);
+      std::rand();
+    }
+  });
+  std::srand(17);  // no matter what this thread did before
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 3; ++t) {
+      threads.emplace_back([&] {
+        for (int k = 0; k < 10; ++k) different += nested_dissection(graph) == alone ? 0 : 1;
+      });
+    }
+  }
+  done = true;
+  CHECK(different == 0);
+}
+
+TEST_CASE("orders made at the same time leave the process its signal handlers") {
+  const SparsityGraph graph = graph_of(*icosphere(4).topology);
+  const auto handler = [](int) {};
+  const auto before = std::signal(SIGTERM, handler);
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 3; ++t) {
+      threads.emplace_back([&] {
+        for (int k = 0; k < 16; ++k) nested_dissection(graph);
+      });
+    }
+  }
+  const bool kept = std::signal(SIGTERM, before) == static_cast<void (*)(int)>(handler);
+  CHECK(kept);
+}
+
+TEST_CASE("each thread has the random numbers of the C library from its own seed") {
+  const auto drawn = [] {
+    std::srand(4321);
+    std::vector<int> numbers(5);
+    for (int& number : numbers) number = std::rand();
+    return numbers;
+  };
+  // Those of glibc's rand() for this seed, with which METIS starts.
+  CHECK(drawn() == std::vector<int>{1159144554, 1890380824, 476543177, 1427616071, 1964283651});
+  std::vector<int> elsewhere;
+  std::jthread([&] { elsewhere = drawn(); }).join();
+  CHECK(elsewhere == drawn());
+}

@@ -88,3 +88,35 @@ TEST_CASE("a refused action is told in a sentence and changes nothing") {
   CHECK(thread.snapshot()->error.empty());
   CHECK(thread.snapshot()->can_undo);
 }
+
+TEST_CASE("a stale preview never outlives the computed edit that ends its gesture either") {
+  SessionThread thread(EditSession(ball()), nullptr);
+  const Compute nothing = [](const Document&) -> Result<std::optional<Action>> { return std::optional<Action>(); };
+  const Compute refused = [](const Document&) -> Result<std::optional<Action>> { return fail("", "Not today."); };
+  const Compute softer = [](const Document&) -> Result<std::optional<Action>> { return SetStiffnessBase{5}; };
+  std::uint64_t edits = 0;
+  for (int k = 0; k < 10; ++k)
+    for (const Compute& compute : {nothing, refused, softer}) {
+      // The first action keeps the thread busy, so that the preview still waits when the computed edit is posted.
+      thread.apply(pull(41));
+      thread.preview(pull(60));
+      thread.apply_computed(compute);
+      edits += 2;
+      REQUIRE(wait_for(thread, [&](const Snapshot& s) { return s.committed == edits; }));
+      thread.apply(Undo{});
+      ++edits;
+      REQUIRE(wait_for(thread, [&](const Snapshot& s) { return s.committed == edits; }));
+      CHECK(!thread.snapshot()->preview);
+      CHECK(thread.snapshot()->shown == thread.snapshot()->document);
+    }
+}
+
+TEST_CASE("a preview that is shown ends with a computed edit that gives nothing") {
+  SessionThread thread(EditSession(ball()), nullptr);
+  thread.preview(pull(60));
+  REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.preview.has_value(); }));
+  thread.apply_computed([](const Document&) -> Result<std::optional<Action>> { return std::optional<Action>(); });
+  REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.committed == 1; }));
+  CHECK(!thread.snapshot()->preview);
+  CHECK(thread.snapshot()->shown == thread.snapshot()->document);
+}

@@ -65,13 +65,18 @@ struct SessionThread::Shared {
     if (wake) wake();
   }
 
-  void do_action(EditStep step) {
-    Snapshot snapshot = *latest;
-    auto report = session.apply(std::move(step.action), step.joined);
+  /// Every edit ends so, whether it was done, refused or nothing: what was previewed is over.
+  void end_edit(Snapshot& snapshot) {
     describe(snapshot);
     snapshot.shown = snapshot.document;
     snapshot.preview.reset();
     ++snapshot.committed;
+  }
+
+  void do_action(EditStep step) {
+    Snapshot snapshot = *latest;
+    auto report = session.apply(std::move(step.action), step.joined);
+    end_edit(snapshot);
     snapshot.error = report ? "" : report.error().sentence();
     if (report) {
       snapshot.message = report->message;
@@ -84,7 +89,7 @@ struct SessionThread::Shared {
     auto action = computed.compute(session.document());
     if (action && *action) return do_action({std::move(**action), computed.joined});
     Snapshot snapshot = *latest;
-    ++snapshot.committed;
+    end_edit(snapshot);
     snapshot.error = action ? "" : action.error().sentence();
     publish(std::move(snapshot));
   }
@@ -148,6 +153,15 @@ struct SessionThread::Shared {
     }
   }
 
+  void post_edit(Job job) {
+    {
+      const std::lock_guard lock(mutex);
+      next_preview.reset();  // it belonged to the gesture that this edit ends
+      jobs.push_back(std::move(job));
+    }
+    changed.notify_one();
+  }
+
   void stop() {
     {
       const std::lock_guard lock(mutex);
@@ -177,20 +191,11 @@ void SessionThread::preview(std::optional<Action> action, std::vector<Compute> t
 }
 
 void SessionThread::apply(Action action, bool joined) {
-  {
-    const std::lock_guard lock(shared_->mutex);
-    shared_->next_preview.reset();  // it belonged to the gesture that this action ends
-    shared_->jobs.emplace_back(EditStep{std::move(action), joined});
-  }
-  shared_->changed.notify_one();
+  shared_->post_edit(EditStep{std::move(action), joined});
 }
 
 void SessionThread::apply_computed(Compute compute, bool joined) {
-  {
-    const std::lock_guard lock(shared_->mutex);
-    shared_->jobs.emplace_back(Shared::Computed{std::move(compute), joined});
-  }
-  shared_->changed.notify_one();
+  shared_->post_edit(Shared::Computed{std::move(compute), joined});
 }
 
 void SessionThread::save_as(std::filesystem::path path) {

@@ -45,19 +45,25 @@ void SceneBuilder::update_mesh(const Input& input) {
     ++points_revision_;
   }
   const Overlay overlay = shown_overlay(input.state);
-  const bool follows_points = overlay == Overlay::edge_stretch || overlay == Overlay::moved ||
-                              overlay == Overlay::quality || overlay == Overlay::known;
+  const bool follows_shape = overlay == Overlay::edge_stretch || overlay == Overlay::moved ||
+                             overlay == Overlay::quality || overlay == Overlay::known;
+  // Frames may share points and differ in what those are compared with and in what is decided of them.
+  const Shape& shape = document.shape();
+  const bool other_shape =
+      moved || decided_ != shape.decided || placed_ != shape.placed || compared_ != shape.reference;
   const bool same = colours_ && overlay_ == overlay && response_ == response && stopped_ == stopped &&
-                    stiffness_ == document.stiffness && regions_ == document.regions &&
-                    confirmed_ == document.shape().confirmed && confidence_ == input.state.confidence &&
-                    !(moved && follows_points);
+                    stiffness_ == document.stiffness && regions_ == document.regions && confirmed_ == shape.confirmed &&
+                    confidence_ == input.state.confidence && !(other_shape && follows_shape);
   if (same) return;
   overlay_ = overlay;
   response_ = response;
   stopped_ = stopped;
   stiffness_ = document.stiffness;
   regions_ = document.regions;
-  confirmed_ = document.shape().confirmed;
+  confirmed_ = shape.confirmed;
+  decided_ = shape.decided;
+  placed_ = shape.placed;
+  compared_ = shape.reference;
   confidence_ = input.state.confidence;
   auto outline = overlay_colours(document, overlay_, hues_, 1, confidence_.get());
   if (response) outline = tinted(std::move(outline), *response, stopped);

@@ -73,13 +73,15 @@ struct CommandRunner {
     app.session_->save_as(command.path);
   }
   void operator()(const ExportMesh& command) const {
-    const Document& document = *app.displayed_;
+    const Document document = as_done();
+    if (!document.has_shape()) return no_mesh_to_export();
     write(command.path, [file = to_mesh_file(document, document.frame)](const auto& path, Progress&) {
       return write_mesh_file(file, path);
     });
   }
   void operator()(const ExportLabelMap& command) const {
-    const Document& document = *app.displayed_;
+    const Document document = as_done();
+    if (!document.has_shape() || !document.volume) return no_mesh_to_export();
     write(command.path,
           [mesh = document.mesh(), grid = document.volume->geometry](const auto& path, Progress& progress) {
             return write_volume(label_map(mesh, grid, 1), path, &progress);
@@ -102,12 +104,14 @@ struct CommandRunner {
                  false);
   }
   void operator()(const ExportLandmarks& command) const {
+    const Document document = as_done();
+    if (!document.has_shape()) return no_mesh_to_export();
     std::vector<Landmark> placed;
-    for (const auto& [name, position] : app.displayed_->shape().landmarks) placed.push_back({name, position});
+    for (const auto& [name, position] : document.shape().landmarks) placed.push_back({name, position});
     write(command.path, [placed](const auto& path, Progress&) { return write_landmarks(placed, path); });
   }
   void operator()(const ExportTemplate& command) const {
-    write(command.path, [file = painted_template(*app.displayed_)](const auto& path, Progress&) {
+    write(command.path, [file = painted_template(as_done())](const auto& path, Progress&) {
       return write_mesh_file(file, path);
     });
   }
@@ -154,7 +158,7 @@ struct CommandRunner {
                             "; check that the points are in the template's own frame.");
   }
   void operator()(const ExportTemplateLandmarks& command) const {
-    write(command.path, [landmarks = app.displayed_->reference->landmarks](const auto& path, Progress&) {
+    write(command.path, [landmarks = as_done().reference->landmarks](const auto& path, Progress&) {
       return write_landmarks(landmarks, path);
     });
   }
@@ -270,6 +274,15 @@ struct CommandRunner {
   }
 
  private:
+  /// The case as it is done, at the frame that is shown: an export never takes a running preview.
+  Document as_done() const {
+    Document document = *app.snapshot_->document;
+    document.frame = app.displayed_->frame;
+    return document;
+  }
+  void no_mesh_to_export() const {
+    add_notice(state, "This frame has no mesh of its own to export yet; start it from another frame.", false);
+  }
   bool nothing_open() const { return !app.displayed_->volume && !app.displayed_->reference; }
   /// Dropped on the Models mode: studies are opened, all else becomes a case of the study.
   void open_in_models(const std::vector<std::filesystem::path>& paths) const {

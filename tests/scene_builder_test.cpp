@@ -1,0 +1,31 @@
+#include "app/editor/scene_builder.h"
+
+#include <doctest/doctest.h>
+
+#include "tests/shapes.h"
+
+namespace homolog {
+
+TEST_CASE("the overlay known follows the frame also where two frames share their points") {
+  const Mesh ball = icosphere(2, 40);
+  Document document =
+      new_document("", nullptr, make_template({ball.points, ball.topology->triangles()}, "ball").value());
+  Shape begun = document.shape();  // as a frame that was started from the other one
+  document.shapes.at(0).decided = std::make_shared<const VertexScalars>(VertexScalars::Ones(ball.points.rows()));
+  document.shapes.emplace(1, std::move(begun));
+  EditorState state;
+  state.overlay = Overlay::known;
+  const std::optional<EditReport> no_preview;
+  SceneBuilder builder;
+  const auto colours_of = [&](int frame) {
+    document.frame = frame;
+    const SceneBuilder::Input input{state, std::make_shared<const Document>(document), no_preview, nullptr, nullptr};
+    builder.update(input);
+    return *builder.scene(input, ViewKind::space).meshes.front().colours;
+  };
+  const auto decided = colours_of(0), open = colours_of(1);
+  CHECK(decided != open);
+  CHECK(colours_of(0) == decided);
+}
+
+}  // namespace homolog

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <random>
+#include <span>
 #include <type_traits>
 
 namespace homolog {
@@ -131,32 +132,48 @@ double Volume::sample(const Vec3& p_mm, double outside, int frame) const {
   return value;
 }
 
+namespace {
+
+/// About 260,000 finite values of a volume, ascending: enough to fix a 0.1 % tail to a few hundredths of it. Steps of
+/// random length, since a fixed one would meet the same columns in every row.
+template <class T>
+std::vector<double> sorted_sample(const std::vector<T>& values) {
+  constexpr std::size_t enough = std::size_t{1} << 18;
+  const std::size_t step = values.size() / enough + 1;
+  std::vector<double> sample;
+  sample.reserve(values.size() / step + values.size() / step / 4);
+  std::minstd_rand random;
+  for (std::size_t i = 0; i < values.size(); i += step == 1 ? 1 : 1 + random() % (2 * step - 1))
+    if (std::isfinite(static_cast<float>(values[i]))) sample.push_back(static_cast<double>(values[i]));
+  std::sort(sample.begin(), sample.end());
+  return sample;
+}
+
+double at_share(std::span<const double> sorted, double share) {
+  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+}
+
+/// Hounsfield units: fat and air lie below zero, which no other modality stores.
+bool looks_like_ct(std::span<const double> sorted) {
+  return at_share(sorted, 0.02) < -100 && sorted.back() > 150;
+}
+
+}  // namespace
+
 std::pair<double, double> default_window(const Volume& volume) {
   if (volume.file_window && volume.file_window->second > 0) {
     const auto [centre, width] = *volume.file_window;
     return {centre - width / 2, centre + width / 2};
   }
-  return std::visit(
-      [](const auto& values) -> std::pair<double, double> {
-        using T = typename std::decay_t<decltype(values)>::value_type;
-        // About a million voxels fix the tails to a few hundredths of their 0.1 %. Steps of random length, since a
-        // fixed one would meet the same columns in every row.
-        constexpr std::size_t enough = std::size_t{1} << 20;
-        const std::size_t step = values.size() / enough + 1;
-        std::vector<T> sample;
-        sample.reserve(values.size() / step + values.size() / step / 4);
-        std::minstd_rand random;
-        for (std::size_t i = 0; i < values.size(); i += step == 1 ? 1 : 1 + random() % (2 * step - 1))
-          if (std::isfinite(static_cast<float>(values[i]))) sample.push_back(values[i]);
-        if (sample.empty()) return {0, 1};
-        const auto tail = static_cast<std::ptrdiff_t>(sample.size() / 1000);
-        const auto low = sample.begin() + tail, high = sample.end() - 1 - tail;
-        std::nth_element(sample.begin(), low, sample.end());
-        if (low < high) std::nth_element(low + 1, high, sample.end());
-        const double from = static_cast<double>(*low), to = static_cast<double>(*high);
-        return {from, to > from ? to : from + 1};
-      },
-      volume.data);
+  const std::vector<double> sample = std::visit([](const auto& values) { return sorted_sample(values); }, volume.data);
+  if (sample.empty()) return {0, 1};
+  if (looks_like_ct(sample)) return {-160, 240};
+  // What is brighter than the background decides the upper end: in an MR most voxels are air, and a few bright ones
+  // lie far above all tissue.
+  const double from = at_share(sample, 0.001), dark = at_share(sample, 0.02), bright = at_share(sample, 0.98);
+  const auto tissue = std::upper_bound(sample.begin(), sample.end(), dark + 0.1 * (bright - dark));
+  const double to = tissue == sample.end() ? bright : at_share({tissue, sample.end()}, 0.98);
+  return {from, to > from ? to : from + 1};
 }
 
 std::map<int, std::size_t> labels_of(const Volume& label_map, int frame) {

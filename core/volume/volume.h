@@ -66,8 +66,9 @@ struct Volume {
   double sample(const Vec3& p_mm, double outside, int frame = 0) const;
 };
 
-/// Window (low, high) for display: the file's own, else the range without its 0.1 % tails, never empty. Volumes beyond
-/// a million voxels are judged by a sample of them.
+/// Window (low, high) for display, never empty: the file's own; else soft tissue (−160 … 240) where the values look
+/// like Hounsfield units; else from the 0.1 % tail up to where 98 % of what is brighter than the background ends. Large
+/// volumes are judged by a sample of their voxels.
 std::pair<double, double> default_window(const Volume& volume);
 
 /// Label values other than 0 that occur in a label map's frame, with the number of voxels of each; floats are rounded

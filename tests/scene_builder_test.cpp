@@ -1,4 +1,4 @@
-#include "app/editor/scene_builder.h"
+#include "app/editor/scene/scene_builder.h"
 
 #include <doctest/doctest.h>
 

@@ -286,6 +286,19 @@ TEST_CASE("a mesh goes through a cine and a corrupt frame is marked") {
   CHECK_FALSE(propagate(cine, 8, first, ones));
 }
 
+TEST_CASE("a beat whose end the scanner left out is a cycle and half a beat is none") {
+  const auto beat = [](double frames_a_beat) {
+    std::vector<Blob> blobs(10);
+    for (std::size_t f = 0; f < blobs.size(); ++f)
+      blobs[f].radii_mm *= 0.85 + 0.15 * std::cos(2 * 3.14159265 * static_cast<double>(f) / frames_a_beat);
+    return blob_image(blobs, 2.5, 40);
+  };
+  const Mesh first = blob_mesh(Blob{}.radii_mm);
+  const VertexScalars ones = VertexScalars::Ones(first.points.rows());
+  CHECK(propagate(beat(11.2), 0, first, ones)->cycle);
+  CHECK_FALSE(propagate(beat(20), 0, first, ones)->cycle);
+}
+
 TEST_CASE("five gestures lay the built-in kidney on one in a CT of 3 mm voxels") {
   const auto folder = real_data();
   if (folder.empty()) return;

@@ -23,6 +23,7 @@ constexpr double least_doubtful_mm = 3;
 constexpr double doubtful_jump = 0.25;  ///< of all volumes' range, against the mean of both neighbours
 constexpr double least_jump = 0.05;     ///< of that mean
 constexpr double rough_change = 0.9;    ///< share of the steps between frames that change less than a cycle's end
+constexpr double closed_share = 0.4;  ///< of what the motion changes: what a closed cycle may still differ at its ends
 
 /// A frame as one of the two ways came to it.
 struct Arrival {
@@ -35,8 +36,9 @@ double mean_landmark_distance(const Points& a, const Points& b) {
   return (a - b).rowwise().norm().mean();
 }
 
-/// Whether the last frame leads on to the first: around the mesh they differ no more than frames that follow each
-/// other.
+/// Whether the last frame leads on to the first. Around the mesh they differ no more than frames that follow each
+/// other; or, since scanners leave out the end of the beat, by much less than the first frame differs from the farthest
+/// one.
 bool is_cycle(const Volume& cine, const Mesh& mesh) {
   const double reach_mm = 10;
   const auto samples = [&](int frame) { return sample_profiles(cine, frame, mesh, reach_mm, 2).values.eval(); };
@@ -48,12 +50,15 @@ bool is_cycle(const Volume& cine, const Mesh& mesh) {
   const Eigen::MatrixXf first = samples(0);
   Eigen::MatrixXf before = first;
   std::vector<double> changes;
+  double farthest = 0;
   for (int f = 1; f < cine.frames; ++f) {
     Eigen::MatrixXf now = samples(f);
     changes.push_back(change(before, now));
+    farthest = std::max(farthest, change(first, now));
     before = std::move(now);
   }
-  return change(before, first) <= quantile(changes, rough_change);
+  const double end = change(before, first), noise = quantile(changes, 0);
+  return end <= quantile(changes, rough_change) || end - noise <= closed_share * (farthest - noise);
 }
 
 class Propagating {

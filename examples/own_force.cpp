@@ -7,9 +7,9 @@
 #include <cstdio>
 
 #include "core/deform/local_rotations.h"
-#include "core/deform/shape_solver.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/solve/shape_solver.h"
 
 using namespace homolog;
 

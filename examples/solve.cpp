@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/deform/energy.h"
-#include "core/deform/shape_solver.h"
 #include "core/mesh/icosphere.h"
+#include "core/solve/energy.h"
+#include "core/solve/shape_solver.h"
 
 using namespace homolog;
 

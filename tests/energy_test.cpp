@@ -1,4 +1,4 @@
-#include "core/deform/energy.h"
+#include "core/solve/energy.h"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 
 #include "core/base/rotation.h"
 #include "core/deform/local_rotations.h"
-#include "core/deform/shape_solver.h"
+#include "core/solve/shape_solver.h"
 #include "tests/shapes.h"
 
 using namespace homolog;

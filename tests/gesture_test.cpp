@@ -3,10 +3,10 @@
 #include <doctest/doctest.h>
 
 #include "core/deform/deformer.h"
-#include "core/deform/energy.h"
 #include "core/deform/falloff.h"
 #include "core/deform/tangential.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/solve/energy.h"
 #include "tests/shapes.h"
 
 using namespace homolog;

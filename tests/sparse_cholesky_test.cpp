@@ -1,4 +1,4 @@
-#include "core/deform/sparse_cholesky.h"
+#include "core/solve/sparse_cholesky.h"
 
 #include <doctest/doctest.h>
 
@@ -9,9 +9,9 @@
 #include <numeric>
 #include <random>
 
-#include "core/deform/energy.h"
-#include "core/deform/shape_solver.h"
 #include "core/mesh/icosphere.h"
+#include "core/solve/energy.h"
+#include "core/solve/shape_solver.h"
 #include "tests/shapes.h"
 
 using namespace homolog;

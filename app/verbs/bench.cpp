@@ -12,8 +12,8 @@
 #include "app/verbs/median.h"
 #include "app/verbs/verb.h"
 #include "core/case/session.h"
-#include "core/deform/shape_solver.h"
 #include "core/mesh/icosphere.h"
+#include "core/solve/shape_solver.h"
 
 namespace homolog {
 

@@ -5,9 +5,9 @@
 
 #include "core/base/result.h"
 #include "core/deform/fold_guard.h"
-#include "core/deform/shape_solver.h"
 #include "core/deform/stroke.h"
 #include "core/deform/surface_walk.h"
+#include "core/solve/shape_solver.h"
 
 namespace homolog {
 

@@ -6,7 +6,6 @@
 #include "core/deform/fold_guard.h"
 #include "core/deform/gesture.h"
 #include "core/deform/local_rotations.h"
-#include "core/deform/shape_solver.h"
 #include "core/deform/tangential.h"
 #include "core/fit/boundary_pull.h"
 #include "core/fit/boundary_warp.h"
@@ -14,6 +13,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/placement/similarity_fit.h"
+#include "core/solve/shape_solver.h"
 
 namespace homolog {
 

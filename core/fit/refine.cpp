@@ -1,13 +1,13 @@
 #include "core/fit/refine.h"
 
 #include "core/deform/fold_guard.h"
-#include "core/deform/shape_solver.h"
 #include "core/deform/surface_walk.h"
 #include "core/deform/tangential.h"
 #include "core/fit/mask_fit.h"
 #include "core/fit/untangle.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/placement/similarity_fit.h"
+#include "core/solve/shape_solver.h"
 
 namespace homolog {
 

@@ -6,8 +6,8 @@
 
 #include "core/deform/fold_guard.h"
 #include "core/deform/local_rotations.h"
-#include "core/deform/shape_solver.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/solve/shape_solver.h"
 
 namespace homolog {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "core/deform/shape_solver.h"
 #include "core/model/shape_model.h"
+#include "core/solve/shape_solver.h"
 
 namespace homolog {
 

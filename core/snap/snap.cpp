@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "core/deform/local_rotations.h"
-#include "core/deform/shape_solver.h"
 #include "core/fit/untangle.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/placement/similarity_fit.h"
+#include "core/solve/shape_solver.h"
 
 namespace homolog {
 

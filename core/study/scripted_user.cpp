@@ -7,10 +7,10 @@
 #include <numbers>
 #include <optional>
 
-#include "core/deform/shape_solver.h"
 #include "core/fit/find_placement.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/phantom/noise.h"
+#include "core/solve/shape_solver.h"
 
 namespace homolog {
 

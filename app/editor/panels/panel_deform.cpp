@@ -2,8 +2,8 @@
 
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/deform/shape_solver.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/solve/shape_solver.h"
 
 namespace homolog {
 

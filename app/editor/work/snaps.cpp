@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "app/editor/state/state.h"
-#include "core/deform/shape_solver.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/solve/shape_solver.h"
 
 namespace homolog {
 

@@ -1,10 +1,10 @@
-#include "core/deform/sparse_cholesky.h"
+#include "core/solve/sparse_cholesky.h"
 
 #include <algorithm>
 #include <limits>
 #include <numeric>
 
-#include "core/deform/dense_front.h"
+#include "core/solve/dense_front.h"
 #include "core/solve/ordering.h"
 
 namespace homolog {

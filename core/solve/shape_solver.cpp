@@ -1,9 +1,9 @@
-#include "core/deform/shape_solver.h"
+#include "core/solve/shape_solver.h"
 
 #include <cassert>
 #include <cmath>
 
-#include "core/deform/sparse_cholesky.h"
+#include "core/solve/sparse_cholesky.h"
 
 namespace homolog {
 

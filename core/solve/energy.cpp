@@ -1,4 +1,4 @@
-#include "core/deform/energy.h"
+#include "core/solve/energy.h"
 
 #include <cmath>
 #include <vector>

@@ -37,8 +37,8 @@ class SessionThread {
   /// Shows what `action` and `then` would give (see EditSession::preview), until the next call; neither ends the
   /// preview.
   void preview(std::optional<Action> action, std::vector<Compute> then = {});
-  /// Commits an action; `joined` as EditSession::apply takes it. Ends previews, as apply_computed does: one that waits is
-  /// dropped, one that is shown stays until the edit is done.
+  /// Commits an action; `joined` as EditSession::apply takes it. Ends previews, as apply_computed does: one that waits
+  /// is dropped, one that is shown stays until the edit is done.
   void apply(Action action, bool joined = false);
   /// Commits what `compute` makes of the document as it will be when everything posted before is done; on this thread,
   /// which takes no previews meanwhile. Nothing where it gives nothing.

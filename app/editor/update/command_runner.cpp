@@ -111,9 +111,8 @@ struct CommandRunner {
     write(command.path, [placed](const auto& path, Progress&) { return write_landmarks(placed, path); });
   }
   void operator()(const ExportTemplate& command) const {
-    write(command.path, [file = painted_template(as_done())](const auto& path, Progress&) {
-      return write_mesh_file(file, path);
-    });
+    write(command.path,
+          [file = painted_template(as_done())](const auto& path, Progress&) { return write_mesh_file(file, path); });
   }
   void operator()(const ImportStiffness& command) const {
     const auto read = read_mesh_file(command.path);

@@ -3,7 +3,11 @@
 #include <cmath>
 #include <fstream>
 
+#include "core/volume/codestream.h"
+#include "core/volume/dicom_header.h"
+#include "core/volume/dicom_rle.h"
 #include "core/volume/volume_io.h"
+#include "peak_memory.h"
 #include "temporary_folder.h"
 #include "tests/refusal.h"
 
@@ -48,6 +52,8 @@ struct Slice {
   int instance = 1, columns = 3, bits_stored = 16, is_signed = 1, samples = 1;
   std::string photometric = "MONOCHROME2";
   std::vector<std::int16_t> pixels{0, 1, 2, 3, 4, 5};
+  std::string syntax = "1.2.840.10008.1.2.1";
+  std::vector<std::string> fragments;  ///< encoded planes instead of `pixels`
 
   std::string bytes() const {
     const std::string pixel_bytes(reinterpret_cast<const char*>(pixels.data()), 2 * pixels.size());
@@ -62,10 +68,18 @@ struct Slice {
             us(0x00280101, static_cast<std::uint32_t>(bits_stored)) +
             us(0x00280102, static_cast<std::uint32_t>(bits_stored - 1)) +
             us(0x00280103, static_cast<std::uint32_t>(is_signed)) + before_pixels +
-            element(0x7fe00010, "OW", pixel_bytes);
-    const std::string syntax = element(0x00020010, "UI", "1.2.840.10008.1.2.1");
+            (fragments.empty() ? element(0x7fe00010, "OW", pixel_bytes) : encoded());
+    const std::string meta = element(0x00020010, "UI", syntax);
     return std::string(128, '\0') + "DICM" +
-           element(0x00020000, "UL", little_endian(static_cast<std::uint32_t>(syntax.size()), 4)) + syntax + data;
+           element(0x00020000, "UL", little_endian(static_cast<std::uint32_t>(meta.size()), 4)) + meta + data;
+  }
+
+  /// The pixels in fragments behind an empty table of offsets [DICOM PS3.5, §A.4].
+  std::string encoded() const {
+    std::string data = little_endian(0x7fe0, 2) + little_endian(0x0010, 2) + "OB" + std::string(2, '\0') +
+                       little_endian(0xffffffff, 4) + item("");
+    for (const std::string& fragment : fragments) data += item(fragment);
+    return data + little_endian(0xfffe, 2) + little_endian(0xe0dd, 2) + little_endian(0, 4);
   }
 };
 
@@ -319,4 +333,120 @@ TEST_CASE("a data set without preamble and meta information is read") {
   const auto read = read_volume(folder.path / "IM0001");
   REQUIRE(read);
   CHECK(read->volume.range_max == 5);
+}
+
+namespace {
+
+constexpr const char* rle_syntax = "1.2.840.10008.1.2.5";
+
+/// A run-length header [DICOM PS3.5, §G.5] and what follows it.
+std::string rle(std::uint32_t segments, const std::vector<std::uint32_t>& begins, const std::string& content) {
+  std::string header = little_endian(segments, 4);
+  for (const std::uint32_t begin : begins) header += little_endian(begin, 4);
+  header.resize(64, '\0');
+  return header + content;
+}
+
+/// Six values of 16 bits: the high bytes as a run of 1, the low ones as they are.
+const std::string high_bytes = std::string("\xfb\x01", 2), low_bytes = std::string("\x05\0\1\2\3\4\5\0", 8);
+
+Result<VolumeRead> read_rle(const std::vector<std::string>& fragments) {
+  Slice slice;
+  slice.syntax = rle_syntax;
+  slice.fragments = fragments;
+  return read_slice(slice);
+}
+
+}  // namespace
+
+TEST_CASE("run-length encoded planes are decoded") {
+  const auto read = read_rle({rle(2, {64, 66}, high_bytes + low_bytes)});
+  REQUIRE(read);
+  CHECK(read->volume.data == VoxelData(std::vector<std::int16_t>{256, 257, 258, 259, 260, 261}));
+  Slice slice;
+  slice.syntax = rle_syntax;
+  slice.frames = "2";
+  slice.fragments = {rle(2, {64, 66}, high_bytes + low_bytes), rle(2, {64, 66}, high_bytes + low_bytes)};
+  slice.bits_stored = 8;  // the high byte holds something else
+  slice.is_signed = 0;
+  const auto planes = read_slice(slice);
+  REQUIRE(planes);
+  CHECK(planes->volume.data == VoxelData(std::vector<std::uint16_t>{0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5}));
+}
+
+TEST_CASE("run lengths whose header or content does not fit the plane are refused") {
+  const std::string content = high_bytes + low_bytes;
+  for (const std::uint32_t segments : {0u, 1u, 3u, 15u, 16u, 40000000u, 4294967295u}) {
+    CAPTURE(segments);
+    CHECK(!read_rle({rle(segments, {64, 66}, content)}));
+  }
+  for (const auto& begins : {std::vector<std::uint32_t>{66, 64}, {64, 64}, {0, 66}, {63, 66}, {64, 74}, {64, 4294967295u},
+                             {4294967295u, 66}, {64, 73}, {65, 66}}) {
+    CAPTURE(begins[0]);
+    CAPTURE(begins[1]);
+    CHECK(!read_rle({rle(2, begins, content)}));
+  }
+  CHECK(!read_rle({rle(2, {64, 66}, high_bytes + low_bytes.substr(0, 6))}));           // a value is missing
+  CHECK(!read_rle({rle(2, {64, 66}, std::string("\xfa\x01", 2) + low_bytes)}));        // a run too long
+  CHECK(!read_rle({rle(2, {64, 66}, std::string("\xfc\x01", 2) + low_bytes)}));        // a run too short
+  CHECK(!read_rle({rle(2, {64, 66}, content).substr(0, 40), rle(2, {64, 66}, content)}));
+  CHECK(!read_rle({std::string(10, '\0')}));
+  std::array<std::byte, 4> out;
+  CHECK(!decode_rle({}, 2, out));
+}
+
+TEST_CASE("a file that claims more frames than it has pixels costs no memory") {
+  const TemporaryFolder folder;
+  Slice slice;
+  slice.frames = "999999";
+  for (int file = 0; file < 10; ++file)
+    write_bytes(folder.path / (std::to_string(file) + ".dcm"), slice.bytes());
+  const double taken = memory_taken_by([&] { CHECK(says(read_volume(folder.path), "pixels are missing")); });
+  CHECK(taken < 20e6);  // of 2.2 GB
+  slice.syntax = rle_syntax;
+  slice.fragments = {rle(2, {64, 66}, high_bytes + low_bytes)};
+  CHECK(says(read_slice(slice), "pixels are missing"));
+  slice.bits_stored = 0;
+  slice.columns = 0;
+  CHECK(!read_slice(slice));
+}
+
+TEST_CASE("pictures within a file say their own size and are believed only where it is the header's") {
+  const std::string jpeg = std::string("\xff\xd8\xff\xe0\0\4ab\xff\xff\xc3\0\x0b\x10\0\2\0\3\1\1\x11\0", 23);
+  CHECK(jpeg_size(jpeg) == CodestreamSize{3, 2, 1});
+  for (std::size_t left = 0; left < 20; ++left) CHECK(!jpeg_size(std::string_view(jpeg).substr(0, left)));
+  CHECK(!jpeg_size(std::string("\xff\xd8\xff\xda\0\4ab", 8)));  // pixels without a header
+  const auto big = [](std::uint32_t value, std::size_t bytes) {
+    const std::string little = little_endian(value, bytes);
+    return std::string(little.rbegin(), little.rend());
+  };
+  const std::string jpeg_2000 = "\xff\x4f\xff\x51" + big(41, 2) + big(0, 2) + big(13, 4) + big(22, 4) + big(10, 4) +
+                                big(20, 4) + std::string(16, '\0') + big(1, 2) + std::string(3, '\7');
+  CHECK(jpeg2000_size(jpeg_2000) == CodestreamSize{3, 2, 1});
+  for (std::size_t left = 0; left < 42; ++left) CHECK(!jpeg2000_size(std::string_view(jpeg_2000).substr(0, left)));
+  Slice slice;
+  slice.columns = 30000;
+  for (const char* syntax : {"1.2.840.10008.1.2.4.70", "1.2.840.10008.1.2.4.80", "1.2.840.10008.1.2.4.90"}) {
+    CAPTURE(std::string(syntax));
+    slice.syntax = syntax;
+    slice.fragments = {jpeg + std::string(20000, '\1') + "\xff\xd9"};
+    const double taken = memory_taken_by([&] { CHECK(says(read_slice(slice), "do not decode")); });
+    CHECK(taken < 20e6);
+  }
+}
+
+TEST_CASE("frames that lie in another order than in their file are put in place without a second volume") {
+  const TemporaryFolder folder;
+  Slice slice;
+  slice.orientation = "";
+  slice.frames = "5";
+  slice.pixels.resize(30);
+  for (std::size_t i = 0; i < 30; ++i) slice.pixels[i] = static_cast<std::int16_t>(i);
+  const auto plane = [](double z) { return item(sequence(0x00209113, item(position(1, 2, z)))); };
+  slice.before_pixels = sequence(0x52009229, item(sequence(0x00209116, item(element(0x00200037, "DS", "1\\0\\0\\0\\1\\0"))))) +
+                        sequence(0x52009230, plane(4) + plane(0) + plane(3) + plane(1) + plane(2));
+  const auto read = read_slice(slice);
+  REQUIRE(read);
+  const std::array<int, 5> first_at{6, 18, 24, 12, 0};  // of z = 0…4
+  for (int k = 0; k < 5; ++k) CHECK(read->volume.at(0, 0, k) == first_at[static_cast<std::size_t>(k)]);
 }

@@ -1,9 +1,13 @@
 #include "core/base/picture_io.h"
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
+#include <unistd.h>
+#include <zlib.h>
 
 #include <fstream>
 
+#include "core/base/files.h"
 #include "core/volume/volume_io.h"
 #include "temporary_folder.h"
 #include "tests/refusal.h"
@@ -40,6 +44,48 @@ std::string tiff(std::uint32_t width, std::uint32_t height, const std::vector<st
 }
 
 const VolumeReadOptions with_spacing{{}, Vec3(0.5, 0.5, 3), nullptr};
+
+std::string big_endian(std::uint32_t value) {
+  const std::string bytes = little_endian(value, 4);
+  return {bytes.rbegin(), bytes.rend()};
+}
+
+/// A chunk with its checksum [PNG, §5.3].
+std::string chunk(const std::string& name, const std::string& content) {
+  const std::string checked = name + content;
+  const uLong checksum = crc32_z(0, reinterpret_cast<const Bytef*>(checked.data()), checked.size());
+  return big_endian(static_cast<std::uint32_t>(content.size())) + checked + big_endian(static_cast<std::uint32_t>(checksum));
+}
+
+/// A greyscale PNG; `rows` are its pixels as they are before Deflate, each row behind its filter.
+std::string png(std::uint32_t width, std::uint32_t height, char bits, const std::string& rows,
+                const std::string& before_pixels = {}) {
+  std::string packed(compressBound(rows.size()), '\0');
+  uLongf size = packed.size();
+  REQUIRE(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
+                   rows.size()) == Z_OK);
+  return "\x89PNG\r\n\x1a\n" + chunk("IHDR", big_endian(width) + big_endian(height) + bits + std::string(4, '\0')) +
+         before_pixels + chunk("IDAT", packed.substr(0, size)) + chunk("IEND", "");
+}
+
+Result<VolumeRead> read_picture_bytes(const std::string& name, const std::string& bytes) {
+  const TemporaryFolder folder;
+  write_bytes(folder.path / name, bytes);
+  return read_volume(folder.path / name, with_spacing);
+}
+
+/// What `work` prints on stderr, whoever prints it.
+template <class Work>
+std::string printed_by(const Work& work) {
+  const TemporaryFolder folder;
+  const int before = ::dup(STDERR_FILENO), file = ::open((folder.path / "e").c_str(), O_WRONLY | O_CREAT, 0600);
+  ::dup2(file, STDERR_FILENO);
+  work();
+  ::dup2(before, STDERR_FILENO);
+  ::close(before);
+  ::close(file);
+  return read_whole_file(folder.path / "e").value_or("unreadable");
+}
 
 }  // namespace
 
@@ -102,4 +148,40 @@ TEST_CASE("stacks with colours or slices of different sizes are refused") {
   fs::remove(folder.path / "b.tif");
   REQUIRE(write_picture(Picture{2, 1, std::vector<std::uint8_t>(8)}, folder.path / "b.png"));
   CHECK(says(read_volume(folder.path, with_spacing), "colours"));
+}
+
+TEST_CASE("greys of a PNG are read as they are") {
+  using Bytes = std::vector<std::uint8_t>;
+  const std::string no_filter(1, '\0');
+  const auto one_bit = read_picture_bytes("v.png", png(3, 1, 1, no_filter + "\x40"));
+  REQUIRE(one_bit);
+  CHECK(one_bit->volume.data == VoxelData(Bytes{0, 255, 0}));
+  const auto sixteen = read_picture_bytes("v.PNG", png(2, 1, 16, no_filter + std::string("\0\1\xea\x60", 4)));
+  REQUIRE(sixteen);
+  CHECK(sixteen->volume.data == VoxelData(std::vector<std::uint16_t>{1, 60000}));
+  const std::string gamma = chunk("gAMA", big_endian(100000)), profile = chunk("iCCP", "a damaged profile");
+  const auto eight = read_picture_bytes("v.png", png(2, 1, 8, no_filter + "ab", gamma + profile));
+  REQUIRE(eight);
+  CHECK(eight->volume.data == VoxelData(Bytes{'a', 'b'}));
+}
+
+TEST_CASE("damaged pictures are refused without a line of the library and whatever the case of the name") {
+  const std::string rows = std::string(1, '\0') + "abcdefgh", whole = png(8, 1, 8, rows);
+  REQUIRE(read_picture_bytes("v.png", whole));
+  const std::vector<std::string> bad{
+      whole.substr(0, whole.size() - 1),
+      whole.substr(0, whole.size() - 14),
+      png(8, 2, 8, rows),                             // a row is missing
+      png(8, 1, 8, '\x9' + rows.substr(1)),           // filtered in no known way
+      png(8, 1, 7, rows),                             // no such type
+      png(30000, 30000, 8, rows),                     // a claim
+      whole.substr(0, 45) + "?" + whole.substr(46)};  // a checksum
+  for (const std::string& bytes : bad)
+    for (const char* name : {"v.png", "v.PNG"}) {
+      CAPTURE(bytes.size());
+      CAPTURE(std::string(name));
+      bool refused = false;
+      CHECK(printed_by([&] { refused = !read_picture_bytes(name, bytes); }).empty());
+      CHECK(refused);
+    }
 }

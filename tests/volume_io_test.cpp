@@ -1,7 +1,7 @@
 #include "core/volume/volume_io.h"
 
 #include <doctest/doctest.h>
-
+#include <sys/stat.h>
 #include <zlib.h>
 
 #include <cmath>
@@ -455,4 +455,101 @@ TEST_CASE("what is no volume is refused by name") {
     }
   CHECK(
       says(read_as("v.nii.gz", "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n"), "git lfs pull"));
+}
+
+TEST_CASE("voxels of NIfTI begin where the header says or the file is refused") {
+  const float infinite = std::numeric_limits<float>::infinity(), no_number = std::numeric_limits<float>::quiet_NaN();
+  Nifti single({4, 1, 1}, 2, 8);
+  for (const float begin : {0.0f, 1.0f, 344.0f, 347.0f, 348.0f, 351.0f, 352.5f, -1.0f, -352.0f, 1e9f, 1e30f, -1e30f, infinite,
+                            -infinite, no_number}) {
+    CAPTURE(begin);
+    single.put(108, begin);
+    CHECK(!read_as("v.nii", single.bytes + "abcdefgh"));
+    CHECK(!read_as("v.nii.gz", gzipped(single.bytes + "abcdefgh")));
+  }
+  for (const float begin : {352.0f, 355.0f}) {
+    single.put(108, begin);
+    const auto read = read_as("v.nii", single.bytes + "abcdefgh");
+    REQUIRE(read);
+    CHECK(read->volume.range_min == (begin == 352 ? 'a' : 'd'));
+  }
+  CHECK(says(read_as("v.nii", Nifti({4, 1, 1}, 2, 8).bytes.substr(0, 108) + std::string(244, '\0') + "abcd"), "NIfTI"));
+}
+
+TEST_CASE("voxels of a NIfTI pair begin anywhere in their own file") {
+  const TemporaryFolder folder;
+  Nifti header({2, 1, 1}, 2, 8);
+  std::memcpy(&header.bytes[344], "ni1", 4);
+  write_bytes(folder.path / "v.img", "abcd");
+  for (const float begin : {0.0f, 2.0f, 3.0f, -2.0f, 0.5f, std::numeric_limits<float>::quiet_NaN()}) {
+    CAPTURE(begin);
+    header.put(108, begin);
+    write_bytes(folder.path / "v.hdr", header.bytes.substr(0, 348));
+    const auto read = read_volume(folder.path / "v.hdr");
+    CHECK(read.has_value() == (begin == 0 || begin == 2));
+    if (read) CHECK(read->volume.range_min == (begin == 0 ? 'a' : 'c'));
+  }
+}
+
+TEST_CASE("the voxels of NIfTI-2 begin behind its longer header") {
+  VolumeGeometry geometry;
+  geometry.dims = {40000, 1, 1};
+  const TemporaryFolder folder;
+  const fs::path path = folder.path / "v.nii";
+  REQUIRE(write_volume(ramp<std::uint8_t>(geometry, 1), path));
+  REQUIRE(read_volume(path));
+  for (const std::int64_t begin : {std::int64_t{0}, std::int64_t{352}, std::int64_t{540}, std::int64_t{543}, std::int64_t{-544},
+                                   std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
+    CAPTURE(begin);
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(168);
+    file.write(reinterpret_cast<const char*>(&begin), sizeof begin);
+    file.close();
+    CHECK(!read_volume(path));
+  }
+}
+
+TEST_CASE("numbers of MetaImage that are no numbers or no place are refused") {
+  const std::string start = "NDims = 3\nDimSize = 2 1 1\nElementType = MET_UCHAR\n", end = "ElementDataFile = LOCAL\nab";
+  REQUIRE(read_as("v.mha", start + end));
+  for (const char* line : {"ElementSpacing = 1 1", "ElementSpacing = 1 nan 1", "Offset = 1 2", "Offset = 0 0 inf",
+                           "TransformMatrix = 1 0 0 0 1 0 0 0", "HeaderSize = 100000", "HeaderSize = -2", "HeaderSize = nan",
+                           "HeaderSize = 1.5", "HeaderSize = x"}) {
+    CAPTURE(std::string(line));
+    CHECK(!read_as("v.mha", start + line + "\n" + end));
+  }
+  CHECK(!read_as("v.mha", "NDims = 3\nDimSize = 2.5 1 1\nElementType = MET_UCHAR\n" + end));
+}
+
+TEST_CASE("pipes and devices are refused at once and links that lead nowhere are not called absent") {
+  const TemporaryFolder folder;
+  for (const char* name : {"v.nii", "v.nii.gz", "v.hdr", "v.img", "v.nrrd", "v.nhdr", "v.mha", "v.mhd", "v.dcm", "v.png",
+                           "v.tif", "v"}) {
+    CAPTURE(std::string(name));
+    REQUIRE(::mkfifo((folder.path / name).c_str(), 0600) == 0);
+    CHECK(says(read_volume(folder.path / name), "device or a pipe"));
+    CHECK(!is_picture_stack(folder.path / name));
+    fs::remove(folder.path / name);
+    fs::create_symlink("/dev/zero", folder.path / name);
+    CHECK(says(read_volume(folder.path / name), "device or a pipe"));
+    fs::remove(folder.path / name);
+    fs::create_symlink(name, folder.path / name);  // a circle
+    CHECK(says(read_volume(folder.path / name), "cannot be read"));
+    fs::remove(folder.path / name);
+  }
+  write_bytes(folder.path / "v.mhd", "NDims = 3\nDimSize = 2 1 1\nElementType = MET_UCHAR\nElementDataFile = voxels\n");
+  Nifti header({2, 1, 1}, 2, 8);
+  write_bytes(folder.path / "w.hdr", header.bytes);
+  REQUIRE(::mkfifo((folder.path / "voxels").c_str(), 0600) == 0);
+  REQUIRE(::mkfifo((folder.path / "w.img").c_str(), 0600) == 0);
+  CHECK(says(read_volume(folder.path / "v.mhd"), "device or a pipe"));
+  CHECK(says(read_volume(folder.path / "w.hdr"), "device or a pipe"));
+}
+
+TEST_CASE("what is packed behind the voxels without end is refused in time") {
+  const std::string zeros(std::size_t{1} << 20, '\0');
+  std::string streams;
+  const std::string packed = gzipped(zeros);
+  for (int i = 0; i < 300; ++i) streams += packed;
+  CHECK(says(read_as("v.nii.gz", gzipped(Nifti({4, 1, 1}, 2, 8).bytes + "abcd") + streams), "far more than the voxels"));
 }

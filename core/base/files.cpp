@@ -1,6 +1,7 @@
 #include "core/base/files.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -111,6 +112,19 @@ Result<std::string> read_whole_file(const fs::path& path, std::uintmax_t limit_b
   }
   if (in.bad()) return fail(path.string(), "cannot be read to its end (disk or network error)");
   return bytes;
+}
+
+Result<std::uintmax_t> size_of_file(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (file < 0)
+    return fail(path.string(), errno == ENOENT ? "does not exist; check the name"
+                                               : "cannot be read (" + reason(errno) + "); check its permissions");
+  struct stat now {};
+  const bool known = ::fstat(file, &now) == 0;
+  ::close(file);
+  if (known && S_ISREG(now.st_mode)) return static_cast<std::uintmax_t>(now.st_size);
+  return fail(path.string(), S_ISDIR(now.st_mode) ? "is a folder, not a file"
+                                                  : "is a device or a pipe, not a file; copy what it gives into a file");
 }
 
 }  // namespace homolog

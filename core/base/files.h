@@ -25,4 +25,7 @@ Result<void> write_through_temporary(const std::filesystem::path& path,
 Result<std::string> read_whole_file(const std::filesystem::path& path,
                                     std::uintmax_t limit_bytes = std::uintmax_t{1} << 34);
 
+/// The size of a file in bytes. Errors: absent, a folder, a device or a pipe (which may never end), no permission.
+Result<std::uintmax_t> size_of_file(const std::filesystem::path& path);
+
 }  // namespace homolog

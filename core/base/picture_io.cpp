@@ -43,8 +43,7 @@ Result<void> write_picture(const Picture& picture, const fs::path& path) {
 }
 
 Result<Picture> read_picture(const fs::path& path) {
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) return fail(path.string(), "does not exist; check the name");
+  if (const auto size = size_of_file(path); !size) return fail(size.error());
   const auto module = picture_module();
   if (!module) return fail(module.error());
   return (*module)->read(path);

@@ -2,15 +2,17 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <span>
 
 #include "core/base/picture.h"
 #include "core/base/result.h"
 
-// The border between the program and its picture module, the only part that knows OpenImageIO. The module is loaded
-// when first needed.
+// The border between the program and its picture module, the only part that knows OpenImageIO, libpng and libtiff. The
+// module is loaded when first needed.
 namespace homolog {
 
+/// The types of pixels; whole numbers of fewer than 8 bits are spread over 0…255.
 enum class PictureValues { Uint8, Int8, Uint16, Int16, Uint32, Int32, Float32, Float64 };
 
 /// One greyscale picture or a file of several pages.
@@ -20,15 +22,20 @@ struct PicturePages {
   bool operator==(const PicturePages&) const = default;
 };
 
-/// The module's functions. All refuse damaged files.
+/// Asked for room for the next page, of its exact size, or for why reading should end.
+using PageRoom = std::function<Result<std::span<std::byte>>()>;
+
+/// The module's functions. All refuse damaged files. A name decides by its ending which reader a file gets, so that no
+/// other is tried on what it may hold instead.
 struct PictureModule {
+  /// PNG.
   Result<Picture> (*read)(const std::filesystem::path& path);
   /// In the format of the extension.
   Result<void> (*write)(const Picture& picture, const std::filesystem::path& path);
-  /// Size and type of a greyscale file's pages; fails where they differ or have colours.
+  /// Size and type of the pages of a greyscale PNG or TIFF; fails where they differ or have colours.
   Result<PicturePages> (*pages)(const std::filesystem::path& path);
-  /// One page, top row first, in the file's own type; `out` has its exact size.
-  Result<void> (*read_page)(const std::filesystem::path& path, int page, std::span<std::byte> out);
+  /// All pages, each top row first in the type that `pages` gave. Fails where they are no longer `expected`.
+  Result<void> (*read_pages)(const std::filesystem::path& path, const PicturePages& expected, const PageRoom& room);
 };
 
 /// The loaded module, or why it cannot be loaded.

@@ -71,20 +71,26 @@ DicomPlane plane_from(const DicomItem& data, std::size_t index, bool big_endian)
   return plane;
 }
 
-/// The number of planes; where the file's own is damaged, what its pixels hold.
+/// The most planes that the pixels can be: of encoded ones, each has a fragment of its own.
+double planes_held(const DicomHeader& header) {
+  if (!header.pixels) return 0;
+  if (!header.pixels->fragments.empty()) return static_cast<double>(header.pixels->fragments.size());
+  const double plane_bytes =
+      static_cast<double>(header.rows) * header.columns * header.samples_per_pixel * header.bits_allocated / 8;
+  return plane_bytes > 0 ? std::floor(static_cast<double>(header.pixels->bytes) / plane_bytes) : 0;
+}
+
+/// The number of planes; where the file's own is damaged, what its pixels hold. Checked before anything is made for each.
 std::size_t plane_count(const DicomItem& data, DicomHeader& header) {
   const std::string text = text_of(data, tag::frame_count);
   if (text.empty()) return 1;
   constexpr double most = 1e6;
-  if (const auto number = number_of(data, tag::frame_count); number && *number >= 1 && *number < most)
-    return static_cast<std::size_t>(*number);
-  const double plane_bytes = static_cast<double>(header.rows) * header.columns * header.bits_allocated / 8;
-  double planes = 1;
-  if (header.pixels && !header.pixels->fragments.empty())
-    planes = static_cast<double>(header.pixels->fragments.size());
-  else if (header.pixels && plane_bytes > 0)
-    planes = std::floor(static_cast<double>(header.pixels->bytes) / plane_bytes);
-  planes = std::clamp(planes, 1.0, most);
+  const double held = planes_held(header);
+  if (const auto number = number_of(data, tag::frame_count); number && *number >= 1 && *number < most) {
+    header.pixels_missing = header.is_image() && *number > held;
+    return *number > held ? 1 : static_cast<std::size_t>(*number);
+  }
+  const double planes = std::clamp(held, 1.0, most);
   header.warnings.push_back(header.path.string() + ": its number of frames, \"" + text +
                             "\", is no number; its pixels hold " + std::to_string(static_cast<int>(planes)));
   return static_cast<std::size_t>(planes);

@@ -11,13 +11,19 @@
 #include <cstring>
 #include <fstream>
 #include <mutex>
+#include <optional>
+#include <span>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
+#include "core/volume/codestream.h"
+#include "core/volume/dicom_rle.h"
 #include "core/volume/readers.h"
 
-// Encoded pixels (RLE, JPEG, JPEG-LS, JPEG 2000) through GDCM, the library behind ITK's reader. Only its decoders are
-// used: its parser fills missing pixels with zeros and, as Debian builds it, aborts the program on damaged files.
+// Pixels as they are or run-length encoded are read here; the JPEG family through GDCM, the library behind ITK's reader.
+// Only its decoders are used: its parser fills missing pixels with zeros and, as Debian builds it, aborts the program on
+// damaged files. Its run-length decoder trusts every header.
 namespace homolog {
 namespace {
 
@@ -44,32 +50,37 @@ void swap_pairs(std::span<std::byte> bytes, std::size_t size) {
   for (std::size_t i = 0; i + size <= bytes.size(); i += size) std::reverse(&bytes[i], &bytes[i] + size);
 }
 
-Result<void> read_plain(const DicomHeader& header, StoredType type, std::span<std::byte> out, Progress* progress) {
-  if (header.pixels->bytes < out.size()) return pixels_missing(header);
+/// take_stored_bits in the file's type.
+void take_stored_bits(std::span<std::byte> bytes, StoredType type, const DicomHeader& header) {
+  if (header.bits_stored == header.bits_allocated) return;
+  switch (type) {
+    case StoredType::Uint8:
+      return take_stored_bits<std::uint8_t>(bytes, header);
+    case StoredType::Int8:
+      return take_stored_bits<std::int8_t>(bytes, header);
+    case StoredType::Uint16:
+      return take_stored_bits<std::uint16_t>(bytes, header);
+    case StoredType::Int16:
+      return take_stored_bits<std::int16_t>(bytes, header);
+    case StoredType::Uint32:
+      return take_stored_bits<std::uint32_t>(bytes, header);
+    default:
+      return take_stored_bits<std::int32_t>(bytes, header);
+  }
+}
+
+std::size_t plane_bytes_of(const DicomHeader& header, StoredType type) {
+  return static_cast<std::size_t>(header.rows) * static_cast<std::size_t>(header.columns) * bytes_per_voxel(type);
+}
+
+Result<void> read_plain(const DicomHeader& header, StoredType type, const Room& room, Progress* progress) {
+  const std::size_t bytes = header.planes.size() * plane_bytes_of(header, type);
+  if (header.pixels->bytes < bytes) return pixels_missing(header);
+  const std::span<std::byte> out = room(bytes);
   if (auto read = read_block(header.pixels->block, out, progress); !read) return read;
   if (const std::size_t size = bytes_per_voxel(type); size > 1 && header.big_endian != native_big_endian())
     swap_pairs(out, size);
-  if (header.bits_stored == header.bits_allocated) return {};
-  switch (type) {
-    case StoredType::Uint8:
-      take_stored_bits<std::uint8_t>(out, header);
-      break;
-    case StoredType::Int8:
-      take_stored_bits<std::int8_t>(out, header);
-      break;
-    case StoredType::Uint16:
-      take_stored_bits<std::uint16_t>(out, header);
-      break;
-    case StoredType::Int16:
-      take_stored_bits<std::int16_t>(out, header);
-      break;
-    case StoredType::Uint32:
-      take_stored_bits<std::uint32_t>(out, header);
-      break;
-    default:
-      take_stored_bits<std::int32_t>(out, header);
-      break;
-  }
+  take_stored_bits(out, type, header);
   return {};
 }
 
@@ -130,42 +141,64 @@ gdcm::Image empty_image(const DicomHeader& header, gdcm::TransferSyntax::TSType 
   return image;
 }
 
-/// Decodes every plane from its fragments: one each, or all of them for a single plane.
-Result<void> decode(const DicomHeader& header, std::span<std::byte> out, Progress* progress) {
-  const auto& fragments = header.pixels->fragments;
-  const std::size_t planes = header.planes.size();
-  if (fragments.size() < planes) return pixels_missing(header);
-  if (planes > 1 && fragments.size() != planes)
-    return fail(header.path.string(), "keeps its frames in pieces; export it uncompressed");
+constexpr std::string_view rle_syntax = "1.2.840.10008.1.2.5", jpeg_2000_syntax = "1.2.840.10008.1.2.4.9";
+
+/// Whether a stream of the JPEG family is a grey picture of the header's size. Asked before the decoder is, which takes
+/// memory for whatever the stream says.
+bool has_header_size(const DicomHeader& header, std::span<const char> stream) {
+  const auto size = header.transfer_syntax.starts_with(jpeg_2000_syntax) ? jpeg2000_size(stream) : jpeg_size(stream);
+  return size == CodestreamSize{header.columns, header.rows, 1};
+}
+
+/// Decodes one plane of the JPEG family.
+bool decode_jpeg(const DicomHeader& header, std::span<const char> stream, std::span<std::byte> out) {
   const auto syntax = gdcm::TransferSyntax::GetTSType(header.transfer_syntax.c_str());
-  if (syntax == gdcm::TransferSyntax::TS_END) return not_decodable(header);
+  if (syntax == gdcm::TransferSyntax::TS_END) return false;
+  gdcm::Fragment fragment;
+  fragment.SetByteValue(stream.data(), gdcm::VL(static_cast<std::uint32_t>(stream.size())));
+  const auto sequence = gdcm::SequenceOfFragments::New();
+  sequence->AddFragment(fragment);
+  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010), gdcm::VL(0xffffffff), gdcm::VR::OB);
+  pixels.SetValue(*sequence);
+  gdcm::Image image = empty_image(header, syntax);
+  image.SetDataElement(pixels);
+  const SilencedErrors silence;
+  return image.GetBufferLength() == out.size() && image.GetBuffer(reinterpret_cast<char*>(out.data()));
+}
+
+/// The encoded bytes of one plane: its own fragment, or all of them where there is a single plane.
+std::optional<std::vector<char>> encoded_plane(const DicomHeader& header, std::size_t plane, std::istream& in) {
+  const std::span all(header.pixels->fragments);
+  std::vector<char> stream;
+  for (const auto& piece : header.planes.size() == 1 ? all : all.subspan(plane, 1)) {
+    const std::size_t before = stream.size();
+    stream.resize(before + piece.bytes);
+    in.seekg(static_cast<std::streamoff>(piece.offset));
+    if (!in.read(stream.data() + before, piece.bytes)) return {};
+  }
+  return stream;
+}
+
+/// Decodes every plane from its fragments.
+Result<void> decode(const DicomHeader& header, StoredType type, const Room& room, Progress* progress) {
+  const std::size_t planes = header.planes.size(), fragments = header.pixels->fragments.size();
+  const bool run_lengths = header.transfer_syntax == rle_syntax;
+  if (fragments < planes) return pixels_missing(header);
+  if ((planes > 1 || run_lengths) && fragments != planes)
+    return fail(header.path.string(), "keeps its frames in pieces; export it uncompressed");
   std::ifstream in(header.path, std::ios::binary);
-  const std::size_t plane_bytes = out.size() / planes;
   for (std::size_t p = 0; p < planes; ++p) {
     if (progress) {
       if (progress->cancelled()) return fail(header.path.string(), "was not read: cancelled");
       progress->report(static_cast<double>(p) / static_cast<double>(planes));
     }
-    const auto sequence = gdcm::SequenceOfFragments::New();
-    std::vector<char> stream;
-    for (const auto& piece : planes == 1 ? std::span(fragments) : std::span(fragments).subspan(p, 1)) {
-      const std::size_t before = stream.size();
-      stream.resize(before + piece.bytes);
-      in.seekg(static_cast<std::streamoff>(piece.offset));
-      if (!in.read(stream.data() + before, piece.bytes)) return pixels_missing(header);
-      gdcm::Fragment fragment;
-      fragment.SetByteValue(stream.data() + before, piece.bytes);
-      sequence->AddFragment(fragment);
-    }
-    if (!is_closed(header.transfer_syntax, stream)) return pixels_missing(header);
-    gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010), gdcm::VL(0xffffffff), gdcm::VR::OB);
-    pixels.SetValue(*sequence);
-    gdcm::Image image = empty_image(header, syntax);
-    image.SetDataElement(pixels);
-    const SilencedErrors silence;
-    if (image.GetBufferLength() != plane_bytes ||
-        !image.GetBuffer(reinterpret_cast<char*>(out.data() + p * plane_bytes)))
+    const auto stream = encoded_plane(header, p, in);
+    if (!stream || !is_closed(header.transfer_syntax, *stream)) return pixels_missing(header);
+    if (!run_lengths && !has_header_size(header, *stream)) return not_decodable(header);
+    const std::span<std::byte> out = room(plane_bytes_of(header, type));
+    if (run_lengths ? !decode_rle(*stream, bytes_per_voxel(type), out) : !decode_jpeg(header, *stream, out))
       return not_decodable(header);
+    if (run_lengths) take_stored_bits(out, type, header);
   }
   return {};
 }
@@ -185,10 +218,11 @@ Result<StoredType> dicom_stored_type(const DicomHeader& header) {
                         std::to_string(header.bits_allocated) + " bits, which cannot be read; export it with 8 or 16");
 }
 
-Result<void> read_dicom_pixels(const DicomHeader& header, std::span<std::byte> out, Progress* progress) {
+Result<void> read_dicom_pixels(const DicomHeader& header, const Room& room, Progress* progress) {
   const auto type = dicom_stored_type(header);
   if (!type) return fail(type.error());
-  return header.pixels->fragments.empty() ? read_plain(header, *type, out, progress) : decode(header, out, progress);
+  return header.pixels->fragments.empty() ? read_plain(header, *type, room, progress)
+                                          : decode(header, *type, room, progress);
 }
 
 }  // namespace homolog

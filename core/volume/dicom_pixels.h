@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <span>
-
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/volume/dicom_header.h"
@@ -12,8 +9,9 @@ namespace homolog {
 /// The type in which a file stores its pixels; fails on colour and on sizes other than 8, 16 and 32 bits.
 Result<StoredType> dicom_stored_type(const DicomHeader& header);
 
-/// Reads and decodes all planes of a file, in its order, into rows · columns · planes values of its stored type. Fails
-/// where pixels are missing or do not decode.
-Result<void> read_dicom_pixels(const DicomHeader& header, std::span<std::byte> out, Progress* progress);
+/// Reads and decodes all planes of a file, in its order, as rows · columns values of its stored type each, into room
+/// that is asked for as they arrive: what a header claims costs no memory before there are pixels for it. Fails where
+/// pixels are missing or do not decode.
+Result<void> read_dicom_pixels(const DicomHeader& header, const Room& room, Progress* progress);
 
 }  // namespace homolog

@@ -11,6 +11,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "core/base/files.h"
+
 namespace homolog {
 namespace fs = std::filesystem;
 
@@ -202,6 +204,7 @@ bool begins_as_data_set(const std::string_view start) {
 }  // namespace
 
 bool looks_like_dicom(const fs::path& path) {
+  if (!size_of_file(path)) return false;
   std::ifstream in(path, std::ios::binary);
   char start[132] = {};
   in.read(start, sizeof start);
@@ -214,10 +217,9 @@ bool looks_like_dicom(const fs::path& path) {
 Result<DicomSet> parse_dicom(const fs::path& path) {
   DicomSet set;
   set.path = path;
-  std::error_code error;
-  const std::uint64_t size = fs::file_size(path, error);
+  const auto size = size_of_file(path);
+  if (!size) return fail(size.error());
   std::ifstream in(path, std::ios::binary);
-  if (error || !in) return fail(path.string(), "cannot be read; check that it is a file and its permissions");
   std::array<char, 132> start{};
   in.read(start.data(), start.size());
   const auto got = static_cast<std::size_t>(in.gcount());
@@ -225,8 +227,8 @@ Result<DicomSet> parse_dicom(const fs::path& path) {
   const bool marked = std::string_view(start.data() + 128, 4) == "DICM";
   if (!marked && !begins_as_data_set({start.data(), got})) return no_dicom(path);
 
-  Parser parser(in, size, set);
-  parser.skip(marked ? start.size() : 0, size);
+  Parser parser(in, *size, set);
+  parser.skip(marked ? start.size() : 0, *size);
   if (!marked) in.seekg(0);
   DicomItem meta;
   if (!parser.read_meta(meta)) return cut_short(path);

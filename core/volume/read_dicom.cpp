@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
+#include <numeric>
 #include <tuple>
 
+#include "core/base/memory.h"
 #include "core/volume/dicom_header.h"
 #include "core/volume/dicom_pixels.h"
 #include "core/volume/readers.h"
@@ -14,7 +15,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
+tl::unexpected<Error> pixels_missing(const DicomHeader& header) {
+  return fail(header.path.string(), "is cut short: pixels are missing; copy or download it again");
+}
+
 Result<void> check_image(const DicomHeader& header) {
+  if (header.pixels_missing) return pixels_missing(header);
   if (header.is_image()) return {};
   return fail(header.path.string(), "holds no image" +
                                         (header.modality.empty() ? "" : " (its modality is " + header.modality + ")") +
@@ -196,12 +202,11 @@ Result<Arrangement> arrange(const fs::path& path, const std::vector<DicomHeader>
 /// Refuses sizes that a file's pixels cannot hold, before memory is taken for them.
 Result<void> check_pixel_claim(const DicomHeader& header, std::size_t plane_bytes) {
   const double claimed = static_cast<double>(plane_bytes) * static_cast<double>(header.planes.size());
-  // An evenly grey picture of 512 × 512 takes about a hundred bytes in JPEG 2000.
-  constexpr double best_ratio = 20000, best_deflate_ratio = 1032;
-  const bool deflated = header.pixels->block.compression != Compression::None;
-  const double ratio = !header.pixels->fragments.empty() ? best_ratio : deflated ? best_deflate_ratio : 1;
+  // An evenly grey picture of 512 × 512 takes about a hundred bytes in JPEG 2000. Deflated pixels have been counted.
+  constexpr double best_ratio = 20000;
+  const double ratio = header.pixels->fragments.empty() ? 1 : best_ratio;
   if (claimed <= static_cast<double>(header.pixels->bytes) * ratio) return {};
-  return fail(header.path.string(), "is cut short: pixels are missing; copy or download it again");
+  return pixels_missing(header);
 }
 
 /// Where each plane of each file lies in the volume.
@@ -214,7 +219,18 @@ std::vector<std::vector<std::size_t>> places_by_file(const std::vector<DicomHead
   return place_of;
 }
 
-/// Decodes every plane into its place.
+/// Sorts planes of `plane_bytes` bytes, without room for a second volume: `places[i]` is where the i-th of them belongs.
+void put_in_place(std::span<std::byte> planes, std::size_t plane_bytes, std::vector<std::size_t> places) {
+  const auto plane = [&](std::size_t i) { return planes.subspan(i * plane_bytes, plane_bytes); };
+  for (std::size_t i = 0; i < places.size(); ++i)
+    while (places[i] != i) {
+      const std::size_t place = places[i];
+      std::swap_ranges(plane(i).begin(), plane(i).end(), plane(place).begin());
+      std::swap(places[i], places[place]);
+    }
+}
+
+/// Decodes every plane into its place. Memory is taken as planes arrive, file by file, those first that lie first.
 Result<StoredVoxels> read_planes(const fs::path& path, const std::vector<DicomHeader>& headers,
                                  const Arrangement& arrangement, Progress* progress) {
   const auto type = dicom_stored_type(headers.front());
@@ -223,36 +239,36 @@ Result<StoredVoxels> read_planes(const fs::path& path, const std::vector<DicomHe
   const std::size_t plane_voxels =
       static_cast<std::size_t>(headers.front().rows) * static_cast<std::size_t>(headers.front().columns);
   const std::size_t plane_bytes = plane_voxels * bytes_per_voxel(*type);
-  for (const DicomHeader& header : headers)
+  bool encoded = false;
+  for (const DicomHeader& header : headers) {
     if (const auto credible = check_pixel_claim(header, plane_bytes); !credible) return fail(credible.error());
+    encoded = encoded || !header.pixels->fragments.empty();
+  }
   const double voxels = static_cast<double>(places) * static_cast<double>(plane_voxels);
-  if (const auto enough = check_memory(path, bytes_while_reading(*type, voxels, true)); !enough)
+  // Decoders hold a plane in their own way, too.
+  const double decoding = encoded ? 8 * static_cast<double>(plane_voxels) : 0;
+  if (const auto enough = check_memory(path, bytes_while_reading(*type, voxels, true) + decoding); !enough)
     return fail(enough.error());
   const auto place_of = places_by_file(headers, arrangement);
-  StoredVoxels stored = make_stored_voxels(*type, places * plane_voxels);
-  const auto bytes = bytes_of(stored);
-  for (std::size_t f = 0; f < headers.size(); ++f) {
-    const DicomHeader& header = headers[f];
+  std::vector<std::size_t> files(headers.size()), arrived;
+  std::iota(files.begin(), files.end(), std::size_t{0});
+  std::sort(files.begin(), files.end(),
+            [&](std::size_t a, std::size_t b) { return place_of[a].front() < place_of[b].front(); });
+  StoredVoxels stored = make_stored_voxels(*type, 0);
+  reserve_voxels(stored, places * plane_voxels);
+  const auto room = [&](std::size_t bytes) { return add_voxels(stored, bytes / bytes_per_voxel(*type)); };
+  for (const std::size_t f : files) {
     if (progress) {
       if (progress->cancelled()) return fail(path.string(), "was not read: cancelled");
-      progress->report(static_cast<double>(f) / static_cast<double>(headers.size()));
+      progress->report(static_cast<double>(arrived.size()) / static_cast<double>(places));
     }
-    if (const auto own = dicom_stored_type(header); !own || *own != *type)
-      return fail(header.path.string(), "stores its pixels otherwise than the rest of its series; export it again");
-    Progress* const within = headers.size() == 1 ? progress : nullptr;
-    const std::size_t first = place_of[f].front(), count = place_of[f].size();
-    bool in_order = true;
-    for (std::size_t p = 0; p < count; ++p) in_order = in_order && place_of[f][p] == first + p;
-    if (in_order) {
-      const auto read = read_dicom_pixels(header, bytes.subspan(first * plane_bytes, count * plane_bytes), within);
-      if (!read) return fail(read.error());
-      continue;
-    }
-    std::vector<std::byte> planes(count * plane_bytes);
-    if (const auto read = read_dicom_pixels(header, planes, within); !read) return fail(read.error());
-    for (std::size_t p = 0; p < count; ++p)
-      std::memcpy(bytes.data() + place_of[f][p] * plane_bytes, planes.data() + p * plane_bytes, plane_bytes);
+    if (const auto own = dicom_stored_type(headers[f]); !own || *own != *type)
+      return fail(headers[f].path.string(), "stores its pixels otherwise than the rest of its series; export it again");
+    const auto read = read_dicom_pixels(headers[f], room, headers.size() == 1 ? progress : nullptr);
+    if (!read) return fail(read.error());
+    arrived.insert(arrived.end(), place_of[f].begin(), place_of[f].end());
   }
+  put_in_place(bytes_of(stored), plane_bytes, std::move(arrived));
   return stored;
 }
 
@@ -275,6 +291,8 @@ StoredVoxels rescaled_by_plane(const StoredVoxels& stored, const std::vector<Pla
 Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHeader>& headers, Progress* progress) {
   VolumeRead result;
   Volume& volume = result.volume;
+  for (const DicomHeader& header : headers)
+    if (const auto image = check_image(header); !image) return fail(image.error());
   for (const DicomHeader& header : headers)
     result.warnings.insert(result.warnings.end(), header.warnings.begin(), header.warnings.end());
   auto arrangement = arrange(path, headers, result.warnings);
@@ -328,7 +346,6 @@ Result<VolumeRead> read_dicom_file(const fs::path& path, Progress* progress) {
   const auto set = parse_dicom(path);
   if (!set) return fail(set.error());
   DicomHeader header = dicom_header(*set);
-  if (const auto image = check_image(header); !image) return fail(image.error());
   return read_headers(path, {std::move(header)}, progress);
 }
 

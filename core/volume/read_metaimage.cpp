@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "core/base/files.h"
 #include "core/volume/readers.h"
 
 // MetaImage: a few lines "Key = Value", then the voxels [itk.org/Wiki/MetaIO/Documentation]. Read here rather than by
@@ -112,16 +113,24 @@ struct Layout {
 Result<Layout> layout_of(const Header& header, const fs::path& path) {
   const std::vector<double> sizes = header.numbers({"DimSize"});
   const auto n = static_cast<std::size_t>(std::clamp(header.number({"NDims"}, 0), 0.0, 100.0));
-  if (n < 1 || sizes.size() < n) return damaged_header(path);
+  const auto is_whole = [](double size) { return size == std::floor(size); };
+  if (n < 1 || sizes.size() < n || !std::all_of(sizes.begin(), sizes.end(), is_whole)) return damaged_header(path);
   for (std::size_t d = 4; d < n; ++d)
     if (sizes[d] != 1)
       return fail(path.string(), "has more than four dimensions; export one volume or series of frames");
-  std::vector<double> spacing = header.numbers({"ElementSpacing", "ElementSize"});
-  std::vector<double> origin = header.numbers({"Offset", "Position", "Origin"});
-  std::vector<double> matrix = header.numbers({"TransformMatrix", "Rotation", "Orientation"});
+  // What is not said has a default; what is said must be whole.
+  const auto whole = [&](std::initializer_list<std::string_view> names, std::size_t count) {
+    return header.text(names).empty() || header.numbers(names).size() >= count;
+  };
+  const std::initializer_list<std::string_view> spacings{"ElementSpacing", "ElementSize"},
+      origins{"Offset", "Position", "Origin"}, matrices{"TransformMatrix", "Rotation", "Orientation"};
+  if (!whole(spacings, n) || !whole(origins, n) || !whole(matrices, n * n) || header.numbers(matrices).size() > n * n)
+    return damaged_header(path);
+  std::vector<double> spacing = header.numbers(spacings), origin = header.numbers(origins);
+  const std::vector<double> matrix = header.numbers(matrices);
   spacing.resize(std::max<std::size_t>(n, 4), 1);
   origin.resize(std::max<std::size_t>(n, 4), 0);
-  const bool directed = matrix.size() == n * n;
+  const bool directed = !matrix.empty();
   const std::string units = header.text({"DistanceUnits"});
   const double scale = units == "um" ? 1e-3 : units == "cm" ? 10 : 1;
   std::array<std::int64_t, 3> dims{1, 1, 1};
@@ -157,22 +166,25 @@ Result<VoxelRun> find_run(const Header& header, StoredType type, double bytes, c
   VoxelRun run;
   run.type = type;
   run.other_byte_order = header.is_true({"BinaryDataByteOrderMSB", "ElementByteOrderMSB"}) != native_big_endian();
-  run.block.compression = header.is_true({"CompressedData"}) ? Compression::Deflate : Compression::None;
-  if (data_file == "LOCAL" || data_file == "Local" || data_file == "local") {
-    run.block.file = path;
-    run.block.offset = header.local_offset;
-    return run;
-  }
-  run.block.file = path.parent_path() / data_file;
-  std::error_code absent;
-  const auto size = static_cast<double>(fs::file_size(run.block.file, absent));
-  if (absent)
+  const bool local = data_file == "LOCAL" || data_file == "Local" || data_file == "local";
+  ByteBlock block{.file = local ? path : path.parent_path() / data_file, .offset = local ? header.local_offset : 0};
+  if (header.is_true({"CompressedData"})) block.compression = Compression::Deflate;
+  std::error_code ignored;
+  if (!local && !fs::exists(fs::symlink_status(block.file, ignored)))
     return fail(path.string(), "has no voxels: its file " + data_file + " is missing; put it into the same folder");
-  const double skipped = header.number({"HeaderSize"}, 0);
-  if (skipped == -1)  // the voxels end with the file
-    run.block.offset = static_cast<std::uintmax_t>(std::max(0.0, size - bytes));
-  else if (skipped > 0 && skipped <= size)
-    run.block.offset = static_cast<std::uintmax_t>(skipped);
+  const auto size = size_of_file(block.file);
+  if (!size) return fail(size.error());
+  const std::string skipped_text = header.text({"HeaderSize"});
+  const double file_bytes = static_cast<double>(*size), unreadable = -2;
+  const double skipped = skipped_text.empty() ? 0 : header.number({"HeaderSize"}, unreadable);
+  if (skipped == -1 && block.compression == Compression::None)  // the voxels end with the file
+    block.offset = static_cast<std::uintmax_t>(std::max(0.0, file_bytes - bytes));
+  else if (skipped > 0 && skipped <= file_bytes && skipped == std::floor(skipped))
+    block.offset = static_cast<std::uintmax_t>(skipped);
+  else if (skipped != 0)
+    return fail(path.string(), "says that its voxels begin where they cannot (HeaderSize = " + skipped_text +
+                                   "); export it again");
+  run.blocks.push_back(std::move(block));
   return run;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -25,7 +26,9 @@ using NiftiImage = std::unique_ptr<nifti_image, NiftiImageDeleter>;
 struct NiftiHeader {
   NiftiImage image;
   bool other_byte_order = false;
-  bool analyze = false;  ///< the older format, which says nothing of the patient
+  bool analyze = false;    ///< the older format, which says nothing of the patient
+  std::size_t bytes = 0;    ///< of the header itself
+  double voxels_begin = 0;  ///< as the header says: vox_offset
 };
 
 /// The two files of a pair by the name of either; for a single file both are that file.
@@ -64,6 +67,14 @@ bool plausible(const Header& header) {
   return std::all_of(header.dim + 1, header.dim + 1 + header.dim[0], [](auto n) { return n > 0; });
 }
 
+/// Takes out where the voxels begin, which libnifti would round and move without a word.
+template <class Header>
+double take_voxels_begin(Header& header) {
+  const auto begin = static_cast<double>(header.vox_offset);
+  header.vox_offset = 0;
+  return begin;
+}
+
 /// Negative and missing voxel sizes are mended as nibabel does; their sign carries no meaning.
 template <class Header>
 void mend_pixdim(Header& header) {
@@ -87,6 +98,8 @@ std::optional<NiftiHeader> parse_header(const std::string& head, const fs::path&
                      : nifti_swap_as_nifti1(&header);
     if (!plausible(header)) return {};
     mend_pixdim(header);
+    result.bytes = sizeof header;
+    result.voxels_begin = take_voxels_begin(header);
     result.image.reset(nifti_convert_n1hdr2nim(header, name.c_str()));
   } else if (size == sizeof(nifti_2_header) || swapped_size == sizeof(nifti_2_header)) {
     if (head.size() < sizeof(nifti_2_header)) return {};
@@ -95,10 +108,28 @@ std::optional<NiftiHeader> parse_header(const std::string& head, const fs::path&
     if (result.other_byte_order) nifti_swap_as_nifti2(&header);
     if (!plausible(header)) return {};
     mend_pixdim(header);
+    result.bytes = sizeof header;
+    result.voxels_begin = take_voxels_begin(header);
     result.image.reset(nifti_convert_n2hdr2nim(header, name.c_str()));
   }
   if (!result.image) return {};
   return result;
+}
+
+/// Where the voxels begin in their file [nifti1.h, "vox_offset"]. In a single file that is behind the header and the four
+/// bytes that tell of extensions. libnifti (and with it ITK) reads from byte 348 where a header says less, so that all
+/// voxels are shifted; nibabel refuses. A header that is wrong here gives no other hint, so that it is refused.
+Result<std::uintmax_t> voxels_begin(const NiftiHeader& header, const Pair& pair) {
+  const double begin = header.voxels_begin;
+  const bool single = pair.header == pair.voxels;
+  const double least = single ? static_cast<double>(header.bytes + 4) : 0;
+  constexpr double most = 1e15;
+  if (begin >= least && begin <= most && begin == std::floor(begin)) return static_cast<std::uintmax_t>(begin);
+  char number[32];
+  std::snprintf(number, sizeof number, "%g", begin);
+  return fail(pair.header.string(), std::string("says that its voxels begin at byte ") + number +
+                                        (begin >= 0 && begin < least ? ", within its own header" : ", which is no place") +
+                                        "; export it again");
 }
 
 Result<StoredType> stored_type(const nifti_image& image, const fs::path& path) {
@@ -217,9 +248,9 @@ Result<VolumeRead> read_nifti(const fs::path& path, Progress* progress) {
   if (std::isfinite(image.scl_slope) && image.scl_slope != 0 && std::isfinite(image.scl_inter))
     rescale = {image.scl_slope, image.scl_inter};
 
-  const VoxelRun run{{.file = pair->voxels,
-                      .skip = static_cast<std::uintmax_t>(std::max<std::int64_t>(image.iname_offset, 0)),
-                      .compression = compression_of(pair->voxels)},
+  const auto begin = voxels_begin(*header, *pair);
+  if (!begin) return fail(begin.error());
+  const VoxelRun run{{{.file = pair->voxels, .skip = *begin, .compression = compression_of(pair->voxels)}},
                      *type,
                      header->other_byte_order};
   const std::int64_t frames = std::max<std::int64_t>(image.nt, 1);

@@ -2,14 +2,19 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <optional>
 
+#include "core/base/files.h"
+#include "core/volume/nrrd_header.h"
 #include "core/volume/readers.h"
+#include "core/volume/text_voxels.h"
 
-// NRRD through NrrdIO, the library behind ITK's reader: it parses the header; voxels that lie in one run of bytes are
-// read here, which adds bzip2, progress and cancellation. Other layouts (text, several data files) are read by it.
+// NRRD. NrrdIO, the library behind ITK's reader, parses the fields of the header, given as text; it opens no file. The
+// voxels are read here, which adds bzip2, progress and cancellation.
 namespace homolog {
 namespace fs = std::filesystem;
 
@@ -20,8 +25,7 @@ struct NrrdDeleter {
 };
 struct IoStateDeleter {
   void operator()(NrrdIoState* state) const {
-    if (state->dataFile) std::fclose(state->dataFile);
-    state->dataFile = nullptr;
+    state->headerStringRead = nullptr;  // not the library's
     nrrdIoStateNix(state);
   }
 };
@@ -40,10 +44,21 @@ std::string library_error() {
   return message;
 }
 
-tl::unexpected<Error> refused(const fs::path& path) {
-  const std::string why = library_error();
+tl::unexpected<Error> refused(const fs::path& path, const std::string& why) {
   return fail(path.string(),
               "cannot be read as NRRD" + (why.empty() ? "" : " (" + why + ")") + "; check the file or export it again");
+}
+
+/// Parses the fields. NrrdIO keeps its messages in one place for all threads, so that one parses at a time.
+Result<void> parse_fields(const fs::path& path, const std::string& fields, Nrrd& nrrd, NrrdIoState& state) {
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
+  state.skipData = 1;
+  if (nrrdStringRead(&nrrd, fields.c_str(), &state) != 0) return refused(path, library_error());
+  for (const int field : {nrrdField_type, nrrdField_dimension, nrrdField_sizes, nrrdField_encoding})
+    if (!state.seen[field]) return refused(path, std::string("it lacks the field ") + airEnumStr(nrrdField, field));
+  if (state.dataFNFormat || state.dataFNArr->len > 0) return refused(path, "its data file is given twice");
+  return {};
 }
 
 std::optional<StoredType> stored_type(int type) {
@@ -156,46 +171,67 @@ struct FramesToBack {
   }
 };
 
-/// The run of bytes that the voxels lie in; nothing where they are text or in several files.
-std::optional<VoxelRun> find_run(const Nrrd& nrrd, const NrrdIoState& state, StoredType type, const fs::path& path) {
-  Compression compression = Compression::None;
-  if (state.encoding == nrrdEncodingGzip)
-    compression = Compression::Deflate;
-  else if (state.encoding == nrrdEncodingBzip2)
-    compression = Compression::Bzip2;
-  else if (state.encoding != nrrdEncodingRaw)
-    return {};
-  if (!state.dataFile || state.dataFNFormat || state.dataFNArr->len > 1) return {};
-  if (compression != Compression::None && state.byteSkip < 0) return {};
-  VoxelRun run;
-  run.type = type;
-  run.block.file = state.dataFNArr->len == 1 ? path.parent_path() / state.dataFN[0] : path;
-  run.block.compression = compression;
-  // NrrdIO has passed over lines, and over bytes where they are not within the compressed stream.
-  run.block.offset = static_cast<std::uintmax_t>(std::max(0L, std::ftell(state.dataFile)));
-  if (compression != Compression::None) run.block.skip = static_cast<std::uintmax_t>(state.byteSkip);
-  run.other_byte_order = nrrdElementSize(&nrrd) > 1 && (state.endian == airEndianBig) != native_big_endian();
-  return run;
+/// The voxels of the array, in floating point, since what a header claims may overflow any integer.
+double voxels_of(const Nrrd& nrrd, unsigned axes) {
+  double voxels = 1;
+  for (unsigned a = 0; a < axes; ++a) voxels *= static_cast<double>(nrrd.axis[a].size);
+  return voxels;
 }
 
-Result<StoredVoxels> load_by_library(const fs::path& path, const NrrdIoState& state, StoredType type,
-                                     const VolumeGeometry& geometry, double frames) {
-  double voxels = frames;
-  for (const int n : geometry.dims) voxels *= n;
-  if (state.encoding == nrrdEncodingAscii || state.encoding == nrrdEncodingHex) {
-    const ByteBlock text{.file = state.dataFNArr->len == 1 ? path.parent_path() / state.dataFN[0] : path};
-    // Every value takes a character and a separator, the last one perhaps only the character.
-    if (const auto credible = check_claim(text, 2 * voxels - 1, 0); !credible) return fail(credible.error());
+/// The files that the voxels lie in, checked against how many there should be.
+Result<std::vector<fs::path>> voxel_files(const NrrdHeader& header, const Nrrd& nrrd, const fs::path& path) {
+  if (!header.detached) return std::vector{path};
+  const auto files = static_cast<double>(header.files.size());
+  const auto given = static_cast<unsigned>(header.file_dimension);
+  const unsigned axes = given > 0 ? given : nrrd.dim - 1;
+  const bool slabs = given == nrrd.dim && std::fmod(static_cast<double>(nrrd.axis[nrrd.dim - 1].size), files) == 0;
+  if (header.files.size() == 1 || slabs || (axes < nrrd.dim && voxels_of(nrrd, axes) * files == voxels_of(nrrd, nrrd.dim)))
+    return header.files;
+  return fail(path.string(), "names " + std::to_string(header.files.size()) +
+                                 " files for its voxels, which is not what its sizes ask for; export it again");
+}
+
+/// Where the lines to be passed over end.
+Result<std::uintmax_t> skip_lines(const fs::path& file, std::uintmax_t begin, unsigned lines) {
+  if (lines == 0) return begin;
+  if (const auto size = size_of_file(file); !size) return fail(size.error());
+  std::ifstream in(file, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(begin));
+  for (; lines > 0; --lines)
+    if (!in.ignore(std::numeric_limits<std::streamsize>::max(), '\n') || in.eof())
+      return fail(file.string(), "ends within the lines that its header skips; export it again");
+  return static_cast<std::uintmax_t>(in.tellg());
+}
+
+/// The runs of bytes that the voxels lie in.
+Result<VoxelRun> find_run(const NrrdHeader& header, const Nrrd& nrrd, const NrrdIoState& state, StoredType type,
+                          const fs::path& path) {
+  const auto files = voxel_files(header, nrrd, path);
+  if (!files) return fail(files.error());
+  VoxelRun run;
+  run.type = type;
+  run.other_byte_order = bytes_per_voxel(type) > 1 && (state.endian == airEndianBig) != native_big_endian();
+  for (const fs::path& file : *files) {
+    const auto begin = skip_lines(file, header.detached ? 0 : header.voxels_begin, state.lineSkip);
+    if (!begin) return fail(begin.error());
+    ByteBlock block{.file = file, .offset = *begin};
+    if (state.encoding == nrrdEncodingGzip) block.compression = Compression::Deflate;
+    if (state.encoding == nrrdEncodingBzip2) block.compression = Compression::Bzip2;
+    if (state.byteSkip >= 0) {
+      block.skip = static_cast<std::uintmax_t>(state.byteSkip);
+    } else {  // the voxels end with the file
+      const auto size = size_of_file(file);
+      if (!size) return fail(size.error());
+      const double bytes = voxels_of(nrrd, nrrd.dim) * static_cast<double>(bytes_per_voxel(type));
+      const double before = static_cast<double>(*size) - bytes / static_cast<double>(files->size());
+      if (state.byteSkip != -1 || state.encoding != nrrdEncodingRaw || before < static_cast<double>(*begin))
+        return fail(path.string(), "says that its voxels begin where they cannot (byte skip: " +
+                                       std::to_string(state.byteSkip) + "); export it again");
+      block.offset = static_cast<std::uintmax_t>(before);
+    }
+    run.blocks.push_back(std::move(block));
   }
-  // NrrdIO's own copy comes on top.
-  const double twice = 2 * bytes_while_reading(type, voxels, true);
-  if (const auto enough = check_memory(path, twice); !enough) return fail(enough.error());
-  const NrrdPointer nrrd(nrrdNew());
-  if (nrrdLoad(nrrd.get(), path.c_str(), nullptr) != 0) return refused(path);
-  StoredVoxels stored = make_stored_voxels(type, nrrdElementNumber(nrrd.get()));
-  const auto bytes = bytes_of(stored);
-  std::memcpy(bytes.data(), nrrd->data, bytes.size());
-  return stored;
+  return run;
 }
 
 double frame_seconds_of(const NrrdAxisInfo& axis) {
@@ -207,11 +243,11 @@ double frame_seconds_of(const NrrdAxisInfo& axis) {
 }  // namespace
 
 Result<VolumeRead> read_nrrd(const fs::path& path, Progress* progress) {
+  const auto header = read_nrrd_header(path);
+  if (!header) return fail(header.error());
   const NrrdPointer nrrd(nrrdNew());
   const IoStatePointer state(nrrdIoStateNew());
-  state->skipData = 1;
-  state->keepNrrdDataFileOpen = 1;
-  if (nrrdLoad(nrrd.get(), path.c_str(), state.get()) != 0) return refused(path);
+  if (const auto parsed = parse_fields(path, header->fields, *nrrd, *state); !parsed) return fail(parsed.error());
   const auto type = stored_type(nrrd->type);
   if (!type) return fail(path.string(), "holds voxels that are no numbers; export it as a scalar volume");
   const auto axes = find_axes(*nrrd, path);
@@ -227,11 +263,15 @@ Result<VolumeRead> read_nrrd(const fs::path& path, Progress* progress) {
   volume.frames = static_cast<int>(frames);
   if (axes->frames) volume.frame_seconds = frame_seconds_of(nrrd->axis[*axes->frames]);
 
-  const auto run = find_run(*nrrd, *state, *type, path);
-  auto stored = run ? read_run(*run, volume.geometry, volume.frames, false, progress)
-                    : load_by_library(path, *state, *type, volume.geometry, volume.frames);
+  const auto run = find_run(*header, *nrrd, *state, *type, path);
+  if (!run) return fail(run.error());
+  const bool frames_first = axes->frames && *axes->frames == 0 && nrrd->dim > 1;
+  const bool numbers = state->encoding == nrrdEncodingAscii, hex = state->encoding == nrrdEncodingHex;
+  auto stored = numbers || hex ? read_text_voxels(*run, hex ? VoxelText::Hex : VoxelText::Numbers, volume.geometry,
+                                                  volume.frames)
+                               : read_run(*run, volume.geometry, volume.frames, frames_first, progress);
   if (!stored) return fail(stored.error());
-  if (axes->frames && *axes->frames == 0 && nrrd->dim > 1) stored = std::visit(FramesToBack{frames}, *stored);
+  if (frames_first) stored = std::visit(FramesToBack{frames}, *stored);
   if (auto kept = keep_voxels(std::move(*stored), {}, path.string(), volume, result.warnings); !kept)
     return fail(kept.error());
   return result;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "core/base/memory.h"
 #include "core/base/picture_module.h"
 #include "core/volume/readers.h"
 
@@ -61,9 +62,12 @@ struct PictureStack {
 
 Result<PictureStack> find_stack(const fs::path& path, const PictureModule& module) {
   PictureStack stack;
-  if (fs::is_directory(path)) {
-    for (const auto& entry : fs::directory_iterator(path))
-      if (entry.is_regular_file() && is_picture_name(entry.path())) stack.files.push_back(entry.path());
+  std::error_code error, not_a_file;
+  if (fs::is_directory(path, error)) {
+    for (auto entry = fs::directory_iterator(path, error); !error && entry != fs::directory_iterator();
+         entry.increment(error))
+      if (entry->is_regular_file(not_a_file) && is_picture_name(entry->path())) stack.files.push_back(entry->path());
+    if (error) return fail(path.string(), "cannot be listed (" + error.message() + ")");
     std::sort(stack.files.begin(), stack.files.end(), [](const fs::path& a, const fs::path& b) {
       return natural_less(a.filename().string(), b.filename().string());
     });
@@ -107,22 +111,19 @@ Result<VolumeRead> read_stack(const fs::path& path, const std::optional<Vec3>& s
   if (!geometry) return fail(geometry.error());
   result.volume.geometry = *geometry;
   const StoredType type = stored_type(values);
-  if (const auto enough = check_memory(path, bytes_while_reading(type, static_cast<double>(geometry->voxels()), false));
-      !enough)
+  if (const auto enough = check_memory(path, bytes_while_reading(type, claimed_voxels(*geometry, 1), false)); !enough)
     return fail(enough.error());
-  StoredVoxels stored = make_stored_voxels(type, geometry->voxels());
-  const auto bytes = bytes_of(stored);
-  const std::size_t page_bytes = bytes.size() / static_cast<std::size_t>(slices);
-  for (std::int64_t slice = 0; slice < slices; ++slice) {
-    if (progress) {
-      if (progress->cancelled()) return fail(path.string(), "was not read: cancelled");
-      progress->report(static_cast<double>(slice) / static_cast<double>(slices));
-    }
-    const fs::path& file = stack->files[static_cast<std::size_t>(slice / pages)];
-    const auto out = bytes.subspan(static_cast<std::size_t>(slice) * page_bytes, page_bytes);
-    if (const auto read = (*module)->read_page(file, static_cast<int>(slice % pages), out); !read)
-      return fail(read.error());
-  }
+  StoredVoxels stored = make_stored_voxels(type, 0);
+  reserve_voxels(stored, geometry->voxels());
+  std::int64_t slice = 0;
+  const PageRoom room = [&]() -> Result<std::span<std::byte>> {
+    if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
+    if (progress) progress->report(static_cast<double>(slice) / static_cast<double>(slices));
+    ++slice;
+    return add_voxels(stored, static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  };
+  for (const fs::path& file : stack->files)
+    if (const auto read = (*module)->read_pages(file, stack->pages, room); !read) return fail(read.error());
   if (auto kept = keep_voxels(std::move(stored), {}, path.string(), result.volume, result.warnings); !kept)
     return fail(kept.error());
   return result;

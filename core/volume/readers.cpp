@@ -4,6 +4,7 @@
 #include <cctype>
 #include <limits>
 
+#include "core/base/memory.h"
 #include "core/base/text.h"
 
 namespace homolog {
@@ -38,16 +39,35 @@ Result<VolumeGeometry> make_geometry(const std::filesystem::path& path, const st
   return geometry;
 }
 
-Result<StoredVoxels> read_run(const VoxelRun& run, const VolumeGeometry& geometry, std::int64_t frames, bool rescaled,
-                              Progress* progress) {
-  // In floating point, since what a header claims may overflow any integer.
+double claimed_voxels(const VolumeGeometry& geometry, std::int64_t frames) {
   double voxels = static_cast<double>(frames);
   for (const int n : geometry.dims) voxels *= n;
-  const double bytes = voxels * static_cast<double>(bytes_per_voxel(run.type));
-  if (const auto credible = check_claim(run.block, bytes, bytes_while_reading(run.type, voxels, rescaled)); !credible)
-    return fail(credible.error());
-  StoredVoxels stored = make_stored_voxels(run.type, geometry.voxels() * static_cast<std::size_t>(frames));
-  if (const auto read = read_block(run.block, bytes_of(stored), progress); !read) return fail(read.error());
+  return voxels;
+}
+
+Result<StoredVoxels> read_run(const VoxelRun& run, const VolumeGeometry& geometry, std::int64_t frames, bool rescaled,
+                              Progress* progress) {
+  const double voxels = claimed_voxels(geometry, frames), each = voxels / static_cast<double>(run.blocks.size());
+  const ByteBlock& first = run.blocks.front();
+  for (const ByteBlock& block : run.blocks)
+    if (const auto credible = check_claim(block, each * static_cast<double>(bytes_per_voxel(run.type))); !credible)
+      return fail(credible.error());
+  if (const auto enough = check_memory(first.file, bytes_while_reading(run.type, voxels, rescaled)); !enough)
+    return fail(enough.error());
+  const std::size_t count = geometry.voxels() * static_cast<std::size_t>(frames);
+  if (count % run.blocks.size() != 0)
+    return fail(first.file.string(), "and the files beside it do not share the voxels evenly; export them again");
+  StoredVoxels stored = make_stored_voxels(run.type, 0);
+  reserve_voxels(stored, count);
+  const std::size_t block_bytes = count / run.blocks.size() * bytes_per_voxel(run.type);
+  const auto room = [&](std::size_t bytes) { return add_voxels(stored, bytes / bytes_per_voxel(run.type)); };
+  for (std::size_t b = 0; b < run.blocks.size(); ++b) {
+    const bool alone = run.blocks.size() == 1;
+    if (progress && !alone) progress->report(static_cast<double>(b) / static_cast<double>(run.blocks.size()));
+    if (progress && progress->cancelled()) return fail(first.file.string(), "was not read: cancelled");
+    if (const auto read = read_block(run.blocks[b], block_bytes, room, alone ? progress : nullptr); !read)
+      return fail(read.error());
+  }
   if (run.other_byte_order) swap_byte_order(stored);
   return stored;
 }

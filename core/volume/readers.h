@@ -33,16 +33,20 @@ bool is_picture_name(const std::filesystem::path& path);
 Result<VolumeGeometry> make_geometry(const std::filesystem::path& path, const std::array<std::int64_t, 3>& dims,
                                      const Mat3& steps_mm, const Vec3& origin_mm);
 
-/// Voxels that lie in one run of bytes.
+/// Voxels that lie in one run of bytes, or in several of equal length behind one another (slices in files of their own).
 struct VoxelRun {
-  ByteBlock block;
+  std::vector<ByteBlock> blocks;
   StoredType type = StoredType::Uint8;
   bool other_byte_order = false;
 };
 
-/// Reads all voxels of a geometry and its frames; the claim is checked against the file and the memory first.
+/// Reads all voxels of a geometry and its frames. What the header claims is checked against the files and the memory
+/// first, and memory is taken as the voxels arrive. Fails where the voxels do not divide among the blocks.
 Result<StoredVoxels> read_run(const VoxelRun& run, const VolumeGeometry& geometry, std::int64_t frames, bool rescaled,
                               Progress* progress);
+
+/// The voxels of a geometry and its frames, in floating point, since what a header claims may overflow any integer.
+double claimed_voxels(const VolumeGeometry& geometry, std::int64_t frames);
 
 /// A file's name without its folder, in lower case: what extensions are compared with.
 std::string lower_case_name(const std::filesystem::path& path);

@@ -162,6 +162,20 @@ std::span<std::byte> bytes_of(StoredVoxels& voxels) {
   return std::visit([](auto& values) { return std::as_writable_bytes(std::span(values)); }, voxels);
 }
 
+void reserve_voxels(StoredVoxels& voxels, std::size_t count) {
+  std::visit([count](auto& values) { values.reserve(count); }, voxels);
+}
+
+std::span<std::byte> add_voxels(StoredVoxels& voxels, std::size_t count) {
+  return std::visit(
+      [count](auto& values) {
+        const std::size_t before = values.size();
+        values.resize(before + count);
+        return std::as_writable_bytes(std::span(values).subspan(before));
+      },
+      voxels);
+}
+
 void swap_byte_order(StoredVoxels& voxels) {
   std::visit([](auto& values) { swap_values(values); }, voxels);
 }

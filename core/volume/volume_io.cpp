@@ -4,6 +4,7 @@
 #include <array>
 #include <new>
 
+#include "core/base/files.h"
 #include "core/volume/dicom_set.h"
 #include "core/volume/readers.h"
 
@@ -52,9 +53,22 @@ bool is_lfs_pointer(const fs::path& path) {
   return head && head->starts_with("version https://git-lfs.github.com");
 }
 
+/// Whether there is something at the path that may be read. A pipe is refused, since it may never end.
+Result<void> check_path(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    fs::directory_iterator(path, error);
+    if (error) return fail(path.string(), "cannot be listed (" + error.message() + "); check its permissions");
+    return {};
+  }
+  const auto size = size_of_file(path);
+  if (!size) return fail(size.error());
+  return {};
+}
+
 Result<VolumeRead> read_any(const fs::path& path, const VolumeReadOptions& options) {
+  if (const auto readable = check_path(path); !readable) return fail(readable.error());
   std::error_code ignored;
-  if (!fs::exists(path, ignored)) return fail(path.string(), "does not exist; check the name");
   if (fs::is_regular_file(path, ignored) && is_lfs_pointer(path))
     return fail(path.string(), "is a Git LFS pointer, not the image itself; fetch it with `git lfs pull`");
   switch (kind_of(path)) {

@@ -45,8 +45,9 @@ class Source {
 
   bool open() const { return in_.is_open(); }
   virtual Result<std::size_t> read(std::span<std::byte> out) { return take(out); }
-  /// Reads what a compressed stream holds behind the bytes asked for, so that its end and checksum are seen.
-  virtual Result<void> finish() { return {}; }
+  /// Reads what a compressed stream holds behind the bytes asked for, so that its end and checksum are seen. Fails where
+  /// that is more than `most` bytes.
+  virtual Result<void> finish(std::size_t /*most*/) { return {}; }
 
  protected:
   std::size_t take(std::span<std::byte> out) {
@@ -92,13 +93,15 @@ class CompressedSource : public Source {
     return got;
   }
 
-  Result<void> finish() override {
+  Result<void> finish(std::size_t most) override {
     std::vector<std::byte> rest(input_bytes);
-    for (;;) {
+    for (std::size_t read_on = 0; read_on <= most;) {
       const auto got = read(rest);
       if (!got) return fail(got.error());
       if (*got == 0) return {};
+      read_on += *got;
     }
+    return fail(file().string(), "holds far more than the voxels its header speaks of; export it again");
   }
 
  protected:
@@ -174,6 +177,8 @@ class Bzip2Source final : public CompressedSource {
 };
 
 Result<std::unique_ptr<Source>> open_source(const ByteBlock& block) {
+  // Asked first, since opening a pipe waits for ever.
+  if (const auto size = size_of_file(block.file); !size) return fail(size.error());
   std::unique_ptr<Source> source;
   if (block.compression == Compression::None)
     source = std::make_unique<Source>(block);
@@ -181,9 +186,6 @@ Result<std::unique_ptr<Source>> open_source(const ByteBlock& block) {
     source = std::make_unique<Bzip2Source>(block);
   else
     source = std::make_unique<DeflateSource>(block);
-  std::error_code ignored;
-  if (!fs::exists(block.file, ignored)) return fail(block.file.string(), "does not exist; check the name");
-  if (fs::is_directory(block.file, ignored)) return fail(block.file.string(), "is a folder, not a file");
   if (!source->open()) return fail(block.file.string(), "cannot be read; check its permissions");
   std::vector<std::byte> passed_over(static_cast<std::size_t>(std::min<std::uintmax_t>(block.skip, input_bytes)));
   for (std::uintmax_t left = block.skip; left > 0;) {
@@ -199,34 +201,15 @@ Result<std::unique_ptr<Source>> open_source(const ByteBlock& block) {
 }  // namespace
 
 Compression compression_of(const fs::path& file) {
+  if (!size_of_file(file)) return Compression::None;
   std::ifstream in(file, std::ios::binary);
   return in.get() == 0x1f && in.get() == 0x8b ? Compression::Deflate : Compression::None;
 }
 
-double available_memory_bytes() {
-  std::ifstream in("/proc/meminfo");
-  for (std::string line; std::getline(in, line);) {
-    double kilobytes = 0;
-    if (std::sscanf(line.c_str(), "MemAvailable: %lf kB", &kilobytes) == 1) return kilobytes * 1024;
-  }
-  return std::numeric_limits<double>::infinity();
-}
-
-Result<void> check_memory(const fs::path& file, double needed_bytes) {
-  const double available = available_memory_bytes();
-  if (needed_bytes <= available) return {};
-  char text[200];
-  std::snprintf(text, sizeof text,
-                "needs %.1f GB of memory and %.1f GB are free; close other programs, or crop or resample the volume",
-                needed_bytes / 1e9, available / 1e9);
-  return fail(file.string(), text);
-}
-
-Result<void> check_claim(const ByteBlock& block, double bytes, double memory_bytes) {
-  std::error_code error;
-  const auto size = static_cast<double>(fs::file_size(block.file, error));
-  if (error) return fail(block.file.string(), "cannot be read (" + error.message() + ")");
-  const double present = std::max(0.0, size - static_cast<double>(block.offset));
+Result<void> check_claim(const ByteBlock& block, double bytes) {
+  const auto size = size_of_file(block.file);
+  if (!size) return fail(size.error());
+  const double present = std::max(0.0, static_cast<double>(*size) - static_cast<double>(block.offset));
   const double skip = static_cast<double>(block.skip);
   // Deflate reaches 1032 : 1 at most (zlib's technical details); bzip2 packs 45,899,235 equal bytes into 46.
   const double best_ratio = block.compression == Compression::None    ? 1
@@ -236,24 +219,35 @@ Result<void> check_claim(const ByteBlock& block, double bytes, double memory_byt
     if (block.compression == Compression::None) return cut_short(block.file, std::max(0.0, present - skip), bytes);
     return fail(block.file.string(), "is far too small for the size its header claims; copy or download it again");
   }
-  return check_memory(block.file, memory_bytes);
+  return {};
+}
+
+Result<void> read_block(const ByteBlock& block, std::size_t bytes, const Room& room, Progress* progress) {
+  const auto source = open_source(block);
+  if (!source) return fail(source.error());
+  for (std::size_t done = 0; done < bytes;) {
+    if (progress) {
+      if (progress->cancelled()) return fail(block.file.string(), "was not read: cancelled");
+      progress->report(static_cast<double>(done) / static_cast<double>(bytes));
+    }
+    const std::size_t step = std::min(chunk_bytes, bytes - done);
+    const auto got = (*source)->read(room(step));
+    if (!got) return fail(got.error());
+    done += *got;
+    if (*got < step) return cut_short(block.file, static_cast<double>(done), static_cast<double>(bytes));
+  }
+  constexpr std::size_t much = std::size_t{1} << 28;  // of what other programs write behind the voxels
+  return (*source)->finish(bytes + much);
 }
 
 Result<void> read_block(const ByteBlock& block, std::span<std::byte> bytes, Progress* progress) {
-  const auto source = open_source(block);
-  if (!source) return fail(source.error());
-  for (std::size_t done = 0; done < bytes.size();) {
-    if (progress) {
-      if (progress->cancelled()) return fail(block.file.string(), "was not read: cancelled");
-      progress->report(static_cast<double>(done) / static_cast<double>(bytes.size()));
-    }
-    const std::size_t step = std::min(chunk_bytes, bytes.size() - done);
-    const auto got = (*source)->read(bytes.subspan(done, step));
-    if (!got) return fail(got.error());
-    done += *got;
-    if (*got < step) return cut_short(block.file, static_cast<double>(done), static_cast<double>(bytes.size()));
-  }
-  return (*source)->finish();
+  std::span<std::byte> left = bytes;
+  const auto room = [&left](std::size_t count) {
+    const auto next = left.first(count);
+    left = left.subspan(count);
+    return next;
+  };
+  return read_block(block, bytes.size(), room, progress);
 }
 
 Result<std::string> read_to_end(const ByteBlock& block, std::uintmax_t limit_bytes) {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -29,12 +30,18 @@ struct ByteBlock {
 /// Deflate where the file begins as gzip does, whatever its name, else None.
 Compression compression_of(const std::filesystem::path& file);
 
-/// Fails unless the file is large enough to hold `bytes` (compressed at the best ratio its compression reaches) and
-/// the machine has `memory_bytes` free. Call before allocating what a header claims.
-Result<void> check_claim(const ByteBlock& block, double bytes, double memory_bytes);
+/// Fails unless the block's file is large enough to hold `bytes`, compressed at the best ratio its compression reaches.
+Result<void> check_claim(const ByteBlock& block, double bytes);
 
-/// Fills `bytes` from the block while reporting and asking for cancellation every few megabytes. Fails where the block
-/// is shorter, damaged (a gzip's checksum included) or the reader was cancelled.
+/// Where the next bytes of a block go: called with how many there may be, returns as much room.
+using Room = std::function<std::span<std::byte>(std::size_t bytes)>;
+
+/// Reads `bytes` bytes of the block into room that is asked for as they arrive, a few megabytes at a time (a multiple of
+/// 8 but for the last); reports and asks for cancellation as often. Fails where the block is shorter, damaged (a gzip's
+/// checksum included) or the reader was cancelled.
+Result<void> read_block(const ByteBlock& block, std::size_t bytes, const Room& room, Progress* progress);
+
+/// The same into room that is there already.
 Result<void> read_block(const ByteBlock& block, std::span<std::byte> bytes, Progress* progress);
 
 /// Everything up to the block's end, decompressed; fails beyond `limit_bytes`.
@@ -42,11 +49,5 @@ Result<std::string> read_to_end(const ByteBlock& block, std::uintmax_t limit_byt
 
 /// The first bytes of a file, decompressed where it is a gzip; fewer where it is shorter.
 Result<std::string> read_head(const std::filesystem::path& file, std::size_t count);
-
-/// Memory that the system can still give, in bytes; infinite where it does not say.
-double available_memory_bytes();
-
-/// Fails where `needed_bytes` exceed the memory that is available.
-Result<void> check_memory(const std::filesystem::path& file, double needed_bytes);
 
 }  // namespace homolog

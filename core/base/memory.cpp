@@ -1,0 +1,104 @@
+#include "core/base/memory.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+/// The number that a file holds; nothing where it is absent or says "max".
+std::optional<double> number_in(const fs::path& file) {
+  std::ifstream in(file);
+  double number = 0;
+  if (in >> number) return number;
+  return {};
+}
+
+/// The number behind a key in a file of lines "key number"; 0 without it.
+double number_of(const fs::path& file, const std::string& wanted) {
+  std::ifstream in(file);
+  std::string key;
+  for (double number = 0; in >> key >> number;)
+    if (key == wanted) return number;
+  return 0;
+}
+
+/// The files of one version of control groups.
+struct GroupFiles {
+  const char *limit, *usage, *reclaimable;
+};
+constexpr GroupFiles version_1{"memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"};
+constexpr GroupFiles version_2{"memory.max", "memory.current", "inactive_file"};
+
+/// What one group's limit leaves. Cached files count as its usage, but give way.
+double room_in(const fs::path& group, const GroupFiles& files) {
+  const auto limit = number_in(group / files.limit), usage = number_in(group / files.usage);
+  if (!limit || !usage) return no_limit;
+  return std::max(0.0, *limit - *usage + number_of(group / "memory.stat", files.reclaimable));
+}
+
+/// The group at `path` below `root` and all around it. In a container the path may be that outside of it; then only
+/// some of its folders are there, which is no fault.
+double room_along(const fs::path& root, const fs::path& path, const GroupFiles& files) {
+  fs::path group = root;
+  double room = room_in(group, files);
+  for (const fs::path& name : path.relative_path()) {
+    if (name == "..") break;
+    group /= name;
+    room = std::min(room, room_in(group, files));
+  }
+  return room;
+}
+
+double machine_room_bytes() {
+  std::ifstream in("/proc/meminfo");
+  for (std::string line; std::getline(in, line);) {
+    double kilobytes = 0;
+    if (std::sscanf(line.c_str(), "MemAvailable: %lf kB", &kilobytes) == 1) return kilobytes * 1024;
+  }
+  return no_limit;
+}
+
+}  // namespace
+
+double control_group_room_bytes(const std::string& membership, const fs::path& root) {
+  double room = no_limit;
+  std::istringstream lines(membership);
+  for (std::string line; std::getline(lines, line);) {  // "4:memory:/path", or "0::/path" in version 2
+    const auto first = line.find(':'), second = line.find(':', first + 1);
+    if (first == std::string::npos || second == std::string::npos) continue;
+    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const fs::path path = line.substr(second + 1);
+    if (controllers == ",,") room = std::min(room, room_along(root, path, version_2));
+    if (controllers.find(",memory,") != std::string::npos)
+      room = std::min(room, room_along(root / "memory", path, version_1));
+  }
+  return room;
+}
+
+double available_memory_bytes() {
+  std::ifstream in("/proc/self/cgroup");
+  const std::string membership(std::istreambuf_iterator<char>(in), {});
+  return std::min(machine_room_bytes(), control_group_room_bytes(membership, "/sys/fs/cgroup"));
+}
+
+Result<void> check_memory(const fs::path& file, double needed_bytes) {
+  const double available = available_memory_bytes();
+  if (needed_bytes <= available) return {};
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "needs %.1f GB of memory and %.1f GB are free; close other programs, or crop or resample the volume",
+                needed_bytes / 1e9, available / 1e9);
+  return fail(file.string(), text);
+}
+
+}  // namespace homolog

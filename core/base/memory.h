@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/base/result.h"
+
+namespace homolog {
+
+/// Bytes of memory that this process can still get: what the machine has free, or what the limits of its control groups
+/// (containers, batch systems) leave where that is less. Infinite where the system says neither.
+double available_memory_bytes();
+
+/// Bytes that the limits of a process's control groups leave, those of the groups around them included; infinite where
+/// there is no limit. `membership` is the text of /proc/self/cgroup and `root` the folder of the groups, /sys/fs/cgroup;
+/// versions 1 and 2 [Linux, Documentation/admin-guide/cgroup-v1/memory.rst and cgroup-v2.rst].
+double control_group_room_bytes(const std::string& membership, const std::filesystem::path& root);
+
+/// Fails where `needed_bytes` exceed the memory that is available; the sentence names `file` and both sizes.
+Result<void> check_memory(const std::filesystem::path& file, double needed_bytes);
+
+}  // namespace homolog

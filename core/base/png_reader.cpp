@@ -1,0 +1,148 @@
+#include <png.h>
+
+#include <bit>
+#include <csetjmp>
+#include <cstdio>
+#include <limits>
+
+#include "core/base/picture_readers.h"
+
+// PNG through libpng, with its messages kept instead of printed. It checks every checksum up to the end of the file.
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+tl::unexpected<Error> damaged(const fs::path& path, const std::string& reason) {
+  return fail(path.string(), "is no PNG picture, or is damaged" + (reason.empty() ? "" : " (" + reason + ")") +
+                                 "; check what it is and copy it again");
+}
+
+/// An open file. Errors of libpng come back by a jump to where jump() was last set, so that nothing with a destructor may
+/// lie between.
+class PngFile {
+ public:
+  explicit PngFile(const fs::path& path) : path_(path), file_(std::fopen(path.c_str(), "rb")) {
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, on_error, on_warning);
+    if (png_ != nullptr) info_ = png_create_info_struct(png_);
+  }
+  ~PngFile() {
+    png_destroy_read_struct(&png_, &info_, nullptr);
+    if (file_ != nullptr) std::fclose(file_);
+  }
+  PngFile(const PngFile&) = delete;
+  PngFile& operator=(const PngFile&) = delete;
+
+  /// Reads all that stands before the pixels.
+  Result<void> read_header() {
+    if (file_ == nullptr || info_ == nullptr) return damaged(path_, "it cannot be opened");
+    if (!header_read()) return damaged(path_, reason_);
+    std::error_code error;
+    const auto size = static_cast<double>(fs::file_size(path_, error));
+    constexpr double best_ratio = 1032;  // of Deflate, which is all that PNG packs by (zlib's technical details)
+    const double bytes = static_cast<double>(png_get_rowbytes(png_, info_)) * png_get_image_height(png_, info_);
+    constexpr png_uint_32 most = std::numeric_limits<int>::max();
+    if (error || bytes > best_ratio * size || png_get_image_width(png_, info_) > most ||
+        png_get_image_height(png_, info_) > most)
+      return damaged(path_, "it is far too small for its size in pixels");
+    return {};
+  }
+  /// Reads the pixels as `prepare` asked for them, and the rest of the file.
+  Result<void> read_pixels(std::span<std::byte> out) {
+    const std::size_t height = png_get_image_height(png_, info_), row_bytes = png_get_rowbytes(png_, info_);
+    if (out.size() != height * row_bytes) return damaged(path_, "its size changed while it was read");
+    std::vector<png_bytep> rows(height);
+    for (std::size_t r = 0; r < height; ++r) rows[r] = reinterpret_cast<png_bytep>(out.data() + r * row_bytes);
+    if (!pixels_read(rows.data())) return damaged(path_, reason_);
+    return {};
+  }
+  /// Asks libpng for RGBA of 8 bits, or for the greys as they are (fewer than 8 bits spread over 8).
+  bool prepare(bool rgba) {
+    if (setjmp(jump_) != 0) return false;
+    if (rgba) {
+      png_set_expand(png_);
+      png_set_scale_16(png_);
+      png_set_gray_to_rgb(png_);
+      png_set_add_alpha(png_, 255, PNG_FILLER_AFTER);
+    } else {
+      png_set_expand_gray_1_2_4_to_8(png_);
+      png_set_strip_alpha(png_);
+      if (std::endian::native == std::endian::little) png_set_swap(png_);
+    }
+    png_set_interlace_handling(png_);
+    png_read_update_info(png_, info_);
+    return true;
+  }
+
+  int width() const { return static_cast<int>(png_get_image_width(png_, info_)); }
+  int height() const { return static_cast<int>(png_get_image_height(png_, info_)); }
+  bool coloured() const { return (png_get_color_type(png_, info_) & PNG_COLOR_MASK_COLOR) != 0; }
+  int bits() const { return png_get_bit_depth(png_, info_); }
+  const std::string& reason() const { return reason_; }
+
+ private:
+  [[noreturn]] static void on_error(png_structp png, png_const_charp message) {
+    auto* self = static_cast<PngFile*>(png_get_error_ptr(png));
+    self->reason_ = message;
+    std::longjmp(self->jump_, 1);
+  }
+  /// Libpng warns of what does not touch the pixels (colour profiles, for instance).
+  static void on_warning(png_structp, png_const_charp) {}
+
+  bool header_read() {
+    if (setjmp(jump_) != 0) return false;
+    png_init_io(png_, file_);
+    png_set_crc_action(png_, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
+    png_read_info(png_, info_);
+    return true;
+  }
+  bool pixels_read(png_bytepp rows) {
+    if (setjmp(jump_) != 0) return false;
+    png_read_image(png_, rows);
+    png_read_end(png_, nullptr);
+    return true;
+  }
+
+  fs::path path_;
+  std::FILE* file_ = nullptr;
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+  std::jmp_buf jump_;
+  std::string reason_;
+};
+
+Result<PicturePages> grey_page(PngFile& file, const fs::path& path) {
+  if (auto header = file.read_header(); !header) return fail(header.error());
+  if (file.coloured()) return fail(path.string(), "has colours; save it as a greyscale picture");
+  return PicturePages{file.width(), file.height(), 1, file.bits() == 16 ? PictureValues::Uint16 : PictureValues::Uint8};
+}
+
+}  // namespace
+
+Result<Picture> read_png(const fs::path& path) {
+  PngFile file(path);
+  if (auto header = file.read_header(); !header) return fail(header.error());
+  if (!file.prepare(true)) return damaged(path, file.reason());
+  Picture picture{file.width(), file.height(), {}};
+  picture.rgba.resize(4 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height));
+  if (auto read = file.read_pixels(std::as_writable_bytes(std::span(picture.rgba))); !read) return fail(read.error());
+  return picture;
+}
+
+Result<PicturePages> png_pages(const fs::path& path) {
+  PngFile file(path);
+  return grey_page(file, path);
+}
+
+Result<void> read_png_page(const fs::path& path, const PicturePages& expected, const PageRoom& room) {
+  PngFile file(path);
+  const auto page = grey_page(file, path);
+  if (!page) return fail(page.error());
+  if (*page != expected) return damaged(path, "it changed while it was read");
+  if (!file.prepare(false)) return damaged(path, file.reason());
+  const auto out = room();
+  if (!out) return fail(out.error());
+  return file.read_pixels(*out);
+}
+
+}  // namespace homolog

@@ -1,0 +1,187 @@
+#include "core/volume/nrrd_header.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+#include <string_view>
+
+#include "core/base/files.h"
+#include "core/base/text.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t longest_header = std::size_t{16} << 20;
+constexpr std::int64_t most_files = 1000000;
+
+tl::unexpected<Error> bad_names(const fs::path& path, const std::string& value) {
+  return fail(path.string(), "names its voxels' files in a way that cannot be followed (data file: " +
+                                 value.substr(0, 60) + "); write it as slice%03d.raw MIN MAX STEP, or as a list");
+}
+
+/// The value of a line "data file: VALUE"; nothing where the line is another. Case and blanks in the name do not
+/// matter, so that no spelling that the library knows is missed.
+std::optional<std::string> data_file_value(const std::string& line) {
+  const auto colon = line.find(':');
+  if (colon == std::string::npos || line.substr(colon).starts_with(":=")) return {};
+  std::string name = lower_case(line.substr(0, colon));
+  std::erase_if(name, [](char c) { return c == ' ' || c == '\t'; });
+  if (name != "datafile") return {};
+  const auto begin = line.find_first_not_of(" \t", colon + 1);
+  if (begin == std::string::npos) return std::string();
+  return line.substr(begin, line.find_last_not_of(" \t") + 1 - begin);
+}
+
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (std::size_t begin = 0; (begin = text.find_first_not_of(" \t", begin)) != std::string_view::npos;) {
+    const auto end = std::min(text.find_first_of(" \t", begin), text.size());
+    words.push_back(text.substr(begin, end - begin));
+    begin = end;
+  }
+  return words;
+}
+
+std::optional<int> integer_of(std::string_view text) {
+  int number = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || rest != text.data() + text.size()) return {};
+  return number;
+}
+
+/// A file name with a number in it: what stands before and behind, and how the number is written.
+struct NameFormat {
+  std::string before, behind;
+  bool zeros = false;
+  int width = 0;
+
+  std::string name(int number) const {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), zeros ? "%0*d" : "%*d", width, number);
+    return before + text.data() + behind;
+  }
+};
+
+/// "slice%03d.raw", and nothing that is more than that.
+std::optional<NameFormat> name_format(std::string_view text) {
+  const auto percent = text.find('%');
+  NameFormat format;
+  format.before = text.substr(0, percent);
+  std::string_view rest = text.substr(percent + 1);
+  format.zeros = rest.starts_with('0');
+  if (format.zeros) rest.remove_prefix(1);
+  const auto digits = std::min(rest.find_first_not_of("0123456789"), rest.size());
+  if (digits > 2 || rest.substr(digits, 1) != "d") return {};
+  if (digits > 0) format.width = *integer_of(rest.substr(0, digits));
+  format.behind = rest.substr(digits + 1);
+  if (format.behind.find('%') != std::string::npos) return {};
+  return format;
+}
+
+/// Files by a format: "slice%03d.raw MIN MAX STEP [AXES]".
+Result<void> add_numbered_files(const fs::path& path, const std::string& value, NrrdHeader& header) {
+  const auto words = words_of(value);
+  if (words.size() != 4 && words.size() != 5) return bad_names(path, value);
+  const auto format = name_format(words[0]);
+  const auto first = integer_of(words[1]), last = integer_of(words[2]), step = integer_of(words[3]);
+  const auto axes = words.size() == 5 ? integer_of(words[4]) : std::optional<int>(0);
+  if (!format || !first || !last || !step || *step == 0 || !axes || *axes < 0) return bad_names(path, value);
+  const std::int64_t apart = std::int64_t{*last} - *first;
+  if (apart / *step < 0 || (apart != 0 && (apart < 0) != (*step < 0)) || apart / *step >= most_files)
+    return bad_names(path, value);
+  for (std::int64_t i = 0; i <= apart / *step; ++i)
+    header.files.push_back(path.parent_path() / format->name(static_cast<int>(*first + i * *step)));
+  header.file_dimension = *axes;
+  return {};
+}
+
+/// Goes through the lines of a header.
+class Lines {
+ public:
+  explicit Lines(const std::string& text) : text_(text) {}
+  /// The next line without its end; nothing at the end of the text.
+  std::optional<std::string> next() {
+    if (begin_ >= text_.size()) return {};
+    const auto end = std::min(text_.find('\n', begin_), text_.size());
+    std::string line = text_.substr(begin_, end - begin_);
+    begin_ = std::min(end + 1, text_.size());
+    if (line.ends_with('\r')) line.pop_back();
+    return line;
+  }
+  std::size_t position() const { return begin_; }
+
+ private:
+  const std::string& text_;
+  std::size_t begin_ = 0;
+};
+
+/// The names follow, one a line, up to the end of the header.
+bool is_list(std::string_view value) {
+  const auto words = words_of(value);
+  return !words.empty() && words[0] == "LIST";
+}
+
+Result<void> add_data_files(const fs::path& path, const std::string& value, Lines& lines, NrrdHeader& header) {
+  if (header.detached) return bad_names(path, value);  // a second time
+  header.detached = true;
+  if (is_list(value)) {
+    const auto words = words_of(value);
+    const auto axes = words.size() == 2 ? integer_of(words[1]) : std::optional<int>(0);
+    if (words.size() > 2 || !axes || *axes < 0) return bad_names(path, value);
+    header.file_dimension = *axes;
+    for (auto name = lines.next(); name && !name->empty(); name = lines.next())
+      header.files.push_back(path.parent_path() / *name);
+  } else if (value.find('%') != std::string::npos) {
+    return add_numbered_files(path, value, header);
+  } else {
+    header.files.push_back(path.parent_path() / value);
+  }
+  if (header.files.empty() || value.empty() || value == "-") return bad_names(path, value);
+  return {};
+}
+
+/// The file up to the empty line that ends the header, and a little more: the voxels that follow may be gigabytes.
+Result<std::string> header_text(const fs::path& path) {
+  if (const auto size = size_of_file(path); !size) return fail(size.error());
+  std::ifstream in(path, std::ios::binary);
+  std::string text;
+  std::array<char, 4096> piece;
+  for (std::size_t seen = 0; text.size() < longest_header && in;) {
+    in.read(piece.data(), piece.size());
+    text.append(piece.data(), static_cast<std::size_t>(in.gcount()));
+    if (text.find("\n\n", seen) != std::string::npos || text.find("\n\r\n", seen) != std::string::npos) break;
+    seen = text.size() - std::min<std::size_t>(text.size(), 2);
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
+  auto text = header_text(path);
+  if (!text) return fail(text.error());
+  NrrdHeader header;
+  Lines lines(*text);
+  bool ended = false;
+  for (auto line = lines.next(); line && !ended; line = ended ? line : lines.next()) {
+    if (const auto value = data_file_value(*line)) {
+      if (auto added = add_data_files(path, *value, lines, header); !added) return fail(added.error());
+      ended = is_list(*value);
+    } else {
+      header.fields += *line + "\n";
+      ended = line->empty();
+    }
+  }
+  const bool whole = ended || (header.detached && text->size() < longest_header);
+  if (!whole || !text->starts_with("NRRD"))
+    return fail(path.string(), "is not an NRRD file, or its header is damaged; check what it is and export it again");
+  header.voxels_begin = lines.position();
+  return header;
+}
+
+}  // namespace homolog

@@ -13,6 +13,7 @@
 #include "app/editor/editor.h"
 #include "app/verbs/verb.h"
 #include "app/version.h"
+#include "core/base/text.h"
 
 namespace homolog {
 
@@ -55,13 +56,12 @@ class ProgressLine {
 void print_lines(const Json& values, const std::string& indent = "") {
   for (const auto& [key, value] : values.items()) {
     if (value.is_object()) {
-      std::cout << indent << key << ":\n";
+      std::cout << indent << printable(key) << ":\n";
       print_lines(value, indent + "  ");
     } else {
-      std::cout << indent << key << ": "
-                << (value.is_string() ? value.get<std::string>()
-                                      : value.dump(-1, ' ', false, Json::error_handler_t::replace))
-                << '\n';
+      const std::string text =
+          value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, Json::error_handler_t::replace);
+      std::cout << indent << printable(key) << ": " << printable(text) << '\n';
     }
   }
 }
@@ -82,7 +82,7 @@ int run_verb(const VerbRun& run, bool json) {
     std::cerr << "homolog: " << report.error().sentence() << '\n';
     return refused;
   }
-  for (const std::string& warning : report->warnings) std::cerr << "homolog: warning: " << warning << '\n';
+  for (const std::string& warning : report->warnings) std::cerr << "homolog: warning: " << printable(warning) << '\n';
   if (json) {
     std::cout << report->values.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   } else {
@@ -121,7 +121,7 @@ int run_main(int argc, char** argv) {
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::Error& error) {
-    std::cerr << "homolog: " << error.what() << "; see homolog --help\n";
+    std::cerr << "homolog: " << printable(error.what()) << "; see homolog --help\n";
     return wrong_command_line;
   }
   if (!run) return run_editor(editor);
@@ -136,5 +136,6 @@ int run_main(int argc, char** argv) {
 }  // namespace homolog
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing, which is told
   return homolog::run_main(argc, argv);
 }

@@ -21,11 +21,12 @@ struct Ran {
   Json json() const { return Json::parse(out, nullptr, false); }
 };
 
-/// Runs the program with `arguments` as a shell would, without a display.
-inline Ran run(const TemporaryFolder& folder, const std::string& arguments) {
+/// Runs the program with `arguments` as a shell would, without a display. `before`: what the shell does first
+/// ("ulimit -f 8; "), or runs it by ("timeout 20 ").
+inline Ran run(const TemporaryFolder& folder, const std::string& arguments, const std::string& before = "") {
   const fs::path errors = folder.path / "stderr";
-  const std::string command = "cd '" + folder.path.string() +
-                              "' && env -u DISPLAY -u WAYLAND_DISPLAY '" HOMOLOG_PROGRAM "' " + arguments + " 2>'" +
+  const std::string command = "cd '" + folder.path.string() + "' && " + before +
+                              "env -u DISPLAY -u WAYLAND_DISPLAY '" HOMOLOG_PROGRAM "' " + arguments + " 2>'" +
                               errors.string() + "' </dev/null";
   FILE* pipe = ::popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);

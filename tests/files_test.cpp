@@ -2,15 +2,32 @@
 
 #include <doctest/doctest.h>
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <iterator>
+#include <set>
 
+#include "core/case/case_file.h"
+#include "tests/refusal.h"
+#include "tests/small_files.h"
 #include "tests/temporary_folder.h"
 
 namespace fs = std::filesystem;
 using namespace homolog;
 
 namespace {
+
+mode_t rights(const fs::path& path) {
+  struct stat now {};
+  REQUIRE(::lstat(path.c_str(), &now) == 0);
+  return now.st_mode & 07777;
+}
 
 std::size_t entries(const fs::path& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
@@ -47,11 +64,155 @@ TEST_CASE("a link stays one and what it leads to is replaced") {
   CHECK(read_whole_file(folder.path / "far/file.txt").value() == "after");
 }
 
-TEST_CASE("a full disk is named and leaves nothing behind") {
-  if (!fs::exists("/dev/full")) return;
-  const auto written = write_whole_file("/dev/full/x", [](std::ostream&) -> Result<void> { return {}; });
-  REQUIRE(!written);
-  CHECK(written.error().subject == "/dev/full/x");
+TEST_CASE("a full disk is named and leaves the old file and nothing else") {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "a.txt";
+  REQUIRE(write_whole_file(file, "first"));
+  Result<void> written;
+  {
+    const SmallFilesOnly full(4096);
+    written = write_whole_file(file, std::string(100000, 'x'));
+  }
+  CHECK(says(written, "a.txt: cannot be written"));
+  CHECK(says(written, "free some space"));
+  CHECK(read_whole_file(file).value() == "first");
+  CHECK(entries(folder.path) == 1);
+}
+
+TEST_CASE("a private file stays private and one for the user alone begins so") {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "patient.txt", other = folder.path / "usual.txt";
+  REQUIRE(write_whole_file(file, "first", Readers::user_alone));
+  CHECK(rights(file) == 0600);
+  REQUIRE(write_whole_file(file, [&](std::ostream& out) {
+    out << "second";
+    for (const auto& entry : fs::directory_iterator(folder.path)) CHECK(rights(entry.path()) == 0600);
+    return Result<void>();
+  }));
+  CHECK(rights(file) == 0600);
+  REQUIRE(write_whole_file(other, "first"));
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  CHECK(rights(other) == (0666 & ~mask));
+  REQUIRE(::chmod(other.c_str(), 0640) == 0);
+  REQUIRE(write_whole_file(other, "second"));
+  CHECK(rights(other) == 0640);
+  REQUIRE(make_private_folder(folder.path / "state/homolog"));
+  CHECK(rights(folder.path / "state") == 0700);
+  CHECK(rights(folder.path / "state/homolog") == 0700);
+}
+
+TEST_CASE("devices and pipes are neither replaced nor waited for") {
+  const TemporaryFolder folder;
+  const fs::path pipe = folder.path / "pipe", device = folder.path / "device";
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  fs::create_symlink("/dev/zero", device);
+  for (const fs::path& path : {pipe, device}) {
+    CHECK(says(write_whole_file(path, "x"), "device or a pipe"));
+    CHECK(says(read_whole_file(path), "device or a pipe"));
+    CHECK(says(size_of_file(path), "device or a pipe"));
+  }
+  CHECK(fs::is_fifo(pipe));
+  CHECK(fs::is_character_file(device));
+  CHECK(entries(folder.path) == 2);
+}
+
+TEST_CASE("a name as long as names may be can be written") {
+  const TemporaryFolder folder;
+  const fs::path longest = folder.path / std::string(255, 'n');
+  REQUIRE(write_whole_file(longest, "content"));
+  CHECK(read_whole_file(longest).value() == "content");
+  CHECK(says(write_whole_file(folder.path / std::string(256, 'n'), "content"), "shorter name"));
+  CHECK(entries(folder.path) == 1);
+}
+
+TEST_CASE("two writers of one file do not meet") {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "a.txt";
+  REQUIRE(write_whole_file(file, [&](std::ostream& out) {
+    out << "the outer one, ";
+    CHECK(write_whole_file(file, "the inner one"));
+    out << "whole";
+    return Result<void>();
+  }));
+  CHECK(read_whole_file(file).value() == "the outer one, whole");
+  CHECK(entries(folder.path) == 1);
+}
+
+TEST_CASE("nobody can lay a link where the temporary file will be") {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "a.txt", victim = folder.path / "victim.txt";
+  REQUIRE(write_whole_file(victim, "untouched"));
+  fs::create_symlink(victim, folder.path / (".tmp" + std::to_string(::getpid()) + "-a.txt"));
+  std::set<std::string> names;
+  for (int k = 0; k < 3; ++k)
+    REQUIRE(write_whole_file(file, [&](std::ostream&) {
+      for (const auto& entry : fs::directory_iterator(folder.path)) names.insert(entry.path().filename().string());
+      return Result<void>();
+    }));
+  CHECK(names.size() == 6);  // the link, the victim, the file, and each time another temporary one
+  CHECK(read_whole_file(victim).value() == "untouched");
+}
+
+TEST_CASE("what a killed program left is swept when it is surely stale") {
+  const TemporaryFolder folder;
+  const auto left = [&](const std::string& name, int hours_ago) {
+    write_bytes(folder.path / name, "half");
+    fs::last_write_time(folder.path / name, fs::file_time_type::clock::now() - std::chrono::hours(hours_ago));
+    return folder.path / name;
+  };
+  const fs::path stale = left(".homolog-0123456789abcdef.tmp", 30), young = left(".homolog-0123456789abcde0.tmp", 1),
+                 in_work = left(".homolog-0123456789abcde1.tmp", 30), foreign = left(".homolog-notes.tmp", 30),
+                 linked = left(".homolog-0123456789abcde2.tmp", 30);
+  fs::create_hard_link(linked, folder.path / "kept.txt");
+  const int writer = ::open(in_work.c_str(), O_RDONLY);
+  REQUIRE(::flock(writer, LOCK_EX) == 0);
+  REQUIRE(write_whole_file(folder.path / "a.txt", "content"));
+  ::close(writer);
+  CHECK(!fs::exists(stale));
+  for (const fs::path& kept : {young, in_work, foreign, linked}) CHECK_MESSAGE(fs::exists(kept), kept.string());
+}
+
+TEST_CASE("unsaved cases are the user's alone and a pipe among them stops nothing") {
+  const TemporaryFolder folder;
+  ::setenv("XDG_STATE_HOME", (folder.path / "state").c_str(), 1);
+  {
+    const auto session = create_unsaved_case(new_document("", nullptr, nullptr));
+    REQUIRE(session);
+    CHECK(rights(unsaved_folder()) == 0700);
+    for (const auto& entry : fs::directory_iterator(unsaved_folder())) CHECK(rights(entry.path()) == 0600);
+  }
+  REQUIRE(::mkfifo((unsaved_folder() / "unsaved-1.homolog").c_str(), 0600) == 0);
+  ::alarm(30);  // it would wait for a writer for ever
+  CHECK(unsaved_cases().empty());
+  ::alarm(0);
+  ::unsetenv("XDG_STATE_HOME");
+}
+
+TEST_CASE("what cannot be read is not called absent") {
+  const TemporaryFolder folder;
+  fs::create_symlink("loop", folder.path / "loop");
+  CHECK(says(read_whole_file(folder.path / "loop"), "cannot be read"));
+  write_bytes(folder.path / "locked.txt", "x");
+  REQUIRE(::chmod((folder.path / "locked.txt").c_str(), 0) == 0);
+  const bool root = ::geteuid() == 0;
+  REQUIRE(::chmod(folder.path.c_str(), 0755) == 0);
+  if (root) REQUIRE(::seteuid(65534) == 0);  // root may read everything
+  const auto locked = read_whole_file(folder.path / "locked.txt");
+  if (root) REQUIRE(::seteuid(0) == 0);
+  CHECK(says(locked, "cannot be read (Permission denied); check its permissions"));
+}
+
+TEST_CASE("a message shows no control character and little of what a file says") {
+  CHECK(printable("a\x1b[31m b\n\x7f\xc2\x9b"
+                  "c\x9b") == "a?[31m b???c?");
+  CHECK(printable("Hilus „ü“ µ 脾 \xe9") == "Hilus „ü“ µ 脾 \xe9");
+  CHECK(excerpt("short") == "short");
+  std::string umlauts;
+  for (int k = 0; k < 1000; ++k) umlauts += "ü";
+  CHECK(excerpt(umlauts) == umlauts.substr(0, 200) + "…");
+  CHECK(excerpt("x" + umlauts) == "x" + umlauts.substr(0, 198) + "…");
+  CHECK((Error{"a\nb.ply", "is\x1b wrong"}).sentence() == "a?b.ply: is? wrong");
 }
 
 TEST_CASE("a missing file and a folder are refused by name") {

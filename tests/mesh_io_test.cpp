@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "core/base/files.h"
+#include "core/mesh/mirror.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
 #include "tests/temporary_folder.h"
@@ -288,6 +289,44 @@ TEST_CASE("VTP is read as ASCII and base64 and appended and compressed") {
                  "zlib"));
 }
 
+TEST_CASE("VTP pieces that name one array again and again do not fill the memory") {
+  MeshFolder folder;
+  std::string numbers;
+  for (int k = 0; k < 3000; ++k) put_number(numbers, static_cast<double>(k));
+  std::string data;
+  put_number(data, static_cast<std::uint32_t>(numbers.size()));
+  const auto file = [&](int pieces, std::size_t step) {
+    std::string text = R"(<VTKFile type="PolyData" byte_order="LittleEndian"><PolyData>)";
+    for (int k = 0; k < pieces; ++k)
+      text += R"(<Piece NumberOfPoints="1000"><Points><DataArray type="Float64" format="appended" offset=")" +
+              std::to_string(static_cast<std::size_t>(k) * step) + "\"/></Points></Piece>";
+    text += R"(</PolyData><AppendedData encoding="raw">_)";
+    for (int k = 0; k < 2; ++k) text += data + numbers;
+    return text + "</AppendedData></VTKFile>";
+  };
+  CHECK(contains(folder.refusal("a.vtp", file(2, data.size() + numbers.size())), "holds no faces"));
+  CHECK(contains(folder.refusal("a.vtp", file(100, 0)), "lie in one another"));
+}
+
+TEST_CASE("VTP that unpacks to far more than a mesh is refused before the memory is taken") {
+  MeshFolder folder;
+  const std::string zeros(80000000, '\0');
+  std::string packed(compressBound(zeros.size()), '\0');
+  uLongf size = packed.size();
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(zeros.data()), zeros.size());
+  std::string data;
+  for (const std::size_t x : {std::size_t{1}, zeros.size(), zeros.size(), std::size_t{size}})
+    put_number(data, static_cast<std::uint64_t>(x));
+  data += packed.substr(0, size);
+  CHECK(contains(
+      folder.refusal("a.vtp", R"(<VTKFile type="PolyData" byte_order="LittleEndian" header_type="UInt64" )"
+                              R"(compressor="vtkZLibDataCompressor"><PolyData><Piece NumberOfPoints="3333333">)"
+                              R"(<Points><DataArray type="Float64" format="appended" offset="0"/></Points>)"
+                              R"(</Piece></PolyData><AppendedData encoding="raw">_)" +
+                                  data + "</AppendedData></VTKFile>"),
+      "unpacks to far more"));
+}
+
 TEST_CASE("OBJ is read with slashes and negative indices and polygons") {
   MeshFolder folder;
   const std::string points = "# by hand\nv 0 0 0\nv 1 0 0 1.0\r\nv 1 1 0\nv 0 1 .5\nvt 0 0\nvn 0 0 1\no part\n";
@@ -379,6 +418,55 @@ TEST_CASE("a stiffness that is not positive is refused and a damaged landmark is
   CHECK(mesh.landmarks.empty());
   CHECK(mesh.comments == std::vector<std::string>{"homolog.landmark {\"name\":3}"});
   CHECK(mesh.warnings.size() == 1);
+}
+
+TEST_CASE("a header that names something twice is refused and every vertex has a value of every array") {
+  MeshFolder folder;
+  const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+  const std::string region = "comment homolog.region {\"name\":\"a\",\"factor\":1,\"colour\":\"#ffffff\"}\n";
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::string head = "ply\nformat ascii 1.0\n";
+  CHECK(contains(folder.refusal("a.ply", head + region + "element vertex 1\n" + xyz + "property uchar region\n" +
+                                             "element vertex 2\n" + xyz + faces + "0 0 0 1\n1 0 0\n0 1 0\n3 0 1 2\n"),
+                 "the element \"vertex\" twice"));
+  for (const std::string again : {"x", "stiffness"})
+    CHECK(contains(
+        folder.refusal("a.ply", head + "element vertex 3\n" + xyz + "property float stiffness\nproperty float " +
+                                    again + "\n" + faces + "0 0 0 1 2\n1 0 0 1 2\n0 1 0 1 2\n3 0 1 2\n"),
+        "the property \"" + again + "\" twice"));
+}
+
+TEST_CASE("a stiffness beyond single precision is neither read nor written") {
+  MeshFolder folder;
+  MeshFile file = template_file();
+  (*file.stiffness)[0] = 1e300;
+  (*file.stiffness)[1] = 1e-300;
+  REQUIRE(write_mesh_file(file, folder.path / "a.ply"));
+  const auto read = read_mesh_file(folder.path / "a.ply");
+  REQUIRE(read);
+  CHECK((*read->stiffness)[0] > 1e30);
+  CHECK((*read->stiffness)[1] < 1e-30);
+  CHECK(contains(folder.refusal("a.ply",
+                                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+                                "float z\nproperty double stiffness\nelement face 1\nproperty list uchar int "
+                                "vertex_indices\nend_header\n0 0 0 1\n1 0 0 1\n0 1 0 1e300\n3 0 1 2\n"),
+                 "vertex 2 has a stiffness"));
+}
+
+TEST_CASE("points without faces are mirrored too") {
+  MeshFile file = sphere_file();
+  file.triangles.resize(0, 3);
+  CHECK(mirrored(file).points.col(0) == -file.points.col(0));
+}
+
+TEST_CASE("what a file says is quoted in part") {
+  MeshFolder folder;
+  const std::string word(100000, 'w');
+  for (const std::string& text : {"ply\n" + word + "\n", "ply\nelement a 1\nproperty " + word + " x\n",
+                                  "ply\nelement " + word + " 9\nproperty int x\nend_header\n"})
+    CHECK(folder.refusal("a.ply", text).size() < 500);
+  CHECK(folder.refusal("a.vtk", "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\n" + word + " 1").size() < 500);
+  CHECK(folder.refusal("a.obj", "# vertices and faces: " + word + "\nv 0 0 0\n").size() < 500);
 }
 
 TEST_CASE("a triangle soup is refused with its duplicate vertices named") {

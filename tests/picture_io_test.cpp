@@ -11,6 +11,7 @@
 #include "core/volume/volume_io.h"
 #include "temporary_folder.h"
 #include "tests/refusal.h"
+#include "tests/small_files.h"
 
 namespace fs = std::filesystem;
 using namespace homolog;
@@ -99,6 +100,27 @@ TEST_CASE("a picture survives being written and read with its transparency") {
   CHECK(read->width == 3);
   CHECK(read->height == 2);
   CHECK(read->rgba == picture.rgba);
+}
+
+TEST_CASE("a picture on a full disk is refused and the old one stays") {
+  const TemporaryFolder folder;
+  Picture picture{100, 100, std::vector<std::uint8_t>(40000)};
+  std::uint32_t noise = 1;
+  for (auto& value : picture.rgba) value = static_cast<std::uint8_t>((noise = noise * 1664525 + 1013904223) >> 24);
+  for (const char* name : {"a.png", "a.tif", "a.jpg", "a.bmp", "a.tga", "a.exr"}) {
+    CAPTURE(name);
+    write_bytes(folder.path / name, "old");
+    Result<void> written;
+    {
+      const SmallFilesOnly full(4096);
+      written = write_picture(picture, folder.path / name);
+    }
+    CHECK(says(written, "cannot be written"));
+    CHECK(read_whole_file(folder.path / name).value() == "old");
+    REQUIRE(write_picture(picture, folder.path / name));
+    CHECK(fs::file_size(folder.path / name) > 4096);
+  }
+  CHECK(says(write_picture(picture, folder.path / "a.txt"), "no kind of picture"));
 }
 
 TEST_CASE("pictures that are damaged or absent or of no known kind get a sentence") {

@@ -7,7 +7,9 @@
 
 #include "core/base/files.h"
 #include "core/model/hdf_tree.h"
+#include "tests/refusal.h"
 #include "tests/shapes.h"
+#include "tests/small_files.h"
 #include "tests/temporary_folder.h"
 
 namespace fs = std::filesystem;
@@ -85,9 +87,10 @@ TEST_CASE("a model reads back from both formats as it was written") {
 TEST_CASE("both formats hold the same tree") {
   const TemporaryFolder folder;
   REQUIRE(write_model(some_model(), folder.path / "m.h5"));
-  HdfTree tree = read_hdf5(folder.path / "m.h5").value();
+  const HdfTree tree = read_hdf5(folder.path / "m.h5", model_parts()).value();
+  CHECK(tree.datasets.size() == 13);  // all that a model is made of: eight, and a name for each of five shapes
   REQUIRE(write_hdf5_json(tree, folder.path / "m.h5.json"));
-  const HdfTree again = read_hdf5_json(folder.path / "m.h5.json").value();
+  const HdfTree again = read_hdf5_json(folder.path / "m.h5.json", model_parts()).value();
   CHECK(again.groups == tree.groups);
   REQUIRE(again.datasets.size() == tree.datasets.size());
   for (const auto& [path, dataset] : tree.datasets) {
@@ -140,7 +143,7 @@ TEST_CASE("a model of version 0.8 is read with its basis made orthonormal") {
   ShapeModel old = model;
   old.basis *= model.variances.cwiseSqrt().asDiagonal();
   REQUIRE(write_model(old, folder.path / "old.h5"));
-  HdfTree tree = read_hdf5(folder.path / "old.h5").value();
+  HdfTree tree = read_hdf5(folder.path / "old.h5", model_parts()).value();
   tree.datasets["/version/minorVersion"].values = std::vector<std::int32_t>{8};
   REQUIRE(write_hdf5(tree, folder.path / "old.h5"));
   check_same(model, read_model(folder.path / "old.h5").value());
@@ -181,4 +184,96 @@ TEST_CASE("a file that is no model or a damaged one is refused with the fault na
   bent.mean.conservativeResize(123);
   REQUIRE(write_model(bent, hdf5));
   check_refused(hdf5, "does not fit");
+}
+
+TEST_CASE("groups that link to one another without end cost nothing") {
+  const TemporaryFolder folder;
+  // Thirty groups, each of which names the next one twice: 2^30 paths [hdf5-json.readthedocs.io].
+  Json file{{"root", "g0"}, {"groups", Json::object()}, {"datasets", Json::object()}};
+  for (int k = 0; k < 30; ++k) {
+    const auto link = [&](const char* title) {
+      return Json{
+          {"class", "H5L_TYPE_HARD"}, {"collection", "groups"}, {"title", title}, {"id", "g" + std::to_string(k + 1)}};
+    };
+    file["groups"]["g" + std::to_string(k)] = {{"links", {link("x"), link("y")}}};
+  }
+  file["groups"]["g30"] = Json::object();
+  const fs::path path = folder.path / "linked.h5.json";
+  std::ofstream(path) << file;
+  check_refused(path, "/model/mean");
+}
+
+TEST_CASE("one dataset under many names does not fill the memory") {
+  const TemporaryFolder folder;
+  const std::string name(1 << 20, 'n');
+  Json names = Json::array();
+  for (int k = 0; k < 1000; ++k)
+    names.push_back(
+        {{"class", "H5L_TYPE_HARD"}, {"collection", "datasets"}, {"id", "n"}, {"title", "URI_" + std::to_string(k)}});
+  const auto group = [](const char* title, const char* id) {
+    return Json{
+        {"links", Json::array({{{"class", "H5L_TYPE_HARD"}, {"collection", "groups"}, {"title", title}, {"id", id}}})}};
+  };
+  const Json file{{"root", "r"},
+                  {"groups",
+                   {{"r", group("modelinfo", "i")},
+                    {"i", group("modelBuilder-0", "b")},
+                    {"b", group("dataInfo", "d")},
+                    {"d", {{"links", names}}}}},
+                  {"datasets", {{"n", {{"type", {{"class", "H5T_STRING"}}}, {"value", name}}}}}};
+  const fs::path path = folder.path / "names.h5.json";
+  std::ofstream(path) << file;
+  check_refused(path, "too many paths");
+}
+
+TEST_CASE("a number of HDF5-JSON that does not fit its type is refused") {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path / "m.h5.json";
+  for (const std::string number : {"1e300", "99999999999", "\"x\""}) {
+    REQUIRE(write_model(some_model(), path));
+    change(path, "\"value\":0}", "\"value\":" + number + "}");  // of the version
+    check_refused(path, "fill its shape");
+  }
+}
+
+TEST_CASE("an HDF5 file that breaks the library is refused and the program goes on") {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path / "m.h5";
+  REQUIRE(write_model(some_model(), path));
+  const std::string whole = read_whole_file(path).value();
+  // A heap of texts whose entries have no size: the library goes round for ever.
+  std::string endless = whole;
+  const std::size_t heap = endless.find("GCOL");
+  REQUIRE(heap != std::string::npos);
+  std::fill_n(endless.begin() + static_cast<std::ptrdiff_t>(heap) + 16, 1000, '\0');
+  std::ofstream(path, std::ios::binary) << endless;
+  check_refused(path, "damaged HDF5 file");
+  std::uint32_t noise = 7;
+  for (int round = 0; round < 6; ++round) {
+    std::string bytes = whole;
+    for (int k = 0; k < 20; ++k) {
+      noise = noise * 1664525 + 1013904223;
+      bytes[noise % bytes.size()] = static_cast<char>(noise >> 16);
+    }
+    std::ofstream(path, std::ios::binary) << bytes;
+    const auto read = read_model(path);
+    if (!read) CHECK(read.error().sentence().size() < 1000);
+  }
+  std::ofstream(path, std::ios::binary) << whole;
+  CHECK(read_model(path));
+}
+
+TEST_CASE("a model on a full disk is refused and the old one stays") {
+  const TemporaryFolder folder;
+  for (const char* name : {"m.h5", "m.h5.json"}) {
+    const fs::path path = folder.path / name;
+    write_bytes(path, "old");
+    Result<void> written;
+    {
+      const SmallFilesOnly full(4096);
+      written = write_model(some_model(), path);
+    }
+    CHECK(says(written, "cannot be written"));
+    CHECK(read_whole_file(path).value() == "old");
+  }
 }

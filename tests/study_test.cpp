@@ -117,8 +117,8 @@ TEST_CASE("the next case is the next one that is not done") {
 
 TEST_CASE("a file that is no study is refused with the fault named") {
   const TemporaryFolder folder;
-  check_refused(folder, "", "not JSON");
-  check_refused(folder, "{", "not JSON");
+  check_refused(folder, "", "no valid JSON");
+  check_refused(folder, "{", "no valid JSON");
   check_refused(folder, "{}", "no study");
   check_refused(folder, "[]", "no study");
   check_refused(folder, R"({"homolog_study":2})", "newer");

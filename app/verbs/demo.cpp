@@ -31,13 +31,14 @@ class HeadlessDemo {
     if (error) return fail(folder_.string(), "cannot be made (" + error.message() + "); choose another folder with -o");
     auto document = demo_document(Organ::kidney, demo_subject);
     if (!document) return fail(document.error());
-    auto session = create_case(std::move(*document), written("demo.homolog"));
-    if (!session) return fail(session.error());
+    EditSession session(std::move(*document));
     const Volume truth = make_phantom(Organ::kidney, demo_subject).label_map;
     for (const auto step : {&HeadlessDemo::adapt, &HeadlessDemo::export_mesh, &HeadlessDemo::export_pictures,
                             &HeadlessDemo::export_model}) {
-      if (auto done = (this->*step)(*session, truth); !done) return fail(done.error());
+      if (auto done = (this->*step)(session, truth); !done) return fail(done.error());
     }
+    // Last, so that there is no case where the disk could not hold the rest.
+    if (auto saved = save_case_as(session, written("demo.homolog")); !saved) return fail(saved.error());
     report_.values["paths"] = paths_;
     return report_;
   }

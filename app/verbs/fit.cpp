@@ -10,6 +10,7 @@
 #include "app/verbs/snap_arguments.h"
 #include "app/verbs/verb.h"
 #include "core/base/files.h"
+#include "core/base/json.h"
 #include "core/case/action_json.h"
 #include "core/fit/mask_fit.h"
 #include "core/measure/compare.h"
@@ -53,8 +54,10 @@ Result<std::shared_ptr<const Template>> reference_of(const Options& options) {
 Result<Similarity> read_placement(const fs::path& path) {
   const auto text = read_whole_file(path, 1 << 20);
   if (!text) return fail(text.error());
-  const Json json = Json::parse(*text, nullptr, false);
-  auto placement = similarity_from_json(json.is_object() && json.contains("placement") ? json["placement"] : json);
+  const auto json = read_json<Json>(*text);
+  if (!json) return fail(path.string(), json.error().what + "; save the placement again");
+  auto placement =
+      similarity_from_json(json->is_object() && json->contains("placement") ? (*json)["placement"] : *json);
   if (!placement) return fail(path.string(), placement.error().what);
   return placement;
 }

@@ -30,24 +30,26 @@ std::string frame_name(std::size_t frame) {
   return name;
 }
 
-/// A case with a mesh in every frame.
+/// A case with a mesh in every frame, made in memory and written in one go.
 Result<void> write_case(const PropagateVerb& verb, const Document& initial, const Propagation& propagation,
                         const fs::path& path) {
-  auto session = create_case(initial, path);
-  if (!session) return fail(session.error());
-  if (auto done = session->apply(SetPlacement{Similarity{}}); !done) return fail(done.error());
-  const auto show = [&](int frame) { return session->apply(SetFrame{frame}); };
+  EditSession session(initial);
+  std::string lines = case_header(initial, path.parent_path()) + '\n';
+  const auto apply = [&](Action action) {
+    lines += action_line(action) + '\n';
+    return session.apply(std::move(action));
+  };
+  if (auto done = apply(SetPlacement{Similarity{}}); !done) return fail(done.error());
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
     const PropagatedFrame& frame = propagation.frames[f];
-    if (auto done = show(static_cast<int>(f)); !done) return fail(done.error());
-    if (auto done = session->apply(points_edit(session->document(), frame.points, "propagate")); !done)
-      return fail(done.error());
+    if (auto done = apply(SetFrame{static_cast<int>(f)}); !done) return fail(done.error());
+    if (auto done = apply(points_edit(session.document(), frame.points, "propagate")); !done) return fail(done.error());
     if (frame.doubt.empty()) continue;
-    if (auto done = session->apply(Note{"frame " + std::to_string(f) + " " + frame.doubt}); !done)
-      return fail(done.error());
+    if (auto done = apply(Note{"frame " + std::to_string(f) + " " + frame.doubt}); !done) return fail(done.error());
   }
-  if (auto done = show(verb.frame); !done) return fail(done.error());
-  return {};
+  if (auto done = apply(SetFrame{verb.frame}); !done) return fail(done.error());
+  const auto journal = Journal::create(path, lines);
+  return journal ? Result<void>() : fail(journal.error());
 }
 
 /// Every frame as a case of a study; those in doubt are still to do.
@@ -94,10 +96,7 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, const
     if (auto written = write_mesh_file(file, verb.out / (frame_name(f) + ".ply")); !written) return written;
   }
   const double frame_seconds = initial.volume->frame_seconds;
-  const auto table = [&](std::ostream& out) {
-    out << volume_table(propagation, frame_seconds);
-    return Result<void>();
-  };
+  const std::string table = volume_table(propagation, frame_seconds);
   if (auto written = write_whole_file(verb.out / "volumes.csv", table); !written) return written;
   const fs::path case_path = verb.out / "cine.homolog";
   if (auto written = write_case(verb, initial, propagation, case_path); !written) return written;

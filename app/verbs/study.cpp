@@ -43,15 +43,16 @@ Result<Report> study_user(const UserOptions& options, Progress& progress) {
     if (!read) return fail(read.error());
     image = std::make_shared<const Volume>(std::move(read->volume));
   }
-  auto session = create_case(new_document(options.image.string(), image, *reference), options.out);
-  if (!session) return fail(session.error());
+  // In memory, so that the case appears whole or not at all.
+  EditSession session(new_document(options.image.string(), image, *reference));
   if (options.mirror) {
-    if (auto mirrored = session->apply(MirrorTemplate{}); !mirrored) return fail(mirrored.error());
+    if (auto mirrored = session.apply(MirrorTemplate{}); !mirrored) return fail(mirrored.error());
   }
   SchemeRunOptions work = options.work;
   work.progress = &progress;
-  const auto run = run_scheme(*session, *subject, *scheme, work);
+  const auto run = run_scheme(session, *subject, *scheme, work);
   if (!run) return fail(options.out.string(), run.error().what);
+  if (auto saved = save_case_as(session, options.out); !saved) return fail(saved.error());
   Report report;
   report.values = {{"case", options.out.string()}, {"scheme", scheme->name}};
   report.values.update(json_of(*run));

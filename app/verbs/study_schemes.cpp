@@ -143,14 +143,6 @@ Result<Plan> plan_of(const Options& options, Report& report, Progress& progress)
   return plan;
 }
 
-/// A new case: a case file where they are asked for, else in memory alone.
-Result<EditSession> session_for(const Options& options, const Plan& plan, const StudySubject& subject,
-                                const WorkingScheme& scheme) {
-  Document document = new_document("", nullptr, plan.reference);
-  if (!options.cases) return EditSession(std::move(document));
-  return create_case(std::move(document), options.out / (subject.name + "." + scheme.name + ".homolog"));
-}
-
 /// The measures of the model that shapes in correspondence make, a shape a column.
 Json model_figures(ShapeMatrix shapes) {
   if (shapes.cols() < fewest_for_model) return Json::object();
@@ -226,11 +218,7 @@ Result<void> write_tables(const Tables& tables, const fs::path& folder, Json& pa
   for (const auto& [name, text] :
        {std::pair("schemes.md", markdown_table(tables.schemes)), std::pair("landmarks.svg", chart)}) {
     if (text.empty()) continue;
-    const auto write = [&text = text](std::ostream& out) -> Result<void> {
-      out << text;
-      return {};
-    };
-    if (auto written = write_whole_file(folder / name, write); !written) return written;
+    if (auto written = write_whole_file(folder / name, text); !written) return written;
     paths.push_back((folder / name).string());
   }
   return {};
@@ -248,10 +236,13 @@ Result<Report> study_schemes(const Options& options, Progress& progress) {
         const std::size_t i = job % plan->subjects.size();
         const StudySubject& subject = plan->subjects[i];
         const WorkingScheme& scheme = plan->schemes[job / plan->subjects.size()];
-        auto session = session_for(options, *plan, subject, scheme);
-        if (!session) return fail(session.error());
-        auto run = run_scheme(*session, subject, scheme, {options.seed + i, options.most_pulls, &own});
+        EditSession session(new_document("", nullptr, plan->reference));
+        auto run = run_scheme(session, subject, scheme, {options.seed + i, options.most_pulls, &own});
         if (!run) return fail(run.error());
+        if (options.cases) {
+          const fs::path path = options.out / (subject.name + "." + scheme.name + ".homolog");
+          if (auto saved = save_case_as(session, path); !saved) return fail(saved.error());
+        }
         runs[job] = std::move(*run);
         return Report{};
       },

@@ -1,12 +1,21 @@
 #include "core/base/files.h"
 
 #include <fcntl.h>
+#include <pwd.h>
+#include <sys/file.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
-#include <fstream>
+#include <ctime>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <streambuf>
 #include <system_error>
 
 namespace homolog {
@@ -14,26 +23,88 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// ".homolog-", 16 digits that nobody can guess, ".tmp": shorter than any name the user may choose for the file itself.
+constexpr std::string_view temporary_start = ".homolog-", temporary_end = ".tmp";
+constexpr std::size_t temporary_digits = 16;
+constexpr std::time_t stale_after_seconds = 24 * 60 * 60;
+
 std::string reason(int error) {
   return std::strerror(error);
 }
 
 Error cannot_write(const fs::path& path, int error) {
-  const char* remedy = error == ENOSPC                       ? "; free some space and save again"
-                       : error == EACCES || error == EROFS   ? "; choose a folder you may write to"
+  const char* remedy = error == ENOSPC || error == EDQUOT || error == EFBIG  ? "; free some space and save again"
+                       : error == EACCES || error == EROFS || error == EPERM ? "; choose a folder you may write to"
                        : error == ENOENT || error == ENOTDIR ? "; create the folder first or choose another"
+                       : error == ENAMETOOLONG               ? "; choose a shorter name"
                                                              : "";
   return {path.string(), "cannot be written (" + reason(error) + ")" + remedy};
 }
 
-/// Pushes a file's (or folder's) content to the disk; 0 or the errno.
-int sync_path(const fs::path& path, int flags) {
-  const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
-  if (fd < 0) return errno;
-  const int error = ::fsync(fd) == 0 ? 0 : errno;
-  ::close(fd);
-  return error == EINVAL ? 0 : error;  // some file systems cannot sync a folder
+Error cannot_read(const fs::path& path, int error) {
+  if (error == ENOENT || error == ENOTDIR) return {path.string(), "does not exist; check the name"};
+  const char* remedy = error == EACCES || error == EPERM ? "; check its permissions" : "; check the name and the disk";
+  return {path.string(), "cannot be read (" + reason(error) + ")" + remedy};
 }
+
+/// An open file of the system, closed at the end.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() { close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  operator int() const { return number_; }  // NOLINT(google-explicit-constructor): the system's calls take it
+  /// 0 or the errno: some network disks only tell then that they are full.
+  int close() {
+    const int error = number_ >= 0 && ::close(number_) != 0 ? errno : 0;
+    number_ = -1;
+    return error;
+  }
+
+ private:
+  int number_;
+};
+
+/// A stream's way into an open file. Keeps the first error, which streams do not tell.
+class FileBuffer : public std::streambuf {
+ public:
+  explicit FileBuffer(int descriptor) : descriptor_(descriptor) { empty(); }
+  int error() const { return error_; }
+
+ protected:
+  int_type overflow(int_type c) override {
+    if (sync() != 0) return traits_type::eof();
+    return traits_type::eq_int_type(c, traits_type::eof()) ? traits_type::not_eof(c)
+                                                           : sputc(traits_type::to_char_type(c));
+  }
+  std::streamsize xsputn(const char* bytes, std::streamsize count) override {
+    if (count < epptr() - pptr()) return std::streambuf::xsputn(bytes, count);
+    return sync() == 0 && put({bytes, static_cast<std::size_t>(count)}) ? count : 0;
+  }
+  int sync() override {
+    const bool written = put({pbase(), static_cast<std::size_t>(pptr() - pbase())});
+    empty();
+    return written ? 0 : -1;
+  }
+
+ private:
+  void empty() { setp(buffer_.data(), buffer_.data() + buffer_.size()); }
+  bool put(std::string_view bytes) {
+    while (error_ == 0 && !bytes.empty()) {
+      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0)
+        error_ = written < 0 ? errno : EIO;
+      else
+        bytes.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return error_ == 0;
+  }
+
+  int descriptor_, error_ = 0;
+  std::array<char, 1 << 16> buffer_;
+};
 
 /// What a link leads to, so that it stays one.
 fs::path followed(const fs::path& path) {
@@ -43,88 +114,192 @@ fs::path followed(const fs::path& path) {
   return error ? path : target;
 }
 
-fs::path temporary_beside(const fs::path& path) {
-  // The extension stays last and ".gz" keeps its partner, since libraries choose the format by it.
-  return path.parent_path() / (".tmp" + std::to_string(::getpid()) + "-" + path.filename().string());
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+std::optional<std::string> temporary_name() {
+  std::array<unsigned char, temporary_digits / 2> random{};
+  if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) return std::nullopt;
+  std::string name(temporary_start);
+  for (const unsigned char byte : random)
+    for (const int digit : {byte >> 4, byte & 15}) name += "0123456789abcdef"[digit];
+  return name.append(temporary_end);
+}
+
+bool is_temporary_name(std::string_view name) {
+  return name.size() == temporary_start.size() + temporary_digits + temporary_end.size() &&
+         name.starts_with(temporary_start) && name.ends_with(temporary_end) &&
+         name.substr(temporary_start.size(), temporary_digits).find_first_not_of("0123456789abcdef") ==
+             std::string_view::npos;
+}
+
+/// Whether a file is what a program that was killed left behind: this user's, untouched for a day, and locked by
+/// nobody who is still writing it.
+bool is_stale(const fs::path& path) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  struct stat now {};
+  return file >= 0 && ::fstat(file, &now) == 0 && S_ISREG(now.st_mode) && now.st_uid == ::geteuid() &&
+         now.st_nlink == 1 && now.st_mtime < std::time(nullptr) - stale_after_seconds &&
+         ::flock(file, LOCK_EX | LOCK_NB) == 0;
+}
+
+/// Removes what is stale in a folder, at the first file that this program writes there.
+void sweep(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::set<fs::path> swept;
+  {
+    const std::lock_guard lock(mutex);
+    if (!swept.insert(folder).second) return;
+  }
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (is_temporary_name(entry->path().filename().native()) && is_stale(entry->path()))
+      ::unlink(entry->path().c_str());
+}
+
+/// A new file beside PATH that no other call knows of, locked while it is written; removed unless it took PATH's place.
+class Temporary {
+ public:
+  /// `replaced`: the file whose place it is to take, where there is one.
+  Temporary(const fs::path& path, const struct stat* replaced, Readers readers)
+      : path_(make_name(path)), file_(open_new(path_, replaced != nullptr || readers == Readers::user_alone)) {
+    error_ = file_ >= 0 ? 0 : errno;
+    if (error_ != 0) return;
+    ::flock(file_, LOCK_EX | LOCK_NB);
+    if (replaced != nullptr) take_rights_of(*replaced);
+  }
+  ~Temporary() {
+    if (file_ >= 0) ::unlink(path_.c_str());
+  }
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+
+  int error() const { return error_; }
+  int descriptor() const { return file_; }
+  /// 0 or the errno.
+  int replace(const fs::path& path) {
+    int error = ::fsync(file_) == 0 || errno == EINVAL ? 0 : errno;  // some file systems cannot sync
+    if (error == 0 && ::rename(path_.c_str(), path.c_str()) != 0) error = errno;
+    if (error != 0) return error;
+    path_.clear();
+    // Kept open until here, for its lock.
+    return file_.close();
+  }
+
+ private:
+  static fs::path make_name(const fs::path& path) {
+    const auto name = temporary_name();
+    return name ? folder_of(path) / *name : fs::path();
+  }
+  static int open_new(const fs::path& path, bool for_user_alone) {
+    return ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, for_user_alone ? 0600 : 0666);
+  }
+  /// Where the group cannot be kept, another one must not get its rights.
+  void take_rights_of(const struct stat& replaced) {
+    mode_t mode = replaced.st_mode & 0777;
+    if (::fchown(file_, static_cast<uid_t>(-1), replaced.st_gid) != 0) mode = (mode & 0707) | (mode & 0007) << 3;
+    if (::geteuid() == 0 && ::fchown(file_, replaced.st_uid, static_cast<gid_t>(-1)) != 0) mode &= 0700;
+    ::fchmod(file_, mode);
+  }
+
+  fs::path path_;
+  Descriptor file_;
+  int error_ = 0;
+};
+
+/// Opens a file for reading, unless it is none. Pipes are not waited for.
+Result<int> open_file(const fs::path& path, struct stat& now) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (file < 0) return fail(cannot_read(path, errno));
+  if (::fstat(file, &now) == 0 && S_ISREG(now.st_mode)) return file;
+  ::close(file);
+  return fail(path.string(), S_ISDIR(now.st_mode)
+                                 ? "is a folder, not a file"
+                                 : "is a device or a pipe, not a file; copy what it gives into a file");
 }
 
 }  // namespace
 
-Result<void> write_through_temporary(const fs::path& asked, const std::function<Result<void>(const fs::path&)>& write) {
+Result<void> write_whole_file(const fs::path& asked, const std::function<Result<void>(std::ostream&)>& write,
+                              Readers readers) {
   const fs::path path = followed(asked);
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return fail(path.string(), "is a folder; give a file name");
-  const fs::path temporary = temporary_beside(path);
-  {  // ask the system first: libraries seldom say why a file could not be made
-    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (fd < 0) return fail(cannot_write(path, errno));
-    ::close(fd);
-  }
-  if (auto written = write(temporary); !written) {
-    fs::remove(temporary, ignored);
-    Error error = written.error();
-    if (error.subject == temporary.string()) error.subject = path.string();
-    return fail(std::move(error));
-  }
-  if (const int error = sync_path(temporary, O_RDONLY); error != 0) {
-    fs::remove(temporary, ignored);
-    return fail(cannot_write(path, error));
-  }
-  if (::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int error = errno;
-    fs::remove(temporary, ignored);
-    return fail(cannot_write(path, error));
-  }
-  sync_path(path.has_parent_path() ? path.parent_path() : fs::path("."), O_RDONLY | O_DIRECTORY);
+  struct stat before {};
+  const bool replaces = ::stat(path.c_str(), &before) == 0;
+  if (replaces && S_ISDIR(before.st_mode)) return fail(path.string(), "is a folder; give a file name");
+  if (replaces && !S_ISREG(before.st_mode))
+    return fail(path.string(), "is a device or a pipe, which is not replaced; give a file name");
+  sweep(folder_of(path));
+  Temporary temporary(path, replaces ? &before : nullptr, readers);
+  if (temporary.error() != 0) return fail(cannot_write(path, temporary.error()));
+  FileBuffer buffer(temporary.descriptor());
+  std::ostream out(&buffer);
+  auto written = write(out);
+  out.flush();
+  // What the system says first is the cause of whatever else went wrong.
+  if (buffer.error() != 0) return fail(cannot_write(path, buffer.error()));
+  if (!written) return written;
+  if (!out) return fail(cannot_write(path, EIO));
+  if (const int error = temporary.replace(path); error != 0) return fail(cannot_write(path, error));
+  if (const Descriptor folder(::open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)); folder >= 0)
+    ::fsync(folder);
   return {};
 }
 
-Result<void> write_whole_file(const fs::path& path, const std::function<Result<void>(std::ostream&)>& write) {
-  return write_through_temporary(path, [&](const fs::path& temporary) -> Result<void> {
-    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-    if (!out) return fail(cannot_write(path, errno));
-    if (auto written = write(out); !written) return written;
-    errno = 0;
-    out.close();
-    if (!out) return fail(cannot_write(path, errno != 0 ? errno : ENOSPC));
-    return {};
-  });
+Result<void> write_whole_file(const fs::path& path, std::string_view content, Readers readers) {
+  return write_whole_file(
+      path,
+      [content](std::ostream& out) {
+        out.write(content.data(), static_cast<std::streamsize>(content.size()));
+        return Result<void>();
+      },
+      readers);
 }
 
 Result<std::string> read_whole_file(const fs::path& path, std::uintmax_t limit_bytes) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) return fail(path.string(), "is a folder, not a file");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) {
-    const bool absent = !fs::exists(path, error);
-    return fail(path.string(), absent ? "does not exist; check the name" : "cannot be read; check its permissions");
-  }
+  struct stat now {};
+  const auto opened = open_file(path, now);
+  if (!opened) return fail(opened.error());
+  const Descriptor file(*opened);
+  const Error too_large{path.string(), "is too large to be a file of this kind"};
+  if (static_cast<std::uintmax_t>(now.st_size) > limit_bytes) return fail(too_large);
   std::string bytes;
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (!error) {
-    if (size > limit_bytes) return fail(path.string(), "is too large to be a file of this kind");
-    bytes.reserve(size);
+  bytes.reserve(static_cast<std::size_t>(now.st_size));
+  std::array<char, 1 << 16> buffer;
+  for (;;) {
+    const ssize_t got = ::read(file, buffer.data(), buffer.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return fail(path.string(), "cannot be read to its end (" + reason(errno) + "); copy it again");
+    if (got == 0) return bytes;
+    bytes.append(buffer.data(), static_cast<std::size_t>(got));
+    if (bytes.size() > limit_bytes) return fail(too_large);
   }
-  char buffer[1 << 16];
-  while (in.read(buffer, sizeof buffer) || in.gcount() > 0) {
-    bytes.append(buffer, static_cast<std::size_t>(in.gcount()));
-    if (bytes.size() > limit_bytes) return fail(path.string(), "is too large to be a file of this kind");
-  }
-  if (in.bad()) return fail(path.string(), "cannot be read to its end (disk or network error)");
-  return bytes;
 }
 
 Result<std::uintmax_t> size_of_file(const fs::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-  if (file < 0)
-    return fail(path.string(), errno == ENOENT ? "does not exist; check the name"
-                                               : "cannot be read (" + reason(errno) + "); check its permissions");
   struct stat now {};
-  const bool known = ::fstat(file, &now) == 0;
-  ::close(file);
-  if (known && S_ISREG(now.st_mode)) return static_cast<std::uintmax_t>(now.st_size);
-  return fail(path.string(), S_ISDIR(now.st_mode) ? "is a folder, not a file"
-                                                  : "is a device or a pipe, not a file; copy what it gives into a file");
+  const auto opened = open_file(path, now);
+  if (!opened) return fail(opened.error());
+  ::close(*opened);
+  return static_cast<std::uintmax_t>(now.st_size);
+}
+
+Result<void> make_private_folder(const fs::path& folder) {
+  std::error_code ignored;
+  if (fs::is_directory(folder, ignored)) return {};
+  if (const fs::path above = folder.parent_path(); !above.empty() && above != folder)
+    if (auto made = make_private_folder(above); !made) return made;
+  if (::mkdir(folder.c_str(), 0700) == 0 || (errno == EEXIST && fs::is_directory(folder, ignored))) return {};
+  return fail(folder.string(), "cannot be made (" + reason(errno) + "); choose another place");
+}
+
+fs::path home_folder() {
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') return home;
+  std::array<char, 16384> text;
+  passwd user{};
+  passwd* known = nullptr;
+  const bool found = ::getpwuid_r(::geteuid(), &user, text.data(), text.size(), &known) == 0 && known != nullptr;
+  return found && known->pw_dir != nullptr ? known->pw_dir : "/";
 }
 
 }  // namespace homolog

@@ -1,31 +1,43 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <ostream>
 #include <string>
+#include <string_view>
 
 #include "core/base/result.h"
 
 namespace homolog {
 
-/// Writes a file so that PATH holds either what it held before or the whole new content: `write` fills a temporary
-/// file beside PATH, which is synced and then renamed. Nothing is left behind on failure (full disk, unwritable
-/// folder, `write` returning an error). Where PATH is a link, what it leads to is written.
+/// Who may read a file that is made anew: everybody whom the user's settings allow, or the user alone.
+enum class Readers { as_usual, user_alone };
+
+/// The one way in which the program writes files. PATH holds either what it held before or the whole new content:
+/// `write` fills a temporary file that belongs to this call alone and lies beside PATH; it is checked, synced and
+/// renamed. Nothing is left behind on failure (full disk, unwritable folder, `write` returning an error). A file that
+/// is replaced hands on its rights and its owner, so that a private one stays private; `readers` is for new ones.
+/// Where PATH is a link, what it leads to is written. Errors: PATH is a folder, a device or a pipe; the system refuses.
 Result<void> write_whole_file(const std::filesystem::path& path,
-                              const std::function<Result<void>(std::ostream&)>& write);
+                              const std::function<Result<void>(std::ostream&)>& write,
+                              Readers readers = Readers::as_usual);
+/// The same for content that is there already.
+Result<void> write_whole_file(const std::filesystem::path& path, std::string_view content,
+                              Readers readers = Readers::as_usual);
 
-/// The same for libraries that insist on writing a file themselves: `write` is given a temporary name in PATH's
-/// folder that ends as PATH does (so that a format chosen by extension stays right).
-Result<void> write_through_temporary(const std::filesystem::path& path,
-                                     const std::function<Result<void>(const std::filesystem::path&)>& write);
-
-/// The bytes of a file, or an error that says why they cannot be read (absent, a folder, unreadable, larger than
-/// `limit_bytes`).
+/// The bytes of a file, or an error that says why they cannot be read: absent, a folder, a device or a pipe (which may
+/// never end), no permission, larger than `limit_bytes`.
 Result<std::string> read_whole_file(const std::filesystem::path& path,
                                     std::uintmax_t limit_bytes = std::uintmax_t{1} << 34);
 
-/// The size of a file in bytes. Errors: absent, a folder, a device or a pipe (which may never end), no permission.
+/// The size of a file in bytes. Errors: those of read_whole_file.
 Result<std::uintmax_t> size_of_file(const std::filesystem::path& path);
+
+/// Makes a folder where there is none, and those above it; new ones can be entered by the user alone.
+Result<void> make_private_folder(const std::filesystem::path& folder);
+
+/// The user's home: $HOME, else what the system knows, else "/".
+std::filesystem::path home_folder();
 
 }  // namespace homolog

@@ -39,7 +39,9 @@ Result<const PictureModule*> picture_module() {
 Result<void> write_picture(const Picture& picture, const fs::path& path) {
   const auto module = picture_module();
   if (!module) return fail(module.error());
-  return write_through_temporary(path, [&](const fs::path& temporary) { return (*module)->write(picture, temporary); });
+  const auto bytes = (*module)->encode(picture, path);
+  if (!bytes) return fail(bytes.error());
+  return write_whole_file(path, {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
 }
 
 Result<Picture> read_picture(const fs::path& path) {

@@ -1,5 +1,6 @@
 #include "core/base/picture_module.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include "core/base/picture_readers.h"
@@ -20,15 +21,19 @@ Result<Picture> read(const fs::path& path) {
   return read_png(path);
 }
 
-Result<void> write(const Picture& picture, const fs::path& path) {
+/// In memory, since OpenImageIO does not tell of a full disk.
+Result<std::vector<unsigned char>> encode(const Picture& picture, const fs::path& path) {
   const auto output = oiio::ImageOutput::create(path.string());
-  if (!output) return fail(path.string(), "is no kind of picture that can be written; end its name in .png");
+  if (!output || output->supports("ioproxy") == 0)
+    return fail(path.string(), "is no kind of picture that can be written; end its name in .png");
+  std::vector<unsigned char> bytes;
+  oiio::Filesystem::IOVecOutput file(bytes);
   oiio::ImageSpec spec(picture.width, picture.height, 4, oiio::TypeUInt8);
   spec.attribute("oiio:UnassociatedAlpha", 1);
-  if (!output->open(path.string(), spec) || !output->write_image(oiio::TypeUInt8, picture.rgba.data()) ||
-      !output->close())
-    return fail(path.string(), "cannot be written (" + output->geterror() + ")");
-  return {};
+  if (!output->set_ioproxy(&file) || !output->open(path.string(), spec) ||
+      !output->write_image(oiio::TypeUInt8, picture.rgba.data()) || !output->close())
+    return fail(path.string(), "cannot be written (" + output->geterror() + "); end its name in .png");
+  return bytes;
 }
 
 Result<PicturePages> pages(const fs::path& path) {
@@ -39,7 +44,7 @@ Result<void> read_pages(const fs::path& path, const PicturePages& expected, cons
   return is_png_name(path) ? read_png_page(path, expected, room) : read_tiff_pages(path, expected, room);
 }
 
-constexpr PictureModule module{read, write, pages, read_pages};
+constexpr PictureModule module{read, encode, pages, read_pages};
 
 }  // namespace
 }  // namespace homolog

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "core/base/picture.h"
 #include "core/base/result.h"
@@ -30,8 +31,8 @@ using PageRoom = std::function<Result<std::span<std::byte>>()>;
 struct PictureModule {
   /// PNG.
   Result<Picture> (*read)(const std::filesystem::path& path);
-  /// In the format of the extension.
-  Result<void> (*write)(const Picture& picture, const std::filesystem::path& path);
+  /// The bytes of a file of this name, in the format of its extension.
+  Result<std::vector<unsigned char>> (*encode)(const Picture& picture, const std::filesystem::path& path);
   /// Size and type of the pages of a greyscale PNG or TIFF; fails where they differ or have colours.
   Result<PicturePages> (*pages)(const std::filesystem::path& path);
   /// All pages, each top row first in the type that `pages` gave. Fails where they are no longer `expected`.

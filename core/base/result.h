@@ -4,6 +4,8 @@
 #include <tl/expected.hpp>
 #include <utility>
 
+#include "core/base/text.h"
+
 namespace homolog {
 
 /// Why a file, a user's data or a factorisation was refused: one sentence that names the fault and what would help.
@@ -12,8 +14,12 @@ struct Error {
   std::string subject;
   std::string what;
 
-  /// "SUBJECT: WHAT", as printed after "homolog: " and as shown in the editor.
-  std::string sentence() const { return subject.empty() ? what : subject + ": " + what; }
+  /// "SUBJECT: WHAT", as printed after "homolog: " and as shown in the editor: one line without control characters.
+  std::string sentence() const {
+    constexpr std::size_t longest_path = 4096;
+    const std::string of = subject.size() > longest_path ? excerpt(subject) : printable(subject);
+    return (of.empty() ? "" : of + ": ") + printable(what);
+  }
 };
 
 /// A value, or the Error that prevented it. The spelling is that of C++23's std::expected.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace homolog {
 
@@ -10,5 +11,12 @@ inline std::string lower_case(std::string text) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return text;
 }
+
+/// Text as a terminal may print it: a '?' for each control character, which could move the cursor or hide what follows.
+/// Everything else stays, also bytes that are no UTF-8 (old file names).
+std::string printable(std::string_view text);
+
+/// What a file says, as a message may quote it: printable, and its first 200 bytes followed by "…" where it is longer.
+std::string excerpt(std::string_view text);
 
 }  // namespace homolog

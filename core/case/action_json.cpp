@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/text.h"
+
 namespace homolog {
 
 namespace {
@@ -42,13 +44,13 @@ auto named(const Names& names, const Json& value) {
     if (given == name) return known;
     known_names += std::string(known_names.empty() ? "" : ", ") + name;
   }
-  throw Unreadable{"\"" + given + "\" is not one of " + known_names};
+  throw Unreadable{"\"" + excerpt(given) + "\" is not one of " + known_names};
 }
 
 int integer(const Json& value) {
-  if (!value.is_number_integer()) throw Unreadable{value.dump() + " is not a whole number"};
+  if (!value.is_number_integer()) throw Unreadable{excerpt(value.dump()) + " is not a whole number"};
   const auto number = value.get<std::int64_t>();
-  if (number < 0 || number > 1000000) throw Unreadable{value.dump() + " is out of range"};
+  if (number < 0 || number > 1000000) throw Unreadable{excerpt(value.dump()) + " is out of range"};
   return static_cast<int>(number);
 }
 

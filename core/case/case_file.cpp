@@ -6,6 +6,8 @@
 #include <chrono>
 
 #include "core/base/files.h"
+#include "core/base/json.h"
+#include "core/base/text.h"
 #include "core/case/action_json.h"
 
 namespace homolog {
@@ -53,8 +55,8 @@ Result<void> check(const Json& header, const char* key, const Value& loaded, con
   }
   if (expected == loaded) return {};
   const Json both = {expected, loaded};
-  return fail("", "was made for " + of + " with " + key + " " + both[0].dump() + " but this one has " + both[1].dump() +
-                      "; put the original back or start a new case");
+  return fail("", "was made for " + of + " with " + key + " " + excerpt(both[0].dump()) + " but this one has " +
+                      both[1].dump() + "; put the original back or start a new case");
 }
 
 /// "128 × 128 × 90 voxels of 1.5 × 1.5 × 3 mm"
@@ -83,8 +85,9 @@ Result<void> check_grid(const Json& header, const Volume& volume, const std::str
       is = grid_in_words(g.dims, {g.spacing_mm[0], g.spacing_mm[1], g.spacing_mm[2]});
       if (is == made_on) is = "as many, but lies elsewhere or otherwise turned";
     }
-    return fail("", "was made on an image of " + made_on + " (geometry " + header["geometry"].get<std::string>() +
-                        "), and " + source + " has " + (is.empty() ? "" : is + " ") + "(geometry " + here +
+    return fail("", "was made on an image of " + made_on + " (geometry " +
+                        excerpt(header["geometry"].get<std::string>()) + "), and " + source + " has " +
+                        (is.empty() ? "" : is + " ") + "(geometry " + here +
                         "); open it together with its own image, or start a new case");
   } catch (const Json::exception&) {
     return fail("", "line 1: \"geometry\", \"voxels\" or \"spacing_mm\" is of the wrong kind");
@@ -107,7 +110,7 @@ Lines split_lines(const std::string& text) {
     std::string line = text.substr(begin, end - begin);
     const bool last = end + 1 >= text.size();
     const bool suspicious = last && (end == text.size() || line.find('\0') != std::string::npos);
-    if (suspicious && !line.empty() && !Json::accept(line)) {
+    if (suspicious && !line.empty() && !read_json<Json>(line)) {
       lines.torn = true;
       break;
     }
@@ -125,7 +128,7 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const R
     return fail("", "is not a Homolog case: its first line is no header");
   }
   if (header["homolog"] != format_version) {
-    return fail("", "is of case format " + header["homolog"].dump() + "; this Homolog reads format 1");
+    return fail("", "is of case format " + excerpt(header["homolog"].dump()) + "; this Homolog reads format 1");
   }
   std::shared_ptr<const Volume> volume;
   std::string volume_source, template_source;
@@ -145,7 +148,7 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const R
   if (!volume_source.empty()) {
     std::error_code ignored;
     if (!volume_source.starts_with("phantom:") && !fs::exists(volume_source, ignored))
-      return fail("", "its image " + volume_source +
+      return fail("", "its image " + excerpt(volume_source) +
                           " does not exist; put it back, or open the case together with the image where it is now");
     auto read = load_volume(volume_source, options);
     if (!read) return fail(read.error());
@@ -216,12 +219,12 @@ std::string action_line(const Action& action, bool joined) {
 }
 
 Result<EditStep> parse_action(const std::string& line) {
-  const Json json = Json::parse(line, nullptr, false);
-  if (json.is_discarded()) return fail("", "is not JSON");
-  auto action = action_from_json(json);
+  const auto json = read_json<Json>(line);
+  if (!json) return fail(json.error());
+  auto action = action_from_json(*json);
   if (!action) return fail(action.error());
-  const auto joined = json.find("joined");
-  return EditStep{std::move(*action), joined != json.end() && *joined == true};
+  const auto joined = json->find("joined");
+  return EditStep{std::move(*action), joined != json->end() && *joined == true};
 }
 
 Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
@@ -235,7 +238,7 @@ Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
         path.string() +
         ": the last line was torn when the machine stopped; it is dropped and everything before it restored");
   }
-  const Json header = Json::parse(lines.whole.front(), nullptr, false);
+  const Json header = read_json<Json>(lines.whole.front()).value_or(Json());
   auto document = read_header(header, path.parent_path(), options, warnings);
   if (!document) {
     Error error = document.error();
@@ -278,7 +281,7 @@ Result<CaseRead> open_case(const fs::path& path, Progress* progress, const std::
     const auto text = read_whole_file(path, std::uintmax_t{1} << 30);
     if (!text) return fail(text.error());
     const std::size_t end = std::min(text->find('\n'), text->size());
-    Json header = Json::parse(text->substr(0, end), nullptr, false);
+    Json header = read_json<Json>(text->substr(0, end)).value_or(Json());
     header["volume"] = relative_to(path.parent_path(), volume_source);
     journal->reset();  // its lock goes with the old file
     journal = Journal::create(path, dumped(header) + text->substr(end));
@@ -298,11 +301,8 @@ Result<EditSession> create_case(Document initial, const fs::path& path) {
 
 Result<fs::path> new_unsaved_path() {
   const fs::path folder = unsaved_folder();
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    return fail(folder.string(),
-                "cannot be made (" + error.message() + "); set XDG_STATE_HOME to a folder you may write to");
+  if (auto made = make_private_folder(folder); !made)
+    return fail(folder.string(), made.error().what + ", for instance by XDG_STATE_HOME");
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const auto stamp = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
   return folder / ("unsaved-" + std::to_string(stamp) + "-" + std::to_string(::getpid()) + case_extension);
@@ -342,8 +342,8 @@ Result<void> save_case_as(EditSession& session, const fs::path& path) {
   auto text = read_whole_file(old, std::uintmax_t{1} << 30);
   if (!text) return fail(text.error());
   const std::size_t end = text->find('\n');
-  Json header = Json::parse(text->substr(0, end), nullptr, false);
-  if (header.is_discarded()) return fail(old.string(), "has lost its first line; export the mesh instead");
+  Json header = read_json<Json>(text->substr(0, end)).value_or(Json());
+  if (!header.is_object()) return fail(old.string(), "has lost its first line; export the mesh instead");
   for (const char* key : {"volume", "template"}) {
     if (!header.contains(key)) continue;
     const std::string source = resolved(old.parent_path(), header[key].get<std::string>());

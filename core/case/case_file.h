@@ -17,8 +17,8 @@ std::string case_header(const Document& document, const std::filesystem::path& f
 
 /// One line for an action, without line feed; numbers in the shortest form that reads back to the same double.
 std::string action_line(const Action& action, bool joined = false);
-/// Errors: not JSON, no known key, a value of the wrong kind; unknown keys beside known ones are ignored (the file
-/// keeps them).
+/// Errors: no valid JSON (read_json), no known key, a value of the wrong kind; unknown keys beside known ones are
+/// ignored (the file keeps them).
 Result<EditStep> parse_action(const std::string& line);
 
 /// Scheme options that override what a case file says.

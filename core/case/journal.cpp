@@ -37,10 +37,8 @@ Error open_elsewhere(const fs::path& path) {
 Result<std::unique_ptr<Journal>> Journal::create(const fs::path& path, std::string_view first_lines) {
   // A case that another program has open must not be replaced under it.
   if (in_use(path)) return fail(open_elsewhere(path));
-  auto written = write_whole_file(path, [&](std::ostream& out) -> Result<void> {
-    out << first_lines;
-    return {};
-  });
+  const Readers readers = path.parent_path() == unsaved_folder() ? Readers::user_alone : Readers::as_usual;
+  auto written = write_whole_file(path, first_lines, readers);
   if (!written) return fail(written.error());
   return open(path);
 }
@@ -57,7 +55,7 @@ Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path) {
 }
 
 bool Journal::in_use(const fs::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // pipes are not waited for
   if (descriptor < 0) return false;
   const bool used = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0;
   ::close(descriptor);
@@ -100,8 +98,7 @@ fs::path unsaved_folder() {
   if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != '\0') {
     return fs::path(state) / "homolog";
   }
-  const char* home = std::getenv("HOME");
-  return fs::path(home != nullptr ? home : "/tmp") / ".local" / "state" / "homolog";
+  return home_folder() / ".local" / "state" / "homolog";
 }
 
 }  // namespace homolog

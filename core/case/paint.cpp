@@ -32,7 +32,7 @@ Result<std::uint8_t> region_number(const Regions& regions, const std::string& na
   if (name.empty()) return std::uint8_t{0};
   for (std::size_t r = 0; r < regions.list.size(); ++r)
     if (regions.list[r].name == name) return static_cast<std::uint8_t>(r + 1);
-  return fail("region", "\"" + name + "\" does not exist; add it first");
+  return fail("region", "\"" + excerpt(name) + "\" does not exist; add it first");
 }
 
 double factor_of(const Regions& regions, std::uint8_t number) {
@@ -154,7 +154,7 @@ Result<Painted> painted(const Document& document, const RenameRegion& action) {
   if (!number) return fail(number.error());
   if (*number == 0 || action.to.empty()) return fail("region", "needs a name");
   if (region_number(*regions, action.to))
-    return fail("region", "\"" + action.to + "\" exists already; choose another name");
+    return fail("region", "\"" + excerpt(action.to) + "\" exists already; choose another name");
   regions->list[*number - 1U].name = action.to;
   return Painted{document.stiffness, std::move(regions), 0};
 }

@@ -241,7 +241,8 @@ struct Updater {
       else
         file.landmarks.push_back({action.name, position});
     } else {
-      if (known == file.landmarks.end()) return fail("landmark", "\"" + action.name + "\" is none of the template's");
+      if (known == file.landmarks.end())
+        return fail("landmark", "\"" + excerpt(action.name) + "\" is none of the template's");
       file.landmarks.erase(known);
     }
     Document after = before;

@@ -1,10 +1,11 @@
 #include "core/mesh/landmark_io.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/base/files.h"
+#include "core/base/json.h"
+#include "core/base/text.h"
 
 namespace homolog {
 namespace {
@@ -23,6 +24,8 @@ std::string text_of(const Json& object, const char* key) {
 
 Result<Landmark> landmark_of(std::string name, const Json* coordinates) {
   if (name.empty()) return fail("", "has a point without a name; name every point");
+  if (name.size() > longest_name)
+    return fail("", "has a point with a name of " + std::to_string(name.size()) + " bytes; give it a shorter one");
   Landmark landmark{std::move(name), {}};
   bool three_numbers = coordinates && coordinates->is_array() && coordinates->size() == 3;
   for (std::size_t axis = 0; three_numbers && axis < 3; ++axis) {
@@ -31,14 +34,14 @@ Result<Landmark> landmark_of(std::string name, const Json* coordinates) {
     three_numbers = coordinate.is_number() && std::isfinite(landmark.position[static_cast<Eigen::Index>(axis)]);
   }
   if (!three_numbers)
-    return fail("", "the point \"" + landmark.name + "\" does not have three coordinates; export it again");
+    return fail("", "the point \"" + excerpt(landmark.name) + "\" does not have three coordinates; export it again");
   return landmark;
 }
 
 Result<void> add_slicer_markup(const Json& markup, std::vector<Landmark>& landmarks) {
   const std::string space = text_of(markup, "coordinateSystem");
   if (space != "LPS" && space != "RAS" && !space.empty())
-    return fail("", "gives its points in \"" + space + "\"; save it in LPS or RAS");
+    return fail("", "gives its points in \"" + excerpt(space) + "\"; save it in LPS or RAS");
   if (const Json* units = member(markup, "coordinateUnits");
       units && *units != "mm" && *units != Json({"mm", "mm", "mm"}))
     return fail("", "gives its points in other units than mm; save it in mm");
@@ -74,7 +77,7 @@ Result<std::vector<Landmark>> landmarks_of(const Json& json) {
   std::set<std::string> names;
   for (const Landmark& landmark : landmarks)
     if (!names.insert(landmark.name).second)
-      return fail("", "has two points named \"" + landmark.name + "\"; give every point a name of its own");
+      return fail("", "has two points named \"" + excerpt(landmark.name) + "\"; give every point a name of its own");
   return landmarks;
 }
 
@@ -108,10 +111,9 @@ Json scalismo_json(const std::vector<Landmark>& landmarks) {
 Result<std::vector<Landmark>> read_landmarks(const std::filesystem::path& path) {
   const auto text = read_whole_file(path, std::uintmax_t{1} << 26);
   if (!text) return fail(text.error());
-  const Json json = Json::parse(*text, nullptr, false);
-  if (json.is_discarded())
-    return fail(path.string(), "is no valid JSON (cut short or edited by hand); export it again");
-  auto landmarks = landmarks_of(json);
+  const auto json = read_json<Json>(*text);
+  if (!json) return fail(path.string(), json.error().what + "; export it again");
+  auto landmarks = landmarks_of(*json);
   if (!landmarks) return fail(path.string(), landmarks.error().what);
   return landmarks;
 }
@@ -120,10 +122,8 @@ Result<void> write_landmarks(const std::vector<Landmark>& landmarks, const std::
   if (path.extension() != ".json")
     return fail(path.string(), "is no landmark file; use .mrk.json (3D Slicer) or .json (scalismo)");
   const bool slicer = path.stem().extension() == ".mrk";
-  return write_whole_file(path, [&](std::ostream& out) -> Result<void> {
-    out << (slicer ? slicer_json(landmarks) : scalismo_json(landmarks)).dump(2) << '\n';
-    return {};
-  });
+  const Json json = slicer ? slicer_json(landmarks) : scalismo_json(landmarks);
+  return write_whole_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace homolog

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/base/files.h"
@@ -32,6 +33,26 @@ Result<Format> format_of(const std::filesystem::path& path) {
   return fail(path.string(), "is no mesh file that is known here; use .ply, .vtk, .vtp, .obj, .stl or .particles");
 }
 
+/// Every array that a format may hold has a value for every vertex.
+Result<void> check_arrays(const MeshFile& mesh) {
+  const Eigen::Index vertices = mesh.points.rows();
+  const auto lacks = [](const std::string& what) {
+    return fail("", "does not give every vertex " + what + "; export it again");
+  };
+  if (std::ssize(mesh.regions.of_vertex) != (mesh.regions.list.empty() ? 0 : vertices)) return lacks("a region");
+  for (const auto& [name, values] : mesh.arrays)
+    if (values.size() != vertices) return lacks("a value of \"" + excerpt(name) + "\"");
+  if (!mesh.stiffness) return {};
+  if (mesh.stiffness->size() != vertices) return lacks("a stiffness");
+  for (Eigen::Index i = 0; i < vertices; ++i) {
+    const double factor = (*mesh.stiffness)[i];  // written in single precision
+    if (!(factor >= std::numeric_limits<float>::min() && factor <= std::numeric_limits<float>::max()))
+      return fail(
+          "", "vertex " + std::to_string(i) + " has a stiffness that is no positive number of usual size; correct it");
+  }
+  return {};
+}
+
 Result<void> check(const MeshFile& mesh, bool needs_faces) {
   if (mesh.points.rows() == 0) return fail("", "holds no points; export it again");
   if (needs_faces && mesh.triangles.rows() == 0) return fail("", "holds no faces; export it as a surface of triangles");
@@ -42,13 +63,7 @@ Result<void> check(const MeshFile& mesh, bool needs_faces) {
     if (v < 0 || v >= mesh.points.rows())
       return fail("", "a face names vertex " + std::to_string(v) + " of " + std::to_string(mesh.points.rows()) +
                           " (counted from 0); copy or export it again");
-  if (mesh.stiffness && mesh.stiffness->size() != mesh.points.rows())
-    return fail("", "does not give every vertex a stiffness; export it again");
-  if (mesh.stiffness)
-    for (Eigen::Index i = 0; i < mesh.stiffness->size(); ++i)
-      if (!((*mesh.stiffness)[i] > 0) || !std::isfinite((*mesh.stiffness)[i]))
-        return fail("", "vertex " + std::to_string(i) + " has a stiffness that is no positive number; correct it");
-  return {};
+  return check_arrays(mesh);
 }
 
 /// Vertices at one place on open edges are a seam that was never closed, as triangle soups have at every edge.

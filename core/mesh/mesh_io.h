@@ -12,6 +12,9 @@
 
 namespace homolog {
 
+/// Names of landmarks and regions that files hold are at most this long, in bytes.
+constexpr std::size_t longest_name = 255;
+
 /// A named point on the surface of a template (or clicked in an image), LPS mm.
 struct Landmark {
   std::string name;

@@ -1,10 +1,11 @@
 #include <hdf5.h>
 
+#include <algorithm>
 #include <memory>
-#include <numeric>
+#include <optional>
 
 #include "core/base/files.h"
-#include "core/model/hdf_tree.h"
+#include "core/model/hdf5_reader.h"
 
 namespace homolog {
 
@@ -34,22 +35,25 @@ void be_quiet() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-/// A text of fixed or variable length, of a dataset or an attribute, read by `read(memory type, buffer)`.
+/// A text of fixed or variable length, of a dataset or an attribute, read by `read(memory type, buffer)`. Errors:
+/// longer than the whole file, unreadable.
 template <class Read>
-std::string read_text(hid_t type, const Read& read) {
+std::optional<std::string> read_text(hid_t type, std::uintmax_t file_bytes, const Read& read) {
   const Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_cset(memory, H5Tget_cset(type));
   if (H5Tis_variable_str(type) > 0) {
     H5Tset_size(memory, H5T_VARIABLE);
     char* text = nullptr;
-    if (read(memory, static_cast<void*>(&text)) < 0 || text == nullptr) return "";
+    if (read(memory, static_cast<void*>(&text)) < 0) return std::nullopt;
+    if (text == nullptr) return "";
     const std::unique_ptr<char, herr_t (*)(void*)> owner(text, H5free_memory);
     return text;
   }
   const std::size_t size = H5Tget_size(type);
+  if (size > file_bytes) return std::nullopt;
   H5Tset_size(memory, size + 1);
   std::string text(size + 1, '\0');
-  if (read(memory, static_cast<void*>(text.data())) < 0) return "";
+  if (read(memory, static_cast<void*>(text.data())) < 0) return std::nullopt;
   return text.c_str();  // up to the first zero
 }
 
@@ -60,86 +64,125 @@ std::vector<std::size_t> dims_of(hid_t space) {
   return {extents.begin(), extents.end()};
 }
 
-class HdfTreeReader {
+/// Whether what a dataset says it holds is in the file, all of it: not left out (it would read as zeros), and not in
+/// other files.
+bool is_stored(hid_t dataset, hid_t space, const std::vector<std::size_t>& dims, std::uintmax_t bytes) {
+  const Handle list(H5Dget_create_plist(dataset), H5Pclose);
+  if (H5Pget_external_count(list) != 0) return false;
+  const hsize_t stored = H5Dget_storage_size(dataset);
+  const H5D_layout_t layout = H5Pget_layout(list);
+  if (layout == H5D_COMPACT || layout == H5D_CONTIGUOUS) return stored >= bytes;
+  std::vector<hsize_t> chunk(dims.size());
+  if (layout != H5D_CHUNKED || H5Pget_chunk(list, static_cast<int>(dims.size()), chunk.data()) < 0) return false;
+  hsize_t chunks = 0;
+  std::uintmax_t needed = 1;
+  for (std::size_t k = 0; k < dims.size(); ++k) needed *= (dims[k] + chunk[k] - 1) / chunk[k];
+  return H5Dget_num_chunks(dataset, space, &chunks) >= 0 && chunks == needed;
+}
+
+/// Reads the parts that are asked for, each along its own path of hard links.
+class HdfPartsReader {
  public:
-  explicit HdfTreeReader(std::uintmax_t file_bytes) : file_bytes_(file_bytes) {}
+  HdfPartsReader(hid_t file, std::uintmax_t file_bytes)
+      : file_(file), file_bytes_(file_bytes), left_(most_value_bytes(file_bytes)) {}
 
-  Result<void> read_group(hid_t group, const std::string& path) {
-    if (path.size() > 1000) return fail("", "has groups nested too deeply; export the model again");
-    read_attributes(group, path);
-    H5G_info_t info;
-    if (H5Gget_info(group, &info) < 0) return fail(damaged(path));
-    for (hsize_t i = 0; i < info.nlinks; ++i) {
-      char name[256] = {};
-      if (H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, name, sizeof name, H5P_DEFAULT) < 0)
-        return fail(damaged(path));
-      H5L_info_t link;
-      if (H5Lget_info(group, name, &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD) continue;
-      const Handle object(H5Oopen(group, name, H5P_DEFAULT), H5Oclose);
-      const std::string inner = path == "/" ? std::string("/") + name : path + "/" + name;
-      if (!object.good()) return fail(damaged(inner));
-      const H5I_type_t kind = H5Iget_type(object);
-      auto done = kind == H5I_GROUP     ? read_group(object, inner)
-                  : kind == H5I_DATASET ? read_dataset(object, inner)
-                                        : Result<void>();
-      if (!done) return done;
-    }
-    return {};
+  Result<HdfTree> read(const HdfParts& parts) {
+    for (const auto& [group, name] : parts.attributes)
+      if (auto done = read_attribute(group, name); !done) return fail(done.error());
+    for (const std::string& path : parts.datasets)
+      if (auto done = read_dataset(path); !done) return fail(done.error());
+    for (const std::string& start : parts.numbered)
+      for (std::size_t k = 0;; ++k) {
+        const auto done = read_dataset(start + std::to_string(k));
+        if (!done) return fail(done.error());
+        if (!*done) break;
+      }
+    return std::move(tree_);
   }
-
-  HdfTree tree;
 
  private:
   static Error damaged(const std::string& path) {
     return {"", "is damaged at " + path + "; copy or export the model again"};
   }
 
-  void read_attributes(hid_t group, const std::string& path) {
-    auto& attributes = tree.groups[path];
-    H5O_info_t info;
-    if (H5Oget_info2(group, &info, H5O_INFO_NUM_ATTRS) < 0) return;
-    for (hsize_t i = 0; i < info.num_attrs; ++i) {
-      const Handle attribute(H5Aopen_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, H5P_DEFAULT, H5P_DEFAULT),
-                             H5Aclose);
-      if (!attribute.good()) continue;
-      char name[256] = {};
-      H5Aget_name(attribute, sizeof name, name);
-      const Handle type(H5Aget_type(attribute), H5Tclose);
-      if (H5Tget_class(type) != H5T_STRING) continue;
-      attributes[name] =
-          read_text(type, [&](hid_t memory, void* buffer) { return H5Aread(attribute, memory, buffer); });
+  /// The object at the end of a path; a bad handle where there is none.
+  Handle object_at(const std::string& path) const {
+    hid_t at = H5Oopen(file_, "/", H5P_DEFAULT);
+    for (std::size_t begin = 1; begin < path.size() && at >= 0;) {
+      const std::size_t end = std::min(path.find('/', begin), path.size());
+      const std::string name = path.substr(begin, end - begin);
+      const Handle group(at, H5Oclose);
+      H5L_info_t link;
+      const bool is_there = H5Iget_type(group) == H5I_GROUP && H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0 &&
+                            H5Lget_info(group, name.c_str(), &link, H5P_DEFAULT) >= 0 && link.type == H5L_TYPE_HARD;
+      at = is_there ? H5Oopen(group, name.c_str(), H5P_DEFAULT) : H5I_INVALID_HID;
+      begin = end + 1;
     }
+    return {at, H5Oclose};
   }
 
-  Result<void> read_dataset(hid_t dataset, const std::string& path) {
+  bool take(std::uintmax_t bytes) {
+    if (bytes > left_) return false;
+    left_ -= bytes;
+    return true;
+  }
+
+  Result<void> read_attribute(const std::string& path, const std::string& name) {
+    const Handle group = object_at(path);
+    if (!group.good() || H5Iget_type(group) != H5I_GROUP) return {};
+    auto& attributes = tree_.add_group(path);
+    if (H5Aexists(group, name.c_str()) <= 0) return {};
+    const Handle attribute(H5Aopen(group, name.c_str(), H5P_DEFAULT), H5Aclose);
+    if (!attribute.good()) return fail(damaged(path));
+    const Handle type(H5Aget_type(attribute), H5Tclose), space(H5Aget_space(attribute), H5Sclose);
+    if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1) return {};
+    const auto text =
+        read_text(type, file_bytes_, [&](hid_t memory, void* buffer) { return H5Aread(attribute, memory, buffer); });
+    if (!text || !take(text->size())) return fail(damaged(path));
+    attributes[name] = *text;
+    return {};
+  }
+
+  /// False where there is none. A dataset of another kind than a model's is left out.
+  Result<bool> read_dataset(const std::string& path) {
+    const Handle dataset = object_at(path);
+    if (!dataset.good() || H5Iget_type(dataset) != H5I_DATASET) return false;
     const Handle type(H5Dget_type(dataset), H5Tclose), space(H5Dget_space(dataset), H5Sclose);
     HdfTree::Dataset read;
     read.dims = dims_of(space);
     const hssize_t points = H5Sget_simple_extent_npoints(space);
-    // A chunk may be compressed, but hardly a thousandfold.
-    if (points < 0 || static_cast<std::uintmax_t>(points) / 1000 > file_bytes_) return fail(damaged(path));
-    const auto count = static_cast<std::size_t>(points);
     const H5T_class_t kind = H5Tget_class(type);
-    herr_t done = 0;
-    if (kind == H5T_FLOAT) {
-      auto& values = read.values.emplace<std::vector<float>>(count);
-      done = H5Dread(dataset, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
-    } else if (kind == H5T_INTEGER) {
-      auto& values = read.values.emplace<std::vector<std::int32_t>>(count);
-      done = H5Dread(dataset, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
-    } else if (kind == H5T_STRING && count == 1) {
-      read.values = read_text(type, [&](hid_t memory, void* buffer) {
-        return H5Dread(dataset, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
-      });
-    } else {
-      return {};  // of no use to a shape model
-    }
-    if (done < 0) return fail(damaged(path));
-    tree.datasets[path] = std::move(read);
-    return {};
+    if (kind != H5T_FLOAT && kind != H5T_INTEGER && !(kind == H5T_STRING && points == 1)) return true;
+    const std::size_t size = H5Tget_size(type);
+    if (points < 0 || size == 0 || static_cast<std::uintmax_t>(points) > left_ / std::max<std::size_t>(size, 4) ||
+        !is_stored(dataset, space, read.dims, static_cast<std::uintmax_t>(points) * size) ||
+        !read_values(dataset, type, kind, static_cast<std::size_t>(points), read))
+      return fail(damaged(path));
+    tree_.add_group(path.substr(0, std::max<std::size_t>(path.rfind('/'), 1)));
+    tree_.datasets[path] = std::move(read);
+    return true;
   }
 
-  std::uintmax_t file_bytes_;
+  bool read_values(hid_t dataset, hid_t type, H5T_class_t kind, std::size_t count, HdfTree::Dataset& into) {
+    if (kind == H5T_STRING) {
+      auto text = read_text(type, file_bytes_, [&](hid_t memory, void* buffer) {
+        return H5Dread(dataset, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
+      });
+      if (!text || !take(text->size())) return false;
+      into.values = std::move(*text);
+      return true;
+    }
+    if (!take(4 * count)) return false;
+    if (kind == H5T_FLOAT)
+      return H5Dread(dataset, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                     into.values.emplace<std::vector<float>>(count).data()) >= 0;
+    return H5Dread(dataset, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                   into.values.emplace<std::vector<std::int32_t>>(count).data()) >= 0;
+  }
+
+  hid_t file_;
+  std::uintmax_t file_bytes_, left_;
+  HdfTree tree_;
 };
 
 Handle text_type() {
@@ -190,33 +233,29 @@ bool write_tree(const HdfTree& tree, hid_t file) {
 
 }  // namespace
 
-Result<HdfTree> read_hdf5(const fs::path& path) {
+Result<HdfTree> read_hdf5_unconfined(const fs::path& path, const HdfParts& parts) {
   be_quiet();
-  std::error_code error;
-  const std::uintmax_t bytes = fs::file_size(path, error);
-  if (error) {
-    const bool absent = !fs::exists(path, error);
-    return fail(path.string(), absent ? "does not exist; check the name" : "is no file that can be read");
-  }
+  const auto bytes = size_of_file(path);
+  if (!bytes) return fail(bytes.error());
   if (H5Fis_hdf5(path.c_str()) <= 0)
     return fail(path.string(), "is no HDF5 file, or was cut off; copy or export it again");
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.good()) return fail(path.string(), "is a damaged HDF5 file; copy or export it again");
-  const Handle root(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose);
-  if (!root.good()) return fail(path.string(), "is a damaged HDF5 file; copy or export it again");
-  HdfTreeReader reader(bytes);
-  if (auto done = reader.read_group(root, "/"); !done) return fail(path.string(), done.error().what);
-  return std::move(reader.tree);
+  return HdfPartsReader(file, *bytes).read(parts);
 }
 
 Result<void> write_hdf5(const HdfTree& tree, const fs::path& path) {
   be_quiet();
-  return write_through_temporary(path, [&](const fs::path& temporary) -> Result<void> {
-    const Handle file(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
-    if (!file.good() || !write_tree(tree, file))
-      return fail(temporary.string(), "cannot be written; free some space or choose another folder");
-    return {};
-  });
+  // In memory: on a full disk the library cannot close its files, and crashes at the program's end.
+  constexpr std::size_t grows_by = std::size_t{1} << 20;
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access, grows_by, 0);
+  const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  const ssize_t size = file.good() && write_tree(tree, file) ? H5Fget_file_image(file, nullptr, 0) : -1;
+  std::string image(static_cast<std::size_t>(std::max<ssize_t>(size, 0)), '\0');
+  if (size < 0 || H5Fget_file_image(file, image.data(), image.size()) != size)
+    return fail(path.string(), "cannot be made an HDF5 file; save it as .h5.json");
+  return write_whole_file(path, image);
 }
 
 }  // namespace homolog

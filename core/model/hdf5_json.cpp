@@ -1,7 +1,10 @@
-#include <nlohmann/json.hpp>
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/base/files.h"
+#include "core/base/json.h"
 #include "core/mesh/formats/text.h"
 #include "core/model/hdf_tree.h"
 
@@ -30,13 +33,14 @@ std::string HdfTree::attribute(const std::string& group, const std::string& name
   return value != found->second.end() ? value->second : "";
 }
 
-namespace {
-
-constexpr int deepest_group = 32;
-
-std::string below(const std::string& group, const std::string& name) {
-  return group == "/" ? "/" + name : group + "/" + name;
+std::map<std::string, std::string>& HdfTree::add_group(const std::string& path) {
+  groups["/"];
+  for (std::size_t slash = path.find('/', 1); slash != std::string::npos; slash = path.find('/', slash + 1))
+    groups[path.substr(0, slash)];
+  return groups[path];
 }
+
+namespace {
 
 std::pair<std::string, std::string> parent_and_name(const std::string& path) {
   const std::size_t slash = path.rfind('/');
@@ -45,89 +49,135 @@ std::pair<std::string, std::string> parent_and_name(const std::string& path) {
 
 // ---- reading
 
+/// A number that fits, as files may hold any.
+template <class Number>
+bool take_number(const nlohmann::json& value, std::vector<Number>& into) {
+  using Limits = std::numeric_limits<Number>;
+  if (!value.is_number()) return false;
+  const auto number = value.get<double>();
+  if (!(number >= Limits::lowest() && number <= Limits::max()) || (Limits::is_integer && number != std::trunc(number)))
+    return false;
+  into.push_back(static_cast<Number>(number));
+  return true;
+}
+
 /// Appends the numbers of nested arrays, checking that they are `dims` deep and wide.
 template <class Number>
 bool flatten(const nlohmann::json& value, const std::vector<std::size_t>& dims, std::size_t level,
              std::vector<Number>& into) {
-  if (level == dims.size()) {
-    if (!value.is_number()) return false;
-    into.push_back(value.get<Number>());
-    return true;
-  }
+  if (level == dims.size()) return take_number(value, into);
   if (!value.is_array() || value.size() != dims[level]) return false;
   for (const nlohmann::json& entry : value)
     if (!flatten(entry, dims, level + 1, into)) return false;
   return true;
 }
 
-class JsonTreeReader {
+/// Reads the parts that are asked for, each along its own path of links.
+class JsonPartsReader {
  public:
-  explicit JsonTreeReader(const nlohmann::json& file) : file_(file) {}
+  JsonPartsReader(const nlohmann::json& file, std::uintmax_t file_bytes)
+      : file_(file), left_(most_value_bytes(file_bytes)) {}
 
-  Result<HdfTree> read() {
-    const auto root = file_.value("root", "");
-    if (!file_.contains("groups") || root.empty()) return fail("", "is JSON but no HDF5-JSON; export the model again");
-    if (auto done = read_group(root, "/", 0); !done) return fail(done.error());
+  Result<HdfTree> read(const HdfParts& parts) {
+    if (!file_.contains("groups") || file_.value("root", "").empty())
+      return fail("", "is JSON but no HDF5-JSON; export the model again");
+    for (const auto& [group, name] : parts.attributes) read_attribute(group, name);
+    for (const std::string& path : parts.datasets)
+      if (auto done = read_dataset(path); !done) return fail(done.error());
+    for (const std::string& start : parts.numbered)
+      for (std::size_t k = 0;; ++k) {
+        const auto done = read_dataset(start + std::to_string(k));
+        if (!done) return fail(done.error());
+        if (!*done) break;
+      }
     return std::move(tree_);
   }
 
  private:
+  /// What a link leads to.
+  struct Target {
+    std::string collection, id;
+  };
+
   /// What collection ("groups", "datasets") holds under an identifier; null where it does not.
-  const nlohmann::json& object(const char* collection, const std::string& id) const {
+  const nlohmann::json& object(const Target& target) const {
     static const nlohmann::json none;
-    const auto found = file_.find(collection);
+    const auto found = file_.find(target.collection);
     if (found == file_.end() || !found->is_object()) return none;
-    const auto entry = found->find(id);
+    const auto entry = found->find(target.id);
     return entry != found->end() && entry->is_object() ? *entry : none;
   }
 
-  Result<void> read_group(const std::string& id, const std::string& path, int depth) {
-    const nlohmann::json& group = object("groups", id);
-    if (group.is_null() || depth > deepest_group)
-      return fail("", "has no group for " + path + "; copy or export the model again");
-    auto& attributes = tree_.groups[path];
-    if (group.contains("attributes"))
-      for (const nlohmann::json& attribute : group["attributes"])
-        if (attribute.is_object() && attribute.contains("value") && attribute["value"].is_string())
-          attributes[attribute.value("name", "")] = attribute["value"].get<std::string>();
-    if (!group.contains("links")) return {};
-    for (const nlohmann::json& link : group["links"]) {
-      if (!link.is_object() || link.value("class", "") != "H5L_TYPE_HARD") continue;
-      const std::string inner = below(path, link.value("title", "")), target = link.value("id", "");
-      const std::string collection = link.value("collection", "");
-      auto done = collection == "groups"     ? read_group(target, inner, depth + 1)
-                  : collection == "datasets" ? read_dataset(target, inner)
-                                             : Result<void>();
-      if (!done) return done;
-    }
-    return {};
+  /// The hard links of a group by their titles, gone through once: a group may hold thousands.
+  const std::map<std::string, Target>& links_of(const Target& group) {
+    const auto [at, added] = links_.try_emplace(group.id);
+    const nlohmann::json& read = object(group);
+    if (!added || !read.contains("links")) return at->second;
+    for (const nlohmann::json& link : read["links"])
+      if (link.is_object() && link.value("class", "") == "H5L_TYPE_HARD")
+        at->second.try_emplace(link.value("title", ""), Target{link.value("collection", ""), link.value("id", "")});
+    return at->second;
   }
 
-  Result<void> read_dataset(const std::string& id, const std::string& path) {
-    const nlohmann::json& dataset = object("datasets", id);
-    const Error damaged{
-        "", "has a dataset " + path + " whose values do not fill its shape; copy or export the model again"};
-    if (!dataset.contains("value")) return fail(damaged);
-    HdfTree::Dataset read;
-    const nlohmann::json shape = dataset.value("shape", nlohmann::json::object());
-    if (shape.contains("dims")) read.dims = shape["dims"].get<std::vector<std::size_t>>();
-    const std::string kind = dataset.value("type", nlohmann::json::object()).value("class", "");
-    const nlohmann::json& value = dataset["value"];
-    bool filled = false;
-    if (kind == "H5T_STRING") {
-      filled = value.is_string();
-      if (filled) read.values = value.get<std::string>();
-    } else if (kind == "H5T_INTEGER") {
-      filled = flatten(value, read.dims, 0, read.values.emplace<std::vector<std::int32_t>>());
-    } else if (kind == "H5T_FLOAT") {
-      filled = flatten(value, read.dims, 0, read.values.emplace<std::vector<float>>());
+  /// Follows a path from the root; nothing where it does not lead to a member of `collection`.
+  std::optional<Target> target_at(const std::string& path, const std::string& collection) {
+    Target at{"groups", file_.value("root", "")};
+    for (std::size_t begin = 1; begin < path.size();) {
+      if (at.collection != "groups") return std::nullopt;
+      const std::size_t end = std::min(path.find('/', begin), path.size());
+      const auto& links = links_of(at);
+      const auto found = links.find(path.substr(begin, end - begin));
+      if (found == links.end()) return std::nullopt;
+      at = found->second;
+      begin = end + 1;
     }
-    if (!filled) return fail(damaged);
+    return at.collection == collection ? std::optional(at) : std::nullopt;
+  }
+
+  void read_attribute(const std::string& path, const std::string& name) {
+    const auto target = target_at(path, "groups");
+    if (!target) return;
+    auto& attributes = tree_.add_group(path);
+    const nlohmann::json& group = object(*target);
+    if (!group.contains("attributes")) return;
+    for (const nlohmann::json& attribute : group["attributes"])
+      if (attribute.is_object() && attribute.value("name", "") == name && attribute.contains("value") &&
+          attribute["value"].is_string())
+        attributes[name] = attribute["value"].get<std::string>();
+  }
+
+  /// False where there is none. Errors: values that do not fill its shape, more values than the file has room for.
+  Result<bool> read_dataset(const std::string& path) {
+    const auto target = target_at(path, "datasets");
+    if (!target) return false;
+    const nlohmann::json& dataset = object(*target);
+    HdfTree::Dataset read;
+    if (!dataset.contains("value") || !take_values(dataset, read))
+      return fail("", "has a dataset " + path + " whose values do not fill its shape; copy or export the model again");
+    const std::uintmax_t bytes = std::visit(
+        [](const auto& values) -> std::uintmax_t { return values.size() * sizeof *values.data(); }, read.values);
+    if (bytes > left_) return fail("", "names one dataset by too many paths; export the model again");
+    left_ -= bytes;
+    tree_.add_group(parent_and_name(path).first);
     tree_.datasets[path] = std::move(read);
-    return {};
+    return true;
+  }
+
+  static bool take_values(const nlohmann::json& dataset, HdfTree::Dataset& into) {
+    const nlohmann::json& value = dataset["value"];
+    const nlohmann::json shape = dataset.value("shape", nlohmann::json::object());
+    if (shape.contains("dims")) into.dims = shape["dims"].get<std::vector<std::size_t>>();
+    const std::string kind = dataset.value("type", nlohmann::json::object()).value("class", "");
+    if (kind == "H5T_INTEGER") return flatten(value, into.dims, 0, into.values.emplace<std::vector<std::int32_t>>());
+    if (kind == "H5T_FLOAT") return flatten(value, into.dims, 0, into.values.emplace<std::vector<float>>());
+    if (kind != "H5T_STRING" || !value.is_string()) return false;
+    into.values = value.get<std::string>();
+    return true;
   }
 
   const nlohmann::json& file_;
+  std::uintmax_t left_;
+  std::map<std::string, std::map<std::string, Target>> links_;  ///< of groups, by their identifiers
   HdfTree tree_;
 };
 
@@ -209,13 +259,14 @@ nlohmann::json group_json(const HdfTree& tree, const std::string& path) {
 
 }  // namespace
 
-Result<HdfTree> read_hdf5_json(const std::filesystem::path& path) {
+Result<HdfTree> read_hdf5_json(const std::filesystem::path& path, const HdfParts& parts) {
   const auto bytes = read_whole_file(path);
   if (!bytes) return fail(bytes.error());
-  const nlohmann::json file = nlohmann::json::parse(*bytes, nullptr, false);
-  if (!file.is_object()) return fail(path.string(), "is not JSON, or was cut off; copy or export the model again");
+  const auto file = read_json<nlohmann::json>(*bytes);
+  if (!file) return fail(path.string(), file.error().what + "; copy or export the model again");
+  if (!file->is_object()) return fail(path.string(), "is JSON but no HDF5-JSON; export the model again");
   try {
-    auto tree = JsonTreeReader(file).read();
+    auto tree = JsonPartsReader(*file, bytes->size()).read(parts);
     if (!tree) return fail(path.string(), tree.error().what);
     return tree;
   } catch (const nlohmann::json::exception&) {

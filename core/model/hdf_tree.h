@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -26,16 +27,32 @@ struct HdfTree {
   /// Empty where absent.
   std::string text(const std::string& path) const;
   std::string attribute(const std::string& group, const std::string& name) const;
+  /// Adds a group and those above it.
+  std::map<std::string, std::string>& add_group(const std::string& path);
 };
 
-/// HDF5 itself, by libhdf5. Every number becomes float or int32 on reading. Errors: not HDF5, damaged, a dataset larger
-/// than the file can hold.
-Result<HdfTree> read_hdf5(const std::filesystem::path& path);
+/// The parts of a file that are read. Everything else is left alone: a small file may link a few groups into a tree
+/// without end, or claim texts and tables of any size.
+struct HdfParts {
+  std::vector<std::pair<std::string, std::string>> attributes;  ///< group and name, of texts
+  std::vector<std::string> datasets;
+  std::vector<std::string> numbered;  ///< "/a/b_": the datasets "/a/b_0", "/a/b_1", … up to the first that is absent
+};
+
+/// How many bytes the values of all parts together may take: a file can name one table by several paths, and what is
+/// packed in it may unfold.
+constexpr std::uintmax_t most_value_bytes(std::uintmax_t file_bytes) {
+  return (std::uintmax_t{16} << 20) + 32 * file_bytes;
+}
+
+/// HDF5 itself, by libhdf5 in a process of its own (hdf5_reader.h). Parts that are absent or of another kind are left
+/// out; every number becomes float or int32. Errors: not HDF5, damaged, values that the file has no room for.
+Result<HdfTree> read_hdf5(const std::filesystem::path& path, const HdfParts& parts);
 Result<void> write_hdf5(const HdfTree& tree, const std::filesystem::path& path);
 
-/// The same tree as HDF5-JSON [hdf5-json.readthedocs.io], as scalismo reads and writes it. Errors: not JSON, no root, a
-/// dataset whose values do not fill its shape.
-Result<HdfTree> read_hdf5_json(const std::filesystem::path& path);
+/// The same as HDF5-JSON [hdf5-json.readthedocs.io], as scalismo reads and writes it. Errors: not JSON, no root, a
+/// dataset whose values do not fill its shape, values that the file has no room for.
+Result<HdfTree> read_hdf5_json(const std::filesystem::path& path, const HdfParts& parts);
 Result<void> write_hdf5_json(const HdfTree& tree, const std::filesystem::path& path);
 
 }  // namespace homolog

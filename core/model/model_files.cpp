@@ -19,13 +19,6 @@ Result<void> make_folder(const fs::path& folder) {
   return {};
 }
 
-Result<void> write_text(const fs::path& path, const std::string& text) {
-  return write_whole_file(path, [&](std::ostream& out) {
-    out << text;
-    return Result<void>();
-  });
-}
-
 template <class Values>
 void append_row(const Values& values, std::string& text) {
   for (Eigen::Index k = 0; k < values.size(); ++k) {
@@ -88,9 +81,9 @@ std::vector<std::string> shape_names(const std::vector<std::string>& files) {
 Result<void> write_model_tables(const PrincipalComponents& components, const std::vector<std::string>& names,
                                 const fs::path& folder) {
   if (auto made = make_folder(folder); !made) return made;
-  if (auto done = write_text(folder / "mean.csv", mean_table(components)); !done) return done;
-  if (auto done = write_text(folder / "variances.csv", variance_table(components)); !done) return done;
-  return write_text(folder / "scores.csv", score_table(components, names));
+  if (auto done = write_whole_file(folder / "mean.csv", mean_table(components)); !done) return done;
+  if (auto done = write_whole_file(folder / "variances.csv", variance_table(components)); !done) return done;
+  return write_whole_file(folder / "scores.csv", score_table(components, names));
 }
 
 Result<void> write_aligned_shapes(const PrincipalComponents& components,

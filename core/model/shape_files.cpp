@@ -166,11 +166,7 @@ Result<void> write_shapes(const std::vector<NamedShape>& shapes, const std::stri
     if (!shape.changed && ending == imported) {
       const auto bytes = read_whole_file(shape.imported);
       if (!bytes) return fail(bytes.error());
-      const auto copied = write_whole_file(path, [&](std::ostream& out) {
-        out << *bytes;
-        return Result<void>();
-      });
-      if (!copied) return copied;
+      if (auto copied = write_whole_file(path, *bytes); !copied) return copied;
       continue;
     }
     if (auto written = write_mesh_file(*shape.mesh, path); !written) return written;

@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 using Floats = std::vector<float>;
+constexpr const char* names_start = "/modelinfo/modelBuilder-0/dataInfo/URI_";  // before the number of a shape
 using FloatMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 bool name_ends_with(const fs::path& path, const std::string& ending) {
@@ -94,7 +95,7 @@ HdfTree tree_of(const ShapeModel& model) {
   datasets["/modelinfo/modelBuilder-0/buildTime"] = text_of(now);
   datasets["/modelinfo/modelBuilder-0/builderName"] = text_of("Homolog");
   for (std::size_t i = 0; i < model.names.size(); ++i)
-    datasets["/modelinfo/modelBuilder-0/dataInfo/URI_" + std::to_string(i)] = text_of(model.names[i]);
+    datasets[names_start + std::to_string(i)] = text_of(model.names[i]);
   return tree;
 }
 
@@ -120,7 +121,7 @@ Result<std::shared_ptr<const Topology>> topology_of(const HdfTree& tree, Eigen::
   const std::string type = tree.attribute("/representer", "datasetType");
   if (type == "POINT_SET") return std::shared_ptr<const Topology>();
   if (type != "POLYGON_MESH")
-    return fail("", "is a model of " + (type.empty() ? "unknown data" : type) +
+    return fail("", "is a model of " + (type.empty() ? "unknown data" : excerpt(type)) +
                         "; only models of triangle meshes (POLYGON_MESH) and of points (POINT_SET) can be used");
   const auto* cells = tree.integers("/representer/cells");
   if (cells == nullptr || tree.datasets.at("/representer/cells").dims.size() != 2 ||
@@ -149,7 +150,7 @@ void read_training(const HdfTree& tree, ShapeModel& model) {
   const auto scores = matrix_at(tree, "/modelinfo/scores", model.modes(), -1);
   if (scores) model.scores = model.variances.cwiseSqrt().asDiagonal() * scores->cast<double>();
   for (int i = 0;; ++i) {
-    const std::string path = "/modelinfo/modelBuilder-0/dataInfo/URI_" + std::to_string(i);
+    const std::string path = names_start + std::to_string(i);
     if (!tree.datasets.contains(path)) break;
     model.names.push_back(tree.text(path));
   }
@@ -186,6 +187,13 @@ Result<ShapeModel> model_of(const HdfTree& tree) {
 
 }  // namespace
 
+HdfParts model_parts() {
+  return {.attributes = {{"/representer", "datasetType"}},
+          .datasets = {"/version/majorVersion", "/version/minorVersion", "/representer/cells", "/model/mean",
+                       "/model/pcaBasis", "/model/pcaVariance", "/model/noiseVariance", "/modelinfo/scores"},
+          .numbered = {names_start}};
+}
+
 bool is_model_name(const fs::path& path) {
   return name_ends_with(path, ".h5") || name_ends_with(path, ".h5.json");
 }
@@ -198,7 +206,8 @@ Result<void> write_model(const ShapeModel& model, const fs::path& path) {
 
 Result<ShapeModel> read_model(const fs::path& path) {
   if (!is_model_name(path)) return fail(path.string(), "is no name of a model; use .h5.json or .h5");
-  const auto tree = name_ends_with(path, ".h5.json") ? read_hdf5_json(path) : read_hdf5(path);
+  const HdfParts parts = model_parts();
+  const auto tree = name_ends_with(path, ".h5.json") ? read_hdf5_json(path, parts) : read_hdf5(path, parts);
   if (!tree) return fail(tree.error());
   auto model = model_of(*tree);
   if (!model) return fail(path.string(), model.error().what);

@@ -3,12 +3,16 @@
 #include <filesystem>
 
 #include "core/base/result.h"
+#include "core/model/hdf_tree.h"
 #include "core/model/shape_model.h"
 
 namespace homolog {
 
 /// Whether the name ends as a model's does: .h5 or .h5.json.
 bool is_model_name(const std::filesystem::path& path);
+
+/// What read_model reads of a file.
+HdfParts model_parts();
 
 /// Writes a model in the layout of statismo and scalismo 0.9 (docs/models.md), `.h5.json` or `.h5` by extension, whole
 /// or not at all. Numbers become float, which both programs insist on; the basis is orthonormal, coordinates are LPS

@@ -5,6 +5,8 @@
 #include <set>
 
 #include "core/base/files.h"
+#include "core/base/json.h"
+#include "core/base/text.h"
 
 namespace homolog {
 
@@ -14,6 +16,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr int version = 1;
+constexpr std::size_t longest_case_name = 200;  // bytes: files are named by it
 constexpr std::array<const char*, 3> state_names{"to do", "in work", "done"};
 
 bool is_built_in(const fs::path& file) {
@@ -50,7 +53,8 @@ Result<CaseState> parsed_state(const std::string& text, const std::string& where
   if (text.empty()) return CaseState::to_do;
   for (std::size_t k = 0; k < state_names.size(); ++k)
     if (text == state_names[k]) return static_cast<CaseState>(k);
-  return fail("", where + R"( has the state ")" + text + R"(", which is none of "to do", "in work" and "done")");
+  return fail("",
+              where + R"( has the state ")" + excerpt(text) + R"(", which is none of "to do", "in work" and "done")");
 }
 
 Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& folder) {
@@ -66,7 +70,8 @@ Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& fol
   if (texts[1].empty()) return fail("", where + " has no \"file\"; name its case file or mesh");
   StudyCase one;
   one.name = texts[0].empty() ? fs::path(texts[1]).stem().string() : texts[0];
-  where = "case \"" + one.name + "\"";
+  where = "case \"" + excerpt(one.name) + "\"";
+  if (one.name.size() > longest_case_name) return fail("", where + " has too long a name; shorten it");
   one.file = absolute_in(folder, texts[1]);
   one.group = texts[2];
   one.notes = texts[4];
@@ -94,7 +99,8 @@ Result<Study> parsed_study(Json json, const fs::path& folder) {
   if (!json.is_object() || stamp == json.end() || !stamp->is_number_integer())
     return fail("", "is no study; a study starts with \"homolog_study\"");
   if (*stamp > version)
-    return fail("", "was written by a newer version of this program (study version " + stamp->dump() + "); update it");
+    return fail(
+        "", "was written by a newer version of this program (study version " + excerpt(stamp->dump()) + "); update it");
   json.erase(stamp);
   Study study;
   auto source = take_text(json, "template", "the study");
@@ -108,7 +114,7 @@ Result<Study> parsed_study(Json json, const fs::path& folder) {
     auto one = parsed_case(entry, study.cases.size() + 1, folder);
     if (!one) return fail(one.error());
     if (!names.insert(one->name).second)
-      return fail("", "has two cases named \"" + one->name + "\"; rename one of them");
+      return fail("", "has two cases named \"" + excerpt(one->name) + "\"; rename one of them");
     study.cases.push_back(std::move(*one));
   }
   study.other = std::move(json);
@@ -122,10 +128,11 @@ std::vector<std::string> missing_files(const Study& study, const fs::path& path)
     if (!fs::exists(one.file, ignored)) warnings.push_back(missing_case(one));
   if (!study.cases.empty() && warnings.size() == study.cases.size())
     warnings = {path.string() + ": none of its " + std::to_string(study.cases.size()) +
-                " cases is where it says (first " + study.cases.front().file.string() +
+                " cases is where it says (first " + excerpt(study.cases.front().file.string()) +
                 "); move the study's whole folder, not the file alone"};
   if (!study.template_file.empty() && !is_built_in(study.template_file) && !fs::exists(study.template_file, ignored))
-    warnings.push_back("template " + study.template_file.string() + " is not there; put it back, or choose another");
+    warnings.push_back("template " + excerpt(study.template_file.string()) +
+                       " is not there; put it back, or choose another");
   return warnings;
 }
 
@@ -143,7 +150,7 @@ Json case_json(const StudyCase& one, const fs::path& folder) {
 }  // namespace
 
 std::string missing_case(const StudyCase& one) {
-  return "case \"" + one.name + "\": " + one.file.string() +
+  return "case \"" + excerpt(one.name) + "\": " + excerpt(one.file.string()) +
          " is not there; put it back, or take the case off the study";
 }
 
@@ -171,9 +178,9 @@ std::ptrdiff_t Study::next_case(std::ptrdiff_t from) const {
 Result<StudyRead> read_study(const fs::path& path) {
   const auto bytes = read_whole_file(path, std::uintmax_t{1} << 28);
   if (!bytes) return fail(bytes.error());
-  Json json = Json::parse(*bytes, nullptr, false);
-  if (json.is_discarded()) return fail(path.string(), "is not JSON, or was cut off; take its last good copy");
-  auto study = parsed_study(std::move(json), folder_of(path));
+  auto json = read_json<Json>(*bytes);
+  if (!json) return fail(path.string(), json.error().what + "; take its last good copy");
+  auto study = parsed_study(std::move(*json), folder_of(path));
   if (!study) return fail(path.string(), study.error().what);
   StudyRead read;
   read.warnings = missing_files(*study, path);
@@ -188,10 +195,7 @@ Result<void> write_study(const Study& study, const fs::path& path) {
   json.update(study.other);
   json["cases"] = Json::array();
   for (const StudyCase& one : study.cases) json["cases"].push_back(case_json(one, folder));
-  return write_whole_file(path, [&](std::ostream& out) {
-    out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-    return Result<void>();
-  });
+  return write_whole_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace homolog

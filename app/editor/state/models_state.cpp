@@ -7,6 +7,7 @@
 #include <numeric>
 #include <system_error>
 
+#include "core/base/files.h"
 #include "core/base/text.h"
 #include "core/case/journal.h"
 #include "core/mesh/mesh_io.h"
@@ -327,11 +328,10 @@ int phantom_shapes(Organ organ) {
 
 Result<fs::path> make_phantom_study(Organ organ, const fs::path& folder, Progress& progress) {
   const fs::path path = folder / ("phantom-" + std::string(organ_name(organ)) + ".study.json");
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return fail(folder.string(), "cannot be made (" + error.message() + "); choose another folder");
+  if (auto made = make_private_folder(folder); !made) return fail(made.error());
   const bool cine = organ == Organ::ventricle;
   const std::vector<MeshFile> phases = cine ? phantom_truth(organ, 1) : std::vector<MeshFile>();
+  std::error_code error;
   ModelsState made;
   std::vector<fs::path> files;
   const int count = phantom_shapes(organ);

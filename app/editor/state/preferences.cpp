@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 
 #include "core/base/files.h"
+#include "core/base/json.h"
 
 namespace homolog {
 
@@ -39,15 +39,15 @@ std::filesystem::path preferences_file() {
   std::filesystem::path folder;
   if (const char* config = std::getenv("XDG_CONFIG_HOME"); config != nullptr && config[0] != 0)
     folder = config;
-  else if (const char* home = std::getenv("HOME"))
-    folder = std::filesystem::path(home) / ".config";
+  else
+    folder = home_folder() / ".config";
   return folder / "homolog" / "editor.json";
 }
 
 Preferences read_preferences(const std::filesystem::path& path) {
   Preferences preferences;
   const auto text = read_whole_file(path, 1 << 20);
-  const json kept = text ? json::parse(*text, nullptr, false) : json();
+  const json kept = text ? read_json<json>(*text).value_or(json()) : json();
   if (!kept.is_object()) return preferences;
   // An entry of another kind (an older or newer version wrote it) is left at its default.
   each_entry(preferences, [&](const char* name, auto& value) {
@@ -79,13 +79,10 @@ Result<void> write_preferences(const Preferences& preferences, const std::filesy
   kept["folder"] = preferences.folder.string();
   kept["recent"] = json::array();
   for (const auto& recent : preferences.recent) kept["recent"].push_back(recent.string());
-  std::error_code error;
-  std::filesystem::create_directories(path.parent_path(), error);
-  return write_whole_file(path, [&](std::ostream& out) -> Result<void> {
-    // A path need not be UTF-8; what is not is replaced.
-    out << kept.dump(2, ' ', false, json::error_handler_t::replace) << '\n';
-    return {};
-  });
+  // The names of the files last opened may be those of patients.
+  if (auto made = make_private_folder(path.parent_path()); !made) return made;
+  // A path need not be UTF-8; what is not is replaced.
+  return write_whole_file(path, kept.dump(2, ' ', false, json::error_handler_t::replace) + '\n', Readers::user_alone);
 }
 
 }  // namespace homolog

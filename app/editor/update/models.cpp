@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
+#include "core/base/files.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/repair.h"
 #include "core/model/statismo.h"
@@ -16,7 +17,7 @@ namespace {
 /// A study's file that is not there yet.
 fs::path new_study_file() {
   std::error_code ignored;
-  fs::create_directories(studies_folder(), ignored);
+  make_private_folder(studies_folder());  // what is wrong is said where the study is written
   for (int number = 1;; ++number) {
     const fs::path path = studies_folder() / ("study-" + std::to_string(number) + ".study.json");
     if (!fs::exists(path, ignored)) return path;

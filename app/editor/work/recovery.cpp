@@ -4,9 +4,9 @@
 #include <chrono>
 #include <ctime>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/base/json.h"
 #include "core/case/case_file.h"
 
 namespace homolog {
@@ -28,7 +28,7 @@ std::string date_of(const fs::path& journal) {
 
 /// The image that the first line names, else the template.
 std::string name_in(const std::string& first_line) {
-  const auto header = nlohmann::json::parse(first_line, nullptr, false);
+  const auto header = read_json<nlohmann::json>(first_line).value_or(nlohmann::json());
   if (!header.is_object()) return {};
   for (const char* part : {"volume", "template"}) {
     const auto found = header.find(part);
@@ -56,11 +56,11 @@ std::vector<RecoverDialog::Found> cases_to_recover() {
 }
 
 void remove_without_edits(const fs::path& journal) {
-  if (journal.empty() || journal.parent_path() != unsaved_folder()) return;
+  std::error_code ignored;
+  if (journal.parent_path() != unsaved_folder() || !fs::is_regular_file(journal, ignored)) return;
   std::ifstream file(journal);
   std::string line;
   const bool edited = std::getline(file, line) && std::getline(file, line);
-  std::error_code ignored;
   if (file.is_open() && !edited) fs::remove(journal, ignored);
 }
 

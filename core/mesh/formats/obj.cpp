@@ -1,3 +1,4 @@
+#include "core/base/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/text.h"
@@ -51,8 +52,7 @@ Result<MeshFile> read_obj(std::string_view bytes) {
   if (!counts.empty()) {
     Text words(counts);
     if (words.number<std::size_t>() != coordinates.size() / 3 || words.number<std::size_t>() != corners.size() / 3)
-      return fail("",
-                  "does not hold the " + std::string(counts) + " vertices and faces that it announces; copy it again");
+      return fail("", "does not hold the " + excerpt(counts) + " vertices and faces that it announces; copy it again");
   }
   mesh.points = to_points(coordinates);
   mesh.triangles = to_triangles(corners);

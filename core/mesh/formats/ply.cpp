@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 
+#include "core/base/json.h"
+#include "core/base/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"
@@ -65,9 +68,16 @@ Result<Property> read_property(Text& words) {
   const auto scalar = scalar_named(type);
   property.name = words.word();
   if (!scalar || property.name.empty())
-    return fail("", "has a property of unknown type \"" + std::string(type) + "\"; export it again");
+    return fail("", "has a property of unknown type \"" + excerpt(type) + "\"; export it again");
   property.type = *scalar;
   return property;
+}
+
+// Far more than any mesh has; each is compared with all before it.
+constexpr std::size_t most_elements = 100, most_properties = 1000;
+
+Error twice(const char* kind, std::string_view name) {
+  return {"", std::string("has the ") + kind + " \"" + excerpt(name) + "\" twice in its header; export it again"};
 }
 
 Result<void> read_header_line(std::string_view line, Header& header) {
@@ -87,15 +97,21 @@ Result<void> read_header_line(std::string_view line, Header& header) {
     const std::string_view name = words.word();
     const auto count = words.number<std::size_t>();
     if (!count) return fail("", "has an element without a count in its header; export it again");
+    for (const Element& before : header.elements)
+      if (before.name == name) return fail(twice("element", name));
+    if (header.elements.size() == most_elements)
+      return fail("", "has more kinds of elements than a mesh has; export it again");
     header.elements.push_back({name, *count, {}});
   } else if (key == "property") {
     if (header.elements.empty()) return fail("", "has a property before any element in its header; export it again");
     auto property = read_property(words);
     if (!property) return fail(property.error());
-    header.elements.back().properties.push_back(*property);
+    auto& properties = header.elements.back().properties;
+    if (header.elements.back().find(property->name)) return fail(twice("property", property->name));
+    if (properties.size() == most_properties) return fail("", "has more properties than a mesh has; export it again");
+    properties.push_back(*property);
   } else if (key != "obj_info" && !key.empty()) {
-    return fail(
-        "", "has a header line that PLY does not know (\"" + std::string(key.substr(0, 40)) + "\"); export it again");
+    return fail("", "has a header line that PLY does not know (\"" + excerpt(key) + "\"); export it again");
   }
   return {};
 }
@@ -154,7 +170,7 @@ Result<void> read_records(const Element& element, Text& text, Source& source, co
   for (const Property& p : element.properties) record_size += Source::smallest_size(p.length_type.value_or(p.type));
   if (element.properties.empty()) return {};
   if (element.count > text.remaining() / record_size)
-    return fail("", "announces " + std::to_string(element.count) + " records of \"" + std::string(element.name) +
+    return fail("", "announces " + std::to_string(element.count) + " records of \"" + excerpt(element.name) +
                         "\" but is too short to hold them; copy or export it again");
   std::vector<double> values;
   for (std::size_t record = 0; record < element.count; ++record) {
@@ -230,13 +246,14 @@ Result<Body> read_body(const Header& header, Text& text, Source source) {
 }
 
 std::optional<Landmark> landmark_from(std::string_view text) {
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto json = read_json<nlohmann::json>(text).value_or(nlohmann::json());
   if (!json.is_object()) return std::nullopt;
   const auto name = json.find("name"), position = json.find("position");
   if (name == json.end() || !name->is_string() || position == json.end() || !position->is_array() ||
       position->size() != 3)
     return std::nullopt;
   Landmark landmark{name->get<std::string>(), {}};
+  if (landmark.name.size() > longest_name) return std::nullopt;
   for (std::size_t k = 0; k < 3; ++k) {
     if (!(*position)[k].is_number()) return std::nullopt;
     landmark.position[static_cast<Eigen::Index>(k)] = (*position)[k].get<double>();
@@ -245,11 +262,12 @@ std::optional<Landmark> landmark_from(std::string_view text) {
 }
 
 std::optional<Region> region_from(std::string_view text) {
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto json = read_json<nlohmann::json>(text).value_or(nlohmann::json());
   if (!json.is_object() || !json.contains("name") || !json["name"].is_string() || !json.contains("factor") ||
       !json["factor"].is_number() || !(json["factor"].get<double>() > 0))
     return std::nullopt;
   Region region{json["name"].get<std::string>(), json["factor"].get<double>(), {}};
+  if (region.name.size() > longest_name) return std::nullopt;
   if (const auto colour = json.find("colour"); colour != json.end() && colour->is_string()) {
     if (const auto rgb = colour_from_hex(colour->get<std::string>())) region.colour = *rgb;
   }
@@ -281,14 +299,14 @@ void keep_comment(std::string_view comment, MeshFile& mesh) {
       mesh.landmarks.push_back(std::move(*landmark));
       return;
     }
-    mesh.warnings.push_back("a landmark cannot be read and is kept as a comment: " + std::string(comment));
+    mesh.warnings.push_back("a landmark cannot be read and is kept as a comment: " + excerpt(comment));
   }
   if (comment.starts_with(region_key) && mesh.regions.list.size() < 255) {
     if (auto region = region_from(comment.substr(region_key.size()))) {
       mesh.regions.list.push_back(std::move(*region));
       return;
     }
-    mesh.warnings.push_back("a region cannot be read and is kept as a comment: " + std::string(comment));
+    mesh.warnings.push_back("a region cannot be read and is kept as a comment: " + excerpt(comment));
   }
   if (comment.starts_with(stiffness_base_key)) {
     const auto base = to_number<double>(comment.substr(stiffness_base_key.size()));
@@ -299,6 +317,12 @@ void keep_comment(std::string_view comment, MeshFile& mesh) {
     mesh.warnings.push_back("the stiffness base is no positive number and is kept as a comment");
   }
   mesh.comments.emplace_back(comment);
+}
+
+/// A factor in the file's precision: neither infinite nor zero, which would be refused on reading.
+float as_stiffness(double factor) {
+  return static_cast<float>(
+      std::clamp<double>(factor, std::numeric_limits<float>::min(), std::numeric_limits<float>::max()));
 }
 
 }  // namespace
@@ -368,7 +392,7 @@ void write_ply(const MeshFile& mesh, std::ostream& out) {
            "\nproperty list uchar int vertex_indices\nend_header\n";
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
     for (const double x : mesh.points.row(i)) store(x, std::endian::little, bytes);
-    if (mesh.stiffness) store(static_cast<float>((*mesh.stiffness)[i]), std::endian::little, bytes);
+    if (mesh.stiffness) store(as_stiffness((*mesh.stiffness)[i]), std::endian::little, bytes);
     if (regions) store(mesh.regions.of_vertex[static_cast<std::size_t>(i)], std::endian::little, bytes);
   }
   for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {

@@ -1,3 +1,4 @@
+#include "core/base/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"
@@ -71,15 +72,15 @@ class VtkReader {
       }
       return {};
     }
-    return fail("", "has a part that VTK surfaces do not have (\"" + std::string(key.substr(0, 40)) +
-                        "\") or is truncated; export it again");
+    return fail("",
+                "has a part that VTK surfaces do not have (\"" + excerpt(key) + "\") or is truncated; export it again");
   }
 
   /// `count` numbers of the type named `type`, whose key word's line has not been ended yet.
   template <class To>
   Result<std::vector<To>> numbers(std::string_view type, std::size_t count) {
     const auto scalar = vtk_scalar(type);
-    if (!scalar) return fail("", "has numbers of an unknown type (\"" + std::string(type) + "\"); export it again");
+    if (!scalar) return fail("", "has numbers of an unknown type (\"" + excerpt(type) + "\"); export it again");
     if (std::is_integral_v<To> && !is_integer(*scalar))
       return fail("", "has faces that are no integers; export it again");
     text_.line();

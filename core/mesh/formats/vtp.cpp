@@ -3,6 +3,7 @@
 #include <array>
 #include <pugixml.hpp>
 
+#include "core/base/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"
@@ -40,6 +41,8 @@ class ByteSource {
     taken_ += count;
     return std::string_view(decoded_).substr(taken_ - count, count);
   }
+  /// How far into its text it has come.
+  std::size_t consumed() const { return at_; }
 
  private:
   static int value_of(char c) {
@@ -77,6 +80,8 @@ class ByteSource {
 class VtpReader {
  public:
   Result<MeshFile> read(std::string_view bytes) {
+    encoded_left_ = bytes.size();
+    decoded_left_ = most_decoded(bytes.size());
     if (auto parsed = parse(bytes); !parsed) return fail(parsed.error());
     const auto poly_data = document_.child("VTKFile").child("PolyData");
     for (const auto piece : poly_data.children("Piece"))
@@ -94,6 +99,9 @@ class VtpReader {
   }
 
  private:
+  /// No mesh packs into a hundredth of its size: more is a bomb.
+  static std::size_t most_decoded(std::size_t file_bytes) { return (std::size_t{16} << 20) + 100 * file_bytes; }
+
   /// Appended data may be raw bytes, which no XML parser takes: they are cut off first.
   Result<void> parse(std::string_view bytes) {
     std::string xml;
@@ -117,17 +125,20 @@ class VtpReader {
     const std::string_view compressor = root.attribute("compressor").value();
     compressed_ = !compressor.empty();
     if (compressed_ && compressor != "vtkZLibDataCompressor")
-      return fail("", "is compressed by " + std::string(compressor) + "; save it uncompressed or with zlib");
+      return fail("", "is compressed by " + excerpt(compressor) + "; save it uncompressed or with zlib");
     return {};
   }
 
   Result<void> read_piece(pugi::xml_node piece) {
     const auto first_vertex = static_cast<std::int64_t>(coordinates_.size() / 3);
-    const auto points = array<double>(piece.child("Points").child("DataArray"));
+    auto points = array<double>(piece.child("Points").child("DataArray"));
     if (!points) return fail(points.error());
     if (points->size() != 3 * piece.attribute("NumberOfPoints").as_ullong())
       return fail("", "announces another number of points than it holds; export it again");
-    coordinates_.insert(coordinates_.end(), points->begin(), points->end());
+    if (coordinates_.empty())
+      coordinates_ = std::move(*points);
+    else
+      coordinates_.insert(coordinates_.end(), points->begin(), points->end());
     if (auto polygons = read_cells(piece, "Polys", "NumberOfPolys", first_vertex); !polygons) return polygons;
     return read_cells(piece, "Strips", "NumberOfStrips", first_vertex);
   }
@@ -148,7 +159,7 @@ class VtpReader {
   }
 
   template <class To>
-  Result<std::vector<To>> array(pugi::xml_node node) const {
+  Result<std::vector<To>> array(pugi::xml_node node) {
     if (!node) return fail("", "lacks a data array of a surface; export it again");
     const auto type = vtp_scalar(node.attribute("type").value());
     if (!type || (std::is_integral_v<To> && !is_integer(*type)))
@@ -172,7 +183,7 @@ class VtpReader {
   }
 
   /// The first string of an array of strings: character codes in ASCII, bytes with a zero at the end elsewhere.
-  Result<std::string> text_of(pugi::xml_node node) const {
+  Result<std::string> text_of(pugi::xml_node node) {
     std::string text;
     if (node.attribute("format").value() == std::string_view("ascii")) {
       const auto codes = ascii_array<int>(node.child_value());
@@ -194,13 +205,22 @@ class VtpReader {
   }
 
   /// The bytes of an inline or appended binary array: its size, or the sizes of its compressed blocks, then the data.
-  Result<std::string> content(pugi::xml_node node) const {
+  /// Every part of the file is taken once: a thousand pieces that name one array would fill the memory.
+  Result<std::string> content(pugi::xml_node node) {
     const bool is_appended = node.attribute("format").value() == std::string_view("appended");
     const std::size_t offset = is_appended ? node.attribute("offset").as_ullong() : 0;
     if (offset > (is_appended ? appended_.size() : 0)) return fail(damaged_vtp());
     ByteSource source =
         is_appended ? ByteSource(appended_.substr(offset), appended_base64_) : ByteSource(node.child_value(), true);
-    if (compressed_) return decompress(source);
+    auto bytes = compressed_ ? decompress(source) : plain(source);
+    if (!bytes) return bytes;
+    if (source.consumed() > encoded_left_) return fail("", "has data arrays that lie in one another; export it again");
+    encoded_left_ -= source.consumed();
+    decoded_left_ -= std::min(bytes->size(), decoded_left_);
+    return bytes;
+  }
+
+  Result<std::string> plain(ByteSource& source) const {
     const auto size = size_from(source);
     const auto bytes = size ? source.take(*size) : std::nullopt;
     if (!bytes) return fail(damaged_vtp());
@@ -222,6 +242,8 @@ class VtpReader {
       const std::size_t size = b + 1 == sizes.size() && *last_size > 0 ? *last_size : *block_size;
       // zlib packs at most 1,032 to 1: more is a damaged size, not worth the memory
       if (!packed || size > 1040 * (packed->size() + 64)) return fail(damaged_vtp());
+      if (size > decoded_left_ - all.size())
+        return fail("", "unpacks to far more than a mesh of its size; export it again");
       const std::size_t start = all.size();
       all.resize(start + size);
       uLongf unpacked = size;
@@ -240,6 +262,7 @@ class VtpReader {
   Scalar header_ = Scalar::uint32;
   std::vector<double> coordinates_;
   std::vector<std::int32_t> corners_;
+  std::size_t encoded_left_ = 0, decoded_left_ = 0;  ///< of bytes that may still be taken
 };
 
 }  // namespace

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace homolog {
+
+/// The program started once more, to do in a process of its own what it might not survive: a library that reads a
+/// stranger's file may crash, run for ever or take all memory. The program itself is started because a process with
+/// threads must not fork and go on (a lock that another thread holds stays locked for ever in the child), and because
+/// no second program has to be found: /proc/self/exe is this one even where it was moved or built anew meanwhile.
+class ConfinedChild {
+ public:
+  /// `arguments` follow the program's name; something in it must know them (see hdf5_reader.cpp). Errors: no process
+  /// can be made.
+  static Result<ConfinedChild> start(const std::vector<std::string>& arguments);
+  ConfinedChild(ConfinedChild&& other) noexcept;
+  ConfinedChild& operator=(ConfinedChild&&) = delete;
+  /// Closes the child's output, which ends it where it still writes, and waits for its end.
+  ~ConfinedChild();
+
+  /// What the child writes to its standard output. Not to be trusted.
+  std::FILE* output() { return output_; }
+
+ private:
+  ConfinedChild(pid_t process, std::FILE* output) : process_(process), output_(output) {}
+  pid_t process_;
+  std::FILE* output_;
+};
+
+/// Called by the child before its work: from now on it may take `memory_bytes` more than it has and `seconds` of the
+/// processor's time; beyond that, memory is refused and the process is killed. It leaves no core file and ignores
+/// Ctrl-C, which its parent answers.
+void confine_this_process(std::uintmax_t memory_bytes, unsigned seconds);
+
+}  // namespace homolog

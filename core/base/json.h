@@ -1,0 +1,20 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "core/base/result.h"
+
+namespace homolog {
+
+/// The one way in which the program reads JSON, as nlohmann::json or nlohmann::ordered_json. Errors: no valid JSON;
+/// arrays and objects more than 64 deep (nothing of this program is, and the library's functions call themselves once
+/// for each level); for ordered_json, whose objects are searched from the front, an object of more than 1,000 members.
+/// `what` of the error says which, without a remedy.
+template <class Json>
+Result<Json> read_json(std::string_view text);
+
+extern template Result<nlohmann::json> read_json(std::string_view text);
+extern template Result<nlohmann::ordered_json> read_json(std::string_view text);
+
+}  // namespace homolog

@@ -1,0 +1,195 @@
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <random>
+#include <set>
+
+#include "core/base/picture_io.h"
+#include "core/mesh/mesh_io.h"
+#include "core/model/statismo.h"
+#include "core/volume/volume_io.h"
+#include "tests/command_line.h"
+#include "tests/real_data.h"
+#include "tests/shapes.h"
+
+using namespace homolog;
+
+namespace {
+
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  names.erase("stderr");
+  return names;
+}
+
+/// Meshes and a label map of noise, none of which fits into a few kilobytes, packed or not.
+void put_inputs(const fs::path& folder) {
+  for (int k = 1; k <= 3; ++k) {
+    Mesh ball = icosphere(4, 40);
+    for (Eigen::Index i = 0; i < ball.points.rows(); ++i)
+      ball.points(i, i % 3) *= 1 + 0.01 * static_cast<double>((i * k) % 7);
+    REQUIRE(write_mesh(ball, folder / ("ball-" + std::to_string(k) + ".ply")));
+  }
+  Volume volume;
+  volume.geometry.dims = {24, 24, 24};
+  std::vector<std::uint8_t> voxels(24 * 24 * 24);
+  std::mt19937 random(1);
+  for (auto& voxel : voxels) voxel = static_cast<std::uint8_t>(random() % 2);
+  volume.data = voxels;
+  REQUIRE(write_volume(volume, folder / "noise.nii"));
+}
+
+struct Use {
+  double seconds = 0;  ///< of the processor, its children's too
+  long most_megabytes = 0;
+  int status = 0;
+  std::string errors;
+};
+
+/// Runs the program without a shell, so that the system counts its memory and time and nothing else's.
+Use used_by(const std::vector<std::string>& arguments, const TemporaryFolder& folder) {
+  const fs::path errors = folder.path / "errors";
+  const pid_t process = ::fork();
+  REQUIRE(process >= 0);
+  if (process == 0) {
+    std::vector<char*> argv{const_cast<char*>(HOMOLOG_PROGRAM)};
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    if (std::freopen("/dev/null", "w", stdout) == nullptr || std::freopen(errors.c_str(), "w", stderr) == nullptr)
+      ::_exit(126);
+    ::alarm(60);
+    ::execv(argv[0], argv.data());
+    ::_exit(127);
+  }
+  Use use;
+  rusage resources{};
+  REQUIRE(::wait4(process, &use.status, 0, &resources) == process);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  use.seconds = seconds(resources.ru_utime) + seconds(resources.ru_stime);
+  use.most_megabytes = resources.ru_maxrss / 1024;
+  use.status = WIFEXITED(use.status) ? WEXITSTATUS(use.status) : 128 + WTERMSIG(use.status);
+  use.errors = read_whole_file(errors).value_or("");
+  return use;
+}
+
+}  // namespace
+
+TEST_CASE("on a full disk every writer says so and keeps the old file") {
+  const TemporaryFolder folder;
+  put_inputs(folder.path);
+  const std::string balls = "ball-1.ply ball-2.ply ball-3.ply";
+  const std::vector<std::pair<std::string, std::string>> writers{
+      {"convert ball-1.ply old.ply", "old.ply"},
+      {"convert ball-1.ply old.vtk", "old.vtk"},
+      {"convert ball-1.ply old.vtp", "old.vtp"},
+      {"convert ball-1.ply old.obj", "old.obj"},
+      {"convert ball-1.ply old.stl", "old.stl"},
+      {"convert ball-1.ply old.particles", "old.particles"},
+      {"convert noise.nii old.nii", "old.nii"},
+      {"convert noise.nii old.nii.gz", "old.nii.gz"},
+      {"convert noise.nii old.nrrd", "old.nrrd"},
+      {"convert noise.nii old.mha", "old.mha"},
+      {"mirror ball-1.ply -o old-mirror.ply", "old-mirror.ply"},
+      {"picture correspondence " + balls + " -o old.png", "old.png"},
+      {"picture correspondence " + balls + " -o old.tif", "old.tif"},
+      {"picture correspondence " + balls + " -o old.jpg", "old.jpg"},
+      {"model " + balls + " -o old.h5", "old.h5"},
+      {"model " + balls + " -o old.h5.json", "old.h5.json"}};
+  for (const auto& [arguments, file] : writers) std::ofstream(folder.path / file) << "the old one";
+  const auto before = names_in(folder.path);
+  for (const auto& [arguments, file] : writers) {
+    CAPTURE(arguments);
+    const Ran ran = run(folder, arguments, "ulimit -f 8; ");  // blocks of 512 bytes
+    check_refused(ran, file);
+    CHECK(ran.errors.find("cannot be written") != std::string::npos);
+    CHECK(read_whole_file(folder.path / file).value() == "the old one");
+    CHECK(names_in(folder.path) == before);
+  }
+}
+
+TEST_CASE("a case that a scripted user works on appears whole or not at all") {
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, "phantom kidney --subject 2 -o .").status == 0);
+  const std::string work = "study user built-in:kidney --mask kidney-2-labels.nii.gz --pulls 4 -o work.homolog";
+  std::ofstream(folder.path / "work.homolog") << "the old one";
+  check_refused(run(folder, work, "ulimit -f 1; "), "work.homolog");
+  CHECK(read_whole_file(folder.path / "work.homolog").value() == "the old one");
+  REQUIRE(run(folder, work).status == 0);
+  CHECK(run(folder, "replay work.homolog -o work.ply --json").json()["strokes"] == 4);
+}
+
+TEST_CASE("a demo that the disk cannot hold leaves no case") {
+  const TemporaryFolder folder;
+  check_refused(run(folder, "demo --headless -o out", "ulimit -f 8; "), "cannot be written");
+  CHECK(names_in(folder.path / "out").empty());
+}
+
+TEST_CASE("a device is no place for a result") {
+  const TemporaryFolder folder;
+  put_inputs(folder.path);
+  REQUIRE(::mkfifo((folder.path / "pipe.ply").c_str(), 0600) == 0);
+  check_refused(run(folder, "convert ball-1.ply pipe.ply"), "device or a pipe");
+  CHECK(fs::is_fifo(folder.path / "pipe.ply"));
+  for (const char* extension : {".ply", ".h5", ".h5.json", ".mrk.json", ".homolog", ".study.json"}) {
+    const std::string name = std::string("in") + extension;
+    REQUIRE(::mkfifo((folder.path / name).c_str(), 0600) == 0);
+    const std::string verb = name == "in.study.json" ? "model " + name + " -o m.h5" : "info " + name;
+    check_refused(run(folder, verb, "timeout 20 "), "device or a pipe");
+  }
+}
+
+TEST_CASE("names in a file cannot write to the terminal") {
+  const TemporaryFolder folder;
+  const std::string position = R"(","position":[0,0,0]})", escape = R"(\u001b[31m\nhomolog: fine)";
+  const auto put = [&](const std::string& name, const std::string& first, const std::string& second) {
+    std::ofstream(folder.path / name) << R"({"markups":[{"controlPoints":[{"label":")" << first << position
+                                      << R"(,{"label":")" << second << position << "]}]}";
+  };
+  put("same.mrk.json", escape, escape);
+  put("long.mrk.json", std::string(5000000, 'n'), std::string(5000000, 'n'));
+  put("names.mrk.json", escape, "b");
+  const Ran same = run(folder, "info same.mrk.json"), longer = run(folder, "info long.mrk.json");
+  check_refused(same, "two points named");
+  check_refused(longer, "5000000 bytes");
+  CHECK(longer.errors.size() < 500);
+  const Ran names = run(folder, "info names.mrk.json");
+  CHECK(names.status == 0);
+  for (const std::string& text : {same.errors, names.out}) CHECK(text.find('\x1b') == std::string::npos);
+  CHECK(names.out.find("\nhomolog: fine") == std::string::npos);
+}
+
+TEST_CASE("real files that mean harm are refused or read rightly in little time and memory") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  if (!fs::is_directory(data / "hostile")) {
+    MESSAGE("skipped: no folder ", (data / "hostile").string());
+    return;
+  }
+  const TemporaryFolder folder;
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(data / "hostile")) {
+    const std::string name = entry.path().filename().string();
+    const auto ends = [&](const char* ending) { return name.ends_with(ending); };
+    if (!ends(".homolog") && !ends(".json") && !ends(".h5") && !ends(".ply") && !ends(".vtp")) continue;
+    CAPTURE(name);
+    const std::string out = (folder.path / "out.h5").string();
+    const Use use = ends(".study.json") ? used_by({"model", entry.path().string(), "-o", out}, folder)
+                                        : used_by({"info", entry.path().string()}, folder);
+    INFO(use.errors);
+    CHECK((use.status == 0 || use.status == 1));
+    if (use.status == 1) {
+      CHECK(use.errors.starts_with("homolog: " + entry.path().string() + ": "));
+      CHECK(lines(use.errors) == 1);
+    }
+    CHECK(use.seconds < 2);
+    CHECK(use.most_megabytes < 512);
+    ++files;
+  }
+  CHECK(files > 15);
+}

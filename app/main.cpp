@@ -14,6 +14,7 @@
 #include "app/verbs/verb.h"
 #include "app/version.h"
 #include "core/base/text.h"
+#include "core/base/guarded.h"
 
 namespace homolog {
 
@@ -76,6 +77,8 @@ int run_verb(const VerbRun& run, bool json) {
       return fail("", "memory ran out; close other programs, or use a machine with more memory");
     } catch (const std::filesystem::filesystem_error& error) {
       return fail(error.path1().string(), error.code().message());
+    } catch (...) {
+      return fail(error_of_exception(""));
     }
   }();
   if (!report) {

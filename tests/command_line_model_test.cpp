@@ -7,6 +7,7 @@
 #include "tests/command_line.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
+#include "tests/skip.h"
 
 namespace homolog {
 
@@ -58,7 +59,7 @@ TEST_CASE("a training set becomes a model that info and picture and evaluate kno
 
   const Ran picture = run(folder, "picture modes m.h5 -o modes.png --size 300x200 --json");
   if (picture.status == 1 && picture.errors.find("OpenGL") != std::string::npos) {
-    MESSAGE("picture skipped: no OpenGL here");
+    test::skip(picture.errors);
     return;
   }
   REQUIRE_MESSAGE(picture.status == 0, picture.errors);

@@ -8,6 +8,7 @@
 #include "tests/command_line.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
+#include "tests/skip.h"
 
 namespace homolog {
 
@@ -153,7 +154,7 @@ TEST_CASE("pictures are written at the size asked for") {
   const Ran ran =
       run(folder, "picture correspondence a.ply b.ply -o ab.png --size 400x200 --view 1,-1,0.5 --transparent --json");
   if (ran.status == 1 && ran.errors.find("OpenGL") != std::string::npos) {
-    MESSAGE("skipped: no OpenGL here");
+    test::skip(ran.errors);
     return;
   }
   REQUIRE_MESSAGE(ran.status == 0, ran.errors);
@@ -169,7 +170,7 @@ TEST_CASE("the demo plays the whole job without a display") {
   const TemporaryFolder folder;
   const Ran ran = run(folder, "demo --headless -o out --json");
   if (ran.status == 1 && ran.errors.find("OpenGL") != std::string::npos) {
-    MESSAGE("skipped: no OpenGL here");
+    test::skip(ran.errors);
     return;
   }
   REQUIRE_MESSAGE(ran.status == 0, ran.errors);

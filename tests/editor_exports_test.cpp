@@ -1,13 +1,13 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
-#include <chrono>
 #include <fstream>
-#include <thread>
+#include <new>
 
 #include "app/editor/work/exports.h"
 #include "core/volume/volume_io.h"
 #include "tests/temporary_folder.h"
+#include "tests/wait.h"
 
 namespace homolog {
 
@@ -32,17 +32,29 @@ TEST_CASE("files are written one after the other and each is told of once") {
   CHECK_FALSE(exports.busy());
 }
 
+TEST_CASE("a file whose writing fails in any way is told of by name") {
+  Exports exports([] {});
+  exports.start("/full/a.ply", [](Progress&) -> Result<void> { throw std::bad_alloc(); });
+  exports.start("/full/b.ply", [](Progress&) { return Result<void>(); });
+  exports.finish();
+  const auto written = exports.take();
+  REQUIRE(written.size() == 2);
+  CHECK(written[0].path == "/full/a.ply");
+  CHECK(written[0].result.error().sentence() == "/full/a.ply: needs more memory than there is; close other programs");
+  CHECK(written[1].result);
+}
+
 TEST_CASE("a file that is being written can be given up and those after it are written") {
   Exports exports([] {});
   const auto until_cancelled = [](Progress& progress) -> Result<void> {
     progress.report(0.5);
-    while (!progress.cancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    REQUIRE(test::wait_until([&] { return progress.cancelled(); }));
     return fail("first", "was given up");
   };
   exports.start("first", until_cancelled);
   exports.start("second", [](Progress&) { return Result<void>(); });
-  while (exports.running().value().fraction == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  CHECK(exports.running()->path == "first");
+  REQUIRE(test::wait_until([&] { return exports.running().value().fraction > 0; }));
+  CHECK(exports.running()->subject == "first");
   exports.cancel("second");
   exports.cancel("first");
   exports.finish();
@@ -55,16 +67,20 @@ TEST_CASE("a file that is being written can be given up and those after it are w
 }
 
 TEST_CASE("closing the window finishes what is being written") {
-  const TemporaryFolder folder;
+  std::atomic<bool> closing = false;
+  std::atomic<int> written = 0;
+  constexpr int files = 200;
   {
     Exports exports([] {});
-    exports.start(folder.path / "late.txt", [&](Progress&) -> Result<void> {
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      std::ofstream(folder.path / "late.txt") << "written";
-      return {};
-    });
+    for (int k = 0; k < files; ++k)
+      exports.start("file " + std::to_string(k), [&](Progress&) -> Result<void> {
+        REQUIRE(test::wait_until([&] { return closing.load(); }));
+        ++written;
+        return {};
+      });
+    closing = true;
   }
-  CHECK(std::filesystem::file_size(folder.path / "late.txt") == 7);
+  CHECK(written == files);
 }
 
 TEST_CASE("a volume whose writing is cancelled leaves the file as it was") {

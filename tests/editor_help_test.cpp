@@ -99,7 +99,7 @@ TEST_CASE("the model completes what strokes leave open and leaves alone what is 
   const auto study = balls_model();
   CHECK_FALSE(help.completion(1));
   help.ask(study, "ball26");
-  while (help.busy()) continue;
+  help.finish();
   CHECK_FALSE(help.update());
   CHECK_FALSE(help.completion(0));
 
@@ -136,7 +136,7 @@ TEST_CASE("the model completes what strokes leave open and leaves alone what is 
 TEST_CASE("the model's help does not add up and can be taken back") {
   ModelHelp help([] {});
   help.ask(balls_model(), "ball26");
-  while (help.busy()) continue;
+  help.finish();
   CHECK_FALSE(help.update());
   EditSession session(new_document("", nullptr, ball(26)));
   REQUIRE(session.apply(Confirm{Vec3(26, 0, 0), 15, true}));

@@ -5,15 +5,16 @@
 #include <vector>
 
 #include "app/editor/update/controls.h"
+#include "app/editor/widgets/imgui_context.h"
 #include "app/editor/widgets/plots.h"
 #include "app/editor/widgets/widgets.h"
-#include "app/editor/window/key_queue.h"
+#include "app/editor/window/input_queue.h"
 
 namespace homolog {
 
 TEST_CASE("keys and characters reach a field in the order they were typed and none is lost") {
   ImGuiIO io;
-  KeyQueue queue;
+  InputQueue queue;
   std::vector<int> pressed;
   const auto frame = [&] {
     io.InputQueueCharacters.resize(0);
@@ -45,8 +46,38 @@ TEST_CASE("keys and characters reach a field in the order they were typed and no
   CHECK_FALSE(queue.busy());
 }
 
+TEST_CASE("a press counts where it was and a drag is let go after its last move however fast they come") {
+  ImGuiIO io;
+  InputQueue queue;
+  const auto feed = [&] { queue.feed(io, [](const KeyStroke&) { return false; }); };
+  queue.move(5, 5);
+  queue.move(10, 10);
+  queue.button(MouseButton::left, true);
+  queue.move(20, 20);
+  queue.move(40, 40);
+  queue.button(MouseButton::left, false);
+  queue.wheel(2);
+  queue.move(60, 60);
+  feed();
+  CHECK(io.MousePos.x == 10);
+  CHECK(io.MouseDown[0]);
+  feed();
+  CHECK(io.MousePos.x == 40);
+  CHECK(io.MouseDown[0]);
+  feed();
+  CHECK_FALSE(io.MouseDown[0]);
+  CHECK(io.MousePos.x == 40);
+  feed();
+  CHECK(io.MouseWheel == 2);
+  CHECK(io.MousePos.x == 40);
+  CHECK(queue.busy());
+  feed();
+  CHECK(io.MousePos.x == 60);
+  CHECK_FALSE(queue.busy());
+}
+
 TEST_CASE("a text is shortened to any room") {
-  ImGui::CreateContext();
+  const ImGuiAlone imgui;
   make_theme(1);
   ImGui::GetIO().DisplaySize = {800, 600};
   ImGui::NewFrame();
@@ -60,7 +91,6 @@ TEST_CASE("a text is shortened to any room") {
   CHECK(some.ends_with("y"));
   CHECK(some.find(dots) != std::string::npos);
   ImGui::EndFrame();
-  ImGui::DestroyContext();
 }
 
 TEST_CASE("the marks of an axis are round and reach its end") {

@@ -1,13 +1,9 @@
 #include <doctest/doctest.h>
 
-#include <atomic>
-#include <chrono>
 #include <cmath>
-#include <thread>
 
 #include "app/editor/state/gallery.h"
 #include "app/editor/update/controls.h"
-#include "app/editor/work/latest_wins.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
@@ -256,23 +252,6 @@ TEST_CASE("Tab exchanges case and models and in the models the tools' keys do no
   CHECK(state.tool == MouseTool::grab);
   press(key::tab);
   CHECK_FALSE(state.models.shown);
-}
-
-TEST_CASE("of several pieces of work the latest gives the result") {
-  std::atomic<int> woken = 0;
-  LatestWins<int> work([&] { ++woken; });
-  work.start([](Progress& progress) {
-    while (!progress.cancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    return 1;
-  });
-  work.start([](Progress&) { return 2; });
-  work.finish();
-  CHECK(test::must(work.take().value()) == 2);
-  CHECK_FALSE(work.take());
-  CHECK_FALSE(work.busy());
-  work.start([](Progress&) -> Result<int> { throw std::bad_alloc(); });
-  work.finish();
-  CHECK(work.take().value().error().sentence() == "This needs more memory than there is; close other programs.");
 }
 
 TEST_CASE("a phantom study is written once and then kept as the user left it") {

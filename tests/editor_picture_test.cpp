@@ -1,36 +1,69 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <vector>
 
 #include "app/editor/update/demo.h"
 #include "app/editor/window/editor_picture.h"
 #include "render/offscreen.h"
 #include "tests/golden.h"
 #include "tests/must.h"
+#include "tests/skip.h"
 #include "tests/temporary_folder.h"
 
 namespace homolog {
 
+namespace {
+
+/// Every control and text by itself: a word covers a tenth of its rectangle.
+void add_items(std::vector<test::PicturePart>& parts, const std::vector<DrawnItem>& items, const Picture& picture) {
+  constexpr float smallest_px2 = 40;
+  constexpr double limit = 0.03;
+  for (const DrawnItem& item : items) {
+    const RectPx& at = item.seen;
+    if (at.width * at.height < smallest_px2 || item.kind == DrawnItem::Kind::area) continue;
+    parts.push_back(test::part_in(item.path, picture, at.x, at.y, at.width, at.height, limit));
+  }
+}
+
+}  // namespace
+
 TEST_CASE("golden picture of the whole window") {
   const auto gl = OffscreenContext::make();
   if (!gl) {
-    MESSAGE("skipped: " << gl.error().sentence());
+    test::skip(gl.error().sentence());
     return;
   }
-  EditorPictureOptions options;
-  options.arrange = [](EditorState& state) {
-    state.window_low = -160;
-    state.window_high = 240;
-    state.preferences.hints = {true, true, true};
+  const Document document = test::must(demo_document(Organ::kidney, 1));
+  std::vector<DrawnItem> items;
+  const auto picture = [&](bool ShownParts::*left_out) {
+    EditorPictureOptions options;
+    options.items = &items;
+    options.arrange = [left_out](EditorState& state) {
+      state.window_low = -160;
+      state.window_high = 240;
+      state.preferences.hints = {true, true, true};
+      if (left_out != nullptr) state.preferences.show.*left_out = false;
+    };
+    return test::must(editor_picture(EditSession(document), options));
   };
-  const auto picture = editor_picture(EditSession(test::must(demo_document(Organ::kidney, 1))), options);
-  test::check_golden(test::must(picture), "window");
+  const Picture without_outline = picture(&ShownParts::outline), without_surface = picture(&ShownParts::surface);
+  const Picture whole = picture(nullptr);
+  std::vector<test::PicturePart> parts{test::part_drawn("the outlines", whole, without_outline),
+                                       test::part_drawn("the surface", whole, without_surface, 0.02)};
+  add_items(parts, items, whole);
+  CHECK(parts.size() > 100);
+  test::check_golden(whole, "window", parts);
+  // The button that is dark then is no outline.
+  std::erase_if(parts, [](const test::PicturePart& part) { return part.name.starts_with("top bar/Outlines"); });
+  CHECK(test::golden_fault(without_outline, whole, parts).find("the outlines: ") == 0);
 }
 
 TEST_CASE("a study is drawn in a window of any size") {
   const auto gl = OffscreenContext::make();
   if (!gl) {
-    MESSAGE("skipped: " << gl.error().sentence());
+    test::skip(gl.error().sentence());
     return;
   }
   const TemporaryFolder folder;
@@ -49,7 +82,7 @@ TEST_CASE("a study is drawn in a window of any size") {
 TEST_CASE("golden picture of the models") {
   const auto gl = OffscreenContext::make();
   if (!gl) {
-    MESSAGE("skipped: " << gl.error().sentence());
+    test::skip(gl.error().sentence());
     return;
   }
   const TemporaryFolder folder;
@@ -58,8 +91,18 @@ TEST_CASE("golden picture of the models") {
   EditorPictureOptions options;
   options.arrange = [&](EditorState& state) { show_study(state.models, test::must(read_study(path)).study, path); };
   options.models = StartEvaluation{};
-  const auto picture = editor_picture(EditSession(new_document({}, nullptr, nullptr)), options);
-  test::check_golden(test::must(picture), "models");
+  std::vector<DrawnItem> items;
+  options.items = &items;
+  const auto picture = test::must(editor_picture(EditSession(new_document({}, nullptr, nullptr)), options));
+  options.arrange = [arrange = options.arrange](EditorState& state) {
+    arrange(state);
+    state.models.glyphs = false;
+  };
+  options.items = nullptr;
+  const auto without_glyphs = test::must(editor_picture(EditSession(new_document({}, nullptr, nullptr)), options));
+  std::vector<test::PicturePart> parts{test::part_drawn("the glyphs", picture, without_glyphs)};
+  add_items(parts, items, picture);
+  test::check_golden(picture, "models", parts);
 }
 
 }  // namespace homolog

@@ -7,6 +7,7 @@
 #include "core/volume/volume_io.h"
 #include "tests/desk.h"
 #include "tests/temporary_folder.h"
+#include "tests/wait.h"
 
 namespace homolog {
 
@@ -80,6 +81,27 @@ Document ball_on_image(double radius_mm, const fs::path& image_file) {
 }
 
 }  // namespace
+
+TEST_CASE("of several snaps the latest gives its result and one that is given up leaves the mesh") {
+  const Document document = ball_on_image(27, {});
+  SessionThread session(EditSession(document), [] {});
+  Snaps snaps;
+  snaps.start(session, std::nullopt, {});
+  snaps.start(session, std::nullopt, {});
+  REQUIRE(test::wait_until([&] { return session.snapshot()->committed == 2; }));
+  CHECK_FALSE(snaps.busy());
+  const auto found = snaps.take();
+  REQUIRE(found);
+  CHECK(found->is_of(*session.snapshot()->document->shape().points));
+  CHECK_FALSE(snaps.take());
+  const auto before = session.snapshot()->document;
+  snaps.start(session, std::nullopt, {});
+  snaps.cancel();
+  REQUIRE(test::wait_until([&] { return session.snapshot()->committed == 3; }));
+  CHECK_FALSE(snaps.busy());
+  CHECK(session.snapshot()->error.empty());
+  if (!snaps.take()) CHECK(session.snapshot()->document == before);
+}
 
 TEST_CASE("what the boundary looks like is learned from the cases of a study that are done") {
   const TemporaryFolder folder;

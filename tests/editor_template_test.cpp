@@ -1,15 +1,13 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
-#include <condition_variable>
-#include <mutex>
-#include <thread>
 
 #include "app/editor/scene/mesh_overlay.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/work/template_maker.h"
 #include "core/mesh/label_map.h"
 #include "tests/shapes.h"
+#include "tests/wait.h"
 
 using namespace homolog;
 
@@ -37,8 +35,8 @@ TemplateSettings ball_settings(int vertices) {
   return settings;
 }
 
-std::shared_ptr<const TemplateMaking> finished(const TemplateMaker& maker) {
-  while (maker.busy()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+std::shared_ptr<const TemplateMaking> finished(TemplateMaker& maker) {
+  maker.finish();
   return maker.latest();
 }
 
@@ -76,12 +74,8 @@ TEST_CASE("regions colour the mesh as they say") {
 }
 
 TEST_CASE("the template maker shows every stage and undo brings the one before back") {
-  std::mutex mutex;
   std::atomic<int> woken = 0;
-  TemplateMaker maker([&] {
-    const std::lock_guard lock(mutex);
-    ++woken;
-  });
+  TemplateMaker maker([&] { ++woken; });
   CHECK(maker.latest() == nullptr);
   maker.start(ball_labels(), "ball.nii.gz", ball_settings(500));
   const auto first = finished(maker);
@@ -93,6 +87,7 @@ TEST_CASE("the template maker shows every stage and undo brings the one before b
   CHECK(woken >= 6);
   CHECK_FALSE(maker.can_undo());
   maker.start(ball_labels(), "ball.nii.gz", ball_settings(800));
+  CHECK(test::wait_until([&] { return maker.update() && !maker.latest()->stages.empty(); }));
   CHECK(finished(maker)->mesh->points.rows() == 800);
   REQUIRE(maker.can_undo());
   maker.undo();

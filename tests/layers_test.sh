@@ -4,4 +4,9 @@
 cd "$1" && [ -d core ] && [ -d render ] || exit 1
 bad=$(grep -rnE '#include *[<"](GLFW|imgui|epoxy|GL/|EGL/|glm|render/|app/)' core
       grep -rnE '#include *[<"](GLFW|imgui|app/)' render)
+# All controls and texts of the program go through widgets.h, where the tests find and operate them.
+controls='(Small|Invisible|Arrow)?Button|Checkbox|RadioButton|Selectable|MenuItem|Begin(Menu|Combo|Popup)|Combo|OpenPopup'
+controls="$controls|Input[A-Z]|Drag[A-Z]|[VS]Slider|Slider[A-Z]|Color(Edit|Picker|Button)|CollapsingHeader|TreeNode"
+bad=$bad$(grep -nE "ImGui::($controls|(Bullet|Label)?Text[A-Z]*)[A-Za-z0-9]*\(|AddText\(" $(find app/editor -name "*.cpp") |
+  grep -vE '^app/editor/widgets/widgets')
 [ -z "$bad" ] || { echo "$bad"; exit 1; }

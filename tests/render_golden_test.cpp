@@ -85,13 +85,46 @@ Camera3D camera_at(const Vec3& target, double distance_mm) {
   return camera;
 }
 
+/// A scene as it is drawn, and the same with something left out of it.
+template <class View>
+struct Drawing {
+  const Scene& scene;
+  View view;
+  int width = 320, height = 240, samples = 1;
+
+  Picture picture() const { return test::picture_of(scene, view, width, height, samples); }
+  template <class LeaveOut>
+  Picture without(const LeaveOut& leave_out) const {
+    Scene less = scene;
+    leave_out(less);
+    return test::picture_of(less, view, width, height, samples);
+  }
+};
+
+void no_outline(Scene& scene) {
+  scene.meshes[0].outline = false;
+}
+void no_glyphs(Scene& scene) {
+  scene.glyphs.glyphs.clear();
+}
+void no_lines(Scene& scene) {
+  scene.lines.lines.clear();
+}
+void no_surface(Scene& scene) {
+  scene.meshes[0].surface = false;
+}
+
 }  // namespace
 
 TEST_CASE("golden picture of a slice with labels and an outline") {
   Scene scene = make_scene();
   scene.glyphs.glyphs.clear();
   scene.labels = {make_body().labels, 0, 0.3f};
-  test::check_golden(test::picture_of(scene, test::axial(Vec3(0, 0, 6), 0.7), 320, 240), "slice_with_labels");
+  const Drawing<SliceView> drawing{scene, test::axial(Vec3(0, 0, 6), 0.7)};
+  const Picture picture = drawing.picture();
+  test::check_golden(picture, "slice_with_labels",
+                     {test::part_drawn("the outline", picture, drawing.without(no_outline)),
+                      test::part_drawn("the labels", picture, drawing.without([](Scene& s) { s.labels = {}; }), 0.01)});
 }
 
 TEST_CASE("golden picture of an oblique slice by nearest voxel with lines and discs") {
@@ -106,7 +139,12 @@ TEST_CASE("golden picture of an oblique slice by nearest voxel with lines and di
                                slice_point_mm(view, {0, 0, 320, 240, 1}, 140, 180),
                                {1, 1, 1, 1},
                                3});
-  test::check_golden(test::picture_of(scene, view, 320, 240), "oblique_slice");
+  const Drawing<SliceView> drawing{scene, view};
+  const Picture picture = drawing.picture();
+  test::check_golden(picture, "oblique_slice",
+                     {test::part_drawn("the outline", picture, drawing.without(no_outline)),
+                      test::part_drawn("the discs", picture, drawing.without(no_glyphs)),
+                      test::part_drawn("the lines", picture, drawing.without(no_lines))});
 }
 
 TEST_CASE("golden picture of slices and a surface with glyphs in space") {
@@ -114,21 +152,62 @@ TEST_CASE("golden picture of slices and a surface with glyphs in space") {
   scene.planes = {{test::axial(Vec3(0, 0, -20), 1), 100, 75, {0.93f, 0.36f, 0.32f}},
                   {test::sagittal(Vec3(-20, 0, 0), 1), 75, 75, {0.95f, 0.77f, 0.3f}},
                   {test::coronal(Vec3(0, 40, 0), 1), 100, 75, {0.4f, 0.78f, 0.45f}}};
-  test::check_golden(test::picture_of(scene, camera_at(Vec3::Zero(), 480), 400, 300, 4), "space");
+  const Drawing<Camera3D> drawing{scene, camera_at(Vec3::Zero(), 480), 400, 300, 4};
+  const Picture picture = drawing.picture();
+  test::check_golden(
+      picture, "space",
+      {test::part_drawn("the glyphs", picture, drawing.without(no_glyphs)),
+       test::part_drawn("the surface", picture, drawing.without(no_surface), 0.02),
+       test::part_drawn("the planes", picture, drawing.without([](Scene& s) { s.planes.clear(); }), 0.02)});
 }
 
 TEST_CASE("golden picture of a faint surface on a transparent background") {
   Scene scene = make_scene();
   scene.background = {0, 0, 0, 0};
   scene.meshes[0].surface_opacity = 0.4f;
-  test::check_golden(test::picture_of(scene, camera_at(Vec3(-45, 15, 5), 220), 320, 240, 4), "faint_surface");
+  const Drawing<Camera3D> drawing{scene, camera_at(Vec3(-45, 15, 5), 220), 320, 240, 4};
+  const Picture picture = drawing.picture();
+  test::check_golden(picture, "faint_surface",
+                     {test::part_drawn("the glyphs", picture, drawing.without(no_glyphs)),
+                      test::part_drawn("the surface", picture, drawing.without(no_surface), 0.02)});
 }
 
 TEST_CASE("golden picture of a surface with its edges") {
   Scene scene = make_scene();
   scene.glyphs.glyphs.clear();
   scene.meshes[0].wireframe = true;
-  test::check_golden(test::picture_of(scene, camera_at(Vec3(-45, 15, 5), 220), 320, 240, 4), "edges");
+  const Drawing<Camera3D> drawing{scene, camera_at(Vec3(-45, 15, 5), 220), 320, 240, 4};
+  const Picture picture = drawing.picture();
+  test::check_golden(
+      picture, "edges",
+      {test::part_drawn("the edges", picture, drawing.without([](Scene& s) { s.meshes[0].wireframe = false; })),
+       test::part_drawn("the surface", picture, drawing.without(no_surface), 0.02)});
+}
+
+TEST_CASE("a picture that lacks its outline or glyphs or shows them elsewhere is none like the golden one") {
+  Scene scene = make_scene();
+  scene.glyphs.glyphs.push_back({Vec3(-60, 15, 6), {1, 0, 0}, 3});
+  const Drawing<SliceView> drawing{scene, test::axial(Vec3(0, 0, 6), 0.7)};
+  const Picture golden = drawing.picture();
+  const auto fault = [&](const Picture& picture) {
+    return test::golden_fault(picture, golden,
+                              {test::part_drawn("the outline", golden, drawing.without(no_outline)),
+                               test::part_drawn("the glyphs", golden, drawing.without(no_glyphs))});
+  };
+  CHECK(fault(golden) == "");
+  CHECK(fault(drawing.without(no_outline)).find("the outline: ") == 0);
+  CHECK(fault(drawing.without(no_glyphs)).find("the glyphs: ") == 0);
+  CHECK(fault(drawing.without([](Scene& s) { s.meshes[0].outline_px = 1; })).find("the outline: ") == 0);
+  const Picture moved = drawing.without([](Scene& s) {
+    s.meshes[0].points = std::make_shared<const Points>(s.meshes[0].points->rowwise() + Vec3(1.4, 0, 0).transpose());
+    ++s.meshes[0].points_revision;
+  });
+  CHECK(fault(moved).find("the outline: ") == 0);
+  CHECK(fault(drawing.without([](Scene& s) { s.image.window_low += 40; })) != "");
+  // What is gone from the picture is gone from a part that is found in it.
+  const Picture without = drawing.without(no_outline);
+  CHECK(test::golden_fault(without, golden, {test::part_drawn("the outline", without, without)}).find("is not drawn") !=
+        std::string::npos);
 }
 
 }  // namespace homolog

@@ -3,7 +3,7 @@
 set -u
 program=$1
 for tool in Xvfb xdotool import identify; do
-  command -v "$tool" > /dev/null || { echo "window_test: skipped: $tool is not installed"; exit 77; }
+  command -v "$tool" > /dev/null || { echo "SKIPPED: $tool is not installed"; exit 77; }
 done
 
 folder=$(mktemp -d)

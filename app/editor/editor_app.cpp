@@ -4,6 +4,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "app/editor/widgets/plots.h"
 #include "app/editor/window/view_overlay.h"
@@ -29,6 +30,8 @@ EditorApp::EditorApp(std::function<void()> wake)
     : wake_(std::move(wake)), opener_(wake_), quality_(wake_), template_maker_(wake_) {}
 
 EditorApp::~EditorApp() {
+  for (const std::string& sentence : models_.close(state_.models))
+    std::fprintf(stderr, "homolog: warning: %s\n", sentence.c_str());
   close_session();
 }
 
@@ -42,7 +45,7 @@ Result<void> EditorApp::start_drawing(float scale) {
 
 void EditorApp::set_scale(float scale) {
   scale_ = scale;
-  const bool had_texture = theme_.has_value();
+  const bool had_texture = pictures_ && theme_;
   if (had_texture) ImGui_ImplOpenGL3_DestroyFontsTexture();
   theme_ = make_theme(scale);
   // ImGui makes the first texture by itself, and only that one.
@@ -87,6 +90,7 @@ void EditorApp::start_session(EditSession session) {
   const std::string source_before = volume_before ? displayed_->volume_source : std::string();
   loaded_template_ = session.initial_document().reference;
   session_ = std::make_unique<SessionThread>(std::move(session), wake_);
+  ++session_number_;
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
   show_document(state_, *displayed_, layout_, !source_before.empty() && displayed_->volume_source == source_before);
@@ -97,7 +101,6 @@ void EditorApp::start_session(EditSession session) {
     labels_.reset();
     if (pictures_) pictures_->forget();
   }
-  figures_.reset();
   quality_.post(nullptr);
   quality_.post(displayed_);
 }
@@ -111,17 +114,25 @@ ControlsContext EditorApp::controls_context() const {
 }
 
 void EditorApp::handle(const InputEvent& event) {
-  handle_event(state_, event, controls_context(), out_);
+  const auto handled = guarded("", [&]() -> Result<void> {
+    handle_event(state_, event, controls_context(), out_);
+    return {};
+  });
+  if (!handled) add_notice(state_, handled.error().sentence());
+}
+
+bool EditorApp::busy() const {
+  return opener_.busy() || work_.busy() || exports_.busy() || template_maker_.busy() || fitter_.busy() ||
+         study_appearance_.busy() || models_.busy() || snaps_.busy();
 }
 
 std::optional<double> EditorApp::next_move_seconds(double now) const {
   constexpr double progress_seconds = 0.1;
   if (state_.playing) return std::max(frame_due_ - now, 0.0);
   if (thumbnails_left_) return 0;
-  if (opener_.busy() || exports_.busy() || template_maker_.busy() || fitter_.busy() || study_appearance_.busy() ||
-      snaps_.busy())
-    return progress_seconds;
+  if (busy()) return progress_seconds;
   auto next = models_.next_move_seconds(state_.models);
+  if (const auto rest = quality_.rest_seconds()) next = std::min(next.value_or(*rest), *rest);
   for (const Notice& notice : state_.notices)
     if (notice.until) next = std::min(next.value_or(*notice.until - now), std::max(*notice.until - now, 0.0));
   return next;
@@ -178,11 +189,27 @@ void EditorApp::forget_old_news(double seconds) {
 }
 
 bool EditorApp::update(double seconds) {
+  bool changed = true;
+  const auto done = guarded("", [&]() -> Result<void> {
+    changed = update_parts(seconds);
+    return {};
+  });
+  if (!done) add_notice(state_, done.error().sentence());
+  return changed;
+}
+
+bool EditorApp::update_parts(double seconds) {
   const std::size_t notices_before = state_.notices.size();
   const auto before = snapshot_;
-  const bool was_opening = opener_.busy();
+  const bool was_busy = busy();
   run_commands();
-  if (auto opened = opener_.take()) take_opened(std::move(*opened));
+  if (auto opened = opener_.take()) {
+    if (*opened)
+      take_opened(std::move(**opened));
+    else
+      add_notice(state_, opened->error().sentence());
+  }
+  take_work();
   if (state_.playing && seconds >= frame_due_ && displayed_->volume && displayed_->volume->frames > 1) {
     const Volume& volume = *displayed_->volume;
     const double pace = volume.frame_seconds > 0 ? volume.frame_seconds : 0.05;
@@ -190,20 +217,17 @@ bool EditorApp::update(double seconds) {
     state_.shown_frame = (shown_frame(state_, *displayed_) + 1) % volume.frames;
   }
   take_snapshot();
-  const bool was_writing = take_written() || exports_.busy();
-  const bool was_fitting = fitter_.busy() || study_appearance_.busy();
+  const bool new_files = take_written();
   follow_fit();
   follow_model_help();
   follow_learning();
   const bool new_snap = take_snap();
-  const bool new_model = models_.update(state_, *snapshot_, seconds);
-  const auto figures = quality_.latest();
-  const bool new_figures = figures != figures_;
-  figures_ = figures;
+  const bool new_model = models_.update(state_, *snapshot_, seconds, out_);
+  const bool new_figures = quality_.update();
   const bool new_stage = take_stage();
   forget_old_news(seconds);
   return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model ||
-         new_snap || was_fitting || was_writing || thumbnails_left_ || state_.playing || opener_.busy() || was_opening;
+         new_snap || new_files || thumbnails_left_ || state_.playing || was_busy || busy();
 }
 
 void EditorApp::preview(Action action) {
@@ -214,16 +238,25 @@ void EditorApp::preview(Action action) {
 
 void EditorApp::settle() {
   run_commands();
-  while (opener_.busy()) {
-    if (auto opened = opener_.take()) take_opened(std::move(*opened));
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  take_snapshot();
-  models_.settle(state_, *snapshot_);
+  opener_.finish();
+  work_.finish();
+  update_parts(0);
+  models_.settle(state_, *snapshot_, out_);
   exports_.finish();
   take_written();
   quality_.finish();
-  figures_ = quality_.latest();
+}
+
+bool EditorApp::take_work() {
+  bool any = false;
+  while (auto done = work_.take()) {
+    any = true;
+    if (*done)
+      (**done)();
+    else
+      add_notice(state_, done->error().sentence());
+  }
+  return any;
 }
 
 bool EditorApp::take_written() {
@@ -249,6 +282,7 @@ bool EditorApp::take_snap() {
 }
 
 bool EditorApp::take_stage() {
+  template_maker_.update();
   const auto making = template_maker_.latest();
   if (making == seen_making_) return template_maker_.busy();
   const bool first = making_shown_ && making && making->stages.size() == 1 && !making->done;
@@ -270,21 +304,26 @@ SceneBuilder::Input EditorApp::scene_input(const EditorState& state) const {
 
 UiContext EditorApp::ui_context(const EditorState& state, double fps) const {
   constexpr double shown_after_seconds = 0.5;
-  std::optional<RunningWork> opening, writing;
-  if (opener_.busy())
-    opening = {"Opening " + opener_.what(), CancelOpening{}, opener_.fraction(),
-               opener_.seconds() > shown_after_seconds};
+  std::vector<RunningWork> running;
+  const auto show = [&](const char* kind, const std::string& verb, const std::optional<RunningJob>& job, Command cancel,
+                        const char* tip) {
+    if (job && job->seconds > shown_after_seconds)
+      running.push_back({kind, verb + std::filesystem::path(job->subject).filename().string(), tip, std::move(cancel),
+                         job->fraction});
+  };
+  show("opening", "Opening ", opener_.running(), CancelOpening{}, "What is open stays as it is");
+  show("reading", "Reading ", work_.running(), CancelReading{}, "The case stays as it is");
+  show("study", "Study: ", models_.files_running(), CancelStudyFile{}, "What is not written yet is tried again");
   if (const auto file = exports_.running())
-    writing = {"Writing " + file->path.filename().string(), CancelWriting{file->path}, file->fraction,
-               file->seconds > shown_after_seconds};
+    show("writing", "Writing ", file, CancelWriting{file->subject},
+         "Nothing is written, and what the file held before stays");
   return {*theme_,
           layout_,
           state,
           *snapshot_,
           displayed_,
-          figures_,
-          opening,
-          writing,
+          quality_,
+          std::move(running),
           labels_,
           labels_name_,
           label_values_,

@@ -16,6 +16,7 @@
 #include "app/editor/work/opener.h"
 #include "app/editor/work/quality_monitor.h"
 #include "app/editor/work/study_appearance.h"
+#include "app/editor/work/worker.h"
 
 namespace homolog {
 
@@ -32,6 +33,9 @@ class EditorApp {
 
   /// Needs a current OpenGL context and ImGui's; both must outlive the drawing calls.
   Result<void> start_drawing(float scale);
+  /// Instead of that, for a window whose pictures nobody sees: lays out the interface, and draws nothing. Needs ImGui's
+  /// context alone.
+  void start_without_pictures(float scale) { set_scale(scale); }
   /// Starts a case at once (no thread reads anything); its journal is the caller's matter.
   void start_session(EditSession session);
   void start(const EditorOptions& options);
@@ -42,6 +46,8 @@ class EditorApp {
   void handle(const InputEvent& event);
   /// Takes in what the threads did, and moves what moves by itself. True where there is something new to draw.
   bool update(double seconds);
+  /// Whether something that was asked for is not done yet.
+  bool busy() const;
   /// Draws the window; ImGui's frame must not have begun. `fps` is shown.
   void draw(int width_px, int height_px, double frames_per_second);
   /// Whether the next draw shows more than the last, without anything having happened.
@@ -66,6 +72,7 @@ class EditorApp {
   friend struct CommandRunner;
   ControlsContext controls_context() const;
   void close_session();
+  void stop_playing();
   void take_snapshot();
   /// Puts the case's file among the recent ones.
   void remember_case();
@@ -84,7 +91,18 @@ class EditorApp {
   void follow_learning();
   /// Goes to the place that the case was opened for, where it was for one.
   void show_repair();
+  bool update_parts(double seconds);
   void take_opened(Opened opened);
+  /// What became of the work that leaves something to do here.
+  bool take_work();
+  /// Reads a file beside the window with `read`, and hands what it gives to `take`, where the case is still the same.
+  template <class Read, class Take>
+  void read_for_case(const std::filesystem::path& path, Read read, Take take);
+  void import_landmarks(const std::filesystem::path& path);
+  void import_stiffness(const std::filesystem::path& path);
+  void import_template_landmarks(const std::filesystem::path& path);
+  void use_made_template(const std::filesystem::path& path);
+  void draw_pictures(int width_px, int height_px);
   void start_document(Document document);
   void run_commands();
   void offer_flip(const Document& document);
@@ -123,14 +141,17 @@ class EditorApp {
   Layout layout_;
   float scale_ = 1;
   std::unique_ptr<SessionThread> session_;
+  std::uint64_t session_number_ = 0;  ///< counts the cases that were on the screen
   std::shared_ptr<const Snapshot> snapshot_;
   std::shared_ptr<const Document> tried_to_keep_;  ///< the last for which a journal was asked
   std::shared_ptr<const Document> displayed_;
   std::shared_ptr<const Template> loaded_template_;  ///< as its file holds it: the case may have mirrored it
   Opener opener_;
   Exports exports_{wake_};
+  /// What is to be done here when the work is done.
+  using Then = std::function<void()>;
+  Worker<Then> work_{wake_};
   QualityMonitor quality_;
-  std::optional<QualityFigures> figures_;
   std::shared_ptr<const Volume> labels_;
   std::string labels_name_;
   std::vector<int> label_values_;

@@ -19,6 +19,15 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
     show_repair();
   }
   follow_layout(state_, layout_);
+  if (pictures_) draw_pictures(width_px, height_px);
+  ImGui::NewFrame();
+  draw_interface(ui_context(state_, frames_per_second), out_);
+  ImGui::Render();
+  if (pictures_) ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+/// What the views and the gallery show, and the background, into the framebuffer that is bound.
+void EditorApp::draw_pictures(int width_px, int height_px) {
   GLint target_framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target_framebuffer);
   const SceneBuilder::Input input = scene_input(state_);
@@ -52,13 +61,10 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
   if (state_.models.shown) gallery_.copy(models, height_px);
 
   ImGui_ImplOpenGL3_NewFrame();
-  ImGui::NewFrame();
-  draw_interface(ui_context(state_, frames_per_second), out_);
-  ImGui::Render();
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 Result<Picture> EditorApp::picture(const PictureOptions& options) {
+  if (!pictures_) return fail("", "This window draws nothing, so there is no picture of it.");
   auto framebuffer = Framebuffer::make(options.width, options.height, options.view == ViewKind::space ? 4 : 1);
   if (!framebuffer) return fail(framebuffer.error());
   (*framebuffer)->bind();
@@ -114,6 +120,7 @@ void EditorApp::draw_view_picture(const PictureOptions& options) {
 }
 
 Result<Picture> EditorApp::plots_picture(const PictureOptions& options) {
+  if (!pictures_) return fail("", "This window draws nothing, so there is no picture of it.");
   auto framebuffer = Framebuffer::make(options.width, options.height, 1);
   if (!framebuffer) return fail(framebuffer.error());
   (*framebuffer)->bind();

@@ -6,8 +6,6 @@ namespace homolog {
 
 void EditorApp::take_opened(Opened opened) {
   for (auto& warning : opened.warnings) add_notice(state_, std::move(warning), false);
-  if (opened.cancelled) return;
-  if (!opened.error.empty()) return add_notice(state_, std::move(opened.error));
   if (opened.needs_spacing) {
     state_.dialog = SpacingDialog{std::move(opened.request)};
     return;
@@ -19,8 +17,7 @@ void EditorApp::take_opened(Opened opened) {
   if (opened.labels) {
     labels_ = std::move(opened.labels);
     labels_name_ = opened.request.labels.filename().string();
-    label_values_.clear();
-    for (const auto& [value, voxels] : labels_of(*labels_)) label_values_.push_back(value);
+    label_values_ = std::move(opened.label_values);
     return;
   }
   if (has_unsaved_edits(*snapshot_) && snapshot_->file.empty())

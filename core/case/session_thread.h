@@ -47,12 +47,15 @@ class SessionThread {
   void save_as(std::filesystem::path path);
 
   std::shared_ptr<const Snapshot> snapshot() const;
+  /// Whether an edit that was posted is not done (or refused) yet.
+  bool busy() const { return snapshot()->committed < posted_; }
   /// Waits until everything posted so far is done, and returns the session (for tests and for closing).
   EditSession finish();
 
  private:
   struct Shared;
   std::unique_ptr<Shared> shared_;
+  std::uint64_t posted_ = 0;  ///< edits and savings
 };
 
 }  // namespace homolog

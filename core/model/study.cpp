@@ -7,6 +7,7 @@
 #include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/base/text.h"
+#include "core/base/paths.h"
 
 namespace homolog {
 
@@ -31,12 +32,12 @@ fs::path absolute_in(const fs::path& folder, const std::string& text) {
 /// Relative to the folder where that is possible, with slashes on every system.
 std::string relative_to(const fs::path& folder, const fs::path& file) {
   if (file.empty() || is_built_in(file)) return file.string();
-  const fs::path relative = fs::absolute(file).lexically_normal().lexically_relative(folder);
+  const fs::path relative = absolute_path(file).lexically_relative(folder);
   return (relative.empty() ? file : relative).generic_string();
 }
 
 fs::path folder_of(const fs::path& study) {
-  return fs::absolute(study).lexically_normal().parent_path();
+  return absolute_path(study).parent_path();
 }
 
 /// Takes a text out of `json`. Errors: there, but no text.

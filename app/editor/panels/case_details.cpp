@@ -1,7 +1,3 @@
-#include <imgui.h>
-// After imgui.h, which it does not include.
-#include <imgui_stdlib.h>
-
 #include <algorithm>
 
 #include "app/editor/widgets/icons.h"
@@ -24,10 +20,11 @@ void draw_text_field(const UiContext& ui, const StudyCase& one, const char* fiel
   const auto& edit = ui.state.models.text_edit;
   const std::string key = one.name + '\n' + field;
   std::string text = edit && edit->field == key ? edit->text : committed;
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-  const bool changed = ImGui::InputTextWithHint((std::string("##") + key).c_str(), hint, &text);
+  ImGui::PushID(one.name.c_str());
+  const bool changed = text_field(ui.theme, field, text, hint, ImGui::GetContentRegionAvail().x, 28);
+  ImGui::PopID();
   if (changed) out.change([key, text](EditorState& s) { s.models.text_edit = CaseTextEdit{key, text}; });
-  if (!ImGui::IsItemDeactivatedAfterEdit()) return;
+  if (!field_left()) return;
   out.change([name = one.name, field, text](EditorState& s) {
     set_case_text(s.models, name, field, text);
     s.models.text_edit.reset();
@@ -60,10 +57,11 @@ float case_details_height(const UiContext& ui, const StudyCase& one) {
 
 void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
   const Theme& theme = ui.theme;
+  const Part part("selected case");
   gap(theme, 0);
   rule(theme);
   ImGui::PushFont(theme.strong);
-  ImGui::TextUnformatted(shortened(one.name, ImGui::GetContentRegionAvail().x).c_str());
+  text_line(shortened(one.name, ImGui::GetContentRegionAvail().x));
   ImGui::PopFont();
   int chosen = static_cast<int>(one.state);
   if (choice(theme, "state", {"To do", "In work", "Done"}, chosen, {"Not begun", "Begun", "Finished"}))

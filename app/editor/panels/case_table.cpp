@@ -1,7 +1,3 @@
-#include <imgui.h>
-// After imgui.h, which it does not include.
-#include <imgui_stdlib.h>
-
 #include <cmath>
 #include <cstdint>
 
@@ -36,43 +32,37 @@ ImU32 state_colour(CaseState state) {
 
 void draw_study_menu(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(8), theme.px(8)});
-  if (ImGui::BeginPopup("study menu")) {
-    const auto item = [&](const char* label, const char* keys, auto act) {
-      if (ImGui::MenuItem(label, keys)) act();
-    };
-    const auto ask = [&](FilePurpose purpose, std::string name = {}) {
-      out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
-    };
-    item("New study\xe2\x80\xa6", nullptr, [&] { ask(FilePurpose::new_study, "study.study.json"); });
-    item("Open study\xe2\x80\xa6", "Ctrl+O", [&] { ask(FilePurpose::open_study); });
-    if (!ui.state.models.study_file.empty())
-      item("Save study as\xe2\x80\xa6", "Ctrl+S",
-           [&] { ask(FilePurpose::save_study, ui.state.models.study_file.filename().string()); });
-    const ModelsState& state = ui.state.models;
-    if (!state.study_file.empty()) {
-      item("Set the template\xe2\x80\xa6", nullptr, [&] { ask(FilePurpose::open_study_template); });
-      if (ImGui::IsItemHovered())
-        tooltip(theme, "A mesh of the shapes' numbering: gives .particles their faces" +
-                           (state.study.template_file.empty() ? "" : ". Now " + state.study.template_file.string()));
-    }
-    if (!state.shapes.empty()) {
-      ImGui::Separator();
-      const auto export_as = [&](const char* extension) {
-        out.change([extension](EditorState& s) { s.models.export_extension = extension; });
-        ask(FilePurpose::export_shapes, study_stem(state) + "-shapes");
-      };
-      item("Export shapes as imported\xe2\x80\xa6", nullptr, [&] { export_as(""); });
-      item("Export shapes as .ply\xe2\x80\xa6", nullptr, [&] { export_as(".ply"); });
-      item("Export shapes as .particles\xe2\x80\xa6", nullptr, [&] { export_as(".particles"); });
-    }
-    ImGui::Separator();
-    item("Phantom vertebrae (10 subjects)", nullptr, [&] { out.send(OpenPhantomStudy{Organ::vertebra}); });
-    item("Phantom kidneys (16 subjects)", nullptr, [&] { out.send(OpenPhantomStudy{Organ::kidney}); });
-    item("Phantom ventricle (20 phases)", nullptr, [&] { out.send(OpenPhantomStudy{Organ::ventricle}); });
-    ImGui::EndPopup();
+  const ModelsState& state = ui.state.models;
+  if (!begin_menu(theme, "study menu")) return;
+  const auto ask = [&](FilePurpose purpose, std::string name = {}) {
+    out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
+  };
+  if (menu_item(theme, "New study\xe2\x80\xa6", nullptr)) ask(FilePurpose::new_study, "study.study.json");
+  if (menu_item(theme, "Open study\xe2\x80\xa6", "Ctrl+O")) ask(FilePurpose::open_study);
+  if (!state.study_file.empty()) {
+    if (menu_item(theme, "Save study as\xe2\x80\xa6", "Ctrl+S"))
+      ask(FilePurpose::save_study, state.study_file.filename().string());
+    const std::string now = state.study.template_file.empty() ? "" : ". Now " + state.study.template_file.string();
+    if (menu_item(theme, "Set the template\xe2\x80\xa6", nullptr,
+                  "A mesh of the shapes' numbering: gives .particles their faces" + now))
+      ask(FilePurpose::open_study_template);
   }
-  ImGui::PopStyleVar();
+  if (!state.shapes.empty()) {
+    menu_line();
+    const auto export_as = [&](const char* label, const char* extension) {
+      if (!menu_item(theme, label, nullptr)) return;
+      out.change([extension](EditorState& s) { s.models.export_extension = extension; });
+      ask(FilePurpose::export_shapes, study_stem(state) + "-shapes");
+    };
+    export_as("Export shapes as imported\xe2\x80\xa6", "");
+    export_as("Export shapes as .ply\xe2\x80\xa6", ".ply");
+    export_as("Export shapes as .particles\xe2\x80\xa6", ".particles");
+  }
+  menu_line();
+  if (menu_item(theme, "Phantom vertebrae (10 subjects)", nullptr)) out.send(OpenPhantomStudy{Organ::vertebra});
+  if (menu_item(theme, "Phantom kidneys (16 subjects)", nullptr)) out.send(OpenPhantomStudy{Organ::kidney});
+  if (menu_item(theme, "Phantom ventricle (20 phases)", nullptr)) out.send(OpenPhantomStudy{Organ::ventricle});
+  end_menu(theme);
 }
 
 void draw_buttons(const UiContext& ui, Outbox& out) {
@@ -80,7 +70,7 @@ void draw_buttons(const UiContext& ui, Outbox& out) {
   const ModelsState& state = ui.state.models;
   const float next = theme.px(28), width = (ImGui::GetContentRegionAvail().x - next - 2 * theme.px(8)) / 2;
   if (button(theme, std::string("Study  ") + icon::down_angle, "New, open, save as, phantoms", {}, width))
-    ImGui::OpenPopup("study menu");
+    open_menu("study menu");
   const ImVec2 below{ImGui::GetItemRectMin().x, ImGui::GetItemRectMax().y + theme.px(4)};
   ImGui::SetNextWindowPos(below);
   draw_study_menu(ui, out);
@@ -102,16 +92,15 @@ void draw_title(const UiContext& ui, const char* text, CaseColumn column, float 
   const ModelsState& state = ui.state.models;
   ImGui::SetCursorPosX(x_px);
   const ImVec2 at = ImGui::GetCursorScreenPos(), size{width_px, theme.px(20)};
-  if (ImGui::InvisibleButton(text, size)) out.change([column](EditorState& s) { sort_by(s.models, column); });
   const bool sorted = state.sorted_by == column;
-  const ImU32 colour = ImGui::IsItemHovered() ? palette::accent : sorted ? palette::text : palette::dim;
-  if (ImGui::IsItemHovered()) tooltip(theme, tip);
+  const auto title = area(theme, text, size, tip, {sorted});
+  if (title.clicked) out.change([column](EditorState& s) { sort_by(s.models, column); });
+  const ImU32 colour = title.hovered ? palette::accent : sorted ? palette::text : palette::dim;
   const std::string label =
       std::string(text) + (sorted ? std::string(" ") + (state.descending ? icon::down_angle : icon::arrow_up) : "");
   ImGui::PushFont(theme.small);
   const float width = ImGui::CalcTextSize(label.c_str()).x;
-  ImGui::GetWindowDrawList()->AddText({at_right ? at.x + size.x - width : at.x, at.y + theme.px(2)}, colour,
-                                      label.c_str());
+  text_at(*ImGui::GetWindowDrawList(), {at_right ? at.x + size.x - width : at.x, at.y + theme.px(2)}, colour, label);
   ImGui::PopFont();
   ImGui::SameLine(0, 0);
 }
@@ -136,26 +125,31 @@ ImU32 distance_colour(const StudyModel& model, std::ptrdiff_t shape) {
   return palette::dim;
 }
 
+std::string row_tip(const StudyCase& one, bool left_out) {
+  std::string tip = one.file.string();
+  if (left_out) tip += "\nNot in the model.";
+  if (!one.notes.empty()) tip += "\n" + one.notes;
+  return tip + (is_case_file(one.file) ? "\nDouble-click opens it." : "\nDouble-click opens it for repair.");
+}
+
 void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  ImGui::PushID(one.name.c_str());
+  const Part part(one.name, "case");
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size{width_px, theme.px(row_height)};
   const Columns columns = columns_in(theme, size.x);
-  ImGui::SetItemAllowOverlap();
-  const bool clicked = ImGui::InvisibleButton("row", size);
-  ImGui::SetItemAllowOverlap();
-  const bool hovered = ImGui::IsItemHovered();
-  if (clicked) out.change([name = one.name](EditorState& s) { s.models.selected = name; });
-  if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) out.send(OpenCaseOfStudy{one.name, {}});
-  ImDrawList& draw = *ImGui::GetWindowDrawList();
   const bool selected = state.selected == one.name;
-  if (selected || hovered)
+  const auto shape = state.model ? state.model->index_of(one.name) : -1;
+  const bool left_out = state.model && shape < 0;
+  const auto row = area(theme, "row", size, row_tip(one, left_out), {selected, true});
+  if (row.clicked) out.change([name = one.name](EditorState& s) { s.models.selected = name; });
+  if (row.doubled) out.send(OpenCaseOfStudy{one.name, {}});
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  if (selected || row.hovered)
     draw.AddRectFilled(at, {at.x + size.x, at.y + size.y},
                        selected ? with_alpha(palette::accent, 0.25f) : palette::raised, theme.px(4));
   const float y = at.y + std::floor((size.y - ImGui::GetFontSize()) / 2);
-  const auto shape = state.model ? state.model->index_of(one.name) : -1;
   if (const unsigned texture = ui.thumbnails.texture(one.name)) {
     const ImVec2 corner{std::floor(at.x + columns.picture),
                         std::floor(at.y + (size.y - theme.px(CaseThumbnails::height)) / 2)};
@@ -164,36 +158,28 @@ void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox&
   }
   const float name_room = columns.state - columns.name - theme.px(8) - (one.notes.empty() ? 0 : theme.px(20));
   const std::string name = shortened(one.name, name_room);
-  const bool left_out = state.model && shape < 0;
   const float name_y = one.group.empty() ? y : std::floor(at.y + theme.px(3));
-  draw.AddText({at.x + columns.name, name_y}, left_out ? palette::bad : palette::text, name.c_str());
+  text_at(draw, {at.x + columns.name, name_y}, left_out ? palette::bad : palette::text, name);
   if (!one.notes.empty())
-    draw.AddText({at.x + columns.name + ImGui::CalcTextSize(name.c_str()).x + theme.px(6), name_y}, palette::dim,
-                 icon::note);
+    text_at(draw, {at.x + columns.name + ImGui::CalcTextSize(name.c_str()).x + theme.px(6), name_y}, palette::dim,
+            icon::note);
   if (!one.group.empty()) {
     ImGui::PushFont(theme.small);
-    draw.AddText({at.x + columns.name, std::floor(at.y + theme.px(21))}, palette::dim,
-                 shortened(one.group, columns.state - columns.name - theme.px(8)).c_str());
+    text_at(draw, {at.x + columns.name, std::floor(at.y + theme.px(21))}, palette::dim,
+            shortened(one.group, columns.state - columns.name - theme.px(8)));
     ImGui::PopFont();
   }
   if (const auto distance = distance_mm(state, one)) {
     const std::string text = format("%.2f", *distance);
-    draw.AddText({at.x + columns.right - ImGui::CalcTextSize(text.c_str()).x, y}, distance_colour(*state.model, shape),
-                 text.c_str());
-  }
-  if (hovered) {
-    std::string tip = one.file.string();
-    if (left_out) tip += "\nNot in the model.";
-    if (!one.notes.empty()) tip += "\n" + one.notes;
-    tip += is_case_file(one.file) ? "\nDouble-click opens it." : "\nDouble-click opens it for repair.";
-    tooltip(theme, tip);
+    text_at(draw, {at.x + columns.right - ImGui::CalcTextSize(text.c_str()).x, y}, distance_colour(*state.model, shape),
+            text);
   }
   ImGui::SetCursorScreenPos({at.x + columns.state, at.y});
-  if (ImGui::InvisibleButton("state", {theme.px(24), size.y}))
+  if (area(theme, "state", {theme.px(24), size.y},
+           std::string("State: ") + state_name(one.state) + ". Click for the next.")
+          .clicked)
     out.change([name = one.name](EditorState& s) { cycle_case_state(s.models, name); });
-  if (ImGui::IsItemHovered()) tooltip(theme, std::string("State: ") + state_name(one.state) + ". Click for the next.");
-  draw.AddText({at.x + columns.state + theme.px(4), y}, state_colour(one.state), state_icon(one.state));
-  ImGui::PopID();
+  text_at(draw, {at.x + columns.state + theme.px(4), y}, state_colour(one.state), state_icon(one.state));
 }
 
 /// Says which shapes are mirror images, with the offer to flip them.
@@ -203,15 +189,10 @@ void draw_mirrored(const UiContext& ui, Outbox& out) {
   if (mirrored.empty()) return;
   std::string names;
   for (const std::string& name : mirrored) names += (names.empty() ? "" : ", ") + name;
-  ImGui::PushStyleColor(ImGuiCol_Text, palette::amber);
-  ImGui::PushTextWrapPos(0);
-  ImGui::TextUnformatted((mirrored.size() == 1
-                              ? names + " is a mirror image of the other shapes."
-                              : format("%zu shapes are mirror images of the others: ", mirrored.size()) +
-                                    shortened(names, 3 * ImGui::GetContentRegionAvail().x) + ".")
-                             .c_str());
-  ImGui::PopTextWrapPos();
-  ImGui::PopStyleColor();
+  text_lines(mirrored.size() == 1 ? names + " is a mirror image of the other shapes."
+                                  : format("%zu shapes are mirror images of the others: ", mirrored.size()) +
+                                        shortened(names, 3 * ImGui::GetContentRegionAvail().x) + ".",
+             palette::amber);
   if (button(theme, mirrored.size() == 1 ? "Flip it left for right" : "Flip them left for right",
              "In this study alone; the files stay as they are", {}, ImGui::GetContentRegionAvail().x))
     out.change([mirrored](EditorState& s) { flip_cases(s.models, mirrored); });
@@ -222,8 +203,7 @@ void draw_list(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   std::string filter = state.filter;
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-  if (ImGui::InputTextWithHint("##filter", "Filter by name, group or notes", &filter))
+  if (text_field(theme, "filter", filter, "Filter by name, group or notes", ImGui::GetContentRegionAvail().x, 28))
     out.change([filter](EditorState& s) { s.models.filter = filter; });
   const float left = ImGui::GetCursorPosX(), scrollbar = ImGui::GetStyle().ScrollbarSize;
   const float width = ImGui::GetContentRegionAvail().x - scrollbar;  // the same with and without one
@@ -263,7 +243,7 @@ void draw_case_table(const UiContext& ui, const RectPx& rect, Outbox& out) {
   draw_list(ui, out);
   if (const StudyCase* one = find_case(ui.state.models.study, ui.state.models.selected))
     draw_case_details(ui, *one, out);
-  ImGui::End();
+  end_region();
 }
 
 }  // namespace homolog

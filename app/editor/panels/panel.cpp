@@ -35,14 +35,15 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
     const bool shown = section(theme, sections[i].title, open[i], toggled);
     if (toggled) out.change([i, toggle](EditorState& s) { toggle(s, i); });
     if (!shown) continue;
-    ImGui::PushID(sections[i].title);
-    sections[i].draw(ui, out);
-    ImGui::PopID();
+    {
+      const Part part(sections[i].title);
+      sections[i].draw(ui, out);
+    }
     gap(theme, 8);
   }
   ImGui::EndChild();
   ImGui::PopStyleVar();
-  ImGui::End();
+  end_region();
 }
 
 void draw_side_panel(const UiContext& ui, Outbox& out) {

@@ -22,8 +22,8 @@ void draw_names(const Theme& theme, const Legend& legend) {
     const float y = at.y + (row - swatch) / 2;
     draw.AddRectFilled({at.x, y}, {at.x + swatch, y + swatch}, ImGui::ColorConvertFloat4ToU32({r, g, b, 1}),
                        theme.px(2));
-    draw.AddText({at.x + swatch + theme.px(4), std::floor(at.y + (row - ImGui::GetFontSize()) / 2)}, palette::dim,
-                 name.c_str());
+    text_at(draw, {at.x + swatch + theme.px(4), std::floor(at.y + (row - ImGui::GetFontSize()) / 2)}, palette::dim,
+            name);
     at.x += width + theme.px(12);
   }
   ImGui::Dummy({right - left, at.y + row - ImGui::GetCursorScreenPos().y});
@@ -53,10 +53,10 @@ void draw_overlay_legend(const UiContext& ui) {
   }
   ImGui::PushFont(theme.small);
   const float y = at.y + bar + theme.px(3);
-  draw.AddText({at.x, y}, palette::dim, legend.low.c_str());
+  text_at(draw, {at.x, y}, palette::dim, legend.low);
   const float middle = ImGui::CalcTextSize(legend.middle.c_str()).x, high = ImGui::CalcTextSize(legend.high.c_str()).x;
-  draw.AddText({std::round(at.x + (width - middle) / 2), y}, palette::dim, legend.middle.c_str());
-  draw.AddText({at.x + width - high, y}, palette::dim, legend.high.c_str());
+  text_at(draw, {std::round(at.x + (width - middle) / 2), y}, palette::dim, legend.middle);
+  text_at(draw, {at.x + width - high, y}, palette::dim, legend.high);
   ImGui::PopFont();
 }
 
@@ -89,11 +89,8 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
                "Glyphs are at least this far from each other on the template", released))
       out.change([spacing_mm](EditorState& s) { s.glyph_spacing_mm = spacing_mm; });
   }
-  if (!ui.quality) {
-    explanation(theme, "Measuring…");
-    return;
-  }
-  const QualityFigures& q = *ui.quality;
+  if (!ui.quality.latest()) return explanation(theme, ui.quality.error().empty() ? "Measuring…" : ui.quality.error());
+  const QualityFigures& q = *ui.quality.latest();
   figure(theme, "Volume", format("%.2f ml", q.volume_ml), "Enclosed by the mesh; openings are capped flat");
   figure(theme, "Edge stretch", format("%.2f · %.2f · %.2f", q.stretch_low, q.stretch_median, q.stretch_high),
          "Edge length / the template's at this placement: 5 %, median, 95 %");

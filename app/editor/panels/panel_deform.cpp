@@ -50,14 +50,15 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
   if (regions) {
     const auto& list = ui.document().regions->list;
     if (list.empty()) explanation(theme, "Add a region first (Reference, Regions).");
-    const std::string now = brush.region.empty() ? "No region (factor 1)" : brush.region;
-    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-    if (ImGui::BeginCombo("##region", now.c_str())) {
-      if (ImGui::Selectable("No region (factor 1)", brush.region.empty())) brush.region.clear(), changed = true;
-      for (const Region& region : list)
-        if (ImGui::Selectable(region.name.c_str(), brush.region == region.name))
-          brush.region = region.name, changed = true;
-      ImGui::EndCombo();
+    std::vector<std::string> names{"No region (factor 1)"};
+    int chosen = 0;
+    for (const Region& region : list) {
+      if (region.name == brush.region) chosen = static_cast<int>(names.size());
+      names.push_back(region.name);
+    }
+    if (combo(theme, "region", names, chosen)) {
+      brush.region = chosen == 0 ? std::string() : names[static_cast<std::size_t>(chosen)];
+      changed = true;
     }
   }
   if (brush.paints == BrushPaints::factor)

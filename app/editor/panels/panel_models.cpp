@@ -46,7 +46,7 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
   const std::size_t shown = state.all_modes || count <= first_few + 1 ? count : first_few;
   for (std::size_t k = 0; k < shown; ++k) {
     const double variance = state.model->model.variances[static_cast<Eigen::Index>(k)];
-    ImGui::PushID(static_cast<int>(k));
+    const Part part(format("mode %zu", k + 1), "mode");
     const bool playing = state.animated_mode == k;
     if (icon_button(theme, playing ? icon::pause : icon::play, "animate",
                     playing ? "Stop"
@@ -74,7 +74,6 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
         s.models.animated_mode.reset();
         s.models.show_difference = false;
       });
-    ImGui::PopID();
   }
   if (count > first_few + 1 &&
       button(theme, state.all_modes ? format("First %zu modes", first_few) : format("All %zu modes", count),
@@ -86,7 +85,7 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
 void draw_group_choice(const UiContext& ui, std::size_t which, const std::vector<std::string>& groups, float width_px,
                        Outbox& out) {
   const std::string& now = ui.state.models.compared[which];
-  ImGui::PushID(static_cast<int>(which));
+  const Part part(which == 0 ? "from" : "to");
   if (button(ui.theme, shortened(now, width_px - ui.theme.px(16)),
              (which == 0 ? "From the mean of this group; click for the next group: "
                          : "To the mean of this group; click for the next group: ") +
@@ -98,7 +97,6 @@ void draw_group_choice(const UiContext& ui, std::size_t which, const std::vector
       const auto next = found == groups.end() ? 0 : (found - groups.begin() + 1) % std::ssize(groups);
       group = groups[static_cast<std::size_t>(next)];
     });
-  ImGui::PopID();
 }
 
 void draw_difference(const UiContext& ui, Outbox& out) {

@@ -103,36 +103,35 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
   const auto& landmarks = ui.document().reference->landmarks;
   const auto& placed = ui.document().shape().landmarks;
   for (const Landmark& landmark : landmarks) {
-    ImGui::PushID(landmark.name.c_str());
+    const Part part(landmark.name, "landmark");
     const auto place = placed.find(landmark.name);
     const bool done = place != placed.end();
     const bool next = ui.state.tool == MouseTool::landmark && ui.state.landmark == landmark.name;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x, height = theme.px(24);
     const float remove = done ? theme.px(24) : 0.0f;
-    if (ImGui::InvisibleButton("row", {width - remove, height})) {
+    const auto row =
+        area(theme, "row", {width - remove, height},
+             done ? "Go there; drag it in a view to move it" : "Then click where it is in a slice", {next});
+    if (row.clicked)
       out.change([name = landmark.name, done, position = done ? place->second : Vec3()](EditorState& s) {
         s.tool = MouseTool::landmark;
         s.landmark = name;
         if (done) s.crosshair_mm = position;
       });
-    }
-    const bool hovered = ImGui::IsItemHovered();
-    if (hovered) tooltip(theme, done ? "Go there; drag it in a view to move it" : "Then click where it is in a slice");
     ImDrawList& draw = *ImGui::GetWindowDrawList();
-    if (next || hovered)
+    if (next || row.hovered)
       draw.AddRectFilled(at, {at.x + width, at.y + height}, next ? with_alpha(palette::accent, 0.18f) : palette::raised,
                          theme.px(4));
     const float text_y = std::floor(at.y + (height - ImGui::GetFontSize()) / 2);
-    draw.AddText({at.x + theme.px(6), text_y}, done ? palette::good : palette::faint,
-                 done ? icon::check : icon::outline);
-    draw.AddText({at.x + theme.px(28), text_y}, palette::text, landmark.name.c_str());
+    text_at(draw, {at.x + theme.px(6), text_y}, done ? palette::good : palette::faint,
+            done ? icon::check : icon::outline);
+    text_at(draw, {at.x + theme.px(28), text_y}, palette::text, landmark.name);
     if (done) {
       ImGui::SameLine(0, 0);
       if (icon_button(theme, icon::close, "remove", "Take this landmark away", {}, false, 24))
         out.apply(PlaceLandmark{landmark.name, std::nullopt});
     }
-    ImGui::PopID();
   }
 }
 

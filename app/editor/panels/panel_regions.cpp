@@ -22,16 +22,6 @@ constexpr std::array<std::array<std::uint8_t, 3>, 8> region_colours{{{224, 164, 
                                                                      {110, 205, 200},
                                                                      {215, 115, 95}}};
 
-/// A row to choose, with its text in the middle of the height of a button; true when it was clicked.
-bool chooser(const Theme& theme, const std::string& text, bool chosen, float width, float indent = 0) {
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float height = theme.px(28);
-  const bool clicked = ImGui::Selectable("##row", chosen, 0, {width, height});
-  ImGui::GetWindowDrawList()->AddText({at.x + indent + theme.px(4), at.y + (height - ImGui::GetFontSize()) / 2},
-                                      palette::text, shortened(text, width - indent - theme.px(8)).c_str());
-  return clicked;
-}
-
 using Colour = std::array<std::uint8_t, 3>;
 
 /// The first colour from the `first`-th on that no region has yet; that one where all are taken.
@@ -75,7 +65,7 @@ void draw_renaming(const UiContext& ui, const Regions& regions, float width, Out
       if (s.renaming) s.renaming->focused = true;
     });
   }
-  if (text_field(ui.theme, "##renamed region", renaming.to, "Name", width))
+  if (text_field(ui.theme, "new name", renaming.to, "Name", width))
     out.change([to = renaming.to](EditorState& s) {
       if (s.renaming) s.renaming->rename.to = to;
     });
@@ -101,16 +91,16 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
   const float swatch = theme.px(12), indent = theme.px(20), y = at.y + (theme.px(28) - swatch) / 2;
   const bool chosen = ui.state.tool == MouseTool::stiffness && ui.state.brush.region == region.name;
   const bool on_swatch = ImGui::GetMousePos().x < at.x + indent;
-  const bool clicked = chooser(theme, region.name, chosen, width, indent);
-  if (clicked && on_swatch) out.apply(SetRegion{{region.name, region.factor, next_colour(regions, region.colour)}});
-  if (clicked && !on_swatch) take_region_brush(region.name, out);
-  if (ImGui::IsItemHovered()) {
-    tooltip(theme, on_swatch ? std::string("A click gives the region another colour")
-                             : format("%d landmarks; a click takes the brush that paints them, a double click renames",
-                                      landmarks_in(regions, index + 1)));
-    if (!on_swatch && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
-      out.change([name = region.name](EditorState& s) { s.renaming = RegionNaming{{name, name}}; });
-  }
+  const auto row =
+      list_row(theme, region.name, chosen, {width, theme.px(28)},
+               on_swatch ? std::string("A click gives the region another colour")
+                         : format("%d landmarks; a click takes the brush that paints them, a double click renames",
+                                  landmarks_in(regions, index + 1)),
+               indent);
+  if (row.clicked && on_swatch) out.apply(SetRegion{{region.name, region.factor, next_colour(regions, region.colour)}});
+  if (row.clicked && !on_swatch) take_region_brush(region.name, out);
+  if (row.doubled && !on_swatch)
+    out.change([name = region.name](EditorState& s) { s.renaming = RegionNaming{{name, name}}; });
   ImGui::GetWindowDrawList()->AddRectFilled({at.x + theme.px(4), y}, {at.x + theme.px(4) + swatch, y + swatch},
                                             IM_COL32(region.colour[0], region.colour[1], region.colour[2], 255),
                                             theme.px(2));
@@ -126,7 +116,7 @@ double committed_factor(const UiContext& ui, const Region& region) {
 void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
   const Theme& theme = ui.theme;
   const Region& region = ui.document().regions->list[index];
-  ImGui::PushID(static_cast<int>(index));
+  const Part part(region.name, "region");
   const float factor_width = theme.px(72), remove_width = theme.px(24);
   draw_region_name(ui, index, ImGui::GetContentRegionAvail().x - factor_width - remove_width - theme.px(8), out);
   ImGui::SameLine(0, theme.px(4));
@@ -144,7 +134,6 @@ void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "\xc3\x97", "Forgets the region; its landmarks keep their stiffness", {}, remove_width))
     out.apply(RemoveRegion{region.name});
-  ImGui::PopID();
 }
 
 }  // namespace
@@ -158,7 +147,7 @@ void draw_regions(const UiContext& ui, Outbox& out) {
   ImGui::PopStyleVar();
   std::string name = ui.state.new_region;
   const float width = ImGui::GetContentRegionAvail().x, add_width = theme.px(64);
-  if (text_field(theme, "##new region", name, "New region, e.g. hilum", width - add_width - theme.px(4)))
+  if (text_field(theme, "new region", name, "New region, e.g. hilum", width - add_width - theme.px(4)))
     out.change([name](EditorState& s) { s.new_region = name; });
   const bool entered = enter_pressed();
   const bool taken =
@@ -189,24 +178,24 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
   const bool naming = ui.state.tool == MouseTool::template_landmark;
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(4), theme.px(2)});
   for (const Landmark& landmark : landmarks) {
-    ImGui::PushID(landmark.name.c_str());
+    const Part part(landmark.name, "landmark of the template");
     const float remove_width = theme.px(24);
     const float name_width = ImGui::GetContentRegionAvail().x - remove_width - theme.px(4);
-    if (chooser(theme, landmark.name, naming && ui.state.template_landmark == landmark.name, name_width))
+    if (list_row(theme, landmark.name, naming && ui.state.template_landmark == landmark.name,
+                 {name_width, theme.px(28)}, "A click on it, then on the mesh, moves it")
+            .clicked)
       out.change([name = landmark.name](EditorState& s) {
         s.tool = MouseTool::template_landmark;
         s.template_landmark = name;
       });
-    if (ImGui::IsItemHovered()) tooltip(theme, "A click on it, then on the mesh, moves it");
     ImGui::SameLine(0, theme.px(4));
     if (button(theme, "\xc3\x97", "Takes the landmark off the template", {}, remove_width))
       out.apply(SetTemplateLandmark{landmark.name, std::nullopt});
-    ImGui::PopID();
   }
   ImGui::PopStyleVar();
   std::string name = ui.state.template_landmark;
   const float width = ImGui::GetContentRegionAvail().x, add_width = theme.px(64);
-  if (text_field(theme, "##new landmark", name, "New landmark, e.g. apex", width - add_width - theme.px(4)))
+  if (text_field(theme, "new landmark", name, "New landmark, e.g. apex", width - add_width - theme.px(4)))
     out.change([name](EditorState& s) { s.template_landmark = name; });
   const bool entered = enter_pressed() && !name.empty();
   ImGui::SameLine(0, theme.px(4));

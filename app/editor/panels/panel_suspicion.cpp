@@ -17,30 +17,26 @@ void draw_entry(const UiContext& ui, int id, const GalleryPlace& place, const st
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const std::string& name = state.model->names[place.shape];
-  ImGui::PushID(id);
+  const Part part(format("%d", id), "doubt");
   const ImVec2 at = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, theme.px(24)};
-  const bool clicked = ImGui::InvisibleButton("entry", size);
-  const bool hovered = ImGui::IsItemHovered();
-  if (clicked)
+  const bool lit = has_place && state.pinned == place.landmark && state.selected == name;
+  const auto row = area(theme, "entry", size, tip + "\nDouble-click opens the case there, Slide tool in hand.", {lit});
+  if (row.clicked)
     out.change([place, has_place, name](EditorState& s) {
       if (has_place)
         pin_landmark(s.models, place, true);
       else
         s.models.selected = name;
     });
-  if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left))
-    out.send(OpenCaseOfStudy{name, has_place ? std::optional(place.landmark) : std::nullopt});
-  if (hovered) tooltip(theme, tip + "\nDouble-click opens the case there, Slide tool in hand.");
+  if (row.doubled) out.send(OpenCaseOfStudy{name, has_place ? std::optional(place.landmark) : std::nullopt});
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  const bool lit = has_place && state.pinned == place.landmark && state.selected == name;
-  if (hovered || lit)
+  if (row.hovered || lit)
     draw.AddRectFilled({at.x - theme.px(4), at.y}, {at.x + size.x + theme.px(4), at.y + size.y},
                        lit ? with_alpha(palette::accent, 0.25f) : palette::raised, theme.px(4));
   const float y = at.y + std::floor((size.y - ImGui::GetFontSize()) / 2);
   const float value_width = ImGui::CalcTextSize(value.c_str()).x;
-  draw.AddText({at.x, y}, palette::text, shortened(text, size.x - value_width - theme.px(12)).c_str());
-  draw.AddText({at.x + size.x - value_width, y}, colour, value.c_str());
-  ImGui::PopID();
+  text_at(draw, {at.x, y}, palette::text, shortened(text, size.x - value_width - theme.px(12)));
+  text_at(draw, {at.x + size.x - value_width, y}, colour, value);
 }
 
 /// "Landmarks (4)", and what is not listed.

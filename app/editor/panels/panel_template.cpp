@@ -74,12 +74,14 @@ void draw_stages(const UiContext& ui, const TemplateMaking& making, Outbox& out)
   for (std::size_t i = 0; i < making.stages.size(); ++i) {
     const auto& stage = making.stages[i];
     const bool shown = ui.state.shown_stage ? *ui.state.shown_stage == i : i + 1 == making.stages.size();
-    const std::string row = format("%zu  %s", i + 1, stage.name.c_str());
-    if (ImGui::Selectable(format("%s##stage%zu", row.c_str(), i).c_str(), shown))
-      out.change([i](EditorState& s) { s.shown_stage = i; });
+    const std::string name = format("%zu  %s", i + 1, stage.name.c_str());
     const std::string time = format("%.2f s", stage.seconds);
-    ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(time.c_str()).x);
-    ImGui::TextDisabled("%s", time.c_str());
+    const float room = ImGui::GetContentRegionAvail().x, time_width = ImGui::CalcTextSize(time.c_str()).x;
+    if (list_row(theme, name, shown, {room - time_width - theme.px(4), theme.px(24)}).clicked)
+      out.change([i](EditorState& s) { s.shown_stage = i; });
+    ImGui::SameLine(0, theme.px(4));
+    ImGui::AlignTextToFramePadding();
+    text_line(time, palette::faint);
   }
 }
 
@@ -106,20 +108,18 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
 
 bool label_choice(const UiContext& ui, int& label) {
   const auto& known = ui.label_values;
-  bool changed = false;
-  const auto choose = [&](int value) {
-    changed = changed || value != label;
-    label = value;
-  };
-  if (!known.empty() && std::find(known.begin(), known.end(), label) == known.end()) choose(known.front());
-  if (known.size() < 2) return changed;
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-  if (ImGui::BeginCombo("##label", format("Label %d", label).c_str())) {
-    for (const int value : known)
-      if (ImGui::Selectable(format("Label %d", value).c_str(), value == label)) choose(value);
-    ImGui::EndCombo();
-  }
-  return changed;
+  if (known.empty()) return false;
+  auto now = std::find(known.begin(), known.end(), label);
+  const bool absent = now == known.end();
+  if (absent) now = known.begin();
+  label = *now;
+  if (known.size() < 2) return absent;
+  std::vector<std::string> names;
+  for (const int value : known) names.push_back(format("Label %d", value));
+  int chosen = static_cast<int>(now - known.begin());
+  const bool changed = combo(ui.theme, "label", names, chosen);
+  label = known[static_cast<std::size_t>(chosen)];
+  return absent || changed;
 }
 
 void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality) {

@@ -6,23 +6,25 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "app/editor/scene/case_thumbnails.h"
-#include "app/editor/state/quality.h"
 #include "app/editor/update/commands.h"
 #include "app/editor/widgets/theme.h"
 #include "app/editor/work/fitter.h"
+#include "app/editor/work/quality_monitor.h"
 #include "app/editor/work/study_appearance.h"
 #include "core/case/session_thread.h"
 
 namespace homolog {
 
-/// Background work that the window shows with a progress bar.
+/// Work beside the window that takes longer than a moment, and is shown with a progress bar.
 struct RunningWork {
-  std::string what;  ///< "Opening ct.nii.gz"
+  const char* kind = "";  ///< "opening"
+  std::string what;       ///< "Opening ct.nii.gz"
+  const char* cancel_tip = "";
   Command cancel;
   double fraction = 0;
-  bool shown = false;  ///< it takes longer than half a second
 };
 
 /// Everything that the interface is drawn from, at one moment. Drawing changes nothing in it; what the user asks for
@@ -33,8 +35,8 @@ struct UiContext {
   const EditorState& state;
   const Snapshot& snapshot;
   std::shared_ptr<const Document> displayed;  ///< what is shown: the preview, at the frame that plays
-  const std::optional<QualityFigures>& quality;
-  std::optional<RunningWork> opening, writing;
+  const QualityMonitor& quality;
+  std::vector<RunningWork> running;
   std::shared_ptr<const Volume> labels;  ///< the overlay; null without one
   std::string labels_name;
   const std::vector<int>& label_values;  ///< of the overlay, without 0
@@ -124,7 +126,8 @@ void draw_overlay_legend(const UiContext& ui);
 /// The whole window, inside an ImGui frame.
 void draw_interface(const UiContext& ui, Outbox& out);
 
-/// A borderless ImGui window that fills a rectangle of the layout. Pair with ImGui::End().
+/// A borderless ImGui window that fills a rectangle of the layout; end_region() follows.
 void begin_region(const char* name, const RectPx& rect, ImU32 colour, float padding_px = 0);
+void end_region();
 
 }  // namespace homolog

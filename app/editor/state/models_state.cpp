@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "core/base/files.h"
+#include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/case/journal.h"
 #include "core/mesh/mesh_io.h"
@@ -76,7 +77,7 @@ void sort_by(ModelsState& state, CaseColumn column) {
 std::size_t add_cases(ModelsState& state, const std::vector<fs::path>& files) {
   std::size_t added = 0;
   for (const fs::path& given : files) {
-    const fs::path file = fs::absolute(given).lexically_normal();
+    const fs::path file = absolute_path(given);
     auto& cases = state.study.cases;
     if (std::any_of(cases.begin(), cases.end(), [&](const StudyCase& one) { return one.file == file; })) continue;
     const std::string stem = shape_names({file.string()}).front();
@@ -191,7 +192,7 @@ void set_case_text(ModelsState& state, const std::string& name, const std::strin
 }
 
 void set_study_template(ModelsState& state, const fs::path& file) {
-  state.study.template_file = fs::absolute(file).lexically_normal();
+  state.study.template_file = absolute_path(file);
   ++state.shapes_revision;
   ++state.study_revision;
 }

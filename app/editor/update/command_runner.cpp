@@ -60,6 +60,8 @@ struct CommandRunner {
   }
   void operator()(const CloseLabels&) const { app.labels_.reset(); }
   void operator()(const CancelOpening&) const { app.opener_.cancel(); }
+  void operator()(const CancelReading&) const { app.work_.cancel(); }
+  void operator()(const CancelStudyFile&) const { app.models_.cancel_file(); }
   void operator()(const CancelWriting& command) const { app.exports_.cancel(command.path); }
   void operator()(const SaveCase& command) const {
     const auto& file = app.snapshot_->file;
@@ -87,22 +89,7 @@ struct CommandRunner {
             return write_volume(label_map(mesh, grid, 1), path, &progress);
           });
   }
-  void operator()(const ImportLandmarks& command) const {
-    const auto read = read_landmarks(command.path);
-    if (!read) return add_notice(state, read.error().sentence());
-    const auto known = landmarks_of_template(*read, *app.snapshot_->document);
-    const std::string name = command.path.filename().string();
-    if (known.empty())
-      return add_notice(state, name + ": none of its names is a landmark of the template; rename them as listed.");
-    stop_playing();
-    for (std::size_t i = 0; i < known.size(); ++i)
-      app.session_->apply(PlaceLandmark{known[i].name, known[i].position}, i > 0);
-    if (known.size() < read->size())
-      add_notice(state,
-                 name + ": " + std::to_string(read->size() - known.size()) + " of " + std::to_string(read->size()) +
-                     " names are no landmarks of the template, and left out.",
-                 false);
-  }
+  void operator()(const ImportLandmarks& command) const { app.import_landmarks(command.path); }
   void operator()(const ExportLandmarks& command) const {
     const Document document = as_done();
     if (!document.has_shape()) return no_mesh_to_export();
@@ -114,48 +101,8 @@ struct CommandRunner {
     write(command.path,
           [file = painted_template(as_done())](const auto& path, Progress&) { return write_mesh_file(file, path); });
   }
-  void operator()(const ImportStiffness& command) const {
-    const auto read = read_mesh_file(command.path);
-    if (!read) return add_notice(state, read.error().sentence());
-    std::optional<VertexScalars> factors = read->stiffness;
-    if (!factors && read->arrays.size() == 1) factors = read->arrays.begin()->second;
-    if (!factors) {
-      std::string names;
-      for (const auto& [name, values] : read->arrays) names += (names.empty() ? "" : ", ") + name;
-      return add_notice(state, command.path.filename().string() +
-                                   (names.empty() ? ": holds no value per vertex; save one as \"stiffness\"."
-                                                  : ": holds several values per vertex (" + names +
-                                                        "); name the one to take \"stiffness\"."));
-    }
-    const Topology& topology = *app.snapshot_->document->reference->topology;
-    if (read->triangles.rows() > 0 && read->triangles != topology.triangles())
-      return add_notice(state, command.path.filename().string() +
-                                   ": its faces are not those of the template, so its vertices are others; save the "
-                                   "values on the template's own mesh.");
-    app.session_->apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(std::move(*factors))});
-  }
-  void operator()(const ImportTemplateLandmarks& command) const {
-    const auto read = read_landmarks(command.path);
-    if (!read) return add_notice(state, read.error().sentence());
-    const Document& document = *app.snapshot_->document;
-    const SurfaceSearch search({document.reference->topology, document.reference->points});
-    constexpr double most_mm = 10;
-    std::string away;
-    bool joined = false;
-    for (const Landmark& landmark : *read) {
-      const auto nearest = search.nearest(landmark.position);
-      if (nearest.distance_mm > most_mm) {
-        away += (away.empty() ? "" : ", ") + landmark.name + " (" + std::to_string(std::lround(nearest.distance_mm)) +
-                " mm)";
-        continue;
-      }
-      const Vec3 on_mesh = nearest.at.interpolate(*document.reference->topology, *document.shape().points).transpose();
-      app.session_->apply(SetTemplateLandmark{landmark.name, on_mesh}, std::exchange(joined, true));
-    }
-    if (!away.empty())
-      add_notice(state, command.path.filename().string() + ": left out what lies away from the template: " + away +
-                            "; check that the points are in the template's own frame.");
-  }
+  void operator()(const ImportStiffness& command) const { app.import_stiffness(command.path); }
+  void operator()(const ImportTemplateLandmarks& command) const { app.import_template_landmarks(command.path); }
   void operator()(const ExportTemplateLandmarks& command) const {
     write(command.path, [landmarks = as_done().reference->landmarks](const auto& path, Progress&) {
       return write_landmarks(landmarks, path);
@@ -184,20 +131,7 @@ struct CommandRunner {
     app.making_shown_ = false;
     app.template_maker_.forget();
   }
-  void operator()(const UseMadeTemplate& command) const {
-    const auto making = app.template_maker_.latest();
-    if (!making || !making->mesh) return;
-    const TemplateSettings& settings = making->settings;
-    const auto provenance = settings.tube ? provenance_of(making->source, settings.tube_options)
-                                          : provenance_of(making->source, settings.mask);
-    const auto written = write_mesh_file(template_file(*making->mesh, provenance), command.path);
-    if (!written) return add_notice(state, written.error().sentence());
-    app.making_shown_ = false;
-    app.template_maker_.forget();
-    OpenRequest request;
-    request.template_source = command.path.string();
-    app.opener_.start(std::move(request));
-  }
+  void operator()(const UseMadeTemplate& command) const { app.use_made_template(command.path); }
   void operator()(const StartFit&) const {
     if (!app.labels_ || !app.displayed_->has_shape()) return;
     stop_playing();
@@ -267,7 +201,8 @@ struct CommandRunner {
       state.dialog = QuitDialog{};
     else if (const auto file = app.exports_.running()) {
       app.quit_when_written_ = true;
-      add_notice(state, "Homolog closes as soon as " + file->path.filename().string() + " is written.", false);
+      const std::string name = std::filesystem::path(file->subject).filename().string();
+      add_notice(state, "Homolog closes as soon as " + name + " is written.", false);
     } else
       app.quit_ = true;
   }
@@ -289,11 +224,7 @@ struct CommandRunner {
       if (path.string().ends_with(".study.json")) return app.out_.send(OpenStudy{path});
     app.out_.send(AddCases{paths});
   }
-  void stop_playing() const {
-    state.playing = false;
-    if (state.shown_frame) app.session_->apply(SetFrame{*state.shown_frame});
-    state.shown_frame.reset();
-  }
+  void stop_playing() const { app.stop_playing(); }
   /// What a command of the Models mode asks to be written; false where it asks for something else.
   bool write_from_models(const ModelsCommand& command) const {
     const ModelsState& models = state.models;
@@ -322,10 +253,22 @@ struct CommandRunner {
   }
 };
 
+void EditorApp::stop_playing() {
+  state_.playing = false;
+  if (state_.shown_frame) session_->apply(SetFrame{*state_.shown_frame});
+  state_.shown_frame.reset();
+}
+
 void EditorApp::run_commands() {
-  // Commands may send further ones.
+  // Commands may send further ones. One that fails does not take the others with it.
   for (auto commands = out_.take(); !commands.empty(); commands = out_.take())
-    for (const Command& command : commands) std::visit(CommandRunner{*this}, command);
+    for (const Command& command : commands) {
+      const auto done = guarded("", [&]() -> Result<void> {
+        std::visit(CommandRunner{*this}, command);
+        return {};
+      });
+      if (!done) add_notice(state_, done.error().sentence());
+    }
 }
 
 }  // namespace homolog

@@ -55,6 +55,10 @@ struct OpenLabels {
 };
 struct CloseLabels {};
 struct CancelOpening {};
+/// Of files that are read for the case, or written for a new one.
+struct CancelReading {};
+/// Of a study's file.
+struct CancelStudyFile {};
 struct CancelWriting {
   std::filesystem::path path;
 };
@@ -145,10 +149,10 @@ struct Quit {
 
 using Command =
     std::variant<ChangeState, PreviewEdit, ApplyEdit, SnapMesh, CancelSnap, OpenFiles, OpenRequested, OpenPhantom,
-                 OpenTemplate, OpenLabels, CloseLabels, CancelOpening, CancelWriting, SaveCase, SaveCaseAs, ExportMesh,
-                 ExportLabelMap, ImportLandmarks, ExportLandmarks, ExportTemplate, ImportStiffness,
-                 ImportTemplateLandmarks, ExportTemplateLandmarks, MakeTemplate, CancelTemplate, UndoTemplate,
-                 CloseTemplateMaking, UseMadeTemplate, StartFit, RefineLandmarks, CancelFit, BlendModel,
+                 OpenTemplate, OpenLabels, CloseLabels, CancelOpening, CancelReading, CancelStudyFile, CancelWriting,
+                 SaveCase, SaveCaseAs, ExportMesh, ExportLabelMap, ImportLandmarks, ExportLandmarks, ExportTemplate,
+                 ImportStiffness, ImportTemplateLandmarks, ExportTemplateLandmarks, MakeTemplate, CancelTemplate,
+                 UndoTemplate, CloseTemplateMaking, UseMadeTemplate, StartFit, RefineLandmarks, CancelFit, BlendModel,
                  CompleteByModel, ExportPicture, ShowRecovery, RecoverCase, DiscardCase, AcceptFileDialog,
                  AcceptReplacement, ShowFrame, PlayFrames, FitViews, Quit, ModelsCommand>;
 

@@ -40,9 +40,11 @@ std::vector<FileBrowser::Place> find_places() {
   }
   std::error_code error;
   add("Working folder", fs::current_path(error));
-  for (const char* mounts : {"/media", "/mnt"})
-    for (const auto& entry : fs::directory_iterator(mounts, fs::directory_options::skip_permission_denied, error))
-      add(entry.path().filename().string(), entry.path());
+  for (const char* mounts : {"/media", "/mnt"}) {
+    fs::directory_iterator entry(mounts, fs::directory_options::skip_permission_denied, error);
+    for (; !error && entry != fs::directory_iterator(); entry.increment(error))
+      add(entry->path().filename().string(), entry->path());
+  }
   add("Computer", "/");
   return places;
 }

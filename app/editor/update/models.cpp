@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "core/base/files.h"
+#include "core/base/paths.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/repair.h"
 #include "core/model/statismo.h"
@@ -40,35 +41,95 @@ void tell(EditorState& state, const Result<void>& done, const fs::path& path) {
 
 }  // namespace
 
-void Models::open_study(EditorState& state, const fs::path& path) {
-  auto read = read_study(path);
-  if (!read) return add_notice(state, read.error().sentence());
+void Models::take_study(EditorState& state, StudyRead read, const fs::path& path) {
+  // What was edited while this one was read belongs to the study before.
+  if (!study_is_written(state.models)) write_study_file(state.models);
   // What was said of the study before does not concern this one.
   std::erase_if(state.notices, [&](const Notice& notice) {
     return std::find(told_.begin(), told_.end(), notice.text) != told_.end();
   });
   told_.clear();
-  tell_once(state, read->warnings, true);
-  show_study(state.models, std::move(read->study), fs::absolute(path).lexically_normal());
+  tell_once(state, read.warnings, true);
+  show_study(state.models, std::move(read.study), absolute_path(path));
   written_revision_ = state.models.study_revision;
+}
+
+Result<Models::Then> Models::read_of(const fs::path& path, const Progress& progress) {
+  auto read = read_study(path);
+  if (!read) return fail(read.error());
+  if (progress.cancelled()) return Then([](EditorState&, Outbox&) {});
+  return Then([this, path, study = std::make_shared<StudyRead>(std::move(*read))](EditorState& state, Outbox&) {
+    take_study(state, std::move(*study), path);
+  });
+}
+
+void Models::open_study(const fs::path& path) {
+  files_.queue(path.string(), [this, path](Progress& progress) { return read_of(path, progress); });
+}
+
+void Models::new_study(const fs::path& path) {
+  files_.queue(path.string(), [this, path](Progress& progress) -> Result<Then> {
+    if (auto written = write_study({}, path); !written) return fail(written.error());
+    return read_of(path, progress);
+  });
+}
+
+void Models::save_study_as(const ModelsState& models, const fs::path& path) {
+  files_.queue(path.string(), [this, path, study = models.study, revision = models.study_revision](Progress&) {
+    const auto written = write_study(study, path);
+    return Result<Then>([this, path, written, revision](EditorState& state, Outbox&) {
+      if (written) {
+        state.models.study_file = absolute_path(path);
+        written_revision_ = revision;  // what was edited meanwhile is not in that file yet
+      }
+      tell(state, written, path);
+    });
+  });
+}
+
+void Models::write_study_file(const ModelsState& models) {
+  written_revision_ = models.study_revision;
+  if (models.study_file.empty()) return;
+  files_.queue(models.study_file.string(), [study = models.study, path = models.study_file](Progress&) -> Result<Then> {
+    if (auto written = write_study(study, path); !written) return fail(written.error());
+    return Then([](EditorState&, Outbox&) {});
+  });
+}
+
+bool Models::take_files(EditorState& state, Outbox& out) {
+  bool any = false;
+  while (auto done = files_.take()) {
+    any = true;
+    if (*done)
+      (**done)(state, out);
+    else
+      add_notice(state, done->error().sentence());
+  }
+  return any;
+}
+
+std::vector<std::string> Models::close(ModelsState& models) {
+  if (!study_is_written(models)) write_study_file(models);
+  files_.finish();
+  std::vector<std::string> faults;
+  while (auto done = files_.take())
+    if (!*done) faults.push_back(done->error().sentence());
+  return faults;
 }
 
 void Models::run(const ModelsCommand& command, EditorState& state, const Snapshot& snapshot, Outbox& out) {
   ModelsState& models = state.models;
   if (const auto* open = std::get_if<OpenStudy>(&command)) {
-    open_study(state, open->path);
+    open_study(open->path);
   } else if (const auto* made = std::get_if<NewStudy>(&command)) {
-    if (auto written = write_study({}, made->path); !written) return add_notice(state, written.error().sentence());
-    open_study(state, made->path);
+    new_study(made->path);
   } else if (const auto* save = std::get_if<SaveStudyAs>(&command)) {
-    const auto written = write_study(models.study, save->path);
-    if (written) models.study_file = fs::absolute(save->path).lexically_normal();
-    tell(state, written, save->path);
+    save_study_as(models, save->path);
   } else if (const auto* add = std::get_if<AddCases>(&command)) {
     if (add_cases(models, add->paths) == 0) add_notice(state, "These shapes are in the study already.", false);
     if (models.study_file.empty()) models.study_file = new_study_file();
   } else if (const auto* phantom = std::get_if<OpenPhantomStudy>(&command)) {
-    phantoms_.start([organ = phantom->organ](Progress& progress) {
+    phantoms_.start("The phantom study", [organ = phantom->organ](Progress& progress) {
       return make_phantom_study(organ, studies_folder() / ("phantom-" + std::string(organ_name(organ))), progress);
     });
   } else if (const auto* of = std::get_if<OpenCaseOfStudy>(&command)) {
@@ -77,7 +138,7 @@ void Models::run(const ModelsCommand& command, EditorState& state, const Snapsho
     export_shapes(*shapes, models);
   } else if (std::holds_alternative<StartEvaluation>(command)) {
     if (!models.model) return;
-    evaluator_.start([model = models.model](Progress& progress) -> Result<Evaluated> {
+    evaluator_.start("The measures", [model = models.model](Progress& progress) -> Result<Evaluated> {
       const auto most = static_cast<int>(model->components->shapes()) - 2;
       const EvaluationOptions options{{std::min(most, static_cast<int>(model->model.modes()))}};
       auto evaluation = evaluate_model(*model->components, model->topology, options, &progress);
@@ -91,28 +152,43 @@ void Models::run(const ModelsCommand& command, EditorState& state, const Snapsho
 
 void Models::open_case(const OpenCaseOfStudy& command, EditorState& state, const Snapshot& snapshot, Outbox& out) {
   ModelsState& models = state.models;
-  StudyCase* one = find_case(models.study, command.name);
+  const StudyCase* one = find_case(models.study, command.name);
   if (one == nullptr) return;
-  if (!is_case_file(one->file)) {
-    const auto file = models.files.find(one->file);
-    if (file == models.files.end())
-      return add_notice(state, one->name + ": could not be read, so there is nothing to open.");
-    const auto made =
-        make_repair_case(*file->second.shapes.frames.at(0), models.model ? models.model->topology : nullptr, one->name,
-                         models.study_file.parent_path() / "repaired");
-    if (!made) return add_notice(state, made.error().sentence());
-    one->imported = std::exchange(one->file, *made);
-    ++models.shapes_revision;
-    ++models.study_revision;
-    add_notice(state,
-               one->name + ": opened as a case of its own, repaired/" + made->filename().string() + "; " +
-                   one->imported.filename().string() + " stays as it is.",
-               false);
-  }
+  if (!is_case_file(one->file)) return repair_case(*one, command, state);
   models.repair = RepairPlace{one->file, one->frame, command.landmark};
   models.shown = false;
   if (snapshot.file != one->file) return out.send(OpenFiles{{one->file}});
   if (const auto frame = show_repair(state, snapshot)) out.send(ShowFrame{*frame});
+}
+
+void Models::repair_case(const StudyCase& one, const OpenCaseOfStudy& command, EditorState& state) {
+  const ModelsState& models = state.models;
+  const auto file = models.files.find(one.file);
+  if (file == models.files.end())
+    return add_notice(state, one.name + ": could not be read, so there is nothing to open.");
+  const std::string subject = "the case of " + one.name;
+  if (const auto now = files_.running(); now && now->subject == subject) return;  // asked for twice
+  files_.queue(subject,
+               [this, command, mesh = file->second.shapes.frames.at(0), mesh_file = one.file,
+                faces = models.model ? models.model->topology : nullptr,
+                folder = models.study_file.parent_path() / "repaired"](Progress&) -> Result<Then> {
+                 const auto made = make_repair_case(*mesh, faces, command.name, folder);
+                 if (!made) return fail(made.error());
+                 return Then([this, command, mesh_file, case_file = *made](EditorState& now, Outbox& out) {
+                   StudyCase* repaired = find_case(now.models.study, command.name);
+                   if (repaired == nullptr || repaired->file != mesh_file)
+                     return;  // another study, or another file by now
+                   repaired->imported = std::exchange(repaired->file, case_file);
+                   ++now.models.shapes_revision;
+                   ++now.models.study_revision;
+                   add_notice(now,
+                              command.name + ": opened as a case of its own, repaired/" +
+                                  case_file.filename().string() + "; " + mesh_file.filename().string() +
+                                  " stays as it is.",
+                              false);
+                   out.send(command);
+                 });
+               });
 }
 
 void Models::export_shapes(const ExportShapes& command, const ModelsState& models) {
@@ -123,11 +199,12 @@ void Models::export_shapes(const ExportShapes& command, const ModelsState& model
     const bool is_case = is_case_file(one.file);
     shapes.push_back({one.name, shape->second, is_case ? one.imported : one.file, is_case || one.flipped});
   }
-  exporter_.start([shapes = std::move(shapes), command](Progress& progress) -> Result<fs::path> {
-    if (auto written = write_shapes(shapes, command.extension, command.folder, &progress); !written)
-      return fail(written.error());
-    return command.folder;
-  });
+  exporter_.start(command.folder.string(),
+                  [shapes = std::move(shapes), command](Progress& progress) -> Result<fs::path> {
+                    if (auto written = write_shapes(shapes, command.extension, command.folder, &progress); !written)
+                      return fail(written.error());
+                    return command.folder;
+                  });
 }
 
 std::optional<int> Models::show_repair(EditorState& state, const Snapshot& snapshot) {
@@ -154,7 +231,8 @@ void Models::build(EditorState& state, const Snapshot& snapshot) {
   built_document_ = open_document(models, snapshot);
   StudyModelRequest request{
       models.study.cases, models.study.template_file, models.alignment, models.files, built_document_, snapshot.file};
-  builder_.start([request = std::move(request)](Progress& progress) { return build_study_model(request, progress); });
+  builder_.start("The study's model",
+                 [request = std::move(request)](Progress& progress) { return build_study_model(request, progress); });
 }
 
 void Models::take_built(EditorState& state, StudyModelBuilt built) {
@@ -182,20 +260,16 @@ void Models::tell_once(EditorState& state, const std::vector<std::string>& sente
                error);
 }
 
-void Models::write_study_file(EditorState& state) {
-  ModelsState& models = state.models;
-  written_revision_ = models.study_revision;
-  if (models.study_file.empty()) return;
-  if (auto written = write_study(models.study, models.study_file); !written)
-    add_notice(state, written.error().sentence());
+bool Models::busy() const {
+  return builder_.busy() || phantoms_.busy() || evaluator_.busy() || exporter_.busy() || files_.busy();
 }
 
-bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds) {
+bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds, Outbox& out) {
   ModelsState& models = state.models;
-  bool changed = false;
+  bool changed = take_files(state, out);
   if (auto made = phantoms_.take()) {
     if (*made)
-      open_study(state, **made);
+      open_study(**made);
     else
       add_notice(state, made->error().sentence());
     changed = true;
@@ -204,7 +278,8 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
     tell(state, exported.value().map([](const fs::path&) {}), *exported ? **exported : fs::path());
     changed = true;
   }
-  if (written_revision_ != models.study_revision) write_study_file(state);
+  // One writing at a time: what is edited meanwhile goes into the next.
+  if (!study_is_written(models) && !files_.busy()) write_study_file(models);
   const bool stale = built_revision_ != models.shapes_revision || built_alignment_ != models.alignment ||
                      built_document_ != open_document(models, snapshot);
   if (models.shown && stale) build(state, snapshot);
@@ -222,7 +297,7 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
       models.evaluation = std::make_shared<const Evaluation>(std::move((*evaluated)->evaluation));
     changed = true;
   }
-  const bool working = builder_.busy() || phantoms_.busy() || evaluator_.busy() || exporter_.busy();
+  const bool working = busy();
   changed = changed || working || working != (models.modelling || models.evaluating || models.exporting);
   models.modelling = builder_.busy() || phantoms_.busy();
   models.modelling_fraction = phantoms_.busy() ? phantoms_.fraction() : builder_.fraction();
@@ -244,13 +319,15 @@ std::optional<double> Models::next_move_seconds(const ModelsState& state) const 
   return std::nullopt;
 }
 
-void Models::settle(EditorState& state, const Snapshot& snapshot) {
+void Models::settle(EditorState& state, const Snapshot& snapshot, Outbox& out) {
   phantoms_.finish();
-  update(state, snapshot, 0);
+  update(state, snapshot, 0, out);
+  files_.finish();
+  update(state, snapshot, 0, out);
   builder_.finish();
   evaluator_.finish();
   exporter_.finish();
-  update(state, snapshot, 0);
+  update(state, snapshot, 0, out);
 }
 
 }  // namespace homolog

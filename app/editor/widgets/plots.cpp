@@ -10,7 +10,7 @@ namespace homolog {
 namespace {
 
 void put_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text) {
-  draw.AddText(font, font->FontSize, {std::round(at.x), std::round(at.y)}, colour, text.c_str());
+  text_at(draw, font, {std::round(at.x), std::round(at.y)}, colour, text);
 }
 
 /// Text as short as the value allows: 0.5, 10, 0.05.

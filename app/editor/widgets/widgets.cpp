@@ -1,9 +1,11 @@
 #include "app/editor/widgets/widgets.h"
 
 #include <algorithm>
-#include <cstdarg>
+#include <array>
+#include <cmath>
 #include <cstdio>
 
+#include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
 
 // ImGui's building blocks of controls (SliderBehavior, TempInputScalar) are declared here only.
@@ -14,24 +16,23 @@ namespace homolog {
 
 namespace {
 
+using Kind = DrawnItem::Kind;
+
 constexpr float row_units = 28, label_units = 108, value_units = 76;
 
 float available() {
   return ImGui::GetContentRegionAvail().x;
 }
 
-void text_at(ImVec2 at, ImU32 colour, const char* text, const char* end = nullptr) {
-  ImGui::GetWindowDrawList()->AddText(at, colour, text, end);
-}
-
 /// Text in the middle of the height, at the left or right edge of a rectangle.
 void text_in(ImVec2 low, ImVec2 high, ImU32 colour, const std::string& text, float align) {
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-  text_at({std::floor(low.x + (high.x - low.x - size.x) * align), std::floor(low.y + (high.y - low.y - size.y) / 2)},
-          colour, text.c_str());
+  text_at(*ImGui::GetWindowDrawList(),
+          {std::floor(low.x + (high.x - low.x - size.x) * align), std::floor(low.y + (high.y - low.y - size.y) / 2)},
+          colour, text);
 }
 
-/// Makes what follows disabled where there is a refusal, and gives the tip afterwards.
+/// Makes what follows disabled where there is a refusal; afterwards takes it down and gives the tip.
 class Control {
  public:
   Control(const Theme& theme, const std::string& tip, const std::string& refusal)
@@ -41,7 +42,8 @@ class Control {
   ~Control() { ImGui::EndDisabled(); }
   Control(const Control&) = delete;
   Control& operator=(const Control&) = delete;
-  void tip() const {
+  void done(Kind kind, const std::string& label, const std::string& value = {}) const {
+    note_control(kind, label, value, text_);
     if (!text_.empty() && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) tooltip(theme_, text_);
   }
   bool disabled() const { return disabled_; }
@@ -52,6 +54,10 @@ class Control {
   bool disabled_;
 };
 
+const char* on_off(bool on) {
+  return on ? "on" : "off";
+}
+
 ImU32 fill_of_item(ImU32 resting) {
   if (ImGui::IsItemActive()) return palette::pressed;
   return ImGui::IsItemHovered() ? palette::hovered : resting;
@@ -59,17 +65,14 @@ ImU32 fill_of_item(ImU32 resting) {
 
 }  // namespace
 
-std::string format(const char* pattern, ...) {
-  std::array<char, 512> text{};
-  va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(text.data(), text.size(), pattern, arguments);
-  va_end(arguments);
-  return text.data();
+Part::Part(const std::string& name, const char* of) {
+  ImGui::PushID(name.c_str());
+  enter_part(name, of);
 }
 
-ImVec2 text_size(ImFont* font, const std::string& text) {
-  return font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str());
+Part::~Part() {
+  leave_part();
+  ImGui::PopID();
 }
 
 void progress_bar(const Theme& theme, double fraction) {
@@ -81,22 +84,6 @@ void progress_bar(const Theme& theme, double fraction) {
   ImGui::Dummy({width, height});
 }
 
-std::string shortened(const std::string& text, float width_px) {
-  const auto fits = [width_px](const std::string& t) { return ImGui::CalcTextSize(t.c_str()).x <= width_px; };
-  if (text.empty() || fits(text)) return text;
-  const std::string ellipsis = "\xe2\x80\xa6";
-  std::vector<std::size_t> characters;  // where each begins in UTF-8
-  for (std::size_t i = 0; i < text.size(); ++i)
-    if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U) characters.push_back(i);
-  for (std::size_t kept = characters.size(); kept-- > 2;) {
-    const std::size_t tail = kept / 2, head = kept - tail;
-    const std::string shorter =
-        text.substr(0, characters[head]) + ellipsis + text.substr(characters[characters.size() - tail]);
-    if (fits(shorter)) return shorter;
-  }
-  return fits(ellipsis) ? ellipsis : std::string();
-}
-
 void tooltip(const Theme& theme, const std::string& text) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(8), theme.px(6)});
   ImGui::BeginTooltip();
@@ -104,6 +91,7 @@ void tooltip(const Theme& theme, const std::string& text) {
   ImGui::PushTextWrapPos(theme.px(280));
   ImGui::TextUnformatted(text.c_str());
   ImGui::PopTextWrapPos();
+  note_text(text, ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), {0, 0}, ImGui::GetIO().DisplaySize, Kind::tip);
   ImGui::PopFont();
   ImGui::EndTooltip();
   ImGui::PopStyleVar();
@@ -113,6 +101,7 @@ bool section(const Theme& theme, const char* title, bool open, bool& toggled) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size{available(), theme.px(36)};
   toggled = ImGui::InvisibleButton(title, size);
+  note_control(Kind::section, title, on_off(open), {});
   const ImVec2 end{at.x + size.x, at.y + size.y};
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.AddLine({at.x - theme.px(12), at.y}, {end.x + theme.px(12), at.y}, palette::line);
@@ -136,7 +125,7 @@ bool button(const Theme& theme, const std::string& label, const std::string& tip
   }
   const bool pressed = ImGui::Button(label.c_str(), {width_px, theme.px(row_units)});
   if (lit) ImGui::PopStyleColor(4);
-  control.tip();
+  control.done(Kind::button, label);
   return pressed;
 }
 
@@ -155,7 +144,7 @@ bool icon_button(const Theme& theme, const char* glyph, const char* id, const st
   const ImU32 colour = control.disabled() ? palette::faint : selected ? palette::accent : palette::text;
   text_in(at, end, colour, glyph, 0.5f);
   ImGui::PopFont();
-  control.tip();
+  control.done(Kind::button, id, on_off(selected));
   return pressed;
 }
 
@@ -176,14 +165,14 @@ bool toggle(const Theme& theme, const char* label, bool& value, const std::strin
                        value ? palette::on_accent : palette::dim);
   const ImU32 colour = control.disabled() ? palette::faint : ImGui::IsItemHovered() ? IM_COL32_WHITE : palette::text;
   text_in(at, end, colour, label, 0);
-  control.tip();
+  control.done(Kind::toggle, label, on_off(value));
   return turned;
 }
 
 bool choice(const Theme& theme, const char* id, const std::vector<std::string>& labels, int& chosen,
             const std::vector<std::string>& tips, const std::string& refusal) {
   const int before = chosen;
-  ImGui::PushID(id);
+  const Part part(id);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = available(), height = theme.px(row_units);
   // In as many rows as the longest label asks for.
@@ -191,7 +180,7 @@ bool choice(const Theme& theme, const char* id, const std::vector<std::string>& 
   for (const std::string& label : labels) widest = std::max(widest, ImGui::CalcTextSize(label.c_str()).x + theme.px(8));
   const auto fitting = std::max<std::size_t>(1, static_cast<std::size_t>(width / widest));
   const std::size_t rows = (labels.size() + fitting - 1) / fitting, columns = (labels.size() + rows - 1) / rows;
-  const float part = width / static_cast<float>(columns);
+  const float column_width = width / static_cast<float>(columns);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.AddRectFilled(at, {at.x + width, at.y + height * static_cast<float>(rows)}, palette::raised, theme.px(4));
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, ImGui::GetStyle().ItemSpacing.y});
@@ -199,8 +188,8 @@ bool choice(const Theme& theme, const char* id, const std::vector<std::string>& 
     const auto index = static_cast<int>(i);
     const Control control(theme, i < tips.size() ? tips[i] : std::string(), refusal);
     const auto column = static_cast<float>(i % columns);
-    const ImVec2 low{std::round(at.x + part * column), at.y + height * static_cast<float>(i / columns)};
-    const ImVec2 high{std::round(at.x + part * (column + 1)), low.y + height};
+    const ImVec2 low{std::round(at.x + column_width * column), at.y + height * static_cast<float>(i / columns)};
+    const ImVec2 high{std::round(at.x + column_width * (column + 1)), low.y + height};
     ImGui::SetCursorScreenPos(low);
     if (ImGui::InvisibleButton(labels[i].c_str(), {high.x - low.x, height})) chosen = index;
     const bool lit = index == before;
@@ -211,10 +200,9 @@ bool choice(const Theme& theme, const char* id, const std::vector<std::string>& 
                          : ImGui::IsItemHovered() ? palette::text
                                                   : palette::dim;
     text_in(low, high, colour, labels[i], 0.5f);
-    control.tip();
+    control.done(Kind::choice, labels[i], on_off(lit));
   }
   ImGui::PopStyleVar();
-  ImGui::PopID();
   return chosen != before;
 }
 
@@ -235,13 +223,14 @@ bool number_field(const Theme& theme, const char* id, double& value, double per_
   ImGui::PopStyleVar();
   ImGui::PopID();
   released = ImGui::IsItemDeactivatedAfterEdit();
+  std::array<char, 64> digits{};
+  std::snprintf(digits.data(), digits.size(), pattern, value);
+  const std::string text = std::string(digits.data()) + (unit[0] != 0 ? std::string(" ") + unit : std::string());
+  note_control(Kind::number, id, text, tip);
   if (ImGui::IsItemHovered() && !tip.empty() && !typing) tooltip(theme, tip);
   if (!ImGui::TempInputIsActive(item)) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), pattern, value);
     const bool disabled = (ImGui::GetCurrentContext()->CurrentItemFlags & ImGuiItemFlags_Disabled) != 0;
-    text_in(at, {at.x + width_px - theme.px(6), at.y + height}, disabled ? palette::faint : palette::text,
-            std::string(text.data()) + (unit[0] != 0 ? std::string(" ") + unit : std::string()), 1);
+    text_in(at, {at.x + width_px - theme.px(6), at.y + height}, disabled ? palette::faint : palette::text, text, 1);
   }
   return changed;
 }
@@ -249,7 +238,7 @@ bool number_field(const Theme& theme, const char* id, double& value, double per_
 bool slider(const Theme& theme, const char* label, double& value, const SliderRange& range, const std::string& tip,
             bool& released, const std::string& refusal) {
   const Control control(theme, tip, refusal);
-  ImGui::PushID(label);
+  const Part part(label);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = available(), height = theme.px(24);
   const float label_width = theme.px(label_units), value_width = theme.px(value_units);
@@ -266,7 +255,7 @@ bool slider(const Theme& theme, const char* label, double& value, const SliderRa
                                                               &range.high, range.format, flags, &grab);
   if (changed) value = slid;
   released = ImGui::IsItemDeactivated();
-  control.tip();
+  control.done(Kind::track, "track");
   const float middle = track.GetCenter().y, knob_x = grab.GetCenter().x, radius = theme.px(6);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const bool live = !control.disabled();
@@ -285,21 +274,29 @@ bool slider(const Theme& theme, const char* label, double& value, const SliderRa
     changed = true;
   }
   released = released || typed;
-  ImGui::PopID();
   return changed;
 }
 
-bool text_field(const Theme& theme, const char* id, std::string& text, const char* hint, float width_px) {
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {theme.px(6), (theme.px(24) - ImGui::GetFontSize()) / 2});
+bool text_field(const Theme& theme, const char* name, std::string& text, const char* hint, float width_px,
+                float height_units) {
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {theme.px(6), (theme.px(height_units) - ImGui::GetFontSize()) / 2});
   ImGui::SetNextItemWidth(width_px);
-  const bool changed = ImGui::InputTextWithHint(id, hint, &text);
+  ImGui::PushID(name);
+  const bool changed = ImGui::InputTextWithHint("##field", hint, &text);
+  ImGui::PopID();
   ImGui::PopStyleVar();
+  note_control(Kind::field, name, text, hint);
   return changed;
 }
 
 bool enter_pressed() {
-  return ImGui::IsItemDeactivated() &&
-         (ImGui::IsKeyPressed(ImGuiKey_Enter) || ImGui::IsKeyPressed(ImGuiKey_KeyPadEnter));
+  // IsKeyPressed() counts keys as the window system does.
+  const auto pressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key)); };
+  return ImGui::IsItemDeactivated() && (pressed(ImGuiKey_Enter) || pressed(ImGuiKey_KeyPadEnter));
+}
+
+bool field_left() {
+  return ImGui::IsItemDeactivatedAfterEdit();
 }
 
 void figure(const Theme& theme, const char* label, const std::string& value, const std::string& tip, ImU32 colour) {
@@ -317,19 +314,13 @@ void figure(const Theme& theme, const char* label, const std::string& value, con
 
 void explanation(const Theme& theme, const std::string& text) {
   ImGui::PushFont(theme.small);
-  ImGui::PushStyleColor(ImGuiCol_Text, palette::dim);
-  ImGui::PushTextWrapPos(0);
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::PopTextWrapPos();
-  ImGui::PopStyleColor();
+  text_lines(text, palette::dim);
   ImGui::PopFont();
 }
 
 void caption(const Theme& theme, const char* text) {
   ImGui::PushFont(theme.small);
-  ImGui::PushStyleColor(ImGuiCol_Text, palette::dim);
-  ImGui::TextUnformatted(text);
-  ImGui::PopStyleColor();
+  text_line(text, palette::dim);
   ImGui::PopFont();
 }
 

@@ -8,9 +8,20 @@
 
 namespace homolog {
 
-// The controls of the panels and bars, in Homolog's own look. Each draws at ImGui's cursor over the available width
-// unless it says otherwise, and shows `tip` on hover. A control that is not possible gets the reason in `refusal` and
-// is then disabled, with the reason as its tip.
+// The controls and texts of the panels and bars, in Homolog's own look: all of the program's go through here, so that a
+// test can find and operate each (see drawn_items.h). Each draws at ImGui's cursor over the available width unless it
+// says otherwise, and shows `tip` on hover. A control that is not possible gets the reason in `refusal` and is then
+// disabled, with the reason as its tip.
+
+/// A part of the window while it lives. Its name tells its controls from others of the same label; `of` says what the
+/// name is of where the case gave it: Part("hilum", "region").
+class Part {
+ public:
+  explicit Part(const std::string& name, const char* of = nullptr);
+  ~Part();
+  Part(const Part&) = delete;
+  Part& operator=(const Part&) = delete;
+};
 
 void tooltip(const Theme& theme, const std::string& text);
 
@@ -45,9 +56,39 @@ bool number_field(const Theme& theme, const char* id, double& value, double per_
                   const char* unit, float width_px, const std::string& tip, bool& released);
 
 /// A line of text to type; true while it changes.
-bool text_field(const Theme& theme, const char* id, std::string& text, const char* hint, float width_px);
+bool text_field(const Theme& theme, const char* name, std::string& text, const char* hint, float width_px,
+                float height_units = 24);
 /// Whether Enter ended the typing in the field drawn last.
 bool enter_pressed();
+/// Whether the typing in the field drawn last has ended, and changed its text.
+bool field_left();
+
+/// A list that opens to choose from; true when another was chosen.
+bool combo(const Theme& theme, const char* name, const std::vector<std::string>& options, int& chosen);
+
+/// What happens in a place of the window that takes clicks.
+struct AreaState {
+  bool clicked = false, doubled = false, hovered = false;
+};
+struct AreaOptions {
+  bool selected = false;
+  bool lies_below = false;  ///< other controls lie on it
+  bool all_buttons = false;
+};
+/// A place that takes clicks and is drawn by who asks for it: a row of a list, a surface to turn.
+AreaState area(const Theme& theme, const std::string& name, ImVec2 size, const std::string& tip = {},
+               const AreaOptions& options = {});
+/// A row of a list with its text, `indent_px` from its left.
+AreaState list_row(const Theme& theme, const std::string& text, bool selected, ImVec2 size, const std::string& tip = {},
+                   float indent_px = 0);
+
+/// A list of commands over the window: open_menu() when its button is pressed, begin_menu() and, where that is true,
+/// its items and end_menu().
+void open_menu(const char* name);
+bool begin_menu(const Theme& theme, const char* name);
+bool menu_item(const Theme& theme, const char* label, const char* keys, const std::string& tip = {});
+void menu_line();
+void end_menu(const Theme& theme);
 
 /// "Label        12.3 mm" with the value at the right edge.
 void figure(const Theme& theme, const char* label, const std::string& value, const std::string& tip = {},
@@ -61,6 +102,14 @@ void gap(const Theme& theme, float units);
 void progress_bar(const Theme& theme, double fraction);
 
 ImVec2 text_size(ImFont* font, const std::string& text);
+/// Text at a px of the window in the font that is pushed, or in another; beyond `wrap_px` it goes on in the next line.
+void text_at(ImDrawList& draw, ImVec2 at, ImU32 colour, const std::string& text);
+void text_at(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text, float wrap_px = 0);
+/// Text that stays readable on any picture.
+void shadowed_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text);
+/// Text at ImGui's cursor; one of lines that end at `end_px` of the panel (0: its edge).
+void text_line(const std::string& text, ImU32 colour = palette::text);
+void text_lines(const std::string& text, ImU32 colour = palette::text, float end_px = 0);
 
 /// The text with its middle left out where it is wider; nothing where not even the dots fit.
 std::string shortened(const std::string& text, float width_px);

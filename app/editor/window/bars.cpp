@@ -72,8 +72,8 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
   ImGui::PushFont(theme.strong);
   const std::string title = shortened(case_title(ui), bar.width - 2 * (beside + theme.px(16)));
   const ImVec2 size = ImGui::CalcTextSize(title.c_str());
-  ImGui::GetWindowDrawList()->AddText({std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)},
-                                      palette::text, title.c_str());
+  text_at(*ImGui::GetWindowDrawList(), {std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)},
+          palette::text, title);
   ImGui::PopFont();
 
   ImGui::SetCursorPos({bar.width - toggles - theme.px(8), theme.px(8)});
@@ -86,7 +86,7 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
   same_line(ui, 2);
   if (icon_button(theme, icon::panel, "panel", "Side panel", {}, ui.state.preferences.panel_open, 28))
     out.change([](EditorState& s) { s.preferences.panel_open = !s.preferences.panel_open; });
-  ImGui::End();
+  end_region();
 }
 
 void draw_tool_strip(const UiContext& ui, Outbox& out) {
@@ -118,7 +118,7 @@ void draw_tool_strip(const UiContext& ui, Outbox& out) {
       gap(theme, 4);
   }
   ImGui::PopStyleVar();
-  ImGui::End();
+  end_region();
 }
 
 }  // namespace homolog

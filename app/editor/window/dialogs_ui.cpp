@@ -2,6 +2,7 @@
 
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/dialog_frame.h"
+#include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
@@ -24,8 +25,9 @@ bool begin_dialog(const UiContext& ui, const char* title, float width_units, flo
   ImGui::PopStyleColor();
   ImGui::PopStyleVar(2);
   ImGui::SetWindowFocus();
+  enter_part(title);
   ImGui::PushFont(theme.strong);
-  ImGui::TextUnformatted(title);
+  text_line(title);
   ImGui::PopFont();
   ImGui::SameLine(ImGui::GetWindowWidth() - theme.px(44));
   ImGui::SetCursorPosY(ImGui::GetCursorPosY() - theme.px(4));
@@ -35,6 +37,7 @@ bool begin_dialog(const UiContext& ui, const char* title, float width_units, flo
 }
 
 void end_dialog() {
+  leave_part();
   ImGui::End();
 }
 
@@ -86,11 +89,9 @@ void draw_keys(const UiContext& ui, Outbox& out) {
   const auto column = [&](const auto& rows, float x_units, float keys_units) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       ImGui::SetCursorPos({theme.px(x_units), theme.px(56 + 24 * static_cast<float>(i))});
-      ImGui::PushStyleColor(ImGuiCol_Text, palette::dim);
-      ImGui::TextUnformatted(rows[i].keys);
-      ImGui::PopStyleColor();
+      text_line(rows[i].keys, palette::dim);
       ImGui::SetCursorPos({theme.px(x_units + keys_units), theme.px(56 + 24 * static_cast<float>(i))});
-      ImGui::TextUnformatted(rows[i].does);
+      text_line(rows[i].does);
     }
   };
   column(mouse_rows, 20, 180);
@@ -107,7 +108,8 @@ void draw_series(const UiContext& ui, const SeriesDialog& dialog, Outbox& out) {
   for (const SeriesInfo& series : dialog.series) {
     const std::string name = series.description.empty() ? series.uid : series.description;
     const std::string label = format("%s  %s  (%d files)", series.modality.c_str(), name.c_str(), series.files);
-    if (button(theme, label + "##" + series.uid, series.uid, {}, ImGui::GetContentRegionAvail().x)) {
+    const Part part(series.uid, "series");
+    if (button(theme, label, series.uid, {}, ImGui::GetContentRegionAvail().x)) {
       OpenRequest request = dialog.request;
       request.volume_options.series_uid = series.uid;
       out.send(OpenRequested{std::move(request)});
@@ -142,9 +144,9 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
   if (!begin_dialog(ui, "Cases that were not saved", 560, 0)) close_dialog(out);
   explanation(theme, "The program ended before these were saved. Nothing but a gesture in progress was lost.");
   for (const auto& found : dialog.found) {
-    ImGui::PushID(found.journal.c_str());
+    const Part part(found.journal.string(), "unsaved case");
     const float buttons = ImGui::GetWindowWidth() - theme.px(200), top = ImGui::GetCursorPosY();
-    ImGui::TextUnformatted(shortened(found.name, buttons - theme.px(28)).c_str());
+    text_line(shortened(found.name, buttons - theme.px(28)));
     ImGui::SetCursorPosY(top + ImGui::GetTextLineHeight());
     explanation(theme, found.details);
     ImGui::SetCursorPos({buttons, top + theme.px(4)});
@@ -168,7 +170,6 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
       ImGui::SameLine(0, theme.px(4));
       if (button(theme, "Discard…", "Delete it, after a question", {}, theme.px(82))) ask_for(found.journal);
     }
-    ImGui::PopID();
     gap(theme, 0);
   }
   gap(theme, 4);

@@ -19,8 +19,10 @@ Result<Picture> editor_picture(EditSession session, const EditorPictureOptions& 
   io.DeltaTime = 1.0f / 60;
   // ImGui lays out what it has not seen before in the first frames; the third is as it stays.
   constexpr int frames = 3;
+  DrawnItems drawn;
   for (int frame = 0; frame < frames || app.draws_on(); ++frame) {
     (*framebuffer)->bind();
+    drawn.clear();
     app.draw(options.width_px, options.height_px, 0);
     if (frame == 0) {
       if (options.arrange) options.arrange(app.state());
@@ -32,6 +34,7 @@ Result<Picture> editor_picture(EditSession session, const EditorPictureOptions& 
       }
     }
   }
+  if (options.items != nullptr) *options.items = drawn.items();
   return (*framebuffer)->read();
 }
 

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <vector>
 
 #include "app/editor/update/commands.h"
+#include "app/editor/widgets/drawn_items.h"
 #include "core/base/picture.h"
 #include "core/case/session.h"
 
@@ -16,7 +19,8 @@ struct EditorPictureOptions {
   float scale = 1;
   std::function<void(EditorState&)> arrange;
   std::optional<Action> preview;
-  std::optional<ModelsCommand> models;  ///< done when the study's model is made
+  std::optional<ModelsCommand> models;      ///< done when the study's model is made
+  std::vector<DrawnItem>* items = nullptr;  ///< gets the controls and texts of the picture
 };
 Result<Picture> editor_picture(EditSession session, const EditorPictureOptions& options);
 

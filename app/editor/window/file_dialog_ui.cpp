@@ -1,7 +1,3 @@
-#include <imgui.h>
-// After imgui.h, which it does not include.
-#include <imgui_stdlib.h>
-
 #include <algorithm>
 #include <chrono>
 #include <ctime>
@@ -41,48 +37,51 @@ std::string date_text(std::filesystem::file_time_type changed) {
   return text.data();
 }
 
-bool row(const Theme& theme, const char* id, const char* glyph, const std::string& text, const std::string& middle,
-         const std::string& right, bool selected, bool& doubled) {
-  ImGui::PushID(id);
+/// What a row shows, from left to right.
+struct RowTexts {
+  const char* glyph;
+  std::string text, middle, right;
+};
+
+AreaState row(const Theme& theme, const RowTexts& texts, bool selected, const std::string& tip = {}) {
+  const auto& [glyph, text, middle, right] = texts;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size{ImGui::GetContentRegionAvail().x, theme.px(26)};
-  const bool clicked = ImGui::InvisibleButton("row", size);
-  doubled = ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+  const AreaState state = area(theme, "row", size, tip, {selected});
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const ImVec2 end{at.x + size.x, at.y + size.y};
-  if (selected || ImGui::IsItemHovered())
+  if (selected || state.hovered)
     draw.AddRectFilled(at, end, selected ? with_alpha(palette::accent, 0.25f) : palette::raised, theme.px(4));
   const float y = at.y + (size.y - ImGui::GetFontSize()) / 2;
-  draw.AddText({at.x + theme.px(8), y}, palette::dim, glyph);
+  text_at(draw, {at.x + theme.px(8), y}, palette::dim, glyph);
   const float right_width = theme.px(92), middle_width = theme.px(140);
   const float text_end = middle.empty() && right.empty() ? end.x : end.x - right_width - middle_width;
   draw.PushClipRect(at, {text_end, end.y}, true);
-  draw.AddText({at.x + theme.px(32), y}, palette::text, text.c_str());
+  text_at(draw, {at.x + theme.px(32), y}, palette::text, text);
   draw.PopClipRect();
-  draw.AddText({end.x - right_width - middle_width + theme.px(8), y}, palette::dim, middle.c_str());
-  draw.AddText({end.x - theme.px(8) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right.c_str());
-  ImGui::PopID();
-  return clicked;
+  text_at(draw, {end.x - right_width - middle_width + theme.px(8), y}, palette::dim, middle);
+  text_at(draw, {end.x - theme.px(8) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right);
+  return state;
 }
 
 void draw_places(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
   const Theme& theme = ui.theme;
-  bool doubled = false;
   caption(theme, "Places");
-  for (const auto& place : browser.places)
-    if (row(theme, place.path.c_str(), icon::folder, place.name, "", "", place.path == browser.folder, doubled))
+  for (const auto& place : browser.places) {
+    const Part part(place.path.string(), "place");
+    if (row(theme, {icon::folder, place.name, "", ""}, place.path == browser.folder).clicked)
       change_browser(out, [path = place.path](FileBrowser& b) { enter_folder(b, path); });
+  }
   const auto& recent = ui.state.preferences.recent;
   if (browser.purpose != FilePurpose::open || recent.empty()) return;
   gap(theme, 8);
   caption(theme, "Recent");
   for (const auto& path : recent) {
-    if (row(theme, ("recent " + path.string()).c_str(), icon::history, path.filename().string(), "", "", false,
-            doubled)) {
+    const Part part("recent " + path.string(), "recent file");
+    if (row(theme, {icon::history, path.filename().string(), "", ""}, false, path.string()).clicked) {
       out.send(OpenFiles{{path}});
       out.change([](EditorState& s) { s.dialog.reset(); });
     }
-    if (ImGui::IsItemHovered()) tooltip(theme, path.string());
   }
 }
 
@@ -97,16 +96,17 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
   while (clipper.Step()) {
     for (int shown = clipper.DisplayStart; shown < clipper.DisplayEnd; ++shown) {
       const auto& entry = browser.entries[static_cast<std::size_t>(visible[static_cast<std::size_t>(shown)])];
-      bool doubled = false;
-      const bool clicked =
-          row(theme, entry.name.c_str(), entry.folder ? icon::folder : icon::file, entry.name, date_text(entry.changed),
-              entry.folder ? "" : size_text(entry.bytes), browser.selected == shown, doubled);
-      if (clicked)
+      const Part part(entry.name, "file");
+      const auto state = row(theme,
+                             {entry.folder ? icon::folder : icon::file, entry.name, date_text(entry.changed),
+                              entry.folder ? std::string() : size_text(entry.bytes)},
+                             browser.selected == shown);
+      if (state.clicked)
         change_browser(out, [shown](FileBrowser& b) {
           select_entry(b, shown);
           b.scroll_to_selected = false;
         });
-      if (doubled) out.send(AcceptFileDialog{});
+      if (state.doubled) out.send(AcceptFileDialog{});
     }
   }
   if (browser.selected >= 0 && browser.scroll_to_selected)
@@ -121,9 +121,7 @@ void draw_path_bar(const UiContext& ui, const FileBrowser& browser, Outbox& out)
     change_browser(out, [](FileBrowser& b) { press_key(b, BrowserKey::parent); });
   ImGui::SameLine(0, theme.px(8));
   ImGui::AlignTextToFramePadding();
-  ImGui::PushStyleColor(ImGuiCol_Text, palette::dim);
-  ImGui::TextUnformatted(shortened(browser.folder.string(), ImGui::GetContentRegionAvail().x).c_str());
-  ImGui::PopStyleColor();
+  text_line(shortened(browser.folder.string(), ImGui::GetContentRegionAvail().x), palette::dim);
 }
 
 std::string refusal_of(const FileBrowser& browser) {
@@ -156,12 +154,12 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   const bool saving = saves(dialog.purpose);
   const bool several = dialog.purpose == FilePurpose::add_shapes;
   const float buttons = theme.px(96) * 2 + theme.px(8) + (several ? theme.px(132) : 0);
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - buttons - theme.px(12));
+  const float room = ImGui::GetContentRegionAvail().x - buttons - theme.px(12);
   std::string name = browser.name;
   // The field has the keyboard from the start: typing filters (or names) at once.
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  const bool entered = ImGui::InputTextWithHint("##name", saving ? "Name" : "Type to filter", &name,
-                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  text_field(theme, "name", name, saving ? "Name" : "Type to filter", room, 28);
+  const bool entered = enter_pressed();
   if (entered) ImGui::SetKeyboardFocusHere(-1);
   if (name != browser.name)
     change_browser(out, [name](FileBrowser& b) {

@@ -11,11 +11,8 @@ namespace homolog {
 
 namespace {
 
-/// Text that stays readable on any picture.
 void shadowed(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text) {
-  const ImVec2 whole{std::round(at.x), std::round(at.y)};
-  draw.AddText(font, font->FontSize, {whole.x + 1, whole.y + 1}, IM_COL32(0, 0, 0, 200), text.c_str());
-  draw.AddText(font, font->FontSize, whole, colour, text.c_str());
+  shadowed_text(draw, font, {std::round(at.x), std::round(at.y)}, colour, text);
 }
 
 ImU32 to_im(const Rgb& colour) {
@@ -89,11 +86,11 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   const ModelsState& state = ui.state.models;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float text_y = std::floor(rect.y + (theme.px(28) - theme.strong->FontSize) / 2);
-  draw.AddText(theme.strong, theme.strong->FontSize, {rect.x + theme.px(12), text_y}, palette::text, "Correspondence");
+  text_at(draw, theme.strong, {rect.x + theme.px(12), text_y}, palette::text, "Correspondence");
   const float title = theme.strong->CalcTextSizeA(theme.strong->FontSize, 1e6f, 0, "Correspondence").x;
   if (state.model)
-    draw.AddText({rect.x + theme.px(24) + title, text_y}, palette::dim,
-                 format("%zu shapes, %td landmarks", state.model->names.size(), state.model->landmarks()).c_str());
+    text_at(draw, {rect.x + theme.px(24) + title, text_y}, palette::dim,
+            format("%zu shapes, %td landmarks", state.model->names.size(), state.model->landmarks()));
   static constexpr std::array<LookFrom, 6> directions{LookFrom::anterior, LookFrom::posterior, LookFrom::left,
                                                       LookFrom::right,    LookFrom::superior,  LookFrom::inferior};
   static constexpr std::array<const char*, 6> letters{"A", "P", "L", "R", "S", "I"};
@@ -142,8 +139,8 @@ void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
     text = format("Landmark %td is marked (Escape)", *state.pinned);
   const float x = rect.x + theme.px(348), room = rect.x + rect.width - theme.px(12) - x;
   ImGui::PushFont(theme.small);
-  draw.AddText({x, std::floor(rect.y + theme.px(44) - theme.small->FontSize / 2)}, palette::dim,
-               shortened(text, room).c_str());
+  text_at(draw, {x, std::floor(rect.y + theme.px(44) - theme.small->FontSize / 2)}, palette::dim,
+          shortened(text, room));
   ImGui::PopFont();
 }
 
@@ -171,14 +168,11 @@ void steer(const UiContext& ui, double side_px, Outbox& out) {
     out.change([steps = io.MouseWheel](EditorState& s) { zoom_gallery(s.models, static_cast<double>(steps)); });
 }
 
-constexpr ImGuiButtonFlags any_button =
-    ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle;
-
-void draw_cells(const UiContext& ui, const RectPx& area, Outbox& out) {
+void draw_cells(const UiContext& ui, const RectPx& room, Outbox& out) {
   const ModelsState& state = ui.state.models;
-  const GalleryGrid grid = gallery_grid(state.model->shapes.size(), area);
+  const GalleryGrid grid = gallery_grid(state.model->shapes.size(), room);
   ImGui::SetCursorPos({0, 0});
-  ImGui::InvisibleButton("cells", {area.width, area.height}, any_button);
+  const auto cells = area(ui.theme, "cells", {room.width, room.height}, {}, {false, false, true});
   const RectPx first = grid.cell(0);
   steer(ui, std::min(first.width, first.height), out);
   const ImGuiIO& io = ImGui::GetIO();
@@ -187,7 +181,7 @@ void draw_cells(const UiContext& ui, const RectPx& area, Outbox& out) {
   const auto place =
       hovered ? place_at(state, grid, io.MousePos.x, io.MousePos.y, ui.theme.scale) : std::optional<GalleryPlace>();
   if (place != state.hover && !state.turning) out.change([place](EditorState& s) { s.models.hover = place; });
-  if (ImGui::IsItemHovered() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+  if (cells.doubled) {
     out.change([place](EditorState& s) { place ? pin_landmark(s.models, *place, true) : unpin(s.models); });
   } else if (ImGui::IsItemDeactivated() && !moved_far && ImGui::IsMouseReleased(ImGuiMouseButton_Left)) {
     if (place)
@@ -210,11 +204,11 @@ void draw_phantom_buttons(const UiContext& ui, Outbox& out) {
 }
 
 /// What to do where there is no model.
-void draw_start(const UiContext& ui, const RectPx& area, Outbox& out) {
+void draw_start(const UiContext& ui, const RectPx& room, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  const float width = std::min(theme.px(360), area.width - theme.px(32));
-  ImGui::SetCursorPos({std::floor((area.width - width) / 2), std::floor(area.height / 3)});
+  const float width = std::min(theme.px(360), room.width - theme.px(32));
+  ImGui::SetCursorPos({std::floor((room.width - width) / 2), std::floor(room.height / 3)});
   ImGui::BeginChild("start", {width, 0}, false, ImGuiWindowFlags_NoBackground);
   if (state.modelling) {
     explanation(theme, "Making the model…");
@@ -242,13 +236,13 @@ void draw_gallery(const UiContext& ui, const ModelsLayout& layout, Outbox& out) 
   begin_region("gallery header", layout.gallery_header, palette::surface);
   draw_header_row(ui, layout.gallery_header, out);
   if (ui.state.models.model) draw_tools_row(ui, layout.gallery_header, out);
-  ImGui::End();
+  end_region();
   begin_region("gallery", layout.gallery, IM_COL32_BLACK_TRANS);
   if (ui.state.models.model)
     draw_cells(ui, layout.gallery, out);
   else
     draw_start(ui, layout.gallery, out);
-  ImGui::End();
+  end_region();
 }
 
 namespace {
@@ -289,15 +283,14 @@ void draw_model_view(const UiContext& ui, const ModelsLayout& layout, Outbox& ou
   const ModelsState& state = ui.state.models;
   begin_region("model header", layout.model_header, palette::surface);
   const RectPx& header = layout.model_header;
-  ImGui::GetWindowDrawList()->AddText(
-      theme.strong, theme.strong->FontSize,
-      {header.x + theme.px(12), std::floor(header.y + (header.height - theme.strong->FontSize) / 2)}, palette::text,
-      state.model ? cut(theme.strong, model_title(state), header.width - theme.px(24)).c_str() : "Model");
-  ImGui::End();
+  text_at(*ImGui::GetWindowDrawList(), theme.strong,
+          {header.x + theme.px(12), std::floor(header.y + (header.height - theme.strong->FontSize) / 2)}, palette::text,
+          state.model ? cut(theme.strong, model_title(state), header.width - theme.px(24)) : std::string("Model"));
+  end_region();
   begin_region("model", layout.model, state.model ? IM_COL32_BLACK_TRANS : palette::surface);
   if (state.model) {
     ImGui::SetCursorPos({0, 0});
-    ImGui::InvisibleButton("shape", {layout.model.width, layout.model.height}, any_button);
+    area(theme, "shape", {layout.model.width, layout.model.height}, {}, {false, false, true});
     steer(ui, std::min(layout.model.width, layout.model.height), out);
     const auto landmark = marked_landmark(state);
     if (landmark && !state.animated_mode) {
@@ -307,7 +300,7 @@ void draw_model_view(const UiContext& ui, const ModelsLayout& layout, Outbox& ou
     }
     if (state.show_difference) draw_difference_legend(ui, layout.model);
   }
-  ImGui::End();
+  end_region();
 }
 
 }  // namespace homolog

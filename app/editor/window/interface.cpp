@@ -1,4 +1,5 @@
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/widgets/drawn_items.h"
 #include "app/editor/window/models_ui.h"
 
 namespace homolog {
@@ -15,6 +16,12 @@ void begin_region(const char* name, const RectPx& rect, ImU32 colour, float padd
                    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::PopStyleColor();
   ImGui::PopStyleVar(3);
+  enter_part(name);
+}
+
+void end_region() {
+  leave_part();
+  ImGui::End();
 }
 
 void draw_interface(const UiContext& ui, Outbox& out) {

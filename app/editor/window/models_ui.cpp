@@ -26,14 +26,14 @@ void draw_models_top_bar(const UiContext& ui, Outbox& out) {
   const std::string title = shortened(study_title(ui.state.models), bar.width / 3);
   const ImVec2 size = ImGui::CalcTextSize(title.c_str());
   const ImVec2 at{std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)};
-  ImGui::GetWindowDrawList()->AddText(at, palette::text, title.c_str());
+  text_at(*ImGui::GetWindowDrawList(), at, palette::text, title);
   ImGui::PopFont();
   const std::string path = ui.state.models.study_file.string();
   if (!path.empty() && ImGui::IsMouseHoveringRect(at, {at.x + size.x, at.y + size.y})) tooltip(theme, path);
   ImGui::SetCursorPos({bar.width - theme.px(36), theme.px(8)});
   if (icon_button(theme, icon::keys, "keys", "Keys and mouse (F1)", {}, false, 28))
     out.change([](EditorState& s) { s.dialog = KeysDialog{}; });
-  ImGui::End();
+  end_region();
 }
 
 void draw_models_status(const UiContext& ui) {
@@ -53,12 +53,11 @@ void draw_models_status(const UiContext& ui) {
   else if (state.model)
     left =
         "Drag turns all shapes, right-drag moves, the wheel zooms. Click marks a landmark, double-click looks at it.";
-  draw.AddText({bar.x + theme.px(12), y}, palette::dim, shortened(left, bar.width - theme.px(120)).c_str());
+  text_at(draw, {bar.x + theme.px(12), y}, palette::dim, shortened(left, bar.width - theme.px(120)));
   const std::string right = ui.frames_per_second > 0 ? format("%.0f fps", ui.frames_per_second) : "";
-  draw.AddText({bar.x + bar.width - theme.px(12) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim,
-               right.c_str());
+  text_at(draw, {bar.x + bar.width - theme.px(12) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right);
   ImGui::PopFont();
-  ImGui::End();
+  end_region();
 }
 
 }  // namespace

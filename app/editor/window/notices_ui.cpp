@@ -1,4 +1,5 @@
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
@@ -20,10 +21,12 @@ void begin_card(const UiContext& ui, const char* id, float& bottom_px, ImU32 edg
                    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing);
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(2);
+  enter_part(id);
 }
 
 void end_card(const UiContext& ui, float& bottom_px) {
   bottom_px -= ImGui::GetWindowHeight() + ui.theme.px(8);
+  leave_part();
   ImGui::End();
 }
 
@@ -38,13 +41,9 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   const Notice& notice = ui.state.notices[index];
   const ImU32 colour = notice.error ? palette::bad : palette::accent;
   begin_card(ui, format("notice %zu", index).c_str(), bottom_px, colour);
-  ImGui::PushStyleColor(ImGuiCol_Text, colour);
-  ImGui::TextUnformatted(notice.error ? icon::warning : icon::info);
-  ImGui::PopStyleColor();
+  text_line(notice.error ? icon::warning : icon::info, colour);
   ImGui::SameLine(theme.px(36));
-  ImGui::PushTextWrapPos(theme.px(356));
-  ImGui::TextUnformatted(notice.text.c_str());
-  ImGui::PopTextWrapPos();
+  text_lines(notice.text, palette::text, theme.px(356));
   if (!notice.case_before.empty()) {
     ImGui::SetCursorPosX(theme.px(36));
     if (button(theme, "Open it again", notice.case_before.string(), {}, theme.px(140), true)) {
@@ -57,20 +56,14 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   end_card(ui, bottom_px);
 }
 
-void draw_work(const UiContext& ui, const RunningWork& work, const char* tip, float& bottom_px, Outbox& out) {
+void draw_work(const UiContext& ui, const RunningWork& work, float& bottom_px, Outbox& out) {
   const Theme& theme = ui.theme;
-  begin_card(ui, tip, bottom_px, palette::accent);
+  begin_card(ui, work.kind, bottom_px, palette::accent);
   ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(shortened(work.what, theme.px(400 - 12 - 76 - 24)).c_str());
+  text_line(shortened(work.what, theme.px(400 - 12 - 76 - 24)));
   ImGui::SameLine(theme.px(400 - 12 - 76));
-  if (button(theme, "Cancel", tip, {}, theme.px(76))) out.send(work.cancel);
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float width = ImGui::GetContentRegionAvail().x, height = theme.px(4);
-  ImDrawList& draw = *ImGui::GetWindowDrawList();
-  draw.AddRectFilled(at, {at.x + width, at.y + height}, palette::pressed, height / 2);
-  const float done = width * static_cast<float>(work.fraction);
-  draw.AddRectFilled(at, {at.x + done, at.y + height}, palette::accent, height / 2);
-  ImGui::Dummy({width, height});
+  if (button(theme, "Cancel", work.cancel_tip, {}, theme.px(76))) out.send(work.cancel);
+  progress_bar(theme, work.fraction);
   end_card(ui, bottom_px);
 }
 
@@ -79,9 +72,7 @@ void draw_work(const UiContext& ui, const RunningWork& work, const char* tip, fl
 void draw_notices(const UiContext& ui, Outbox& out) {
   float bottom_px = ui.layout.status_line.y - ui.theme.px(16);
   for (std::size_t i = ui.state.notices.size(); i > 0; --i) draw_notice(ui, i - 1, bottom_px, out);
-  if (ui.opening && ui.opening->shown) draw_work(ui, *ui.opening, "What is open stays as it is", bottom_px, out);
-  if (ui.writing && ui.writing->shown)
-    draw_work(ui, *ui.writing, "Nothing is written, and what the file held before stays", bottom_px, out);
+  for (const RunningWork& work : ui.running) draw_work(ui, work, bottom_px, out);
 }
 
 }  // namespace homolog

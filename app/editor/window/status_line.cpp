@@ -58,7 +58,7 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float y = std::floor(bar.y + (bar.height - ImGui::GetFontSize()) / 2);
   draw.AddLine({bar.x, bar.y}, {bar.x + bar.width, bar.y}, palette::line);
-  draw.AddText({bar.x + theme.px(12), y}, palette::text, read_out(ui).c_str());
+  text_at(draw, {bar.x + theme.px(12), y}, palette::text, read_out(ui));
 
   const auto& snapshot = ui.snapshot;
   std::string message = snapshot.preview ? snapshot.preview->message : snapshot.message;
@@ -69,20 +69,19 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   } else if (message.empty()) {
     message = default_hint(ui);
   }
-  draw.AddText({bar.x + std::max(theme.px(420), bar.width * 0.36f), y}, colour, message.c_str());
+  text_at(draw, {bar.x + std::max(theme.px(420), bar.width * 0.36f), y}, colour, message);
 
   std::string right;
   if (snapshot.solver_ms > 0) right = format("%.2f ms", snapshot.solver_ms);
   if (ui.frames_per_second > 0) right += format("    %.0f fps", ui.frames_per_second);
   const ImVec2 size = ImGui::CalcTextSize(right.c_str());
   const ImVec2 at{bar.x + bar.width - theme.px(12) - size.x, y};
-  draw.AddText(at, palette::dim, right.c_str());
+  text_at(draw, at, palette::dim, right);
   ImGui::SetCursorScreenPos(at);
-  ImGui::InvisibleButton("timings", {std::max(size.x, 1.0f), size.y});
-  if (ImGui::IsItemHovered())
-    tooltip(theme, "Core work of the last edit, job in to points out · frames drawn a second");
+  area(theme, "timings", {std::max(size.x, 1.0f), size.y},
+       "Core work of the last edit, job in to points out · frames drawn a second");
   ImGui::PopFont();
-  ImGui::End();
+  end_region();
 }
 
 }  // namespace homolog

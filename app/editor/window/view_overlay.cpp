@@ -16,13 +16,6 @@ ImVec2 to_im(const Eigen::Vector2d& p) {
   return {static_cast<float>(p.x()), static_cast<float>(p.y())};
 }
 
-/// Text that stays readable on any image.
-void shadowed_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text) {
-  const float size = font->FontSize;
-  draw.AddText(font, size, {at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 200), text.c_str());
-  draw.AddText(font, size, at, colour, text.c_str());
-}
-
 void draw_letters(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const RectPx& rect = map.rect();
   ImFont* font = ui.theme.strong;
@@ -218,8 +211,8 @@ void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map
   const float pad = ui.theme.px(6);
   draw.AddRectFilled({at.x - pad, at.y - pad / 2}, {at.x + std::max(a.x, b.x) + pad, at.y + a.y + b.y + pad / 2},
                      IM_COL32(0x1A, 0x1C, 0x1F, 205), ui.theme.px(4));
-  draw.AddText(ui.theme.strong, ui.theme.strong->FontSize, at, colour, text.c_str());
-  draw.AddText(ui.theme.small, ui.theme.small->FontSize, {at.x, at.y + a.y}, palette::dim, sigma.c_str());
+  text_at(draw, ui.theme.strong, at, colour, text);
+  text_at(draw, ui.theme.small, {at.x, at.y + a.y}, palette::dim, sigma);
 }
 
 /// What a press would do: the point that would be taken hold of, with σ or the brush around it.
@@ -267,7 +260,7 @@ void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
     text = "Drag beside the mesh to turn it";
   if (text.empty()) return;
   const RectPx& rect = ui.layout.image(kind);
-  const ImFont& font = *ui.theme.body;
+  ImFont& font = *ui.theme.body;
   const float pad_x = ui.theme.px(12), pad_y = ui.theme.px(7), wrap = rect.width - 4 * pad_x;
   const ImVec2 size = font.CalcTextSizeA(font.FontSize, FLT_MAX, wrap, text.c_str());
   const ImVec2 at{std::round(rect.x + (rect.width - size.x) / 2), rect.y + rect.height - ui.theme.px(44) - size.y};
@@ -275,7 +268,7 @@ void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const float rounding = (font.FontSize + 2 * pad_y) / 2;
   draw.AddRectFilled(low, high, IM_COL32(0x1A, 0x1C, 0x1F, 225), rounding);
   draw.AddRect(low, high, with_alpha(palette::accent, 0.5f), rounding);
-  draw.AddText(&font, font.FontSize, at, palette::text, text.c_str(), nullptr, wrap);
+  text_at(draw, &font, at, palette::text, text, wrap);
 }
 
 void draw_empty_state(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
@@ -285,10 +278,8 @@ void draw_empty_state(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const std::string title = "Nothing is open", text = "Ctrl+O opens an image, a case or a template";
   const ImVec2 a = text_size(ui.theme.strong, title), b = text_size(ui.theme.body, text);
   const float x = rect.x + rect.width / 2, y = rect.y + rect.height / 2;
-  draw.AddText(ui.theme.strong, ui.theme.strong->FontSize, {std::round(x - a.x / 2), y - ui.theme.px(20)},
-               palette::text, title.c_str());
-  draw.AddText(ui.theme.body, ui.theme.body->FontSize, {std::round(x - b.x / 2), y + ui.theme.px(4)}, palette::dim,
-               text.c_str());
+  text_at(draw, ui.theme.strong, {std::round(x - a.x / 2), y - ui.theme.px(20)}, palette::text, title);
+  text_at(draw, ui.theme.body, {std::round(x - b.x / 2), y + ui.theme.px(4)}, palette::dim, text);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "app/editor/update/controls.h"
+#include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 #include "app/editor/window/view_overlay.h"
@@ -18,7 +19,7 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
   draw.AddRectFilled({rect.x, rect.y}, {rect.x + theme.px(3), rect.y + rect.height}, view_hue(kind));
   ImGui::PushFont(theme.strong);
   const float text_y = std::floor(rect.y + (rect.height - ImGui::GetFontSize()) / 2);
-  draw.AddText({rect.x + theme.px(12), text_y}, view_hue(kind), title.c_str());
+  text_at(draw, {rect.x + theme.px(12), text_y}, view_hue(kind), title);
   const float title_width = ImGui::CalcTextSize(title.c_str()).x;
   ImGui::PopFont();
 
@@ -27,7 +28,7 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
     const double along = normal.dot(ui.state.crosshair_mm);
     const std::string letters = direction_letters(along < 0 ? Vec3(-normal) : normal);
     const std::string position = format("%s %.1f mm", letters.c_str(), std::abs(along));
-    draw.AddText({rect.x + theme.px(24) + title_width, text_y}, palette::dim, position.c_str());
+    text_at(draw, {rect.x + theme.px(24) + title_width, text_y}, palette::dim, position);
   }
 
   const float side = theme.px(24), top = theme.px(2);
@@ -48,7 +49,7 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
         out.change([from = directions[i]](EditorState& s) { look_from(s, from); });
     }
   }
-  ImGui::End();
+  end_region();
 }
 
 ImGuiMouseCursor shape_over(const Hover& hover, MouseTool tool) {
@@ -83,13 +84,16 @@ ImGuiMouseCursor pointer_shape(const EditorState& state) {
 }  // namespace
 
 void draw_views(const UiContext& ui, Outbox& out) {
+  static constexpr std::array<const char*, 4> parts{"axial view", "sagittal view", "coronal view", "3D view"};
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   for (const ViewKind kind : all_views) {
     const RectPx& rect = ui.layout.image(kind);
     if (rect.width < 1 || rect.height < 1) continue;
     const ImVec2 low{rect.x, rect.y}, high{rect.x + rect.width, rect.y + rect.height};
     draw.PushClipRect(low, high);
+    enter_part(parts[index_of(kind)]);
     draw_view_overlay(ui, kind, draw);
+    leave_part();
     draw.PopClipRect();
     const bool under_pointer = ui.state.hover && ui.state.hover->view == kind;
     draw.AddRect(low, high, with_alpha(view_hue(kind), under_pointer ? 0.9f : 0.35f));

@@ -1,18 +1,20 @@
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <epoxy/gl.h>
+#include <imgui.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <thread>
+#include <utility>
 
 #include "app/editor/editor.h"
 #include "app/editor/editor_app.h"
 #include "app/editor/state/preferences.h"
 #include "app/editor/widgets/imgui_context.h"
-#include "app/editor/window/key_queue.h"
+#include "app/editor/window/input_router.h"
 
 namespace homolog {
 
@@ -28,58 +30,43 @@ constexpr int frames_per_event = 3;
 struct Window {
   GLFWwindow* handle = nullptr;
   EditorApp* app = nullptr;
-  KeyQueue keys;
+  InputRouter* input = nullptr;
   Preferences kept;  ///< as the file has them
   int frames_due = frames_per_event;
-  double cursor_x = 0,
-         cursor_y = 0;  ///< of the latest event, in units of the window system; it may be elsewhere by now
 
   static Window& of(GLFWwindow* handle) { return *static_cast<Window*>(glfwGetWindowUserPointer(handle)); }
 
   /// Events carry framebuffer px; the window system may count in larger units.
-  void send(decltype(InputEvent::what) what, int mods) {
-    frames_due = frames_per_event;
-    InputEvent event;
-    event.what = what;
+  std::pair<double, double> px(double x, double y) const {
     int width = 1, height = 1, pixels_x = 1, pixels_y = 1;
     glfwGetWindowSize(handle, &width, &height);
     glfwGetFramebufferSize(handle, &pixels_x, &pixels_y);
-    event.x_px = cursor_x * pixels_x / std::max(width, 1);
-    event.y_px = cursor_y * pixels_y / std::max(height, 1);
-    event.shift = (mods & GLFW_MOD_SHIFT) != 0;
-    event.ctrl = (mods & GLFW_MOD_CONTROL) != 0;
-    event.alt = (mods & GLFW_MOD_ALT) != 0;
-    event.seconds = glfwGetTime();
-    event.over_panel = !app->layout().view_at(event.x_px, event.y_px) || interface_at(event.x_px, event.y_px);
-    app->handle(event);
-    // A click may have gone to a field of the interface.
-    const bool click = std::holds_alternative<MousePress>(what) || std::holds_alternative<MouseRelease>(what);
-    if (event.over_panel && click) keys.wait_for_field();
+    return {x * pixels_x / std::max(width, 1), y * pixels_y / std::max(height, 1)};
   }
-  /// Does what a key is for; true where a text field is to have it too.
-  bool press(const KeyStroke& stroke) {
-    const bool in_field = ImGui::GetIO().WantTextInput, in_dialog = app->state().dialog.has_value();
-    const bool enter = stroke.key == GLFW_KEY_ENTER || stroke.key == GLFW_KEY_KP_ENTER;
-    const bool printable = stroke.key < GLFW_KEY_ESCAPE && !stroke.ctrl;
-    // A field that is typed into keeps its keys; a dialog's list is moved through all the same.
-    if (!in_field || (in_dialog && !printable && !enter)) {
-      send(KeyPress{stroke.key}, (stroke.shift ? GLFW_MOD_SHIFT : 0) | (stroke.ctrl ? GLFW_MOD_CONTROL : 0) |
-                                     (stroke.alt ? GLFW_MOD_ALT : 0));
-      app->update(glfwGetTime());
-    }
-    const bool leaves = in_field && (enter || stroke.key == GLFW_KEY_ESCAPE || stroke.key == GLFW_KEY_TAB);
-    if (leaves || app->state().dialog.has_value() != in_dialog) keys.wait_for_field();
-    return in_field && !printable;
-  }
-  int held_mods() const {
-    const auto held = [&](int a, int b) {
+  InputRouter::Held held() const {
+    const auto down = [&](int a, int b) {
       return glfwGetKey(handle, a) == GLFW_PRESS || glfwGetKey(handle, b) == GLFW_PRESS;
     };
-    return (held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT) ? GLFW_MOD_SHIFT : 0) |
-           (held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL) ? GLFW_MOD_CONTROL : 0) |
-           (held(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT) ? GLFW_MOD_ALT : 0);
+    return {down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT), down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL),
+            down(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT)};
   }
 };
+
+/// The window's input, with frames due to show what comes of it. No exception may pass GLFW, which is C.
+template <class Give>
+void give_input(GLFWwindow* handle, const Give& give) {
+  Window& window = Window::of(handle);
+  window.frames_due = frames_per_event;
+  const auto given = guarded("", [&]() -> Result<void> {
+    give(*window.input);
+    return {};
+  });
+  if (!given) add_notice(window.app->state(), given.error().sentence());
+}
+
+InputRouter::Held held_in(int mods) {
+  return {(mods & GLFW_MOD_SHIFT) != 0, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_ALT) != 0};
+}
 
 std::optional<MouseButton> button_of(int button) {
   switch (button) {
@@ -94,58 +81,51 @@ std::optional<MouseButton> button_of(int button) {
   }
 }
 
-/// The views' events are taken here, as they come: at slow frame rates ImGui would lose presses. ImGui's own callbacks
-/// are installed after these and call them first.
-void install_callbacks(GLFWwindow* handle) {
+void install_mouse_callbacks(GLFWwindow* handle) {
   glfwSetCursorPosCallback(handle, [](GLFWwindow* w, double x, double y) {
-    Window& window = Window::of(w);
-    window.cursor_x = x;
-    window.cursor_y = y;
-    window.send(MouseMove{}, window.held_mods());
+    give_input(w, [&](InputRouter& input) {
+      const auto [x_px, y_px] = Window::of(w).px(x, y);
+      input.move(x_px, y_px, Window::of(w).held(), glfwGetTime());
+    });
+  });
+  glfwSetCursorEnterCallback(handle, [](GLFWwindow* w, int entered) {
+    if (entered == GLFW_FALSE) give_input(w, [](InputRouter& input) { input.leave(); });
   });
   glfwSetMouseButtonCallback(handle, [](GLFWwindow* w, int button, int action, int mods) {
     const auto known = button_of(button);
     if (!known) return;
-    if (action == GLFW_PRESS)
-      Window::of(w).send(MousePress{*known}, mods);
-    else
-      Window::of(w).send(MouseRelease{*known}, mods);
+    give_input(w,
+               [&](InputRouter& input) { input.button(*known, action == GLFW_PRESS, held_in(mods), glfwGetTime()); });
   });
   glfwSetScrollCallback(handle, [](GLFWwindow* w, double, double steps) {
-    Window& window = Window::of(w);
-    window.send(Wheel{steps}, window.held_mods());
+    give_input(w, [&](InputRouter& input) { input.wheel(steps, Window::of(w).held(), glfwGetTime()); });
   });
+}
+
+void install_key_callbacks(GLFWwindow* handle) {
+  glfwSetKeyCallback(handle, [](GLFWwindow* w, int key, int, int action, int mods) {
+    if (key == GLFW_KEY_UNKNOWN) return;
+    give_input(w, [&](InputRouter& input) {
+      const InputRouter::Held held = held_in(mods);
+      if (action == GLFW_RELEASE)
+        input.let_go(held, glfwGetTime());
+      else
+        input.press({key, held.shift, held.ctrl, held.alt}, glfwGetTime());
+    });
+  });
+  glfwSetCharCallback(handle, [](GLFWwindow* w, unsigned int character) {
+    give_input(w, [&](InputRouter& input) { input.type(character); });
+  });
+}
+
+void install_window_callbacks(GLFWwindow* handle) {
   glfwSetDropCallback(handle, [](GLFWwindow* w, int count, const char** paths) {
-    Window::of(w).app->open({paths, paths + count});
-    Window::of(w).frames_due = frames_per_event;
+    give_input(w, [&](InputRouter&) { Window::of(w).app->open({paths, paths + count}); });
   });
   glfwSetFramebufferSizeCallback(handle, [](GLFWwindow* w, int, int) { Window::of(w).frames_due = frames_per_event; });
   glfwSetWindowRefreshCallback(handle, [](GLFWwindow* w) { Window::of(w).frames_due = frames_per_event; });
   glfwSetWindowContentScaleCallback(handle, [](GLFWwindow* w, float x, float) {
-    Window::of(w).app->set_scale(x);
-    Window::of(w).frames_due = frames_per_event;
-  });
-}
-
-/// The keyboard goes to ImGui through the queue; these take the place of ImGui's own callbacks.
-void install_key_callbacks(GLFWwindow* handle) {
-  glfwSetKeyCallback(handle, [](GLFWwindow* w, int key, int, int action, int mods) {
-    Window& window = Window::of(w);
-    if (key == GLFW_KEY_UNKNOWN) return;
-    if (action == GLFW_RELEASE) return window.send(MouseMove{}, mods);
-    const KeyStroke stroke{key, (mods & GLFW_MOD_SHIFT) != 0, (mods & GLFW_MOD_CONTROL) != 0,
-                           (mods & GLFW_MOD_ALT) != 0};
-    window.frames_due = frames_per_event;
-    // At once where nothing is typed into: a key keeps its place among the mouse's events.
-    if (window.keys.busy() || ImGui::GetIO().WantTextInput)
-      window.keys.press(stroke);
-    else
-      window.press(stroke);
-  });
-  glfwSetCharCallback(handle, [](GLFWwindow* w, unsigned int character) {
-    Window& window = Window::of(w);
-    window.frames_due = frames_per_event;
-    if (window.keys.busy() || ImGui::GetIO().WantTextInput) window.keys.type(character);
+    give_input(w, [&](InputRouter&) { Window::of(w).app->set_scale(x); });
   });
 }
 
@@ -174,10 +154,40 @@ void keep_preferences(Window& window) {
   window.kept = std::move(now);
 }
 
+/// One frame. Where drawing fails the window goes on with a sentence; where it fails again and again, the case is on
+/// the disk, and the program ends with that sentence.
+bool draw_frame(Window& window, int width, int height, double frames_per_second, int& failed_in_a_row) {
+  const auto drawn = guarded("", [&]() -> Result<void> {
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    ImGui_ImplGlfw_NewFrame();
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
+    io.DisplayFramebufferScale = {1, 1};
+    // In place of where ImGui's backend found the mouse just now: what it did, in its order.
+    window.input->feed(io, window.held(), glfwGetTime());
+    window.app->draw(width, height, frames_per_second);
+    glfwSwapBuffers(window.handle);
+    return {};
+  });
+  failed_in_a_row = drawn ? 0 : failed_in_a_row + 1;
+  if (drawn) return true;
+  end_broken_frame();
+  constexpr int most = 10;
+  if (failed_in_a_row < most) {
+    add_notice(window.app->state(), drawn.error().sentence());
+    window.frames_due = frames_per_event;
+    return true;
+  }
+  std::fprintf(stderr, "homolog: the window cannot be drawn any more: %s Your edits are on the disk.\n",
+               drawn.error().sentence().c_str());
+  return false;
+}
+
 /// Draws when there is something new, at most once in a display's period; sleeps otherwise.
-void run_loop(Window& window) {
+bool run_loop(Window& window) {
   const double period = display_period_seconds();
   double drawn_at = 0, smoothed_period = 0;
+  int failed_in_a_row = 0;
   while (!window.app->wants_to_quit()) {
     if (window.frames_due == 0) keep_preferences(window);
     if (window.frames_due > 0)
@@ -192,7 +202,7 @@ void run_loop(Window& window) {
       window.frames_due = frames_per_event;
     }
     if (window.app->update(glfwGetTime())) window.frames_due = std::max(window.frames_due, 1);
-    if (window.keys.busy()) window.frames_due = frames_per_event;
+    if (window.input->busy()) window.frames_due = frames_per_event;
     if (window.frames_due == 0) continue;
     const double wait = drawn_at + period - glfwGetTime();
     // What arrives meanwhile is taken in by this frame too.
@@ -210,17 +220,9 @@ void run_loop(Window& window) {
     int width = 0, height = 0;
     glfwGetFramebufferSize(window.handle, &width, &height);
     if (width == 0 || height == 0) continue;
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    ImGui_ImplGlfw_NewFrame();
-    ImGuiIO& io = ImGui::GetIO();
-    const int mods = window.held_mods();
-    io.KeyShift = (mods & GLFW_MOD_SHIFT) != 0;
-    io.KeyCtrl = (mods & GLFW_MOD_CONTROL) != 0;
-    io.KeyAlt = (mods & GLFW_MOD_ALT) != 0;
-    window.keys.feed(io, [&](const KeyStroke& stroke) { return window.press(stroke); });
-    window.app->draw(width, height, steady ? 1 / smoothed_period : 0);
-    glfwSwapBuffers(window.handle);
+    if (!draw_frame(window, width, height, steady ? 1 / smoothed_period : 0, failed_in_a_row)) return false;
   }
+  return true;
 }
 
 int show_window(GLFWwindow* handle, const EditorOptions& options, const Preferences& preferences) {
@@ -231,7 +233,9 @@ int show_window(GLFWwindow* handle, const EditorOptions& options, const Preferen
   glfwSetWindowUserPointer(handle, &window);
   const ImGuiOnOpenGl imgui;
   EditorApp app([] { glfwPostEmptyEvent(); });
+  InputRouter input(app);
   window.app = &app;
+  window.input = &input;
   app.state().preferences = window.kept = preferences;
   float scale = 1, scale_y = 1;
   glfwGetWindowContentScale(handle, &scale, &scale_y);
@@ -239,15 +243,16 @@ int show_window(GLFWwindow* handle, const EditorOptions& options, const Preferen
     std::fprintf(stderr, "homolog: %s\n", started.error().sentence().c_str());
     return 1;
   }
-  install_callbacks(handle);
-  ImGui_ImplGlfw_InitForOpenGL(handle, true);
+  ImGui_ImplGlfw_InitForOpenGL(handle, false);  // for the clipboard and the pointer's shapes
+  install_mouse_callbacks(handle);
   install_key_callbacks(handle);
+  install_window_callbacks(handle);
   app.start(options);
-  run_loop(window);
+  const bool drawn = run_loop(window);
 
   keep_preferences(window);
   ImGui_ImplGlfw_Shutdown();
-  return 0;
+  return drawn ? 0 : 1;
 }
 
 /// The window was last on a larger screen.
@@ -287,7 +292,9 @@ int run_editor(const EditorOptions& options) {
     std::fprintf(stderr,
                  "homolog: this display offers no OpenGL 3.3; install libgl1-mesa-dri for software rendering\n");
   } else {
-    status = show_window(handle, options, preferences);
+    const auto shown = guarded("", [&]() -> Result<int> { return show_window(handle, options, preferences); });
+    if (!shown) std::fprintf(stderr, "homolog: %s\n", shown.error().sentence().c_str());
+    status = shown.value_or(1);
     glfwDestroyWindow(handle);
   }
   glfwTerminate();

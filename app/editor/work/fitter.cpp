@@ -57,7 +57,7 @@ void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels lab
   document_ = document;
   refining_ = false;
   box_ = std::make_shared<Box>();
-  work_.start([=, box = box_, wake = wake_](Progress& progress) {
+  work_.start(labels.name, [=, box = box_, wake = wake_](Progress& progress) {
     FitOptions options;
     options.progress = &progress;
     options.show = [&](const Points& points) {
@@ -75,7 +75,7 @@ void Fitter::start_refinement(std::shared_ptr<const Document> document) {
   document_ = document;
   refining_ = true;
   box_ = std::make_shared<Box>();
-  work_.start([document](Progress& progress) { return refined(*document, progress); });
+  work_.start("The refinement", [document](Progress& progress) { return refined(*document, progress); });
 }
 
 void Fitter::cancel() {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/work/latest_wins.h"
+#include "app/editor/work/worker.h"
 #include "core/case/action.h"
 #include "core/fit/mask_fit.h"
 #include "core/measure/compare.h"
@@ -65,7 +65,7 @@ class Fitter {
   std::shared_ptr<Box> box_ = std::make_shared<Box>();
   std::shared_ptr<const Document> document_;
   bool refining_ = false;
-  LatestWins<Fitted> work_;
+  Worker<Fitted> work_;
 };
 
 }  // namespace homolog

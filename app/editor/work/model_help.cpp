@@ -50,7 +50,7 @@ void ModelHelp::ask(std::shared_ptr<const StudyModel> study, const std::string& 
   study_ = study;
   name_ = name;
   completer_.reset();
-  work_.start([study = std::move(study), name](Progress&) {
+  work_.start("The model of the other cases", [study = std::move(study), name](Progress&) {
     return model_without(*study, study->index_of(name)).map(with_pose);
   });
 }

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "app/editor/work/latest_wins.h"
 #include "app/editor/work/study_model.h"
+#include "app/editor/work/worker.h"
 #include "core/case/session.h"
 
 namespace homolog {
@@ -27,13 +27,14 @@ class ModelHelp {
   /// Takes in what the thread did; gives the sentence where it failed.
   std::optional<std::string> update();
   bool busy() const { return work_.busy(); }
+  void finish() { work_.finish(); }
 
  private:
   struct Completer;
   std::shared_ptr<const StudyModel> study_;
   std::string name_;
   std::shared_ptr<Completer> completer_;
-  LatestWins<ShapeModel> work_;  ///< with_pose
+  Worker<ShapeModel> work_;  ///< with_pose
 };
 
 }  // namespace homolog

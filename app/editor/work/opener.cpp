@@ -4,22 +4,15 @@
 
 #include <algorithm>
 #include <cctype>
-#include <chrono>
-#include <mutex>
-#include <new>
 
 #include "app/editor/update/demo.h"
 #include "app/editor/update/file_browser.h"
+#include "core/base/paths.h"
 #include "core/base/text.h"
 
 namespace homolog {
 
 namespace fs = std::filesystem;
-
-struct Opener::Box {
-  std::mutex mutex;
-  std::optional<Opened> opened;
-};
 
 namespace {
 
@@ -39,6 +32,11 @@ bool is_label_map_on(const Volume& volume, const Volume& image) {
   const bool whole = !std::holds_alternative<std::vector<float>>(volume.data);
   return same_voxels && whole && volume.frames == 1 && volume.range_min >= 0 && volume.range_max <= 255 &&
          labels_of(volume).size() <= most_labels;
+}
+
+void take_labels(Opened& opened, Volume labels) {
+  for (const auto& [value, voxels] : labels_of(labels)) opened.label_values.push_back(value);
+  opened.labels = std::make_shared<const Volume>(std::move(labels));
 }
 
 /// "ct.nii.gz", for the progress bar.
@@ -97,7 +95,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     opened.warnings = std::move(read->warnings);
     if (request.template_source.empty() && request.beside && is_label_map_on(read->volume, *request.beside)) {
       request.labels = request.volume_source;
-      opened.labels = std::make_shared<const Volume>(std::move(read->volume));
+      take_labels(opened, std::move(read->volume));
       opened.warnings.push_back(request.labels.filename().string() +
                                 " is shown as a label map over the image, since it has its voxels and few values.");
       return {};
@@ -115,7 +113,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     auto read = read_volume(request.labels, options);
     if (!read) return fail(read.error());
     opened.warnings.insert(opened.warnings.end(), read->warnings.begin(), read->warnings.end());
-    opened.labels = std::make_shared<const Volume>(std::move(read->volume));
+    take_labels(opened, std::move(read->volume));
   }
   return {};
 }
@@ -129,7 +127,7 @@ Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
     const bool folder = fs::is_directory(path, ignored);
     if (!folder && ends_with_any(path, purpose_extensions(FilePurpose::save_case))) {
       if (!request.case_file.empty()) return fail(path.string(), "is a second case; open one case at a time");
-      request.case_file = fs::absolute(path).lexically_normal();  // as studies name it
+      request.case_file = absolute_path(path);  // as studies name it
     } else if (!folder && ends_with_any(path, purpose_extensions(FilePurpose::open_template))) {
       if (!request.template_source.empty()) return fail(path.string(), "is a second template; open one at a time");
       request.template_source = path.string();
@@ -146,64 +144,14 @@ Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
   return request;
 }
 
-Opener::~Opener() {
-  progress_->cancel();
-  if (thread_.joinable()) thread_.join();
-}
-
-void Opener::cancel() {
-  progress_->cancel();
-  next_.reset();
-}
-
 void Opener::start(OpenRequest request) {
-  if (busy_) {
-    progress_->cancel();
-    next_ = std::move(request);
-    return;
-  }
-  progress_ = std::make_shared<Progress>();
-  box_ = std::make_shared<Box>();
-  what_ = name_of(request);
-  started_ = std::chrono::steady_clock::now();
-  busy_ = true;
-  thread_ = std::thread([box = box_, progress = progress_, wake = wake_, request = std::move(request)]() mutable {
+  const std::string name = name_of(request);
+  worker_.start(name, [request = std::move(request)](Progress& progress) -> Result<Opened> {
     Opened opened;
-    opened.request = std::move(request);
-    try {
-      if (auto done = open_parts(opened, *progress); !done) opened.error = done.error().sentence();
-    } catch (const std::bad_alloc&) {
-      opened.error = name_of(opened.request) + ": needs more memory than there is; close other programs, or crop it";
-    }
-    opened.cancelled = progress->cancelled();
-    {
-      const std::lock_guard lock(box->mutex);
-      box->opened = std::move(opened);
-    }
-    wake();
+    opened.request = request;
+    if (auto done = open_parts(opened, progress); !done) return fail(done.error());
+    return opened;
   });
-}
-
-double Opener::seconds() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
-}
-
-std::optional<Opened> Opener::take() {
-  if (!busy_) return std::nullopt;
-  std::optional<Opened> opened;
-  {
-    const std::lock_guard lock(box_->mutex);
-    opened = std::exchange(box_->opened, std::nullopt);
-  }
-  if (opened) {
-    thread_.join();
-    busy_ = false;
-    if (auto next = std::exchange(next_, std::nullopt)) {
-      start(std::move(*next));
-      return std::nullopt;
-    }
-  }
-  return opened;
 }
 
 }  // namespace homolog

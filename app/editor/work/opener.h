@@ -1,16 +1,13 @@
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
-#include <variant>
 #include <vector>
 
-#include "core/base/progress.h"
+#include "app/editor/work/worker.h"
 #include "core/case/case_file.h"
 #include "core/phantom/phantom.h"
 
@@ -38,42 +35,30 @@ struct Opened {
   std::shared_ptr<const Volume> volume;
   std::shared_ptr<const Template> reference;
   std::shared_ptr<const Volume> labels;
+  std::vector<int> label_values;  ///< those that `labels` holds, without 0
   std::vector<std::string> warnings;
   std::vector<SeriesInfo> series;  ///< the folder holds several and none was chosen: nothing was opened
   bool needs_spacing = false;      ///< a stack of pictures, whose voxel size was not told: nothing was opened
-  std::string error;               ///< the sentence, where it failed; empty also where it was cancelled
-  bool cancelled = false;
 };
 
-/// Reads files on a thread of its own, one request at a time.
+/// Reads files beside the window, one request at a time. Called from the window's thread only.
 class Opener {
  public:
   /// `wake` is called from the thread when it is done.
-  explicit Opener(std::function<void()> wake) : wake_(std::move(wake)) {}
-  ~Opener();
-  Opener(const Opener&) = delete;
-  Opener& operator=(const Opener&) = delete;
+  explicit Opener(std::function<void()> wake) : worker_(std::move(wake)) {}
 
-  /// Starts, or cancels what runs and starts when that has stopped.
+  /// Opens what is asked for, in place of what is being opened.
   void start(OpenRequest request);
-  void cancel();
-  bool busy() const { return busy_; }
-  double fraction() const { return progress_->fraction(); }
-  const std::string& what() const { return what_; }
-  double seconds() const;
-  /// The result, once.
-  std::optional<Opened> take();
+  void cancel() { worker_.cancel(); }
+  bool busy() const { return worker_.busy(); }
+  /// What is being opened; its subject is "ct.nii.gz".
+  std::optional<RunningJob> running() const { return worker_.running(); }
+  /// What was opened, or why it was not; once.
+  std::optional<Result<Opened>> take() { return worker_.take(); }
+  void finish() { worker_.finish(); }
 
  private:
-  struct Box;
-  std::function<void()> wake_;
-  std::shared_ptr<Progress> progress_ = std::make_shared<Progress>();
-  std::shared_ptr<Box> box_;
-  std::thread thread_;
-  std::optional<OpenRequest> next_;
-  std::string what_;
-  std::chrono::steady_clock::time_point started_;
-  bool busy_ = false;
+  Worker<Opened> worker_;
 };
 
 }  // namespace homolog

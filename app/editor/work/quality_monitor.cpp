@@ -1,6 +1,6 @@
 #include "app/editor/work/quality_monitor.h"
 
-#include <chrono>
+#include <algorithm>
 #include <utility>
 
 namespace homolog {
@@ -10,65 +10,56 @@ namespace {
 constexpr int share_of_rest = 9;
 }  // namespace
 
-QualityMonitor::QualityMonitor(std::function<void()> wake) : wake_(std::move(wake)), thread_([this] { run(); }) {}
-
-QualityMonitor::~QualityMonitor() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-}
-
 void QualityMonitor::post(std::shared_ptr<const Document> document) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (!document || !document->has_shape()) {
-      latest_.reset();
-      next_.reset();
-      abandoned_ = true;
-      return;
-    }
+  if (document && document->has_shape()) {
     next_ = std::move(document);
+    return;
   }
-  changed_.notify_all();
+  worker_.cancel();
+  next_.reset();
+  latest_.reset();
+  error_.clear();
 }
 
-std::optional<QualityFigures> QualityMonitor::latest() const {
-  const std::lock_guard lock(mutex_);
-  return latest_;
+void QualityMonitor::measure() {
+  worker_.queue("The mesh's figures",
+                [document = std::exchange(next_, nullptr), of = figures_of_](Progress&) -> Result<Measured> {
+                  const auto begun = Clock::now();
+                  const QualityFigures figures = of(*document);
+                  return Measured{figures, Clock::now() - begun};
+                });
+}
+
+bool QualityMonitor::take() {
+  const auto before = latest_;
+  const std::string error_before = error_;
+  while (auto done = worker_.take()) {
+    latest_.reset();
+    error_ = *done ? std::string() : done->error().sentence();
+    if (!*done) continue;
+    latest_ = (*done)->figures;
+    rested_ = Clock::now() + share_of_rest * (*done)->took;
+  }
+  return latest_ != before || error_ != error_before;
+}
+
+bool QualityMonitor::update() {
+  const bool changed = take();
+  if (next_ && !worker_.busy() && Clock::now() >= rested_) measure();
+  return changed;
+}
+
+std::optional<double> QualityMonitor::rest_seconds() const {
+  if (!next_ || worker_.busy()) return std::nullopt;
+  return std::max(0.0, std::chrono::duration<double>(rested_ - Clock::now()).count());
 }
 
 void QualityMonitor::finish() {
-  std::unique_lock lock(mutex_);
-  hurried_ = true;
-  changed_.notify_all();
-  changed_.wait(lock, [this] { return !next_ && !measuring_; });
-  hurried_ = false;
-}
-
-void QualityMonitor::run() {
-  std::unique_lock lock(mutex_);
-  for (;;) {
-    changed_.wait(lock, [this] { return stopping_ || next_; });
-    if (stopping_) return;
-    const auto document = std::exchange(next_, nullptr);
-    measuring_ = true;
-    abandoned_ = false;
-    lock.unlock();
-    const auto started = std::chrono::steady_clock::now();
-    const QualityFigures figures = quality_figures(*document);
-    const auto rest = share_of_rest * (std::chrono::steady_clock::now() - started);
-    lock.lock();
-    measuring_ = false;
-    if (!abandoned_) latest_ = figures;
-    changed_.notify_all();
-    lock.unlock();
-    wake_();
-    lock.lock();
-    changed_.wait_for(lock, rest, [this] { return stopping_ || hurried_; });
+  while (next_ || worker_.busy()) {
+    if (!worker_.busy()) measure();
+    worker_.finish();
   }
+  take();
 }
 
 }  // namespace homolog

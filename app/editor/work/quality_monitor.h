@@ -1,42 +1,53 @@
 #pragma once
 
-#include <condition_variable>
+#include <chrono>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <thread>
+#include <string>
 
 #include "app/editor/state/quality.h"
+#include "app/editor/work/worker.h"
 
 namespace homolog {
 
-/// Measures the shown mesh on a thread of its own; the latest mesh posted wins. It rests between meshes that
-/// follow each other closely, as during a drag.
+/// Measures the shown mesh beside the window; the latest mesh posted wins. It rests between meshes that follow each
+/// other closely, as during a drag. Called from the window's thread only.
 class QualityMonitor {
  public:
+  using Measure = std::function<QualityFigures(const Document&)>;
   /// `wake` is called from the thread after every new result.
-  explicit QualityMonitor(std::function<void()> wake);
-  ~QualityMonitor();
-  QualityMonitor(const QualityMonitor&) = delete;
-  QualityMonitor& operator=(const QualityMonitor&) = delete;
+  explicit QualityMonitor(std::function<void()> wake, Measure measure = quality_figures)
+      : figures_of_(std::move(measure)), worker_(std::move(wake)) {}
 
   /// A document without a mesh (or null) forgets the figures so far.
   void post(std::shared_ptr<const Document> document);
+  /// Takes in what was measured, and measures the mesh posted last when it has rested. True where the figures changed.
+  bool update();
+  /// Seconds until it has rested; nothing where no mesh waits for that.
+  std::optional<double> rest_seconds() const;
   /// Of the latest mesh that is measured; nothing before the first.
-  std::optional<QualityFigures> latest() const;
+  const std::optional<QualityFigures>& latest() const { return latest_; }
+  /// Why the mesh posted last could not be measured; empty where it was.
+  const std::string& error() const { return error_; }
   /// Waits until the mesh posted last is measured.
   void finish();
 
  private:
-  void run();
-  std::function<void()> wake_;
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
+  using Clock = std::chrono::steady_clock;
+  struct Measured {
+    QualityFigures figures;
+    Clock::duration took{};
+  };
+  void measure();
+  bool take();
+
+  Measure figures_of_;
+  Worker<Measured> worker_;
   std::shared_ptr<const Document> next_;
+  Clock::time_point rested_{};
   std::optional<QualityFigures> latest_;
-  bool measuring_ = false, abandoned_ = false, hurried_ = false, stopping_ = false;
-  std::thread thread_;
+  std::string error_;
 };
 
 }  // namespace homolog

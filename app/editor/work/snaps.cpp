@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "app/editor/state/state.h"
+#include "core/base/guarded.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/solve/shape_solver.h"
 
@@ -79,7 +80,7 @@ void Snaps::start(SessionThread& session, std::optional<SnapRegion> region, cons
   session.apply_computed(
       [box = box_, region, options](const Document& document) -> Result<std::optional<Action>> {
         const auto begin = Clock::now();
-        auto edit = snap_document(document, region, options);
+        auto edit = guarded("The snap", [&] { return snap_document(document, region, options); });
         if (!edit) {
           box->put(std::nullopt);
           if (box->progress.cancelled()) return std::optional<Action>();

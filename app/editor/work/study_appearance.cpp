@@ -60,8 +60,9 @@ void StudyAppearance::ask(std::vector<StudyCase> cases, Eigen::Index vertices) {
   asked_ = std::move(asked);
   vertices_ = vertices;
   learned_ = {};
-  work_.start(
-      [cases = std::move(cases), vertices](Progress& progress) { return learn_appearance(cases, vertices, progress); });
+  work_.start("Learning from the study", [cases = std::move(cases), vertices](Progress& progress) {
+    return learn_appearance(cases, vertices, progress);
+  });
 }
 
 void StudyAppearance::forget() {

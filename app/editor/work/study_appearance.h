@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/work/latest_wins.h"
+#include "app/editor/work/worker.h"
 #include "core/model/study.h"
 #include "core/snap/appearance.h"
 
@@ -45,7 +45,7 @@ class StudyAppearance {
   std::vector<std::string> asked_;  ///< files and frames
   Eigen::Index vertices_ = 0;
   LearnedAppearance learned_;
-  LatestWins<LearnedAppearance> work_;
+  Worker<LearnedAppearance> work_;
 };
 
 }  // namespace homolog

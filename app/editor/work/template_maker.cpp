@@ -2,8 +2,6 @@
 
 #include <chrono>
 #include <cstdio>
-#include <mutex>
-#include <new>
 #include <utility>
 
 namespace homolog {
@@ -61,92 +59,79 @@ void make(TemplateMaking& making, const Volume& labels, Progress& progress,
 
 }  // namespace
 
-/// Where the thread leaves what it has; each state is a value of its own.
-struct TemplateMaker::Box {
-  std::mutex mutex;
-  std::shared_ptr<const TemplateMaking> latest;
-
-  void put(const TemplateMaking& making) {
-    auto copy = std::make_shared<const TemplateMaking>(making);
-    put_back(std::move(copy));
-  }
-  void put_back(std::shared_ptr<const TemplateMaking> making) {
-    const std::lock_guard lock(mutex);
-    latest = std::move(making);
-  }
-};
-
-TemplateMaker::~TemplateMaker() {
-  cancel();
-  if (thread_.joinable()) thread_.join();
+void TemplateMaker::start(std::shared_ptr<const Volume> labels, std::string source, const TemplateSettings& settings) {
+  if (busy()) return;
+  if (latest_ && latest_->mesh && (before_.empty() || before_.back() != latest_)) before_.push_back(latest_);
+  TemplateMaking making;
+  making.settings = settings;
+  making.source = std::move(source);
+  latest_ = std::make_shared<const TemplateMaking>(making);
+  stages_ = std::make_shared<Stages>();
+  worker_.start(making.source,
+                [labels = std::move(labels), begun = making, stages = stages_,
+                 wake = wake_](Progress& progress) -> Result<std::shared_ptr<const TemplateMaking>> {
+                  const auto begin = Clock::now();
+                  TemplateMaking now = begun;
+                  make(now, *labels, progress, [&](const std::string& name, const Mesh& surface) {
+                    now.stages.push_back({name, std::make_shared<const Mesh>(surface),
+                                          std::chrono::duration<double>(Clock::now() - begin).count()});
+                    stages->put(std::make_shared<const TemplateMaking>(now));
+                    wake();
+                  });
+                  now.done = true;
+                  return std::make_shared<const TemplateMaking>(std::move(now));
+                });
 }
 
 void TemplateMaker::cancel() {
-  if (progress_) progress_->cancel();
+  if (!busy()) return;
+  worker_.cancel();
+  if (!before_.empty()) {
+    latest_ = before_.back();
+    return;
+  }
+  auto stopped = std::make_shared<TemplateMaking>(*latest_);
+  stopped->done = true;
+  latest_ = std::move(stopped);
 }
 
-std::shared_ptr<const TemplateMaking> TemplateMaker::latest() const {
-  if (!box_) return nullptr;
-  const std::lock_guard lock(box_->mutex);
-  return box_->latest;
-}
-
-bool TemplateMaker::busy() const {
-  const auto making = latest();
-  return making && !making->done;
+bool TemplateMaker::update() {
+  if (!busy()) return false;
+  auto stage = stages_->take();
+  if (stage) latest_ = std::move(*stage);
+  auto made = worker_.take();
+  if (!made) return stage.has_value();
+  if (*made) {
+    latest_ = std::move(**made);
+    return true;
+  }
+  auto failed = std::make_shared<TemplateMaking>(*latest_);
+  failed->done = true;
+  failed->error = made->error().sentence();
+  latest_ = std::move(failed);
+  return true;
 }
 
 bool TemplateMaker::can_undo() const {
-  return !busy() && !before_.empty() && !(before_.size() == 1 && before_.back() == latest());
+  return !busy() && !before_.empty() && !(before_.size() == 1 && before_.back() == latest_);
 }
 
 void TemplateMaker::undo() {
   if (!can_undo()) return;
-  if (before_.back() == latest()) before_.pop_back();  // a cancelled making has come back to it
-  const std::lock_guard lock(box_->mutex);
-  box_->latest = before_.back();
+  if (before_.back() == latest_) before_.pop_back();  // a cancelled making has come back to it
+  latest_ = before_.back();
   before_.pop_back();
 }
 
 void TemplateMaker::forget() {
   if (busy()) return;
-  box_.reset();
+  latest_.reset();
   before_.clear();
 }
 
-void TemplateMaker::start(std::shared_ptr<const Volume> labels, std::string source, const TemplateSettings& settings) {
-  if (busy()) return;
-  if (thread_.joinable()) thread_.join();
-  const auto last = latest();
-  if (last && last->mesh && (before_.empty() || before_.back() != last)) before_.push_back(last);
-  TemplateMaking making;
-  making.settings = settings;
-  making.source = std::move(source);
-  progress_ = std::make_shared<Progress>();
-  box_ = std::make_shared<Box>();
-  box_->put(making);
-  thread_ = std::thread([labels = std::move(labels), making = std::move(making), progress = progress_, box = box_,
-                         wake = wake_, last]() mutable {
-    const auto begin = Clock::now();
-    const auto show = [&](const std::string& name, const Mesh& surface) {
-      making.stages.push_back(
-          {name, std::make_shared<const Mesh>(surface), std::chrono::duration<double>(Clock::now() - begin).count()});
-      box->put(making);
-      wake();
-    };
-    try {
-      make(making, *labels, *progress, show);
-    } catch (const std::bad_alloc&) {
-      making.mesh.reset();
-      making.error = "the template needs more memory than there is; close other programs, or ask for fewer vertices";
-    }
-    making.done = true;
-    if (progress->cancelled() && last && last->mesh)
-      box->put_back(last);
-    else
-      box->put(making);
-    wake();
-  });
+void TemplateMaker::finish() {
+  worker_.finish();
+  update();
 }
 
 }  // namespace homolog

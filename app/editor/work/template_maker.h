@@ -4,9 +4,10 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "app/editor/work/mailbox.h"
+#include "app/editor/work/worker.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/template/mask_template.h"
 #include "core/template/tube_template.h"
@@ -42,34 +43,35 @@ struct TemplateMaking {
   std::string error;                 ///< the sentence, where it failed
 };
 
-/// Makes templates on a thread of its own, one at a time. Called from the window's thread only.
+/// Makes templates beside the window, one at a time. Called from the window's thread only.
 class TemplateMaker {
  public:
   /// `wake` is called from the thread after each stage.
-  explicit TemplateMaker(std::function<void()> wake) : wake_(std::move(wake)) {}
-  ~TemplateMaker();
-  TemplateMaker(const TemplateMaker&) = delete;
-  TemplateMaker& operator=(const TemplateMaker&) = delete;
+  explicit TemplateMaker(std::function<void()> wake) : wake_(wake), worker_(std::move(wake)) {}
 
   void start(std::shared_ptr<const Volume> labels, std::string source, const TemplateSettings& settings);
   void cancel();
-  bool busy() const;
-  double fraction() const { return progress_ ? progress_->fraction() : 0; }
+  bool busy() const { return latest_ && !latest_->done; }
+  double fraction() const { return worker_.fraction(); }
+  /// Takes in the stages done since the last call; true where there are some.
+  bool update();
   /// What is being made, or was made last (a cancelled making leaves the one before it); null before the first.
-  std::shared_ptr<const TemplateMaking> latest() const;
+  const std::shared_ptr<const TemplateMaking>& latest() const { return latest_; }
   /// Goes back to the template made before; does nothing where there is none.
   void undo();
   /// Lets go of everything made.
   void forget();
   bool can_undo() const;
+  /// Waits until it is made.
+  void finish();
 
  private:
-  struct Box;
+  using Stages = Mailbox<std::shared_ptr<const TemplateMaking>>;
   std::function<void()> wake_;
-  std::shared_ptr<Progress> progress_;
-  std::shared_ptr<Box> box_;
-  std::thread thread_;
+  std::shared_ptr<const TemplateMaking> latest_;
   std::vector<std::shared_ptr<const TemplateMaking>> before_;
+  std::shared_ptr<Stages> stages_;  ///< of what is being made
+  Worker<std::shared_ptr<const TemplateMaking>> worker_;
 };
 
 }  // namespace homolog

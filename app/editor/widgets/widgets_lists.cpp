@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <cmath>
+
+#include "app/editor/widgets/drawn_items.h"
+#include "app/editor/widgets/widgets.h"
+
+// Lists, menus and places that take clicks.
+
+namespace homolog {
+
+namespace {
+using Kind = DrawnItem::Kind;
+}
+
+AreaState area(const Theme& theme, const std::string& name, ImVec2 size, const std::string& tip,
+               const AreaOptions& options) {
+  constexpr ImGuiButtonFlags all_buttons =
+      ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle;
+  if (options.lies_below) ImGui::SetItemAllowOverlap();
+  AreaState state;
+  state.clicked = ImGui::InvisibleButton(name.c_str(), size, options.all_buttons ? all_buttons : 0);
+  if (options.lies_below) ImGui::SetItemAllowOverlap();
+  state.hovered = ImGui::IsItemHovered();
+  state.doubled = state.hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+  note_control(options.all_buttons ? Kind::area : Kind::row, name, options.selected ? "on" : "off", tip);
+  if (state.hovered && !tip.empty()) tooltip(theme, tip);
+  return state;
+}
+
+AreaState list_row(const Theme& theme, const std::string& text, bool selected, ImVec2 size, const std::string& tip,
+                   float indent_px) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImGui::PushID(text.c_str());
+  AreaState state;
+  state.clicked = ImGui::Selectable("##row", selected, 0, size);
+  ImGui::PopID();
+  state.hovered = ImGui::IsItemHovered();
+  state.doubled = state.hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+  note_control(Kind::row, text, selected ? "on" : "off", tip);
+  if (state.hovered && !tip.empty()) tooltip(theme, tip);
+  const float height = size.y > 0 ? size.y : ImGui::GetTextLineHeight();
+  const float room = (size.x > 0 ? size.x : ImGui::GetContentRegionAvail().x) - indent_px - theme.px(8);
+  text_at(*ImGui::GetWindowDrawList(), {at.x + indent_px + theme.px(4), at.y + (height - ImGui::GetFontSize()) / 2},
+          palette::text, shortened(text, room));
+  return state;
+}
+
+bool combo(const Theme&, const char* name, const std::vector<std::string>& options, int& chosen) {
+  const bool known = chosen >= 0 && chosen < static_cast<int>(options.size());
+  const std::string shown = known ? options[static_cast<std::size_t>(chosen)] : std::string();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 clip_low = ImGui::GetWindowDrawList()->GetClipRectMin(),
+               clip_high = ImGui::GetWindowDrawList()->GetClipRectMax();
+  const float width = ImGui::GetContentRegionAvail().x;
+  ImGui::SetNextItemWidth(width);
+  ImGui::PushID(name);
+  const bool open = ImGui::BeginCombo("##list", shown.c_str());
+  note_box(Kind::list, name, shown, at, {at.x + width, at.y + ImGui::GetFrameHeight()}, clip_low, clip_high,
+           !open && ImGui::IsItemHovered());
+  bool changed = false;
+  if (open) {
+    enter_part(name);
+    for (std::size_t i = 0; i < options.size(); ++i) {
+      const bool now = static_cast<int>(i) == chosen;
+      if (ImGui::Selectable(options[i].c_str(), now) && !now) {
+        chosen = static_cast<int>(i);
+        changed = true;
+      }
+      note_control(Kind::row, options[i], now ? "on" : "off", {});
+    }
+    leave_part();
+    ImGui::EndCombo();
+  }
+  ImGui::PopID();
+  return changed;
+}
+
+void open_menu(const char* name) {
+  ImGui::OpenPopup(name);
+}
+
+bool begin_menu(const Theme& theme, const char* name) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(8), theme.px(8)});
+  const bool open = ImGui::BeginPopup(name);
+  ImGui::PopStyleVar();
+  if (open) enter_part(name);
+  return open;
+}
+
+bool menu_item(const Theme& theme, const char* label, const char* keys, const std::string& tip) {
+  const bool chosen = ImGui::MenuItem(label, keys);
+  note_control(Kind::row, label, {}, tip);
+  if (!tip.empty() && ImGui::IsItemHovered()) tooltip(theme, tip);
+  return chosen;
+}
+
+void menu_line() {
+  ImGui::Separator();
+}
+
+void end_menu(const Theme&) {
+  leave_part();
+  ImGui::EndPopup();
+}
+
+}  // namespace homolog

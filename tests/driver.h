@@ -1,0 +1,95 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/editor/editor_app.h"
+#include "app/editor/widgets/drawn_items.h"
+#include "app/editor/widgets/imgui_context.h"
+#include "app/editor/window/input_router.h"
+#include "tests/temporary_folder.h"
+
+namespace homolog {
+
+/// The editor as a person uses it, without a window and without pictures: finds each control by what is written on it,
+/// points, clicks and types through the same functions as the window's callbacks, and looks at what the program shows.
+/// A control is named by the end of its path: "Add", or "hilum/factor" where several are called so; see
+/// DrawnItem::path. What cannot be done as asked fails the test with a sentence.
+class Driver {
+ public:
+  struct Size {
+    int width_px = 1280, height_px = 800;
+    float scale = 1;
+  };
+  /// With a case of `document`, kept at case_file(). Everything that the program keeps lies in folder().
+  explicit Driver(Document document);
+  Driver(Document document, const Size& size);
+  Driver(const Driver&) = delete;
+  Driver& operator=(const Driver&) = delete;
+
+  // What the screen shows.
+
+  /// Controls and texts of the latest frame.
+  const std::vector<DrawnItem>& items() const { return drawn_.items(); }
+  const DrawnItem& control(std::string_view name) const;
+  bool has(std::string_view name) const { return !found(name).empty(); }
+  /// Whether a text that holds these words is on the screen.
+  bool shows(std::string_view words) const;
+
+  // The hands.
+
+  void click(std::string_view name);
+  void double_click(std::string_view name);
+  /// Puts the pointer on a control; scrolls it into view first.
+  void point_at(std::string_view name);
+  /// Takes hold of a control and moves by that much; let_go() ends it.
+  void hold_and_move(std::string_view name, double right_px, double down_px);
+  void let_go();
+  void move(double x_px, double y_px);
+  void button(MouseButton button, bool down);
+  void wheel(double steps);
+  void press(int key, const InputRouter::Held& held = {});
+  void type(std::string_view text);
+  /// Clicks on a field or a number and types a text in place of what it holds; no Enter.
+  void type_into(std::string_view name, std::string_view text);
+
+  // Time.
+
+  void frame();
+  void frames(int count);
+  /// Goes on until `done`; fails where that takes longer than a healthy machine needs.
+  void wait_until(const char* what, const std::function<bool()>& done);
+
+  // The program.
+
+  EditorApp& app() { return app_; }
+  EditorState& state() { return app_.state(); }
+  const Document& document() const { return *app_.snapshot().document; }
+  const std::filesystem::path& folder() const { return home_.folder.path; }
+  const std::filesystem::path& case_file() const { return app_.snapshot().file; }
+  /// How many lines of the case's file hold `text`.
+  int lines_with(std::string_view text) const;
+
+ private:
+  /// All that the program keeps goes into a folder of the test's own.
+  struct Home {
+    TemporaryFolder folder;
+    Home();
+  };
+  std::vector<const DrawnItem*> found(std::string_view name) const;
+  void scroll_to(std::string_view name);
+  void press_and_let_go();
+
+  Home home_;
+  Size size_;
+  double seconds_ = 0, x_px_ = 0, y_px_ = 0;
+  InputRouter::Held held_;
+  ImGuiAlone imgui_;
+  DrawnItems drawn_;
+  EditorApp app_{[] {}};
+  InputRouter input_{app_};
+};
+
+}  // namespace homolog

@@ -1,0 +1,258 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <new>
+#include <set>
+
+#include "app/editor/update/controls.h"
+#include "core/base/files.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/landmark_io.h"
+#include "core/mesh/mesh_io.h"
+#include "tests/driver.h"
+#include "tests/must.h"
+
+// What a person does with the panels, done to the panels themselves: what is asserted is the document, the case's file
+// and the screen.
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A ball of 40 mm as a template, with a region and two landmarks.
+struct Ball {
+  TemporaryFolder folder;
+  fs::path file = folder.path / "ball.ply";
+
+  Ball() {
+    const Mesh mesh = icosphere(3, 40);
+    MeshFile ball{mesh.points, mesh.topology->triangles()};
+    ball.landmarks = {{"north", Vec3(0, 0, 40)}, {"south", Vec3(0, 0, -40)}};
+    REQUIRE(write_mesh_file(ball, file));
+  }
+  Document document() const { return new_document("", nullptr, test::must(load_template(file.string()))); }
+};
+
+const Region* region_named(const Document& document, const std::string& name) {
+  for (const Region& region : document.regions->list)
+    if (region.name == name) return &region;
+  return nullptr;
+}
+
+double factor_of(const Driver& driver, const std::string& name) {
+  const Region* region = region_named(driver.document(), name);
+  return region != nullptr ? region->factor : 0;
+}
+
+/// The section Reference open, with a region.
+void add_region(Driver& driver, const std::string& name) {
+  driver.click("side panel/Reference");
+  driver.type_into("new region", name);
+  driver.click("Reference/Add");
+  driver.wait_until("the region is in the case", [&] { return region_named(driver.document(), name) != nullptr; });
+}
+
+}  // namespace
+
+TEST_CASE("a region's factor stays as it was typed or dragged") {
+  const Ball ball;
+  Driver driver(ball.document());
+  add_region(driver, "hilum");
+  CHECK(driver.control("hilum/factor").value == "1.0 \xc3\x97");
+
+  driver.type_into("hilum/factor", "8");
+  driver.press(key::enter);
+  driver.wait_until("8 is in the case", [&] { return factor_of(driver, "hilum") == 8; });
+  CHECK(driver.control("hilum/factor").value == "8.0 \xc3\x97");
+  CHECK(driver.lines_with("\"factor\":8") == 1);
+
+  driver.type_into("hilum/factor", "5");
+  driver.press(key::tab);
+  driver.wait_until("5 is in the case", [&] { return factor_of(driver, "hilum") == 5; });
+  driver.type_into("hilum/factor", "3");
+  driver.click("Reference/Import…");  // clicked away: the dialog opens over it
+  driver.press(key::escape);
+  driver.wait_until("3 is in the case", [&] { return factor_of(driver, "hilum") == 3; });
+
+  driver.hold_and_move("hilum/factor", 60, 0);
+  const std::string held = driver.control("hilum/factor").value;
+  CHECK(held != "3.0 \xc3\x97");
+  driver.wait_until("the preview shows it", [&] { return driver.app().snapshot().preview.has_value(); });
+  CHECK(factor_of(driver, "hilum") == 3);
+  driver.let_go();
+  driver.wait_until("what was held is in the case", [&] { return factor_of(driver, "hilum") != 3; });
+  CHECK(driver.control("hilum/factor").value == held);
+  CHECK(driver.lines_with("\"region\"") == 5);
+}
+
+TEST_CASE("Enter takes a region's name and another one after a double click") {
+  const Ball ball;
+  Driver driver(ball.document());
+  driver.click("side panel/Reference");
+  driver.type_into("new region", "hilum");
+  driver.press(key::enter);
+  driver.wait_until("the region is in the case", [&] { return region_named(driver.document(), "hilum") != nullptr; });
+  driver.double_click("hilum/hilum");
+  driver.wait_until("its name can be typed", [&] { return driver.has("hilum/new name"); });
+  driver.press('A', {false, true, false});
+  driver.type("lips");
+  driver.press(key::enter);
+  driver.wait_until("the name is in the case", [&] { return region_named(driver.document(), "lips") != nullptr; });
+  CHECK(region_named(driver.document(), "hilum") == nullptr);
+}
+
+TEST_CASE("the mesh is exported under the name that was typed and a file that is there only after a question") {
+  const Ball ball;
+  Driver driver(ball.document());
+  driver.click("side panel/Export");
+  driver.click("Export/Mesh…");
+  CHECK(driver.shows("Export the mesh"));
+  const fs::path file = driver.folder() / "out.ply";
+  driver.type_into("name", file.string());
+  driver.press(key::enter);
+  driver.wait_until("it is said that the file is written", [&] { return driver.shows("Written: " + file.string()); });
+  CHECK(test::must(read_mesh(file)).points.isApprox(*driver.document().shape().points, 1e-6));
+
+  fs::resize_file(file, 0);
+  driver.click("Export/Mesh…");
+  driver.type_into("name", file.string());
+  driver.press(key::enter);
+  driver.wait_until("it is asked", [&] { return driver.has("Replace it"); });
+  CHECK(fs::file_size(file) == 0);
+  driver.click("Replace it");
+  driver.wait_until("the file is replaced", [&] { return !driver.app().busy() && fs::file_size(file) > 0; });
+  CHECK(test::must(read_mesh(file)).points.rows() == driver.document().shape().points->rows());
+}
+
+TEST_CASE("a control that is not possible says why and does nothing") {
+  const Ball ball;
+  Driver driver(ball.document());
+  driver.click("side panel/Export");
+  const DrawnItem& label_map = driver.control("Export/Label map…");
+  CHECK_FALSE(label_map.enabled);
+  CHECK(label_map.tip == "Open an image first.");
+  driver.point_at("Export/Label map…");
+  driver.button(MouseButton::left, true);
+  driver.button(MouseButton::left, false);
+  CHECK_FALSE(driver.state().dialog);
+  CHECK(driver.shows("Open an image first."));
+}
+
+TEST_CASE("landmark files are read beside the window and taken into the case that asked for them") {
+  const Ball ball;
+  Driver driver(ball.document());
+  const fs::path placed = driver.folder() / "placed.mrk.json", on_template = driver.folder() / "template.mrk.json";
+  REQUIRE(write_landmarks({{"north", Vec3(0, 0, 45)}, {"nobody", Vec3::Zero()}}, placed));
+  REQUIRE(write_landmarks({{"east", Vec3(40, 0, 0)}, {"far", Vec3(400, 0, 0)}}, on_template));
+  driver.click("side panel/Place");
+  driver.click("Place/Import…");
+  driver.type_into("name", placed.string());
+  driver.press(key::enter);
+  driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("north"); });
+  CHECK(driver.shows("1 of 2 names are no landmarks of the template"));
+
+  driver.click("side panel/Reference");
+  driver.click("Reference/Import…");
+  driver.type_into("name", on_template.string());
+  driver.press(key::enter);
+  driver.wait_until("the template has it", [&] { return driver.document().reference->landmarks.size() == 3; });
+  CHECK(driver.shows("far (360 mm)"));
+
+  // Asked for before another case was opened.
+  driver.app().send(ImportLandmarks{placed});
+  driver.app().update(0);
+  driver.app().start_session(EditSession(ball.document()));
+  driver.wait_until("that is said", [&] { return driver.shows("was read for the case before"); });
+  CHECK(driver.document().shape().landmarks.empty());
+}
+
+TEST_CASE("a study's file is kept up to date beside the window") {
+  const Ball ball;
+  Driver driver(ball.document());
+  const fs::path study = driver.folder() / "some.study.json";
+  driver.press(key::tab);
+  driver.click("Study");
+  driver.click("study menu/New study…");
+  driver.type_into("name", study.string());
+  driver.press(key::enter);
+  driver.wait_until("the study is open", [&] { return driver.state().models.study_file == study; });
+  driver.click("Meshes…");
+  driver.type_into("name", ball.file.string());
+  driver.press(key::enter);
+  driver.wait_until("the case is in the list", [&] { return driver.has("cases/ball/row"); });
+  driver.click("cases/ball/row");
+  driver.type_into("selected case/group", "round");
+  driver.press(key::enter);
+  const auto written = [&] { return test::must(read_whole_file(study)); };
+  driver.wait_until("the file says so", [&] { return written().find("\"group\": \"round\"") != std::string::npos; });
+
+  // What the file says last is what was done last.
+  for (int k = 0; k < 5; ++k) driver.click("cases/ball/state");
+  driver.wait_until("the file is written", [&] { return !driver.app().busy(); });
+  CHECK(written().find("\"done\"") != std::string::npos);
+  fs::remove(study);
+  fs::create_directory(study);
+  driver.click("cases/ball/state");
+  driver.wait_until("a fault is said", [&] { return driver.shows("some.study.json"); });
+}
+
+TEST_CASE("a command that fails ends in a sentence and takes nothing else with it") {
+  const Ball ball;
+  Driver driver(ball.document());
+  driver.app().send(ChangeState{[](EditorState&) { throw std::bad_alloc(); }});
+  driver.app().send(ChangeState{
+      [](EditorState&) { throw fs::filesystem_error("", "/gone", std::error_code(2, std::generic_category())); }});
+  driver.app().send(ChangeState{[](EditorState& s) { s.tool = MouseTool::ruler; }});
+  driver.frames(2);
+  CHECK(driver.shows("This needs more memory than there is"));
+  CHECK(driver.shows("/gone: No such file or directory"));
+  CHECK(driver.state().tool == MouseTool::ruler);
+}
+
+namespace {
+
+/// What is wrong with the controls that are on the screen: names that are nobody's or several's, places outside of the
+/// window.
+std::string faults_of(const Driver& driver, const Driver::Size& size) {
+  std::string faults;
+  std::set<std::string> paths;
+  for (const DrawnItem& item : driver.items()) {
+    if (!item.is_control()) continue;
+    if (item.name.empty()) faults += "a control of " + item.path + " has no name\n";
+    if (!paths.insert(item.path).second) faults += item.path + " is there twice\n";
+    if (item.rect.width < 1 || item.rect.height < 1) faults += item.path + " has no size\n";
+    const bool inside = item.rect.x >= 0 && item.rect.x + item.rect.width <= static_cast<float>(size.width_px);
+    if (!inside) faults += item.path + " reaches out of the window\n";
+  }
+  return faults;
+}
+
+}  // namespace
+
+TEST_CASE("every control has a name of its own and lies in the window") {
+  const Ball ball;
+  const Driver::Size size;
+  Driver driver(ball.document(), size);
+  add_region(driver, "hilum");
+  for (const char* closed : {"Place", "Export"}) driver.click(std::string("side panel/") + closed);
+  CHECK(faults_of(driver, size) == "");
+  for (const MouseTool tool : {MouseTool::relax, MouseTool::stiffness, MouseTool::confirm}) {
+    driver.state().tool = tool;
+    driver.frames(2);
+    CHECK(faults_of(driver, size) == "");
+  }
+  driver.press(key::f1);
+  CHECK(faults_of(driver, size) == "");
+  driver.press(key::escape);
+  show_file_dialog(driver.state(), FilePurpose::open);
+  driver.frames(2);
+  CHECK(faults_of(driver, size) == "");
+  driver.press(key::escape);
+  driver.press(key::tab);
+  CHECK(driver.has("Study"));
+  CHECK(faults_of(driver, size) == "");
+}
+
+}  // namespace homolog

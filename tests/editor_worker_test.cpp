@@ -1,0 +1,203 @@
+#include "app/editor/work/worker.h"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+
+#include "app/editor/state/models_state.h"
+#include "app/editor/work/opener.h"
+#include "app/editor/work/quality_monitor.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_io.h"
+#include "tests/must.h"
+#include "tests/temporary_folder.h"
+#include "tests/wait.h"
+
+// What runs beside the window.
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Work that ends when it is told to.
+Result<int> until_cancelled(Progress& progress) {
+  progress.report(0.5);
+  REQUIRE(test::wait_until([&] { return progress.cancelled(); }));
+  return 1;
+}
+
+Document ball(double radius_mm) {
+  const Mesh mesh = icosphere(3, radius_mm);
+  return new_document("", nullptr, make_template({mesh.points, mesh.topology->triangles()}, "ball").value());
+}
+
+}  // namespace
+
+TEST_CASE("of several pieces of work the latest gives the result") {
+  std::atomic<int> woken = 0;
+  Worker<int> worker([&] { ++woken; });
+  worker.start("first", until_cancelled);
+  worker.start("second", [](Progress&) { return 2; });
+  worker.finish();
+  CHECK(test::must(worker.take().value()) == 2);
+  CHECK_FALSE(worker.take());
+  CHECK_FALSE(worker.busy());
+  CHECK(test::wait_until([&] { return woken == 1; }));
+}
+
+TEST_CASE("work that is queued is done in order and what runs can be ended alone") {
+  Worker<int> worker([] {});
+  worker.queue("first", until_cancelled);
+  for (const int k : {2, 3}) worker.queue("later", [k](Progress&) { return k; });
+  REQUIRE(test::wait_until([&] { return worker.fraction() > 0; }));
+  REQUIRE(worker.running());
+  CHECK(worker.running()->subject == "first");
+  CHECK(worker.running()->fraction == 0.5);
+  worker.cancel_running();
+  worker.finish();
+  for (const int k : {1, 2, 3}) CHECK(test::must(worker.take().value()) == k);
+  CHECK_FALSE(worker.take());
+}
+
+TEST_CASE("work that is given up leaves no result") {
+  Worker<int> worker([] {});
+  worker.queue("done", [](Progress&) { return 1; });
+  worker.finish();
+  worker.queue("runs", until_cancelled);
+  worker.queue("waits", [](Progress&) { return 3; });
+  worker.cancel();
+  CHECK_FALSE(worker.busy());
+  CHECK_FALSE(worker.running());
+  CHECK_FALSE(worker.take());
+  worker.queue("next", [](Progress&) { return 4; });
+  worker.finish();
+  CHECK(test::must(worker.take().value()) == 4);
+  worker.queue("runs at the end", until_cancelled);  // and does not hold the end up
+}
+
+TEST_CASE("whatever work throws is a sentence and the next work is done") {
+  Worker<int> worker([] {});
+  const auto sentence = [&](const std::string& subject, Worker<int>::Work work) {
+    worker.queue(subject, std::move(work));
+    worker.finish();
+    return worker.take().value().error().sentence();
+  };
+  CHECK(sentence("", [](Progress&) -> Result<int> { throw std::bad_alloc(); }) ==
+        "This needs more memory than there is; close other programs.");
+  CHECK(sentence("a.nii", [](Progress&) -> Result<int> { throw std::length_error("vector"); }) ==
+        "a.nii: needs more memory than there is; close other programs");
+  CHECK(sentence("a.nii", [](Progress&) -> Result<int> {
+          throw fs::filesystem_error("cannot copy", "/gone",
+                                     std::make_error_code(std::errc::no_such_file_or_directory));
+        }) == "/gone: No such file or directory; check that it is there and may be used");
+  CHECK(sentence("a.nii", [](Progress&) -> Result<int> { throw std::runtime_error("odd"); }) ==
+        "a.nii: ended in an unexpected fault (odd); please report it");
+  CHECK(sentence("a.nii", [](Progress&) -> Result<int> { throw 7; }) ==
+        "a.nii: ended in an unexpected fault; please report it");
+  worker.queue("", [](Progress&) { return 5; });
+  worker.finish();
+  CHECK(test::must(worker.take().value()) == 5);
+}
+
+TEST_CASE("the quality monitor measures the mesh posted last and forgets when there is none") {
+  std::atomic<int> woken = 0;
+  QualityMonitor monitor([&] { ++woken; });
+  CHECK_FALSE(monitor.latest());
+  const auto volume = [&] { return monitor.latest()->volume_ml; };
+  // As a drag posts them.
+  for (int radius_mm = 20; radius_mm <= 40; ++radius_mm) {
+    monitor.post(std::make_shared<const Document>(ball(radius_mm)));
+    monitor.update();
+  }
+  REQUIRE(test::wait_until([&] {
+    monitor.update();
+    return monitor.latest() && volume() > 260;
+  }));
+  CHECK(woken > 0);
+  CHECK_FALSE(monitor.rest_seconds());
+  CHECK(monitor.error().empty());
+  monitor.post(std::make_shared<const Document>(ball(20)));
+  monitor.post(std::make_shared<const Document>(ball(10)));
+  CHECK(monitor.rest_seconds());
+  monitor.finish();
+  CHECK(volume() < 5);
+  monitor.post(nullptr);
+  CHECK_FALSE(monitor.latest());
+}
+
+TEST_CASE("a mesh that cannot be measured ends in a sentence and the next is measured") {
+  std::atomic<int> measured = 0;
+  QualityMonitor monitor([] {},
+                         [&](const Document& document) {
+                           if (++measured == 1) throw std::bad_alloc();
+                           return quality_figures(document);
+                         });
+  monitor.post(std::make_shared<const Document>(ball(20)));
+  monitor.finish();
+  CHECK_FALSE(monitor.latest());
+  CHECK(monitor.error() == "The mesh's figures: needs more memory than there is; close other programs");
+  monitor.post(std::make_shared<const Document>(ball(20)));
+  monitor.finish();
+  CHECK(monitor.latest());
+  CHECK(monitor.error().empty());
+}
+
+TEST_CASE("the opener reads what is asked for last and says why it cannot") {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "ball.ply";
+  REQUIRE(write_mesh(icosphere(3, 20), file));
+  std::atomic<int> woken = 0;
+  Opener opener([&] { ++woken; });
+  const auto opened = [&](const std::string& source) {
+    OpenRequest request;
+    request.template_source = source;
+    opener.start(std::move(request));
+    CHECK((!opener.running() || opener.running()->subject == fs::path(source).filename()));
+    opener.finish();
+    return opener.take().value();
+  };
+  const auto read = opened(file.string());
+  REQUIRE(read);
+  CHECK(read->reference->points.rows() == icosphere(3).points.rows());
+  CHECK_FALSE(opener.take());
+  const auto absent = opened((folder.path / "absent.ply").string());
+  REQUIRE_FALSE(absent);
+  CHECK(absent.error().sentence().find("absent.ply") != std::string::npos);
+
+  for (const char* name : {"absent.ply", "ball.ply"}) {
+    OpenRequest request;
+    request.template_source = (folder.path / name).string();
+    opener.start(std::move(request));
+  }
+  opener.finish();
+  REQUIRE(opener.take().value());
+  OpenRequest given_up;
+  given_up.template_source = file.string();
+  opener.start(std::move(given_up));
+  opener.cancel();
+  CHECK_FALSE(opener.busy());
+  CHECK_FALSE(opener.take());
+  CHECK(test::wait_until([&] { return woken >= 3; }));
+}
+
+TEST_CASE("files are sorted and named where the working folder is gone") {
+  const fs::path before = fs::current_path();
+  {
+    const TemporaryFolder folder;
+    fs::current_path(folder.path);
+  }
+  const auto request = sort_files({"some.homolog"});
+  ModelsState state;
+  CHECK(add_cases(state, {"some.ply"}) == 1);
+  set_study_template(state, "some.ply");
+  fs::current_path(before);
+  CHECK(test::must(request).case_file == "some.homolog");
+  CHECK(state.study.template_file == "some.ply");
+}
+
+}  // namespace homolog

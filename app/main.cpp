@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <csignal>
 #include <cstdio>
@@ -96,6 +97,24 @@ int run_verb(const VerbRun& run, bool json) {
   return refused;
 }
 
+/// Every option that takes a number refuses what is none, and a sign where there can be none.
+void check_numbers(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    const std::string type = option->get_type_name();
+    if (type.starts_with("FLOAT"))
+      option->check([](const std::string& text) {
+        double number = 0;
+        const bool read = CLI::detail::lexical_cast(text, number);
+        return read && std::isfinite(number) ? std::string() : text + " is no finite number";
+      });
+    if (type.starts_with("UINT"))
+      option->check([](const std::string& text) {
+        return text.starts_with('-') ? text + " is negative; use 0 or more" : std::string();
+      });
+  }
+  for (CLI::App* verb : app.get_subcommands({})) check_numbers(*verb);
+}
+
 int run_main(int argc, char** argv) {
   CLI::App app(
       "Homolog: segment organs and put their surfaces in correspondence in one stroke.\n"
@@ -118,6 +137,8 @@ int run_main(int argc, char** argv) {
   };
   add_editor_options(app);
   add_editor_options(*app.add_subcommand("edit", "The editor on these files"));
+
+  check_numbers(app);
 
   try {
     app.parse(argc, argv);

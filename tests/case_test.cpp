@@ -1,4 +1,8 @@
+#include <algorithm>
+
+#include "core/phantom/phantom.h"
 #include "tests/case_folder.h"
+#include "tests/must.h"
 
 namespace homolog {
 
@@ -81,6 +85,43 @@ TEST_CASE("replaying the file alone gives the same mesh to the last bit and the 
   CHECK(session.undo_name() == read->session.undo_name());
   CHECK(session.redo_name() == read->session.redo_name());
   CHECK(session.strokes() == read->session.strokes());
+}
+
+TEST_CASE("landmarks near a line place without spinning and in any order alike") {
+  const auto kidney = load_template("built-in:kidney").value();
+  const MeshFile truth = phantom_truth(Organ::kidney, 3).front();
+  const auto placed = [&](std::vector<std::string> names) {
+    EditSession session(new_document("", nullptr, kidney));
+    test::must(session.apply(SetLandmarkFit{LandmarkFit::similarity}));
+    for (const std::string& name : names)
+      for (const Landmark& landmark : truth.landmarks)
+        if (landmark.name == name) test::must(session.apply(PlaceLandmark{name, landmark.position}));
+    return *session.document().shape().points;
+  };
+  const Points poles_last = placed({"hilum", "superior pole", "inferior pole"});
+  CHECK(mean_distance(poles_last, truth.points) < 8);
+  CHECK(largest_difference(poles_last, placed({"inferior pole", "hilum", "superior pole"})) < 1e-9);
+}
+
+TEST_CASE("a case begun before landmarks were weighed replays to the same points") {
+  const CaseFolder folder;
+  const auto replayed = [&](bool weighs) {
+    Document document = folder.document();
+    document.weighs_landmarks = weighs;
+    auto session = create_case(std::move(document), folder.case_path).value();
+    for (const auto& [name, at] :
+         {std::pair("north", Vec3(2, 1, 45)), std::pair("south", Vec3(0, 9, -43)), std::pair("east", Vec3(44, 2, 0))})
+      test::must(session.apply(PlaceLandmark{name, at}));
+    const auto read = read_case(folder.case_path);
+    REQUIRE(read);
+    CHECK(read->session.document().weighs_landmarks == weighs);
+    CHECK(largest_difference(*read->session.document().shape().points, *session.document().shape().points) < 1e-12);
+    return session.document().shape().placement;
+  };
+  const Similarity before = replayed(false);
+  fs::remove(folder.case_path);
+  const Similarity now = replayed(true);
+  CHECK(before.rotation.angularDistance(now.rotation) > 1e-4);
 }
 
 TEST_CASE("undo takes back everything one by one and redo does it again") {

@@ -3,6 +3,8 @@
 
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/mirror.h"
+#include "core/phantom/phantom.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"
 #include "tests/real_data.h"
@@ -49,6 +51,59 @@ TEST_CASE("fit does every case of a folder that can be done and reports the othe
   CHECK(!fs::exists(folder.path / "M.ply"));
   CHECK(run(folder, "fit ball.ply --mask good.nii.gz empty.nii.gz -o M.ply").status == 2);
   CHECK(run(folder, "fit ball.ply -o M.ply").status == 2);
+}
+
+TEST_CASE("fit refuses landmarks that the template lacks and says how many it used") {
+  const BallFolder folder;
+  MeshFile named{folder.ball.points, folder.ball.topology->triangles()};
+  named.landmarks = {{"top", {0, 0, 20}}, {"left", {20, 0, 0}}, {"back", {0, 20, 0}}};
+  REQUIRE(write_mesh_file(named, folder.path / "named.ply"));
+  fs::create_directory(folder.path / "places");
+  fs::copy(folder.path / "good.nii.gz", folder.path / "other.nii.gz");
+  fs::copy(folder.path / "good.nii.gz", folder.path / "plain.nii.gz");
+  const auto write = [&](const char* name, const char* text) { std::ofstream(folder.path / "places" / name) << text; };
+  write("good.json", R"([{"id":"top","coordinates":[0,0,20]}])");
+  write("other.json", R"([{"id":"top","coordinates":[0,0,20]},{"id":"apex","coordinates":[1,2,3]}])");
+
+  check_refused(run(folder, "fit named.ply --mask good.nii.gz -o M.ply --landmarks places/other.json"), "\"apex\"");
+  CHECK(!fs::exists(folder.path / "M.ply"));
+  const Ran one = run(folder, "fit named.ply --mask good.nii.gz -o M.ply --landmarks places/good.json --json");
+  CHECK(one.json()["landmarks_used"] == 1);
+  CHECK(one.json()["landmarks_place"] == false);
+  CHECK(one.json()["mirrored"] == false);
+  CHECK(one.errors.find("did not help to place") != std::string::npos);
+
+  const Ran many =
+      run(folder, "fit named.ply --mask good.nii.gz other.nii.gz plain.nii.gz -o out --landmarks places --json");
+  CHECK(many.status == 0);
+  const Json cases = many.json()["cases"];
+  REQUIRE(cases.size() == 3);
+  CHECK(cases[0]["landmarks_used"] == 1);
+  CHECK(cases[1]["landmarks_used"] == 1);
+  CHECK(cases[2]["landmarks_used"] == 0);
+  CHECK(many.errors.find("other.nii.gz: its landmark file names \"apex\"") != std::string::npos);
+  CHECK(run(folder, "fit named.ply --mask good.nii.gz other.nii.gz -o out --landmarks places/good.json").status == 2);
+}
+
+TEST_CASE("fit says that an organ looks mirrored and does not with the template of its side") {
+  const TemporaryFolder folder;
+  MeshFile other = mirrored(phantom_truth(Organ::kidney, 2).front());
+  REQUIRE(write_mesh_file(other, folder.path / "left.ply"));
+  const Ran wrong = run(folder, "fit built-in:kidney --mesh left.ply -o M.ply --json");
+  CHECK(wrong.status == 0);
+  CHECK(wrong.json()["mirrored"] == true);
+  CHECK(wrong.errors.find("mirror") != std::string::npos);
+  const Ran right = run(folder, "fit built-in:kidney --mesh left.ply -o M.ply --json --mirror");
+  CHECK(right.json()["mirrored"] == false);
+  CHECK(right.errors.empty());
+}
+
+TEST_CASE("template says what is wrong with the surface it was made of") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(shapes::torus(48, 32, 5, 8), folder.path / "spindle.ply"));
+  const Ran ran = run(folder, "template spindle.ply --vertices 400 -o T.ply");
+  CHECK(ran.status == 0);
+  CHECK(ran.errors.find("faces that cut each other") != std::string::npos);
 }
 
 TEST_CASE("fit starts where a placement file says") {

@@ -34,12 +34,43 @@ TEST_CASE("help and version answer on stdout with status 0") {
 
 TEST_CASE("a wrong command line is one line with status 2 and where the help is") {
   const TemporaryFolder folder;
-  for (const std::string wrong :
-       {"info", "info --wobble a.ply", "replay case.homolog", "compare a.ply", "phantom liver --subject 1 -o x",
-        "label-map a.ply --like b.nii -o c.nii --value zero", "mirror a.ply -o b.ply --plane oblique",
-        "compare a.ply --mask m.nii --mesh b.ply", "replay a -o b --spacing 2", "study", "picture", "model a.ply b.ply",
-        "model a.ply b.ply -o m.h5 --variance 2", "evaluate", "evaluate a.ply b.ply --modes few",
-        "evaluate a.ply b.ply --samples 0", "picture modes m.h5"}) {
+  for (const std::string wrong : {"info",
+                                  "info --wobble a.ply",
+                                  "replay case.homolog",
+                                  "compare a.ply",
+                                  "phantom liver --subject 1 -o x",
+                                  "label-map a.ply --like b.nii -o c.nii --value zero",
+                                  "mirror a.ply -o b.ply --plane oblique",
+                                  "compare a.ply --mask m.nii --mesh b.ply",
+                                  "replay a -o b --spacing 2",
+                                  "study",
+                                  "picture",
+                                  "model a.ply b.ply",
+                                  "model a.ply b.ply -o m.h5 --variance 2",
+                                  "evaluate",
+                                  "evaluate a.ply b.ply --modes few",
+                                  "evaluate a.ply b.ply --samples 0",
+                                  "picture modes m.h5",
+                                  "replay a -o b --spacing nan",
+                                  "fit t.ply --mask m.nii -o o.ply --closing-mm nan",
+                                  "template m.nii -o o.ply --opening-mm -nan",
+                                  "template m.nii -o o.ply --tube --axis nan,0,1",
+                                  "model a.ply b.ply -o m.h5 --variance nan",
+                                  "evaluate a.ply b.ply --seed -1",
+                                  "picture correspondence a.ply -o b.png --glyph-spacing nan",
+                                  "picture correspondence a.ply -o b.png --glyph-spacing inf",
+                                  "convert a.tif b.nii --spacing 1,nan,1",
+                                  "convert a.tif b.nii --spacing -1,1,1",
+                                  "compare a.ply --mask m.nii --label -1",
+                                  "info a.ply --mask m.nii --label -1",
+                                  "snap a.ply --image b.nii -o c.ply --at nan,0,0",
+                                  "snap a.ply --image b.nii -o c.ply --strength nan",
+                                  "propagate a.ply --image b.nii -o c --reach-mm nan",
+                                  "phantom kidney --subject -1 -o x",
+                                  "study schemes built-in:kidney --phantoms 1 --seed -1",
+                                  "study schemes built-in:kidney --stiffness nan",
+                                  "study user built-in:kidney --mask m.nii -o c.homolog --seed -1",
+                                  "evaluate a.ply b.ply --seed nan"}) {
     const Ran ran = run(folder, wrong);
     INFO(wrong << ": " << ran.errors);
     CHECK(ran.status == 2);

@@ -3,13 +3,14 @@
 #include <numbers>
 
 #include "core/deform/fold_guard.h"
-#include "core/fit/mask_fit.h"
+#include "core/fit/judge_fit.h"
 #include "core/fit/untangle.h"
 #include "core/measure/compare.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
 #include "core/phantom/phantom.h"
+#include "tests/real_data.h"
 #include "tests/shapes.h"
 
 using namespace homolog;
@@ -42,6 +43,14 @@ void check_sound(const FitResult& fit) {
   CHECK(fit.mesh.points.allFinite());
 }
 
+std::map<std::string, Vec3> landmarks_of(const MeshFile& file, const std::vector<std::string>& names) {
+  std::map<std::string, Vec3> landmarks;
+  for (const Landmark& landmark : file.landmarks)
+    if (std::find(names.begin(), names.end(), landmark.name) != names.end())
+      landmarks[landmark.name] = landmark.position;
+  return landmarks;
+}
+
 const Similarity elsewhere{Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3(1, 2, -1).normalized())), 1.2,
                            Vec3(40, -120, 300)};
 
@@ -54,6 +63,70 @@ TEST_CASE("the organ of the other side looks mirrored and the own side does not"
   const MeshFile other = mirrored({organ.points, organ.topology->triangles()});
   organ = {Topology::make(other.points.rows(), other.triangles).value(), other.points};
   CHECK(looks_mirrored(*reference, mesh_boundary(organ)));
+}
+
+TEST_CASE("an organ that is its own mirror image never looks mirrored") {
+  const Mesh ball = icosphere(3, 20);
+  const auto reference = make_template({ball.points, ball.topology->triangles()}, "ball").value();
+  CHECK_FALSE(looks_mirrored(*reference, mesh_boundary(ball)));
+  Mesh egg = ball;
+  egg.points.col(1) *= 1.3;
+  CHECK_FALSE(looks_mirrored(*reference, mesh_boundary(egg)));
+}
+
+TEST_CASE("femora of the other side look mirrored and those of the same side do not") {
+  const auto data = real_data();
+  if (data.empty()) return;
+  for (const char* own : {"fem_z009_R", "fem_z013_L"}) {
+    const auto reference = load_template((data / "bones" / (std::string(own) + ".ply")).string()).value();
+    for (const char* other : {"fem_z009_R", "fem_z013_L", "fem_z050_L", "fem_z066_R"}) {
+      CAPTURE(own);
+      CAPTURE(other);
+      const Boundary boundary = mesh_boundary(read_mesh(data / "bones" / (std::string(other) + ".ply")).value());
+      CHECK(looks_mirrored(*reference, boundary) == (own[9] != other[9]));
+    }
+  }
+}
+
+TEST_CASE("a template with faults is named as the cause and the organ is not") {
+  const Mesh spindle = shapes::torus(24, 16, 5, 8), ball = icosphere(3, 20);
+  FitResult fit;
+  fit.mesh = spindle;
+  fit.self_intersections = 1;
+  const auto faulty = make_template({spindle.points, spindle.topology->triangles()}, "spindle").value();
+  const auto judged = judge_fit(*faulty, mesh_boundary(ball), {}, fit);
+  CHECK(judged.doubtful);
+  REQUIRE(judged.warnings.size() == 1);
+  CHECK(judged.warnings[0].find("the template itself has") == 0);
+  const auto sound = make_template({ball.points, ball.topology->triangles()}, "ball").value();
+  const auto blamed = judge_fit(*sound, mesh_boundary(ball), {}, fit);
+  REQUIRE(blamed.warnings.size() == 1);
+  CHECK(blamed.warnings[0].find("another organ") != std::string::npos);
+}
+
+TEST_CASE("landmarks that are not used are said") {
+  const auto reference = built_in(Organ::kidney);
+  const MeshFile truth = phantom_truth(Organ::kidney, 4).front();
+  const Boundary boundary = boundary_of({reference->topology, truth.points}, 2.5);
+  FitOptions two;
+  two.landmarks = landmarks_of(truth, {"hilum", "superior pole"});
+  const FitResult pulled = fit_to_boundary(*reference, boundary, two).value();
+  CHECK(pulled.landmarks_used == 2);
+  CHECK_FALSE(pulled.landmarks_place);
+  REQUIRE(pulled.warnings.size() == 1);
+  CHECK(pulled.warnings[0].find("did not help to place it") != std::string::npos);
+  for (const Landmark& landmark : pulled.landmarks)
+    if (two.landmarks.contains(landmark.name)) CHECK((landmark.position - two.landmarks.at(landmark.name)).norm() < 1);
+  FitOptions blunder;
+  blunder.landmarks = landmarks_of(truth, {"hilum", "superior pole", "inferior pole", "lateral convexity"});
+  blunder.landmarks.at("hilum").y() -= 45;
+  const FitResult aside = fit_to_boundary(*reference, boundary, blunder).value();
+  check_sound(aside);
+  CHECK(aside.landmarks_used == 3);
+  CHECK(aside.landmarks_place);
+  REQUIRE(aside.warnings.size() == 1);
+  CHECK(aside.warnings[0].find("\"hilum\" lies") != std::string::npos);
+  CHECK(mean_distance(aside.mesh.points, truth.points) < 2);
 }
 
 TEST_CASE("a template fitted to its own label map hardly moves") {
@@ -85,6 +158,58 @@ TEST_CASE("a pocket that the template has and the case has not is opened") {
   const Agreement agreement = compare_meshes(fit.mesh, boundary.surface);
   CHECK(agreement.assd_mm < 0.15);
   CHECK(agreement.hausdorff_mm < 2);
+}
+
+TEST_CASE("three landmarks near a line leave the spin to the surface and the patient's axes") {
+  const auto reference = built_in(Organ::kidney);
+  for (const int subject : {2, 3}) {
+    CAPTURE(subject);
+    const MeshFile truth = phantom_truth(Organ::kidney, subject).front();
+    const Boundary boundary = boundary_of({reference->topology, truth.points});
+    const auto off_mm = [&](const FitOptions& options) {
+      return mean_distance(fit_to_boundary(*reference, boundary, options).value().mesh.points, truth.points);
+    };
+    CHECK(off_mm({{}, landmarks_of(truth, {"hilum", "superior pole", "inferior pole"})}) < off_mm({}) + 0.1);
+  }
+}
+
+TEST_CASE("no three or four landmarks place worse than none") {
+  const auto reference = built_in(Organ::kidney);
+  const std::vector<std::vector<std::string>> sets{{"hilum", "superior pole", "inferior pole"},
+                                                   {"superior pole", "inferior pole", "lateral convexity"},
+                                                   {"hilum", "anterior lip", "inferior hilar notch"},
+                                                   {"anterior lip", "posterior lip", "superior hilar notch"},
+                                                   {"hilum", "superior pole", "inferior pole", "lateral convexity"},
+                                                   {"hilum", "anterior lip", "posterior lip", "inferior hilar notch"}};
+  for (const int subject : {1, 5, 7, 9, 12}) {
+    CAPTURE(subject);
+    const MeshFile truth = phantom_truth(Organ::kidney, subject).front();
+    const Boundary boundary = boundary_of({reference->topology, truth.points}, 2.5);
+    const auto off_mm = [&](const std::map<std::string, Vec3>& landmarks) {
+      const Similarity placed = find_placement(*reference, boundary, {landmarks, {}, {}}).placement;
+      return mean_distance(placed.apply(reference->points), truth.points);
+    };
+    const double alone_mm = off_mm({});
+    for (const auto& names : sets) CHECK(off_mm(landmarks_of(truth, names)) < alone_mm + 0.2);
+  }
+}
+
+TEST_CASE("a landmark that is none is not trusted") {
+  const auto reference = built_in(Organ::kidney);
+  const MeshFile truth = phantom_truth(Organ::kidney, 4).front();
+  const Boundary boundary = boundary_of({reference->topology, truth.points}, 2.5);
+  for (const auto& [name, off_mm] : {std::pair("inferior pole", 60.0), std::pair("hilum", -45.0)}) {
+    auto landmarks = landmarks_of(truth, {"hilum", "superior pole", "inferior pole", "lateral convexity"});
+    landmarks.at(name).y() += off_mm;
+    const Placed found = find_placement(*reference, boundary, {landmarks, {}, {}});
+    CHECK(mean_distance(found.placement.apply(reference->points), truth.points) < 4);
+    const auto [own, there] = matched_landmarks(*reference, landmarks);
+    REQUIRE(found.trust.size() == own.rows());
+    for (Eigen::Index k = 0; k < own.rows(); ++k) {
+      const bool wrong = Vec3(there.row(k)) == landmarks.at(name);
+      CHECK((found.trust[k] < 0.5) == wrong);
+    }
+  }
 }
 
 TEST_CASE("named landmarks bring the vertices between them to their places too") {
@@ -129,7 +254,7 @@ TEST_CASE("a fit meets the label map and comes nearer to the true landmarks than
       CHECK(agreement.assd_mm < 0.3);
       CHECK(agreement.hd95_mm < 1);
       CHECK(agreement.dice > 0.97);
-      const Similarity placed = find_placement(*reference, boundary, {}, Orientation::patient).placement;
+      const Similarity placed = find_placement(*reference, boundary).placement;
       CHECK(mean_distance(fit.mesh.points, truth.points) <
             mean_distance(placed.apply(reference->points), truth.points));
     }
@@ -153,7 +278,7 @@ TEST_CASE("every rotation is tried on request") {
   const auto reference = built_in(Organ::vertebra);
   const Similarity fallen{Eigen::Quaterniond(Eigen::AngleAxisd(2, Vec3::UnitX())), 1, Vec3(10, 20, 30)};
   const Mesh there{reference->topology, fallen.apply(reference->points)};
-  const auto found = find_placement(*reference, boundary_of(there, 2), {}, Orientation::any);
+  const auto found = find_placement(*reference, boundary_of(there, 2), {{}, Orientation::any, {}});
   CHECK(found.placement.rotation.angularDistance(fallen.rotation) < 0.1);
 }
 

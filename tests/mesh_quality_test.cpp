@@ -1,4 +1,5 @@
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/mesh_faults.h"
 
 #include <doctest/doctest.h>
 
@@ -170,4 +171,25 @@ TEST_CASE("mirroring twice changes nothing and once keeps faces outward and the 
   }
   CHECK(mirrored(file).points.col(0) == -file.points.col(0));
   CHECK(mirrored(file).landmarks[0].position == Vec3(-1, 2, 3));
+}
+
+TEST_CASE("faults of a template are counted and said in words") {
+  CHECK_FALSE(mesh_faults(icosphere(3, 20)).any());
+  CHECK(mesh_faults(icosphere(3, 20)).words().empty());
+  const MeshFaults spindle = mesh_faults(shapes::torus(24, 16, 5, 8));
+  CHECK(spindle.any());
+  CHECK(spindle.intersections > 0);
+  CHECK(spindle.tunnels == 1);
+  CHECK_FALSE(spindle.riddled());
+  Mesh flat = icosphere(2, 20);
+  const auto face = flat.topology->triangles().row(0);
+  flat.points.row(face[0]) = 0.5 * (flat.points.row(face[1]) + flat.points.row(face[2]));
+  CHECK(mesh_faults(flat).flat == 1);
+  Mesh turned = icosphere(3, 20);
+  const auto ring = turned.topology->one_ring(100);
+  turned.points.row(100) = 2 * turned.points.row(ring[0]) - turned.points.row(100);
+  CHECK(mesh_faults(turned).turned > 0);
+  CHECK(MeshFaults{3, 0, 1, 0}.words() == "3 pairs of faces that cut each other and one face with an angle below 1°");
+  CHECK(MeshFaults{1, 2, 3, 0}.words() ==
+        "one pair of faces that cut each other, 2 faces that are turned over and 3 faces with an angle below 1°");
 }

@@ -1,6 +1,9 @@
 #include <doctest/doctest.h>
 
+#include <numbers>
+
 #include "core/placement/landmark_warp.h"
+#include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
 #include "tests/shapes.h"
 
@@ -15,6 +18,7 @@ Points rows(std::initializer_list<Vec3> points) {
   return all;
 }
 
+constexpr double degree = std::numbers::pi / 180;
 const Similarity moved{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())), 1.3, Vec3(10, -20, 30)};
 const Points corners = rows({{0, 0, 50}, {0, 0, -50}, {30, 5, 0}, {-25, 0, 10}, {0, 20, -5}});
 
@@ -70,6 +74,50 @@ TEST_CASE("collinear landmarks leave the spin as it is") {
   const Similarity spun{Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vec3::UnitZ())), 1, Vec3::Zero()};
   const Similarity fitted = fit_similarity(from, Points(from.rowwise() + Eigen::RowVector3d(5, 5, 5)), spun);
   CHECK(fitted.rotation.angularDistance(spun.rotation) < 1e-9);
+}
+
+TEST_CASE("landmarks decide of a rotation what they determine well and nothing else") {
+  const double diagonal_mm = 120, turn = 20 * degree;
+  const PlacementPrior prior{
+      {Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Vec3(1, 1, 1).normalized())), 1.1, Vec3(4, 5, 6)}};
+  const Similarity tilted{Eigen::Quaterniond(Eigen::AngleAxisd(turn, Vec3::UnitX())) * prior.around.rotation, 1.1, {}};
+  const Similarity spun{prior.around.rotation * Eigen::AngleAxisd(turn, Vec3::UnitZ()), 1.1, {}};
+  const auto found = [&](const Points& from, const Similarity& truth) {
+    return likely_similarity(from, truth.apply(from), prior, diagonal_mm).rotation.angularDistance(truth.rotation);
+  };
+  // Spread widely, and along a line: what turns the line is seen, what spins it is not.
+  CHECK(found(corners, tilted) < 0.1 * turn);
+  CHECK(found(corners, spun) < 0.3 * turn);
+  const Points line = rows({{0, 0, 50}, {3, 0, 0}, {0, 0, -50}});
+  CHECK(found(line, tilted) < 0.1 * turn);
+  CHECK(found(line, spun) > 0.95 * turn);
+  // Nearly on a line, the middle one 6 mm off: the closed form spins by half a turn.
+  Points clicked = prior.around.apply(line);
+  clicked.row(1) -= 6 * (prior.around.rotation * Vec3::UnitX()).transpose();
+  CHECK(fit_similarity(line, clicked, prior.around).rotation.angularDistance(prior.around.rotation) > 2);
+  CHECK(likely_similarity(line, clicked, prior, diagonal_mm).rotation.angularDistance(prior.around.rotation) <
+        1 * degree);
+}
+
+TEST_CASE("landmarks that are few or lie together place as far as they know") {
+  const PlacementPrior prior{moved};
+  const double diagonal_mm = 120;
+  CHECK(likely_similarity(Points(0, 3), Points(0, 3), prior, diagonal_mm) == moved);
+  const Similarity one = likely_similarity(corners.topRows(1), rows({{1, 2, 3}}), prior, diagonal_mm);
+  CHECK(one.rotation.angularDistance(moved.rotation) < 1e-7);
+  CHECK(one.scale == doctest::Approx(moved.scale));
+  CHECK((one.apply(Vec3(corners.row(0))) - Vec3(1, 2, 3)).norm() < 1e-9);
+  // Three within some mm, clicked in the wrong order: neither turned nor shrunk.
+  const Points near = rows({{0, 0, 50}, {2, 0, 50}, {0, 2, 50}});
+  const Points there = moved.apply(Points(near(Eigen::Vector3i(1, 2, 0), Eigen::all)));
+  const Similarity together = likely_similarity(near, there, prior, diagonal_mm);
+  CHECK(together.rotation.angularDistance(moved.rotation) < 1 * degree);
+  CHECK(together.scale == doctest::Approx(moved.scale).epsilon(0.1));
+  // Two turn by the smallest rotation, nearly as far as they ask for, and scale.
+  const Points ends = rows({{0, 0, 50}, {0, 0, -50}});
+  const Similarity two = likely_similarity(ends, rows({{0, 0, 60}, {0, 6, -60}}), {}, diagonal_mm);
+  CHECK((two.apply(ends) - rows({{0, 0, 60}, {0, 6, -60}})).norm() < 2);
+  CHECK((two.rotation * Vec3::UnitX() - Vec3::UnitX()).norm() < 1e-9);
 }
 
 TEST_CASE("the warp brings landmarks close and is nothing where they meet already") {

@@ -177,6 +177,22 @@ TEST_CASE("islands and cavities are left out and reported") {
   CHECK(one->warnings.front().find("several parts of about one size") != std::string::npos);
 }
 
+TEST_CASE("thin parts that the mesh does not have are said") {
+  const auto ball = [](const Vec3& p) { return p.norm() < 15; };
+  const Volume finned =
+      mask_where([&](const Vec3& p) { return ball(p) || (p.head<2>().norm() < 26 && std::abs(p.z()) < 1); });
+  MaskTemplateOptions options = options_with(1000);
+  options.opening_mm = 2;
+  const auto made = make_mask_template(finned, options).value();
+  CHECK(made.missed_ml == doctest::Approx(2 * 3.14 * (26 * 26 - 18 * 18) / 1000).epsilon(0.2));
+  CHECK(made.missed_share > 0.05);
+  REQUIRE(made.warnings.size() == 1);
+  CHECK(made.warnings[0].find("more than two voxels from the mesh") != std::string::npos);
+  const auto whole = make_mask_template(mask_where(ball), options).value();
+  CHECK(whole.missed_share == 0);
+  CHECK(whole.warnings.empty());
+}
+
 TEST_CASE("what cannot become a template is refused in a sentence") {
   const Volume mask = mask_where([](const Vec3& p) { return p.norm() < 10; });
   MaskTemplateOptions options = options_with(500);

@@ -20,7 +20,8 @@ namespace {
 void add_spacing(CLI::App& verb, std::vector<double>& spacing_mm) {
   verb.add_option("--spacing", spacing_mm, "X,Y,Z spacing in mm of a stack of PNG or TIFF slices")
       ->delimiter(',')
-      ->expected(3);
+      ->expected(3)
+      ->check(CLI::PositiveNumber);
 }
 
 VolumeReadOptions read_options(const std::string& series, const std::vector<double>& spacing_mm, Progress& progress) {
@@ -69,7 +70,7 @@ void add_info(CLI::App& app, VerbRun& run) {
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
   add_spacing(*verb, options->spacing_mm);
   auto* mask = verb->add_option("--mask", options->mask, "A label map to measure a mesh's distance from");
-  verb->add_option("--label", options->label, "Which label of the mask")->needs(mask);
+  verb->add_option("--label", options->label, "Which label of the mask")->check(CLI::PositiveNumber)->needs(mask);
   const auto info = [options](Progress& progress) -> Result<Report> {
     auto report = describe_file(options->file, read_options(options->series, options->spacing_mm, progress));
     if (!report || options->mask.empty()) return report;
@@ -190,7 +191,9 @@ void add_compare(CLI::App& app, VerbRun& run) {
   CLI::App* verb = add_verb(app, "compare", "How well a mesh agrees with a mask or another mesh");
   verb->add_option("MESH", options->mesh, "The mesh")->required();
   auto* mask_option = verb->add_option("--mask", options->mask, "A label map to compare with");
-  verb->add_option("--label", options->label, "Which label of the mask")->needs(mask_option);
+  verb->add_option("--label", options->label, "Which label of the mask")
+      ->check(CLI::PositiveNumber)
+      ->needs(mask_option);
   verb->add_option("--mesh", options->other, "Another mesh to compare with")->excludes(mask_option);
   const auto compare = [options](Progress& progress) -> Result<Report> {
     auto mesh = read_mesh(options->mesh);

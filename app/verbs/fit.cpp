@@ -12,10 +12,10 @@
 #include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/case/action_json.h"
-#include "core/fit/mask_fit.h"
-#include "core/measure/compare.h"
+#include "core/fit/judge_fit.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mirror.h"
+#include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
 
 // The verb `fit`: a template to one label map or surface, or to many, or to the boundary that an image shows.
@@ -72,11 +72,6 @@ Result<Shared> shared_of(const Options& options) {
     if (!placement) return fail(placement.error());
     shared.fit.placement = *placement;
   }
-  if (!options.landmarks.empty()) {
-    auto landmarks = read_landmarks(options.landmarks);
-    if (!landmarks) return fail(landmarks.error());
-    for (const Landmark& landmark : *landmarks) shared.fit.landmarks[landmark.name] = landmark.position;
-  }
   return shared;
 }
 
@@ -105,6 +100,57 @@ Result<Target> read_target(const Options& options, const fs::path& path, Eigen::
   return Target{started, std::move(*boundary), std::move(mask->volume), mask->label};
 }
 
+/// "case_1" of "folder/case_1.nii.gz".
+std::string case_name(const fs::path& path) {
+  fs::path name = path.filename();
+  if (name.extension() == ".gz") name = name.stem();
+  return name.stem().string();
+}
+
+/// The landmarks of a case, by the template's names.
+struct CaseLandmarks {
+  std::map<std::string, Vec3> places;
+  std::vector<std::string> warnings;
+};
+
+/// The file of a case's landmarks: the one given, or that of the case's name in the folder given; empty without one.
+fs::path landmark_file(const Options& options, const fs::path& path) {
+  if (!fs::is_directory(options.landmarks)) return options.landmarks;
+  for (const char* extension : {".mrk.json", ".json"})
+    if (const fs::path file = options.landmarks / (case_name(path) + extension); fs::exists(file)) return file;
+  return {};
+}
+
+std::string quoted(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "\"" : ", \"") + name + "\"";
+  return text;
+}
+
+/// Errors: a name that the template lacks, where one case is fitted; among several it is a warning.
+Result<CaseLandmarks> landmarks_of(const Options& options, const Template& reference, const fs::path& path) {
+  CaseLandmarks landmarks;
+  if (options.landmarks.empty()) return landmarks;
+  const fs::path file = landmark_file(options, path);
+  if (file.empty()) return landmarks;
+  const auto read = read_landmarks(file);
+  if (!read) return fail(read.error());
+  std::vector<std::string> known, unknown;
+  for (const Landmark& landmark : reference.landmarks) known.push_back(landmark.name);
+  for (const Landmark& landmark : *read) {
+    if (std::find(known.begin(), known.end(), landmark.name) == known.end())
+      unknown.push_back(landmark.name);
+    else
+      landmarks.places[landmark.name] = landmark.position;
+  }
+  if (unknown.empty()) return landmarks;
+  const std::string what = "names " + quoted(unknown) + ", which the template " + options.template_source + " lacks; " +
+                           (known.empty() ? "it has no landmarks" : "it has " + quoted(known));
+  if (options.cases().size() < 2) return fail(file.string(), what + "; give each its name there, or leave it out");
+  landmarks.warnings.push_back("its landmark file " + what + "; they were left out");
+  return landmarks;
+}
+
 MeshFile fitted_file(const Template& reference, const FitResult& fit) {
   MeshFile file = to_mesh_file(reference);
   file.points = fit.mesh.points;
@@ -113,23 +159,20 @@ MeshFile fitted_file(const Template& reference, const FitResult& fit) {
   return file;
 }
 
-Report report_of(const Target& target, const FitResult& fit, const Options& options, double seconds) {
-  const Agreement agreement = compare_meshes(fit.mesh, target.boundary.surface);
-  const bool doubtful = is_doubtful(agreement, target.boundary);
+Report report_of(const Target& target, const FitResult& fit, const FitJudgement& judgement, int frame, double seconds) {
+  const Agreement& agreement = judgement.agreement;
   Report report;
   report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", agreement.dice}};
-  if (target.mask) report.values["dice_raw"] = dice_with_mask(fit.mesh, *target.mask, target.label, options.snap.frame);
+  if (target.mask) report.values["dice_raw"] = dice_with_mask(fit.mesh, *target.mask, target.label, frame);
   report.values.update(Json{{"turned_triangles", fit.turned_triangles},
                             {"self_intersections", fit.self_intersections},
                             {"unseen_vertices", fit.unseen.size()},
-                            {"doubtful", doubtful},
+                            {"doubtful", judgement.doubtful},
+                            {"mirrored", judgement.mirrored},
+                            {"landmarks_used", fit.landmarks_used},
+                            {"landmarks_place", fit.landmarks_place},
                             {"placement", to_json(fit.placement)},
                             {"seconds", seconds}});
-  report.warnings = target.boundary.warnings;
-  report.warnings.insert(report.warnings.end(), fit.warnings.begin(), fit.warnings.end());
-  if (doubtful)
-    report.warnings.push_back("the fit stays bad; is " + options.template_source +
-                              " the template of another organ or side, or the label a wrong one?");
   return report;
 }
 
@@ -137,28 +180,40 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
                         Progress& progress) {
   auto target = read_target(options, path, shared.reference->points.rows(), progress);
   if (!target) return fail(target.error());
+  auto landmarks = landmarks_of(options, *shared.reference, path);
+  if (!landmarks) return fail(landmarks.error());
   FitOptions fitting = shared.fit;
+  fitting.landmarks = std::move(landmarks->places);
   fitting.progress = &progress;
   const auto fit = fit_to_boundary(*shared.reference, target->boundary, fitting);
   if (!fit) return fail(path.string(), fit.error().what);
   const double seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
   if (auto written = write_mesh_file(fitted_file(*shared.reference, *fit), out); !written) return fail(written.error());
-  Report report = report_of(*target, *fit, options, seconds);
+  const FitJudgement judgement = judge_fit(*shared.reference, target->boundary, fitting, *fit);
+  Report report = report_of(*target, *fit, judgement, options.snap.frame, seconds);
+  report.warnings = std::move(landmarks->warnings);
+  report.warnings.insert(report.warnings.end(), judgement.warnings.begin(), judgement.warnings.end());
   for (std::string& warning : report.warnings) warning = path.string() + ": " + warning;
   return report;
 }
 
 /// Where the template starts in an image: as the placement says, or on three named places.
-Result<Similarity> start_in_image(const Shared& shared) {
+Result<Similarity> start_in_image(const Shared& shared, const CaseLandmarks& landmarks) {
   if (shared.fit.placement) return *shared.fit.placement;
-  const auto [from, to] = matched_landmarks(*shared.reference, shared.fit.landmarks);
-  if (from.rows() < 3)
+  const auto [from, to] = matched_landmarks(*shared.reference, landmarks.places);
+  if (from.rows() < fewest_placing_landmarks)
     return fail("", "needs --placement, or --landmarks with three places that the template names, to start from");
-  return fit_similarity(from, to, Similarity{});
+  const Similarity placement =
+      likely_similarity(from, to, PlacementPrior{}, bounds_of(shared.reference->points).diagonal().norm());
+  if (!(placement.scale > 0))
+    return fail("", "cannot be placed: the landmarks contradict each other; check their places and names");
+  return placement;
 }
 
 Result<Report> fit_image(const Options& options, const Shared& shared, Progress& progress) {
-  const auto placement = start_in_image(shared);
+  const auto landmarks = landmarks_of(options, *shared.reference, options.image);
+  if (!landmarks) return fail(landmarks.error());
+  const auto placement = start_in_image(shared, *landmarks);
   if (!placement) return fail(options.image.string(), placement.error().what);
   auto image = read_image(options.image, options.snap.frame, progress);
   if (!image) return fail(image.error());
@@ -182,16 +237,10 @@ Result<Report> fit_image(const Options& options, const Shared& shared, Progress&
   if (auto written = write_mesh_file(fitted_file(reference, fit), options.out); !written) return fail(written.error());
   Report report = snap_report(*snapped, mesh, placed, options.image);
   report.values["placement"] = to_json(fit_similarity(reference.points, mesh.points, *placement));
+  report.values["landmarks_used"] = shared.fit.placement ? 0 : landmarks->places.size();
   report.values["seconds"] = seconds;
   report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
   return report;
-}
-
-/// "case_1" of "folder/case_1.nii.gz".
-std::string case_name(const fs::path& path) {
-  fs::path name = path.filename();
-  if (name.extension() == ".gz") name = name.stem();
-  return name.stem().string();
 }
 
 /// The mesh to write for each case. Errors: two cases of one name.
@@ -254,7 +303,9 @@ void check(const Options& options) {
   if (options.cases().size() == 1) return;
   if (is_mesh_name(options.out)) throw CLI::ValidationError("--output", "is a folder where several cases are fitted");
   if (!options.placement.empty()) throw CLI::ValidationError("--placement", "goes with one case");
-  if (!options.landmarks.empty()) throw CLI::ValidationError("--landmarks", "goes with one case");
+  if (!options.landmarks.empty() && !fs::is_directory(options.landmarks))
+    throw CLI::ValidationError("--landmarks",
+                               "is a folder where several cases are fitted: with case.mrk.json for each");
 }
 
 }  // namespace
@@ -279,7 +330,8 @@ void add_fit(CLI::App& app, VerbRun& run) {
       ->capture_default_str();
   verb->add_option("--placement", options->placement,
                    "Where to start: JSON with rotation, scale and translation as in a case file");
-  verb->add_option("--landmarks", options->landmarks, "Named places on the organ (.mrk.json, .json) for the placement");
+  verb->add_option("--landmarks", options->landmarks,
+                   "Named places on the organ (.mrk.json, .json), or a folder with a file of each case's name");
   verb->add_option("--orientation", options->orientation,
                    "patient: near the patient's axes; any: every rotation is tried")
       ->check(CLI::IsMember({"patient", "any"}))

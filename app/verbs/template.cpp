@@ -5,6 +5,7 @@
 #include "app/verbs/describe.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/verb.h"
+#include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_io.h"
 #include "core/template/mesh_template.h"
 #include "core/template/template_file.h"
@@ -32,9 +33,25 @@ std::string how_cut(const CutTunnel& tunnel) {
   return tunnel.how == CutTunnel::How::filled ? "filled" : "severed";
 }
 
+/// What is wrong with a template that was made, each a sentence.
+std::vector<std::string> faults_of(const MeshFile& file, const fs::path& out) {
+  const auto topology = Topology::make(file.points.rows(), file.triangles);
+  if (!topology) return {};
+  const MeshFaults faults = mesh_faults({*topology, file.points});
+  std::vector<std::string> sentences;
+  if (faults.any())
+    sentences.push_back(out.string() + ": has " + faults.words() +
+                        ", so fits with it will have faults too; mend the surface, or ask for more vertices");
+  if (faults.riddled())
+    sentences.push_back(out.string() + ": has " + std::to_string(faults.tunnels) +
+                        " tunnels, more than organs have; a label map is made sound by --closing-mm and --genus");
+  return sentences;
+}
+
 Result<Report> finish(const MeshFile& file, const fs::path& out, Json further, std::vector<std::string> warnings) {
   auto report = describe(file, out);
   if (!report) return report;
+  for (std::string& fault : faults_of(file, out)) warnings.push_back(std::move(fault));
   report->values.update(further);
   report->warnings = std::move(warnings);
   if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
@@ -74,6 +91,7 @@ Result<Report> from_mask(const TemplateJob& options, const Volume& mask, int lab
                 {{"distance_to_mask_mm", json_of(made->to_mask)},
                  {"distance_from_mask_mm", json_of(made->from_mask)},
                  {"resampled_mm", made->resampled_mm},
+                 {"missed", {{"ml", made->missed_ml}, {"share", made->missed_share}}},
                  {"removed", removed}},
                 std::move(warnings));
 }

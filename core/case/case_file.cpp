@@ -19,6 +19,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int format_version = 1;
 constexpr const char* case_extension = ".homolog";
+constexpr const char* weighed_landmarks = "weighed";  ///< "landmarks" in the header: see Document::weighs_landmarks
 
 /// A line of the file; bytes that are no UTF-8 (a path of another encoding) become a replacement character.
 std::string dumped(const Json& json) {
@@ -168,7 +169,12 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const R
       return fail(same.error());
     }
   }
-  return new_document(volume_source, std::move(volume), std::move(reference));
+  Document document = new_document(volume_source, std::move(volume), std::move(reference));
+  // Homolog always wrote "connectivity"; without it the header was written by a person, and nothing is to be kept to.
+  const auto landmarks = header.find("landmarks");
+  document.weighs_landmarks =
+      landmarks != header.end() ? *landmarks == weighed_landmarks : !header.contains("connectivity");
+  return document;
 }
 
 /// What the options force, whatever the file says.
@@ -197,6 +203,7 @@ std::string case_header(const Document& document, const fs::path& folder) {
   if (!document.volume_source.empty()) header["volume"] = relative_to(folder, document.volume_source);
   if (document.reference) header["template"] = relative_to(folder, document.reference->source);
   if (document.has_shape()) header["placement"] = to_json(document.shape().placement);
+  if (document.weighs_landmarks) header["landmarks"] = weighed_landmarks;
   if (document.reference) {
     header["vertices"] = document.reference->topology->vertices();
     header["connectivity"] = document.reference->topology->hash();

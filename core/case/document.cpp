@@ -144,6 +144,7 @@ Document new_document(std::string volume_source, std::shared_ptr<const Volume> v
   if (document.volume) {
     shape.placement.translation = document.volume->geometry.bounds_mm().center() - bounds_of(placed.points).center();
   }
+  shape.before_landmarks = shape.placement;
   shape.placed = std::make_shared<const Points>(shape.placement.apply(placed.points));
   shape.reference = shape.points = shape.placed;
   document.shapes.emplace(0, std::move(shape));

@@ -44,6 +44,7 @@ enum class LandmarkFit {
 /// One frame's mesh in the case. All points LPS mm.
 struct Shape {
   Similarity placement;
+  Similarity before_landmarks;              ///< the placement without them: what they leave open is decided by it
   std::map<std::string, Vec3> landmarks;    ///< where named landmarks were placed in the image
   std::shared_ptr<const Points> placed;     ///< the template placed, not warped: quality compares with it
   std::shared_ptr<const Points> reference;  ///< R: `placed`, warped to the landmarks where asked; else the same pointer
@@ -77,6 +78,9 @@ struct Document {
   int paper_events = 1;  ///< mouse events a stroke counts for in the scheme `paper`
   double spacing = 0;    ///< strength 0…1 of keeping landmarks evenly spread along with an edit
   LandmarkFit landmark_fit = LandmarkFit::warp;
+  /// Landmarks place by how well they determine each rotation (likely_similarity). False in cases begun before that
+  /// was so: there the closed form alone places, so that they replay to the same points.
+  bool weighs_landmarks = true;
 
   bool has_shape() const { return shapes.contains(frame); }
   const Shape& shape() const { return shapes.at(frame); }

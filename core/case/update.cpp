@@ -9,6 +9,7 @@
 #include "core/mesh/mirror.h"
 #include "core/mesh/surface_search.h"
 #include "core/placement/landmark_warp.h"
+#include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {
@@ -57,7 +58,7 @@ std::string start_anew(const Template& reference, LandmarkFit fit, const Points&
 }
 
 /// Before the first stroke, landmarks carry the template along. Errors: landmarks that collapse it to nothing.
-Result<EditReport> follow_landmarks(const Template& reference, LandmarkFit fit, Shape& shape) {
+Result<EditReport> follow_landmarks(const Template& reference, LandmarkFit fit, bool weighs, Shape& shape) {
   EditReport report;
   if (fit == LandmarkFit::off) return report;
   if (shape.strokes > 0) {
@@ -66,7 +67,9 @@ Result<EditReport> follow_landmarks(const Template& reference, LandmarkFit fit, 
   }
   const auto [from, to] = matched_landmarks(reference, shape.landmarks);
   if (from.rows() == 0) return report;
-  const Similarity placement = fit_similarity(from, to, shape.placement);
+  const Similarity placement =
+      weighs ? likely_similarity(from, to, {shape.before_landmarks}, bounds_of(reference.points).diagonal().norm())
+             : fit_similarity(from, to, shape.placement);
   if (!usable(placement) || placement.scale < 1e-3) {
     return fail("landmarks", "contradict each other, so that the template would shrink to nothing; check their places");
   }
@@ -81,7 +84,7 @@ void move_placement(const Template& reference, const Similarity& placement, Shap
   const bool warped = shape.reference != shape.placed;
   const bool edited = shape.points != shape.reference;
   if (shape.unaided) shape.unaided = share(move.apply(*shape.unaided));
-  shape.placement = placement;
+  shape.placement = shape.before_landmarks = placement;
   shape.placed = share(placement.apply(reference.points));
   shape.reference = warped ? share(move.apply(*shape.reference)) : shape.placed;
   shape.points = edited ? share(move.apply(*shape.points)) : shape.reference;
@@ -166,7 +169,7 @@ struct Updater {
     Document after = before;
     Shape& shape = shape_of(after);
     if (action.placement) {
-      shape.placement = *action.placement;
+      shape.placement = shape.before_landmarks = *action.placement;
       shape.reference = shape.placed = share(action.placement->apply(before.reference->points));
     }
     if (action.by == by_model) {
@@ -262,7 +265,7 @@ struct Updater {
     } else {
       shape.landmarks.erase(action.name);
     }
-    auto report = follow_landmarks(*before.reference, before.landmark_fit, shape);
+    auto report = follow_landmarks(*before.reference, before.landmark_fit, before.weighs_landmarks, shape);
     if (!report) return fail(report.error());
     return done(std::move(after), std::move(*report));
   }
@@ -273,7 +276,7 @@ struct Updater {
     after.landmark_fit = action.fit;
     Shape& shape = shape_of(after);
     if (shape.strokes == 0) start_anew(*before.reference, LandmarkFit::off, {}, {}, shape);
-    auto report = follow_landmarks(*before.reference, action.fit, shape);
+    auto report = follow_landmarks(*before.reference, action.fit, before.weighs_landmarks, shape);
     if (!report) return fail(report.error());
     return done(std::move(after), std::move(*report));
   }
@@ -288,7 +291,8 @@ struct Updater {
     for (auto& [frame, shape] : after.shapes) {
       shape.confirmed.reset();
       start_anew(**made, LandmarkFit::off, {}, {}, shape);
-      if (auto report = follow_landmarks(**made, before.landmark_fit, shape); !report) return fail(report.error());
+      if (auto report = follow_landmarks(**made, before.landmark_fit, before.weighs_landmarks, shape); !report)
+        return fail(report.error());
     }
     return done(std::move(after));
   }
@@ -306,7 +310,7 @@ struct Updater {
     after.frame = action.frame;
     if (before.reference && !after.has_shape()) {
       Shape shape;
-      shape.placement = before.has_shape() ? before.shape().placement : Similarity{};
+      shape.placement = shape.before_landmarks = before.has_shape() ? before.shape().placement : Similarity{};
       start_anew(*before.reference, LandmarkFit::off, {}, {}, shape);
       after.shapes.emplace(after.frame, std::move(shape));
     }

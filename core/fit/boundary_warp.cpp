@@ -2,9 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/statistics.h"
 #include "core/placement/landmark_warp.h"
+#include "core/placement/likely_similarity.h"
 
 namespace homolog {
 
@@ -14,6 +16,10 @@ constexpr double reach_share = 0.3;  // of the bounding-box diagonal
 constexpr double boundary_noise_mm = 2;
 constexpr int rounds = 8;
 constexpr Eigen::Index most_samples = 260;
+/// One of few landmarks carries a large part of the organ with it, also where it is off: below this many, each is
+/// believed less.
+constexpr double enough_landmarks = 8;
+constexpr double least_trust = 1e-6;
 constexpr double outlying = 4;  // times the median distance: another part of the organ
 
 /// What is known of the displacement: along each row's direction, at its place.
@@ -44,10 +50,11 @@ struct Observations {
 }  // namespace
 
 Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed, const Points& from,
-                        const Points& to, BoundarySearch& search) {
-  if (from.rows() < fewest_warp_landmarks) return placed;
+                        const Points& to, const VertexScalars& trust, BoundarySearch& search) {
+  if (from.rows() < fewest_placing_landmarks) return placed;
   const WarpKernel kernel(placed.colwise().mean(), reach_share * bounds_of(placed).diagonal().norm());
   const Eigen::Index stride = std::max<Eigen::Index>(1, placed.rows() / most_samples);
+  const double landmark_mm = landmark_noise_mm * std::max(1.0, enough_landmarks / static_cast<double>(from.rows()));
   Points warped = placed;
   for (int round = 0; round < rounds; ++round) {
     const BoundaryPull there = search.nearest({topology, warped});
@@ -58,7 +65,8 @@ Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const P
     Observations known(3 * from.rows() + std::ssize(distances));
     for (Eigen::Index k = 0; k < from.rows(); ++k)
       for (int axis = 0; axis < 3; ++axis)
-        known.add(from.row(k), Eigen::RowVector3d::Unit(axis), to(k, axis) - from(k, axis), landmark_noise_mm);
+        known.add(from.row(k), Eigen::RowVector3d::Unit(axis), to(k, axis) - from(k, axis),
+                  landmark_mm / std::sqrt(std::max(least_trust, trust[k])));
     for (Eigen::Index v = 0; v < placed.rows(); v += stride) {
       if (there.weights[v] == 0 || (there.targets.row(v) - warped.row(v)).norm() > farthest) continue;
       const Eigen::RowVector3d normal = there.normals.row(v);

@@ -8,9 +8,9 @@ namespace homolog {
 /// [Lüthi 2018, §4.1: Gaussian-process regression] given where landmarks belong and, at a few hundred vertices, how far
 /// away the boundary is along its normal; nothing is taken as known across that. What it does to landmarks between the
 /// observations is smoother than what Eq. 3 alone does, whose forces have no say along the surface. As far as it turns
-/// no triangle over. Below four landmarks `placed` as it is: the boundary alone lets the whole slide along itself.
-/// `placed`: n×3, LPS mm; `from`, `to`: k×3 landmarks on it and where they belong.
+/// no triangle over. Below three landmarks `placed` as it is: the boundary alone lets the whole slide along itself.
+/// `placed`: n×3, LPS mm; `from`, `to`: k×3 landmarks on it and where they belong; `trust`: of each, 0 … 1.
 Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed, const Points& from,
-                        const Points& to, BoundarySearch& search);
+                        const Points& to, const VertexScalars& trust, BoundarySearch& search);
 
 }  // namespace homolog

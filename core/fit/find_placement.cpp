@@ -17,8 +17,9 @@ namespace homolog {
 namespace {
 
 constexpr double most_tilt = 60 * std::numbers::pi / 180;
-constexpr Eigen::Index samples = 300;  ///< of each surface
-constexpr int most_placement_rounds = 40;
+constexpr double nearly = 1e-3, at_rest = 1e-9;  // steps, as shares of the organ's size
+constexpr double everywhere = 2 * std::numbers::pi;
+constexpr double any_turn = std::numbers::pi;  ///< standard deviation: next to nothing is known
 
 /// Area-weighted moments of a surface.
 struct Moments {
@@ -83,103 +84,70 @@ std::vector<Eigen::Quaterniond> starts_of(const Moments& from, const Moments& to
   return starts;
 }
 
-/// Closest points between samples of the template and of the boundary; the template stays where it is, so that its
-/// search tree is made once.
-class ClosestPoints {
- public:
-  ClosestPoints(const Template& reference, const Boundary& boundary)
-      : boundary_(boundary), on_boundary_(boundary.surface), on_template_({reference.topology, reference.points}) {
-    for (Eigen::Index i = 0; i < reference.points.rows(); i += stride(reference.points))
-      own_.push_back(reference.points.row(i));
-    const Points& there = boundary.surface.points;
-    for (Eigen::Index i = 0; i < there.rows(); i += stride(there))
-      if (boundary.shows(there.row(i))) there_.push_back(there.row(i));
-  }
-
-  FoundPlacement refined(Similarity placement, double most_turn) const {
-    const Eigen::Quaterniond start = placement.rotation;
-    double distance = 0;
-    for (int round = 0; round < most_placement_rounds; ++round) {
-      const auto [from, to] = pairs(placement);
-      distance = std::sqrt((placement.apply(from) - to).rowwise().squaredNorm().mean());
-      const Similarity next = fit_similarity(from, to, placement);
-      if (next.rotation.angularDistance(start) > most_turn) break;
-      const bool settled =
-          next.rotation.angularDistance(placement.rotation) < 2e-3 && std::abs(next.scale / placement.scale - 1) < 2e-3;
-      placement = next;
-      if (settled) break;
-    }
-    return {placement, distance};
-  }
-
- private:
-  static Eigen::Index stride(const Points& points) { return 1 + points.rows() / samples; }
-
-  /// Points of the template in its own frame, and where the boundary has them.
-  std::pair<Points, Points> pairs(const Similarity& placement) const {
-    std::vector<Vec3> from, to;
-    for (const Vec3& p : own_) {
-      const Vec3 placed = placement.apply(p);
-      if (!boundary_.shows(placed)) continue;
-      const Vec3 nearest = on_boundary_.nearest(placed).position;
-      if (!boundary_.shows(nearest)) continue;
-      from.push_back(p);
-      to.push_back(nearest);
-    }
-    const Similarity back = placement.inverse();
-    for (const Vec3& p : there_) {
-      from.push_back(on_template_.nearest(back.apply(p)).position);
-      to.push_back(p);
-    }
-    return {rows_of(from), rows_of(to)};
-  }
-  static Points rows_of(const std::vector<Vec3>& list) {
-    Points points(static_cast<Eigen::Index>(list.size()), 3);
-    for (std::size_t k = 0; k < list.size(); ++k) points.row(static_cast<Eigen::Index>(k)) = list[k].transpose();
-    return points;
-  }
-
-  const Boundary& boundary_;
-  SurfaceSearch on_boundary_, on_template_;
-  std::vector<Vec3> own_, there_;
+struct Start {
+  Similarity placement;
+  double farthest;  ///< that it may turn away from what is likely beforehand, radians
 };
 
-}  // namespace
-
-FoundPlacement refine_placement(const Template& reference, const Boundary& boundary, const Similarity& start) {
-  return ClosestPoints(reference, boundary).refined(start, most_tilt);
-}
-
-FoundPlacement find_placement(const Template& reference, const Boundary& boundary,
-                              const std::map<std::string, Vec3>& landmarks, Orientation orientation) {
+/// find_placement; `rest`: the last step, as a share of the organ's size.
+Placed placed(const Template& reference, const Boundary& boundary, const PlacementHints& hints, double rest) {
   const ClosestPoints closest(reference, boundary);
   const Moments from = moments_of({reference.topology, reference.points}), to = moments_of(boundary.surface);
   const auto at = [&](const Eigen::Quaterniond& rotation) {
     const double scale = to.size_mm / from.size_mm;
     return Similarity{rotation, scale, to.centre - scale * (rotation * from.centre)};
   };
-  if (const auto [own, there] = matched_landmarks(reference, landmarks); own.rows() >= 3) {
-    const Similarity placed = fit_similarity(own, there, at(Eigen::Quaterniond::Identity()));
-    return closest.refined(placed, 0);
+  const bool any = hints.orientation == Orientation::any && !hints.start;
+  const PlacementPrior prior{hints.start.value_or(at(Eigen::Quaterniond::Identity())),
+                             any ? any_turn : PlacementPrior{}.turn_rad};
+  // Without landmarks the best overlap alone is anatomically wrong too often.
+  const double farthest = any ? everywhere : most_tilt;
+  std::vector<Start> starts;
+  if (hints.start) {
+    starts.push_back({*hints.start, farthest});
+  } else {
+    for (const Eigen::Quaterniond& start : starts_of(from, to, hints.orientation))
+      starts.push_back({at(start), farthest});
   }
-  FoundPlacement best;
-  best.distance_mm = std::numeric_limits<double>::infinity();
-  for (const Eigen::Quaterniond& start : starts_of(from, to, orientation)) {
-    const FoundPlacement found = closest.refined(at(start), most_tilt);
-    const bool upright = orientation == Orientation::any || angle_of(found.placement.rotation) < most_tilt;
-    if (upright && found.distance_mm < best.distance_mm) best = found;
+  KnownPlaces places;
+  if (auto [own, there] = matched_landmarks(reference, hints.landmarks); own.rows() >= fewest_placing_landmarks) {
+    places = {std::move(own), std::move(there)};
+    const Similarity likely =
+        likely_similarity(places.own, places.there, prior, bounds_of(reference.points).diagonal().norm());
+    if (likely.scale > 0) starts.push_back({likely, everywhere});
   }
-  // Nothing near the patient's axes settled: upright, by moments alone.
-  if (!std::isfinite(best.distance_mm)) best = closest.refined(at(Eigen::Quaterniond::Identity()), 0);
-  return best;
+  Placed best;
+  best.cost = std::numeric_limits<double>::infinity();
+  double farthest_of_best = 0;
+  for (const Start& start : starts) {
+    Placed found = closest.refined(start.placement, start.farthest, prior, places, nearly);
+    if (found.cost < best.cost) {
+      best = std::move(found);
+      farthest_of_best = start.farthest;
+    }
+  }
+  return closest.refined(best.placement, farthest_of_best, prior, places, rest);
 }
 
-bool looks_mirrored(const Template& reference, const Boundary& boundary) {
-  constexpr double clearly = 0.85;
+}  // namespace
+
+Placed find_placement(const Template& reference, const Boundary& boundary, const PlacementHints& hints) {
+  return placed(reference, boundary, hints, at_rest);
+}
+
+bool looks_mirrored(const Template& reference, const Boundary& boundary, Orientation orientation) {
+  // Of femora, hips and phantom kidneys the template of the other side comes to 1.8 times and more of its mirror
+  // image's distance, that of the same side to half at most. Real kidneys are less sure: 0.9 to 2.2, and 0.3 to 1.4.
+  constexpr double clearly = 0.65;
+  constexpr double visible_share = 0.005;  // of the diagonal: below, a ball would look mirrored by its noise
   const auto other = make_template(mirrored(to_mesh_file(reference)), reference.source);
   if (!other) return false;
-  const double own_mm = find_placement(reference, boundary, {}, Orientation::patient).distance_mm;
-  return find_placement(**other, boundary, {}, Orientation::patient).distance_mm < clearly * own_mm;
+  const auto distance_mm = [&](const Template& side) {
+    return placed(side, boundary, {{}, orientation, {}}, nearly).distance_mm;
+  };
+  const double own_mm = distance_mm(reference);
+  return own_mm > visible_share * bounds_of(boundary.surface.points).diagonal().norm() &&
+         distance_mm(**other) < clearly * own_mm;
 }
 
 }  // namespace homolog

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "core/deform/fold_guard.h"
 #include "core/deform/gesture.h"
@@ -25,6 +26,7 @@ constexpr double stiffest_share = 0.3;  ///< of the organ's diagonal: the length
 constexpr double softest_edges = 1;     ///< and at last, in mean edges
 constexpr double easing_edges = 1;      ///< mean edges: folds of the template finer than about this are eased
 constexpr double landmark_weight = 10;  ///< of a named place against a vertex on the boundary
+constexpr double trusted = 0.5;         ///< a landmark below is called a blunder
 constexpr double least_weight = 0.01;   ///< of a force that is not known: the solver needs one
 
 class Fitting {
@@ -51,15 +53,33 @@ class Fitting {
       const Points placed = options_.placement->apply(reference_.points);
       if (!bounds_of(placed).intersects(bounds_of(boundary_.surface.points)))
         return fail("", "the placement lays the template where the organ is not; leave it out to have one found");
-      placement_ = own.rows() >= 3 ? fit_similarity(own, there, *options_.placement)
-                                   : refine_placement(reference_, boundary_, *options_.placement).placement;
-    } else {
-      placement_ = find_placement(reference_, boundary_, options_.landmarks, options_.orientation).placement;
     }
+    const Placed found =
+        find_placement(reference_, boundary_, {options_.landmarks, options_.orientation, options_.placement});
+    placement_ = found.placement;
+    trust_ = found.trust.size() == own.rows() ? found.trust : VertexScalars::Ones(own.rows());
+    say_of_landmarks((placement_.apply(own) - there).rowwise().norm());
     const Points placed = placement_.apply(reference_.points);
-    mesh_ = {reference_.topology, warp_to_boundary(reference_.topology, placed, placement_.apply(own), there, search_)};
+    mesh_ = {reference_.topology,
+             warp_to_boundary(reference_.topology, placed, placement_.apply(own), there, trust_, search_)};
     start_ = placement_.inverse().apply(mesh_.points);
     return show(0.1);
+  }
+
+  /// `off_mm`: how far each given landmark lies from where the placement has it.
+  void say_of_landmarks(const VertexScalars& off_mm) {
+    if (trust_.size() > 0 && trust_.size() < fewest_placing_landmarks)
+      landmark_warnings_.push_back(std::string(trust_.size() == 1 ? "one landmark pulls" : "two landmarks pull") +
+                                   " on the mesh and did not help to place it; three or more do");
+    Eigen::Index k = -1;
+    for (const Landmark& landmark : reference_.landmarks) {
+      if (!options_.landmarks.contains(landmark.name) || trust_[++k] >= trusted) continue;
+      char mm[32];
+      std::snprintf(mm, sizeof mm, "%.0f mm", off_mm[k]);
+      landmark_warnings_.push_back("the landmark \"" + landmark.name + "\" lies " + mm +
+                                   " from where the surface and the other landmarks have it, and was left aside; check "
+                                   "its place and name");
+    }
   }
 
   Result<void> anneal() {
@@ -104,14 +124,16 @@ class Fitting {
 
   /// Adds the named places that the organ's landmarks pull on.
   void pull_landmarks(BoundaryPull& pull) const {
+    Eigen::Index known = 0;
     for (std::size_t k = 0; k < reference_.landmarks.size(); ++k) {
       const auto there = options_.landmarks.find(reference_.landmarks[k].name);
       if (there == options_.landmarks.end()) continue;
+      const double trust = trust_[known++];
       const Eigen::RowVector3d offset = (there->second - carried_landmark(reference_, k, mesh_.points)).transpose();
       const auto corners = mesh_.topology->triangles().row(reference_.landmark_points[k].face);
       for (int c = 0; c < 3; ++c) {
         const Eigen::Index i = corners[c];
-        const double weight = landmark_weight * reference_.landmark_points[k].weights[c],
+        const double weight = landmark_weight * trust * reference_.landmark_points[k].weights[c],
                      total = pull.weights[i] + weight;
         if (total <= 0) continue;
         pull.targets.row(i) = (pull.weights[i] * pull.targets.row(i) + weight * (mesh_.points.row(i) + offset)) / total;
@@ -152,8 +174,9 @@ class Fitting {
     for (Eigen::Index i = 0; i < mesh_.points.rows(); ++i)
       if (!boundary_.shows(mesh_.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
     result.landmarks = carried_landmarks(reference_, mesh_.points);
-    if (result.turned_triangles + result.self_intersections > 0)
-      result.warnings.emplace_back("some faces are turned or meet; the organ differs too much from the template there");
+    result.landmarks_used = static_cast<std::size_t>((trust_.array() >= trusted).count());
+    result.landmarks_place = trust_.size() >= fewest_placing_landmarks;
+    result.warnings = std::move(landmark_warnings_);
     result.mesh = std::move(mesh_);
     return result;
   }
@@ -174,6 +197,8 @@ class Fitting {
   Points start_;  ///< the template, warped where landmarks ask for it
   Points rest_;   ///< R unplaced: `start_`, eased while the mesh anneals
   Similarity placement_;
+  VertexScalars trust_;  ///< of each landmark that was given
+  std::vector<std::string> landmark_warnings_;
   Points placed_;  ///< R: rest_ under placement_
   Mesh mesh_;
 };
@@ -182,12 +207,6 @@ class Fitting {
 
 Result<FitResult> fit_to_boundary(const Template& reference, const Boundary& boundary, const FitOptions& options) {
   return Fitting(reference, boundary, options).run();
-}
-
-bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
-  constexpr double least_dice = 0.9, most_share = 0.04;
-  return agreement.dice < least_dice ||
-         agreement.hd95_mm > most_share * bounds_of(boundary.surface.points).diagonal().norm();
 }
 
 }  // namespace homolog

@@ -10,13 +10,12 @@
 #include "core/case/document.h"
 #include "core/fit/boundary.h"
 #include "core/fit/find_placement.h"
-#include "core/measure/compare.h"
 
 namespace homolog {
 
 struct FitOptions {
   std::optional<Similarity> placement;    ///< where to start; found where absent
-  std::map<std::string, Vec3> landmarks;  ///< named places on the organ, LPS mm, used for the placement
+  std::map<std::string, Vec3> landmarks;  ///< named places on the organ, LPS mm; others' names are left out
   Orientation orientation = Orientation::patient;
   Progress* progress = nullptr;
   /// Called after each step with the shape so far, on the thread that fits.
@@ -29,6 +28,8 @@ struct FitResult {
   std::vector<Landmark> landmarks;   ///< the template's, carried along on the surface
   std::vector<std::int32_t> unseen;  ///< vertices beyond the scan's edge, where the shape follows the template
   std::size_t turned_triangles = 0, self_intersections = 0;
+  std::size_t landmarks_used = 0;     ///< of those given: that pulled on the mesh
+  bool landmarks_place = false;       ///< they had a say in the placement too: three or more
   std::vector<std::string> warnings;  ///< each a sentence
 };
 
@@ -39,9 +40,5 @@ struct FitResult {
 /// Deviates from Eq. 2: where the boundary is not known the force has next to no weight and the shape decides.
 /// Errors: the placement given does not reach the boundary; cancelled.
 Result<FitResult> fit_to_boundary(const Template& reference, const Boundary& boundary, const FitOptions& options = {});
-
-/// Whether a fit stays so bad that the template may be another organ's or the label a wrong one: Dice below 0.9, or a
-/// 95 % distance above 4 % of the boundary's diagonal. `agreement`: of the fitted mesh with the boundary.
-bool is_doubtful(const Agreement& agreement, const Boundary& boundary);
 
 }  // namespace homolog

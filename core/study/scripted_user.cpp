@@ -183,7 +183,7 @@ std::optional<Vec3> on_mesh(const Document& document, const std::string& name) {
 }  // namespace
 
 Result<void> place_on(EditSession& session, const Mesh& target) {
-  const auto found = find_placement(*session.document().reference, mesh_boundary(target), {}, Orientation::patient);
+  const auto found = find_placement(*session.document().reference, mesh_boundary(target));
   auto done = session.apply(SetPlacement{found.placement});
   return done ? Result<void>{} : fail(done.error());
 }

@@ -8,6 +8,8 @@
 
 #include "core/base/index.h"
 #include "core/mesh/isosurface.h"
+#include "core/mesh/surface_search.h"
+#include "core/mesh/voxelise.h"
 
 namespace homolog {
 namespace {
@@ -141,6 +143,32 @@ Result<LabelRegion> label_region(const Volume& mask, int label, int frame, const
     region.touches[2 * axis + 1] = extent.last[axis] == last && reaches(region, axis, blocks.holding(last, axis));
   }
   return region;
+}
+
+std::size_t voxels_off(const LabelRegion& region, const Mesh& mesh) {
+  const auto& dims = region.grid.dims;
+  const std::vector<std::uint8_t> covered = voxelise(mesh, region.grid);
+  const SurfaceSearch search(mesh);
+  const double far_mm = 2 * region.grid.spacing_mm.maxCoeff();
+  const auto at = [&](int i, int j, int k) {
+    return (index(k) * index(dims[1]) + index(j)) * index(dims[0]) + index(i);
+  };
+  // Whether the mesh holds a voxel at most two away along an axis: then it is near, and need not be searched for.
+  const auto near = [&](int i, int j, int k) {
+    for (int d = -2; d <= 2; ++d) {
+      if (i + d >= 0 && i + d < dims[0] && covered[at(i + d, j, k)] != 0) return true;
+      if (j + d >= 0 && j + d < dims[1] && covered[at(i, j + d, k)] != 0) return true;
+      if (k + d >= 0 && k + d < dims[2] && covered[at(i, j, k + d)] != 0) return true;
+    }
+    return false;
+  };
+  std::size_t off = 0;
+  for (int k = 0; k < dims[2]; ++k)
+    for (int j = 0; j < dims[1]; ++j)
+      for (int i = 0; i < dims[0]; ++i)
+        if (region.inside[at(i, j, k)] != 0 && !near(i, j, k))
+          off += search.nearest(region.grid.to_mm(Vec3(i, j, k))).distance_mm > far_mm;
+  return off;
 }
 
 Result<Mesh> boundary_of(const LabelRegion& region) {

@@ -39,6 +39,10 @@ double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double e
 Result<LabelRegion> label_region(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
                                  double margin_mm);
 
+/// How many voxels of a region lie outside of a mesh and farther from it than two voxels (of the region's grid, along
+/// its longest axis).
+std::size_t voxels_off(const LabelRegion& region, const Mesh& mesh);
+
 /// The boundary of a region's voxels, LPS mm. Errors: nothing is inside.
 Result<Mesh> boundary_of(const LabelRegion& region);
 

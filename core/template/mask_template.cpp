@@ -56,21 +56,22 @@ class Making {
     const double ball_mm = options_.genus.kind == GenusRule::Kind::number ? widest_mm / 2 : fill_below_mm() / 2;
     const double margin_mm = std::max(options_.closing_mm, ball_mm) + edge_mm_;
     const double spacing_mm = worked_spacing_mm(mask_, extent, edge_mm_, margin_mm);
-    const auto region = label_region(mask_, options_.label, options_.frame, extent, spacing_mm, margin_mm);
-    if (!region) return fail(region.error());
+    auto cut_out = label_region(mask_, options_.label, options_.frame, extent, spacing_mm, margin_mm);
+    if (!cut_out) return fail(cut_out.error());
+    region_ = std::move(*cut_out);
 
     made_.resampled_mm = spacing_mm;
-    const double voxel_ml = region->grid.voxel_volume_mm3() / 1000;
-    for (const std::size_t voxels : region->body.islands)
+    const double voxel_ml = region_.grid.voxel_volume_mm3() / 1000;
+    for (const std::size_t voxels : region_.body.islands)
       made_.islands_ml.push_back(static_cast<double>(voxels) * voxel_ml);
-    made_.cavities = static_cast<int>(region->body.cavities);
-    made_.cavities_ml = static_cast<double>(region->body.cavity_voxels) * voxel_ml;
-    if (auto several = several_parts(*region, options_.label)) made_.warnings.push_back(std::move(*several));
-    if (const std::string sides = sides_touched(*region); !sides.empty())
+    made_.cavities = static_cast<int>(region_.body.cavities);
+    made_.cavities_ml = static_cast<double>(region_.body.cavity_voxels) * voxel_ml;
+    if (auto several = several_parts(region_, options_.label)) made_.warnings.push_back(std::move(*several));
+    if (const std::string sides = sides_touched(region_); !sides.empty())
       made_.warnings.push_back("label " + std::to_string(options_.label) + " touches the edge of the label map (" +
                                sides + "); the organ is closed flat there, use a map that holds it whole");
-    surface_ = resampled(signed_distance(region->inside, region->grid), spacing_mm);
-    auto target = boundary_of(*region);
+    surface_ = resampled(signed_distance(region_.inside, region_.grid), spacing_mm);
+    auto target = boundary_of(region_);
     if (!target) return fail(target.error());
     target_ = std::move(*target);
     return show(TemplateStage::resampled, 0.2);
@@ -142,6 +143,7 @@ class Making {
                           " or more");
     if (show_) show_(TemplateStage::remeshed, made_.mesh);
     if (progress_) progress_->report(0.9);
+    say_what_is_missed();
     in_parallel(2, [this](int first, int last) {  // each way on a core of its own
       for (int way = first; way < last; ++way)
         (way == 0 ? made_.to_mask : made_.from_mask) =
@@ -149,6 +151,20 @@ class Making {
     });
     if (progress_ && progress_->cancelled()) return cancelled();
     return std::move(made_);
+  }
+
+  void say_what_is_missed() {
+    constexpr double worth_saying = 0.005;
+    const auto voxels = static_cast<double>(std::count(region_.inside.begin(), region_.inside.end(), 1));
+    const auto missed = static_cast<double>(voxels_off(region_, made_.mesh));
+    made_.missed_ml = missed * region_.grid.voxel_volume_mm3() / 1000;
+    made_.missed_share = missed / voxels;
+    if (made_.missed_share < worth_saying) return;
+    made_.warnings.push_back(number(100 * made_.missed_share) + " % of label " + std::to_string(options_.label) + " (" +
+                             number(made_.missed_ml) +
+                             " ml) lies more than two voxels from the mesh: parts thinner than the opening of " +
+                             number(options_.opening_mm) + " mm or the edges of " + number(edge_mm_) +
+                             " mm; use a smaller opening radius or more vertices");
   }
 
   /// Two edges across, a tunnel is no more than a crease in the mesh; and the smoothing has widened it by about σ.
@@ -192,6 +208,7 @@ class Making {
   const ShowStage& show_;
   double edge_mm_ = 0;
   LevelSet surface_;
+  LabelRegion region_;
   Mesh target_;  ///< the boundary of the label's largest part, cavities filled
   MaskTemplate made_;
 };

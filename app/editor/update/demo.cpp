@@ -27,7 +27,7 @@ Result<Document> demo_document(Organ organ, int subject) {
     to.row(static_cast<Eigen::Index>(i)) = pairs[i].second;
   }
   Shape& shape = document.shapes.at(0);
-  shape.placement = fit_similarity(from, to, shape.placement);
+  shape.placement = shape.before_landmarks = fit_similarity(from, to, shape.placement);
   shape.placed = std::make_shared<const Points>(shape.placement.apply((*reference)->points));
   shape.reference = shape.points = shape.placed;
   return document;

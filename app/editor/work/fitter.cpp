@@ -1,14 +1,22 @@
 #include "app/editor/work/fitter.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <utility>
 
+#include "core/fit/judge_fit.h"
 #include "core/fit/refine.h"
 
 namespace homolog {
 
 namespace {
+
+/// "the fit stays bad" as it stands alone.
+std::string as_sentence(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text.ends_with('.') || text.ends_with('?') ? text : text + '.';
+}
 
 Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const FitSettings& settings,
                       FitOptions options) {
@@ -21,15 +29,10 @@ Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const
   options.landmarks = shape.landmarks;
   auto fit = fit_to_boundary(reference, *boundary, options);
   if (!fit) return fail(labels.name, fit.error().what);
+  FitJudgement judgement = judge_fit(reference, *boundary, options, *fit);
   Fitted done;
-  done.agreement = compare_meshes(fit->mesh, boundary->surface);
-  done.remarks = std::move(boundary->warnings);
-  done.remarks.insert(done.remarks.end(), fit->warnings.begin(), fit->warnings.end());
-  if (!settings.as_placed && looks_mirrored(reference, *boundary))
-    done.remarks.emplace_back(
-        "The organ looks like the template's mirror image; try Mirror left and right (Reference), then fit again.");
-  else if (is_doubtful(done.agreement, *boundary))
-    done.remarks.emplace_back("The fit stays bad; is this the template of another organ, or another label?");
+  done.agreement = judgement.agreement;
+  for (const std::string& warning : judgement.warnings) done.remarks.push_back(as_sentence(warning));
   done.edit = {"fit", fit->placement, std::make_shared<const Points>(std::move(fit->mesh.points))};
   return done;
 }

@@ -1,0 +1,56 @@
+#include "core/mesh/mesh_faults.h"
+
+#include <vector>
+
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double flat_deg = 1;
+constexpr double against = -0.5;  ///< cosine between a face's normal and the mean one around it
+
+/// Faces whose normal points against that of the faces around.
+std::size_t turned_faces(const Mesh& mesh) {
+  const Triangles& triangles = mesh.topology->triangles();
+  Points around = Points::Zero(mesh.points.rows(), 3);
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
+    for (int k = 0; k < 3; ++k) around.row(triangles(f, k)) += area_normal(mesh, f).transpose();
+  std::size_t turned = 0;
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    const Vec3 own = area_normal(mesh, f);
+    Vec3 others = -3 * own;
+    for (int k = 0; k < 3; ++k) others += around.row(triangles(f, k)).transpose();
+    turned += own.dot(others) < against * own.norm() * others.norm();
+  }
+  return turned;
+}
+
+}  // namespace
+
+std::string MeshFaults::words() const {
+  std::vector<std::string> parts;
+  const auto add = [&](std::size_t count, const std::string& one, const std::string& many) {
+    if (count > 0) parts.push_back(count == 1 ? "one " + one : std::to_string(count) + " " + many);
+  };
+  add(intersections, "pair of faces that cut each other", "pairs of faces that cut each other");
+  add(turned, "face that is turned over", "faces that are turned over");
+  add(flat, "face with an angle below 1°", "faces with an angle below 1°");
+  std::string words;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    words += (k == 0 ? "" : k + 1 == parts.size() ? " and " : ", ") + parts[k];
+  return words;
+}
+
+MeshFaults mesh_faults(const Mesh& mesh) {
+  MeshFaults faults;
+  faults.intersections = self_intersections(mesh).size();
+  faults.turned = turned_faces(mesh);
+  for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f)
+    faults.flat += smallest_angle_deg(mesh, f) < flat_deg;
+  faults.tunnels = mesh.topology->genus();
+  return faults;
+}
+
+}  // namespace homolog

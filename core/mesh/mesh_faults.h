@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+/// What makes a mesh a bad template, counted.
+struct MeshFaults {
+  std::size_t intersections = 0;  ///< pairs of faces that cut each other
+  std::size_t turned = 0;         ///< faces that look against all faces around them
+  std::size_t flat = 0;           ///< faces with an angle below 1°
+  int tunnels = 0;                ///< genus
+
+  /// Whether meshes fitted with such a template must have faults too.
+  bool any() const { return intersections + turned + flat > 0; }
+  /// More tunnels than organs have: the surface of a label map with noise, or of trabeculae.
+  bool riddled() const { return tunnels > 16; }
+  /// "3 pairs of faces that cut each other and 2 faces with an angle below 1°"; empty without any.
+  std::string words() const;
+};
+
+MeshFaults mesh_faults(const Mesh& mesh);
+
+}  // namespace homolog

@@ -7,7 +7,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "core/case/case_file.h"
 #include "tests/must.h"
@@ -75,12 +77,18 @@ bool Driver::shows(std::string_view words) const {
   });
 }
 
+void Driver::pause() {
+  next_frame_seconds_ = pause_seconds;
+  frame();
+}
+
 void Driver::frame() {
-  seconds_ += frame_seconds;
+  const double passed = next_frame_seconds_ > 0 ? std::exchange(next_frame_seconds_, 0) : frame_seconds;
+  seconds_ += passed;
   app_.update(seconds_);
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = {static_cast<float>(size_.width_px), static_cast<float>(size_.height_px)};
-  io.DeltaTime = static_cast<float>(frame_seconds);
+  io.DeltaTime = static_cast<float>(passed);
   input_.feed(io, held_, seconds_);
   drawn_.clear();
   app_.draw(size_.width_px, size_.height_px, 0);
@@ -92,13 +100,17 @@ void Driver::frames(int count) {
   for (int k = 0; k < count; ++k) frame();
 }
 
+void Driver::settle() {
+  wait_until("the program is at rest", [&] { return app_.at_rest() && !input_.busy(); });
+}
+
 void Driver::wait_until(const char* what, const std::function<bool()>& done) {
   const auto begin = std::chrono::steady_clock::now();
   while (!done()) {
     if (std::chrono::steady_clock::now() - begin > std::chrono::seconds(30)) {
       std::string notices;
       for (const Notice& notice : state().notices) notices += "\n  " + notice.text;
-      FAIL("after 30 s still not: " << what << "; the program says:" << notices);
+      FAIL("after 30 s still not: " << std::string(what) << "; the program says:" << notices);
     }
     frame();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -143,7 +155,8 @@ void Driver::scroll_to(std::string_view name) {
 }
 
 void Driver::point_at(std::string_view name) {
-  seconds_ += pause_seconds;
+  pause();
+  if (!in_a_hurry_) settle();
   scroll_to(name);
   const DrawnItem& wanted = control(name);
   move(wanted.seen.x + wanted.seen.width / 2, wanted.seen.y + wanted.seen.height / 2);

@@ -59,6 +59,10 @@ class Driver {
 
   void frame();
   void frames(int count);
+  /// Goes on until all that was asked for is done, and the screen stays as it is. The hands do so before they move,
+  /// as a person waits until nothing shifts under the pointer, unless they are in a hurry.
+  void settle();
+  void hurry(bool in_a_hurry) { in_a_hurry_ = in_a_hurry; }
   /// Goes on until `done`; fails where that takes longer than a healthy machine needs.
   void wait_until(const char* what, const std::function<bool()>& done);
 
@@ -80,11 +84,13 @@ class Driver {
   };
   std::vector<const DrawnItem*> found(std::string_view name) const;
   void scroll_to(std::string_view name);
+  void pause();
   void press_and_let_go();
 
   Home home_;
   Size size_;
-  double seconds_ = 0, x_px_ = 0, y_px_ = 0;
+  double seconds_ = 0, next_frame_seconds_ = 0, x_px_ = 0, y_px_ = 0;
+  bool in_a_hurry_ = false;
   InputRouter::Held held_;
   ImGuiAlone imgui_;
   DrawnItems drawn_;

@@ -122,7 +122,8 @@ TEST_CASE("the mesh is exported under the name that was typed and a file that is
   driver.wait_until("it is asked", [&] { return driver.has("Replace it"); });
   CHECK(fs::file_size(file) == 0);
   driver.click("Replace it");
-  driver.wait_until("the file is replaced", [&] { return !driver.app().busy() && fs::file_size(file) > 0; });
+  driver.settle();
+  CHECK(fs::file_size(file) > 0);
   CHECK(test::must(read_mesh(file)).points.rows() == driver.document().shape().points->rows());
 }
 
@@ -162,8 +163,7 @@ TEST_CASE("landmark files are read beside the window and taken into the case tha
 
   // Asked for before another case was opened.
   driver.app().send(ImportLandmarks{placed});
-  driver.app().update(0);
-  driver.app().start_session(EditSession(ball.document()));
+  driver.app().send(ChangeState{[&](EditorState&) { driver.app().start_session(EditSession(ball.document())); }});
   driver.wait_until("that is said", [&] { return driver.shows("was read for the case before"); });
   CHECK(driver.document().shape().landmarks.empty());
 }
@@ -190,7 +190,7 @@ TEST_CASE("a study's file is kept up to date beside the window") {
 
   // What the file says last is what was done last.
   for (int k = 0; k < 5; ++k) driver.click("cases/ball/state");
-  driver.wait_until("the file is written", [&] { return !driver.app().busy(); });
+  driver.settle();
   CHECK(written().find("\"done\"") != std::string::npos);
   fs::remove(study);
   fs::create_directory(study);

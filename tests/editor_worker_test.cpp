@@ -31,7 +31,7 @@ Result<int> until_cancelled(Progress& progress) {
   return 1;
 }
 
-Document ball(double radius_mm) {
+Document measured_ball(double radius_mm) {
   const Mesh mesh = icosphere(3, radius_mm);
   return new_document("", nullptr, make_template({mesh.points, mesh.topology->triangles()}, "ball").value());
 }
@@ -111,7 +111,7 @@ TEST_CASE("the quality monitor measures the mesh posted last and forgets when th
   const auto volume = [&] { return monitor.latest()->volume_ml; };
   // As a drag posts them.
   for (int radius_mm = 20; radius_mm <= 40; ++radius_mm) {
-    monitor.post(std::make_shared<const Document>(ball(radius_mm)));
+    monitor.post(std::make_shared<const Document>(measured_ball(radius_mm)));
     monitor.update();
   }
   REQUIRE(test::wait_until([&] {
@@ -121,8 +121,8 @@ TEST_CASE("the quality monitor measures the mesh posted last and forgets when th
   CHECK(woken > 0);
   CHECK_FALSE(monitor.rest_seconds());
   CHECK(monitor.error().empty());
-  monitor.post(std::make_shared<const Document>(ball(20)));
-  monitor.post(std::make_shared<const Document>(ball(10)));
+  monitor.post(std::make_shared<const Document>(measured_ball(20)));
+  monitor.post(std::make_shared<const Document>(measured_ball(10)));
   CHECK(monitor.rest_seconds());
   monitor.finish();
   CHECK(volume() < 5);
@@ -137,11 +137,11 @@ TEST_CASE("a mesh that cannot be measured ends in a sentence and the next is mea
                            if (++measured == 1) throw std::bad_alloc();
                            return quality_figures(document);
                          });
-  monitor.post(std::make_shared<const Document>(ball(20)));
+  monitor.post(std::make_shared<const Document>(measured_ball(20)));
   monitor.finish();
   CHECK_FALSE(monitor.latest());
   CHECK(monitor.error() == "The mesh's figures: needs more memory than there is; close other programs");
-  monitor.post(std::make_shared<const Document>(ball(20)));
+  monitor.post(std::make_shared<const Document>(measured_ball(20)));
   monitor.finish();
   CHECK(monitor.latest());
   CHECK(monitor.error().empty());

@@ -138,6 +138,10 @@ std::optional<double> EditorApp::next_move_seconds(double now) const {
   return next;
 }
 
+bool EditorApp::at_rest() const {
+  return !busy() && !session_->busy() && snapshot_ == session_->snapshot() && !quality_.busy() && out_.empty();
+}
+
 void EditorApp::remember_case() {
   const auto& file = snapshot_->file;
   if (!file.empty() && file.parent_path() != unsaved_folder()) remember_recent(state_.preferences, file);

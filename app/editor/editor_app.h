@@ -46,8 +46,10 @@ class EditorApp {
   void handle(const InputEvent& event);
   /// Takes in what the threads did, and moves what moves by itself. True where there is something new to draw.
   bool update(double seconds);
-  /// Whether something that was asked for is not done yet.
+  /// Whether work beside the window goes on.
   bool busy() const;
+  /// Whether everything that was asked for is done, and shown by the next frame.
+  bool at_rest() const;
   /// Draws the window; ImGui's frame must not have begun. `fps` is shown.
   void draw(int width_px, int height_px, double frames_per_second);
   /// Whether the next draw shows more than the last, without anything having happened.

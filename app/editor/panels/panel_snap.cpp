@@ -62,6 +62,7 @@ void draw_last_snap(const UiContext& ui) {
 
 void draw_snap(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
+  const Part part("Snap");  // its Strength is not that of the tool Relax
   rule(theme);
   caption(theme, "Snap to the image");
   const float width = ImGui::GetContentRegionAvail().x;

@@ -163,6 +163,7 @@ class Outbox {
   void change(std::function<void(EditorState&)> change) { send(ChangeState{std::move(change)}); }
   void apply(Action action, bool joined = false) { send(ApplyEdit{std::move(action), joined}); }
   void preview(std::optional<Action> action) { send(PreviewEdit{std::move(action)}); }
+  bool empty() const { return commands_.empty(); }
   std::vector<Command> take() { return std::exchange(commands_, {}); }
 
  private:

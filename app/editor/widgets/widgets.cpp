@@ -279,7 +279,8 @@ bool slider(const Theme& theme, const char* label, double& value, const SliderRa
 
 bool text_field(const Theme& theme, const char* name, std::string& text, const char* hint, float width_px,
                 float height_units) {
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {theme.px(6), (theme.px(height_units) - ImGui::GetFontSize()) / 2});
+  const float side = theme.px(height_units > 24 ? 8 : 6);
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {side, (theme.px(height_units) - ImGui::GetFontSize()) / 2});
   ImGui::SetNextItemWidth(width_px);
   ImGui::PushID(name);
   const bool changed = ImGui::InputTextWithHint("##field", hint, &text);

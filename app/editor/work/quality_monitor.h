@@ -24,6 +24,8 @@ class QualityMonitor {
   void post(std::shared_ptr<const Document> document);
   /// Takes in what was measured, and measures the mesh posted last when it has rested. True where the figures changed.
   bool update();
+  /// Whether the mesh posted last is not measured yet.
+  bool busy() const { return next_ != nullptr || worker_.busy(); }
   /// Seconds until it has rested; nothing where no mesh waits for that.
   std::optional<double> rest_seconds() const;
   /// Of the latest mesh that is measured; nothing before the first.

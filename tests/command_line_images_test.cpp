@@ -52,7 +52,8 @@ TEST_CASE("the program refuses damaged and mislabelled images that are made here
   check("cut pages.tif", whole.substr(0, whole.size() / 2 + 20));
   check("jpeg.tif", "\xff\xd8\xff\xe0" + std::string(100, 'x'));
   check("upper.PNG", "\x89PNG\r\n\x1a\n" + std::string(100, 'x'));
-  check("format.nhdr", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: %3000d.raw 1 4 1\n");
+  check("format.nhdr",
+        "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: %3000d.raw 1 4 1\n");
   REQUIRE(::mkfifo((folder.path / "pipe.nii").c_str(), 0600) == 0);
   check_image_refused(folder, folder.path / "pipe.nii");
 }

@@ -380,15 +380,22 @@ TEST_CASE("run lengths whose header or content does not fit the plane are refuse
     CAPTURE(segments);
     CHECK(!read_rle({rle(segments, {64, 66}, content)}));
   }
-  for (const auto& begins : {std::vector<std::uint32_t>{66, 64}, {64, 64}, {0, 66}, {63, 66}, {64, 74}, {64, 4294967295u},
-                             {4294967295u, 66}, {64, 73}, {65, 66}}) {
+  for (const auto& begins : {std::vector<std::uint32_t>{66, 64},
+                             {64, 64},
+                             {0, 66},
+                             {63, 66},
+                             {64, 74},
+                             {64, 4294967295u},
+                             {4294967295u, 66},
+                             {64, 73},
+                             {65, 66}}) {
     CAPTURE(begins[0]);
     CAPTURE(begins[1]);
     CHECK(!read_rle({rle(2, begins, content)}));
   }
-  CHECK(!read_rle({rle(2, {64, 66}, high_bytes + low_bytes.substr(0, 6))}));           // a value is missing
-  CHECK(!read_rle({rle(2, {64, 66}, std::string("\xfa\x01", 2) + low_bytes)}));        // a run too long
-  CHECK(!read_rle({rle(2, {64, 66}, std::string("\xfc\x01", 2) + low_bytes)}));        // a run too short
+  CHECK(!read_rle({rle(2, {64, 66}, high_bytes + low_bytes.substr(0, 6))}));     // a value is missing
+  CHECK(!read_rle({rle(2, {64, 66}, std::string("\xfa\x01", 2) + low_bytes)}));  // a run too long
+  CHECK(!read_rle({rle(2, {64, 66}, std::string("\xfc\x01", 2) + low_bytes)}));  // a run too short
   CHECK(!read_rle({rle(2, {64, 66}, content).substr(0, 40), rle(2, {64, 66}, content)}));
   CHECK(!read_rle({std::string(10, '\0')}));
   std::array<std::byte, 4> out;
@@ -399,8 +406,7 @@ TEST_CASE("a file that claims more frames than it has pixels costs no memory") {
   const TemporaryFolder folder;
   Slice slice;
   slice.frames = "999999";
-  for (int file = 0; file < 10; ++file)
-    write_bytes(folder.path / (std::to_string(file) + ".dcm"), slice.bytes());
+  for (int file = 0; file < 10; ++file) write_bytes(folder.path / (std::to_string(file) + ".dcm"), slice.bytes());
   const double taken = memory_taken_by([&] { CHECK(says(read_volume(folder.path), "pixels are missing")); });
   CHECK(taken < 20e6);  // of 2.2 GB
   slice.syntax = rle_syntax;
@@ -443,8 +449,9 @@ TEST_CASE("frames that lie in another order than in their file are put in place 
   slice.pixels.resize(30);
   for (std::size_t i = 0; i < 30; ++i) slice.pixels[i] = static_cast<std::int16_t>(i);
   const auto plane = [](double z) { return item(sequence(0x00209113, item(position(1, 2, z)))); };
-  slice.before_pixels = sequence(0x52009229, item(sequence(0x00209116, item(element(0x00200037, "DS", "1\\0\\0\\0\\1\\0"))))) +
-                        sequence(0x52009230, plane(4) + plane(0) + plane(3) + plane(1) + plane(2));
+  slice.before_pixels =
+      sequence(0x52009229, item(sequence(0x00209116, item(element(0x00200037, "DS", "1\\0\\0\\0\\1\\0"))))) +
+      sequence(0x52009230, plane(4) + plane(0) + plane(3) + plane(1) + plane(2));
   const auto read = read_slice(slice);
   REQUIRE(read);
   const std::array<int, 5> first_at{6, 18, 24, 12, 0};  // of z = 0…4

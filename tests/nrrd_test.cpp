@@ -55,12 +55,31 @@ TEST_CASE("slices in numbered files are read by their format") {
 }
 
 TEST_CASE("what a format of file names could do besides numbering is refused") {
-  for (const char* format :
-       {"%3000d.raw 1 4 1", "%9999999d.raw 1 4 1", "%0150d.raw 1 4 1", "%100d.raw 1 4 1", "%d%s%s%s.raw 1 4 1",
-        "%d%n.raw 1 4 1", "%s.raw 1 4 1", "%d%d.raw 1 4 1", "%-3d.raw 1 4 1", "%*d.raw 1 4 1", "%x.raw 1 4 1",
-        "%%d.raw 1 4 1", "%hd.raw 1 4 1", "%1$d.raw 1 4 1", "% d.raw 1 4 1", "50%.raw", "%d.raw", "%d.raw 1 4",
-        "%d.raw 1 4 0", "%d.raw 4 1 1", "%d.raw 1 4 1 -2", "%d.raw 1 4 1 2 2", "%d.raw 1 x 1",
-        "%d.raw -2147483648 2147483647 1", "%d.raw 1 99999999999 1"}) {
+  for (const char* format : {"%3000d.raw 1 4 1",
+                             "%9999999d.raw 1 4 1",
+                             "%0150d.raw 1 4 1",
+                             "%100d.raw 1 4 1",
+                             "%d%s%s%s.raw 1 4 1",
+                             "%d%n.raw 1 4 1",
+                             "%s.raw 1 4 1",
+                             "%d%d.raw 1 4 1",
+                             "%-3d.raw 1 4 1",
+                             "%*d.raw 1 4 1",
+                             "%x.raw 1 4 1",
+                             "%%d.raw 1 4 1",
+                             "%hd.raw 1 4 1",
+                             "%1$d.raw 1 4 1",
+                             "% d.raw 1 4 1",
+                             "50%.raw",
+                             "%d.raw",
+                             "%d.raw 1 4",
+                             "%d.raw 1 4 0",
+                             "%d.raw 4 1 1",
+                             "%d.raw 1 4 1 -2",
+                             "%d.raw 1 4 1 2 2",
+                             "%d.raw 1 x 1",
+                             "%d.raw -2147483648 2147483647 1",
+                             "%d.raw 1 99999999999 1"}) {
     CAPTURE(std::string(format));
     CHECK(says(read_slices({}, format), "cannot be followed"));
   }
@@ -124,8 +143,8 @@ TEST_CASE("voxels written as numbers or hexadecimal digits are read") {
   const auto reals = read_text("ascii", "0.5 -1e3 nan 0 0 0 0 1", "float");
   REQUIRE(reals);
   CHECK(reals->volume.range_min == -1000);
-  for (const char* text : {"1 2 3 4 5 6 7", "1 2 3 4 5 6 7 x", "1 2 3 4 5 6 7 256", "1 2 3 4 5 6 7 -1", "1 2 3 4 5 6 7 1.5",
-                           "1 2 3 4 5 6 7 1e300", ""}) {
+  for (const char* text : {"1 2 3 4 5 6 7", "1 2 3 4 5 6 7 x", "1 2 3 4 5 6 7 256", "1 2 3 4 5 6 7 -1",
+                           "1 2 3 4 5 6 7 1.5", "1 2 3 4 5 6 7 1e300", ""}) {
     CAPTURE(std::string(text));
     CHECK(!read_text("ascii", text));
   }
@@ -136,9 +155,10 @@ TEST_CASE("voxels written as numbers or hexadecimal digits are read") {
 TEST_CASE("headers that end or begin otherwise than NRRD's are refused") {
   const TemporaryFolder folder;
   const std::string whole = header_of("raw");
-  for (const std::string& text : std::vector<std::string>{
-        whole, whole.substr(0, 30), "NRRD0004\n\nabcdefgh", "type: uint8\n\nabcdefgh", "NRRD0004\n" + std::string(5000, 'x'),
-        whole + "sizes: 2 1 4\n\nabcdefgh", header_of("nonsense") + "\nabcdefgh", header_of("raw", "block") + "\nabcdefgh"}) {
+  for (const std::string& text :
+       std::vector<std::string>{whole, whole.substr(0, 30), "NRRD0004\n\nabcdefgh", "type: uint8\n\nabcdefgh",
+                                "NRRD0004\n" + std::string(5000, 'x'), whole + "sizes: 2 1 4\n\nabcdefgh",
+                                header_of("nonsense") + "\nabcdefgh", header_of("raw", "block") + "\nabcdefgh"}) {
     CAPTURE(text);
     write_bytes(folder.path / "v.nrrd", text);
     CHECK(!read_volume(folder.path / "v.nrrd"));

@@ -55,7 +55,8 @@ std::string big_endian(std::uint32_t value) {
 std::string chunk(const std::string& name, const std::string& content) {
   const std::string checked = name + content;
   const uLong checksum = crc32_z(0, reinterpret_cast<const Bytef*>(checked.data()), checked.size());
-  return big_endian(static_cast<std::uint32_t>(content.size())) + checked + big_endian(static_cast<std::uint32_t>(checksum));
+  return big_endian(static_cast<std::uint32_t>(content.size())) + checked +
+         big_endian(static_cast<std::uint32_t>(checksum));
 }
 
 /// A greyscale PNG; `rows` are its pixels as they are before Deflate, each row behind its filter.
@@ -190,14 +191,13 @@ TEST_CASE("greys of a PNG are read as they are") {
 TEST_CASE("damaged pictures are refused without a line of the library and whatever the case of the name") {
   const std::string rows = std::string(1, '\0') + "abcdefgh", whole = png(8, 1, 8, rows);
   REQUIRE(read_picture_bytes("v.png", whole));
-  const std::vector<std::string> bad{
-      whole.substr(0, whole.size() - 1),
-      whole.substr(0, whole.size() - 14),
-      png(8, 2, 8, rows),                             // a row is missing
-      png(8, 1, 8, '\x9' + rows.substr(1)),           // filtered in no known way
-      png(8, 1, 7, rows),                             // no such type
-      png(30000, 30000, 8, rows),                     // a claim
-      whole.substr(0, 45) + "?" + whole.substr(46)};  // a checksum
+  const std::vector<std::string> bad{whole.substr(0, whole.size() - 1),
+                                     whole.substr(0, whole.size() - 14),
+                                     png(8, 2, 8, rows),                             // a row is missing
+                                     png(8, 1, 8, '\x9' + rows.substr(1)),           // filtered in no known way
+                                     png(8, 1, 7, rows),                             // no such type
+                                     png(30000, 30000, 8, rows),                     // a claim
+                                     whole.substr(0, 45) + "?" + whole.substr(46)};  // a checksum
   for (const std::string& bytes : bad)
     for (const char* name : {"v.png", "v.PNG"}) {
       CAPTURE(bytes.size());

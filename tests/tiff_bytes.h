@@ -12,7 +12,7 @@ namespace homolog {
 struct TiffBytes {
   std::uint32_t width = 4, height = 2;
   std::uint32_t bits = 8, format = 1, samples = 1, compression = 1, photometric = 1, orientation = 1, planes = 1;
-  std::uint32_t rows_per_strip = 0;            ///< 0: one strip a page
+  std::uint32_t rows_per_strip = 0;               ///< 0: one strip a page
   std::uint32_t tile_width = 0, tile_height = 0;  ///< 0: strips
   bool alpha = false;
   std::string description;
@@ -51,11 +51,12 @@ struct TiffBytes {
     if (!tiled) text += entry(273, is_long, count, at);
     text += entry(274, is_short, 1, orientation) + entry(277, is_short, 1, samples);
     if (!tiled)
-      text += entry(278, is_long, 1, rows_per_strip > 0 ? rows_per_strip : height) + entry(279, is_long, count, sizes_at);
+      text +=
+          entry(278, is_long, 1, rows_per_strip > 0 ? rows_per_strip : height) + entry(279, is_long, count, sizes_at);
     text += entry(284, is_short, 1, planes);
     if (tiled)
-      text += entry(322, is_long, 1, tile_width) + entry(323, is_long, 1, tile_height) + entry(324, is_long, count, at) +
-              entry(325, is_long, count, sizes_at);
+      text += entry(322, is_long, 1, tile_width) + entry(323, is_long, 1, tile_height) +
+              entry(324, is_long, count, at) + entry(325, is_long, count, sizes_at);
     if (alpha) text += entry(338, is_short, 1, 2);
     text += entry(339, is_short, 1, format) + entry(65000, is_short, 1, 7);
     text += little_endian(last ? last_link : offsets.back(), 4);

@@ -39,7 +39,8 @@ std::string deflated(const std::string& bytes) {
   return packed;
 }
 
-/// LZW without any compression: a clear code, the bytes, an end code, of nine bits each [TIFF 6.0, §13]; up to 200 bytes.
+/// LZW without any compression: a clear code, the bytes, an end code, of nine bits each [TIFF 6.0, §13]; up to 200
+/// bytes.
 std::string lzw_packed(const std::string& bytes) {
   std::string packed;
   unsigned held = 0, bits = 0;
@@ -112,7 +113,8 @@ TEST_CASE("damaged strips of a TIFF are refused in every compression") {
     std::uint32_t compression;
     std::string strip;
   };
-  for (const Packed& packed : {Packed{by_lzw, lzw_packed(pixels)}, Packed{by_deflate, deflated(pixels)}, Packed{by_packbits, runs}}) {
+  for (const Packed& packed :
+       {Packed{by_lzw, lzw_packed(pixels)}, Packed{by_deflate, deflated(pixels)}, Packed{by_packbits, runs}}) {
     CAPTURE(packed.compression);
     file.compression = packed.compression;
     check_values(read_tiff(with_pieces(file, {packed.strip})), values);

@@ -460,8 +460,8 @@ TEST_CASE("what is no volume is refused by name") {
 TEST_CASE("voxels of NIfTI begin where the header says or the file is refused") {
   const float infinite = std::numeric_limits<float>::infinity(), no_number = std::numeric_limits<float>::quiet_NaN();
   Nifti single({4, 1, 1}, 2, 8);
-  for (const float begin : {0.0f, 1.0f, 344.0f, 347.0f, 348.0f, 351.0f, 352.5f, -1.0f, -352.0f, 1e9f, 1e30f, -1e30f, infinite,
-                            -infinite, no_number}) {
+  for (const float begin : {0.0f, 1.0f, 344.0f, 347.0f, 348.0f, 351.0f, 352.5f, -1.0f, -352.0f, 1e9f, 1e30f, -1e30f,
+                            infinite, -infinite, no_number}) {
     CAPTURE(begin);
     single.put(108, begin);
     CHECK(!read_as("v.nii", single.bytes + "abcdefgh"));
@@ -498,8 +498,9 @@ TEST_CASE("the voxels of NIfTI-2 begin behind its longer header") {
   const fs::path path = folder.path / "v.nii";
   REQUIRE(write_volume(ramp<std::uint8_t>(geometry, 1), path));
   REQUIRE(read_volume(path));
-  for (const std::int64_t begin : {std::int64_t{0}, std::int64_t{352}, std::int64_t{540}, std::int64_t{543}, std::int64_t{-544},
-                                   std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
+  for (const std::int64_t begin :
+       {std::int64_t{0}, std::int64_t{352}, std::int64_t{540}, std::int64_t{543}, std::int64_t{-544},
+        std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
     CAPTURE(begin);
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
     file.seekp(168);
@@ -510,11 +511,12 @@ TEST_CASE("the voxels of NIfTI-2 begin behind its longer header") {
 }
 
 TEST_CASE("numbers of MetaImage that are no numbers or no place are refused") {
-  const std::string start = "NDims = 3\nDimSize = 2 1 1\nElementType = MET_UCHAR\n", end = "ElementDataFile = LOCAL\nab";
+  const std::string start = "NDims = 3\nDimSize = 2 1 1\nElementType = MET_UCHAR\n",
+                    end = "ElementDataFile = LOCAL\nab";
   REQUIRE(read_as("v.mha", start + end));
   for (const char* line : {"ElementSpacing = 1 1", "ElementSpacing = 1 nan 1", "Offset = 1 2", "Offset = 0 0 inf",
-                           "TransformMatrix = 1 0 0 0 1 0 0 0", "HeaderSize = 100000", "HeaderSize = -2", "HeaderSize = nan",
-                           "HeaderSize = 1.5", "HeaderSize = x"}) {
+                           "TransformMatrix = 1 0 0 0 1 0 0 0", "HeaderSize = 100000", "HeaderSize = -2",
+                           "HeaderSize = nan", "HeaderSize = 1.5", "HeaderSize = x"}) {
     CAPTURE(std::string(line));
     CHECK(!read_as("v.mha", start + line + "\n" + end));
   }
@@ -523,8 +525,8 @@ TEST_CASE("numbers of MetaImage that are no numbers or no place are refused") {
 
 TEST_CASE("pipes and devices are refused at once and links that lead nowhere are not called absent") {
   const TemporaryFolder folder;
-  for (const char* name : {"v.nii", "v.nii.gz", "v.hdr", "v.img", "v.nrrd", "v.nhdr", "v.mha", "v.mhd", "v.dcm", "v.png",
-                           "v.tif", "v"}) {
+  for (const char* name :
+       {"v.nii", "v.nii.gz", "v.hdr", "v.img", "v.nrrd", "v.nhdr", "v.mha", "v.mhd", "v.dcm", "v.png", "v.tif", "v"}) {
     CAPTURE(std::string(name));
     REQUIRE(::mkfifo((folder.path / name).c_str(), 0600) == 0);
     CHECK(says(read_volume(folder.path / name), "device or a pipe"));
@@ -551,5 +553,6 @@ TEST_CASE("what is packed behind the voxels without end is refused in time") {
   std::string streams;
   const std::string packed = gzipped(zeros);
   for (int i = 0; i < 300; ++i) streams += packed;
-  CHECK(says(read_as("v.nii.gz", gzipped(Nifti({4, 1, 1}, 2, 8).bytes + "abcd") + streams), "far more than the voxels"));
+  CHECK(
+      says(read_as("v.nii.gz", gzipped(Nifti({4, 1, 1}, 2, 8).bytes + "abcd") + streams), "far more than the voxels"));
 }

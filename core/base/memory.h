@@ -12,8 +12,8 @@ namespace homolog {
 double available_memory_bytes();
 
 /// Bytes that the limits of a process's control groups leave, those of the groups around them included; infinite where
-/// there is no limit. `membership` is the text of /proc/self/cgroup and `root` the folder of the groups, /sys/fs/cgroup;
-/// versions 1 and 2 [Linux, Documentation/admin-guide/cgroup-v1/memory.rst and cgroup-v2.rst].
+/// there is no limit. `membership` is the text of /proc/self/cgroup and `root` the folder of the groups,
+/// /sys/fs/cgroup; versions 1 and 2 [Linux, Documentation/admin-guide/cgroup-v1/memory.rst and cgroup-v2.rst].
 double control_group_room_bytes(const std::string& membership, const std::filesystem::path& root);
 
 /// Fails where `needed_bytes` exceed the memory that is available; the sentence names `file` and both sizes.

@@ -18,8 +18,8 @@ tl::unexpected<Error> damaged(const fs::path& path, const std::string& reason) {
                                  "; check what it is and copy it again");
 }
 
-/// An open file. Errors of libpng come back by a jump to where jump() was last set, so that nothing with a destructor may
-/// lie between.
+/// An open file. Errors of libpng come back by a jump to where jump() was last set, so that nothing with a destructor
+/// may lie between.
 class PngFile {
  public:
   explicit PngFile(const fs::path& path) : path_(path), file_(std::fopen(path.c_str(), "rb")) {

@@ -62,8 +62,8 @@ struct TiffCloser {
 /// One page's kind of pixels, and how they are stored.
 struct PageKind {
   PicturePages pages{0, 0, 1, PictureValues::Uint8};
-  TiffRow row;          ///< of as many pixels as the page is wide
-  int orientation = 1;  ///< 1…4 [TIFF 6.0, "Orientation"]
+  TiffRow row;            ///< of as many pixels as the page is wide
+  int orientation = 1;    ///< 1…4 [TIFF 6.0, "Orientation"]
   bool separate = false;  ///< samples lie in planes of their own; the first plane is read
 };
 
@@ -112,7 +112,8 @@ Result<PageKind> kind_of_page(TIFF* tiff, const fs::path& path) {
   const bool grey = photometric == PHOTOMETRIC_MINISBLACK || photometric == PHOTOMETRIC_MINISWHITE;
   if (!grey || samples > 2 || (samples == 2 && !second_is_alpha(tiff)))
     return fail(path.string(), "has colours or several values for each pixel; save it as a greyscale picture");
-  if (field<std::uint32_t>(tiff, TIFFTAG_IMAGEDEPTH, 1) > 1) return unreadable_kind(path, "has pages of several layers");
+  if (field<std::uint32_t>(tiff, TIFFTAG_IMAGEDEPTH, 1) > 1)
+    return unreadable_kind(path, "has pages of several layers");
   const auto values = values_of(bits, format);
   if (!values) return unreadable_kind(path, "stores its pixels in " + std::to_string(bits) + " bits of another kind");
   if (TIFFIsCODECConfigured(static_cast<std::uint16_t>(compression)) != 1)
@@ -189,7 +190,8 @@ class TiffFile {
   bool tiled() const { return TIFFIsTiled(tiff_.get()) != 0; }
   /// Pixels of a piece (a strip or tile), and how many pieces the plane that is read has.
   std::uint32_t piece_width(const PageKind& kind) const {
-    return tiled() ? field<std::uint32_t>(tiff_.get(), TIFFTAG_TILEWIDTH, 0) : static_cast<std::uint32_t>(kind.pages.width);
+    return tiled() ? field<std::uint32_t>(tiff_.get(), TIFFTAG_TILEWIDTH, 0)
+                   : static_cast<std::uint32_t>(kind.pages.width);
   }
   std::uint32_t piece_height(const PageKind& kind) const {
     const auto height = static_cast<std::uint32_t>(kind.pages.height);
@@ -223,9 +225,11 @@ Result<void> TiffFile::check_pixels(const PageKind& kind) {
   const double row_bytes = static_cast<double>(stored_bytes(row));
   for (std::uint64_t p = 0; p < across * down; ++p) {
     const auto piece = static_cast<std::uint32_t>(p);
-    const std::uint64_t begin = TIFFGetStrileOffset(tiff_.get(), piece), bytes = TIFFGetStrileByteCount(tiff_.get(), piece);
+    const std::uint64_t begin = TIFFGetStrileOffset(tiff_.get(), piece),
+                        bytes = TIFFGetStrileByteCount(tiff_.get(), piece);
     if (begin == 0 || bytes == 0 || begin > size_ || bytes > size_ - begin) return cut_short(path_, page_);
-    const std::uint64_t rows = tiled() ? height : std::min(height, static_cast<std::uint64_t>(kind.pages.height) - p * height);
+    const std::uint64_t rows =
+        tiled() ? height : std::min(height, static_cast<std::uint64_t>(kind.pages.height) - p * height);
     if (row_bytes * static_cast<double>(rows) > ratio * static_cast<double>(bytes)) return cut_short(path_, page_);
     used_ += bytes;
   }

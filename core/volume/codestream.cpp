@@ -36,7 +36,8 @@ std::optional<CodestreamSize> jpeg_size(std::span<const char> stream) {
     if (marker == start_of_scan || marker == end_of_image) return {};
     if (begins_frame(marker)) {
       if (at + 10 > stream.size()) return {};
-      return CodestreamSize{static_cast<int>(number_at(stream, at + 7, 2)), static_cast<int>(number_at(stream, at + 5, 2)),
+      return CodestreamSize{static_cast<int>(number_at(stream, at + 7, 2)),
+                            static_cast<int>(number_at(stream, at + 5, 2)),
                             static_cast<int>(number_at(stream, at + 9, 1))};
     }
     at += 2 + number_at(stream, at + 2, 2);
@@ -45,7 +46,8 @@ std::optional<CodestreamSize> jpeg_size(std::span<const char> stream) {
 }
 
 std::optional<CodestreamSize> jpeg2000_size(std::span<const char> stream) {
-  constexpr std::array<char, 4> begin{'\xff', '\x4f', '\xff', '\x51'};  // behind the boxes of a JP2 file, where it is one
+  constexpr std::array<char, 4> begin{'\xff', '\x4f', '\xff',
+                                      '\x51'};  // behind the boxes of a JP2 file, where it is one
   const auto found = std::search(stream.begin(), stream.end(), begin.begin(), begin.end());
   const std::span<const char> siz = stream.subspan(static_cast<std::size_t>(found - stream.begin()));
   if (siz.size() < 42) return {};

@@ -80,7 +80,8 @@ double planes_held(const DicomHeader& header) {
   return plane_bytes > 0 ? std::floor(static_cast<double>(header.pixels->bytes) / plane_bytes) : 0;
 }
 
-/// The number of planes; where the file's own is damaged, what its pixels hold. Checked before anything is made for each.
+/// The number of planes; where the file's own is damaged, what its pixels hold. Checked before anything is made for
+/// each.
 std::size_t plane_count(const DicomItem& data, DicomHeader& header) {
   const std::string text = text_of(data, tag::frame_count);
   if (text.empty()) return 1;

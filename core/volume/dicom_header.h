@@ -37,8 +37,8 @@ struct DicomHeader {
   bool big_endian = false;
   std::optional<DicomPixels> pixels;
   bool pixels_missing = false;  ///< the file claims more planes than its pixels can be; `planes` is then only the first
-  double frame_ms = 0;         ///< time between the planes of a cine; 0 where they are not a cine
-  bool step_is_given = false;  ///< the file says how far its planes lie apart
+  double frame_ms = 0;          ///< time between the planes of a cine; 0 where they are not a cine
+  bool step_is_given = false;   ///< the file says how far its planes lie apart
   std::vector<DicomPlane> planes;
   std::vector<std::string> warnings;
 

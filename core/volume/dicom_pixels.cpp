@@ -21,9 +21,9 @@
 #include "core/volume/dicom_rle.h"
 #include "core/volume/readers.h"
 
-// Pixels as they are or run-length encoded are read here; the JPEG family through GDCM, the library behind ITK's reader.
-// Only its decoders are used: its parser fills missing pixels with zeros and, as Debian builds it, aborts the program on
-// damaged files. Its run-length decoder trusts every header.
+// Pixels as they are or run-length encoded are read here; the JPEG family through GDCM, the library behind ITK's
+// reader. Only its decoders are used: its parser fills missing pixels with zeros and, as Debian builds it, aborts the
+// program on damaged files. Its run-length decoder trusts every header.
 namespace homolog {
 namespace {
 

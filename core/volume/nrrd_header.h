@@ -12,7 +12,7 @@ namespace homolog {
 /// An NRRD header in two parts: what the library behind the reader may see, and where the voxels are, which it may not:
 /// it hands a "data file" that holds a '%' to sprintf, opens pipes, and takes "-" for the standard input.
 struct NrrdHeader {
-  std::string fields;             ///< every line but "data file" and the names below it
+  std::string fields;               ///< every line but "data file" and the names below it
   std::uintmax_t voxels_begin = 0;  ///< behind the header, where the voxels follow in the same file
 
   bool detached = false;                     ///< the voxels are in files of their own

@@ -219,7 +219,8 @@ std::vector<std::vector<std::size_t>> places_by_file(const std::vector<DicomHead
   return place_of;
 }
 
-/// Sorts planes of `plane_bytes` bytes, without room for a second volume: `places[i]` is where the i-th of them belongs.
+/// Sorts planes of `plane_bytes` bytes, without room for a second volume: `places[i]` is where the i-th of them
+/// belongs.
 void put_in_place(std::span<std::byte> planes, std::size_t plane_bytes, std::vector<std::size_t> places) {
   const auto plane = [&](std::size_t i) { return planes.subspan(i * plane_bytes, plane_bytes); };
   for (std::size_t i = 0; i < places.size(); ++i)

@@ -26,7 +26,7 @@ using NiftiImage = std::unique_ptr<nifti_image, NiftiImageDeleter>;
 struct NiftiHeader {
   NiftiImage image;
   bool other_byte_order = false;
-  bool analyze = false;    ///< the older format, which says nothing of the patient
+  bool analyze = false;     ///< the older format, which says nothing of the patient
   std::size_t bytes = 0;    ///< of the header itself
   double voxels_begin = 0;  ///< as the header says: vox_offset
 };
@@ -116,9 +116,9 @@ std::optional<NiftiHeader> parse_header(const std::string& head, const fs::path&
   return result;
 }
 
-/// Where the voxels begin in their file [nifti1.h, "vox_offset"]. In a single file that is behind the header and the four
-/// bytes that tell of extensions. libnifti (and with it ITK) reads from byte 348 where a header says less, so that all
-/// voxels are shifted; nibabel refuses. A header that is wrong here gives no other hint, so that it is refused.
+/// Where the voxels begin in their file [nifti1.h, "vox_offset"]. In a single file that is behind the header and the
+/// four bytes that tell of extensions. libnifti (and with it ITK) reads from byte 348 where a header says less, so that
+/// all voxels are shifted; nibabel refuses. A header that is wrong here gives no other hint, so that it is refused.
 Result<std::uintmax_t> voxels_begin(const NiftiHeader& header, const Pair& pair) {
   const double begin = header.voxels_begin;
   const bool single = pair.header == pair.voxels;
@@ -127,9 +127,10 @@ Result<std::uintmax_t> voxels_begin(const NiftiHeader& header, const Pair& pair)
   if (begin >= least && begin <= most && begin == std::floor(begin)) return static_cast<std::uintmax_t>(begin);
   char number[32];
   std::snprintf(number, sizeof number, "%g", begin);
-  return fail(pair.header.string(), std::string("says that its voxels begin at byte ") + number +
-                                        (begin >= 0 && begin < least ? ", within its own header" : ", which is no place") +
-                                        "; export it again");
+  return fail(pair.header.string(),
+              std::string("says that its voxels begin at byte ") + number +
+                  (begin >= 0 && begin < least ? ", within its own header" : ", which is no place") +
+                  "; export it again");
 }
 
 Result<StoredType> stored_type(const nifti_image& image, const fs::path& path) {

@@ -185,7 +185,8 @@ Result<std::vector<fs::path>> voxel_files(const NrrdHeader& header, const Nrrd& 
   const auto given = static_cast<unsigned>(header.file_dimension);
   const unsigned axes = given > 0 ? given : nrrd.dim - 1;
   const bool slabs = given == nrrd.dim && std::fmod(static_cast<double>(nrrd.axis[nrrd.dim - 1].size), files) == 0;
-  if (header.files.size() == 1 || slabs || (axes < nrrd.dim && voxels_of(nrrd, axes) * files == voxels_of(nrrd, nrrd.dim)))
+  if (header.files.size() == 1 || slabs ||
+      (axes < nrrd.dim && voxels_of(nrrd, axes) * files == voxels_of(nrrd, nrrd.dim)))
     return header.files;
   return fail(path.string(), "names " + std::to_string(header.files.size()) +
                                  " files for its voxels, which is not what its sizes ask for; export it again");
@@ -267,9 +268,9 @@ Result<VolumeRead> read_nrrd(const fs::path& path, Progress* progress) {
   if (!run) return fail(run.error());
   const bool frames_first = axes->frames && *axes->frames == 0 && nrrd->dim > 1;
   const bool numbers = state->encoding == nrrdEncodingAscii, hex = state->encoding == nrrdEncodingHex;
-  auto stored = numbers || hex ? read_text_voxels(*run, hex ? VoxelText::Hex : VoxelText::Numbers, volume.geometry,
-                                                  volume.frames)
-                               : read_run(*run, volume.geometry, volume.frames, frames_first, progress);
+  auto stored = numbers || hex
+                    ? read_text_voxels(*run, hex ? VoxelText::Hex : VoxelText::Numbers, volume.geometry, volume.frames)
+                    : read_run(*run, volume.geometry, volume.frames, frames_first, progress);
   if (!stored) return fail(stored.error());
   if (frames_first) stored = std::visit(FramesToBack{frames}, *stored);
   if (auto kept = keep_voxels(std::move(*stored), {}, path.string(), volume, result.warnings); !kept)

@@ -33,7 +33,8 @@ bool is_picture_name(const std::filesystem::path& path);
 Result<VolumeGeometry> make_geometry(const std::filesystem::path& path, const std::array<std::int64_t, 3>& dims,
                                      const Mat3& steps_mm, const Vec3& origin_mm);
 
-/// Voxels that lie in one run of bytes, or in several of equal length behind one another (slices in files of their own).
+/// Voxels that lie in one run of bytes, or in several of equal length behind one another (slices in files of their
+/// own).
 struct VoxelRun {
   std::vector<ByteBlock> blocks;
   StoredType type = StoredType::Uint8;

@@ -32,8 +32,8 @@ StoredVoxels make_stored_voxels(StoredType type, std::size_t count);
 
 std::span<std::byte> bytes_of(StoredVoxels& voxels);
 
-/// Prepares for `count` voxels in all, so that none is copied as more are added. Memory that is only reserved is not yet
-/// taken: what a damaged header claims costs nothing before voxels for it arrive.
+/// Prepares for `count` voxels in all, so that none is copied as more are added. Memory that is only reserved is not
+/// yet taken: what a damaged header claims costs nothing before voxels for it arrive.
 void reserve_voxels(StoredVoxels& voxels, std::size_t count);
 
 /// Adds `count` voxels behind those that are there, and returns their bytes.

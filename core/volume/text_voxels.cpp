@@ -49,7 +49,10 @@ bool parse_numbers(std::string_view text, std::size_t count, std::vector<T>& val
 }
 
 int digit_of(char c) {
-  return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+  return c >= '0' && c <= '9'   ? c - '0'
+         : c >= 'a' && c <= 'f' ? c - 'a' + 10
+         : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                : -1;
 }
 
 bool parse_hex(std::string_view text, std::span<std::byte> bytes) {
@@ -65,7 +68,8 @@ bool parse_hex(std::string_view text, std::span<std::byte> bytes) {
 }
 
 tl::unexpected<Error> bad_text(const std::filesystem::path& file) {
-  return fail(file.string(), "is cut short or damaged: its text does not hold the voxels its header claims; export it again");
+  return fail(file.string(),
+              "is cut short or damaged: its text does not hold the voxels its header claims; export it again");
 }
 
 }  // namespace
@@ -93,10 +97,9 @@ Result<StoredVoxels> read_text_voxels(const VoxelRun& run, VoxelText form, const
   for (const ByteBlock& block : run.blocks) {
     const auto text = read_to_end(block, static_cast<std::uintmax_t>(present));
     if (!text) return fail(text.error());
-    const bool parsed =
-        form == VoxelText::Hex
-            ? parse_hex(*text, add_voxels(stored, each))
-            : std::visit([&](auto& values) { return parse_numbers(*text, each, values); }, stored);
+    const bool parsed = form == VoxelText::Hex
+                            ? parse_hex(*text, add_voxels(stored, each))
+                            : std::visit([&](auto& values) { return parse_numbers(*text, each, values); }, stored);
     if (!parsed) return bad_text(block.file);
   }
   if (form == VoxelText::Hex && run.other_byte_order) swap_byte_order(stored);

@@ -45,8 +45,8 @@ class Source {
 
   bool open() const { return in_.is_open(); }
   virtual Result<std::size_t> read(std::span<std::byte> out) { return take(out); }
-  /// Reads what a compressed stream holds behind the bytes asked for, so that its end and checksum are seen. Fails where
-  /// that is more than `most` bytes.
+  /// Reads what a compressed stream holds behind the bytes asked for, so that its end and checksum are seen. Fails
+  /// where that is more than `most` bytes.
   virtual Result<void> finish(std::size_t /*most*/) { return {}; }
 
  protected:

@@ -36,9 +36,9 @@ Result<void> check_claim(const ByteBlock& block, double bytes);
 /// Where the next bytes of a block go: called with how many there may be, returns as much room.
 using Room = std::function<std::span<std::byte>(std::size_t bytes)>;
 
-/// Reads `bytes` bytes of the block into room that is asked for as they arrive, a few megabytes at a time (a multiple of
-/// 8 but for the last); reports and asks for cancellation as often. Fails where the block is shorter, damaged (a gzip's
-/// checksum included) or the reader was cancelled.
+/// Reads `bytes` bytes of the block into room that is asked for as they arrive, a few megabytes at a time (a multiple
+/// of 8 but for the last); reports and asks for cancellation as often. Fails where the block is shorter, damaged (a
+/// gzip's checksum included) or the reader was cancelled.
 Result<void> read_block(const ByteBlock& block, std::size_t bytes, const Room& room, Progress* progress);
 
 /// The same into room that is there already.

@@ -3,12 +3,15 @@
 #include <cmath>
 
 #include "core/case/case_file.h"
+#include "core/case/session.h"
 #include "core/deform/fold_guard.h"
+#include "core/fit/refine.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/phantom/phantom.h"
 #include "core/snap/propagate.h"
 #include "core/snap/snap_document.h"
+#include "core/solve/elimination_plan.h"
 #include "core/study/scripted_user.h"
 #include "core/volume/volume_io.h"
 #include "tests/real_data.h"
@@ -319,4 +322,23 @@ TEST_CASE("five gestures lay the built-in kidney on one in a CT of 3 mm voxels")
   REQUIRE(pull_to_target(session, target, {.visible_mm = 1, .most_pulls = 3}));
   snap_within(10);
   CHECK(compare_with_mask(session.document().mesh(), labels, kidney_right)->assd_mm < 1.25);
+}
+
+TEST_CASE("pulls and snaps and a refinement and a propagation of one template make one elimination plan") {
+  const Mesh mesh = blob_mesh(0.95 * Blob{}.radii_mm);
+  const Volume image = blob_image({Blob{}, Blob{}}, 3, 40);
+  const int before = EliminationPlan::made();
+  EditSession session(document_on(image, mesh));
+  Stroke pull;
+  pull.at = Vec3(0, 0, 0.95 * Blob{}.radii_mm.z());
+  pull.to = pull.at + Vec3(0, 0, 2);
+  REQUIRE(session.preview(pull));
+  REQUIRE(session.apply(pull));
+  const auto snapped = snap_document(session.document(), SnapRegion{pull.to, 10}, {});
+  REQUIRE(snapped);
+  REQUIRE(session.apply(snapped->action));
+  REQUIRE(snap_document(session.document(), std::nullopt, {}));
+  REQUIRE(refine(session.document()));
+  REQUIRE(propagate(image, 0, mesh, VertexScalars::Ones(mesh.points.rows()), {}));
+  CHECK(EliminationPlan::made() == before + 1);
 }

@@ -128,3 +128,16 @@ TEST_CASE("the faces near a box are those whose own boxes meet it") {
     CHECK(found == expected);
   }
 }
+
+TEST_CASE("looking at every face finds the place that the search finds") {
+  const Mesh mesh = bumpy_torus();
+  const SurfaceSearch search(mesh);
+  Random random;
+  for (int trial = 0; trial < 500; ++trial) {
+    const Vec3 p = random.point(40);
+    const auto found = nearest_on_surface(*mesh.topology, mesh.points, p), expected = search.nearest(p);
+    CHECK(found.distance_mm == expected.distance_mm);
+    CHECK((found.position - expected.position).norm() < 1e-9);
+    CHECK((found.at.interpolate(*mesh.topology, mesh.points).transpose() - found.position).norm() < 1e-9);
+  }
+}

@@ -13,6 +13,8 @@
 #include "app/verbs/verb.h"
 #include "core/case/session.h"
 #include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_io.h"
+#include "core/solve/elimination_plan.h"
 #include "core/solve/shape_solver.h"
 
 namespace homolog {
@@ -21,29 +23,31 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What one frame of a drag costs on the core thread, job in to points out.
-Json drag_figures(int level) {
-  const Mesh mesh = icosphere(level, 40);
+/// What one frame of a drag costs on the core thread, job in to points out: a pull from the top of the mesh.
+Json gesture_figures(const Mesh& mesh) {
   EditSession session(
-      new_document("", nullptr, make_template({mesh.points, mesh.topology->triangles()}, "ball").value()));
+      new_document("", nullptr, make_template({mesh.points, mesh.topology->triangles()}, "mesh").value()));
+  const double radius_mm = bounds_of(mesh.points).sizes().mean() / 2;
+  Eigen::Index top = 0;
+  mesh.points.col(2).maxCoeff(&top);
   Stroke pull;
-  pull.at = Vec3(0, 0, 40);
-  pull.sigma_mm = 12;
+  pull.at = mesh.points.row(top);
+  pull.sigma_mm = 0.3 * radius_mm;
   const auto begin = Clock::now();
-  pull.to = Vec3(0, 0, 41);
+  pull.to = pull.at + Vec3(0, 0, 1);
   (void)session.preview(pull);
   const double begin_ms = milliseconds(Clock::now() - begin);
   // The cursor goes around, so that the surface point under it, and with it the falloff, is another one in every frame.
   const double moves = median_ms([&](int k) {
     const double a = 0.02 * k;
-    pull.to = 43 * Vec3(0.2 * std::sin(a), 0.2 * std::cos(a), std::sqrt(1 - 0.04));
+    pull.to = pull.at + radius_mm * Vec3(0.2 * std::sin(a), 0.2 * std::cos(a), 0.05);
     (void)session.preview(pull);
   });
   Stroke grab = pull;
   grab.tool = Tool::grab;
   (void)session.preview(grab);
   const double still = median_ms([&](int k) {
-    grab.to = Vec3(0.01 * (k % 100), 0, 43);
+    grab.to = grab.at + Vec3(0.01 * (k % 100), 0, 3);
     (void)session.preview(grab);
   });
   Stroke commit = pull;
@@ -51,14 +55,47 @@ Json drag_figures(int level) {
     (void)session.apply(commit);
     (void)session.apply(Undo{});
   });
-  // The paper's whole optimisation: normal equations assembled, factorised and solved for x, y and z.
+  return {{"vertices", mesh.points.rows()},
+          {"drag_frame_falloff_moves_ms", moves},
+          {"drag_frame_falloff_still_ms", still},
+          {"gesture_begin_ms", begin_ms},
+          {"commit_ms", committed}};
+}
+
+/// What solving for x, y and z costs, and beside it a limit: reading as many numbers as the factor has twice, in single
+/// precision, up and down as the solve does. Both by turns, so that they find the caches in one state.
+Json solve_figures(const ShapeSolver& solver, const Points& points) {
+  const Eigen::VectorXf numbers = Eigen::VectorXf::Ones(solver.factor_entries());
+  const Eigen::Index count = numbers.size(), block = 4096;
+  std::vector<double> solve_ms, limit_ms;
+  float sum = 0;
+  (void)median_ms([&](int) {
+    const auto start = Clock::now();
+    (void)solver.solve(points);
+    const auto middle = Clock::now();
+    for (Eigen::Index i = 0; i < count; i += block) sum += numbers.segment(i, std::min(block, count - i)).sum();
+    for (Eigen::Index i = (count - 1) / block * block; i >= 0; i -= block)
+      sum += numbers.segment(i, std::min(block, count - i)).sum();
+    const auto end = Clock::now();
+    solve_ms.push_back(milliseconds(middle - start));
+    limit_ms.push_back(milliseconds(end - middle));
+  });
+  const double solve = median_of(solve_ms), limit = sum > 0 ? median_of(limit_ms) : 0;
+  return {{"solve_xyz_ms", solve}, {"limit_ms", limit}, {"solve_of_limit", solve / limit}};
+}
+
+/// The paper's whole optimisation: the system ordered, factorised and solved for x, y and z; and factorised again after
+/// a touch of the stiffness brush.
+Json system_figures(const Mesh& mesh) {
   const VertexScalars w = VertexScalars::Constant(mesh.points.rows(), 10);
   ShapeSolver solver(mesh.topology);
-  const double analyse = median_ms([&](int) { ShapeSolver again(mesh.topology); });
+  const auto vertices = static_cast<int>(mesh.points.rows());
+  const double analyse = median_ms([&](int) { EliminationPlan again(vertices, mesh.topology->edges()); });
   const double factorise = median_ms([&](int k) { (void)solver.factorise((1 + 0.1 * (k % 2)) * w); });
-  const double solve = median_ms([&](int) { (void)solver.solve(mesh.points); });
-  // A touch of the stiffness brush on 1,000 landmarks, until the solver is ready for the next drag. Numbers of a sphere
-  // by subdivision are spread over all of it, which is the worst case: hardly a front stays.
+  const Vec3 centre = bounds_of(mesh.points).center();
+  Json figures = solve_figures(solver, mesh.points.rowwise() - centre.transpose());
+  // 1,000 landmarks are touched, until the solver is ready for the next drag. Numbers of a sphere by subdivision are
+  // spread over all of it, which is the worst case: hardly a front stays.
   const auto paint_ms = [&](const std::vector<Eigen::Index>& touched) {
     return median_ms([&](int k) {
       VertexScalars painted = w;
@@ -68,23 +105,24 @@ Json drag_figures(int level) {
   };
   std::vector<Eigen::Index> landmarks(static_cast<std::size_t>(mesh.points.rows()));
   std::iota(landmarks.begin(), landmarks.end(), 0);
-  const double paint_spread = paint_ms({landmarks.begin(), landmarks.begin() + 1000});
-  std::nth_element(landmarks.begin(), landmarks.begin() + 1000, landmarks.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return mesh.points.row(a).dot(pull.at) > mesh.points.row(b).dot(pull.at);
-  });
-  const double paint = paint_ms({landmarks.begin(), landmarks.begin() + 1000});
-  return {{"vertices", mesh.points.rows()},
-          {"drag_frame_falloff_moves_ms", moves},
-          {"drag_frame_falloff_still_ms", still},
-          {"gesture_begin_ms", begin_ms},
-          {"commit_ms", committed},
-          {"analyse_ms", analyse},
-          {"factorise_ms", factorise},
-          {"solve_xyz_ms", solve},
-          {"paint_1000_ready_ms", paint},
-          {"paint_1000_spread_ready_ms", paint_spread},
-          {"paint_1000_of_factorise", paint / factorise},
-          {"whole_optimisation_ms", analyse + factorise + solve}};
+  const auto touched = landmarks.begin() + std::min<std::ptrdiff_t>(1000, std::ssize(landmarks));
+  const double paint_spread = paint_ms({landmarks.begin(), touched});
+  std::sort(landmarks.begin(), landmarks.end(),
+            [&](Eigen::Index a, Eigen::Index b) { return mesh.points(a, 2) > mesh.points(b, 2); });
+  const double paint = paint_ms({landmarks.begin(), touched});
+  figures.update(Json{{"analyse_ms", analyse},
+                      {"factorise_ms", factorise},
+                      {"paint_1000_ready_ms", paint},
+                      {"paint_1000_spread_ready_ms", paint_spread},
+                      {"paint_1000_of_factorise", paint / factorise},
+                      {"whole_optimisation_ms", analyse + factorise + figures["solve_xyz_ms"].get<double>()}});
+  return figures;
+}
+
+Json drag_figures(const Mesh& mesh) {
+  Json figures = gesture_figures(mesh);
+  figures.update(system_figures(mesh));
+  return figures;
 }
 
 /// Reading speed of memory beyond every cache, the bound of all solves.
@@ -103,6 +141,7 @@ void add_bench(CLI::App& app, VerbRun& run) {
   CLI::App* verb = add_verb(app, "bench", "Times the solver, models, slices and pictures on this machine (medians)");
   struct Options {
     std::vector<std::filesystem::path> masks;
+    std::filesystem::path mesh;
     int vertices = 2500;
   };
   auto options = std::make_shared<Options>();
@@ -112,6 +151,7 @@ void add_bench(CLI::App& app, VerbRun& run) {
       ->check(CLI::Range(100, 200000))
       ->needs(masks)
       ->capture_default_str();
+  verb->add_option("--mesh", options->mesh, "A further row of the solver's figures: of this mesh")->excludes(masks);
   const auto bench = [options](Progress& progress) -> Result<Report> {
     Report report;
     if (!options->masks.empty()) {
@@ -121,10 +161,15 @@ void add_bench(CLI::App& app, VerbRun& run) {
     report.values["cores"] = std::thread::hardware_concurrency();
     report.values["memory_gb_per_s"] = memory_gb_per_s();
     Json drags = Json::array();
-    for (const int level : {4, 5, 6}) {
-      drags.push_back(drag_figures(level));
-      progress.report(0.2 * (level - 3));
+    for (const int level : {4, 5, 6, 7}) {
+      drags.push_back(drag_figures(icosphere(level, 40)));
+      progress.report(0.15 * (level - 3));
       if (progress.cancelled()) return fail("bench", "was stopped");
+    }
+    if (!options->mesh.empty()) {
+      const auto mesh = read_mesh(options->mesh);
+      if (!mesh) return fail(mesh.error());
+      drags.push_back(drag_figures(*mesh));
     }
     report.values["drag"] = std::move(drags);
     report.values["model"] = model_figures();

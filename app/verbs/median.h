@@ -2,12 +2,19 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 #include <vector>
 
 namespace homolog {
 
 inline double milliseconds(std::chrono::steady_clock::duration d) {
   return std::chrono::duration<double, std::milli>(d).count();
+}
+
+inline double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 /// Median time of `work(repetition)` in ms over enough repetitions to fill about `budget_ms`, at least 5.
@@ -21,8 +28,7 @@ double median_ms(const Work& work, double budget_ms = 300) {
     work(static_cast<int>(times.size()));
     times.push_back(milliseconds(Clock::now() - before));
   }
-  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
-  return times[times.size() / 2];
+  return median_of(std::move(times));
 }
 
 }  // namespace homolog

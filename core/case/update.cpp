@@ -237,7 +237,7 @@ struct Updater {
     const auto known = std::find_if(file.landmarks.begin(), file.landmarks.end(),
                                     [&](const Landmark& landmark) { return landmark.name == action.name; });
     if (action.at) {
-      const SurfacePoint on = SurfaceSearch(before.mesh()).nearest(*action.at).at;
+      const SurfacePoint on = nearest_on_surface(*before.reference->topology, *before.shape().points, *action.at).at;
       const Vec3 position = on.interpolate(*before.reference->topology, before.reference->points).transpose();
       if (known != file.landmarks.end())
         known->position = position;

@@ -26,7 +26,7 @@ Gesture::Gesture(const StrokeStart& start, const ShapeSolver& solver, Tool tool,
       at_(at),
       through_space_(through_space),
       edge_mm_(mean_edge_mm(*start.topology, *start.points)),
-      grabbed_(SurfaceSearch({start.topology, *start.points}).nearest(at).at),
+      grabbed_(nearest_on_surface(*start.topology, *start.points, at).at),
       free_(grabbed_),
       guard_(*start_.topology, *start_.placed, *start_.points) {
   if (tool == Tool::pull) {
@@ -72,7 +72,7 @@ Result<StrokeOutcome> Gesture::move(const Stroke& stroke, Pass pass) {
   SurfacePoint centre = grabbed_;
   if (tool_ == Tool::pull) {
     if (stroke.on) {
-      centre = SurfaceSearch({start_.topology, *start_.points}).nearest(*stroke.on).at;
+      centre = nearest_on_surface(*start_.topology, *start_.points, *stroke.on).at;
     } else {
       follower_->move_to(stroke.to, edge_mm_);
       // Confirmed regions are as good as an edge: the pull stays where it was before it came to one.

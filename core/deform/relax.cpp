@@ -17,7 +17,7 @@ StrokeOutcome relax(const StrokeStart& start, const ShapeSolver& solver, const S
   const Topology& topology = *start.topology;
   const Points& from = *start.points;
   const FoldGuard guard(topology, *start.placed, from);
-  const auto nearest = SurfaceSearch({start.topology, from}).nearest(stroke.at);
+  const auto nearest = nearest_on_surface(topology, from, stroke.at);
   VertexScalars brush = stroke.strength * gaussian_falloff(topology, from, nearest.at, stroke.sigma_mm,
                                                            mean_edge_mm(topology, from), stroke.through_space);
   if (start.confirmed) brush = brush.cwiseProduct((1 - start.confirmed->array()).matrix());

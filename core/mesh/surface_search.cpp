@@ -108,6 +108,24 @@ Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   return nearest_on_edges(p, {a, b, c});
 }
 
+SurfaceSearch::Nearest nearest_on_surface(const Topology& topology, const Points& points, const Vec3& p) {
+  const Triangles& triangles = topology.triangles();
+  SurfaceSearch::Nearest best;
+  double best2 = std::numeric_limits<double>::infinity();
+  for (Eigen::Index face = 0; face < triangles.rows(); ++face) {
+    const auto corner = [&](int k) { return Vec3(points.row(triangles(face, k))); };
+    const Vec3 a = corner(0), b = corner(1), c = corner(2);
+    if (squared_distance(Box(a).extend(b).extend(c), p) >= best2) continue;
+    const Vec3 weights = nearest_in_triangle(p, a, b, c);
+    const Vec3 position = weights[0] * a + weights[1] * b + weights[2] * c;
+    const double distance2 = (position - p).squaredNorm();
+    if (distance2 >= best2) continue;
+    best2 = distance2;
+    best = {{static_cast<std::int32_t>(face), weights}, position, std::sqrt(distance2)};
+  }
+  return best;
+}
+
 SurfaceSearch::SurfaceSearch(const Mesh& mesh) : mesh_(mesh) {
   const Triangles& triangles = mesh_.topology->triangles();
   const auto faces = static_cast<std::int32_t>(triangles.rows());

@@ -62,6 +62,10 @@ class SurfaceSearch {
   std::vector<std::int32_t> order_;
 };
 
+/// The surface point nearest to `p`, exactly, found by looking at every face: for one question, which is much less work
+/// than making a search.
+SurfaceSearch::Nearest nearest_on_surface(const Topology& topology, const Points& points, const Vec3& p);
+
 /// The point of triangle (a, b, c) nearest to `p`, as barycentric weights.
 Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +12,8 @@
 #include "core/base/result.h"
 
 namespace homolog {
+
+class EliminationPlan;
 
 /// The connectivity of a manifold, consistently oriented triangle mesh, immutable and shared by every shape that has
 /// it. Vertex order and count are those given.
@@ -51,6 +54,13 @@ class Topology {
   /// 16 hex digits over the triangles: equal exactly when two meshes have the same numbering and faces.
   const std::string& hash() const { return hash_; }
 
+  /// Room for what core/solve makes once of a connectivity and keeps with it [elimination_plan.h].
+  struct PlanKept {
+    std::mutex mutex;
+    std::shared_ptr<const EliminationPlan> plan;
+  };
+  PlanKept& plan_kept() const { return *plan_kept_; }
+
  private:
   Topology() = default;
   void gather_faces();
@@ -72,6 +82,7 @@ class Topology {
   std::vector<std::int32_t> component_;
   int components_ = 0;
   std::string hash_;
+  std::shared_ptr<PlanKept> plan_kept_ = std::make_shared<PlanKept>();
 };
 
 /// A shape: points over a shared connectivity.

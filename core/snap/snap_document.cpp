@@ -37,7 +37,7 @@ Result<SnapEdit> snap_document(const Document& document, const std::optional<Sna
   SnapStart start{document.mesh(), *shape.placed, *document.stiffness, VertexScalars::Ones(shape.points->rows())};
   if (region) {
     const Topology& topology = *document.reference->topology;
-    const SurfacePoint at = SurfaceSearch(start.mesh).nearest(region->at).at;
+    const SurfacePoint at = nearest_on_surface(topology, start.mesh.points, region->at).at;
     start.free =
         gaussian_falloff(topology, *shape.points, at, region->sigma_mm, mean_edge_mm(topology, *shape.points), false);
     start.free = (start.free.array() < least_falloff).select(0, start.free);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
@@ -49,15 +50,18 @@ inline Eigen::Index triangle_column(Eigen::Index column, Eigen::Index fours) {
   return 4 * block * fours - 2 * block * (block - 1) + column % 4 * (fours - block) - block;
 }
 
-/// block −= Σ_k rows_k columns_kᵀ over `depth` columns of a panel that lie `stride` apart: an outer product of four
-/// rows of each and as many others as the block has columns.
-template <int Columns>
-inline void subtract_products(Lanes (&block)[Columns], const Lanes* rows, const Lanes* columns, Eigen::Index stride,
-                              int depth) {
+/// block −= Σ_k rows_k columns_kᵀ over `depth` columns of a panel that lie `stride` apart: an outer product of `Fours`
+/// times four rows of each and as many others as the block has columns.
+template <int Fours, int Columns>
+inline void subtract_products(Lanes (&block)[Fours][Columns], const Lanes* rows, const Lanes* columns,
+                              Eigen::Index stride, int depth) {
   for (int k = 0; k < depth; ++k, rows += stride, columns += stride) {
     const double* l = reinterpret_cast<const double*>(columns);
 #pragma GCC unroll 4
-    for (int c = 0; c < Columns; ++c) block[c] -= *rows * l[c];
+    for (int c = 0; c < Columns; ++c) {
+#pragma GCC unroll 2
+      for (int f = 0; f < Fours; ++f) block[f][c] -= rows[f] * l[c];
+    }
   }
 }
 
@@ -68,10 +72,11 @@ inline bool factorise_columns(Lanes* panel, Eigen::Index fours, int first) {
   Lanes* const columns = panel + first * fours;
   double l[4][4] = {}, reciprocal[4] = {};  // of the diagonal block, column by column
   for (Eigen::Index row = diagonal; row < fours; ++row) {
-    Lanes block[Columns];
+    Lanes rest[1][Columns];
+    Lanes(&block)[Columns] = rest[0];
 #pragma GCC unroll 4
     for (int c = 0; c < Columns; ++c) block[c] = columns[c * fours + row];
-    subtract_products(block, panel + row, panel + diagonal, fours, first);
+    subtract_products(rest, panel + row, panel + diagonal, fours, first);
 #pragma GCC unroll 4
     for (int c = 0; c < Columns; ++c) {
 #pragma GCC unroll 4
@@ -91,6 +96,24 @@ inline bool factorise_columns(Lanes* panel, Eigen::Index fours, int first) {
   return true;
 }
 
+/// `Fours` fours of rows of an update, from `at` on, in a block of four columns that are `stride` apart.
+template <int Fours>
+inline void subtract_from_update(Lanes* at, Eigen::Index stride, const Lanes* rows, const Lanes* columns,
+                                 Eigen::Index fours, int pivots) {
+  Lanes block[Fours][4];
+#pragma GCC unroll 4
+  for (int c = 0; c < 4; ++c) {
+#pragma GCC unroll 2
+    for (int f = 0; f < Fours; ++f) block[f][c] = at[c * stride + f];
+  }
+  subtract_products(block, rows, columns, fours, pivots);
+#pragma GCC unroll 4
+  for (int c = 0; c < 4; ++c) {
+#pragma GCC unroll 2
+    for (int f = 0; f < Fours; ++f) at[c * stride + f] = block[f][c];
+  }
+}
+
 /// Factorises a panel in place, leaving the reciprocals of L's diagonal on it, and subtracts from `update` what its
 /// pivots take from the rows below. False where a pivot is not positive.
 inline bool factorise_panel(Lanes* panel, int pivots, Eigen::Index fours, Lanes* update) {
@@ -103,80 +126,55 @@ inline bool factorise_panel(Lanes* panel, int pivots, Eigen::Index fours, Lanes*
   for (Eigen::Index column = 0; column < row_fours; ++column) {
     Lanes* const at = update + triangle_column(4 * column, row_fours);
     const Eigen::Index stride = row_fours - column;
-    for (Eigen::Index row = column; row < row_fours; ++row) {
-      Lanes block[4] = {at[row], at[stride + row], at[2 * stride + row], at[3 * stride + row]};
-      subtract_products(block, below + row, below + column, fours, pivots);
-      for (int c = 0; c < 4; ++c) at[c * stride + row] = block[c];
-    }
+    Eigen::Index row = column;
+    for (; row + 1 < row_fours; row += 2)
+      subtract_from_update<2>(at + row, stride, below + row, below + column, fours, pivots);
+    if (row < row_fours) subtract_from_update<1>(at + row, stride, below + row, below + column, fours, pivots);
   }
   return true;
 }
 
-// Substitution. A right-hand side alone (Value is double) meets four rows of L at a time; three (Value is Lanes, one in
-// each lane) meet one row at a time. In both, lanes x[i] meet l[i].
-template <class Value>
-using RowsOfL = std::conditional_t<std::is_same_v<Value, double>, Lanes, double>;
+/// Pivots are solved for in blocks of at most so many.
+constexpr int block_pivots = 16;
 
-inline double sum_of(const Lanes& sum, double) {
-  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-inline const Lanes& sum_of(const Lanes& sum, const Lanes&) {
-  return sum;
-}
-
-template <int Columns, class Value>
-inline void forward_columns(const Lanes* columns, Eigen::Index fours, int first, Value* x) {
-  const double* diagonal = reinterpret_cast<const double*>(columns) + first;
-  Value y[Columns];
-  for (int c = 0; c < Columns; ++c) {
-    y[c] = x[first + c];
-    for (int k = 0; k < c; ++k) y[c] -= y[k] * diagonal[4 * k * fours + c];
-    y[c] *= diagonal[4 * c * fours + c];
-    x[first + c] = y[c];
+/// The inverse of a triangle of up to four rows, by columns. `at(r, c)`: the triangle, reciprocals on its diagonal.
+template <class At>
+inline void invert_small(const At& at, int rows, Lanes (&inverse)[4]) {
+  double t[4][4] = {};
+  for (int c = 0; c < rows; ++c) {
+    t[c][c] = at(c, c);
+    for (int r = c + 1; r < rows; ++r) {
+      for (int k = c; k < r; ++k) t[c][r] -= at(r, k) * t[c][k];
+      t[c][r] *= at(r, r);
+    }
   }
-  constexpr Eigen::Index step = sizeof(Lanes) / sizeof(RowsOfL<Value>);
-  const auto* l = reinterpret_cast<const RowsOfL<Value>*>(columns);
-  Lanes* const rows = reinterpret_cast<Lanes*>(x);
-  for (Eigen::Index i = step * (first / 4 + 1); i < step * fours; ++i) {
-    Lanes row = rows[i];
-#pragma GCC unroll 4
-    for (int c = 0; c < Columns; ++c) row -= l[c * step * fours + i] * y[c];
-    rows[i] = row;
-  }
+  for (int c = 0; c < 4; ++c) inverse[c] = Lanes{t[c][0], t[c][1], t[c][2], t[c][3]};
 }
 
-template <int Columns, class Value>
-inline void backward_columns(const Lanes* columns, Eigen::Index fours, int first, Value* x) {
-  constexpr Eigen::Index step = sizeof(Lanes) / sizeof(RowsOfL<Value>);
-  const auto* l = reinterpret_cast<const RowsOfL<Value>*>(columns);
-  const Lanes* const rows = reinterpret_cast<const Lanes*>(x);
-  Lanes sum[Columns] = {};
-  for (Eigen::Index i = step * (first / 4 + 1); i < step * fours; ++i) {
-#pragma GCC unroll 4
-    for (int c = 0; c < Columns; ++c) sum[c] += l[c * step * fours + i] * rows[i];
-  }
-  const double* diagonal = reinterpret_cast<const double*>(columns) + first;
-  for (int c = Columns - 1; c >= 0; --c) {
-    Value y = x[first + c] - sum_of(sum[c], x[first + c]);
-    for (int k = c + 1; k < Columns; ++k) y -= x[first + k] * diagonal[4 * c * fours + k];
-    x[first + c] = y * diagonal[4 * c * fours + c];
-  }
-}
-
-/// L y = x for the pivots' rows of x, in place; the rows below are left with what y takes from them. `x` is laid out as
-/// a column of the panel, its padding zero.
-template <class Value>
-inline void substitute_forward(const Lanes* panel, int pivots, Eigen::Index fours, Value* x) {
+/// Puts the inverse in place of the triangle of each block of pivots of a factorised panel, zero above the diagonal: so
+/// solving for a block is a product, in which no number waits for the one before.
+inline void invert_blocks(Lanes* panel, int pivots, Eigen::Index fours) {
+  const auto at = [&](Eigen::Index row, Eigen::Index column) {
+    return reinterpret_cast<const double*>(panel + column * fours)[row];
+  };
   for (int first = 0; first < pivots; first += 4) {
-    with_width(pivots - first, [&](auto width) { forward_columns<width>(panel + first * fours, fours, first, x); });
-  }
-}
-
-/// Lᵀ y = x for the pivots' rows of x, in place; the rows below are the solution already.
-template <class Value>
-inline void substitute_backward(const Lanes* panel, int pivots, Eigen::Index fours, Value* x) {
-  for (int first = (pivots - 1) / 4 * 4; first >= 0; first -= 4) {
-    with_width(pivots - first, [&](auto width) { backward_columns<width>(panel + first * fours, fours, first, x); });
+    const Eigen::Index four = first / 4;
+    const int rows = std::min(4, pivots - first);
+    Lanes own[4];
+    invert_small([&](int r, int c) { return at(first + r, first + c); }, rows, own);
+    for (int left = first / block_pivots * block_pivots; left < first; left += 4) {
+      Lanes sum[4] = {};
+      for (int k = left; k < first; ++k) {
+        const Lanes l = panel[k * fours + four];
+#pragma GCC unroll 4
+        for (int c = 0; c < 4; ++c) sum[c] -= l * at(k, left + c);
+      }
+#pragma GCC unroll 4
+      for (int c = 0; c < 4; ++c)
+        panel[(left + c) * fours + four] =
+            own[0] * sum[c][0] + own[1] * sum[c][1] + own[2] * sum[c][2] + own[3] * sum[c][3];
+    }
+    for (int c = 0; c < rows; ++c) panel[(first + c) * fours + four] = own[c];
   }
 }
 

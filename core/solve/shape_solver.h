@@ -7,10 +7,12 @@
 
 namespace homolog {
 
+class SparseCholesky;
+
 /// Solves (M + H) X = B, M = I + Λ [Erdt 2009, Eq. 3 as normal equations; docs/method.md §1], H a diagonal that holds
-/// confirmed vertices. Three costs: construction orders and analyses (topology), `factorise` (stiffness, confirmed
-/// regions), `solve` (every frame). A change of few weights factorises what depends on them, with the same result as
-/// factorising all.
+/// confirmed vertices. Three costs: the first solver of a topology makes its elimination plan, which the topology keeps
+/// for all others; `factorise` (stiffness, confirmed regions); `solve` (every frame). A change of few weights
+/// factorises what depends on them, with the same result as factorising all.
 class ShapeSolver {
  public:
   explicit ShapeSolver(std::shared_ptr<const Topology> topology);
@@ -29,12 +31,13 @@ class ShapeSolver {
   const std::shared_ptr<const Topology>& topology() const { return topology_; }
   const VertexScalars& weights() const { return w_; }
   const VertexScalars& hold() const { return hold_; }
+  /// How many entries of the factor may differ from zero.
+  Eigen::Index factor_entries() const;
 
  private:
-  struct Factor;
   std::shared_ptr<const Topology> topology_;
   VertexScalars w_, hold_;
-  std::unique_ptr<Factor> factor_;
+  std::unique_ptr<SparseCholesky> factor_;
 };
 
 /// How firmly vertices are held against the solve (`held`: 0 free … 1), relative to what else pulls at them: they

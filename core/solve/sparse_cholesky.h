@@ -1,77 +1,74 @@
 #pragma once
 
-#include <Eigen/SparseCore>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/base/geometry.h"
+#include "core/solve/elimination_plan.h"
 
 namespace homolog {
 
-/// A = L Lᵀ of a sparse symmetric positive definite A whose values change while its pattern stays: the multifrontal
-/// method [Duff and Reid 1983; Liu 1992].
+/// Solves A X = B for A = Λ + diag(s): a graph's weighted Laplacian and a diagonal s > 0, whose values change while the
+/// graph stays. A = L Lᵀ by the multifrontal method [Duff and Reid 1983; Liu 1992].
 ///
-/// The unknowns are eliminated in the order of a nested dissection. Successive columns of L with (nearly) the same rows
-/// make a front, a small dense matrix. Factorising a front eliminates its own unknowns, the pivots, and leaves an
-/// update: what they take from the rest of A, added into the front's parent in a tree. The updates are kept, so only
-/// fronts with a changed entry and those above them have to be factorised again, which gives the same bits as
-/// factorising all. That costs 1.2 to 1.4 times the memory of L, 6 MB for a mesh of 10,000 vertices.
+/// Factorising a front eliminates its own unknowns, the pivots, and leaves an update: what they take from the rest of
+/// A, added into the front's parent in a tree. The updates are kept, so only fronts with a changed entry and those
+/// above them have to be factorised again, which gives the same bits as factorising all.
+///
+/// Solving reads all of L twice. A large L does not stay in the processor's caches, so it is kept a second time in
+/// single precision; all sums are in double precision. Since A⁻¹ has no negative entry and A⁻¹ s = 1, the error of a
+/// solution is below about 1e-7 of half the range of B/s. Where that may be more than 1e-5 (mm), L is read in double
+/// precision.
 class SparseCholesky {
  public:
-  /// Orders and analyses. `lower`: lower triangle of A, n×n, compressed, with every diagonal entry; its values are not
-  /// read.
-  explicit SparseCholesky(const Eigen::SparseMatrix<double>& lower);
+  explicit SparseCholesky(std::shared_ptr<const EliminationPlan> plan);
 
-  /// Factorises what differs from the last call; `lower` has the pattern given at construction. False where A is not
-  /// positive definite to working precision: nothing is factorised then.
-  [[nodiscard]] bool factorise(const Eigen::SparseMatrix<double>& lower);
+  /// Factorises what differs from the last call. `s`: n values > 0; `weights`: of the plan's edges, ≥ 0. False where a
+  /// value is not, or where A is not positive definite to working precision: nothing is factorised then.
+  [[nodiscard]] bool factorise(const VertexScalars& s, const VertexScalars& weights);
 
   /// X of A X = B; the last `factorise` must have succeeded.
   VertexScalars solve(const VertexScalars& b) const;
   Points solve(const Points& b) const;
+  /// The same with L in double precision, whatever its size.
+  Points solve_in_double(const Points& b) const;
 
-  int fronts() const { return static_cast<int>(fronts_.size()); }
+  const EliminationPlan& plan() const { return *plan_; }
   int fronts_factorised() const { return fronts_factorised_; }  ///< by the last `factorise`
 
  private:
-  struct EliminationTree;
-  /// Rows are stored in fours [dense_front.h]. A front's pivots and the rows below them begin a four each; what is left
-  /// of their last one is zero.
   struct alignas(32) FourRows {
     double rows[4];
   };
-  struct Entry {
-    int value;        ///< its place among the values of A
-    int row, column;  ///< in the front
-  };
-  struct Front {
-    int first = 0, pivots = 0;  ///< the columns of L it holds
-    int parent = -1;
-    std::vector<int> children;
-    std::vector<int> rows;       ///< of L below the pivots, ascending
-    std::vector<int> in_parent;  ///< which rows of the parent's front they are
-    std::vector<Entry> entries;  ///< of A in its columns
-    Eigen::Index panel = 0;      ///< where its columns of L begin in factor_
-    Eigen::Index update = 0;     ///< where its update begins in updates_
-
-    int pivot_fours() const { return (pivots + 3) / 4; }
-    int row_fours() const { return (static_cast<int>(rows.size()) + 3) / 4; }
-    int fours() const { return pivot_fours() + row_fours(); }
+  struct alignas(16) FourShortRows {
+    float rows[4];
   };
 
-  void make_fronts(const EliminationTree& tree, const std::vector<int>& order);
-  void distribute_entries(const Eigen::SparseMatrix<double>& lower);
-  void lay_out();
-  void assemble(const Front& front, const double* values);
-  bool factorise_stale(const double* values);
+  struct Rooms;
+
+  Eigen::Index beyond() const;
+  bool take_entries(int front, const VertexScalars& diagonal, const VertexScalars& weights);
+  void assemble(int front);
+  void shorten(int front);
+  bool factorise_stale(const VertexScalars& diagonal, const VertexScalars& weights);
+  template <int Components, class Number, class Value>
+  void forward(const Number* a, const double* corrections, int front, const Rooms& rooms, Value* x) const;
+  template <int Components, class Number, class Value>
+  void backward(const Number* a, const double* corrections, int front, const Rooms& rooms, Value* x) const;
+  template <class Number, class Value>
+  void substitute(const Number* factor, const double* corrections, Value* x) const;
   template <class Value>
-  void substitute(Value* x) const;
+  void solve_in_order(Value* x, bool in_short) const;
+  std::optional<Vec3> middle_for_short(const Points& b) const;
+  Points solve_xyz(const Points& b, const Vec3& known, bool in_short) const;
 
-  std::vector<int> position_;  ///< of each unknown in the order of elimination
-  std::vector<Front> fronts_;  ///< children before their parents
-  Eigen::VectorXd values_;     ///< those of A that are factorised; NaN where none are
+  std::shared_ptr<const EliminationPlan> plan_;
+  VertexScalars s_;
+  std::vector<double> entries_;  ///< of A, in the plan's order; NaN where none are factorised
   std::unique_ptr<FourRows[]> factor_, updates_;
-  int most_fours_ = 0;  ///< of any front
+  std::unique_ptr<FourShortRows[]> short_factor_;  ///< null where L is small
+  std::vector<double> corrections_;                ///< of its diagonal
   int fronts_factorised_ = 0;
 };
 

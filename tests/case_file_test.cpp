@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/base/files.h"
+#include "core/case/unsaved_cases.h"
 #include "core/volume/volume_io.h"
 #include "tests/case_folder.h"
 #include "tests/refusal.h"
@@ -196,6 +197,18 @@ TEST_CASE("an edit that cannot be written is not made") {
   CHECK(folder.text() == before);
 }
 
+namespace {
+
+/// The unsaved cases that hold an edit.
+std::vector<fs::path> edited_cases() {
+  std::vector<fs::path> found;
+  for (const UnsavedCase& one : unsaved_cases())
+    if (one.edited) found.push_back(one.journal);
+  return found;
+}
+
+}  // namespace
+
 TEST_CASE("looking for unsaved cases does not mend what opening must find torn") {
   const CaseFolder folder;
   ::setenv("XDG_STATE_HOME", folder.folder.path.c_str(), 1);
@@ -203,10 +216,10 @@ TEST_CASE("looking for unsaved cases does not mend what opening must find torn")
     auto session = create_unsaved_case(folder.document()).value();
     REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
   }
-  REQUIRE(unsaved_cases().size() == 1);
-  const fs::path left = unsaved_cases().front();
+  REQUIRE(edited_cases().size() == 1);
+  const fs::path left = edited_cases().front();
   std::ofstream(left, std::ios::app) << "{\"tool\":\"pu";
-  REQUIRE(unsaved_cases().size() == 1);
+  REQUIRE(edited_cases().size() == 1);
   const auto opened = open_case(left);
   REQUIRE(opened);
   CHECK(opened->warnings.size() == 1);
@@ -280,8 +293,8 @@ TEST_CASE("unsaved cases are offered once they hold an action and are not open")
     REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
     CHECK(unsaved_cases().empty());  // open here
   }
-  REQUIRE(unsaved_cases().size() == 1);
-  auto again = open_case(unsaved_cases().front());
+  REQUIRE(edited_cases().size() == 1);
+  auto again = open_case(edited_cases().front());
   REQUIRE(again);
   REQUIRE(save_case_as(again->session, folder.case_path));
   CHECK(unsaved_cases().empty());

@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <chrono>
+#include <new>
+#include <stdexcept>
 #include <thread>
 
 #include "tests/shapes.h"
@@ -119,4 +121,30 @@ TEST_CASE("a preview that is shown ends with a computed edit that gives nothing"
   REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.committed == 1; }));
   CHECK(!thread.snapshot()->preview);
   CHECK(thread.snapshot()->shown == thread.snapshot()->document);
+}
+
+TEST_CASE("what is thrown in a job ends neither the thread nor the case") {
+  SessionThread thread(EditSession(ball()), nullptr);
+  thread.apply(pull(45));
+  REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.committed == 1; }));
+  const auto done = thread.snapshot()->document;
+  std::uint64_t jobs = 1;
+  const auto told = [&](const Compute& compute) {
+    thread.apply_computed(compute);
+    ++jobs;
+    REQUIRE(wait_for(thread, [&](const Snapshot& s) { return s.committed == jobs; }));
+    CHECK((thread.snapshot()->document == done));
+    return thread.snapshot()->error;
+  };
+  CHECK(told([](const Document&) -> Result<std::optional<Action>> { throw std::bad_alloc(); }).find("Memory ran out") !=
+        std::string::npos);
+  CHECK(told([](const Document&) -> Result<std::optional<Action>> {
+          throw std::runtime_error("no more threads");
+        }).find("no more threads") != std::string::npos);
+  thread.preview(std::nullopt, {[](const Document&) -> Result<std::optional<Action>> { throw std::bad_alloc(); }});
+  REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.error.find("Memory ran out") != std::string::npos; }));
+  CHECK(thread.snapshot()->committed == jobs);
+  thread.apply(pull(50));
+  REQUIRE(wait_for(thread, [&](const Snapshot& s) { return s.committed == jobs + 1; }));
+  CHECK(thread.snapshot()->error.empty());
 }

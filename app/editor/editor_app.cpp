@@ -8,7 +8,7 @@
 
 #include "app/editor/widgets/plots.h"
 #include "app/editor/window/view_overlay.h"
-#include "app/editor/work/recovery.h"
+#include "core/case/unsaved_cases.h"
 
 namespace homolog {
 
@@ -53,7 +53,8 @@ void EditorApp::set_scale(float scale) {
 }
 
 void EditorApp::start(const EditorOptions& options) {
-  remove_all_without_edits();
+  offer_ = Offer::dialog;
+  recovery_.look();
   start_session(EditSession(new_document({}, nullptr, nullptr)));
   if (options.demo) {
     out_.send(OpenPhantom{*options.demo, 1});
@@ -62,13 +63,8 @@ void EditorApp::start(const EditorOptions& options) {
     if (!request) return add_notice(state_, request.error().sentence());
     if (!options.template_source.empty()) request->template_source = options.template_source;
     opener_.start(std::move(*request));
-    if (const auto found = cases_to_recover(); !found.empty())
-      add_notice(state_,
-                 std::to_string(found.size()) + (found.size() == 1 ? " case was" : " cases were") +
-                     " not saved before; the section Case offers to recover.",
-                 false);
+    offer_ = Offer::notice;
   } else {
-    if (auto found = cases_to_recover(); !found.empty()) state_.dialog = RecoverDialog{std::move(found), {}};
     out_.send(OpenPhantom{Organ::kidney, 1});
   }
 }
@@ -229,9 +225,10 @@ bool EditorApp::update_parts(double seconds) {
   const bool new_model = models_.update(state_, *snapshot_, seconds, out_);
   const bool new_figures = quality_.update();
   const bool new_stage = take_stage();
+  const bool new_offer = take_recovery();
   forget_old_news(seconds);
   return state_.notices.size() != notices_before || before != snapshot_ || new_figures || new_stage || new_model ||
-         new_snap || new_files || thumbnails_left_ || state_.playing || was_busy || busy();
+         new_snap || new_offer || new_files || thumbnails_left_ || state_.playing || was_busy || busy();
 }
 
 void EditorApp::preview(Action action) {
@@ -249,6 +246,10 @@ void EditorApp::settle() {
   exports_.finish();
   take_written();
   quality_.finish();
+  while (recovery_.busy()) {
+    recovery_.finish();
+    take_recovery();
+  }
 }
 
 bool EditorApp::take_work() {
@@ -261,6 +262,28 @@ bool EditorApp::take_work() {
       add_notice(state_, done->error().sentence());
   }
   return any;
+}
+
+bool EditorApp::take_recovery() {
+  auto found = recovery_.take();
+  if (!found) return false;
+  auto* open = state_.dialog ? std::get_if<RecoverDialog>(&*state_.dialog) : nullptr;
+  if (found->counted) {
+    if (open == nullptr) return false;
+    for (RecoverDialog::Found& shown : open->found)
+      for (const RecoverDialog::Found& counted : found->cases)
+        if (shown.journal == counted.journal) shown.details = counted.details;
+  } else if (found->cases.empty()) {
+    if (offer_ == Offer::asked) add_notice(state_, "No case waits to be recovered.", false);
+  } else if (offer_ == Offer::notice || (state_.dialog && open == nullptr)) {
+    add_notice(state_,
+               std::to_string(found->cases.size()) + (found->cases.size() == 1 ? " case was" : " cases were") +
+                   " not saved before; the section Case offers to recover.",
+               false);
+  } else {
+    state_.dialog = RecoverDialog{std::move(found->cases), {}};
+  }
+  return true;
 }
 
 bool EditorApp::take_written() {

@@ -15,6 +15,7 @@
 #include "app/editor/work/model_help.h"
 #include "app/editor/work/opener.h"
 #include "app/editor/work/quality_monitor.h"
+#include "app/editor/work/recovery.h"
 #include "app/editor/work/study_appearance.h"
 #include "app/editor/work/worker.h"
 
@@ -108,6 +109,8 @@ class EditorApp {
   void start_document(Document document);
   void run_commands();
   void offer_flip(const Document& document);
+  /// Offers the cases that were found; true where there is something new to draw.
+  bool take_recovery();
   /// Gives a case without a journal one, where edits are not on the disk yet.
   void keep_on_disk();
   void forget_old_news(double seconds);
@@ -148,6 +151,9 @@ class EditorApp {
   std::shared_ptr<const Document> tried_to_keep_;  ///< the last for which a journal was asked
   std::shared_ptr<const Document> displayed_;
   std::shared_ptr<const Template> loaded_template_;  ///< as its file holds it: the case may have mirrored it
+  Recovery recovery_{wake_};
+  /// How cases that were found are offered: at a start without files, with some, and when somebody asks.
+  enum class Offer { dialog, notice, asked } offer_ = Offer::dialog;
   Opener opener_;
   Exports exports_{wake_};
   /// What is to be done here when the work is done.

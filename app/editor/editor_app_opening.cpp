@@ -1,5 +1,7 @@
 #include "app/editor/editor_app.h"
 
+#include "core/case/unsaved_cases.h"
+
 // What becomes of files that were opened.
 
 namespace homolog {

@@ -26,6 +26,7 @@ ReplayOptions replay_options(const ReplayVerb& verb, Progress& progress) {
   if (verb.scheme == "raw") options.scheme = Scheme::raw;
   if (verb.spacing >= 0) options.spacing = verb.spacing;
   if (verb.events > 0) options.paper_events = verb.events;
+  options.from_checkpoint = false;  // what is asked for is what the lines give
   options.progress = &progress;
   return options;
 }

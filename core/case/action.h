@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "core/case/document.h"
 #include "core/deform/deformer.h"
@@ -90,6 +93,16 @@ struct SetPoints {
            (points == other.points || (points && other.points && *points == *other.points));
   }
 };
+/// SetPoints as a case keeps it: how far each coordinate moved, in steps of 2⁻¹⁶ mm [moved_points.h].
+struct MovePoints {
+  std::string by;
+  std::optional<Similarity> placement;
+  std::shared_ptr<const std::vector<std::uint32_t>> moves;  ///< 3n, landmark by landmark; 0 stays
+  bool operator==(const MovePoints& other) const {
+    return by == other.by && placement == other.placement &&
+           (moves == other.moves || (moves && other.moves && *moves == *other.moves));
+  }
+};
 struct SetStiffnessBase {
   double base = default_stiffness_base;
   bool operator==(const SetStiffnessBase&) const = default;
@@ -124,9 +137,11 @@ struct SetLandmarkFit {
 struct MirrorTemplate {
   bool operator==(const MirrorTemplate&) const = default;
 };
-/// Shows a frame; one that has no shape yet gets the template at the last frame's placement.
+/// Shows a frame; one that has no shape yet gets the template at the last frame's placement. To look is no step of the
+/// history: there is nothing to undo, and what can be redone stays so.
 struct SetFrame {
   int frame = 0;
+  bool step = false;  ///< in older files it was one
   bool operator==(const SetFrame&) const = default;
 };
 /// Gives the shown frame a copy of another frame's shape.
@@ -146,12 +161,20 @@ struct Redo {
 };
 
 using Action = std::variant<Stroke, SetPlacement, PaintStiffness, SmoothStiffness, PaintRegion, FillRegion, SetRegion,
-                            RenameRegion, RemoveRegion, SetStiffnessFactors, SetPoints, SetStiffnessBase, Confirm,
-                            SetScheme, SetSpacing, SetTemplateLandmark, PlaceLandmark, SetLandmarkFit, MirrorTemplate,
-                            SetFrame, StartFrameFrom, Note, Undo, Redo>;
+                            RenameRegion, RemoveRegion, SetStiffnessFactors, SetPoints, MovePoints, SetStiffnessBase,
+                            Confirm, SetScheme, SetSpacing, SetTemplateLandmark, PlaceLandmark, SetLandmarkFit,
+                            MirrorTemplate, SetFrame, StartFrameFrom, Note, Undo, Redo>;
 
-/// A shape as an edit, to a millionth of a mm where it differs from that of `document`.
-SetPoints points_edit(const Document& document, const Points& points, std::string by);
+/// An action as the journal holds it.
+struct EditStep {
+  Action action;
+  /// Undone and redone together with the one before it: the further touches of a brush stroke, the points of a list.
+  bool joined = false;
+};
+
+/// A shape as an edit; coordinates that differ from those of `document` are rounded to 2⁻¹⁶ mm [moved_points.h].
+SetPoints points_edit(const Document& document, const Points& points, std::string by,
+                      const std::optional<Similarity>& placement = std::nullopt);
 
 /// What an edit did, for the interface: shown during a drag and when it is done.
 struct EditReport {

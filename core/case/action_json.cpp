@@ -1,12 +1,18 @@
 #include "core/case/action_json.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 #include <vector>
 
+#include "core/base/json.h"
 #include "core/base/text.h"
+
+#include "core/case/action_line.h"
+#include "core/case/packed.h"
 
 namespace homolog {
 
@@ -136,6 +142,20 @@ Action points(const Json& value, const Json& line) {
   return set;
 }
 
+Action moves(const Json& value, const Json& line) {
+  constexpr std::int64_t most_landmarks = 1 << 27;
+  const auto landmarks = value.at("landmarks").get<std::int64_t>();
+  if (landmarks < 1 || landmarks > most_landmarks) throw Unreadable{"\"landmarks\" is out of range"};
+  auto steps =
+      unpacked<std::uint32_t>(value.at("steps").get_ref<const std::string&>(), 3 * static_cast<std::size_t>(landmarks));
+  if (!steps) throw Unreadable{steps.error().what};
+  MovePoints move;
+  move.by = line.value("by", "");
+  if (line.contains("placement")) move.placement = similarity(line.at("placement"));
+  move.moves = std::make_shared<const std::vector<std::uint32_t>>(std::move(*steps));
+  return move;
+}
+
 Action template_landmark(const Json& value) {
   SetTemplateLandmark named{value.at("name").get<std::string>(), {}};
   if (value.contains("at") && !value.at("at").is_null()) named.at = point(value, "at");
@@ -160,6 +180,7 @@ struct Spelling {
 const Spelling spellings[] = {
     {"tool", [](const Json&, const Json& line) { return stroke(line); }},
     {"points", points},
+    {"moved", moves},
     {"placement", [](const Json& value, const Json&) -> Action { return SetPlacement{similarity(value)}; }},
     {"stiffness", [](const Json& value, const Json&) { return stiffness(value); }},
     {"smooth_stiffness", [](const Json& value, const Json&) { return smooth_stiffness(value); }},
@@ -187,7 +208,10 @@ const Spelling spellings[] = {
        if (value != "sagittal") throw Unreadable{"\"mirror\" is not \"sagittal\""};
        return MirrorTemplate{};
      }},
-    {"frame", [](const Json& value, const Json&) -> Action { return SetFrame{integer(value)}; }},
+    {"frame",
+     [](const Json& value, const Json& line) -> Action {
+       return SetFrame{integer(value), !line.value("look", false)};
+     }},
     {"start_frame_from", [](const Json& value, const Json&) -> Action { return StartFrameFrom{integer(value)}; }},
     {"note", [](const Json& value, const Json&) -> Action { return Note{value.get<std::string>()}; }},
     {"undo", [](const Json& value, const Json&) { return when_true(value, Undo{}); }},
@@ -231,6 +255,12 @@ struct Writer {
     if (a.placement) line["placement"] = to_json(*a.placement);
     return line;
   }
+  Json operator()(const MovePoints& a) const {
+    Json line{{"by", a.by}};
+    if (a.placement) line["placement"] = to_json(*a.placement);
+    line["moved"] = {{"landmarks", a.moves->size() / 3}, {"steps", packed<std::uint32_t>(*a.moves)}};
+    return line;
+  }
   Json operator()(const SetTemplateLandmark& a) const {
     return {{"template_landmark", {{"name", a.name}, {"at", a.at ? json_of(*a.at) : Json()}}}};
   }
@@ -247,7 +277,11 @@ struct Writer {
   }
   Json operator()(const SetLandmarkFit& a) const { return {{"landmark_fit", name_of(fit_names, a.fit)}}; }
   Json operator()(const MirrorTemplate&) const { return {{"mirror", "sagittal"}}; }
-  Json operator()(const SetFrame& a) const { return {{"frame", a.frame}}; }
+  Json operator()(const SetFrame& a) const {
+    Json line{{"frame", a.frame}};
+    if (!a.step) line["look"] = true;
+    return line;
+  }
   Json operator()(const StartFrameFrom& a) const { return {{"start_frame_from", a.frame}}; }
   Json operator()(const Note& a) const { return {{"note", a.text}}; }
   Json operator()(const Undo&) const { return {{"undo", true}}; }
@@ -270,6 +304,11 @@ auto caught(const Read& read) -> Result<decltype(read())> {
 
 }  // namespace
 
+bool is_action_key(std::string_view key) {
+  return std::any_of(std::begin(spellings), std::end(spellings),
+                     [&](const Spelling& known) { return known.key == key; });
+}
+
 Json to_json(const Action& action) {
   return std::visit(Writer{}, action);
 }
@@ -281,6 +320,25 @@ Result<Action> action_from_json(const Json& line) {
     if (value != line.end()) return caught([&] { return spelling.read(*value, line); });
   }
   return fail("", "is of no known kind; it may come from a newer version of Homolog");
+}
+
+std::string dumped(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string action_line(const Action& action, bool joined) {
+  Json json = to_json(action);
+  if (joined) json["joined"] = true;
+  return dumped(json);
+}
+
+Result<EditStep> parse_action(const std::string& line) {
+  const auto json = read_json<Json>(line);
+  if (!json) return fail(json.error());
+  auto action = action_from_json(*json);
+  if (!action) return fail(action.error());
+  const auto joined = json->find("joined");
+  return EditStep{std::move(*action), joined != json->end() && *joined == true};
 }
 
 Json to_json(const Similarity& s) {

@@ -1,14 +1,13 @@
 #include "core/case/case_file.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <chrono>
+#include <utility>
 
-#include "core/base/files.h"
 #include "core/base/json.h"
-#include "core/base/text.h"
 #include "core/case/action_json.h"
+#include "core/case/case_header.h"
+#include "core/case/checkpoint.h"
+#include "core/case/unsaved_cases.h"
 
 namespace homolog {
 
@@ -17,164 +16,63 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int format_version = 1;
-constexpr const char* case_extension = ".homolog";
-constexpr const char* weighed_landmarks = "weighed";  ///< "landmarks" in the header: see Document::weighs_landmarks
-
-/// A line of the file; bytes that are no UTF-8 (a path of another encoding) become a replacement character.
-std::string dumped(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+Error in_line(const fs::path& path, std::size_t number, const Error& error) {
+  return {path.string(), "line " + std::to_string(number) + ": " + error.sentence()};
 }
 
-/// "built-in:kidney" and "phantom:kidney:1" name no file.
-bool is_file(const std::string& source) {
-  return !source.empty() && !source.starts_with("built-in:") && !source.starts_with("phantom:");
-}
-
-std::string relative_to(const fs::path& folder, const std::string& source) {
-  if (!is_file(source)) return source;
-  // Textual, as `resolved` is: following links here and not there would name another file.
-  std::error_code error;
-  const fs::path from = fs::absolute(folder.empty() ? fs::path(".") : folder, error);
-  const fs::path to = fs::absolute(source, error);
-  return error ? source : to.lexically_normal().lexically_proximate(from.lexically_normal()).generic_string();
-}
-
-std::string resolved(const fs::path& folder, const std::string& source) {
-  return is_file(source) ? (folder / source).lexically_normal().string() : source;
-}
-
-/// Refuses with both values where the header holds `key` and what was loaded differs.
-template <class Value>
-Result<void> check(const Json& header, const char* key, const Value& loaded, const std::string& of) {
-  if (!header.contains(key)) return {};
-  Value expected{};
-  try {
-    expected = header.at(key).get<Value>();
-  } catch (const Json::exception&) {
-    return fail("", std::string("line 1: \"") + key + "\" is of the wrong kind");
-  }
-  if (expected == loaded) return {};
-  const Json both = {expected, loaded};
-  return fail("", "was made for " + of + " with " + key + " " + excerpt(both[0].dump()) + " but this one has " +
-                      both[1].dump() + "; put the original back or start a new case");
-}
-
-/// "128 × 128 × 90 voxels of 1.5 × 1.5 × 3 mm"
-std::string grid_in_words(const Json& voxels, const Json& spacing_mm) {
-  std::string words;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    words += (axis > 0 ? " × " : "") + std::to_string(voxels.at(axis).get<int>());
-  words += " voxels of ";
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.4g", spacing_mm.at(axis).get<double>());
-    words += (axis > 0 ? " × " : "") + std::string(number);
-  }
-  return words + " mm";
-}
-
-/// Refuses an image on another grid than the case was made on.
-Result<void> check_grid(const Json& header, const Volume& volume, const std::string& source) {
-  const std::string here = geometry_hash(volume.geometry);
-  try {
-    if (header.value("geometry", here) == here) return {};
-    const VolumeGeometry& g = volume.geometry;
-    std::string made_on = "another grid", is;
-    if (header.contains("voxels") && header.contains("spacing_mm")) {
-      made_on = grid_in_words(header["voxels"], header["spacing_mm"]);
-      is = grid_in_words(g.dims, {g.spacing_mm[0], g.spacing_mm[1], g.spacing_mm[2]});
-      if (is == made_on) is = "as many, but lies elsewhere or otherwise turned";
-    }
-    return fail("", "was made on an image of " + made_on + " (geometry " +
-                        excerpt(header["geometry"].get<std::string>()) + "), and " + source + " has " +
-                        (is.empty() ? "" : is + " ") + "(geometry " + here +
-                        "); open it together with its own image, or start a new case");
-  } catch (const Json::exception&) {
-    return fail("", "line 1: \"geometry\", \"voxels\" or \"spacing_mm\" is of the wrong kind");
-  }
-}
-
-struct Lines {
-  std::vector<std::string> whole;
+/// A case file, looked through once.
+struct Scan {
+  struct Line {
+    LinePlace place;
+    LineKind kind;
+    std::uint32_t check = 0;  ///< of the lines before it
+  };
+  std::string header;
+  std::vector<Line> lines;  ///< behind the header
+  std::uint64_t begin = 0;  ///< of the first of them, in the file
+  std::uint64_t whole_bytes = 0;
+  std::uint32_t check = 0;  ///< of all lines
   bool torn = false;
-  std::uintmax_t whole_bytes = 0;
 };
 
-/// Splits a case file. A last line that is no JSON and lacks its line feed (or holds zero bytes) was being written when
-/// the machine died.
-Lines split_lines(const std::string& text) {
-  Lines lines;
-  std::size_t begin = 0;
-  while (begin < text.size()) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string line = text.substr(begin, end - begin);
-    const bool last = end + 1 >= text.size();
-    const bool suspicious = last && (end == text.size() || line.find('\0') != std::string::npos);
-    if (suspicious && !line.empty() && !read_json<Json>(line)) {
-      lines.torn = true;
-      break;
-    }
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    lines.whole.push_back(std::move(line));
-    begin = std::min(end + 1, text.size());
-    lines.whole_bytes = begin;
-  }
-  return lines;
+/// Whether a last line was being written when the machine died: it is no JSON and lacks its line feed, or holds zero
+/// bytes.
+bool is_torn(std::string_view line, bool ended) {
+  const bool suspicious = !ended || line.find('\0') != std::string_view::npos;
+  return suspicious && !line.empty() && !read_json<Json>(line);
 }
 
-Result<Document> read_header(const Json& header, const fs::path& folder, const ReplayOptions& replay,
-                             std::vector<std::string>& warnings) {
-  if (!header.is_object() || !header.contains("homolog")) {
-    return fail("", "is not a Homolog case: its first line is no header");
-  }
-  if (header["homolog"] != format_version) {
-    return fail("", "is of case format " + excerpt(header["homolog"].dump()) + "; this Homolog reads format 1");
-  }
-  std::shared_ptr<const Volume> volume;
-  std::string volume_source, template_source;
-  VolumeReadOptions options;
-  options.progress = replay.progress;
-  try {
-    volume_source = replay.volume_source.empty() ? resolved(folder, header.value("volume", "")) : replay.volume_source;
-    template_source = resolved(folder, header.value("template", ""));
-    options.series_uid = header.value("series", "");
-    if (const auto spacing = header.find("spacing_mm"); spacing != header.end() && spacing->size() == 3) {
-      options.stack_spacing_mm =
-          Vec3((*spacing)[0].get<double>(), (*spacing)[1].get<double>(), (*spacing)[2].get<double>());
+/// Errors: an empty file, one whose first line is torn.
+Result<Scan> looked_through(const LineFile& file, Progress* progress) {
+  Scan scan;
+  std::uint64_t last = 0;
+  bool last_ended = true;
+  const auto visit = [&](std::string_view line, std::uint64_t at, bool ended) -> Result<void> {
+    if (progress != nullptr && progress->cancelled()) return fail(file.path().string(), "was not opened: cancelled");
+    last = at;
+    last_ended = ended;
+    scan.whole_bytes = at + line.size() + (ended ? 1 : 0);
+    if (scan.begin == 0) {
+      scan.header = line;
+      scan.begin = scan.whole_bytes;
+      return {};
     }
-  } catch (const Json::exception&) {
-    return fail("", "line 1: a value is of the wrong kind");
+    scan.lines.push_back({{at - scan.begin, line.size()}, kind_of(line), scan.check});
+    scan.check = CaseLines::checked(CaseLines::checked(scan.check, line), ended ? "\n" : "");
+    return {};
+  };
+  if (auto read = file.for_each_line(visit); !read) return fail(read.error());
+  const auto line = file.read(last, scan.whole_bytes - last - (last_ended && scan.whole_bytes > 0 ? 1 : 0));
+  if (!line) return fail(line.error());
+  scan.torn = is_torn(*line, last_ended);
+  if (scan.begin == 0 || (scan.torn && scan.lines.empty()))
+    return fail(file.path().string(), "is not a Homolog case: it is empty or its first line is torn");
+  if (scan.torn) {
+    scan.whole_bytes = last;
+    scan.check = scan.lines.back().check;
+    scan.lines.pop_back();
   }
-  if (!volume_source.empty()) {
-    std::error_code ignored;
-    if (!volume_source.starts_with("phantom:") && !fs::exists(volume_source, ignored))
-      return fail("", "its image " + excerpt(volume_source) +
-                          " does not exist; put it back, or open the case together with the image where it is now");
-    auto read = load_volume(volume_source, options);
-    if (!read) return fail(read.error());
-    warnings.insert(warnings.end(), read->warnings.begin(), read->warnings.end());
-    volume = std::make_shared<const Volume>(std::move(read->volume));
-    if (auto same = check_grid(header, *volume, volume_source); !same) return fail(same.error());
-    if (auto same = check(header, "series", volume->series_uid, "a volume"); !same) return fail(same.error());
-  }
-  std::shared_ptr<const Template> reference;
-  if (!template_source.empty()) {
-    auto loaded = load_template(template_source);
-    if (!loaded) return fail(loaded.error());
-    reference = *loaded;
-    const auto vertices = static_cast<std::int64_t>(reference->topology->vertices());
-    if (auto same = check(header, "vertices", vertices, "a template"); !same) return fail(same.error());
-    if (auto same = check(header, "connectivity", reference->topology->hash(), "a template"); !same) {
-      return fail(same.error());
-    }
-  }
-  Document document = new_document(volume_source, std::move(volume), std::move(reference));
-  // Homolog always wrote "connectivity"; without it the header was written by a person, and nothing is to be kept to.
-  const auto landmarks = header.find("landmarks");
-  document.weighs_landmarks =
-      landmarks != header.end() ? *landmarks == weighed_landmarks : !header.contains("connectivity");
-  return document;
+  return scan;
 }
 
 /// What the options force, whatever the file says.
@@ -192,174 +90,147 @@ void override_settings(const ReplayOptions& options, Action& action) {
   if (auto* spacing = std::get_if<SetSpacing>(&action)) spacing->strength = options.spacing.value_or(spacing->strength);
 }
 
-Error in_line(const fs::path& path, std::size_t number, const Error& error) {
-  return {path.string(), "line " + std::to_string(number) + ": " + error.sentence()};
+bool overrides(const ReplayOptions& options) {
+  return options.scheme || options.paper_events || options.spacing;
+}
+
+/// A session at the start of a case, with nothing done yet.
+Result<EditSession> session_at_start(const LineFile& file, const Scan& scan, const ReplayOptions& options,
+                                     std::vector<std::string>& warnings) {
+  const Json header = read_json<Json>(scan.header).value_or(Json());
+  auto document = read_header(header, file.path().parent_path(), options.volume_source, options.progress, warnings);
+  if (!document) {
+    Error error = document.error();
+    if (error.subject.empty()) error.subject = file.path().string();
+    return fail(std::move(error));
+  }
+  override_settings(options, *document);
+  EditSession session(std::move(*document), options.limits);
+  if (header.contains("placement") && session.document().has_shape()) {
+    const auto placement = similarity_from_json(header["placement"]);
+    if (!placement) return fail(in_line(file.path(), 1, placement.error()));
+    if (auto placed = session.start_at(*placement); !placed) return fail(in_line(file.path(), 1, placed.error()));
+  }
+  return session;
+}
+
+/// Brings a session to the last checkpoint that holds; gives how many lines need not be played then.
+std::size_t go_to_checkpoint(EditSession& session, const Scan& scan, const LineFile& file) {
+  std::optional<Document> found;
+  std::size_t k = scan.lines.size();
+  while (k > 0 && !found) {
+    const Scan::Line& line = scan.lines[--k];
+    if (line.kind.kind != LineKind::checkpoint) continue;
+    const auto text = file.read(scan.begin + line.place.at, line.place.bytes);
+    if (text) found = read_checkpoint(*text, session.initial_document(), line.check);
+  }
+  const auto end = scan.lines.begin() + static_cast<std::ptrdiff_t>(k) + 1;
+  const auto is_unknown = [](const Scan::Line& line) { return line.kind.kind == LineKind::unknown; };
+  if (!found || std::any_of(scan.lines.begin(), end, is_unknown)) return 0;
+  for (auto line = scan.lines.begin(); line != end; ++line)
+    if (!session.count(line->kind, line->place, line->check)) return 0;
+  session.go_on_from(std::make_shared<const Document>(std::move(*found)));
+  return k + 1;
+}
+
+Result<void> play(EditSession& session, const Scan& scan, std::size_t from, const LineFile& file, Progress* progress) {
+  for (std::size_t k = from; k < scan.lines.size(); ++k) {
+    if (progress != nullptr) {
+      progress->report(static_cast<double>(k - from) / static_cast<double>(scan.lines.size() - from));
+      if (progress->cancelled()) return fail(file.path().string(), "was not opened: cancelled");
+    }
+    const Scan::Line& line = scan.lines[k];
+    if (line.kind.kind == LineKind::empty || line.kind.kind == LineKind::checkpoint) continue;
+    const auto text = file.read(scan.begin + line.place.at, line.place.bytes);
+    if (!text) return fail(text.error());
+    auto step = parse_action(*text);
+    if (!step) return fail(in_line(file.path(), k + 2, step.error()));
+    if (auto done = session.replay(std::move(*step), line.place); !done)
+      return fail(in_line(file.path(), k + 2, done.error()));
+  }
+  return {};
+}
+
+Result<CaseRead> read_lines(const std::shared_ptr<const LineFile>& file, const ReplayOptions& options) {
+  const auto scan = looked_through(*file, options.progress);
+  if (!scan) return fail(scan.error());
+  std::vector<std::string> warnings;
+  if (scan->torn) {
+    warnings.push_back(
+        file->path().string() +
+        ": the last line was torn when the machine stopped; it is dropped and everything before it restored");
+  }
+  auto session = session_at_start(*file, *scan, options, warnings);
+  if (!session) return fail(session.error());
+  std::size_t known = 0;
+  if (options.from_checkpoint && !overrides(options)) {
+    known = go_to_checkpoint(*session, *scan, *file);
+    if (known == 0) session = EditSession(session->initial_document(), options.limits);
+  }
+  std::function<void(Action&)> adjust;
+  if (overrides(options)) adjust = [options](Action& action) { override_settings(options, action); };
+  session->read_from(CaseLines(file, scan->begin, scan->whole_bytes, scan->check), std::move(adjust));
+  if (auto played = play(*session, *scan, known, *file, options.progress); !played) return fail(played.error());
+  return CaseRead{std::move(*session), std::move(warnings), scan->whole_bytes};
+}
+
+/// Writes the case as far as it got to `path`, and goes on there.
+Result<void> go_on_in(EditSession& session, const fs::path& path) {
+  const auto folder = path.parent_path();
+  const auto old = session.lines().first_line();
+  if (!old) return fail(old.error());
+  const Document& start = session.initial_document();
+  const auto header =
+      old->empty() ? Result<std::string>(case_header(start, folder)) : moved_header(*old, start, folder);
+  if (!header) return fail(path.string(), header.error().what);
+  const auto write = [&](std::ostream& out) -> Result<void> {
+    out << *header << '\n';
+    return session.lines().copy_to(out);
+  };
+  auto journal = Journal::create(path, write, session.journal());
+  if (!journal) return fail(journal.error());
+  session.write_to(std::move(*journal), header->size() + 1);
+  return {};
 }
 
 }  // namespace
 
-std::string case_header(const Document& document, const fs::path& folder) {
-  Json header{{"homolog", format_version}};
-  if (!document.volume_source.empty()) header["volume"] = relative_to(folder, document.volume_source);
-  if (document.reference) header["template"] = relative_to(folder, document.reference->source);
-  if (document.has_shape()) header["placement"] = to_json(document.shape().placement);
-  if (document.weighs_landmarks) header["landmarks"] = weighed_landmarks;
-  if (document.reference) {
-    header["vertices"] = document.reference->topology->vertices();
-    header["connectivity"] = document.reference->topology->hash();
-  }
-  if (document.volume) {
-    const Volume& volume = *document.volume;
-    header["geometry"] = geometry_hash(volume.geometry);
-    header["voxels"] = volume.geometry.dims;
-    if (!volume.series_uid.empty()) header["series"] = volume.series_uid;
-    const Vec3& spacing = volume.geometry.spacing_mm;
-    header["spacing_mm"] = Json::array({spacing[0], spacing[1], spacing[2]});
-  }
-  return dumped(header);
-}
-
-std::string action_line(const Action& action, bool joined) {
-  Json json = to_json(action);
-  if (joined) json["joined"] = true;
-  return dumped(json);
-}
-
-Result<EditStep> parse_action(const std::string& line) {
-  const auto json = read_json<Json>(line);
-  if (!json) return fail(json.error());
-  auto action = action_from_json(*json);
-  if (!action) return fail(action.error());
-  const auto joined = json->find("joined");
-  return EditStep{std::move(*action), joined != json->end() && *joined == true};
-}
-
 Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
-  const auto text = read_whole_file(path, std::uintmax_t{1} << 30);
-  if (!text) return fail(text.error());
-  const Lines lines = split_lines(*text);
-  if (lines.whole.empty()) return fail(path.string(), "is not a Homolog case: it is empty or its first line is torn");
-  std::vector<std::string> warnings;
-  if (lines.torn) {
-    warnings.push_back(
-        path.string() +
-        ": the last line was torn when the machine stopped; it is dropped and everything before it restored");
-  }
-  const Json header = read_json<Json>(lines.whole.front()).value_or(Json());
-  auto document = read_header(header, path.parent_path(), options, warnings);
-  if (!document) {
-    Error error = document.error();
-    if (error.subject.empty()) error.subject = path.string();
-    return fail(std::move(error));
-  }
-  override_settings(options, *document);
-  EditSession session(std::move(*document));
-  if (header.contains("placement") && session.document().has_shape()) {
-    const auto placement = similarity_from_json(header["placement"]);
-    if (!placement) return fail(in_line(path, 1, placement.error()));
-    if (auto placed = session.start_at(*placement); !placed) return fail(in_line(path, 1, placed.error()));
-  }
-  for (std::size_t k = 1; k < lines.whole.size(); ++k) {
-    if (options.progress != nullptr) {
-      options.progress->report(static_cast<double>(k) / static_cast<double>(lines.whole.size()));
-      if (options.progress->cancelled()) return fail(path.string(), "was not opened: cancelled");
-    }
-    if (lines.whole[k].empty()) continue;
-    auto step = parse_action(lines.whole[k]);
-    if (!step) return fail(in_line(path, k + 1, step.error()));
-    override_settings(options, step->action);
-    if (auto done = session.apply(std::move(step->action), step->joined); !done)
-      return fail(in_line(path, k + 1, done.error()));
-  }
-  return CaseRead{std::move(session), std::move(warnings), lines.whole_bytes};
+  const auto file = LineFile::open(path);
+  return file ? read_lines(*file, options) : fail(file.error());
 }
 
-Result<CaseRead> open_case(const fs::path& path, Progress* progress, const std::string& volume_source) {
+Result<CaseRead> open_case(const fs::path& path, Progress* progress, const std::string& volume_source,
+                           const HistoryLimits& limits) {
   // Locked before it is read: what another program writes until then is read, and nobody writes afterwards.
   auto journal = Journal::open(path);
   if (!journal) return fail(journal.error());
   ReplayOptions options;
   options.progress = progress;
   options.volume_source = volume_source;
-  auto read = read_case(path, options);
+  options.limits = limits;
+  auto read = read_lines((*journal)->file(), options);
   if (!read) return read;
   if (auto cut = (*journal)->keep_first(read->whole_bytes); !cut) return fail(cut.error());
-  if (!volume_source.empty()) {
-    const auto text = read_whole_file(path, std::uintmax_t{1} << 30);
-    if (!text) return fail(text.error());
-    const std::size_t end = std::min(text->find('\n'), text->size());
-    Json header = read_json<Json>(text->substr(0, end)).value_or(Json());
-    header["volume"] = relative_to(path.parent_path(), volume_source);
-    journal->reset();  // its lock goes with the old file
-    journal = Journal::create(path, dumped(header) + text->substr(end));
-    if (!journal) return fail(journal.error());
-  }
-  read->session.write_to(std::move(*journal));
+  read->session.write_to(std::move(*journal), read->session.lines().begin());
+  if (volume_source.empty()) return read;
+  if (auto moved = go_on_in(read->session, path); !moved) return fail(moved.error());
   return read;
 }
 
-Result<EditSession> create_case(Document initial, const fs::path& path) {
-  auto journal = Journal::create(path, case_header(initial, path.parent_path()) + '\n');
-  if (!journal) return fail(journal.error());
-  EditSession session(std::move(initial));
-  session.write_to(std::move(*journal));
+Result<EditSession> create_case(Document initial, const fs::path& path, const HistoryLimits& limits) {
+  EditSession session(std::move(initial), limits);
+  if (auto begun = go_on_in(session, path); !begun) return fail(begun.error());
   return session;
 }
 
-Result<fs::path> new_unsaved_path() {
-  const fs::path folder = unsaved_folder();
-  if (auto made = make_private_folder(folder); !made)
-    return fail(folder.string(), made.error().what + ", for instance by XDG_STATE_HOME");
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto stamp = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
-  return folder / ("unsaved-" + std::to_string(stamp) + "-" + std::to_string(::getpid()) + case_extension);
-}
-
-Result<EditSession> create_unsaved_case(Document initial) {
-  const auto path = new_unsaved_path();
-  if (!path) return fail(path.error());
-  return create_case(std::move(initial), *path);
-}
-
-std::vector<fs::path> unsaved_cases() {
-  std::vector<fs::path> found;
-  std::error_code error;
-  for (fs::directory_iterator entry(unsaved_folder(), error), end; !error && entry != end; entry.increment(error)) {
-    if (entry->path().extension() != case_extension || Journal::in_use(entry->path())) continue;
-    const auto text = read_whole_file(entry->path(), std::uintmax_t{1} << 30);
-    if (text && std::count(text->begin(), text->end(), '\n') >= 2) found.push_back(entry->path());
-  }
-  std::sort(found.rbegin(), found.rend());
-  return found;
-}
-
 Result<void> save_case_as(EditSession& session, const fs::path& path) {
-  if (session.journal() == nullptr) {
-    // Nothing could be journalled so far: the file begins with the case as it was opened.
-    std::string lines = case_header(session.initial_document(), path.parent_path()) + '\n';
-    for (const EditStep& step : session.steps_done()) lines += action_line(step.action, step.joined) + '\n';
-    auto journal = Journal::create(path, lines);
-    if (!journal) return fail(journal.error());
-    session.write_to(std::move(*journal));
-    return {};
-  }
-  const fs::path old = session.journal()->path();
+  const Journal* journal = session.journal();
+  const fs::path old = journal != nullptr ? journal->path() : fs::path();
+  if (journal != nullptr && journal->is_at(path) && journal->unharmed()) return {};
+  if (auto moved = go_on_in(session, path); !moved) return moved;
   std::error_code error;
-  if (fs::equivalent(old, path, error)) return {};
-  auto text = read_whole_file(old, std::uintmax_t{1} << 30);
-  if (!text) return fail(text.error());
-  const std::size_t end = text->find('\n');
-  Json header = read_json<Json>(text->substr(0, end)).value_or(Json());
-  if (!header.is_object()) return fail(old.string(), "has lost its first line; export the mesh instead");
-  for (const char* key : {"volume", "template"}) {
-    if (!header.contains(key)) continue;
-    const std::string source = resolved(old.parent_path(), header[key].get<std::string>());
-    header[key] = relative_to(path.parent_path(), source);
-  }
-  auto journal = Journal::create(path, dumped(header) + text->substr(end));
-  if (!journal) return fail(journal.error());
-  session.write_to(std::move(*journal));
-  if (old.parent_path() == unsaved_folder()) fs::remove(old, error);
+  if (!old.empty() && old.parent_path() == unsaved_folder()) fs::remove(old, error);
   return {};
 }
 

@@ -6,16 +6,21 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
+#include <chrono>
 #include <cstring>
+#include <string>
+#include <thread>
 
 #include "core/base/files.h"
+#include "core/case/unsaved_cases.h"
 
 namespace homolog {
 
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr auto blink = std::chrono::milliseconds(10);
 
 /// Writes all of `bytes`; 0 or the errno.
 int write_all(int descriptor, std::string_view bytes) {
@@ -32,73 +37,109 @@ Error open_elsewhere(const fs::path& path) {
   return {path.string(), "is open in another program; close it there, or open a copy"};
 }
 
+bool same_file(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
 }  // namespace
 
-Result<std::unique_ptr<Journal>> Journal::create(const fs::path& path, std::string_view first_lines) {
+Result<std::unique_ptr<Journal>> Journal::create(const fs::path& path, const Write& write, const Journal* mine) {
   // A case that another program has open must not be replaced under it.
-  if (in_use(path)) return fail(open_elsewhere(path));
-  const Readers readers = path.parent_path() == unsaved_folder() ? Readers::user_alone : Readers::as_usual;
-  auto written = write_whole_file(path, first_lines, readers);
-  if (!written) return fail(written.error());
+  if (!(mine != nullptr && mine->is_at(path)) && in_use(path)) return fail(open_elsewhere(path));
+  if (auto written = write_whole_file(path, write,
+                                      path.parent_path() == unsaved_folder() ? Readers::user_alone : Readers::as_usual);
+      !written)
+    return fail(written.error());
   return open(path);
 }
 
 Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC);
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_APPEND | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) {
     return fail(path.string(), std::string("cannot be opened for writing (") + std::strerror(errno) +
                                    "); make it writable or save the case elsewhere");
   }
-  std::unique_ptr<Journal> journal(new Journal(path, descriptor));
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return fail(open_elsewhere(path));
-  return journal;
+  auto file = std::make_shared<const LineFile>(path, descriptor);
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
+    return fail(path.string(), "is no file that a case could be kept in; choose another name");
+  // Who only asks whether it is in use holds it for the blink of an eye.
+  for (int attempts = 5; ::flock(descriptor, LOCK_EX | LOCK_NB) != 0; std::this_thread::sleep_for(blink))
+    if (--attempts == 0) return fail(open_elsewhere(path));
+  return std::unique_ptr<Journal>(new Journal(std::move(file), static_cast<std::uint64_t>(status.st_size)));
+}
+
+Journal::~Journal() {
+  if (unsynced_) ::fsync(file_->descriptor());
+  ::flock(file_->descriptor(), LOCK_UN);  // the file may be read on
 }
 
 bool Journal::in_use(const fs::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // pipes are not waited for
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return false;
   const bool used = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0;
   ::close(descriptor);
   return used;
 }
 
-Result<void> Journal::keep_first(std::uintmax_t keep_bytes) {
-  char last = '\n';
-  struct stat now {};
-  int error = ::fstat(descriptor_, &now) == 0 ? 0 : errno;
-  // A whole file is left alone, its time of change too.
-  const bool longer = error == 0 && static_cast<std::uintmax_t>(now.st_size) != keep_bytes;
-  if (longer) error = ::ftruncate(descriptor_, static_cast<off_t>(keep_bytes)) == 0 ? 0 : errno;
-  if (error == 0 && keep_bytes > 0 && ::pread(descriptor_, &last, 1, static_cast<off_t>(keep_bytes) - 1) < 0)
-    error = errno;
-  const bool open_ended = error == 0 && last != '\n';
-  if (open_ended) error = write_all(descriptor_, "\n");
-  if (error == 0 && (longer || open_ended) && ::fsync(descriptor_) != 0) error = errno;
-  if (error == 0) return {};
-  return fail(path_.string(), std::string("cannot be written (") + std::strerror(error) + "); save the case elsewhere");
+bool Journal::is_at(const fs::path& path) const {
+  struct stat here {
+  }, there{};
+  return ::fstat(file_->descriptor(), &here) == 0 && ::stat(path.c_str(), &there) == 0 && same_file(here, there);
 }
 
-Journal::~Journal() {
-  ::close(descriptor_);
+Result<void> Journal::keep_first(std::uint64_t keep_bytes) {
+  if (bytes_ == keep_bytes) return {};  // a whole file is left alone, its time of change too
+  int error = ::ftruncate(file_->descriptor(), static_cast<off_t>(keep_bytes)) == 0 ? 0 : errno;
+  if (error == 0 && ::fsync(file_->descriptor()) != 0) error = errno;
+  if (error != 0)
+    return fail(path().string(),
+                std::string("cannot be written (") + std::strerror(error) + "); save the case elsewhere");
+  bytes_ = keep_bytes;
+  return {};
 }
 
-Result<void> Journal::append(std::string_view line) {
-  const off_t before = ::lseek(descriptor_, 0, SEEK_END);
-  std::string bytes(line);
-  bytes += '\n';
-  int error = before < 0 ? errno : write_all(descriptor_, bytes);
-  if (error == 0 && ::fsync(descriptor_) != 0) error = errno;
-  if (error == 0) return {};
-  if (before >= 0 && ::ftruncate(descriptor_, before) == 0) ::fsync(descriptor_);
-  return fail(path_.string(), std::string("could not be written (") + std::strerror(error) +
-                                  "), so the edit was not made; free some space or save the case elsewhere");
+Result<void> Journal::unharmed() const {
+  const auto refused = [this](const std::string& what) {
+    return fail(path().string(), what + ", so the edit was not made; save the case elsewhere");
+  };
+  struct stat here {};
+  if (broken_ != nullptr) return refused(broken_);
+  if (!is_at(path())) return refused("was deleted, moved or replaced while it was open");
+  if (::fstat(file_->descriptor(), &here) != 0 || static_cast<std::uint64_t>(here.st_size) != bytes_)
+    return refused("was changed by another program while it was open");
+  return {};
 }
 
-fs::path unsaved_folder() {
-  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != '\0') {
-    return fs::path(state) / "homolog";
+Result<void> Journal::append(std::string_view lines, bool sync) {
+  if (auto fit = unharmed(); !fit) return fit;
+  const int descriptor = file_->descriptor();
+  int error = write_all(descriptor, lines);
+  if (error == 0 && sync && ::fsync(descriptor) != 0) error = errno;
+  if (error == 0) {
+    bytes_ += lines.size();
+    unsynced_ = !sync;
+    return {};
   }
-  return home_folder() / ".local" / "state" / "homolog";
+  if (::ftruncate(descriptor, static_cast<off_t>(bytes_)) == 0)
+    ::fsync(descriptor);
+  else
+    broken_ = "ends in half a line that could not be taken back";
+  return fail(path().string(), std::string("could not be written (") + std::strerror(error) +
+                                   "), so the edit was not made; free some space or save the case elsewhere");
+}
+
+Result<void> Journal::sync() {
+  if (!unsynced_) return {};
+  if (::fsync(file_->descriptor()) == 0) {
+    unsynced_ = false;
+    return {};
+  }
+  // What the system held of the file may be gone: a second attempt would succeed without it.
+  broken_ = "could not be brought to the disk";
+  unsynced_ = false;
+  return fail(path().string(), std::string("could not be brought to the disk (") + std::strerror(errno) +
+                                   "), though its edits are shown; save the case elsewhere");
 }
 
 }  // namespace homolog

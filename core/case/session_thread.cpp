@@ -1,7 +1,9 @@
 #include "core/case/session_thread.h"
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <mutex>
 #include <new>
 #include <optional>
@@ -16,6 +18,7 @@ namespace homolog {
 /// The two mailboxes, and the thread between them. Everything above the line is shared under `mutex`; everything below
 /// belongs to the thread.
 struct SessionThread::Shared {
+  static constexpr auto touches_rest = std::chrono::milliseconds(100);
   struct SaveAs {
     std::filesystem::path path;
   };
@@ -104,6 +107,15 @@ struct SessionThread::Shared {
     publish(std::move(snapshot));
   }
 
+  void do_sync() {
+    const auto synced = session.sync();
+    if (synced) return;
+    Snapshot snapshot = *latest;
+    ++snapshot.committed;
+    snapshot.error = synced.error().sentence();
+    publish(std::move(snapshot));
+  }
+
   void show_preview(const Preview& preview) {
     Snapshot snapshot = *latest;
     if (preview.action || !preview.then.empty()) {
@@ -123,14 +135,54 @@ struct SessionThread::Shared {
     publish(std::move(snapshot));
   }
 
+  /// Says why a job came to nothing: what is thrown ends neither the thread nor the program. The session is as before,
+  /// or, where only showing what was done failed, as the disk says; either way it is shown so.
+  void tell(const std::exception_ptr& thrown, bool was_job) {
+    Snapshot snapshot = *latest;
+    const bool done = session.shared_document() != snapshot.document;
+    end_edit(snapshot);
+    if (!was_job) --snapshot.committed;
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc&) {
+      snapshot.error = done ? "Memory is short: this was done, but hardly more will be; close other programs."
+                            : "Memory ran out, so this was not done; close other programs and try again.";
+    } catch (const std::exception& error) {
+      snapshot.error = std::string("This could not be done (") + error.what() + "); save the case and start again.";
+    }
+    publish(std::move(snapshot));
+  }
+
+  /// Until there is memory enough to say it.
+  void tell_in_the_end(const std::exception_ptr& thrown, bool was_job) {
+    constexpr auto a_while = std::chrono::milliseconds(50);
+    for (bool told = false; !told;) {
+      try {
+        tell(thrown, was_job);
+        told = true;
+      } catch (const std::bad_alloc&) {
+        std::this_thread::sleep_for(a_while);
+        const std::lock_guard lock(mutex);
+        if (stopping) return;
+      }
+    }
+  }
+
   void run() {
     for (;;) {
       std::optional<Job> job;
       std::optional<Preview> preview;
+      bool rests = false;
       {
         std::unique_lock lock(mutex);
-        changed.wait(lock, [&] { return stopping || !jobs.empty() || next_preview; });
-        if (!jobs.empty()) {
+        const auto comes = [&] { return stopping || !jobs.empty() || next_preview; };
+        if (session.unsynced())
+          rests = !changed.wait_for(lock, touches_rest, comes);
+        else
+          changed.wait(lock, comes);
+        if (rests) {
+          // A brush stroke is over: its touches go to the disk together.
+        } else if (!jobs.empty()) {
           job = std::move(jobs.front());
           jobs.pop_front();
         } else if (next_preview) {
@@ -144,11 +196,9 @@ struct SessionThread::Shared {
         if (job && std::holds_alternative<SaveAs>(*job)) do_save(std::get<SaveAs>(*job).path);
         if (job && std::holds_alternative<Computed>(*job)) do_computed(std::get<Computed>(*job));
         if (preview) show_preview(*preview);
-      } catch (const std::bad_alloc&) {
-        Snapshot snapshot = *latest;
-        snapshot.committed += job ? 1 : 0;
-        snapshot.error = "Memory ran out, so this was not done; close other programs and try again.";
-        publish(std::move(snapshot));
+        if (rests) do_sync();
+      } catch (...) {
+        tell_in_the_end(std::current_exception(), job.has_value());
       }
     }
   }

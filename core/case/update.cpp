@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/case/action.h"
+#include "core/case/moved_points.h"
 #include "core/case/paint.h"
 #include "core/mesh/mirror.h"
 #include "core/mesh/surface_search.h"
@@ -173,9 +174,8 @@ struct Updater {
       shape.reference = shape.placed = share(action.placement->apply(before.reference->points));
     }
     if (action.by == by_model) {
-      constexpr double file_mm = 1e-6;  // points of a case file are rounded to it
       Points unaided = unaided_points(shape);
-      const bool taken_back = (unaided - *action.points).cwiseAbs().maxCoeff() <= file_mm;
+      const bool taken_back = (unaided - *action.points).cwiseAbs().maxCoeff() <= 1 / steps_per_mm;
       shape.unaided = taken_back ? nullptr : share(std::move(unaided));
     } else if (shape.unaided && action.by == by_refinement) {
       shape.unaided = share(*shape.unaided + *action.points - *shape.points);
@@ -190,6 +190,12 @@ struct Updater {
     shape.points = action.points;
     ++shape.strokes;
     return done(std::move(after));
+  }
+
+  Result<Updated> operator()(const MovePoints& action) const {
+    if (auto ready = needs_shape(); !ready) return fail(ready.error());
+    const auto points = points_of(*before.shape().points, action);
+    return points ? (*this)(*points) : fail(points.error());
   }
 
   Result<Updated> operator()(const SetStiffnessBase& action) const {
@@ -341,13 +347,12 @@ Result<Updated> update(const Document& document, const Action& action, Deformer&
   return std::visit(Updater{document, deformer, pass}, action);
 }
 
-SetPoints points_edit(const Document& document, const Points& points, std::string by) {
-  constexpr double per_mm = 1e6;  // what is kept is what the line in the case file says, in few digits
-  const Points& now = *document.shape().points;
-  Points rounded = now;
-  for (Eigen::Index i = 0; i < now.rows(); ++i)
-    if (points.row(i) != now.row(i)) rounded.row(i) = (points.row(i) * per_mm).array().round() / per_mm;
-  return {std::move(by), std::nullopt, std::make_shared<const Points>(std::move(rounded))};
+SetPoints points_edit(const Document& document, const Points& points, std::string by,
+                      const std::optional<Similarity>& placement) {
+  Points rounded = *document.shape().points;
+  for (Eigen::Index k = 0; k < rounded.size(); ++k)
+    if (const double to = points.data()[k]; to != rounded.data()[k]) rounded.data()[k] = on_grid(to);
+  return {std::move(by), placement, std::make_shared<const Points>(std::move(rounded))};
 }
 
 std::string action_name(const Action& action) {
@@ -371,6 +376,7 @@ std::string action_name(const Action& action) {
     std::string operator()(const SetStiffnessFactors&) const { return "imported stiffness"; }
     std::string operator()(const SetTemplateLandmark& landmark) const { return "template landmark " + landmark.name; }
     std::string operator()(const SetPoints& set) const { return set.by.empty() ? "points" : set.by; }
+    std::string operator()(const MovePoints& set) const { return set.by.empty() ? "points" : set.by; }
     std::string operator()(const SetStiffnessBase&) const { return "stiffness"; }
     std::string operator()(const Confirm& confirm) const { return confirm.hold ? "confirm" : "release"; }
     std::string operator()(const SetScheme&) const { return "scheme"; }

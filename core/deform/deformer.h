@@ -13,6 +13,8 @@ class Deformer {
  public:
   /// Errors: a stiffness that cannot be factorised, a stroke that is not finite, a confirmed place.
   Result<StrokeOutcome> stroke(const StrokeStart& start, const Stroke& stroke, Pass pass);
+  /// The next stroke begins anew: a pull without `on` follows the straight path.
+  void end_gesture() { gesture_.reset(); }
 
  private:
   Result<void> prepare(const StrokeStart& start);

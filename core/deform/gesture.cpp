@@ -43,10 +43,13 @@ bool Gesture::continues(const StrokeStart& start, const Stroke& stroke) const {
          stroke.at == at_ && stroke.through_space == through_space_;
 }
 
-void Gesture::aim(const SurfacePoint& centre, double sigma_mm, StrokeOutcome& outcome) {
+void Gesture::aim(const SurfacePoint& centre, double sigma_mm, Pass pass, StrokeOutcome& outcome) {
+  // What is kept does not depend, not even in the last bit, on what was previewed.
+  const double tolerance = pass == Pass::commit ? 0 : same_place_mm;
   const bool same = response_ != nullptr && sigma_mm == sigma_mm_ && centre.face == centre_.face &&
-                    (centre.weights - centre_.weights).norm() < same_place_mm;
+                    (centre.weights - centre_.weights).norm() <= tolerance;
   if (same) return;
+  response_.reset();  // where memory runs out below, nothing is known of either place
   const VertexScalars g =
       gaussian_falloff(*start_.topology, *start_.points, centre, sigma_mm, edge_mm_, through_space_);
   if (start_.scheme == Scheme::anchored || tool_ == Tool::slide) {
@@ -54,8 +57,9 @@ void Gesture::aim(const SurfacePoint& centre, double sigma_mm, StrokeOutcome& ou
     ++outcome.solves;
     u /= value_at(*start_.topology, u, centre);
     if (start_.confirmed) u = (start_.confirmed->array() >= 1).select(0, u);
-    response_ = std::make_shared<const VertexScalars>(std::move(u));
-    guard_.set_response(*response_);
+    auto response = std::make_shared<const VertexScalars>(std::move(u));
+    guard_.set_response(*response);
+    response_ = std::move(response);
   } else {
     response_ = std::make_shared<const VertexScalars>(g);
   }
@@ -83,7 +87,7 @@ Result<StrokeOutcome> Gesture::move(const Stroke& stroke, Pass pass) {
   if (held(centre)) {
     return fail("", "This place is confirmed and held; release it with the confirm brush to move it.");
   }
-  aim(centre, stroke.sigma_mm, outcome);
+  aim(centre, stroke.sigma_mm, pass, outcome);
   const Vec3 position = centre.interpolate(*start_.topology, *start_.points).transpose();
   const Vec3 d = stroke.to - position;
   outcome.on = position;

@@ -55,7 +55,7 @@ class Gesture {
 
  private:
   bool held(const SurfacePoint& at) const;
-  void aim(const SurfacePoint& centre, double sigma_mm, StrokeOutcome& outcome);
+  void aim(const SurfacePoint& centre, double sigma_mm, Pass pass, StrokeOutcome& outcome);
   Points paper_points(const Vec3& d, double sigma_mm, StrokeOutcome& outcome) const;
   void slide(const Vec3& d, StrokeOutcome& outcome) const;
   void keep_spacing(const Vec3& d, StrokeOutcome& outcome) const;

@@ -72,19 +72,19 @@ Points projected(const Points& points, const Mesh& target) {
 }
 
 Result<void> adapt_without_hand(EditSession& session, const Mesh& target, Adaptation adaptation, Progress* progress) {
-  SetPoints result{"fit", session.document().shape().placement, nullptr};
+  const Document& document = session.document();
+  SetPoints result;
   if (adaptation == Adaptation::projection) {
-    result.by = "projection";
-    result.points = std::make_shared<const Points>(projected(*session.document().shape().points, target));
+    result =
+        points_edit(document, projected(*document.shape().points, target), "projection", document.shape().placement);
   } else {
     FitOptions options;
-    options.placement = result.placement;
-    options.landmarks = session.document().shape().landmarks;
+    options.placement = document.shape().placement;
+    options.landmarks = document.shape().landmarks;
     options.progress = progress;
-    auto fit = fit_to_boundary(*session.document().reference, mesh_boundary(target), options);
+    auto fit = fit_to_boundary(*document.reference, mesh_boundary(target), options);
     if (!fit) return fail(fit.error());
-    result.placement = fit->placement;
-    result.points = std::make_shared<const Points>(std::move(fit->mesh.points));
+    result = points_edit(document, fit->mesh.points, "fit", fit->placement);
   }
   auto done = session.apply(result);
   return done ? Result<void>{} : fail(done.error());

@@ -10,7 +10,7 @@
 #include "core/base/files.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
-#include "core/case/journal.h"
+#include "core/case/unsaved_cases.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/model_files.h"

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "app/editor/widgets/theme_colours.h"
+#include "core/case/unsaved_cases.h"
 
 namespace homolog {
 

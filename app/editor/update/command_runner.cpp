@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "app/editor/editor_app.h"
-#include "app/editor/work/recovery.h"
 #include "core/base/picture_io.h"
+#include "core/case/unsaved_cases.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
 #include "core/model/statismo.h"
@@ -154,10 +154,8 @@ struct CommandRunner {
   void operator()(const CancelFit&) const { app.cancel_fit(); }
   void operator()(const ExportPicture& command) const { write_drawn(app.picture(command.options), command.path); }
   void operator()(const ShowRecovery&) const {
-    if (auto found = cases_to_recover(); !found.empty())
-      state.dialog = RecoverDialog{std::move(found), {}};
-    else
-      add_notice(state, "No case waits to be recovered.", false);
+    app.offer_ = EditorApp::Offer::asked;
+    app.recovery_.look();
   }
   void operator()(const RecoverCase& command) const {
     OpenRequest request;

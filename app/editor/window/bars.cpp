@@ -5,6 +5,7 @@
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 #include "app/editor/window/models_ui.h"
+#include "core/case/unsaved_cases.h"
 
 namespace homolog {
 

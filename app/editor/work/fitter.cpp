@@ -33,7 +33,7 @@ Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const
   Fitted done;
   done.agreement = judgement.agreement;
   for (const std::string& warning : judgement.warnings) done.remarks.push_back(as_sentence(warning));
-  done.edit = {"fit", fit->placement, std::make_shared<const Points>(std::move(fit->mesh.points))};
+  done.edit = points_edit(document, fit->mesh.points, "fit", fit->placement);
   return done;
 }
 

@@ -6,8 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "core/base/json.h"
-#include "core/case/case_file.h"
+#include "core/case/unsaved_cases.h"
 
 namespace homolog {
 
@@ -38,38 +37,56 @@ std::string name_in(const std::string& first_line) {
   return {};
 }
 
+/// Whether nobody is about to write to it: a case that was begun just now is not open yet for the blink of an eye.
+bool left_alone(const fs::path& journal) {
+  std::error_code error;
+  const auto changed = fs::last_write_time(journal, error);
+  return !error && fs::file_time_type::clock::now() - changed > std::chrono::minutes(1);
+}
+
 }  // namespace
 
-std::vector<RecoverDialog::Found> cases_to_recover() {
-  std::vector<RecoverDialog::Found> found;
-  for (const fs::path& journal : unsaved_cases()) {
-    std::ifstream file(journal);
-    std::string line;
-    std::getline(file, line);
-    std::string name = name_in(line);
-    int edits = 0;
-    while (std::getline(file, line)) ++edits;
-    found.push_back({journal, name.empty() ? journal.filename().string() : std::move(name),
-                     std::to_string(edits) + (edits == 1 ? " edit, " : " edits, ") + date_of(journal)});
-  }
-  return found;
+void Recovery::look() {
+  counting_ = false;
+  work_.start([](Progress& progress) -> Result<Found> {
+    Found found;
+    for (const UnsavedCase& one : unsaved_cases()) {
+      if (progress.cancelled()) break;
+      if (!one.edited) {
+        if (left_alone(one.journal)) remove_without_edits(one.journal);
+        continue;
+      }
+      std::string name = name_in(one.header);
+      found.cases.push_back(
+          {one.journal, name.empty() ? one.journal.filename().string() : std::move(name), date_of(one.journal)});
+    }
+    return found;
+  });
+}
+
+std::optional<Recovery::Found> Recovery::take() {
+  auto done = work_.take();
+  if (!done) return std::nullopt;
+  counting_ = *done && !(*done)->counted && !(*done)->cases.empty();
+  if (!*done) return Found{};
+  if (counting_)
+    work_.start([found = **done](Progress& progress) mutable -> Result<Found> {
+      for (RecoverDialog::Found& one : found.cases) {
+        if (progress.cancelled()) break;
+        const std::size_t edits = count_steps(one.journal);
+        one.details = std::to_string(edits) + (edits == 1 ? " edit, " : " edits, ") + one.details;
+      }
+      found.counted = true;
+      return std::move(found);
+    });
+  return std::move(**done);
 }
 
 void remove_without_edits(const fs::path& journal) {
+  if (journal.empty() || journal.parent_path() != unsaved_folder()) return;
   std::error_code ignored;
-  if (journal.parent_path() != unsaved_folder() || !fs::is_regular_file(journal, ignored)) return;
-  std::ifstream file(journal);
-  std::string line;
-  const bool edited = std::getline(file, line) && std::getline(file, line);
-  if (file.is_open() && !edited) fs::remove(journal, ignored);
-}
-
-void remove_all_without_edits() {
-  std::error_code error;
-  std::vector<fs::path> journals;
-  for (fs::directory_iterator entry(unsaved_folder(), error), end; !error && entry != end; entry.increment(error))
-    if (entry->path().extension() == ".homolog" && !Journal::in_use(entry->path())) journals.push_back(entry->path());
-  for (const fs::path& journal : journals) remove_without_edits(journal);
+  const auto holds = unsaved_case(journal);
+  if (holds && !holds->edited) fs::remove(journal, ignored);
 }
 
 }  // namespace homolog

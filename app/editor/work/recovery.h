@@ -1,20 +1,39 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "app/editor/state/dialogs.h"
+#include "app/editor/work/latest_wins.h"
 
 namespace homolog {
 
-/// The cases to offer again, newest first, each with what it is; see unsaved_cases().
-std::vector<RecoverDialog::Found> cases_to_recover();
+/// Looks for cases that were never saved, on a thread of its own: first what they are called, so that a thousand of
+/// them are offered at once, then how much was done in each. Those that a killed program left as they were opened are
+/// removed.
+class Recovery {
+ public:
+  /// `wake` is called from the thread when there is something to take.
+  explicit Recovery(std::function<void()> wake) : work_(std::move(wake)) {}
 
-/// Removes a journal of an unsaved case that holds its first line alone: it was left as it was opened. Any other file
-/// stays.
+  void look();
+  bool busy() const { return work_.busy() || counting_; }
+  struct Found {
+    std::vector<RecoverDialog::Found> cases;  ///< newest first
+    bool counted = false;                     ///< their details say how many edits they hold
+  };
+  /// What was found: once without the edits counted, and once with.
+  std::optional<Found> take();
+  void finish() { work_.finish(); }
+
+ private:
+  bool counting_ = false;
+  LatestWins<Found> work_;
+};
+
+/// Removes a journal of an unsaved case that holds no edit: it was left as it was opened. Any other file stays.
 void remove_without_edits(const std::filesystem::path& journal);
-
-/// Does so with those that a killed program left behind.
-void remove_all_without_edits();
 
 }  // namespace homolog

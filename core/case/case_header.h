@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/case/document.h"
+
+namespace homolog {
+
+// The first line of a case file: the files that it is made of, and where the template lies.
+
+/// For this document: volume, template (paths relative to `folder`), placement, vertices, connectivity hash, series
+/// UID, voxels, spacing and geometry hash.
+std::string case_header(const Document& document, const std::filesystem::path& folder);
+
+/// The same line for a case that goes on in `folder` with the files of `document`; all other keys stay as they are.
+/// Errors: a line that is no header.
+Result<std::string> moved_header(const std::string& line, const Document& document,
+                                 const std::filesystem::path& folder);
+
+/// Loads what a header names; paths are relative to `folder`. `volume_source`: where the image lies now, as the header
+/// says where empty. Errors: no header, a missing volume or template, a mismatch of vertices, connectivity, series or
+/// geometry (both values named).
+Result<Document> read_header(const nlohmann::ordered_json& header, const std::filesystem::path& folder,
+                             const std::string& volume_source, Progress* progress, std::vector<std::string>& warnings);
+
+}  // namespace homolog

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string_view>
+
+namespace homolog {
+
+/// What a line of a case is to its history, told from its keys: what it holds is not read, so that a long case is
+/// looked through in the time it takes to read it.
+struct LineKind {
+  enum Kind { empty, step, look, note, undo, redo, checkpoint, unknown } kind = unknown;
+  bool joined = false;  ///< of a step
+  bool stroke = false;  ///< a step that moves the mesh by hand
+};
+
+/// Of a line without its line feed. `unknown` where it is no JSON object, or none that is spelled plainly.
+LineKind kind_of(std::string_view line);
+
+}  // namespace homolog

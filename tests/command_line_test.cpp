@@ -213,6 +213,17 @@ TEST_CASE("the demo plays the whole job without a display") {
   CHECK((again - read_mesh(folder.path / "out/kidney.ply")->points).cwiseAbs().maxCoeff() < 1e-9);
 }
 
+TEST_CASE("a demo for which the disk is too small leaves nothing") {
+  const TemporaryFolder folder;
+  const std::string command =
+      "cd '" + folder.path.string() +
+      "' && trap '' XFSZ && ulimit -f 100 && env -u DISPLAY -u WAYLAND_DISPLAY '" HOMOLOG_PROGRAM
+      "' demo --headless -o out >said 2>&1 </dev/null";
+  const int status = std::system(command.c_str());
+  CHECK(WEXITSTATUS(status) == 1);
+  CHECK_MESSAGE(!fs::exists(folder.path / "out"), read_whole_file(folder.path / "said").value_or(""));
+}
+
 TEST_CASE("real scans: three organs adapted by boundary pulls from case files come within 1.5 mm") {
   const fs::path data = real_data();
   if (data.empty()) return;

@@ -183,6 +183,17 @@ TEST_CASE("a training set goes out as it came in with one shape repaired") {
   }
 }
 
+TEST_CASE("a case's name that leads out of the folder is refused for a repair and for an export") {
+  const ShapeFolder files;
+  for (const std::string name : {"../outside", "..", "", "/tmp/outside", "a/b"}) {
+    CHECK_FALSE(make_repair_case(lopsided_organ(1), nullptr, name, files.path / "repaired"));
+    const auto mesh = std::make_shared<const MeshFile>(lopsided_organ(1));
+    CHECK_FALSE(write_shapes({{name, mesh, {}, true}}, ".ply", files.path / "out"));
+  }
+  CHECK_FALSE(fs::exists(files.path / "outside.homolog"));
+  CHECK_FALSE(fs::exists(files.path / "outside-imported.ply"));
+}
+
 TEST_CASE("points alone are not repaired without faces and a second repair takes another name") {
   const ShapeFolder files;
   MeshFile points = lopsided_organ(1);

@@ -27,8 +27,17 @@ class HeadlessDemo {
 
   Result<Report> play() {
     std::error_code error;
-    fs::create_directories(folder_, error);
+    if (fs::create_directories(folder_, error)) new_.push_back(folder_);
     if (error) return fail(folder_.string(), "cannot be made (" + error.message() + "); choose another folder with -o");
+    auto report = play_all();
+    // Nothing half-done is left; what was there before is whole, in its old or its new form.
+    if (!report)
+      for (auto made = new_.rbegin(); made != new_.rend(); ++made) fs::remove(*made, error);
+    return report;
+  }
+
+ private:
+  Result<Report> play_all() {
     auto document = demo_document(Organ::kidney, demo_subject);
     if (!document) return fail(document.error());
     EditSession session(std::move(*document));
@@ -43,10 +52,12 @@ class HeadlessDemo {
     return report_;
   }
 
- private:
   fs::path written(const char* name) {
-    paths_.push_back((folder_ / name).string());
-    return folder_ / name;
+    const fs::path path = folder_ / name;
+    paths_.push_back(path.string());
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) new_.push_back(path);
+    return path;
   }
 
   Result<void> adapt(EditSession& session, const Volume& truth) {
@@ -110,6 +121,7 @@ class HeadlessDemo {
   fs::path folder_;
   Progress& progress_;
   std::vector<std::string> paths_;
+  std::vector<fs::path> new_;  ///< those of them that were not there before
   Report report_;
 };
 

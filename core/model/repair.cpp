@@ -1,5 +1,6 @@
 #include "core/model/repair.h"
 
+#include "core/base/text.h"
 #include "core/case/case_file.h"
 
 namespace homolog {
@@ -8,6 +9,7 @@ namespace fs = std::filesystem;
 
 Result<fs::path> make_repair_case(const MeshFile& shape, const std::shared_ptr<const Topology>& faces,
                                   const std::string& name, const fs::path& folder) {
+  if (!is_file_name(name)) return fail(name, "cannot be the name of a file; rename the case in the study");
   MeshFile imported = shape;
   if (imported.triangles.rows() == 0) {
     if (!faces || faces->vertices() != shape.points.rows()) {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/files.h"
+#include "core/base/text.h"
 #include "core/case/case_file.h"
 #include "core/mesh/mirror.h"
 #include "core/model/study.h"
@@ -158,8 +159,7 @@ Result<void> write_shapes(const std::vector<NamedShape>& shapes, const std::stri
       progress->report(done++ / static_cast<double>(shapes.size()));
       if (progress->cancelled()) return fail("", "was stopped; the shapes written so far are kept");
     }
-    if (fs::path(shape.name).filename() != shape.name)
-      return fail(shape.name, "cannot be the name of a file; rename the case");
+    if (!is_file_name(shape.name)) return fail(shape.name, "cannot be the name of a file; rename the case");
     const std::string imported = shape.imported.extension().string();
     const std::string ending = !extension.empty() ? extension : imported.empty() ? ".ply" : imported;
     const fs::path path = folder / (shape.name + ending);

@@ -6,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/verbs/bench_case.h"
 #include "app/verbs/bench_model.h"
 #include "app/verbs/bench_pictures.h"
 #include "app/verbs/bench_templates.h"
@@ -173,8 +174,12 @@ void add_bench(CLI::App& app, VerbRun& run) {
     }
     report.values["drag"] = std::move(drags);
     report.values["model"] = model_figures();
-    progress.report(0.8);
-    if (progress.cancelled()) return fail("bench", "was stopped");
+    progress.part(0.7, 0.95);
+    auto day = case_figures(progress);
+    if (!day) return fail(day.error());
+    report.values["case"] = std::move(*day);
+    progress.part(0, 1);
+    progress.report(0.95);
     report.values["pictures"] = picture_figures();
     return report;
   };

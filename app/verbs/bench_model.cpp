@@ -2,9 +2,8 @@
 
 #include <sched.h>
 
-#include <fstream>
-
 #include "app/verbs/median.h"
+#include "app/verbs/memory.h"
 #include "core/mesh/icosphere.h"
 #include "core/model/measures.h"
 
@@ -57,16 +56,6 @@ class OneCore {
   cpu_set_t all_{};
 };
 
-/// "VmRSS:" or "VmHWM:" of this process in MB; 0 where the system does not say.
-double memory_mb(const std::string& key) {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    double kb = 0;
-    if (word == key && status >> kb) return kb / 1000;
-  }
-  return 0;
-}
-
 Json hundred_shapes() {
   const OneCore one_core;
   ShapeMatrix shapes = made_shapes(100);
@@ -99,7 +88,7 @@ Json thousand_shapes() {
   const double before_mb = memory_mb("VmRSS:");
   ShapeMatrix shapes = made_shapes(1000);
   const double data_mb = static_cast<double>(shapes.size() * sizeof(double)) / 1e6;
-  std::ofstream("/proc/self/clear_refs") << 5;  // the high-water mark starts anew
+  forget_peak_memory();
   const auto start = Clock::now();
   align(shapes, Alignment::similarity);
   const PrincipalComponents components = principal_components(std::move(shapes));

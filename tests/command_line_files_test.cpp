@@ -38,7 +38,7 @@ void put_inputs(const fs::path& folder) {
   volume.geometry.dims = {24, 24, 24};
   std::vector<std::uint8_t> voxels(24 * 24 * 24);
   std::mt19937 random(1);
-  for (auto& voxel : voxels) voxel = static_cast<std::uint8_t>(random() % 2);
+  for (auto& voxel : voxels) voxel = static_cast<std::uint8_t>(random() % 256);
   volume.data = voxels;
   REQUIRE(write_volume(volume, folder / "noise.nii"));
 }
@@ -127,7 +127,7 @@ TEST_CASE("a case that a scripted user works on appears whole or not at all") {
 TEST_CASE("a demo that the disk cannot hold leaves no case") {
   const TemporaryFolder folder;
   check_refused(run(folder, "demo --headless -o out", "ulimit -f 8; "), "cannot be written");
-  CHECK(names_in(folder.path / "out").empty());
+  CHECK((!fs::exists(folder.path / "out") || names_in(folder.path / "out").empty()));
 }
 
 TEST_CASE("a device is no place for a result") {

@@ -163,7 +163,7 @@ TEST_CASE("the model's help does not add up and can be taken back") {
   blend(0.5);
   CHECK((points() - aided).norm() < 1e-4);
   REQUIRE(session.apply(points_edit(session.document(), unaided_points(session.document().shape()), by_model)));
-  CHECK((points() - unaided).norm() < 1e-4);
+  CHECK((points() - unaided).cwiseAbs().maxCoeff() < 2e-5);  // computed edits are rounded to 2⁻¹⁶ mm
   CHECK((unaided - aided).norm() > 0.05);
 }
 

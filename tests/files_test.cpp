@@ -14,6 +14,7 @@
 #include <set>
 
 #include "core/case/case_file.h"
+#include "core/case/unsaved_cases.h"
 #include "tests/refusal.h"
 #include "tests/small_files.h"
 #include "tests/temporary_folder.h"

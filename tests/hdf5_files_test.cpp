@@ -18,7 +18,7 @@ using namespace homolog;
 
 namespace {
 
-ShapeModel some_model() {
+ShapeModel a_model() {
   const Mesh ball = icosphere(1, 20);
   ShapeMatrix shapes(ball.points.size(), 4);
   for (Eigen::Index k = 0; k < shapes.cols(); ++k)
@@ -30,7 +30,7 @@ ShapeModel some_model() {
 /// A model's file after `change`, which is given it open.
 fs::path changed_model(const TemporaryFolder& folder, const std::function<void(hid_t)>& change) {
   const fs::path path = folder.path / "m.h5";
-  REQUIRE(write_model(some_model(), path));
+  REQUIRE(write_model(a_model(), path));
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   REQUIRE(file >= 0);
   change(file);
@@ -60,7 +60,7 @@ hid_t chunked(hsize_t chunk, bool packed) {
 
 TEST_CASE("a model in chunks and packed is read as one that is not") {
   const TemporaryFolder folder;
-  const ShapeModel model = some_model();
+  const ShapeModel model = a_model();
   const Eigen::VectorXf mean = model.mean.cast<float>();
   for (const bool packed : {false, true}) {
     const fs::path path = changed_model(folder, [&](hid_t file) {

@@ -15,13 +15,13 @@ using namespace homolog;
 
 namespace {
 
-const VolumeReadOptions with_spacing{{}, Vec3(1, 1, 1), nullptr};
+const VolumeReadOptions even_spacing{{}, Vec3(1, 1, 1), nullptr};
 constexpr std::uint32_t by_lzw = 5, by_deflate = 8, by_packbits = 32773;
 
 Result<VolumeRead> read_tiff(const std::string& bytes) {
   const TemporaryFolder folder;
   write_bytes(folder.path / "v.tif", bytes);
-  return read_volume(folder.path / "v.tif", with_spacing);
+  return read_volume(folder.path / "v.tif", even_spacing);
 }
 
 /// The file with one page of these strips or tiles.
@@ -57,7 +57,7 @@ std::string lzw_packed(const std::string& bytes) {
 }
 
 template <class T>
-std::string bytes_of(const std::vector<T>& values) {
+std::string stored(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
@@ -81,13 +81,13 @@ TEST_CASE("every shortened copy of a TIFF of three pages is refused alone and as
   const TemporaryFolder stack;
   file.pages = {{"abcd", "efgh"}};
   write_bytes(stack.path / "1.tif", file.bytes());
-  REQUIRE(read_volume(stack.path, with_spacing));
+  REQUIRE(read_volume(stack.path, even_spacing));
   for (std::size_t left = 0; left < whole.size(); ++left) {
     CAPTURE(left);
     CHECK(!read_tiff(whole.substr(0, left)));
     if (left % 7 != 0) continue;
     write_bytes(stack.path / "2.tif", whole.substr(0, left));
-    CHECK(!read_volume(stack.path, with_spacing));
+    CHECK(!read_volume(stack.path, even_spacing));
   }
 }
 
@@ -121,6 +121,7 @@ TEST_CASE("damaged strips of a TIFF are refused in every compression") {
     CHECK(!read_tiff(with_pieces(file, {packed.strip.substr(0, packed.strip.size() / 2)})));
     if (packed.compression == by_packbits) continue;
     std::string damaged = packed.strip;
+    if (packed.compression == by_deflate) damaged[2] = 7;  // a block of no known type
     for (std::size_t i = damaged.size() / 2; i < damaged.size() / 2 + 8; ++i) damaged[i] = '\xff';
     CHECK(says(read_tiff(with_pieces(file, {damaged})), "do not decode"));
   }
@@ -138,12 +139,12 @@ TEST_CASE("pixels of every type are read as they are stored") {
   constexpr std::uint32_t whole = 1, with_sign = 2, real = 3;
   check_values<std::uint8_t>(read_as(8, whole, "\x01\xff"), {1, 255});
   check_values<std::int16_t>(read_as(8, with_sign, "\x01\xff"), {1, -1});
-  check_values<std::uint16_t>(read_as(16, whole, bytes_of<std::uint16_t>({1, 60000})), {1, 60000});
-  check_values<std::int16_t>(read_as(16, with_sign, bytes_of<std::int16_t>({-1, 30000})), {-1, 30000});
-  check_values<float>(read_as(32, whole, bytes_of<std::uint32_t>({1, 100000})), {1, 100000});
-  check_values<float>(read_as(32, with_sign, bytes_of<std::int32_t>({-100000, 5})), {-100000, 5});
-  check_values<float>(read_as(32, real, bytes_of<float>({0.5f, -2})), {0.5f, -2});
-  check_values<float>(read_as(64, real, bytes_of<double>({0.5, -2})), {0.5f, -2});
+  check_values<std::uint16_t>(read_as(16, whole, stored<std::uint16_t>({1, 60000})), {1, 60000});
+  check_values<std::int16_t>(read_as(16, with_sign, stored<std::int16_t>({-1, 30000})), {-1, 30000});
+  check_values<float>(read_as(32, whole, stored<std::uint32_t>({1, 100000})), {1, 100000});
+  check_values<float>(read_as(32, with_sign, stored<std::int32_t>({-100000, 5})), {-100000, 5});
+  check_values<float>(read_as(32, real, stored<float>({0.5f, -2})), {0.5f, -2});
+  check_values<float>(read_as(64, real, stored<double>({0.5, -2})), {0.5f, -2});
   check_values<std::uint8_t>(read_as(1, whole, "\x40"), {0, 255});
   check_values<std::uint8_t>(read_as(4, whole, "\x1f"), {17, 255});
   check_values<std::uint16_t>(read_as(12, whole, "\x12\x3f\xff"), {0x123, 0xfff});
@@ -206,12 +207,12 @@ TEST_CASE("a name decides which reader a picture gets") {
   const TemporaryFolder folder;
   REQUIRE(write_picture(Picture{2, 2, std::vector<std::uint8_t>(16, 200)}, folder.path / "a.png"));
   fs::copy_file(folder.path / "a.png", folder.path / "b.tif");
-  CHECK(says(read_volume(folder.path / "b.tif", with_spacing), "is no TIFF"));
+  CHECK(says(read_volume(folder.path / "b.tif", even_spacing), "is no TIFF"));
   write_bytes(folder.path / "c.png", with_pieces(TiffBytes(), {eight}));
-  CHECK(says(read_volume(folder.path / "c.png", with_spacing), "is no PNG"));
+  CHECK(says(read_volume(folder.path / "c.png", even_spacing), "is no PNG"));
   // A whole JPEG of 8 × 8 grey pixels would be needed to see another reader take it; its first bytes decide.
   write_bytes(folder.path / "d.TIFF", "\xff\xd8\xff\xe0" + std::string(500, '\1'));
-  CHECK(says(read_volume(folder.path / "d.TIFF", with_spacing), "is no TIFF"));
+  CHECK(says(read_volume(folder.path / "d.TIFF", even_spacing), "is no TIFF"));
 }
 
 TEST_CASE("a TIFF of thousands of pages is read in seconds") {
@@ -229,14 +230,12 @@ TEST_CASE("a TIFF of thousands of pages is read in seconds") {
 
 TEST_CASE("pages that claim the same pixels or more than their strips hold are refused without taking memory") {
   TiffBytes file;
+  REQUIRE(read_tiff(with_pieces(file, {eight})));  // the first picture loads the libraries
   file.width = file.height = 4000;
   file.compression = by_deflate;
-  const double taken = memory_taken_by([&] {
-    CHECK(says(read_tiff(with_pieces(file, {deflated(eight)})), "outside of the file"));
-    file.width = file.height = 40000;
-    CHECK(!read_tiff(with_pieces(file, {std::string(2000000, 'x')})));
-  });
-  CHECK(taken < 100e6);  // of 1.6 GB
+  const double taken =
+      memory_taken_by([&] { CHECK(says(read_tiff(with_pieces(file, {deflated(eight)})), "outside of the file")); });
+  CHECK(taken < 10e6);  // of 16 MB
   TiffBytes shared;
   shared.width = shared.height = 100;
   const std::string strip(10000, 'x');

@@ -5,6 +5,7 @@
 #include "app/verbs/snap_arguments.h"
 #include "core/base/files.h"
 #include "core/case/case_file.h"
+#include "core/case/case_header.h"
 #include "core/model/study.h"
 #include "core/snap/propagate.h"
 #include "core/snap/snap_document.h"
@@ -30,26 +31,30 @@ std::string frame_name(std::size_t frame) {
   return name;
 }
 
-/// A case with a mesh in every frame, made in memory and written in one go.
-Result<void> write_case(const PropagateVerb& verb, const Document& initial, const Propagation& propagation,
-                        const fs::path& path) {
+fs::path case_path_of(const PropagateVerb& verb) {
+  return verb.out / "cine.homolog";
+}
+
+/// The lines of a case with a mesh in every frame. The frames' points become what the case keeps of them, so that the
+/// meshes that are written are those of the case.
+Result<std::string> case_lines(const PropagateVerb& verb, const Document& initial, Propagation& propagation) {
   EditSession session(initial);
-  std::string lines = case_header(initial, path.parent_path()) + '\n';
+  std::string lines = case_header(initial, verb.out) + '\n';
   const auto apply = [&](Action action) {
     lines += action_line(action) + '\n';
     return session.apply(std::move(action));
   };
   if (auto done = apply(SetPlacement{Similarity{}}); !done) return fail(done.error());
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
-    const PropagatedFrame& frame = propagation.frames[f];
+    PropagatedFrame& frame = propagation.frames[f];
     if (auto done = apply(SetFrame{static_cast<int>(f)}); !done) return fail(done.error());
     if (auto done = apply(points_edit(session.document(), frame.points, "propagate")); !done) return fail(done.error());
+    frame.points = *session.document().shape().points;
     if (frame.doubt.empty()) continue;
     if (auto done = apply(Note{"frame " + std::to_string(f) + " " + frame.doubt}); !done) return fail(done.error());
   }
   if (auto done = apply(SetFrame{verb.frame}); !done) return fail(done.error());
-  const auto journal = Journal::create(path, lines);
-  return journal ? Result<void>() : fail(journal.error());
+  return lines;
 }
 
 /// Every frame as a case of a study; those in doubt are still to do.
@@ -85,10 +90,12 @@ std::string volume_table(const Propagation& propagation, double frame_seconds) {
   return table;
 }
 
-Result<void> write_all(const PropagateVerb& verb, const Document& initial, const Propagation& propagation) {
+Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propagation& propagation) {
   std::error_code error;
   fs::create_directories(verb.out, error);
   if (error) return fail(verb.out.string(), "cannot be made (" + error.message() + "); choose another folder");
+  const auto lines = case_lines(verb, initial, propagation);
+  if (!lines) return fail(lines.error());
   MeshFile file = to_mesh_file(*initial.reference);
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
     file.points = propagation.frames[f].points;
@@ -98,9 +105,12 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, const
   const double frame_seconds = initial.volume->frame_seconds;
   const std::string table = volume_table(propagation, frame_seconds);
   if (auto written = write_whole_file(verb.out / "volumes.csv", table); !written) return written;
-  const fs::path case_path = verb.out / "cine.homolog";
-  if (auto written = write_case(verb, initial, propagation, case_path); !written) return written;
-  return write_study(study_of(verb, propagation, case_path), verb.out / "cine.study.json");
+  const auto journal = Journal::create(case_path_of(verb), [&](std::ostream& out) -> Result<void> {
+    out << *lines;
+    return {};
+  });
+  if (!journal) return fail(journal.error());
+  return write_study(study_of(verb, propagation, case_path_of(verb)), verb.out / "cine.study.json");
 }
 
 Report report_of(const PropagateVerb& verb, const Propagation& propagation) {
@@ -128,7 +138,7 @@ Report report_of(const PropagateVerb& verb, const Propagation& propagation) {
                    {"end_systolic_volume_ml", volume(propagation.end_systole)},
                    {"ejection_fraction", propagation.ejection_fraction},
                    {"doubtful", std::move(doubtful)},
-                   {"case", (verb.out / "cine.homolog").string()},
+                   {"case", case_path_of(verb).string()},
                    {"study", (verb.out / "cine.study.json").string()}};
   return report;
 }
@@ -141,8 +151,8 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   PropagateOptions options = verb.options;
   options.progress = &progress;
   const auto start = std::chrono::steady_clock::now();
-  const auto propagation = propagate(image->volume, verb.frame, {(*reference)->topology, (*reference)->points},
-                                     (*reference)->stiffness, options);
+  auto propagation = propagate(image->volume, verb.frame, {(*reference)->topology, (*reference)->points},
+                               (*reference)->stiffness, options);
   if (!propagation) return fail(verb.image.string(), propagation.error().what);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Document initial =

@@ -27,7 +27,9 @@ Result<std::shared_ptr<const LineFile>> LineFile::open(const std::filesystem::pa
   auto file = std::make_shared<const LineFile>(path, descriptor);
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
-    return fail(path.string(), S_ISDIR(status.st_mode) ? "is a folder, not a file" : "is no file; copy it into one");
+    return fail(path.string(), S_ISDIR(status.st_mode)
+                                   ? "is a folder, not a file"
+                                   : "is a device or a pipe, not a file; copy what it gives into a file");
   return file;
 }
 

@@ -10,14 +10,14 @@ namespace homolog {
 
 namespace {
 
-constexpr Eigen::Index most_samples = 300;  ///< of each surface
+constexpr Eigen::Index surface_samples = 300;  ///< of each surface
 /// How far an organ's surface lies from its template's under the right similarity, as a share of the diagonal, and of
 /// how many places on it one may say so independently.
 constexpr double surface_deviation_share = 0.02, independent_places = 100;
 constexpr double blunders = 0.05;  ///< share of named places that are no places of that name
 constexpr int most_steps = 100;
 
-constexpr double nearly = 2e-3;  ///< of the organ's size: such steps and shorter ones are near the end
+constexpr double near_the_end = 2e-3;  ///< of the organ's size: such steps and shorter ones are near the end
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
 Eigen::Matrix<double, 7, 1> moved_along(const Vec3& normal, const Vec3& from_centre) {
@@ -53,7 +53,7 @@ struct ClosestPoints::System {
 ClosestPoints::ClosestPoints(const Template& reference, const Boundary& boundary)
     : boundary_(boundary), on_boundary_(boundary.surface), on_template_({reference.topology, reference.points}) {
   const auto sampled = [](const Points& points, std::vector<Vec3>& samples) {
-    const Eigen::Index stride = 1 + points.rows() / most_samples;
+    const Eigen::Index stride = 1 + points.rows() / surface_samples;
     for (Eigen::Index i = 0; i < points.rows(); i += stride) samples.push_back(points.row(i));
   };
   sampled(reference.points, own_);
@@ -167,7 +167,7 @@ Placed ClosestPoints::refined(const Similarity& start, double most_turn, const P
     System next = system_at(tried, prior, places);
     // Gauss-Newton leaves out how the surfaces bend. Near the end their bend is learnt from the gradient, as in BFGS.
     const Step change = next.gradient - system.gradient;
-    if (length_mm < nearly * diagonal_mm_ && change.dot(way) > 0) {
+    if (length_mm < near_the_end * diagonal_mm_ && change.dot(way) > 0) {
       const Step along = system.matrix * way;
       next.matrix =
           system.matrix + change * change.transpose() / change.dot(way) - along * along.transpose() / along.dot(way);

@@ -15,12 +15,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-tl::unexpected<Error> pixels_missing(const DicomHeader& header) {
+tl::unexpected<Error> file_cut(const DicomHeader& header) {
   return fail(header.path.string(), "is cut short: pixels are missing; copy or download it again");
 }
 
 Result<void> check_image(const DicomHeader& header) {
-  if (header.pixels_missing) return pixels_missing(header);
+  if (header.pixels_missing) return file_cut(header);
   if (header.is_image()) return {};
   return fail(header.path.string(), "holds no image" +
                                         (header.modality.empty() ? "" : " (its modality is " + header.modality + ")") +
@@ -206,7 +206,7 @@ Result<void> check_pixel_claim(const DicomHeader& header, std::size_t plane_byte
   constexpr double best_ratio = 20000;
   const double ratio = header.pixels->fragments.empty() ? 1 : best_ratio;
   if (claimed <= static_cast<double>(header.pixels->bytes) * ratio) return {};
-  return pixels_missing(header);
+  return file_cut(header);
 }
 
 /// Where each plane of each file lies in the volume.

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t longest_header = std::size_t{1} << 16;
+constexpr std::size_t longest_text = std::size_t{1} << 16;
 
 struct Header {
   std::map<std::string, std::string, std::less<>> fields;
@@ -64,7 +64,7 @@ std::optional<Header> parse_header(std::string_view head) {
   Header header;
   for (std::size_t begin = 0; begin < head.size();) {
     const auto end = head.find('\n', begin);
-    if (end == std::string_view::npos && head.size() >= longest_header) return {};
+    if (end == std::string_view::npos && head.size() >= longest_text) return {};
     const std::string_view line = head.substr(begin, end == std::string_view::npos ? end : end - begin);
     begin = end == std::string_view::npos ? head.size() : end + 1;
     const auto equals = line.find('=');
@@ -191,7 +191,7 @@ Result<VoxelRun> find_run(const Header& header, StoredType type, double bytes, c
 }  // namespace
 
 Result<VolumeRead> read_metaimage(const fs::path& path, Progress* progress) {
-  const auto head = read_head(path, longest_header);
+  const auto head = read_head(path, longest_text);
   if (!head) return fail(head.error());
   const auto header = parse_header(*head);
   if (!header) return damaged_header(path);

@@ -1,10 +1,13 @@
 #include <unistd.h>
 
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <mutex>
@@ -14,8 +17,9 @@
 #include "app/editor/editor.h"
 #include "app/verbs/verb.h"
 #include "app/version.h"
-#include "core/base/text.h"
 #include "core/base/guarded.h"
+#include "core/base/parallel.h"
+#include "core/base/text.h"
 
 namespace homolog {
 
@@ -115,6 +119,25 @@ void check_numbers(CLI::App& app) {
   for (CLI::App* verb : app.get_subcommands({})) check_numbers(*verb);
 }
 
+/// To what --jobs says or, without it, HOMOLOG_THREADS. False, and a line is printed, where that is no such number.
+bool limit_threads(const CLI::Option* jobs) {
+  if (jobs != nullptr && jobs->count() > 0) {
+    set_thread_limit(jobs->as<int>());
+    return true;
+  }
+  const char* const wanted = std::getenv("HOMOLOG_THREADS");
+  if (wanted == nullptr) return true;
+  int threads = 0;
+  const char* const end = wanted + std::strlen(wanted);
+  const auto [stop, error] = std::from_chars(wanted, end, threads);
+  if (error == std::errc() && stop == end && threads >= 1 && threads <= 1024) {
+    set_thread_limit(threads);
+    return true;
+  }
+  std::cerr << "homolog: HOMOLOG_THREADS: is \"" << wanted << "\"; give a whole number from 1 to 1024\n";
+  return false;
+}
+
 int run_main(int argc, char** argv) {
   CLI::App app(
       "Homolog: segment organs and put their surfaces in correspondence in one stroke.\n"
@@ -151,6 +174,7 @@ int run_main(int argc, char** argv) {
   if (!run) return run_editor(editor);
   const CLI::App* verb = &app;
   while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  if (!limit_threads(verb->get_option_no_throw("--jobs"))) return wrong_command_line;
   const CLI::Option* json = verb->get_option_no_throw("--json");
   return run_verb(run, json != nullptr && json->count() > 0);
 }

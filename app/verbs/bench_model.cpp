@@ -1,9 +1,8 @@
 #include "app/verbs/bench_model.h"
 
-#include <sched.h>
-
 #include "app/verbs/median.h"
 #include "app/verbs/memory.h"
+#include "core/base/parallel.h"
 #include "core/mesh/icosphere.h"
 #include "core/model/measures.h"
 
@@ -38,26 +37,20 @@ ShapeMatrix made_shapes(int shapes) {
   return made;
 }
 
-/// Keeps this thread, and those it starts, on one core while it lives.
-class OneCore {
+/// Loops in parallel use one thread while it lives.
+class OneThread {
  public:
-  OneCore() {
-    if (::sched_getaffinity(0, sizeof all_, &all_) != 0) return;
-    cpu_set_t one;
-    CPU_ZERO(&one);
-    CPU_SET(::sched_getcpu(), &one);
-    ::sched_setaffinity(0, sizeof one, &one);
-  }
-  ~OneCore() { ::sched_setaffinity(0, sizeof all_, &all_); }
-  OneCore(const OneCore&) = delete;
-  OneCore& operator=(const OneCore&) = delete;
+  OneThread() { set_thread_limit(1); }
+  ~OneThread() { set_thread_limit(before_); }
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
 
  private:
-  cpu_set_t all_{};
+  int before_ = thread_limit();
 };
 
 Json hundred_shapes() {
-  const OneCore one_core;
+  const OneThread one_thread;
   ShapeMatrix shapes = made_shapes(100);
   const auto start = Clock::now();
   align(shapes, Alignment::similarity);

@@ -45,10 +45,12 @@ void add_snap(CLI::App& app, VerbRun& run);
 void add_study(CLI::App& app, VerbRun& run);
 void add_template(CLI::App& app, VerbRun& run);
 
-/// Adds a verb that reports: its `--json` flag is read by main.
+/// Adds a verb that reports: its `--json` flag and its `--jobs` are read by main.
 inline CLI::App* add_verb(CLI::App& app, const char* name, const char* description) {
   CLI::App* verb = app.add_subcommand(name, description);
   verb->add_flag("--json")->description("Print one JSON object on stdout and nothing else there");
+  verb->add_option("--jobs", "How many threads to use at most; results do not depend on it")
+      ->check(CLI::Range(1, 1024));
   return verb;
 }
 

@@ -2,32 +2,36 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <exception>
-#include <thread>
-#include <vector>
+#include <functional>
 
 namespace homolog {
 
-/// Cuts 0…count into one contiguous range a core and calls `work(first, last)` for each, all at the same time; returns
-/// when all have. What two ranges write must not overlap. The first exception of a range (memory ran out) is passed on.
+/// How many threads loops in parallel use in the whole process, the one that asks for them included: what
+/// `set_thread_limit` was given, or the machine's cores. No result depends on it.
+int thread_limit();
+void set_thread_limit(int threads);  ///< at least 1
+
+/// Calls `work(0)` … `work(count - 1)`, several at the same time, and returns when all have. What two of them write
+/// must not overlap. Of their exceptions (memory ran out) that of the first is passed on.
+///
+/// Threads that are free help; the calling thread takes part and, where none is free, does it all. So loops may be
+/// nested and several threads may ask at a time: there are never more helpers than the limit allows. A thread that
+/// waits for others does nothing else meanwhile, so it may hold a lock.
+void for_each_in_parallel(std::size_t count, const std::function<void(std::size_t)>& work);
+
+/// Cuts 0…count into contiguous ranges and calls `work(first, last)` for each, several at the same time. The ranges
+/// depend on `count` and `grain` alone, so that sums within a range have the same bits whatever the number of threads.
+/// All but the last are multiples of `grain` long.
 template <class Index, class Work>
-void in_parallel(Index count, const Work& work) {
-  const Index ranges = std::min(static_cast<Index>(std::max(1U, std::thread::hardware_concurrency())), count);
-  std::vector<std::exception_ptr> thrown(static_cast<std::size_t>(ranges));
-  const auto run = [&](Index k) {
-    try {
-      work(count * k / ranges, count * (k + 1) / ranges);
-    } catch (...) {
-      thrown[static_cast<std::size_t>(k)] = std::current_exception();
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (Index k = 1; k < ranges; ++k) threads.emplace_back(run, k);
-    if (ranges > 0) run(Index{0});
-  }
-  for (const std::exception_ptr& exception : thrown)
-    if (exception) std::rethrow_exception(exception);
+void in_parallel(Index count, const Work& work, Index grain = 1) {
+  constexpr Index most_ranges = 64;  // more than cores, so that they finish together
+  const Index grains = (count + grain - 1) / grain;
+  const Index length = (grains + most_ranges - 1) / most_ranges * grain;
+  if (count <= 0) return;
+  for_each_in_parallel(static_cast<std::size_t>((count + length - 1) / length), [&](std::size_t k) {
+    const Index first = static_cast<Index>(k) * length;
+    work(first, std::min(count, first + length));
+  });
 }
 
 }  // namespace homolog

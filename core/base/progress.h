@@ -8,10 +8,16 @@ namespace homolog {
 /// any member.
 class Progress {
  public:
+  Progress() = default;
+  /// Of a part of a larger work, whose progress outlives this one: `share` of the whole, which can cancel it too.
+  Progress(Progress& whole, double share) : whole_(&whole), share_(static_cast<float>(share)) {}
+
   /// `fraction` of the work (or of its part) done, 0…1.
   void report(double fraction) {
     const float from = from_.load(std::memory_order_relaxed), to = to_.load(std::memory_order_relaxed);
-    fraction_.store(from + (to - from) * static_cast<float>(fraction), std::memory_order_relaxed);
+    const float now = from + (to - from) * static_cast<float>(fraction);
+    const float before = fraction_.exchange(now, std::memory_order_relaxed);
+    if (whole_ != nullptr) whole_->fraction_.fetch_add(share_ * (now - before), std::memory_order_relaxed);
   }
   /// What is reported from now on counts for the part of the work between these fractions; 0 and 1: for the whole.
   void part(double from, double to) {
@@ -20,11 +26,15 @@ class Progress {
   }
   double fraction() const { return fraction_.load(std::memory_order_relaxed); }
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
-  bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
+  bool cancelled() const {
+    return cancelled_.load(std::memory_order_relaxed) || (whole_ != nullptr && whole_->cancelled());
+  }
 
  private:
   std::atomic<float> fraction_{0}, from_{0}, to_{1};
   std::atomic<bool> cancelled_{false};
+  Progress* whole_ = nullptr;
+  float share_ = 1;
 };
 
 }  // namespace homolog

@@ -74,15 +74,18 @@ class NearestShape {
   /// For each column of coefficients b (any number of leading modes) the distance to the nearest training shape, mm.
   Eigen::VectorXd distances_mm(const Eigen::MatrixXd& b) const {
     Eigen::VectorXd nearest(b.cols());
-    in_parallel(b.cols(), [&](Eigen::Index first, Eigen::Index last) {
-      for (Eigen::Index k = first; k < last; k += block_samples) {
-        const Eigen::Index count = std::min(block_samples, last - k);
-        const Eigen::MatrixXd combinations = weights_.leftCols(b.rows()) * b.middleCols(k, count);
-        const Eigen::MatrixXd samples = components_.centred * combinations, sums = sums_ * combinations;
-        for (Eigen::Index s = 0; s < count; ++s)
-          nearest[k + s] = distance_mm(samples.col(s).data(), sums.col(s).data());
-      }
-    });
+    in_parallel(
+        b.cols(),
+        [&](Eigen::Index first, Eigen::Index last) {
+          for (Eigen::Index k = first; k < last; k += block_samples) {
+            const Eigen::Index count = std::min(block_samples, last - k);
+            const Eigen::MatrixXd combinations = weights_.leftCols(b.rows()) * b.middleCols(k, count);
+            const Eigen::MatrixXd samples = components_.centred * combinations, sums = sums_ * combinations;
+            for (Eigen::Index s = 0; s < count; ++s)
+              nearest[k + s] = distance_mm(samples.col(s).data(), sums.col(s).data());
+          }
+        },
+        block_samples);
     return nearest;
   }
 

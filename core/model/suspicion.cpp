@@ -47,16 +47,19 @@ struct TableFences {
 Eigen::MatrixXd deviations_mm(const PrincipalComponents& components, Eigen::Index modes) {
   const Eigen::MatrixXd combinations = left_out_errors(components, modes);
   Eigen::MatrixXd deviations(components.landmarks(), components.shapes());
-  in_parallel(components.landmarks(), [&](Eigen::Index first, Eigen::Index last) {
-    constexpr Eigen::Index block = 256;
-    Eigen::MatrixXd errors;
-    for (Eigen::Index v = first; v < last; v += block) {
-      const Eigen::Index count = std::min(block, last - v);
-      errors.noalias() = components.centred.middleRows(3 * v, 3 * count) * combinations;
-      for (Eigen::Index i = 0; i < errors.cols(); ++i)
-        deviations.col(i).segment(v, count) = errors.col(i).reshaped(3, count).colwise().norm();
-    }
-  });
+  constexpr Eigen::Index block = 256;
+  in_parallel(
+      components.landmarks(),
+      [&](Eigen::Index first, Eigen::Index last) {
+        Eigen::MatrixXd errors;
+        for (Eigen::Index v = first; v < last; v += block) {
+          const Eigen::Index count = std::min(block, last - v);
+          errors.noalias() = components.centred.middleRows(3 * v, 3 * count) * combinations;
+          for (Eigen::Index i = 0; i < errors.cols(); ++i)
+            deviations.col(i).segment(v, count) = errors.col(i).reshaped(3, count).colwise().norm();
+        }
+      },
+      block);
   return deviations;
 }
 

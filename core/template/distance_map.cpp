@@ -19,7 +19,13 @@ std::vector<float> distance_to(const std::vector<std::uint8_t>& set, const Volum
   mask->SetSpacing(Mask::SpacingType(grid.spacing_mm.data()));
   mask->GetPixelContainer()->SetImportPointer(const_cast<std::uint8_t*>(set.data()), set.size());  // only read
 
+  // On the calling thread alone: how many threads work is for core/base/parallel.h to say.
+  [[maybe_unused]] static const bool set = [] {
+    itk::MultiThreaderBase::SetGlobalDefaultThreader(itk::MultiThreaderBase::ThreaderType::Platform);
+    return true;
+  }();
   const auto filter = itk::SignedMaurerDistanceMapImageFilter<Mask, Map>::New();
+  filter->SetNumberOfWorkUnits(1);
   filter->SetInput(mask);
   filter->SetSquaredDistance(false);
   filter->SetUseImageSpacing(true);

@@ -339,6 +339,6 @@ TEST_CASE("pulls and snaps and a refinement and a propagation of one template ma
   REQUIRE(session.apply(snapped->action));
   REQUIRE(snap_document(session.document(), std::nullopt, {}));
   REQUIRE(refine(session.document()));
-  REQUIRE(propagate(image, 0, mesh, VertexScalars::Ones(mesh.points.rows()), {}));
+  REQUIRE(propagate(image, 0, session.document().mesh(), VertexScalars::Ones(mesh.points.rows()), {}));
   CHECK(EliminationPlan::made() == before + 1);
 }

@@ -108,7 +108,7 @@ Result<VolumeRead> read_volume(const fs::path& path, const VolumeReadOptions& op
 }
 
 bool is_picture_stack(const fs::path& path) {
-  return kind_of(path) == Kind::Stack;
+  return kind_of(path) == Kind::Stack && check_path(path);
 }
 
 bool looks_like_volume(const fs::path& path) {

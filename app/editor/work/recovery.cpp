@@ -48,7 +48,7 @@ bool left_alone(const fs::path& journal) {
 
 void Recovery::look() {
   counting_ = false;
-  work_.start([](Progress& progress) -> Result<Found> {
+  work_.start("", [](Progress& progress) -> Result<Found> {
     Found found;
     for (const UnsavedCase& one : unsaved_cases()) {
       if (progress.cancelled()) break;
@@ -70,7 +70,7 @@ std::optional<Recovery::Found> Recovery::take() {
   counting_ = *done && !(*done)->counted && !(*done)->cases.empty();
   if (!*done) return Found{};
   if (counting_)
-    work_.start([found = **done](Progress& progress) mutable -> Result<Found> {
+    work_.start("", [found = **done](Progress& progress) mutable -> Result<Found> {
       for (RecoverDialog::Found& one : found.cases) {
         if (progress.cancelled()) break;
         const std::size_t edits = count_steps(one.journal);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/editor/state/dialogs.h"
-#include "app/editor/work/latest_wins.h"
+#include "app/editor/work/worker.h"
 
 namespace homolog {
 
@@ -30,7 +30,7 @@ class Recovery {
 
  private:
   bool counting_ = false;
-  LatestWins<Found> work_;
+  Worker<Found> work_;
 };
 
 /// Removes a journal of an unsaved case that holds no edit: it was left as it was opened. Any other file stays.

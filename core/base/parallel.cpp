@@ -14,9 +14,9 @@ namespace homolog {
 namespace {
 
 /// One loop. Whoever takes part takes the next piece until none is left.
-class Loop {
+class SharedLoop {
  public:
-  Loop(std::size_t count, const std::function<void(std::size_t)>& work) : count_(count), work_(work) {}
+  SharedLoop(std::size_t count, const std::function<void(std::size_t)>& work) : count_(count), work_(work) {}
 
   bool has_more() const { return next_ < count_; }
   void take_part() {
@@ -49,10 +49,10 @@ class Loop {
 };
 
 /// The helpers of all loops.
-class Pool {
+class Helpers {
  public:
-  static Pool& the() {
-    static Pool pool;
+  static Helpers& the() {
+    static Helpers pool;
     return pool;
   }
 
@@ -65,8 +65,8 @@ class Pool {
     limit_ = std::max(1, threads);
   }
 
-  void run(Loop& loop) {
-    std::list<Loop*>::iterator place;
+  void run(SharedLoop& loop) {
+    std::list<SharedLoop*>::iterator place;
     {
       const std::lock_guard lock(mutex_);
       start_helpers();
@@ -80,7 +80,7 @@ class Pool {
   }
 
  private:
-  Pool() : limit_(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {}
+  Helpers() : limit_(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {}
 
   /// Threads are started when they are first wanted. Where the system gives no more, those that there are do the work.
   void start_helpers() {
@@ -93,7 +93,7 @@ class Pool {
   }
 
   /// The youngest loop first: it is within an older one, which waits for it.
-  Loop* loop_to_help() const {
+  SharedLoop* loop_to_help() const {
     if (busy_ >= limit_ - 1) return nullptr;
     for (auto loop = loops_.rbegin(); loop != loops_.rend(); ++loop)
       if ((*loop)->has_more()) return *loop;
@@ -103,7 +103,7 @@ class Pool {
   void help(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     for (;;) {
-      Loop* loop = nullptr;
+      SharedLoop* loop = nullptr;
       wake_.wait(lock, stop, [&] { return (loop = loop_to_help()) != nullptr; });
       if (loop == nullptr) return;
       ++loop->helpers;
@@ -118,7 +118,7 @@ class Pool {
 
   std::mutex mutex_;
   std::condition_variable_any wake_, left_;
-  std::list<Loop*> loops_;
+  std::list<SharedLoop*> loops_;
   int limit_, busy_ = 0;
   std::vector<std::jthread> helpers_;  ///< last, so that they end before what they use does
 };
@@ -126,18 +126,18 @@ class Pool {
 }  // namespace
 
 int thread_limit() {
-  return Pool::the().limit();
+  return Helpers::the().limit();
 }
 void set_thread_limit(int threads) {
-  Pool::the().set_limit(threads);
+  Helpers::the().set_limit(threads);
 }
 
 void for_each_in_parallel(std::size_t count, const std::function<void(std::size_t)>& work) {
-  Loop loop(count, work);
+  SharedLoop loop(count, work);
   if (count <= 1 || thread_limit() == 1) {
     loop.take_part();
   } else {
-    Pool::the().run(loop);
+    Helpers::the().run(loop);
   }
   loop.pass_on_exception();
 }

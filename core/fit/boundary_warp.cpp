@@ -54,7 +54,8 @@ Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const P
   if (from.rows() < fewest_placing_landmarks) return placed;
   const WarpKernel kernel(placed.colwise().mean(), reach_share * bounds_of(placed).diagonal().norm());
   const Eigen::Index stride = std::max<Eigen::Index>(1, placed.rows() / most_samples);
-  const double landmark_mm = landmark_noise_mm * std::max(1.0, enough_landmarks / static_cast<double>(from.rows()));
+  const double few = std::max(1.0, enough_landmarks / static_cast<double>(from.rows()));
+  const double landmark_mm = landmark_noise_mm * std::pow(few, 1.5);
   Points warped = placed;
   for (int round = 0; round < rounds; ++round) {
     const BoundaryPull there = search.nearest({topology, warped});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/deform/sigma_presets.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/study/schemes.h"
@@ -102,6 +103,22 @@ TEST_CASE("features that are grabbed come near their places") {
   for (std::size_t k = 0; k < subject.shown.size(); ++k) {
     const Vec3 here = reference.landmark_points[k].interpolate(*reference.topology, *session.document().shape().points);
     CHECK((here - subject.shown[k].position).norm() < 1);
+  }
+}
+
+TEST_CASE("the scripted user strokes with the presets of the editor") {
+  const StudySubject subject = stretched_ball();
+  EditSession session = new_session();
+  REQUIRE(grab_features(session, subject.shown));
+  const auto sigmas_mm = default_sigmas_mm(*session.document().shape().reference);
+  for (const EditStep& step : session.steps_done()) CHECK(std::get<Stroke>(step.action).sigma_mm == sigmas_mm[2]);
+  PullingOptions options;
+  options.most_pulls = 3;
+  const auto before = session.steps_done().size();
+  REQUIRE(pull_to_target(session, subject.target, options).value().pulls > 0);
+  for (const EditStep& step : session.steps_done().subspan(before)) {
+    const double sigma_mm = std::get<Stroke>(step.action).sigma_mm;
+    CHECK(std::find(sigmas_mm.begin(), sigmas_mm.end(), sigma_mm) != sigmas_mm.end());
   }
 }
 

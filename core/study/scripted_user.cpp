@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/deform/sigma_presets.h"
 #include "core/fit/find_placement.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/phantom/noise.h"
@@ -16,8 +17,6 @@ namespace homolog {
 
 namespace {
 
-/// The editor's σ presets as fractions of the placed reference's bounding-box diagonal, large to small.
-constexpr std::array<double, 3> sigma_fractions{0.16, 0.08, 0.04};
 /// What the solve adds to a σ, about, as a share of the stiffness length: enough to choose a place by.
 constexpr double widening_share = 0.8;
 constexpr std::size_t most_places = 60, most_tries = 24, most_compared = 4;
@@ -108,13 +107,12 @@ std::vector<const Deviation*> distinct_places(const std::vector<Deviation>& seen
 /// The places and σ to try, most to gain first.
 std::vector<Choice> choices(const EditSession& session, const std::vector<Deviation>& seen,
                             const std::vector<Offset>& offsets, double visible_mm) {
-  const double diagonal = diagonal_mm(session);
+  const auto sigmas_mm = default_sigmas_mm(*session.document().shape().reference);
   const double widening2 = std::pow(widening_mm(session.document()), 2);
   std::vector<Choice> found;
-  for (const Deviation* place : distinct_places(seen, visible_mm, sigma_fractions.back() * diagonal)) {
+  for (const Deviation* place : distinct_places(seen, visible_mm, sigmas_mm.front())) {
     const Vec3 direction = in_slice(*place).normalized();
-    for (const double fraction : sigma_fractions) {
-      const double sigma_mm = fraction * diagonal;
+    for (const double sigma_mm : sigmas_mm) {
       const double reach2 = sigma_mm * sigma_mm + widening2;
       const BestFit fit = best_fit(offsets, [&](std::size_t k) {
         const double d2 = (seen[k].from - place->from).squaredNorm();
@@ -213,7 +211,7 @@ Result<int> grab_features(EditSession& session, const std::vector<Landmark>& fea
       stroke.tool = Tool::grab;
       stroke.at = *at;
       stroke.to = feature.position;
-      stroke.sigma_mm = sigma_fractions.front() * diagonal_mm(session);
+      stroke.sigma_mm = default_sigmas_mm(*session.document().shape().reference).back();
       if (auto done = session.apply(stroke); !done) return fail(done.error());
       ++strokes;
     }

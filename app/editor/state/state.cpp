@@ -61,14 +61,6 @@ std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document&
   return planes;
 }
 
-std::array<double, 3> default_sigmas_mm(const Points& placed_reference) {
-  const double diagonal = bounds_of(placed_reference).diagonal().norm();
-  const auto share = [&](double part) {
-    return std::clamp(std::round(2 * part * diagonal) / 2, smallest_sigma_mm, largest_sigma_mm);
-  };
-  return {share(0.03), share(0.08), share(0.2)};
-}
-
 void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image) {
   state.drag.reset();
   state.ruler.reset();

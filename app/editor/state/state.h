@@ -15,6 +15,7 @@
 #include "app/editor/work/snaps.h"
 #include "app/editor/work/template_maker.h"
 #include "core/case/action.h"
+#include "core/deform/sigma_presets.h"
 #include "core/snap/appearance.h"
 
 namespace homolog {
@@ -199,8 +200,6 @@ void look_at_mesh(EditorState& state, const Points& points);
 void fit_views(EditorState& state, const Document& document, const Layout& layout);
 /// Slices show as much of the image after their view has grown or shrunk: maximised, or with the window.
 void follow_layout(EditorState& state, const Layout& layout);
-/// σ presets as shares of the placed reference's diagonal: a vicinity, a part, a whole pole.
-std::array<double, 3> default_sigmas_mm(const Points& placed_reference);
 
 /// Turns the 3D view to a standard direction; what it looks at, and from how far, stays.
 void look_from(EditorState& state, LookFrom from);
@@ -211,8 +210,6 @@ void scroll_slice(EditorState& state, ViewKind kind, const Document& document, d
 /// in planes oblique to the voxels it stays where it is.
 void settle_crosshair(EditorState& state, const Document& document);
 void set_sigma(EditorState& state, double sigma_mm);
-/// Limits of σ, mm.
-inline constexpr double smallest_sigma_mm = 0.5, largest_sigma_mm = 200;
 
 /// What to call a case and what is written from it: as its file is called, else as its image.
 std::string case_name(const std::filesystem::path& file, const Document& document);

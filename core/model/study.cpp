@@ -6,8 +6,8 @@
 
 #include "core/base/files.h"
 #include "core/base/json.h"
-#include "core/base/text.h"
 #include "core/base/paths.h"
+#include "core/base/text.h"
 
 namespace homolog {
 

@@ -171,7 +171,7 @@ int run_main(int argc, char** argv) {
     std::cerr << "homolog: " << printable(error.what()) << "; see homolog --help\n";
     return wrong_command_line;
   }
-  if (!run) return run_editor(editor);
+  if (!run) return limit_threads(nullptr) ? run_editor(editor) : wrong_command_line;
   const CLI::App* verb = &app;
   while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
   if (!limit_threads(verb->get_option_no_throw("--jobs"))) return wrong_command_line;

@@ -1,5 +1,7 @@
 // The command-line contract of docs/commands.md: fit, snap, propagate and the studies.
+#include <array>
 #include <fstream>
+#include <map>
 
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
@@ -270,6 +272,68 @@ TEST_CASE("propagate writes a mesh a frame with volumes and a study") {
   REQUIRE(run(folder, "replay out/cine.homolog --frame 2 -o replayed.ply").status == 0);
   CHECK(run(folder, "compare out/frame-02.ply --mesh replayed.ply --json").json()["vertex_distance_mm"]["max"] < 1e-6);
   check_refused(run(folder, "propagate first.ply --image cine.nii.gz --frame 4 -o out"), "cine.nii.gz");
+}
+
+namespace {
+
+/// The bytes of every file below a folder, by name.
+std::map<std::string, std::string> files_below(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file())
+      files[fs::relative(entry.path(), folder).string()] = read_whole_file(entry.path()).value();
+  return files;
+}
+
+}  // namespace
+
+TEST_CASE("every verb that works in parallel writes the same bytes whatever the number of threads") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(icosphere(3, 23), folder.path / "large.ply"));
+  REQUIRE(write_volume(ball_image(3), folder.path / "cine.nii.gz"));
+  for (const char* subject : {"1", "2"})
+    REQUIRE(run(folder, std::string("phantom kidney -o kidneys --subject ") + subject).status == 0);
+  const std::string masks = "kidneys/kidney-1-labels.nii.gz kidneys/kidney-2-labels.nii.gz";
+  const std::vector<std::string> commands = {
+      "fit built-in:kidney --mask " + masks + " -o OUT",
+      "fit large.ply --image cine.nii.gz --placement near.json -o OUT/fitted.ply",
+      "snap large.ply --image cine.nii.gz -o OUT/snapped.ply",
+      "propagate large.ply --image cine.nii.gz --frame 0 -o OUT",
+      "study schemes built-in:ventricle --phantoms 1,2 --schemes anchored,fit --pulls 1 -o OUT --cases",
+  };
+  std::ofstream(folder.path / "near.json") << R"({"rotation":[1,0,0,0],"scale":1,"translation":[1,0,0]})";
+  for (std::string command : commands) {
+    CAPTURE(command);
+    std::vector<std::map<std::string, std::string>> written;
+    for (const std::string threads : {"1", "2", "7"}) {
+      const std::string out = "out";  // the same name each time: files may hold it
+      fs::remove_all(folder.path / out);
+      fs::create_directory(folder.path / out);
+      std::string named = command;
+      named.replace(named.find("OUT"), 3, out);
+      const Ran ran =
+          threads == "2" ? run(folder, named, "HOMOLOG_THREADS=2 ") : run(folder, named + " --jobs " + threads);
+      INFO(ran.errors);
+      REQUIRE(ran.status == 0);
+      written.push_back(files_below(folder.path / out));
+    }
+    CHECK(!written[0].empty());
+    CHECK(written[0] == written[1]);
+    CHECK(written[0] == written[2]);
+  }
+}
+
+TEST_CASE("a number of threads that is none is a usage error") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(icosphere(2, 20), folder.path / "ball.ply"));
+  for (const char* jobs : {"0", "-1", "nan", "1.5", "x", "1025"})
+    CHECK(run(folder, std::string("info ball.ply --jobs ") + jobs).status == 2);
+  for (const char* threads : {"0", "-1", "x", "2x", "\"\""}) {
+    const Ran ran = run(folder, "info ball.ply", std::string("HOMOLOG_THREADS=") + threads + " ");
+    CHECK(ran.status == 2);
+    CHECK(ran.errors.find("HOMOLOG_THREADS") != std::string::npos);
+  }
+  CHECK(run(folder, "info ball.ply", "HOMOLOG_THREADS=3 ").status == 0);
 }
 
 }  // namespace homolog

@@ -4,6 +4,7 @@
 
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/model_help.h"
+#include "core/base/parallel.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/model/shape_model.h"
@@ -76,6 +77,21 @@ TEST_CASE("a fit shows its steps and gives the shape of the label") {
   CHECK(radii.maxCoeff() < 25);
   CHECK_FALSE(fitter.document());
   CHECK_FALSE(fitter.take());
+}
+
+TEST_CASE("a fit has the same bits whatever the number of threads") {
+  const int before = thread_limit();
+  std::vector<Points> fitted;
+  for (const int threads : {1, 2, 7}) {
+    set_thread_limit(threads);
+    Fitter fitter([] {});
+    fitter.start_fit(case_of(ball(20)), {labels(), "labels"}, settings());
+    fitter.finish();
+    fitted.push_back(*test::must(*fitter.take()).edit.points);
+  }
+  set_thread_limit(before);
+  CHECK(fitted[0] == fitted[1]);
+  CHECK(fitted[0] == fitted[2]);
 }
 
 TEST_CASE("a fit that was cancelled gives nothing and one to an absent label says so") {

@@ -140,8 +140,8 @@ bool limit_threads(const CLI::Option* jobs) {
 
 int run_main(int argc, char** argv) {
   CLI::App app(
-      "Homolog: segment organs and put their surfaces in correspondence in one stroke.\n"
-      "Without a verb it is the editor; see docs/ for the walk through.",
+      "Homolog: segment organs and put their meshes in correspondence in one stroke.\nWithout a verb it is the editor. "
+      "With a verb it works without a display.",
       "homolog");
   app.set_version_flag("--version", std::string("homolog ") + version);
   app.require_subcommand(0, 1);

@@ -122,7 +122,7 @@ TEST_CASE("a case of an older version opens to the same points") {
   for (Eigen::Index k = 0; k < points.size(); ++k) {
     double wanted = 0;
     REQUIRE(static_cast<bool>(file >> wanted));
-    CHECK(std::abs(points.data()[k] - wanted) < 1e-9);
+    CHECK(std::abs(points.data()[k] - wanted) < 1e-6);  // that version stopped its rotations short of the last bits
   }
   CHECK(read->session.strokes() == 4);
   CHECK(read->session.redo_name() == "stiffness");

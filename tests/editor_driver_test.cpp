@@ -152,7 +152,7 @@ TEST_CASE("landmark files are read beside the window and taken into the case tha
   driver.type_into("name", placed.string());
   driver.press(key::enter);
   driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("north"); });
-  CHECK(driver.shows("1 of 2 names are no landmarks of the template"));
+  CHECK(driver.shows("1 of 2 names are not landmarks of the template"));
 
   driver.click("side panel/Reference");
   driver.click("Reference/Import…");

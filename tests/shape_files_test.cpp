@@ -141,7 +141,7 @@ TEST_CASE("faces turned inside out are said and taken as those of most others") 
           .value();
   REQUIRE(read.warnings.size() == 1);
   CHECK(read.warnings[0].find("inside.ply") != std::string::npos);
-  CHECK(read.warnings[0].find("inside out") != std::string::npos);
+  CHECK(read.warnings[0].find("look inward") != std::string::npos);
   CHECK(read.set.topology->triangles() == lopsided_organ(0).triangles);
 }
 

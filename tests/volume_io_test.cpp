@@ -445,7 +445,7 @@ TEST_CASE("what is no volume is refused by name") {
   const TemporaryFolder folder;
   CHECK(says(read_volume(folder.path / "absent.nii"), "does not exist"));
   CHECK(says(read_volume(folder.path), "holds neither"));
-  CHECK(says(read_as("text.txt", "hello"), "is no volume"));
+  CHECK(says(read_as("text.txt", "hello"), "is not a volume"));
   for (const char* name :
        {"v.nii", "v.nii.gz", "v.hdr", "v.img", "v.nrrd", "v.nhdr", "v.mha", "v.mhd", "v.dcm", "v.png"})
     for (const std::string& content :

@@ -274,11 +274,11 @@ bool EditorApp::take_recovery() {
       for (const RecoverDialog::Found& counted : found->cases)
         if (shown.journal == counted.journal) shown.details = counted.details;
   } else if (found->cases.empty()) {
-    if (offer_ == Offer::asked) add_notice(state_, "No case waits to be recovered.", false);
+    if (offer_ == Offer::asked) add_notice(state_, "There is no case to recover.", false);
   } else if (offer_ == Offer::notice || (state_.dialog && open == nullptr)) {
     add_notice(state_,
                std::to_string(found->cases.size()) + (found->cases.size() == 1 ? " case was" : " cases were") +
-                   " not saved before; the section Case offers to recover.",
+                   " not saved. Unsaved cases… in the section Case recovers them.",
                false);
   } else {
     state_.dialog = RecoverDialog{std::move(found->cases), {}};

@@ -1,6 +1,6 @@
 #include "app/editor/editor_app.h"
 
-// What assists the hand in the case on the screen: the fit to a label, and the help of the study's model.
+// The automatic steps on the open case: the fit to a label, and the help of the study's model.
 
 namespace homolog {
 
@@ -23,7 +23,7 @@ void EditorApp::cancel_fit() {
 void EditorApp::follow_fit() {
   if (fitter_.document() && fitter_.document() != snapshot_->document) {
     cancel_fit();
-    add_notice(state_, "The case was edited meanwhile, so what was being fitted was given up.", false);
+    add_notice(state_, "The case was edited while the fit ran, so the fit was given up.", false);
   }
   if (auto step = fitter_.take_step(); step && fitter_.busy()) {
     // The organ may be far from where the template was.

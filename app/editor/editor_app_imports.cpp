@@ -28,7 +28,7 @@ Result<VertexScalars> stiffness_in(const std::filesystem::path& path, const Topo
   }
   if (read->triangles.rows() > 0 && read->triangles != topology.triangles())
     return fail(name,
-                "its faces are not those of the template, so its vertices are others; save the values on the "
+                "its faces are not those of the template, so its vertices are others. Save the values on the "
                 "template's own mesh.");
   return std::move(*factors);
 }
@@ -88,14 +88,15 @@ void EditorApp::import_landmarks(const std::filesystem::path& path) {
       [this, name = path.filename().string()](const std::vector<Landmark>& read) {
         const auto known = landmarks_of_template(read, *snapshot_->document);
         if (known.empty())
-          return add_notice(state_, name + ": none of its names is a landmark of the template; rename them as listed.");
+          return add_notice(state_,
+                            name + ": none of its names is a landmark of the template. Rename them as in the list.");
         stop_playing();
         for (std::size_t i = 0; i < known.size(); ++i)
           session_->apply(PlaceLandmark{known[i].name, known[i].position}, i > 0);
         if (known.size() < read.size())
           add_notice(state_,
                      name + ": " + std::to_string(read.size() - known.size()) + " of " + std::to_string(read.size()) +
-                         " names are no landmarks of the template, and left out.",
+                         " names are not landmarks of the template. They were left out.",
                      false);
       });
 }
@@ -120,8 +121,8 @@ void EditorApp::import_template_landmarks(const std::filesystem::path& path) {
           session_->apply(SetTemplateLandmark{landmark, on_mesh}, std::exchange(joined, true));
         }
         if (!found.away.empty())
-          add_notice(state_, name + ": left out what lies away from the template: " + found.away +
-                                 "; check that the points are in the template's own frame.");
+          add_notice(state_, name + ": left out, because they lie away from the template: " + found.away +
+                                 ". Check that the points are in the template's own coordinates.");
       });
 }
 

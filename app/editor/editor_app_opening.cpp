@@ -2,7 +2,7 @@
 
 #include "core/case/unsaved_cases.h"
 
-// What becomes of files that were opened.
+// What the editor does with files once they are read.
 
 namespace homolog {
 
@@ -58,7 +58,7 @@ void EditorApp::start_document(Document document) {
   }
   start_session(std::move(*session));
   if (!edited || before.empty()) return;
-  Notice notice{"A new case was begun; the one before is kept.", false};
+  Notice notice{"A new case was started. The case before it is kept.", false};
   notice.case_before = before;
   add_notice(state_, std::move(notice));
 }

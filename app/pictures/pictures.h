@@ -26,7 +26,7 @@ struct MadePicture {
 /// The direction of "anterior", "posterior", "left", "right", "superior", "inferior" or "x,y,z" (LPS, towards the eye).
 Result<Vec3> direction_from_name(const std::string& name);
 
-/// All shapes as a grid under one camera that just shows each: hue by landmark, the same glyphs on each [Erdt 2009,
+/// All shapes as a grid under one camera that just shows each: hue by vertex, the same glyphs on each [Erdt 2009,
 /// §3.1, Fig. 5]. Shapes are moved to their centroids. Errors: no OpenGL, shapes of different topology (the caller
 /// names them).
 Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const MontageOptions& options);

@@ -97,7 +97,7 @@ class HeadlessDemo {
     return write_picture(picture->picture, written("correspondence.png"));
   }
 
-  /// The adapted mesh and other phantom subjects as a shape model: they share the template's landmarks.
+  /// The adapted mesh and other phantom subjects as a shape model: they share the template's vertices.
   Result<void> export_model(EditSession& session, const Volume&) {
     constexpr int others = 9;
     const Points& adapted = *session.document().shape().points;

@@ -69,7 +69,7 @@ void add_info(CLI::App& app, VerbRun& run) {
   verb->add_option("FILE", options->file, "A volume (or DICOM folder), mesh, template, case or model")->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
   add_spacing(*verb, options->spacing_mm);
-  auto* mask = verb->add_option("--mask", options->mask, "A label map to measure a mesh's distance from");
+  auto* mask = verb->add_option("--mask", options->mask, "A label map: also measure the mesh's distance to it");
   verb->add_option("--label", options->label, "Which label of the mask")->check(CLI::PositiveNumber)->needs(mask);
   const auto info = [options](Progress& progress) -> Result<Report> {
     auto report = describe_file(options->file, read_options(options->series, options->spacing_mm, progress));
@@ -119,7 +119,7 @@ void add_mirror(CLI::App& app, VerbRun& run) {
     std::string plane = "sagittal";
   };
   auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, "mirror", "The template of the other side: same numbering, faces turned");
+  CLI::App* verb = add_verb(app, "mirror", "The template of the other side, with the same numbering");
   verb->add_option("TEMPLATE", options->in, "A template or mesh")->required();
   verb->add_option("-o,--output", options->out, "The file to write")->required();
   verb->add_option("--plane", options->plane, "Plane to mirror across")

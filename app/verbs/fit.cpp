@@ -202,7 +202,7 @@ Result<Similarity> start_in_image(const Shared& shared, const CaseLandmarks& lan
   if (shared.fit.placement) return *shared.fit.placement;
   const auto [from, to] = matched_landmarks(*shared.reference, landmarks.places);
   if (from.rows() < fewest_placing_landmarks)
-    return fail("", "needs --placement, or --landmarks with three places that the template names, to start from");
+    return fail("", "needs --placement, or --landmarks with at least three of the template's landmarks");
   const Similarity placement =
       likely_similarity(from, to, PlacementPrior{}, bounds_of(shared.reference->points).diagonal().norm());
   if (!(placement.scale > 0))
@@ -301,43 +301,45 @@ void check(const Options& options) {
   if (kinds != 1) throw CLI::RequiredError("exactly one of --mask, --mesh and --image");
   if (!options.image.empty()) return;
   if (options.cases().size() == 1) return;
-  if (is_mesh_name(options.out)) throw CLI::ValidationError("--output", "is a folder where several cases are fitted");
-  if (!options.placement.empty()) throw CLI::ValidationError("--placement", "goes with one case");
+  if (is_mesh_name(options.out))
+    throw CLI::ValidationError("--output", "must be a folder, since several cases are given");
+  if (!options.placement.empty()) throw CLI::ValidationError("--placement", "is for one case only");
   if (!options.landmarks.empty() && !fs::is_directory(options.landmarks))
     throw CLI::ValidationError("--landmarks",
-                               "is a folder where several cases are fitted: with case.mrk.json for each");
+                               "must be a folder, since several cases are given: with case.mrk.json for each");
 }
 
 }  // namespace
 
 void add_fit(CLI::App& app, VerbRun& run) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, "fit", "Adapts a template to label maps or surfaces without a hand");
+  CLI::App* verb = add_verb(app, "fit", "Fits a template to label maps, surfaces or an image");
   verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
       ->required();
-  auto* mask = verb->add_option("--mask", options->masks, "The label map to adapt to; several with a folder as output");
-  verb->add_option("--mesh", options->meshes, "The surface to adapt to; several with a folder as output")
+  auto* mask =
+      verb->add_option("--mask", options->masks, "The label map to fit to. Several label maps go into a folder");
+  verb->add_option("--mesh", options->meshes, "The surface to fit to. Several surfaces go into a folder")
       ->excludes(mask);
-  verb->add_option("--image", options->image, "The image to adapt to, from a placement: the boundary that it shows");
-  verb->add_option("-o,--output", options->out, "The mesh to write, or a folder for one mesh a case (case.ply)")
+  verb->add_option("--image", options->image, "The grey-value image to fit to; needs --placement or --landmarks");
+  verb->add_option("-o,--output", options->out, "The mesh to write, or a folder that gets one mesh for each case")
       ->required();
   verb->add_option("--label", options->label, "Which label of the mask, where it holds several")
       ->check(CLI::PositiveNumber)
       ->needs(mask);
-  verb->add_option("--closing-mm", options->closing_mm, "Radius in mm of the closing: narrower clefts are filled")
+  verb->add_option("--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
       ->check(CLI::Range(0.0, 20.0))
       ->needs(mask)
       ->capture_default_str();
   verb->add_option("--placement", options->placement,
-                   "Where to start: JSON with rotation, scale and translation as in a case file");
+                   "Where to start: a JSON file with rotation, scale and translation, as in a case file");
   verb->add_option("--landmarks", options->landmarks,
                    "Named places on the organ (.mrk.json, .json), or a folder with a file of each case's name");
   verb->add_option("--orientation", options->orientation,
-                   "patient: near the patient's axes; any: every rotation is tried")
+                   "patient: rotations near the patient's axes; any: all rotations")
       ->check(CLI::IsMember({"patient", "any"}))
       ->capture_default_str();
   add_snap_arguments(*verb, options->snap);
-  verb->add_flag("--mirror", options->mirror, "Start from the template of the other side");
+  verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->callback([options, &run] {
     check(*options);
     run = [options](Progress& progress) { return fit(*options, progress); };

@@ -31,12 +31,11 @@ void add_training_options(CLI::App& verb, TrainingVerb& options) {
                   "Shapes in correspondence (.ply, .vtk, .vtp, .obj, .particles, .homolog), or a study (.study.json)")
       ->required();
   auto* keep_scale = verb.add_flag("--keep-scale", options.keep_scale, "Align by translation and rotation only");
-  verb.add_flag("--no-align", options.no_align, "Take the shapes as they lie")->excludes(keep_scale);
+  verb.add_flag("--no-align", options.no_align, "Do not align the shapes")->excludes(keep_scale);
   verb.add_flag("--all-frames", options.reading.all_frames,
-                "Of a cine case take every frame that was edited, not only the one it shows");
-  verb.add_flag("--flip-mirrored", options.reading.flip_mirrored,
-                "Turn shapes that are mirror images of most others into what they are");
-  verb.add_option("--group", options.reading.group, "Of a study take the cases of this group only");
+                "Take every edited frame of a cine, not only the one that the case shows");
+  verb.add_flag("--flip-mirrored", options.reading.flip_mirrored, "Flip shapes that are mirror images of most others");
+  verb.add_option("--group", options.reading.group, "Take only the cases of this group of a study");
 }
 
 struct Training {
@@ -76,7 +75,7 @@ struct ModelOptions {
 };
 
 Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
-  if (!is_model_name(options.out)) return fail(options.out.string(), "is no name of a model; use .h5.json or .h5");
+  if (!is_model_name(options.out)) return fail(options.out.string(), "is not the name of a model; use .h5.json or .h5");
   auto training = train(options.training, progress);
   if (!training) return fail(training.error());
   const PrincipalComponents& components = training->components;
@@ -162,7 +161,7 @@ void add_model(CLI::App& app, VerbRun& run) {
   add_training_options(*verb, options->training);
   verb->add_option("-o,--output", options->out, "The model to write (.h5.json or .h5, statismo and scalismo 0.9)")
       ->required();
-  verb->add_option("--variance", options->variance, "Share of the variance that the modes kept hold")
+  verb->add_option("--variance", options->variance, "Keep as many modes as hold this share of the variance")
       ->check(CLI::Range(0.01, 1.0));
   verb->add_option("--csv", options->tables, "Folder for mean.csv, variances.csv and scores.csv");
   verb->add_option("--aligned", options->aligned, "Folder for the aligned shapes as .ply and .particles");
@@ -174,10 +173,11 @@ void add_evaluate(CLI::App& app, VerbRun& run) {
   auto options = std::make_shared<EvaluateOptions>();
   CLI::App* verb = add_verb(app, "evaluate", "Compactness, generalisation and specificity of a training set");
   add_training_options(*verb, options->training);
-  verb->add_option("--samples", options->samples, "Random shapes for specificity")->check(CLI::Range(1, 1000000));
+  verb->add_option("--samples", options->samples, "How many random shapes to draw for specificity")
+      ->check(CLI::Range(1, 1000000));
   verb->add_option("--seed", options->seed, "Seed of the random shapes");
   verb->add_option("--modes", options->modes,
-                   "Mode counts of the mean and surface distances: all, or 1,3,8 (default: what holds 95 %)")
+                   "Numbers of modes to report at: all, or a list like 1,3,8 (default: the number that holds 95 %)")
       ->check([](const std::string& text) {
         return parsed_modes(text, 1).empty() ? text + " is neither all nor mode counts like 1,3,8" : std::string();
       });

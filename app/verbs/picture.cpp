@@ -171,17 +171,17 @@ void add_picture(CLI::App& app, VerbRun& run) {
   CLI::App* picture = app.add_subcommand("picture", "Pictures without a display");
   picture->require_subcommand(1);
   auto options = std::make_shared<PictureVerb>();
-  CLI::App* all = add_verb(*picture, "correspondence", "Shapes in a grid, hue and glyphs by landmark");
+  CLI::App* all = add_verb(*picture, "correspondence", "Shapes in a grid; equal hues and glyphs are equal vertices");
   all->add_option("SHAPE", options->in,
                   "Shapes in correspondence: meshes, case files (.homolog), a study (.study.json)")
       ->required();
-  all->add_flag("--all-frames", options->all_frames, "Of a cine case show every frame that was edited");
+  all->add_flag("--all-frames", options->all_frames, "Show every edited frame of a cine");
   add_options(*all, *options);
   all->callback(
       [options, &run] { run = [options](Progress& progress) { return correspondence(*options, progress); }; });
   CLI::App* modes = add_verb(*picture, "modes", "Modes of a model: -3, 0 and +3 standard deviations");
   modes->add_option("MODEL", options->in, "The model (.h5.json or .h5)")->required()->expected(1);
-  modes->add_option("--modes", options->modes, "How many modes, a row each")->check(CLI::Range(1, 20));
+  modes->add_option("--modes", options->modes, "How many modes to show, a row for each")->check(CLI::Range(1, 20));
   add_options(*modes, *options);
   modes->callback([options, &run] { run = [options](Progress&) { return of_model(*options); }; });
   CLI::App* one = add_verb(*picture, "case", "A case: three slices with the outline, and the shape in 3D");

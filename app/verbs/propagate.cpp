@@ -169,13 +169,14 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
 void add_propagate(CLI::App& app, VerbRun& run) {
   auto options = std::make_shared<PropagateVerb>();
   CLI::App* verb = add_verb(app, "propagate", "Carries the mesh of one frame through all frames of a cine");
-  verb->add_option("MESH", options->mesh, "The mesh of one frame, where it lies in the image")->required();
+  verb->add_option("MESH", options->mesh, "The mesh of one frame, lying on its organ")->required();
   verb->add_option("--image", options->image, "The cine")->required();
   verb->add_option("--frame", options->frame, "The frame that the mesh is of, from 0")
       ->check(CLI::NonNegativeNumber)
       ->required();
   verb->add_option("-o,--output", options->out, "The folder for meshes, case, study and volumes")->required();
-  verb->add_option("--reach-mm", options->options.reach_mm, "How far the boundary may move between two frames")
+  verb->add_option("--reach-mm", options->options.reach_mm,
+                   "How far (mm) the boundary may move from one frame to the next")
       ->check(CLI::Range(0.5, 50.0))
       ->capture_default_str();
   verb->callback(

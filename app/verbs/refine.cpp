@@ -9,7 +9,7 @@
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
 
-// The verb `refine`: landmarks of a case along the surface that its mesh has.
+// The verb `refine`: moves the vertices of a case along the surface that its mesh has.
 
 namespace homolog {
 
@@ -54,7 +54,8 @@ Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
 
 void add_refine(CLI::App& app, VerbRun& run) {
   auto options = std::make_shared<RefineVerb>();
-  CLI::App* verb = add_verb(app, "refine", "Moves a case's landmarks along the surface that its mesh has");
+  CLI::App* verb =
+      add_verb(app, "refine", "Moves a case's vertices along its surface to where the fitted template has them");
   verb->add_option("CASE", options->file, "The case file, which gets one more edit")->required();
   verb->add_option("-o,--output", options->out, "The mesh to write");
   verb->callback([options, &run] { run = [options](Progress& progress) { return run_refine(*options, progress); }; });

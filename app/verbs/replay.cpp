@@ -61,8 +61,9 @@ void add_replay(CLI::App& app, VerbRun& run) {
   verb->add_option("-o,--output", options->out, "The mesh to write")->required();
   verb->add_option("--scheme", options->scheme, "Overrides the case's scheme")
       ->check(CLI::IsMember({"anchored", "paper", "raw"}));
-  verb->add_option("--spacing", options->spacing, "Overrides the case's spacing strength")->check(CLI::Range(0.0, 1.0));
-  verb->add_option("--events", options->events, "Mouse events a stroke counts for in the scheme paper")
+  verb->add_option("--spacing", options->spacing, "Overrides the case's even spacing, 0 to 1")
+      ->check(CLI::Range(0.0, 1.0));
+  verb->add_option("--events", options->events, "Mouse events that a stroke stands for in the scheme paper")
       ->check(CLI::Range(1, 1000));
   verb->add_option("--frame", options->frame, "Which frame's mesh to write (default: the one shown last)")
       ->check(CLI::NonNegativeNumber);

@@ -78,7 +78,7 @@ void check(const SnapVerb& verb) {
   if (!verb.of_case() && verb.image.empty()) throw CLI::RequiredError("--image");
   if (!verb.of_case() && verb.out.empty()) throw CLI::RequiredError("--output");
   if (verb.of_case() && !verb.image.empty())
-    throw CLI::ValidationError("--image", "goes with a mesh; a case has its own");
+    throw CLI::ValidationError("--image", "is for a mesh; a case has its own image");
 }
 
 }  // namespace
@@ -86,14 +86,15 @@ void check(const SnapVerb& verb) {
 void add_snap(CLI::App& app, VerbRun& run) {
   auto options = std::make_shared<SnapVerb>();
   CLI::App* verb = add_verb(app, "snap", "Draws a mesh to the boundary that an image shows");
-  verb->add_option("MESH|CASE", options->source, "A mesh that lies on its organ, or a case, which gets one more edit")
+  verb->add_option("MESH|CASE", options->source,
+                   "A mesh that lies on its organ, or a case file, which gets one more edit")
       ->required();
   verb->add_option("--image", options->image, "The image, where a mesh is given");
   verb->add_option("-o,--output", options->out, "The mesh to write");
   verb->add_option("--at", options->at, "x,y,z in mm: only the part of the mesh around this point")
       ->delimiter(',')
       ->expected(3);
-  verb->add_option("--sigma-mm", options->sigma_mm, "How large that part is")
+  verb->add_option("--sigma-mm", options->sigma_mm, "How wide that part is (mm)")
       ->check(CLI::Range(0.5, 200.0))
       ->capture_default_str();
   add_snap_arguments(*verb, options->snap);

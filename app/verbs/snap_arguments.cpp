@@ -9,17 +9,17 @@ namespace homolog {
 
 void add_snap_arguments(CLI::App& verb, SnapArguments& arguments) {
   verb.add_option("--frame", arguments.frame, "Which frame of a cine, from 0")->check(CLI::NonNegativeNumber);
-  verb.add_option("--reach-mm", arguments.reach_mm, "How far to both sides of the mesh the boundary is looked for")
+  verb.add_option("--reach-mm", arguments.reach_mm, "How far (mm) to look for the boundary, to both sides of the mesh")
       ->check(CLI::Range(0.5, 100.0))
       ->capture_default_str();
-  verb.add_option("--strength", arguments.strength, "0: nothing moves; 1: the image decides where it shows an edge")
+  verb.add_option("--strength", arguments.strength, "0: nothing moves; 1: the image decides wherever it shows an edge")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   verb.add_option("--polarity", arguments.polarity, "On which side of its boundary the organ is brighter")
       ->check(CLI::IsMember({"automatic", "bright-inside", "dark-inside", "either"}))
       ->capture_default_str();
   verb.add_option("--done", arguments.done,
-                  "MESH IMAGE of a case that is done: its boundary's look is learned; may be given several times");
+                  "MESH IMAGE of a finished case: learn how the boundary looks there; may be given several times");
 }
 
 Result<SnapOptions> snap_options(const SnapArguments& arguments, Eigen::Index vertices, Progress& progress) {

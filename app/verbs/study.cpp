@@ -61,12 +61,12 @@ Result<Report> study_user(const UserOptions& options, Progress& progress) {
 
 void add_user(CLI::App& study, VerbRun& run) {
   auto options = std::make_shared<UserOptions>();
-  CLI::App* verb = add_verb(study, "user", "A scripted user adapts a template to a mask: writes a case file");
+  CLI::App* verb = add_verb(study, "user", "A scripted user adapts a template to a label map and writes a case file");
   verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
       ->required();
   verb->add_option("--mask", options->mask, "The label map to adapt to")->required();
   add_target_options(*verb, options->target);
-  verb->add_option("--landmarks", options->landmarks, "Named places on the organ that the user recognises");
+  verb->add_option("--landmarks", options->landmarks, "Named places on the organ that the scripted user is shown");
   verb->add_option(
       "--scheme", options->scheme,
       "anchored, raw, paper-1, paper-10 or spacing, alone or with +grab, +warp or +hold, each also +refine");
@@ -74,8 +74,8 @@ void add_user(CLI::App& study, VerbRun& run) {
   verb->add_option("--pulls", options->work.most_pulls, "At most this many pulls")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  verb->add_option("--seed", options->work.seed, "Disturbs the placement, differently for each number");
-  verb->add_flag("--mirror", options->mirror, "Start from the template of the other side");
+  verb->add_option("--seed", options->work.seed, "Disturbs the placement; each number in another way");
+  verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->add_option("-o,--output", options->out, "The case file to write")->required();
   verb->callback([options, &run] { run = [options](Progress& progress) { return study_user(*options, progress); }; });
 }
@@ -85,7 +85,7 @@ void add_user(CLI::App& study, VerbRun& run) {
 void add_target_options(CLI::App& verb, TargetOptions& options) {
   verb.add_option("--label", options.label, "Which label of the mask, where it holds several")
       ->check(CLI::PositiveNumber);
-  verb.add_option("--closing-mm", options.closing_mm, "Radius in mm of the closing: narrower clefts are filled")
+  verb.add_option("--closing-mm", options.closing_mm, "Clefts narrower than twice this radius (mm) are filled")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
 }

@@ -197,7 +197,7 @@ Tables tables_of(const Plan& plan, const std::vector<Result<Report>>& results, c
   }
   for (const auto& [name, dice] : best_dice)
     if (dice < doubtful_dice)
-      report.warnings.push_back(name + ": stays off by every scheme; is " + plan.reference->source +
+      report.warnings.push_back(name + ": no scheme comes near; is " + plan.reference->source +
                                 " the template of another organ or side, or the label a wrong one?");
   if (plan.subjects.front().truth) {
     std::vector<Points> truth;
@@ -266,7 +266,7 @@ void check(const Options& options) {
   const int kinds = !options.phantoms.empty() + !options.masks.empty() + !options.meshes.empty();
   if (kinds != 1) throw CLI::RequiredError("exactly one of --phantoms, --mask and --mesh");
   if (!options.phantoms.empty() && !options.template_source.starts_with("built-in:"))
-    throw CLI::ValidationError("--phantoms", "goes with the built-in templates");
+    throw CLI::ValidationError("--phantoms", "is for the built-in templates");
   if (!options.landmarks.empty() && options.landmarks.size() != options.subjects())
     throw CLI::ValidationError("--landmarks", "needs one file for each case, in their order");
   if (options.cases && options.out.empty()) throw CLI::ValidationError("--cases", "needs a folder by -o");
@@ -276,7 +276,7 @@ void check(const Options& options) {
 
 void add_study_schemes(CLI::App& study, VerbRun& run) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(study, "schemes", "The scripted user by every scheme on every case: tables");
+  CLI::App* verb = add_verb(study, "schemes", "Compares ways of working: every scheme on every case, as tables");
   verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
       ->required();
   verb->add_option("--phantoms", options->phantoms, "Numbers of phantom subjects of the built-in template's organ")
@@ -287,14 +287,14 @@ void add_study_schemes(CLI::App& study, VerbRun& run) {
   add_target_options(*verb, options->target);
   verb->add_option("--landmarks", options->landmarks,
                    "Landmark files of the cases, in their order: half of each is shown, the error is that of the rest");
-  verb->add_option("--template-landmarks", options->template_landmarks, "Where the template's landmarks are");
+  verb->add_option("--template-landmarks", options->template_landmarks, "A file with the template's landmarks");
   verb->add_option("--schemes", options->schemes, "Which to compare (default: all)")->delimiter(',');
   verb->add_option("--stiffness", options->stiffness, "Stiffness base (default: the template's)")
       ->check(CLI::PositiveNumber);
   verb->add_option("--pulls", options->most_pulls, "At most this many pulls a run")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  verb->add_option("--seed", options->seed, "Of the placements' disturbance; the next case takes the next number")
+  verb->add_option("--seed", options->seed, "Seed of the first case's disturbance; the next case takes the next number")
       ->capture_default_str();
   verb->add_option("-o,--output", options->out, "Folder for runs.csv, schemes.csv, schemes.md and landmarks.svg");
   verb->add_flag("--cases", options->cases, "Write a case file of every run there too");

@@ -11,7 +11,7 @@
 #include "core/template/template_file.h"
 #include "core/volume/volume_io.h"
 
-// The verb `template`: a reference mesh from a label map or from an existing surface.
+// The verb `template`: makes a template from a label map or from an existing surface.
 
 namespace homolog {
 
@@ -146,25 +146,25 @@ Result<Report> make_template_file(const TemplateJob& options, Progress& progress
 
 void add_template(CLI::App& app, VerbRun& run) {
   auto options = std::make_shared<TemplateJob>();
-  CLI::App* verb = add_verb(app, "template", "A reference mesh from a label map or from an existing surface");
+  CLI::App* verb = add_verb(app, "template", "A template from a label map or from a surface");
   verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over")->required();
-  verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness and provenance)")
+  verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness, regions and landmarks)")
       ->required();
   verb->add_option("--label", options->label, "Which label of the mask, where it holds several")
       ->check(CLI::PositiveNumber);
   verb->add_option("--frame", options->frame, "Which frame of a cine label map, from 0")->check(CLI::NonNegativeNumber);
-  verb->add_option("--vertices", options->vertices, "How many landmarks")
+  verb->add_option("--vertices", options->vertices, "How many vertices")
       ->check(CLI::Range(100, 200000))
       ->capture_default_str();
-  verb->add_option("--closing-mm", options->closing_mm, "Radius in mm of the closing: narrower clefts are filled")
+  verb->add_option("--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
-  verb->add_option("--opening-mm", options->opening_mm, "Radius in mm of the opening: thinner spurs are removed")
+  verb->add_option("--opening-mm", options->opening_mm, "Spurs thinner than twice this radius (mm) are removed")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
-  verb->add_option(
-          "--genus", options->genus,
-          "auto: tunnels narrower than 5 mm are cut; keep: none; a number: the narrowest, until so many are left")
+  verb->add_option("--genus", options->genus,
+                   "Tunnels. auto: cut those narrower than 5 mm; keep: cut none; a number: cut the narrowest until so "
+                   "many are left")
       ->check(CLI::IsMember({"auto", "keep"}) | CLI::Range(0, 1000))
       ->capture_default_str();
   auto* tube_flag =

@@ -31,16 +31,16 @@ struct SmoothStiffness {
   double radius_mm = 10, strength = 0.5;
   bool operator==(const SmoothStiffness&) const = default;
 };
-/// Brings landmarks into a named region and gives them its factor, as PaintStiffness does; without a name takes them
-/// out of every region, factor 1.
+/// Brings the vertices under the brush into a named region and gives them its factor. Without a name it takes them out
+/// of every region; their factor is 1 then.
 struct PaintRegion {
   std::string name;
   Vec3 at = Vec3::Zero();
   double radius_mm = 10, soft = 0;
   bool operator==(const PaintRegion&) const = default;
 };
-/// Brings all landmarks that hang together with the one nearest to `at` into a region: those of the same region as
-/// it, or of these the ones whose mean curvature differs from its own by at most a tolerance.
+/// Brings all vertices that are connected with the one nearest to `at` into a region. By::region takes those of the
+/// same region; By::curvature takes of these only the ones whose mean curvature differs by at most a tolerance.
 struct FillRegion {
   enum class By { region, curvature };
   std::string name;
@@ -49,8 +49,8 @@ struct FillRegion {
   double tolerance_per_mm = 0.05;
   bool operator==(const FillRegion&) const = default;
 };
-/// Adds a region, or gives the one of that name another factor (its landmarks' factors change by the same ratio) and
-/// colour.
+/// Adds a region, or gives the one of that name another factor and colour. The factors of its vertices change by the
+/// same ratio.
 struct SetRegion {
   Region region;
   bool operator==(const SetRegion&) const = default;
@@ -59,12 +59,12 @@ struct RenameRegion {
   std::string name, to;
   bool operator==(const RenameRegion&) const = default;
 };
-/// Forgets a region; its landmarks keep their factors.
+/// Removes a region; its vertices keep their factors.
 struct RemoveRegion {
   std::string name;
   bool operator==(const RemoveRegion&) const = default;
 };
-/// Gives every landmark a factor, from an array of a mesh file.
+/// Gives every vertex a factor, from an array of a mesh file.
 struct SetStiffnessFactors {
   std::shared_ptr<const VertexScalars> factors;
   bool operator==(const SetStiffnessFactors& other) const {
@@ -78,12 +78,12 @@ struct SetTemplateLandmark {
   std::optional<Vec3> at;
   bool operator==(const SetTemplateLandmark&) const = default;
 };
-/// What SetPoints is `by` where a study's shape model moved the landmarks, and where they were moved along the surface:
-/// neither decides where the boundary is.
+/// Values of SetPoints::by that say nothing of where the boundary is: a study's shape model moved the vertices, or they
+/// moved along the surface.
 inline constexpr const char* by_model = "model help";
 inline constexpr const char* by_refinement = "refine";
-/// Puts every landmark where something found it: an automatic fit, the image's boundary, a shape model. Kept as points,
-/// so that replaying needs neither what found them nor what it was found in.
+/// Puts every vertex where an automatic step found it: a fit, a snap, a shape model. The points themselves are kept, so
+/// replaying needs neither that step nor its image.
 struct SetPoints {
   std::string by;                        ///< what found them: "fit", or one of those above, which count otherwise
   std::optional<Similarity> placement;   ///< the reference moves there; unwarped then
@@ -172,15 +172,16 @@ struct EditStep {
   bool joined = false;
 };
 
-/// A shape as an edit; coordinates that differ from those of `document` are rounded to 2⁻¹⁶ mm [moved_points.h].
+/// The edit that gives a document this shape; coordinates that differ from those of `document` are rounded to 2⁻¹⁶ mm
+/// [moved_points.h].
 SetPoints points_edit(const Document& document, const Points& points, std::string by,
                       const std::optional<Similarity>& placement = std::nullopt);
 
 /// What an edit did, for the interface: shown during a drag and when it is done.
 struct EditReport {
-  bool stopped_by_guard = false;                  ///< the fold guard (or the quality floor) held the gesture back
-  double moved_mm = 0;                            ///< of the grabbed point
-  std::optional<Vec3> on;                         ///< where the gesture holds the gesture-start surface
+  bool stopped_by_guard = false;  ///< the fold guard (or the quality floor) held the gesture back
+  double moved_mm = 0;            ///< of the grabbed point
+  std::optional<Vec3> on;         ///< the point of the surface at the gesture's start that the gesture holds
   std::shared_ptr<const VertexScalars> response;  ///< û, 0…1: how far each vertex follows; null where none
   int solves = 0;
   double solver_ms = 0;

@@ -133,7 +133,7 @@ Action stiffness_factors(const Json& value) {
 
 Action points(const Json& value, const Json& line) {
   const auto numbers = value.get<std::vector<double>>();
-  if (numbers.size() % 3 != 0) throw Unreadable{"\"points\" is not x, y, z of every landmark"};
+  if (numbers.size() % 3 != 0) throw Unreadable{"\"points\" is not x, y, z of every vertex"};
   SetPoints set;
   set.by = line.value("by", "");
   if (line.contains("placement")) set.placement = similarity(line.at("placement"));

@@ -116,7 +116,7 @@ std::vector<Landmark> carried_landmarks(const Template& reference, const Points&
 }
 
 VertexScalars known_landmarks(const Shape& shape) {
-  constexpr double followed = 0.6;  // below it a stroke carried a landmark along and did not decide its place
+  constexpr double followed = 0.6;  // below it a stroke carried a vertex along and did not decide its place
   VertexScalars known = VertexScalars::Zero(shape.points->rows());
   if (shape.decided) known = (shape.decided->array() >= followed).cast<double>();
   if (shape.confirmed) known = known.cwiseMax(*shape.confirmed);

@@ -15,7 +15,7 @@
 
 namespace homolog {
 
-/// A reference mesh with everything that comes with it: what every case of a study shares. Immutable.
+/// The mesh that every case of a study starts from, with its stiffness, regions and landmarks. Immutable.
 struct Template {
   std::string source;  ///< path, or "built-in:kidney"
   std::shared_ptr<const Topology> topology;
@@ -27,16 +27,18 @@ struct Template {
   std::vector<SurfacePoint> landmark_points;  ///< where on the surface each of them lies
 };
 
-/// The landmarks that both name: where the template has them, and where they were `placed`, row by row.
+/// The landmarks that both the template and `placed` name: where the template has them, and where they were placed. Row
+/// k of both is the same landmark.
 std::pair<Points, Points> matched_landmarks(const Template& reference, const std::map<std::string, Vec3>& placed);
 
-/// Where a landmark of the template lies on a mesh of its numbering, and all of them. `points`: n×3, mm.
+/// Where a landmark of the template lies on a mesh of the same numbering; and the same for all landmarks. `points`:
+/// n×3, mm.
 Vec3 carried_landmark(const Template& reference, std::size_t landmark, const Points& points);
 std::vector<Landmark> carried_landmarks(const Template& reference, const Points& points);
 
-/// Whether placed landmarks pull the reference along before the first stroke.
+/// How placed landmarks move the reference before the first stroke.
 enum class LandmarkFit {
-  off,         ///< landmarks are only recorded
+  off,         ///< landmarks move nothing
   similarity,  ///< closed-form similarity
   warp         ///< similarity; from the fourth landmark on a smooth warp after it
 };
@@ -55,12 +57,13 @@ struct Shape {
   int strokes = 0;                                 ///< edits of P since it was last equal to R
 };
 
-/// How far each landmark's place is known, 0 … 1: as far as it is confirmed, and 1 where `decided` is large. `decided`
-/// is how far strokes have carried it, and 1 where a fit or a snap moved it; what a shape model did is no knowledge.
+/// How far the place of each vertex is known, 0 … 1: as far as it is confirmed, and 1 where `decided` is at least 0.6.
+/// `decided` is how far strokes have carried the vertex, and 1 where a fit or a snap moved it. What a shape model did
+/// does not count.
 VertexScalars known_landmarks(const Shape& shape);
 
-/// The shape without what a shape model made of it, n×3, LPS mm: landmarks that are known as they are, the others where
-/// the edits alone leave them. A model's help is measured from here, so that it does not add up from edit to edit.
+/// The shape without the help of a shape model, n×3, LPS mm: known vertices where they are, the others where the edits
+/// alone leave them. Help always starts from here, so it does not add up from edit to edit.
 Points unaided_points(const Shape& shape);
 
 /// Everything of a case that is saved, as a value: a copy is a few reference counts, and undo keeps copies.
@@ -76,7 +79,7 @@ struct Document {
   double stiffness_base = default_stiffness_base;
   Scheme scheme = Scheme::anchored;
   int paper_events = 1;  ///< mouse events a stroke counts for in the scheme `paper`
-  double spacing = 0;    ///< strength 0…1 of keeping landmarks evenly spread along with an edit
+  double spacing = 0;    ///< strength 0…1 of keeping vertices evenly spread along with an edit
   LandmarkFit landmark_fit = LandmarkFit::warp;
   /// Landmarks place by how well they determine each rotation (likely_similarity). False in cases begun before that
   /// was so: there the closed form alone places, so that they replay to the same points.
@@ -104,8 +107,8 @@ Result<std::shared_ptr<const Template>> load_template(const std::string& source)
 /// Reads a volume (see read_volume), or makes a phantom's image ("phantom:kidney:1").
 Result<VolumeRead> load_volume(const std::string& source, const VolumeReadOptions& options = {});
 
-/// A case with nothing done yet: the template centred in the volume, upright, at its own size.
-/// Either may be null. Errors: none; a volume whose box does not reach the template is no error.
+/// A case without edits: the template in the middle of the volume, upright, at its own size. Volume and template may be
+/// null. Never fails.
 Document new_document(std::string volume_source, std::shared_ptr<const Volume> volume,
                       std::shared_ptr<const Template> reference);
 

@@ -180,7 +180,7 @@ Result<Painted> painted(const Document& document, const RemoveRegion& action) {
 Result<Painted> painted(const Document& document, const SetStiffnessFactors& action) {
   if (!action.factors || action.factors->size() != document.stiffness->size())
     return fail("stiffness", "needs one factor for each of the " + std::to_string(document.stiffness->size()) +
-                                 " landmarks; take an array of a mesh with the same vertices");
+                                 " vertices; take an array of a mesh with the same vertices");
   if (!action.factors->allFinite() || !(action.factors->minCoeff() > 0))
     return fail("stiffness", "needs positive factors; rescale the array");
   return Painted{action.factors, document.regions, static_cast<int>(action.factors->size())};

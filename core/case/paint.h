@@ -9,11 +9,11 @@
 
 namespace homolog {
 
-/// Stiffness factors and regions after a touch of the brush.
+/// Stiffness factors and regions after a dab of the brush.
 struct Painted {
   std::shared_ptr<const VertexScalars> stiffness;
   std::shared_ptr<const Regions> regions;
-  int touched = 0;  ///< landmarks
+  int touched = 0;  ///< vertices
 };
 
 // What update() does with the actions that paint; each refuses values out of range and regions that are not there.

@@ -14,7 +14,8 @@
 
 namespace homolog {
 
-/// What is made of a document by something that is no action itself: an action that does the same, or none.
+/// Something that is computed from the document (a snap, the model's help) and becomes an action; none where there is
+/// nothing to do.
 using Compute = std::function<Result<std::optional<Action>>(const Document&)>;
 
 /// What a session may spend on its history.
@@ -40,8 +41,9 @@ class EditSession {
   /// [moved_points.h]. What is joined, and a look, is written at once but synced only with what follows, or by sync().
   /// On error nothing has changed, in memory or on disk; where memory runs out (std::bad_alloc) neither.
   Result<EditReport> apply(Action action, bool joined = false);
-  /// What the action would give, without doing it. Cheap while a drag goes on: the gesture is cached. Without an action
-  /// it starts from the document; `then` carry on from there one after the other, and what one refuses is a message.
+  /// What the action would give, without doing it. Cheap during a drag, because the gesture is cached. Without an
+  /// action it starts from the document. Each of `then` carries on from the result before it; a refusal becomes a
+  /// message.
   Result<Updated> preview(const std::optional<Action>& action, const std::vector<Compute>& then = {});
 
   bool can_undo() const { return history_.undo().has_value(); }

@@ -19,7 +19,7 @@ struct Snapshot {
   std::uint64_t committed = 0;               ///< counts the actions done (or refused) so far
   bool can_undo = false, can_redo = false;
   std::string undo_name, redo_name;
-  double solver_ms = 0;        ///< core work of the last job: job in, points out
+  double solver_ms = 0;        ///< time to compute the last job, from its arrival to the new points
   std::string message;         ///< the last edit's sentence; empty where there is none
   std::string error;           ///< the last action's refusal; empty after one that was done
   std::filesystem::path file;  ///< the journal's path; empty without one
@@ -40,8 +40,8 @@ class SessionThread {
   /// Commits an action; `joined` as EditSession::apply takes it. Ends previews, as apply_computed does: one that waits
   /// is dropped, one that is shown stays until the edit is done.
   void apply(Action action, bool joined = false);
-  /// Commits what `compute` makes of the document as it will be when everything posted before is done; on this thread,
-  /// which takes no previews meanwhile. Nothing where it gives nothing.
+  /// Commits what `compute` makes of the document, once everything posted before is done. It runs on this thread, which
+  /// takes no previews meanwhile. Does nothing where `compute` gives no action.
   void apply_computed(Compute compute, bool joined = false);
   /// Continues the journal under another name (Save As): the whole history so far is written there first.
   void save_as(std::filesystem::path path);

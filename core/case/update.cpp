@@ -26,12 +26,13 @@ std::shared_ptr<const Points> share(Points points) {
   return std::make_shared<const Points>(std::move(points));
 }
 
-/// Notes how far landmarks are decided by an edit, 0 … 1.
+/// Notes how far an edit has decided each vertex, 0 … 1.
 void decide(Shape& shape, std::shared_ptr<const VertexScalars> share) {
   shape.decided = shape.decided ? std::make_shared<const VertexScalars>(shape.decided->cwiseMax(*share)) : share;
 }
 
-/// What edits alone would leave, where something put landmarks somewhere: those that moved are there.
+/// The shape without the model's help, after an edit that sets points: a vertex that the edit moved is where the edit
+/// put it.
 Points unaided_after(const Points& unaided, const Points& from, const Points& to) {
   Points after = unaided;
   for (Eigen::Index i = 0; i < after.rows(); ++i)
@@ -49,7 +50,8 @@ std::string start_anew(const Template& reference, LandmarkFit fit, const Points&
     WarpedReference warped = warp_to_landmarks(*reference.topology, *shape.placed, shape.placement.apply(from), to);
     if (warped.share > 0) shape.reference = share(std::move(warped.points));
     if (warped.folds)
-      message = "The landmarks would fold the mesh, so they are not met; check that each is in its place.";
+      message =
+          "The landmarks would fold the mesh, so the mesh does not quite meet them. Check that each is in its place.";
   }
   shape.points = shape.reference;
   shape.decided.reset();
@@ -63,7 +65,8 @@ Result<EditReport> follow_landmarks(const Template& reference, LandmarkFit fit, 
   EditReport report;
   if (fit == LandmarkFit::off) return report;
   if (shape.strokes > 0) {
-    report.message = "After the first stroke landmarks are marks only; Slide or Grab brings the mesh to them.";
+    report.message =
+        "After the first stroke landmarks no longer move the mesh. Bring the mesh to them with Slide or Grab.";
     return report;
   }
   const auto [from, to] = matched_landmarks(reference, shape.landmarks);
@@ -124,7 +127,7 @@ struct Updater {
     if (report.stopped_by_guard) report.message = "Stopped before a triangle turned over.";
     Document after = before;
     if (shape.unaided) {
-      // Relax, and every stroke of `paper`, goes by where the landmark is, not by how far it is carried.
+      // Relax, and every stroke of `paper`, put a vertex somewhere; other strokes carry it by a distance.
       const bool absolute = stroke.tool == Tool::relax || before.scheme == Scheme::paper;
       shape_of(after).unaided = share(absolute ? unaided_after(*shape.unaided, *shape.points, outcome->points)
                                                : Points(*shape.unaided + outcome->points - *shape.points));
@@ -154,7 +157,7 @@ struct Updater {
     after.stiffness = std::move(result->stiffness);
     after.regions = std::move(result->regions);
     EditReport report;
-    if (result->touched > 0) report.message = std::to_string(result->touched) + " landmarks painted.";
+    if (result->touched > 0) report.message = std::to_string(result->touched) + " vertices painted.";
     return done(std::move(after), std::move(report));
   }
 
@@ -162,7 +165,7 @@ struct Updater {
     if (auto ready = needs_shape(); !ready) return fail(ready.error());
     if (!action.points || action.points->rows() != before.reference->points.rows()) {
       return fail("points", std::to_string(action.points ? action.points->rows() : 0) + " were given for " +
-                                std::to_string(before.reference->points.rows()) + " landmarks");
+                                std::to_string(before.reference->points.rows()) + " vertices");
     }
     if (!action.points->allFinite()) return fail("points", "hold a coordinate that is no finite number");
     if (action.placement && !usable(*action.placement))
@@ -216,7 +219,7 @@ struct Updater {
     Document after = before;
     shape_of(after).confirmed = confirmed->any() ? confirmed : nullptr;
     EditReport report;
-    report.message = std::to_string(touched) + (action.hold ? " landmarks confirmed." : " landmarks released.");
+    report.message = std::to_string(touched) + (action.hold ? " vertices confirmed." : " vertices released.");
     return done(std::move(after), std::move(report));
   }
 
@@ -362,16 +365,16 @@ std::string action_name(const Action& action) {
       return names[static_cast<int>(stroke.tool)];
     }
     std::string operator()(const SetPlacement&) const { return "placement"; }
-    std::string operator()(const PaintStiffness&) const { return "painted stiffness"; }
-    std::string operator()(const SmoothStiffness&) const { return "smoothed stiffness"; }
+    std::string operator()(const PaintStiffness&) const { return "stiffness brush"; }
+    std::string operator()(const SmoothStiffness&) const { return "smoothing of the stiffness"; }
     std::string operator()(const PaintRegion& paint) const {
-      return "painted " + (paint.name.empty() ? "away" : paint.name);
+      return paint.name.empty() ? std::string("painting away") : "painting of " + paint.name;
     }
     std::string operator()(const FillRegion& fill) const {
-      return "filled " + (fill.name.empty() ? "with none" : fill.name);
+      return fill.name.empty() ? std::string("emptying") : "filling of " + fill.name;
     }
     std::string operator()(const SetRegion& set) const { return "region " + set.region.name; }
-    std::string operator()(const RenameRegion& rename) const { return "name of " + rename.to; }
+    std::string operator()(const RenameRegion& rename) const { return "renaming to " + rename.to; }
     std::string operator()(const RemoveRegion& remove) const { return "removal of " + remove.name; }
     std::string operator()(const SetStiffnessFactors&) const { return "imported stiffness"; }
     std::string operator()(const SetTemplateLandmark& landmark) const { return "template landmark " + landmark.name; }
@@ -380,12 +383,12 @@ std::string action_name(const Action& action) {
     std::string operator()(const SetStiffnessBase&) const { return "stiffness"; }
     std::string operator()(const Confirm& confirm) const { return confirm.hold ? "confirm" : "release"; }
     std::string operator()(const SetScheme&) const { return "scheme"; }
-    std::string operator()(const SetSpacing&) const { return "spacing"; }
+    std::string operator()(const SetSpacing&) const { return "even spacing"; }
     std::string operator()(const PlaceLandmark& landmark) const { return "landmark " + landmark.name; }
     std::string operator()(const SetLandmarkFit&) const { return "landmark fit"; }
     std::string operator()(const MirrorTemplate&) const { return "mirror"; }
     std::string operator()(const SetFrame&) const { return "frame"; }
-    std::string operator()(const StartFrameFrom&) const { return "start of frame"; }
+    std::string operator()(const StartFrameFrom&) const { return "copy of a frame"; }
     std::string operator()(const Note&) const { return "note"; }
     std::string operator()(const Undo&) const { return "undo"; }
     std::string operator()(const Redo&) const { return "redo"; }

@@ -108,7 +108,7 @@ std::vector<std::int32_t> glyph_landmarks(const Mesh& mesh, double spacing_mm) {
                    [&](std::int32_t a, std::int32_t b) { return curvature[a] > curvature[b]; });
   if (!(spacing_mm > 0)) return order;
 
-  // Chosen landmarks by the cell of a grid of that spacing: only neighbouring cells can hold one that is too near.
+  // Chosen vertices by the cell of a grid of that spacing: only neighbouring cells can hold one that is too near.
   std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t>, std::vector<std::int32_t>> chosen_in_cell;
   const Vec3 origin = bounds_of(mesh.points).min();
   const auto cell_of = [&](std::int32_t v) {

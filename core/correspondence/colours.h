@@ -27,7 +27,7 @@ std::vector<float> landmark_hues(const Topology& topology);
 /// HSV to RGB; surfaces use saturation 0.4, glyphs 1.0, both value 1.0 [Erdt 2009, §3.1].
 Rgb hsv_to_rgb(float hue, float saturation, float value);
 
-/// Landmarks to show as glyphs: by decreasing Gaussian curvature of `mesh`, each farther than `spacing_mm` from all
+/// Vertices to show as glyphs: by decreasing Gaussian curvature of `mesh`, each farther than `spacing_mm` from all
 /// chosen before [Erdt 2009, §3.1].
 std::vector<std::int32_t> glyph_landmarks(const Mesh& mesh, double spacing_mm);
 

@@ -120,7 +120,7 @@ Result<std::vector<Landmark>> read_landmarks(const std::filesystem::path& path) 
 
 Result<void> write_landmarks(const std::vector<Landmark>& landmarks, const std::filesystem::path& path) {
   if (path.extension() != ".json")
-    return fail(path.string(), "is no landmark file; use .mrk.json (3D Slicer) or .json (scalismo)");
+    return fail(path.string(), "is not a landmark file; use .mrk.json (3D Slicer) or .json (scalismo)");
   const bool slicer = path.stem().extension() == ".mrk";
   const Json json = slicer ? slicer_json(landmarks) : scalismo_json(landmarks);
   return write_whole_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');

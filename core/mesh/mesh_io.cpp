@@ -30,7 +30,7 @@ Result<Format> format_of(const std::filesystem::path& path) {
   const std::string extension = lower_case(path.extension().string());
   for (const Format& format : known_formats)
     if (extension == format.extension) return format;
-  return fail(path.string(), "is no mesh file that is known here; use .ply, .vtk, .vtp, .obj, .stl or .particles");
+  return fail(path.string(), "is not a mesh file of a known kind; use .ply, .vtk, .vtp, .obj, .stl or .particles");
 }
 
 /// Every array that a format may hold has a value for every vertex.

@@ -22,8 +22,8 @@ struct Landmark {
   bool operator==(const Landmark&) const = default;
 };
 
-/// w of a landmark of factor 1 where a file does not say: in the study of docs/study.md the mesh came nearer to the
-/// boundary with fewer strokes than with 10, and no farther from the landmarks.
+/// w of a vertex of factor 1 where a file does not say. Measured (docs/measurements/ways-of-working.md): fewer strokes
+/// than with 10, and no larger error.
 constexpr double default_stiffness_base = 3;
 
 /// What a mesh file holds. A template is a mesh whose `stiffness` and `landmarks` are filled.

@@ -10,7 +10,7 @@ namespace homolog {
 
 namespace {
 
-/// √ of the summed posterior variances of each landmark's coordinates: rows of Φ A with A Aᵀ the posterior of b.
+/// √ of the summed posterior variances of each vertex's coordinates: rows of Φ A with A Aᵀ the posterior of b.
 VertexScalars deviations(const Eigen::MatrixXd& spread) {
   VertexScalars result(spread.rows() / 3);
   for (Eigen::Index i = 0; i < result.size(); ++i) result[i] = spread.middleRows(3 * i, 3).norm();
@@ -79,7 +79,7 @@ Result<Completion> completed(const ShapeModel& posed, const Points& shape, const
                              double strength, const VertexScalars& stiffness, ShapeSolver& solver) {
   const Points mean = points_of(posed.mean);
   if (mean.rows() != shape.rows())
-    return fail("model", "has " + std::to_string(mean.rows()) + " landmarks where the shape has " +
+    return fail("model", "has " + std::to_string(mean.rows()) + " vertices where the shape has " +
                              std::to_string(shape.rows()) + "; both must come from one template");
   const Similarity pose = fit_similarity(mean, shape, Similarity{});
   std::vector<Eigen::Index> landmarks;

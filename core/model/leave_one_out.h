@@ -43,7 +43,7 @@ class LeaveOneOut {
 };
 
 /// The errors of all shapes with `modes` modes as combinations of the centred shapes, M×M, a shape a column: its error
-/// in mm is centred · column. So errors can be had a few landmarks at a time.
+/// in mm is centred · column. So errors can be had a few vertices at a time.
 Eigen::MatrixXd left_out_errors(const PrincipalComponents& components, Eigen::Index modes);
 
 }  // namespace homolog

@@ -31,7 +31,7 @@ Error stopped() {
   return {"", "was stopped before the measures were complete"};
 }
 
-/// Landmarks in groups of neighbours in the mean shape, none larger than `largest`: halved along the longest side.
+/// Vertices in groups of neighbours in the mean shape, none larger than `largest`: halved along the longest side.
 std::vector<std::vector<Eigen::Index>> neighbourhoods(const Points& mean, std::size_t largest) {
   std::vector<std::vector<Eigen::Index>> groups(1), done;
   groups.front().resize(index(mean.rows()));
@@ -57,7 +57,7 @@ std::vector<std::vector<Eigen::Index>> neighbourhoods(const Points& mean, std::s
   return done;
 }
 
-/// Finds the nearest training shape by mean Euclidean landmark distance, exactly. For a group of landmarks
+/// Finds the nearest training shape by mean Euclidean vertex distance, exactly. For a group of vertices
 /// Σ ‖d_v‖ ≥ ‖Σ d_v‖, so sums over neighbourhoods, a sixteenth of the data, bound every distance from below, closely
 /// because shapes differ smoothly; only what may still be nearest is looked at in full.
 class NearestShape {

@@ -26,14 +26,14 @@ Measured measured(const Eigen::VectorXd& values);
 
 /// Cumulative share (0…1) of the variance, at every mode count; standard error √(2/M) of it [Styner 2003].
 Measures compactness(const PrincipalComponents& components);
-/// Distance of each shape to its reconstruction by the model of all others: root mean square over the landmarks,
+/// Distance of each shape to its reconstruction by the model of all others: root mean square over the vertices,
 /// averaged over the shapes; at every mode count.
 Measures generalisation_rms(const PrincipalComponents& components);
-/// Distance of random shapes b ~ N(0, λ) to the nearest training shape, root mean square over the landmarks; at every
+/// Distance of random shapes b ~ N(0, λ) to the nearest training shape, root mean square over the vertices; at every
 /// mode count.
 Measures specificity_rms(const PrincipalComponents& components, Eigen::Index samples, std::uint64_t seed);
 
-/// The same two with the mean Euclidean distance of the landmarks, at the mode counts `modes` (each 1…M−2). The working
+/// The same two with the mean Euclidean distance of the vertices, at the mode counts `modes` (each 1…M−2). The working
 /// memory beside the components is a few MB. Errors: cancelled.
 Result<Measures> generalisation_mean(const PrincipalComponents& components, const std::vector<int>& modes,
                                      Progress* progress = nullptr);

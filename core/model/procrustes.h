@@ -6,7 +6,7 @@
 
 namespace homolog {
 
-/// n landmarks of M shapes: 3n×M, one shape a column as x y z of landmark 0, x y z of landmark 1, … (mm, LPS).
+/// n vertices of M shapes: 3n×M, one shape a column as x y z of vertex 0, x y z of vertex 1, … (mm, LPS).
 using ShapeMatrix = Eigen::MatrixXd;
 
 inline Eigen::Map<const Points> points_of(const ShapeMatrix& shapes, Eigen::Index shape) {

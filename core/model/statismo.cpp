@@ -201,11 +201,11 @@ bool is_model_name(const fs::path& path) {
 Result<void> write_model(const ShapeModel& model, const fs::path& path) {
   if (name_ends_with(path, ".h5.json")) return write_hdf5_json(tree_of(model), path);
   if (name_ends_with(path, ".h5")) return write_hdf5(tree_of(model), path);
-  return fail(path.string(), "is no name of a model; use .h5.json or .h5");
+  return fail(path.string(), "is not the name of a model; use .h5.json or .h5");
 }
 
 Result<ShapeModel> read_model(const fs::path& path) {
-  if (!is_model_name(path)) return fail(path.string(), "is no name of a model; use .h5.json or .h5");
+  if (!is_model_name(path)) return fail(path.string(), "is not the name of a model; use .h5.json or .h5");
   const HdfParts parts = model_parts();
   const auto tree = name_ends_with(path, ".h5.json") ? read_hdf5_json(path, parts) : read_hdf5(path, parts);
   if (!tree) return fail(tree.error());

@@ -43,7 +43,7 @@ struct TableFences {
   }
 };
 
-/// n×M: how far every landmark of every shape lies from where the model of the others puts it.
+/// n×M: how far every vertex of every shape lies from where the model of the others puts it.
 Eigen::MatrixXd deviations_mm(const PrincipalComponents& components, Eigen::Index modes) {
   const Eigen::MatrixXd combinations = left_out_errors(components, modes);
   Eigen::MatrixXd deviations(components.landmarks(), components.shapes());

@@ -22,7 +22,7 @@ enum class Doubt {
 
 struct DoubtfulShape {
   Eigen::Index shape = 0;
-  double distance_mm = 0;  ///< Procrustes distance: root mean square over the landmarks to the mean shape
+  double distance_mm = 0;  ///< Procrustes distance: root mean square over the vertices to the mean shape
   Doubt doubt = Doubt::none;
 };
 /// All shapes, the farthest from the mean first.
@@ -33,10 +33,10 @@ struct DoubtfulLandmark {
   double deviation_mm = 0;  ///< from where the model of all other shapes puts it
   double usual_mm = 0;      ///< median of the same over all shapes
 };
-/// Landmarks that lie elsewhere than the other shapes predict: the deviation from the shape's reconstruction by `modes`
-/// modes of the others' model is beyond the outer fence both of all shapes' deviations at this landmark and of all
-/// landmarks' in this shape. Of landmarks side by side only the worst is listed (where a topology is given). The
-/// largest deviation first.
+/// Vertices that lie elsewhere than the other shapes predict. A shape is rebuilt by `modes` modes of a model of the
+/// others. A vertex is listed where its deviation is beyond the outer fence twice: among all shapes at this vertex, and
+/// among all vertices of this shape. Of neighbours only the worst is listed (where a topology is given). The largest
+/// deviation comes first.
 std::vector<DoubtfulLandmark> doubtful_landmarks(const PrincipalComponents& components,
                                                  const std::shared_ptr<const Topology>& topology, Eigen::Index modes);
 

@@ -196,7 +196,8 @@ Result<TrainingSetRead> TrainingSetBuilder::finish(bool flip_mirrored) {
       for (Eigen::Index x = 0; x < read.set.shapes.rows(); x += 3) read.set.shapes(x, i) *= -1;
   }
   if (!inside_out.empty())
-    read.warnings.push_back(joined(inside_out) + ": faces turned inside out; taken as those of the other shapes");
+    read.warnings.push_back(joined(inside_out) +
+                            ": its faces look inward; they were turned as those of the other shapes");
   return read;
 }
 

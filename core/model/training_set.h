@@ -21,8 +21,8 @@ struct TrainingSet {
 };
 
 struct TrainingOptions {
-  bool all_frames = false;     ///< of a cine case every frame that was edited; else the one it shows
-  bool flip_mirrored = false;  ///< shapes that are mirror images of most others are turned into what they are
+  bool all_frames = false;     ///< take every edited frame of a cine; else only the frame that the case shows
+  bool flip_mirrored = false;  ///< shapes that are mirror images of most others are flipped
   std::string group;           ///< of a study's cases those of this group; empty: all
 };
 

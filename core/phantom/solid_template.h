@@ -23,7 +23,7 @@ struct SolidTemplate {
   Vec3 centre_mm;  ///< p_solid = p_mesh + centre_mm
 };
 
-/// Meshes the surface of `solid`, which lies inside `box`, with `vertices` landmarks. `places` must not be empty.
+/// Meshes the surface of `solid`, which lies inside `box`, with `vertices` vertices. `places` must not be empty.
 SolidTemplate template_of(Solid solid, const Box& box, int vertices, const std::vector<NamedPlace>& places);
 
 /// The mean shape and its landmarks carried to a subject.

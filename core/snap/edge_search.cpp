@@ -123,7 +123,8 @@ Eigen::MatrixXf EdgeSearch::contrasts(const Profiles& profiles) const {
   return result;
 }
 
-/// How much every sample looks like a boundary: its likeness to those learned, or its contrast in usual ones.
+/// How much each sample looks like a boundary: after learning its likeness, else its contrast as a multiple of the
+/// usual one.
 Eigen::MatrixXf EdgeSearch::edges(const Profiles& profiles) const {
   if (learned()) return options_.appearance->likeness(profiles);
   const Eigen::MatrixXf contrast = contrasts(profiles) / usual_contrast_;
@@ -131,7 +132,8 @@ Eigen::MatrixXf EdgeSearch::edges(const Profiles& profiles) const {
   return polarity() == Polarity::either ? contrast.cwiseAbs() : contrast;
 }
 
-/// What decides between several edges: less for foreign tissue within or the organ's without, and for those far away.
+/// Weighs the edges of one profile against each other: less where foreign tissue lies inside or organ tissue outside,
+/// and less far away.
 Eigen::MatrixXf EdgeSearch::scores(const Profiles& profiles, const Eigen::MatrixXf& edge, double reach_mm) const {
   Eigen::MatrixXf score = edge.cwiseMin(1);
   const std::optional<Tissue> tissue = learned() ? std::nullopt : std::optional<Tissue>(profiles);

@@ -21,12 +21,13 @@ struct EdgeOptions {
   std::shared_ptr<const Appearance> appearance;  ///< of the boundary in cases done; null: edges are looked for
 };
 
-/// Looks along the normals of a mesh for the boundary that an image shows: where the contrast between inside and
-/// outside is strong, and what lies within looks like the organ; or where the image looks as in the cases done.
+/// Looks along the normals of a mesh for the boundary that an image shows: a place where the contrast between inside
+/// and outside is strong and the inside looks like the organ; or, after learning, a place that looks as in the finished
+/// cases.
 class EdgeSearch {
  public:
-  /// `image` outlives the search. `start`: the mesh as it is at first; what edges are usual, and their polarity, is
-  /// judged around it.
+  /// `image` must outlive the search. `start`: the mesh at first; the usual contrast and the polarity are measured
+  /// around it.
   EdgeSearch(const Volume& image, int frame, const Mesh& start, const EdgeOptions& options);
 
   /// For each vertex the likeliest boundary point within `reach_mm` along its normal. The weight is the confidence: 0

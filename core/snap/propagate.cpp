@@ -189,7 +189,7 @@ class Propagating {
       else if (frame.disagreement_mm && *frame.disagreement_mm > most_mm)
         frame.doubt = "was reached differently forwards and backwards";
       else if (jumps(f, largest - smallest))
-        frame.doubt = "has a volume that its neighbours do not";
+        frame.doubt = "has another volume than its neighbours";
     }
     measure();
   }

@@ -20,11 +20,11 @@ struct PropagateOptions {
 struct PropagatedFrame {
   Points points;
   double volume_ml = 0;
-  double confidence = 0;  ///< 0…1: how much the image along the boundary looks as in the given frame
-  /// Mean distance between the landmarks that came forwards and those that came backwards through a whole cycle; a
+  double confidence = 0;  ///< 0…1: how similar the image along the boundary is to that of the given frame
+  /// Mean distance between the vertices that came forwards and those that came backwards through a whole cycle; a
   /// cine that is no closed cycle has none.
   std::optional<double> disagreement_mm;
-  std::string doubt;  ///< why a person has to look at it, a sentence; empty where nothing speaks against it
+  std::string doubt;  ///< why a person has to look at it, as a sentence; empty where the frame is not in doubt
 };
 
 struct Propagation {

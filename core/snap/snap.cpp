@@ -52,7 +52,7 @@ class Snapping {
 
   Result<SnapResult> run() {
     if (!edges_.sees_edges())
-      return fail("", "shows no edge around the mesh; place the mesh on the organ, or choose a longer search");
+      return fail("", "shows no edge around the mesh; place the mesh on the organ, or search farther");
     const double edge_mm = mean_edge_mm(*mesh_.topology, mesh_.points);
     const double first_mm = snap_stiffest_share * bounds_of(mesh_.points).diagonal().norm();
     const double last_mm = (edges_.learned() ? snap_softest_edges_learned : snap_softest_edges) * edge_mm;
@@ -130,11 +130,11 @@ class Snapping {
     result.doubtful = result.mean_confidence < doubtful_snap;
     if (result.doubtful)
       result.warnings.emplace_back(
-          "the image shows little of a boundary where the mesh lies; is this the organ, and the mesh placed on "
-          "it?");
+          "the image shows hardly any boundary where the mesh lies; check that this is the organ and that the mesh "
+          "lies on it");
     if (!result.unseen.empty())
       result.warnings.push_back(std::to_string(result.unseen.size()) +
-                                " landmarks lie beyond the scan and follow the others");
+                                " vertices lie beyond the scan and follow the others");
     return result;
   }
 

@@ -11,7 +11,7 @@ namespace homolog {
 
 struct SnapOptions {
   EdgeOptions edges;
-  /// 0…1: how far the image's forces are followed rather than the mesh left where it is; 0 moves nothing.
+  /// 0…1: how much the image decides; at 0 nothing moves.
   double strength = 1;
   Progress* progress = nullptr;
 };
@@ -34,11 +34,11 @@ struct SnapResult {
   std::vector<std::string> warnings;  ///< each a sentence
 };
 
-/// Draws a mesh to the boundary that an image shows: force targets along the normals, each weighed by its confidence,
-/// and Eq. 3 [Erdt 2009, §2.2] solved again and again with P⁰ as the reference, which a similarity and one-ring
-/// rotations carry along, while stiffness falls. Where the image shows no edge the shape decides. No triangle turns.
-/// Deviates from Eq. 2 in the weights, and in a second force that keeps vertices at P⁰ where `strength` is below 1.
-/// Errors: the mesh lies outside the image; the image is the same everywhere around it; cancelled.
+/// Draws a mesh to the boundary that an image shows. Force targets are looked for along the normals and weighed by
+/// their confidence. Eq. 3 [Erdt 2009, §2.2] is solved repeatedly while the stiffness falls; its reference is P⁰,
+/// carried along by a similarity and one-ring rotations. Where the image shows no edge the shape decides. No triangle
+/// turns. Deviates from Eq. 2 in the weights, and in a second force that keeps vertices at P⁰ where `strength` is
+/// below 1. Errors: the mesh lies outside the image; the image is the same everywhere around it; cancelled.
 Result<SnapResult> snap(const Volume& image, int frame, const SnapStart& start, const SnapOptions& options);
 
 }  // namespace homolog

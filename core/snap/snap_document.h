@@ -19,7 +19,7 @@ struct SnapEdit {
   SnapResult result;  ///< `points` are those that the action gives
 };
 
-/// Snaps the shown frame's mesh, or the part of it in `region`, to its image; confirmed landmarks stay. With automatic
+/// Snaps the shown frame's mesh, or the part of it in `region`, to its image; confirmed vertices stay. With automatic
 /// polarity and no appearance given, what the boundary looks like is learned from the nearest edited frame of a cine.
 /// Errors: no mesh, no image, and those of snap().
 Result<SnapEdit> snap_document(const Document& document, const std::optional<SnapRegion>& region,

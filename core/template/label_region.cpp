@@ -186,7 +186,7 @@ std::optional<std::string> several_parts(const LabelRegion& region, int label) {
   std::snprintf(sizes, sizeof sizes, "(%.1f and %.1f ml)", voxel_ml * static_cast<double>(region.body.body),
                 voxel_ml * static_cast<double>(islands.front()));
   return "label " + std::to_string(label) + " has several parts of about one size " + sizes +
-         "; the largest was taken, give the others labels of their own to use them";
+         "; the largest was taken; give the others labels of their own to use them";
 }
 
 }  // namespace homolog

@@ -29,7 +29,7 @@ struct LabelExtent {
 };
 LabelExtent label_extent(const Volume& mask, int label, int frame);
 
-/// The voxel size in mm to work on for landmarks `edge_mm` apart: a third of that, not below half a voxel, and so large
+/// The voxel size in mm to work on for vertices `edge_mm` apart: a third of that, not below half a voxel, and so large
 /// that the label's box with `margin_mm` around it holds 16 million at most.
 double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double edge_mm, double margin_mm);
 

@@ -106,7 +106,7 @@ LevelSet closed_by(const LevelSet& surface, double radius_mm) {
   if (radius_mm <= 0 || !holds_any(outside)) return surface;
   const std::vector<float> depth = distance_to(outside, surface.grid());
   std::vector<float> values = surface.values();
-  // Half a voxel of doubt, since `outside` is known by its voxels only: below it nothing is filled.
+  // `outside` is known by its voxels only, that is to half a voxel: less than that is not filled.
   const double limit = radius_mm + 0.5 * surface.spacing_mm();
   for (std::size_t v = 0; v < values.size(); ++v) values[v] = std::min(values[v], static_cast<float>(limit - depth[v]));
   return {surface.grid(), std::move(values)};

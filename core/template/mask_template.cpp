@@ -69,7 +69,7 @@ class Making {
     if (auto several = several_parts(region_, options_.label)) made_.warnings.push_back(std::move(*several));
     if (const std::string sides = sides_touched(region_); !sides.empty())
       made_.warnings.push_back("label " + std::to_string(options_.label) + " touches the edge of the label map (" +
-                               sides + "); the organ is closed flat there, use a map that holds it whole");
+                               sides + "); the organ is closed flat there; use a map that holds the whole organ");
     surface_ = resampled(signed_distance(region_.inside, region_.grid), spacing_mm);
     auto target = boundary_of(region_);
     if (!target) return fail(target.error());
@@ -186,7 +186,7 @@ class Making {
     return places;
   }
 
-  static tl::unexpected<Error> cancelled() { return fail("", "the making of the template was cancelled"); }
+  static tl::unexpected<Error> cancelled() { return fail("", "making the template was cancelled"); }
 
   Result<void> show(TemplateStage stage, double fraction) {
     if (progress_) {

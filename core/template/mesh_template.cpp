@@ -86,7 +86,7 @@ Result<MeshTemplate> make_mesh_template(const MeshFile& surface, int vertices, P
     return nearest.position;
   };
   made.mesh = renumbered_from_top(remesh_to_count(*clean, vertices, project, progress));
-  if (progress && progress->cancelled()) return fail("", "the making of the template was cancelled");
+  if (progress && progress->cancelled()) return fail("", "making the template was cancelled");
   made.to_mesh = surface_distance(made.mesh, *clean);
   made.from_mesh = surface_distance(*clean, made.mesh);
   return made;

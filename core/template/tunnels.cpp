@@ -141,9 +141,9 @@ class Solid {
   std::size_t row_, slice_;
 };
 
-/// Flips voxels of `from` where it differs from `body`, one after the other, while the topology stays as it is, those
-/// of high `urgency` first. What differs to the end, the parts of which are returned, holds the tunnels that the one
-/// has and the other has not, cut one voxel thick at the least urgent place.
+/// Turns `from` into `body` voxel by voxel, those of high `urgency` first, as long as the topology stays. The voxels
+/// that differ at the end hold the tunnels that only one of the two has, cut one voxel thick at the least urgent place;
+/// gives the connected parts of these voxels.
 std::vector<std::vector<std::size_t>> separators(const Solid& body, Solid from, const std::vector<float>& urgency) {
   using Entry = std::pair<float, std::size_t>;
   std::priority_queue<Entry> border;
@@ -181,8 +181,8 @@ Vec3 middle_of(const std::vector<std::size_t>& voxels, const VolumeGeometry& gri
   return grid.to_mm(sum / static_cast<double>(voxels.size()));
 }
 
-/// One kind of cut at one width. `distance`: signed distances of the surface, whose own values need not be. Whether
-/// the surface has changed.
+/// Makes the cuts of one kind at one width; says whether the surface has changed. `distance`: signed distances to the
+/// surface, whose own values need not be distances.
 bool cut_at(TunnelCut& cut, const LevelSet& distance, CutTunnel::How how, double width_mm, const TunnelLimits& limits) {
   const VolumeGeometry& grid = cut.surface.grid();
   const bool fill = how == CutTunnel::How::filled;

@@ -90,7 +90,7 @@ Result<VolumeRead> read_any(const fs::path& path, const VolumeReadOptions& optio
   return fail(path.string(),
               fs::is_directory(path, ignored)
                   ? "holds neither DICOM files nor PNG or TIFF slices; choose the folder that does"
-                  : "is no volume; open DICOM, NIfTI, NRRD, MetaImage, or a stack of PNG or TIFF slices");
+                  : "is not a volume; open DICOM, NIfTI, NRRD, MetaImage, or a stack of PNG or TIFF slices");
 }
 
 }  // namespace

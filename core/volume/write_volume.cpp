@@ -237,7 +237,7 @@ Result<void> write_volume(const Volume& volume, const fs::path& path, Progress* 
     if (name.ends_with(".nii.gz")) return write_nifti(volume, path, true, progress);
     if (name.ends_with(".nrrd")) return write_nrrd(volume, path, progress);
     if (name.ends_with(".mha")) return write_metaimage(volume, path, progress);
-    return fail("", "is no kind of volume that can be written; end its name in .nii.gz, .nii, .nrrd or .mha");
+    return fail("", "is not a kind of volume that can be written; end its name in .nii.gz, .nii, .nrrd or .mha");
   }();
   if (!written && written.error().subject.empty()) return fail(path.string(), written.error().what);
   return written;

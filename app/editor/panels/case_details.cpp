@@ -34,16 +34,15 @@ void draw_text_field(const UiContext& ui, const StudyCase& one, const char* fiel
 void draw_flip(const UiContext& ui, const StudyCase& one, Outbox& out) {
   if (!offers_flip(ui.state.models, one)) return;
   bool flipped = one.flipped;
-  if (toggle(ui.theme, "Flipped left for right", flipped, "In this study alone; the file stays as it is"))
+  if (toggle(ui.theme, "Flipped left for right", flipped, "Only in this study. The file is not changed"))
     out.change([name = one.name](EditorState& s) { flip_cases(s.models, {name}); });
 }
 
 void draw_frames(const UiContext& ui, const StudyCase& one, Outbox& out) {
   const std::size_t count = other_frames(ui.state.models, one).size();
   if (count == 0) return;
-  if (button(ui.theme, format("Its %zu other %s as cases", count, count == 1 ? "frame" : "frames"),
-             "Every frame of the cine that was edited becomes a case of the study", {},
-             ImGui::GetContentRegionAvail().x))
+  if (button(ui.theme, format("Add its %zu other %s as cases", count, count == 1 ? "frame" : "frames"),
+             "Each edited frame of the cine becomes a case of the study", {}, ImGui::GetContentRegionAvail().x))
     out.change([name = one.name](EditorState& s) { add_frames(s.models, name); });
 }
 
@@ -75,12 +74,13 @@ void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
   if (is_case_file(one.file)
           ? button(theme, std::string(icon::open) + "  Open", "Open the case in the editor (Enter)", {}, width)
           : button(theme, std::string(icon::open) + "  Repair",
-                   "Makes a case of the mesh, beside the study, and opens it in the editor (Enter); the mesh's file "
-                   "stays as it is",
+                   "Makes a case from the mesh, beside the study, and opens it (Enter). The mesh's own file is not "
+                   "changed",
                    {}, width))
     out.send(OpenCaseOfStudy{one.name, {}});
   ImGui::SameLine(0, theme.px(8));
-  if (button(theme, std::string(icon::trash) + "  Take off", "Takes the case off the study; its file stays", {}, width))
+  if (button(theme, std::string(icon::trash) + "  Remove", "Removes the case from the study. Its file stays", {},
+             width))
     out.change([name = one.name](EditorState& s) { remove_case(s.models, name); });
   draw_flip(ui, one, out);
   draw_frames(ui, one, out);

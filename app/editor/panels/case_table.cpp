@@ -44,7 +44,7 @@ void draw_study_menu(const UiContext& ui, Outbox& out) {
       ask(FilePurpose::save_study, state.study_file.filename().string());
     const std::string now = state.study.template_file.empty() ? "" : ". Now " + state.study.template_file.string();
     if (menu_item(theme, "Set the template\xe2\x80\xa6", nullptr,
-                  "A mesh of the shapes' numbering: gives .particles their faces" + now))
+                  "A mesh with the numbering of the shapes. .particles files get their faces from it" + now))
       ask(FilePurpose::open_study_template);
   }
   if (!state.shapes.empty()) {
@@ -76,8 +76,7 @@ void draw_buttons(const UiContext& ui, Outbox& out) {
   draw_study_menu(ui, out);
   ImGui::SameLine(0, theme.px(8));
   if (button(theme, std::string(icon::plus) + "  Meshes\xe2\x80\xa6",
-             "Add meshes (PLY, VTK, VTP, OBJ), .particles or cases of this editor; or drop them on the window", {},
-             width))
+             "Add meshes (PLY, VTK, VTP, OBJ), .particles or case files. Or drop them on the window", {}, width))
     out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::add_shapes); });
   ImGui::SameLine(0, theme.px(8));
   if (icon_button(theme, icon::next, "next", "Next case that is not done (N)",
@@ -194,7 +193,7 @@ void draw_mirrored(const UiContext& ui, Outbox& out) {
                                         shortened(names, 3 * ImGui::GetContentRegionAvail().x) + ".",
              palette::amber);
   if (button(theme, mirrored.size() == 1 ? "Flip it left for right" : "Flip them left for right",
-             "In this study alone; the files stay as they are", {}, ImGui::GetContentRegionAvail().x))
+             "Only in this study. The files are not changed", {}, ImGui::GetContentRegionAvail().x))
     out.change([mirrored](EditorState& s) { flip_cases(s.models, mirrored); });
   gap(theme, 4);
 }
@@ -214,11 +213,11 @@ void draw_list(const UiContext& ui, Outbox& out) {
              "Sort by group", out);
   draw_title(ui, "State", CaseColumn::state, left + columns.state - theme.px(6), theme.px(40), false,
              "Sort by state: to do, in work, done", out);
-  draw_title(ui, "mm", CaseColumn::distance, left + columns.distance + theme.px(10),
-             columns.right - columns.distance - theme.px(10), true,
-             "Procrustes distance: root mean square over the landmarks to the mean shape, mm. Beyond the fences it is "
-             "coloured.",
-             out);
+  draw_title(
+      ui, "mm", CaseColumn::distance, left + columns.distance + theme.px(10),
+      columns.right - columns.distance - theme.px(10), true,
+      "Procrustes distance to the mean shape: root mean square over the vertices, mm. Unusual values are coloured.",
+      out);
   ImGui::NewLine();
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
   const StudyCase* selected = find_case(state.study, state.selected);
@@ -229,7 +228,7 @@ void draw_list(const UiContext& ui, Outbox& out) {
   while (clipper.Step())
     for (int k = clipper.DisplayStart; k < clipper.DisplayEnd; ++k)
       draw_row(ui, state.study.cases[listed[static_cast<std::size_t>(k)]], width, out);
-  if (listed.empty() && !state.study.cases.empty()) explanation(theme, "No case holds that.");
+  if (listed.empty() && !state.study.cases.empty()) explanation(theme, "No match.");
   ImGui::EndChild();
   ImGui::PopStyleVar();
 }

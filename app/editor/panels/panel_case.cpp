@@ -64,7 +64,7 @@ void draw_frames(const UiContext& ui, Outbox& out) {
   double value = frame;
   bool released = false;
   const SliderRange range{0, static_cast<double>(frames - 1), "%.0f", "", false};
-  if (slider(theme, "Frame", value, range, "Frame of the cine; each has a mesh of its own", released))
+  if (slider(theme, "Frame", value, range, "Frame of the cine. Each frame has a mesh of its own", released))
     out.change([k = static_cast<int>(std::lround(value))](EditorState& s) {
       s.shown_frame = k;
       s.playing = false;
@@ -105,19 +105,20 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   if (button(theme, std::string(icon::save) + "  Save as…", "Continue the case under another name (Ctrl+Shift+S)", {},
              half))
     out.send(SaveCase{true});
-  if (button(theme, "Unsaved cases…", "Cases that the program ended without saving: recover or delete them", {},
+  if (button(theme, "Unsaved cases…",
+             "Cases that were open when the program ended without saving. Recover or delete them", {},
              ImGui::GetContentRegionAvail().x))
     out.send(ShowRecovery{});
   if (!document.volume) return;
   bool linear = ui.state.preferences.linear;
-  if (toggle(theme, "Smooth voxels", linear, "Trilinear interpolation; off shows the voxels as they are"))
+  if (toggle(theme, "Smooth voxels", linear, "Interpolates between voxels. Off shows the voxels as they are"))
     out.change([linear](EditorState& s) { s.preferences.linear = linear; });
   bool radiological = ui.state.preferences.radiological;
   if (toggle(theme, "Radiological", radiological, "The patient's right on the left of the screen"))
     out.change([radiological](EditorState& s) { s.preferences.radiological = radiological; });
   bool own = ui.state.own_planes;
   if (toggle(theme, "The image's own planes", own, "Slices as they were acquired, instead of the patient's axes",
-             is_oblique(document.volume->geometry) ? "" : "The image's planes are the patient's already."))
+             is_oblique(document.volume->geometry) ? "" : "The image was acquired along the patient's axes already."))
     out.change([own, document = ui.displayed](EditorState& s) {
       s.own_planes = own;
       settle_crosshair(s, *document);
@@ -135,7 +136,7 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   bool released = false;
   if (slider(theme, "Opacity", opacity, {0, 100, "%.0f", "%", false}, "Of the label map over the image", released))
     out.change([opacity](EditorState& s) { s.label_opacity = static_cast<float>(opacity / 100); });
-  if (button(theme, "Remove the overlay", "The file stays as it is")) out.send(CloseLabels{});
+  if (button(theme, "Remove the overlay", "The file is not changed")) out.send(CloseLabels{});
 }
 
 }  // namespace homolog

@@ -63,7 +63,7 @@ void draw_overlay_legend(const UiContext& ui) {
 void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!ui.has_shape()) {
-    explanation(theme, "Shows, during a drag, whether the landmarks stay in correspondence.");
+    explanation(theme, "This section shows, also while you drag, whether the mesh keeps its correspondence.");
     return;
   }
   static const std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Parts", "Shape", "Known"};
@@ -72,12 +72,12 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   const bool brush = !snapped && shown_overlay(ui.state) != ui.state.overlay;
   if (choice(
           theme, "overlay", names, overlay,
-          {"Each landmark in the hue of its index", "Edge length against the template's: blue shorter, red longer",
-           "How far each landmark is from where the placement (with its warp) had put it",
-           "Stiffness factor: dark soft, bright stiff; confirmed regions white",
+          {"Each vertex in its own hue, the same in all cases", "Edges: blue shorter than on the template, red longer",
+           "How far each vertex has moved since the template was placed (and warped)",
+           "Stiffness factor: dark soft, bright stiff; confirmed vertices white",
            "Regions of the template in their colours", "Shape of the triangles: red thin or turned",
-           "What was confirmed, what a stroke, a fit or a snap decided, and what is left to the shape and the model"},
-          brush     ? "While a brush is in hand, what it paints is shown."
+           "What is confirmed, what a stroke, a fit or a snap has decided, and what is not known yet"},
+          brush     ? "While you hold a brush, the mesh shows what the brush paints."
           : snapped ? "The confidence of the snap is shown until the mesh changes (Deform, Show confidence)."
                     : ""))
     out.change([overlay](EditorState& s) { s.overlay = static_cast<Overlay>(overlay); });
@@ -86,25 +86,27 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
     double spacing_mm = ui.state.glyph_spacing_mm;
     bool released = false;
     if (slider(theme, "Glyph spacing", spacing_mm, {3, 60, "%.0f", "mm", true},
-               "Glyphs are at least this far from each other on the template", released))
+               "Smallest distance between two glyphs, on the template", released))
       out.change([spacing_mm](EditorState& s) { s.glyph_spacing_mm = spacing_mm; });
   }
   if (!ui.quality.latest()) return explanation(theme, ui.quality.error().empty() ? "Measuring…" : ui.quality.error());
   const QualityFigures& q = *ui.quality.latest();
-  figure(theme, "Volume", format("%.2f ml", q.volume_ml), "Enclosed by the mesh; openings are capped flat");
-  figure(theme, "Edge stretch", format("%.2f · %.2f · %.2f", q.stretch_low, q.stretch_median, q.stretch_high),
-         "Edge length / the template's at this placement: 5 %, median, 95 %");
-  figure(theme, "Edges",
-         format("%.2f mm \xc2\xb1 %.0f %%, %.0f %% six", q.edge_mean_mm, 100 * q.edge_cv, 100 * q.regular_share),
-         "Mean edge length and its standard deviation; share of the landmarks that have six neighbours");
+  figure(theme, "Volume", format("%.2f ml", q.volume_ml), "Volume inside the mesh. Openings count as closed flat");
+  figure(theme, "Edge stretch", format("%.2f to %.2f, median %.2f", q.stretch_low, q.stretch_high, q.stretch_median),
+         "Length of the edges as a multiple of the placed template's; 90 % of the edges lie between the first two "
+         "numbers");
+  figure(theme, "Edges", format("%.2f mm \xc2\xb1 %.0f %%", q.edge_mean_mm, 100 * q.edge_cv),
+         "Mean edge length and its standard deviation");
+  figure(theme, "Six neighbours", format("%.0f %%", 100 * q.regular_share),
+         "Share of the vertices that have six neighbours");
   figure(theme, "Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg), {},
          q.min_angle_deg < 10 ? palette::amber : palette::text);
   figure(theme, "Moved", format("%.1f mm, at most %.1f mm", q.moved_mean_mm, q.moved_max_mm),
-         "Mean and largest distance of a landmark from where the placement (with its warp) had put it");
+         "Mean and largest distance of a vertex from where the placement (with its warp) put it");
   figure(theme, "Turned triangles", format("%zu", q.turned),
-         "Over 90° from their normal on the template, carried along by the local rotations",
+         "Triangles whose normal is more than 90° from the template's, turned along with the surface around them",
          q.turned > 0 ? palette::bad : palette::good);
-  figure(theme, "Intersecting pairs", format("%zu", q.intersecting), "Triangles that pass through each other",
+  figure(theme, "Intersecting pairs", format("%zu", q.intersecting), "Pairs of triangles that pass through each other",
          q.intersecting > 0 ? palette::bad : palette::good);
   draw_refinement(ui, out);
 }

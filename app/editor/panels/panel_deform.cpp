@@ -15,13 +15,14 @@ void draw_sigma(const UiContext& ui, Outbox& out) {
   int chosen = static_cast<int>(ui.state.sigma_preset);
   const auto label = [&](std::size_t i) { return format("%zu   %.1f mm", i + 1, presets[i]); };
   if (choice(theme, "sigma", {label(0), label(1), label(2)}, chosen,
-             {"A vicinity (key 1, also while dragging)", "A part (key 2)", "A whole pole (key 3)"}, ui.needs_shape()))
+             {"Small: a spot (key 1, also while dragging)", "Medium: a part of the organ (key 2)",
+              "Large: a whole end of the organ (key 3)"},
+             ui.needs_shape()))
     out.change([chosen](EditorState& s) { s.sigma_preset = static_cast<std::size_t>(chosen); });
   double sigma_mm = ui.state.sigma_mm();
   bool released = false;
-  if (slider(theme, "Reach \xcf\x83", sigma_mm, {smallest_sigma_mm, 100, "%.1f", "mm", true},
-             "How far along the surface an edit reaches; the wheel changes it during a drag", released,
-             ui.needs_shape()))
+  if (slider(theme, "Width \xcf\x83", sigma_mm, {smallest_sigma_mm, 100, "%.1f", "mm", true},
+             "How wide a stroke is. The wheel changes it during a drag", released, ui.needs_shape()))
     out.change([sigma_mm](EditorState& s) { set_sigma(s, sigma_mm); });
 }
 
@@ -40,9 +41,8 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
   bool released = false, changed = false;
   int paints = static_cast<int>(brush.paints);
   if (choice(theme, "paints", {"Factor", "Region", "Smooth", "Fill"}, paints,
-             {"Paints a stiffness factor", "Brings landmarks into a region, with its factor; Alt takes them out",
-              "Evens the stiffness out",
-              "Fills what hangs together with the landmark under the pointer; Alt empties it"})) {
+             {"Paints a stiffness factor", "Paints a region, with its factor. Alt takes away", "Smooths the stiffness",
+              "Fills all that is connected with the place under the pointer. Alt empties it"})) {
     brush.paints = static_cast<BrushPaints>(paints);
     changed = true;
   }
@@ -66,20 +66,20 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
                       "Stiffness relative to the base; Alt paints 1", released);
   if (brush.paints == BrushPaints::factor || brush.paints == BrushPaints::region) {
     double soft = 100 * brush.soft;
-    changed |=
-        slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false}, "Share of the radius that blends", released);
+    changed |= slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false},
+                      "Part of the radius over which the brush fades out", released);
     brush.soft = soft / 100;
   }
   if (brush.paints == BrushPaints::fill) {
     int by = static_cast<int>(brush.fill_by);
     if (choice(theme, "fill by", {"Region", "Curvature"}, by,
-               {"All that is connected and in the same region", "Of that, only where the surface bends alike"})) {
+               {"All that is connected and in the same region", "The same, but only where the surface bends alike"})) {
       brush.fill_by = static_cast<FillRegion::By>(by);
       changed = true;
     }
     if (brush.fill_by == FillRegion::By::curvature)
-      changed |= slider(theme, "Bends alike", brush.fill_tolerance_per_mm, {0.005, 0.5, "%.3f", "/mm", true},
-                        "Largest difference of the mean curvature from that under the pointer", released);
+      changed |= slider(theme, "Tolerance", brush.fill_tolerance_per_mm, {0.005, 0.5, "%.3f", "/mm", true},
+                        "How far the mean curvature may differ from that under the pointer", released);
   }
   return changed;
 }
@@ -89,13 +89,13 @@ void draw_brush(const UiContext& ui, Outbox& out) {
   BrushSettings brush = ui.state.brush;
   bool released = false, changed = false;
   changed |= slider(theme, "Brush radius", brush.radius_mm, {1, 100, "%.1f", "mm", true},
-                    "Of the stiffness and the confirm brush", released);
+                    "Radius of the stiffness brush and of Confirm", released);
   if (ui.state.tool == MouseTool::stiffness) {
     changed |= draw_paints(ui, brush);
   } else {
     int frees = brush.hold ? 0 : 1;
     changed |= choice(theme, "confirm", {"Hold", "Free"}, frees,
-                      {"Later strokes leave the region where it is", "The region follows strokes again"});
+                      {"Later edits leave what you paint where it is", "What you paint can move again"});
     brush.hold = frees == 0;
   }
   if (changed) out.change([brush](EditorState& s) { s.brush = brush; });
@@ -106,13 +106,13 @@ void draw_scheme(const UiContext& ui, Outbox& out) {
   const Document& document = *ui.snapshot.document;
   int scheme = static_cast<int>(document.scheme);
   if (choice(theme, "scheme", {"Anchored", "Paper", "Raw"}, scheme,
-             {"An edit never relaxes an earlier one; the default",
-              "Literally as published: every solve pulls back towards the template",
-              "No optimisation: only the dragged falloff moves"}))
+             {"An edit never takes back an earlier one. The default",
+              "As the paper reads: every solve pulls the mesh back towards the template",
+              "No optimisation: only the falloff of the stroke moves"}))
     out.apply(SetScheme{static_cast<Scheme>(scheme), document.paper_events});
   if (document.scheme == Scheme::paper)
     case_slider(ui, out, "Mouse events", document.paper_events, {1, 100, "%.0f", "", true},
-                "How many mouse events a stroke counts for: every one is a solve of its own", [](double value) {
+                "How many mouse events a stroke stands for. Each is a solve", [](double value) {
                   return SetScheme{Scheme::paper, static_cast<int>(std::lround(value))};
                 });
 }
@@ -127,8 +127,8 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   if (tool == MouseTool::relax) {
     double strength = 100 * ui.state.relax_strength;
     bool released = false;
-    if (slider(theme, "Strength", strength, {0, 100, "%.0f", "%", false}, "How far towards the template's local shape",
-               released))
+    if (slider(theme, "Strength", strength, {0, 100, "%.0f", "%", false},
+               "How far each dab goes towards the template's shape", released))
       out.change([strength](EditorState& s) { s.relax_strength = strength / 100; });
   }
   if (tool == MouseTool::stiffness || tool == MouseTool::confirm) draw_brush(ui, out);
@@ -136,24 +136,23 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   const Document& document = ui.document();
   const Document& committed = *ui.snapshot.document;
   case_slider(ui, out, "Stiffness", committed.stiffness_base, {0.1, 200, "%.1f", "", true},
-              "Base w of the whole surface: a stiffer one spreads an edit wider",
+              "Stiffness w of the whole surface. The stiffer, the wider an edit spreads",
               [](double value) { return SetStiffnessBase{value}; });
   const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().reference);
-  figure(theme, "Carries an edit over", format("%.1f mm", stiffness_length_mm(document.stiffness_base, edge_mm)),
+  figure(theme, "An edit spreads over", format("%.1f mm", stiffness_length_mm(document.stiffness_base, edge_mm)),
          "The stiffness as a length: mean edge of the mesh \xc3\x97 \xe2\x88\x9a(3w)");
   case_slider(ui, out, "Even spacing", 100 * committed.spacing, {0, 100, "%.0f", "%", false},
-              "How strongly landmarks are kept evenly spread along with an edit",
+              "How strongly an edit keeps vertices evenly spread",
               [](double value) { return SetSpacing{value / 100}; });
   bool through = ui.state.through_space;
   const bool sheets = document.reference->topology->components() > 1;
-  if (toggle(theme, "Reach through space", through, "The falloff reaches other sheets of the mesh too",
-             sheets ? "" : "For meshes of several sheets; this one has one."))
+  if (toggle(theme, "Through space", through, "A stroke also moves other sheets of the mesh that lie near",
+             sheets ? "" : "This mesh has one sheet only."))
     out.change([through](EditorState& s) { s.through_space = through; });
   draw_scheme(ui, out);
   draw_model_help(ui, out);
   figure(theme, "Strokes", format("%d", document.shape().strokes));
-  figure(theme, "Last solve", format("%.2f ms", ui.snapshot.solver_ms),
-         "Core work of the last edit: job in, points out");
+  figure(theme, "Last solve", format("%.2f ms", ui.snapshot.solver_ms), "Time to compute the last edit");
 }
 
 }  // namespace homolog

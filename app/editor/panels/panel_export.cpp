@@ -15,8 +15,7 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
     if (ui.state.playing) out.send(PlayFrames{false});
     out.change([purpose, file](EditorState& s) { show_file_dialog(s, purpose, file); });
   };
-  if (button(theme, "Mesh…", "With the template's numbering: goes straight into a shape model", ui.needs_shape(),
-             width))
+  if (button(theme, "Mesh…", "With the template's numbering, ready for a shape model", ui.needs_shape(), width))
     ask(FilePurpose::export_mesh, name + ".ply");
   const std::string refusal = ui.needs_shape().empty() ? ui.needs_volume() : ui.needs_shape();
   if (button(theme, "Label map…", "Voxels of the image whose centre is inside the mesh", refusal, width))
@@ -37,7 +36,7 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
   options.width = static_cast<int>(std::clamp(picture_width, 64.0, 8192.0));
   options.height = static_cast<int>(std::clamp(picture_height, 64.0, 8192.0));
   bool transparent = options.transparent;
-  changed |= toggle(theme, "Transparent background", transparent, "What is not drawn stays transparent",
+  changed |= toggle(theme, "Transparent background", transparent, "The background stays transparent",
                     options.view == ViewKind::space ? "" : "For pictures of the 3D view.");
   options.transparent = transparent;
   if (changed) out.change([options](EditorState& s) { s.picture = options; });

@@ -16,11 +16,10 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
   changed |= slider(theme, "Closing", settings.closing_mm, {0, 10, "%.1f", "mm", false},
                     "Radius: clefts of the label narrower than twice that are filled before the fit", released);
   int start = settings.as_placed ? 1 : 0;
-  if (choice(
-          theme, "fit start", {"Find the place", "As placed"}, start,
-          {"Position, size and turn are found from the label, near the patient's axes; placed landmarks help. Never a "
-           "reflection",
-           "The fit starts where the template is now"})) {
+  if (choice(theme, "fit start", {"Find the place", "As placed"}, start,
+             {"The fit finds position, size and rotation by itself, near the patient's axes. Placed landmarks help. It "
+              "never mirrors",
+              "The fit starts where the template is now"})) {
     settings.as_placed = start == 1;
     changed = true;
   }
@@ -30,7 +29,7 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
 void draw_fitting(const UiContext& ui, const char* what, Outbox& out) {
   explanation(ui.theme, format("%s: %.0f %%", what, 100 * ui.fitter.fraction()));
   progress_bar(ui.theme, ui.fitter.fraction());
-  if (button(ui.theme, "Cancel", "The mesh stays as it was", {}, ImGui::GetContentRegionAvail().x))
+  if (button(ui.theme, "Cancel", "The mesh goes back to how it was", {}, ImGui::GetContentRegionAvail().x))
     out.send(CancelFit{});
 }
 
@@ -44,15 +43,16 @@ std::string fit_refusal(const UiContext& ui) {
   if (auto busy = busy_refusal(ui); !busy.empty()) return busy;
   if (ui.label_values.empty()) return "The label map is empty.";
   if (ui.snapshot.document->shapes.contains(ui.displayed->frame) && ui.committed_shape().confirmed)
-    return "Regions are confirmed, and a fit moves every landmark: release them first (C).";
+    return "A fit moves every vertex, but some are confirmed. Release them first (C).";
   return ui.needs_shape();
 }
 
 void draw_last_fit(const Theme& theme, const Fitted& fitted) {
   figure(theme, "Distance to the label",
          format("%.2f mm, 95 %% %.2f", fitted.agreement.assd_mm, fitted.agreement.hd95_mm),
-         "Mean distance of the two surfaces, both ways, and their 95th percentile");
-  figure(theme, "Dice", format("%.3f", fitted.agreement.dice), "Overlap with the label as it was closed, 1 is all",
+         "Mean distance between the two surfaces, both ways, and the 95th percentile");
+  figure(theme, "Dice", format("%.3f", fitted.agreement.dice),
+         "Overlap with the closed label. 1 means that both are the same",
          fitted.agreement.dice < 0.9 ? palette::amber : palette::text);
   for (const std::string& remark : fitted.remarks) explanation(theme, remark);
 }
@@ -65,14 +65,14 @@ void draw_fit(const UiContext& ui, Outbox& out) {
   gap(theme, 4);
   caption(theme, "Automatic fit");
   if (!ui.labels) {
-    if (button(theme, "Open a label map\xe2\x80\xa6", "The template can be fitted to a label without a hand", {},
+    if (button(theme, "Open a label map\xe2\x80\xa6", "Then the template can be fitted to a label automatically", {},
                width))
       out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_labels); });
     return;
   }
   if (ui.fitter.busy() && !ui.fitter.refining()) return draw_fitting(ui, "Fitting", out);
   draw_fit_settings(ui, out);
-  if (button(theme, "Fit to the label", "Shown as it goes on; one step to undo", fit_refusal(ui), width, true))
+  if (button(theme, "Fit to the label", "You see the mesh move. One step to undo", fit_refusal(ui), width, true))
     out.send(StartFit{});
   if (ui.state.last_fit && ui.state.last_fit->edit.points == ui.committed_shape().points)
     draw_last_fit(theme, *ui.state.last_fit);
@@ -83,9 +83,8 @@ void draw_refinement(const UiContext& ui, Outbox& out) {
   gap(ui.theme, 4);
   const std::string busy = busy_refusal(ui);
   if (button(ui.theme, "Refine along the surface",
-             "Moves landmarks along the mesh's own surface to where the template, fitted to that surface and to the "
-             "landmarks placed in the image, has them. The surface and confirmed regions stay; one step to undo. For "
-             "when the outline is right",
+             "For when the outline is right. Vertices move along the surface to where the template has them, fitted to "
+             "this surface and to the placed landmarks. The surface and confirmed vertices stay. One step to undo",
              busy.empty() ? ui.needs_shape() : busy, ImGui::GetContentRegionAvail().x))
     out.send(RefineLandmarks{});
 }

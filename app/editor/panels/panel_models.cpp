@@ -77,7 +77,7 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
   }
   if (count > first_few + 1 &&
       button(theme, state.all_modes ? format("First %zu modes", first_few) : format("All %zu modes", count),
-             "Sliders of the modes that hold 95 % of the variance", {}, ImGui::GetContentRegionAvail().x))
+             "Shows only the modes that hold 95 % of the variance", {}, ImGui::GetContentRegionAvail().x))
     out.change([](EditorState& s) { s.models.all_modes = !s.models.all_modes; });
 }
 
@@ -157,9 +157,11 @@ void draw_shapeworks_measures(const Theme& theme, const Evaluation& evaluation) 
     const char *name, *label, *tip;
   };
   static constexpr std::array<Row, 3> rows{
-      {{"compactness", "Compactness", "Cumulative share of the variance"},
+      {{"compactness", "Compactness",
+        "Share of the variance that the modes hold; in brackets, one standard error to both sides"},
        {"generalization", "Generalisation",
-        "Leave-one-out reconstruction, neither clamped nor aligned again; mean Euclidean distance of the particles"},
+        "Each shape is rebuilt by a model of the others, neither clamped nor aligned again. Mean Euclidean distance of "
+        "the particles"},
        {"specificity", "Specificity",
         "Mean Euclidean distance of the particles to the nearest training shape. ShapeWorks takes the singular values "
         "\xe2\x88\x9a((M\xe2\x88\x92"
@@ -170,7 +172,8 @@ void draw_shapeworks_measures(const Theme& theme, const Evaluation& evaluation) 
     const Measured& one = measures->front();
     const bool share = row.name == rows[0].name;
     figure(theme, row.label,
-           share ? format("%.1f \xc2\xb1 %.1f %%", 100 * one.mean, 100 * one.standard_error)
+           share ? format("%.1f %% (%.0f to %.0f)", 100 * one.mean, 100 * std::max(one.mean - one.standard_error, 0.0),
+                          100 * std::min(one.mean + one.standard_error, 1.0))
                  : format("%.3f \xc2\xb1 %.3f mm", one.mean, one.standard_error),
            row.tip);
   }
@@ -192,7 +195,7 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
     const bool enough = state.model && state.model->names.size() >= 3;
     explanation(theme, "Compactness, generalisation and specificity at every number of modes.");
     if (button(theme, std::string(icon::chart) + "  Measure", "1,000 random shapes for specificity, seed 1",
-               enough ? "" : "At least three shapes are needed, to leave one out.", width, true))
+               enough ? "" : "At least three shapes are needed: one is left out each time.", width, true))
       out.send(StartEvaluation{});
     return;
   }
@@ -213,11 +216,11 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
     return format("%.3f \xc2\xb1 %.3f mm", measures->front().mean, measures->front().standard_error);
   };
   caption(theme, format("At %d %s, \xc2\xb1 standard error", modes, modes == 1 ? "mode" : "modes").c_str());
-  figure(theme, "Generalisation, mean", mean_mm("generalization"), "Mean Euclidean distance of the landmarks, mm");
+  figure(theme, "Generalisation, vertices", mean_mm("generalization"), "Mean Euclidean distance of the vertices, mm");
   figure(theme, "Generalisation, surface", mean_mm("generalization_surface"),
-         "Symmetric mean surface distance, mm: where it is much smaller than the distance of the landmarks, they slide "
-         "within the surface");
-  figure(theme, "Specificity, mean", mean_mm("specificity"), "Mean Euclidean distance of the landmarks, mm");
+         "Symmetric mean surface distance, mm. Where it is much smaller than the distance of the vertices, vertices "
+         "slide within the surface");
+  figure(theme, "Specificity, vertices", mean_mm("specificity"), "Mean Euclidean distance of the vertices, mm");
   draw_shapeworks_measures(theme, evaluation);
   const float half = std::floor((width - theme.px(8)) / 2);
   if (button(theme, "Table\xe2\x80\xa6", "All measures with their standard errors: .csv or .json", {}, half))

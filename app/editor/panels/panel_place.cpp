@@ -112,7 +112,7 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     const float remove = done ? theme.px(24) : 0.0f;
     const auto row =
         area(theme, "row", {width - remove, height},
-             done ? "Go there; drag it in a view to move it" : "Then click where it is in a slice", {next});
+             done ? "Go there. Drag it in a view to move it" : "Then click where it is in a slice", {next});
     if (row.clicked)
       out.change([name = landmark.name, done, position = done ? place->second : Vec3()](EditorState& s) {
         s.tool = MouseTool::landmark;
@@ -129,7 +129,7 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     text_at(draw, {at.x + theme.px(28), text_y}, palette::text, landmark.name);
     if (done) {
       ImGui::SameLine(0, 0);
-      if (icon_button(theme, icon::close, "remove", "Take this landmark away", {}, false, 24))
+      if (icon_button(theme, icon::close, "remove", "Remove this landmark", {}, false, 24))
         out.apply(PlaceLandmark{landmark.name, std::nullopt});
     }
   }
@@ -152,17 +152,17 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
   const auto ask = [&](FilePurpose purpose, const std::string& name) {
     out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
   };
-  if (button(theme, "Import…", "Places those of a 3D Slicer (.mrk.json) or scalismo (.json) file whose names match", {},
-             half))
+  if (button(theme, "Import…",
+             "Places the landmarks of a 3D Slicer (.mrk.json) or scalismo (.json) file by their names", {}, half))
     ask(FilePurpose::open_landmarks, "");
   ImGui::SameLine(0, theme.px(4));
-  if (button(theme, "Export…", "The placed ones, for 3D Slicer (.mrk.json) or scalismo (.json)",
+  if (button(theme, "Export…", "Saves the placed landmarks for 3D Slicer (.mrk.json) or scalismo (.json)",
              ui.document().shape().landmarks.empty() ? "None is placed yet." : "", half))
     ask(FilePurpose::export_landmarks, case_name(ui.snapshot.file, ui.document()) + "-landmarks.mrk.json");
   int fit = static_cast<int>(ui.document().landmark_fit);
   if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,
-             {"Landmarks are only recorded", "Move, turn and scale the template so that the landmarks meet",
-              "The similarity, and from the fourth landmark on a smooth warp"}))
+             {"Landmarks do not move the template", "Landmarks move, turn and scale the template",
+              "As Similarity; from the fourth landmark on also a smooth warp"}))
     out.apply(SetLandmarkFit{static_cast<LandmarkFit>(fit)});
 }
 

@@ -18,10 +18,9 @@ void draw_reference_section(const UiContext& ui, Outbox& out) {
     figure(theme, "Triangles", format("%ld", static_cast<long>(reference.topology->triangles().rows())));
     figure(theme, "Surface",
            format("%s, genus %d", reference.topology->closed() ? "closed" : "open", reference.topology->genus()),
-           "Openings are capped flat for inside and outside; genus counts the tunnels");
+           "Openings count as closed flat. Genus is the number of tunnels");
   } else {
-    explanation(theme,
-                "The template is the mesh whose vertices are the landmarks. Take a built-in one or load your own.");
+    explanation(theme, "The template is the mesh that every case starts from. Take a built-in one or load your own.");
   }
   gap(theme, 0);
   const float third = (ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3;
@@ -33,13 +32,13 @@ void draw_reference_section(const UiContext& ui, Outbox& out) {
       {{"Kidney", "built-in:kidney"}, {"Vertebra", "built-in:vertebra"}, {"Ventricle", "built-in:ventricle"}}};
   for (std::size_t i = 0; i < built_ins.size(); ++i) {
     if (i > 0) ImGui::SameLine(0, theme.px(4));
-    if (button(theme, built_ins[i].label, "Start anew with this built-in template", {}, third))
+    if (button(theme, built_ins[i].label, "Start again with this built-in template", {}, third))
       out.send(OpenTemplate{built_ins[i].source});
   }
   if (button(theme, "Load a template…", "PLY, VTK, VTP, OBJ or STL", {}, ImGui::GetContentRegionAvail().x))
     out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_template); });
   if (button(theme, "Mirror left and right",
-             "The template of the other side, with the same numbering; the shape starts anew at its placement",
+             "Takes the template of the other side, with the same numbering. The mesh starts again from its placement",
              ui.needs_shape(), ImGui::GetContentRegionAvail().x))
     out.apply(MirrorTemplate{});
   if (button(theme, "Save the template…", "As PLY, with the stiffness, regions and landmarks as they are now",

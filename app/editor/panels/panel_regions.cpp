@@ -91,12 +91,11 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
   const float swatch = theme.px(12), indent = theme.px(20), y = at.y + (theme.px(28) - swatch) / 2;
   const bool chosen = ui.state.tool == MouseTool::stiffness && ui.state.brush.region == region.name;
   const bool on_swatch = ImGui::GetMousePos().x < at.x + indent;
-  const auto row =
-      list_row(theme, region.name, chosen, {width, theme.px(28)},
-               on_swatch ? std::string("A click gives the region another colour")
-                         : format("%d landmarks; a click takes the brush that paints them, a double click renames",
-                                  landmarks_in(regions, index + 1)),
-               indent);
+  const auto row = list_row(theme, region.name, chosen, {width, theme.px(28)},
+                            on_swatch ? std::string("Click for another colour")
+                                      : format("%d vertices. Click to paint the region, double-click to rename it",
+                                               landmarks_in(regions, index + 1)),
+                            indent);
   if (row.clicked && on_swatch) out.apply(SetRegion{{region.name, region.factor, next_colour(regions, region.colour)}});
   if (row.clicked && !on_swatch) take_region_brush(region.name, out);
   if (row.doubled && !on_swatch)
@@ -106,7 +105,7 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
                                             theme.px(2));
 }
 
-/// What the case holds. What is shown is a preview of the very change that is compared with it.
+/// The factor that the case holds: the shown document may be a preview of the very change that is compared with it.
 double committed_factor(const UiContext& ui, const Region& region) {
   for (const Region& kept : ui.snapshot.document->regions->list)
     if (kept.name == region.name) return kept.factor;
@@ -132,7 +131,7 @@ void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
       },
       out);
   ImGui::SameLine(0, theme.px(4));
-  if (button(theme, "\xc3\x97", "Forgets the region; its landmarks keep their stiffness", {}, remove_width))
+  if (button(theme, "\xc3\x97", "Removes the region. Its vertices keep their stiffness", {}, remove_width))
     out.apply(RemoveRegion{region.name});
 }
 
@@ -153,9 +152,9 @@ void draw_regions(const UiContext& ui, Outbox& out) {
   const bool taken =
       std::any_of(regions.list.begin(), regions.list.end(), [&](const Region& r) { return r.name == name; });
   ImGui::SameLine(0, theme.px(4));
-  const bool add = button(theme, "Add", "Adds the region and takes the brush that paints it (Enter)",
+  const bool add = button(theme, "Add", "Adds the region and takes its brush (Enter)",
                           name.empty() ? "Type a name first."
-                          : taken      ? "There is a region of that name."
+                          : taken      ? "There is a region with this name already."
                                        : "",
                           add_width);
   if (add || (entered && !name.empty() && !taken)) {
@@ -167,7 +166,8 @@ void draw_regions(const UiContext& ui, Outbox& out) {
       s.brush.paints = BrushPaints::region;
     });
   }
-  if (button(theme, "Stiffness from a mesh…", "A PLY with one value per vertex, of the same vertices", {}, width))
+  if (button(theme, "Stiffness from a mesh…", "Takes one value per vertex from a PLY with the same vertices", {},
+             width))
     out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_stiffness); });
 }
 
@@ -182,14 +182,14 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
     const float remove_width = theme.px(24);
     const float name_width = ImGui::GetContentRegionAvail().x - remove_width - theme.px(4);
     if (list_row(theme, landmark.name, naming && ui.state.template_landmark == landmark.name,
-                 {name_width, theme.px(28)}, "A click on it, then on the mesh, moves it")
+                 {name_width, theme.px(28)}, "To move it, click here, then on the mesh")
             .clicked)
       out.change([name = landmark.name](EditorState& s) {
         s.tool = MouseTool::template_landmark;
         s.template_landmark = name;
       });
     ImGui::SameLine(0, theme.px(4));
-    if (button(theme, "\xc3\x97", "Takes the landmark off the template", {}, remove_width))
+    if (button(theme, "\xc3\x97", "Removes the landmark from the template", {}, remove_width))
       out.apply(SetTemplateLandmark{landmark.name, std::nullopt});
   }
   ImGui::PopStyleVar();
@@ -204,12 +204,12 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
       entered)
     out.change([](EditorState& s) { s.tool = MouseTool::template_landmark; });
   const float half = (width - theme.px(4)) / 2;
-  if (button(theme, "Import…##template", "3D Slicer (.mrk.json) or scalismo (.json), in the template's own frame", {},
-             half))
+  if (button(theme, "Import…##template", "3D Slicer (.mrk.json) or scalismo (.json), in the template's own coordinates",
+             {}, half))
     out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_template_landmarks); });
   ImGui::SameLine(0, theme.px(4));
-  if (button(theme, "Export…##template", "3D Slicer (.mrk.json) or scalismo (.json), in the template's own frame",
-             landmarks.empty() ? "There is none yet." : "", half))
+  if (button(theme, "Export…##template", "3D Slicer (.mrk.json) or scalismo (.json), in the template's own coordinates",
+             landmarks.empty() ? "There is no landmark yet." : "", half))
     out.change(
         [](EditorState& s) { show_file_dialog(s, FilePurpose::export_template_landmarks, "landmarks.mrk.json"); });
 }

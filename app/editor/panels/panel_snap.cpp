@@ -8,13 +8,13 @@ namespace {
 /// Whether the look of the boundary is learned from the study's cases that are done.
 bool draw_learning(const UiContext& ui, SnapSettings& snap) {
   const std::size_t cases = cases_to_learn(ui.state.models.study, ui.snapshot.file).size();
-  const bool changed = toggle(
-      ui.theme, "Learn from done cases", snap.learn,
-      "Snaps look for the boundary as it looks, landmark by landmark, in the study's cases that are done (the first "
-      "eight), in place of any edge",
-      cases == 0                             ? "Open a study and mark cases as done (Models)."
-      : snap.polarity != Polarity::automatic ? "The polarity is chosen by hand; take Auto."
-                                             : "");
+  const bool changed =
+      toggle(ui.theme, "Learn from done cases", snap.learn,
+             "Snaps look for the boundary as it looks in the study's done cases (the first eight), vertex by vertex, "
+             "instead of for any edge",
+             cases == 0                             ? "Open a study and mark cases as done (Models)."
+             : snap.polarity != Polarity::automatic ? "Choose Auto below first: learning finds the polarity itself."
+                                                    : "");
   if (!snap.learn || cases == 0) return changed;
   if (ui.study_appearance.busy())
     explanation(ui.theme, format("Learning: %.0f %%", 100 * ui.study_appearance.fraction()));
@@ -28,23 +28,23 @@ bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
   bool released = false, changed = false;
   double strength = 100 * snap.strength;
   changed |= slider(theme, "Strength", strength, {0, 100, "%.0f", "%", false},
-                    "0: nothing moves; 100 %: the image decides wherever it shows an edge", released);
+                    "At 0 % nothing moves. At 100 % the image decides wherever it shows an edge", released);
   snap.strength = strength / 100;
   changed |= slider(theme, "Search", snap.reach_mm, {1, 30, "%.1f", "mm", true},
-                    "How far to both sides of the mesh, along its normals, the boundary is looked for", released);
+                    "How far a snap looks for the boundary, to both sides of the mesh", released);
   int polarity = static_cast<int>(snap.polarity);
-  if (choice(
-          theme, "polarity", {"Auto", "Bright", "Dark", "Either"}, polarity,
-          {"As most edges around the mesh are; in a cine, as the boundary looks in the nearest frame done",
-           "The organ is brighter than what surrounds it", "The organ is darker than what surrounds it", "Any edge"})) {
+  if (choice(theme, "polarity", {"Auto", "Bright", "Dark", "Either"}, polarity,
+             {"As most edges around the mesh. In a cine, as in the nearest edited frame",
+              "The organ is brighter than what surrounds it", "The organ is darker than what surrounds it",
+              "Any edge, bright or dark inside"})) {
     snap.polarity = static_cast<Polarity>(polarity);
     changed = true;
   }
   changed |= draw_learning(ui, snap);
   changed |= toggle(theme, "Snap while dragging", snap.with_strokes,
-                    "What a pull or grab moves is snapped as it is dragged (Shift+N); one step to undo");
+                    "What you pull or grab is snapped as you drag it (Shift+N). One step to undo");
   changed |= toggle(theme, "Show confidence", snap.show_confidence,
-                    "Colours the mesh by how clear the edge is that each landmark lies on, until the mesh changes");
+                    "Until the mesh changes, its colours show how clear the edge is that each vertex lies on");
   return changed;
 }
 
@@ -52,10 +52,11 @@ void draw_last_snap(const UiContext& ui) {
   const Theme& theme = ui.theme;
   const SnapFound& found = *ui.state.snapped;
   figure(theme, "Confidence", format("%.0f %%", 100 * found.mean_confidence),
-         "Mean over what was snapped; 100 %: every landmark lies on an edge as clear as usual in this image",
+         "How clear the edges are that the mesh lies on, not how right the mesh is. 100 %: as clear as usual in this "
+         "image",
          found.doubtful ? palette::amber : palette::good);
   figure(theme, "Moved", format("%.1f mm in %.2f s", found.moved_mm, found.seconds),
-         "Mean way of the landmarks, and how long it took");
+         "Mean distance that the vertices moved, and how long it took");
 }
 
 }  // namespace
@@ -67,10 +68,10 @@ void draw_snap(const UiContext& ui, Outbox& out) {
   caption(theme, "Snap to the image");
   const float width = ImGui::GetContentRegionAvail().x;
   if (ui.snapping) {
-    if (button(theme, "Cancel", "Leaves the mesh as it is", {}, width)) out.send(CancelSnap{});
+    if (button(theme, "Cancel", "The mesh is not changed", {}, width)) out.send(CancelSnap{});
   } else if (button(theme, "Snap the whole mesh",
-                    "Draws the mesh to the boundary that the image shows; confirmed regions stay. Key N: only the "
-                    "part under the pointer, as wide as \xcf\x83 (in mm); beside the mesh all of it",
+                    "Draws the mesh to the boundary that the image shows. Confirmed vertices stay. Key N snaps only "
+                    "the part under the pointer, as wide as \xcf\x83; beside the mesh it snaps all",
                     ui.needs_volume(), width)) {
     out.send(SnapMesh{});
   }

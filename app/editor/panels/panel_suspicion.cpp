@@ -39,7 +39,7 @@ void draw_entry(const UiContext& ui, int id, const GalleryPlace& place, const st
   text_at(draw, {at.x + size.x - value_width, y}, colour, value);
 }
 
-/// "Landmarks (4)", and what is not listed.
+/// "Stretched or shrunk triangles: 4", and how many are not listed.
 void draw_caption(const Theme& theme, const char* what, std::size_t count) {
   gap(theme, 8);
   caption(theme, count > most_rows ? format("%s: the worst %zu of %zu", what, most_rows, count).c_str()
@@ -52,7 +52,7 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   if (!state.model || state.model->names.size() < 4) {
-    explanation(theme, "Four shapes are needed to tell what is unusual among them.");
+    explanation(theme, "At least four shapes are needed to tell what is unusual.");
     return;
   }
   const StudyModel& model = *state.model;
@@ -66,23 +66,23 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
                    ? "Beyond the outer fence: 3 interquartile ranges above the upper quartile"
                    : "Beyond the fence: 1.5 interquartile ranges above the upper quartile",
                one.doubt == Doubt::far_outside ? palette::bad : palette::amber, false, out);
-  draw_caption(theme, "Landmarks elsewhere than predicted", model.doubtful_landmarks.size());
+  draw_caption(theme, "Vertices in unexpected places", model.doubtful_landmarks.size());
   for (std::size_t k = 0; k < std::min(most_rows, model.doubtful_landmarks.size()); ++k) {
     const DoubtfulLandmark& one = model.doubtful_landmarks[k];
     draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), one.landmark},
                name(one.shape) + format(", %td", one.landmark), format("%.2f mm", one.deviation_mm),
-               format("Landmark %td lies %.2f mm from where the other shapes' model puts it; usual is %.2f mm.",
+               format("Vertex %td lies %.2f mm from where the model of the other shapes puts it. Usual are %.2f mm.",
                       one.landmark, one.deviation_mm, one.usual_mm),
                palette::amber, true, out);
   }
-  draw_caption(theme, "Triangles out of range", model.doubtful_triangles.size());
+  draw_caption(theme, "Stretched or shrunk triangles", model.doubtful_triangles.size());
   for (std::size_t k = 0; k < std::min(most_rows, model.doubtful_triangles.size()); ++k) {
     const DoubtfulTriangle& one = model.doubtful_triangles[k];
     const Eigen::Index corner = model.topology->triangles()(one.triangle, 0);
     draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), corner},
                name(one.shape) + format(", triangle %td", one.triangle), format("%.2f\xc3\x97", one.stretch),
-               format("Triangle %td is stretched or shrunk by %.2f against the mean; usual is %.2f.", one.triangle,
-                      one.stretch, one.usual),
+               format("Triangle %td is stretched or shrunk %.2f times against the mean shape. Usual are %.2f times.",
+                      one.triangle, one.stretch, one.usual),
                palette::amber, true, out);
   }
   ImGui::PopStyleVar();

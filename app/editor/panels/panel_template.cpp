@@ -22,19 +22,19 @@ void whole_number(const Theme& theme, const char* label, int& value, const Slide
 
 void draw_organ_settings(const Theme& theme, MaskTemplateOptions& options, bool& changed) {
   bool released = false;
-  whole_number(theme, "Landmarks", options.vertices, {500, 40000, "%.0f", "", true},
-               "How many vertices are spread over the surface", changed);
+  whole_number(theme, "Vertices", options.vertices, {500, 40000, "%.0f", "", true},
+               "How many vertices the template gets", changed);
   changed |= slider(theme, "Closing", options.closing_mm, {0, 10, "%.1f", "mm", false},
-                    "Radius: clefts narrower than twice that are filled", released);
+                    "Radius. Clefts narrower than twice the radius are filled", released);
   changed |= slider(theme, "Opening", options.opening_mm, {0, 10, "%.1f", "mm", false},
-                    "Radius: spurs thinner than twice that are removed", released);
+                    "Radius. Spurs thinner than twice the radius are removed", released);
   int rule = options.genus.kind == GenusRule::Kind::automatic ? 0
              : options.genus.kind == GenusRule::Kind::keep    ? 1
              : options.genus.genus == 0                       ? 2
                                                               : 3;
   if (choice(theme, "tunnels", {"Auto", "Keep", "None", "One"}, rule,
-             {"Tunnels narrower than 5 mm are cut: a vertebral canal stays", "Every tunnel stays",
-              "All tunnels are cut, the narrowest first", "Cut until one is left: a vertebra"})) {
+             {"Cuts tunnels narrower than 5 mm. A vertebral canal stays", "Every tunnel stays", "Cuts all tunnels",
+              "Cuts all tunnels but the widest: for a vertebra"})) {
     options.genus = rule == 0   ? GenusRule{}
                     : rule == 1 ? GenusRule{GenusRule::Kind::keep, 0}
                                 : GenusRule{GenusRule::Kind::number, rule == 2 ? 0 : 1};
@@ -46,21 +46,21 @@ void draw_tube_settings(const UiContext& ui, TemplateSettings& settings, bool& c
   const Theme& theme = ui.theme;
   whole_number(theme, "Rings", settings.tube_options.rings, {6, 100, "%.0f", "", false}, "From the base to the apex",
                changed);
-  whole_number(theme, "Sectors", settings.tube_options.sectors, {12, 128, "%.0f", "", false}, "Landmarks of a ring",
+  whole_number(theme, "Sectors", settings.tube_options.sectors, {12, 128, "%.0f", "", false}, "Vertices of a ring",
                changed);
   const std::string no_ruler = ui.state.ruler ? "" : "Draw the ruler (D) from the base to the apex first.";
   bool by_ruler = settings.axis_by_ruler;
   if (toggle(theme, "Axis by the ruler", by_ruler,
-             "From the base to the apex as the ruler lies, else the label's main axis", no_ruler)) {
+             "Takes the ruler, from the base to the apex, as the axis. Off takes the label's main axis", no_ruler)) {
     settings.axis_by_ruler = by_ruler;
     changed = true;
   }
-  changed |= toggle(theme, "Close the base", settings.tube_options.capped, "With a flat fan; else it stays open");
+  changed |= toggle(theme, "Close the base", settings.tube_options.capped, "Closes the base flat. Off leaves it open");
   bool wall = settings.outer_label != 0;
   const auto other =
       std::find_if(ui.label_values.begin(), ui.label_values.end(), [&](int value) { return value != settings.label; });
   const bool has_other = other != ui.label_values.end();
-  if (toggle(theme, "Outer sheet too", wall,
+  if (toggle(theme, "Add the outer sheet", wall,
              has_other ? "A second sheet around label " + std::to_string(*other) + " (epicardium)" : std::string(),
              has_other ? std::string() : "The label map holds one label only.")) {
     settings.outer_label = wall ? *other : 0;
@@ -88,19 +88,20 @@ void draw_stages(const UiContext& ui, const TemplateMaking& making, Outbox& out)
 void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out) {
   const Theme& theme = ui.theme;
   draw_quality_report(theme, *making.mesh, making.quality);
-  figure(theme, "From the label", format("%.2f mm, at most %.1f", making.to_mask.mean_mm, making.to_mask.max_mm),
-         "Mean and largest distance of the template's surface from the label's");
-  figure(theme, "Label missed by", format("%.2f mm, at most %.1f", making.from_mask.mean_mm, making.from_mask.max_mm),
-         "The other way: mean and largest distance of the label's surface from the template's");
+  figure(theme, "Template to label", format("%.2f mm, at most %.1f", making.to_mask.mean_mm, making.to_mask.max_mm),
+         "Mean and largest distance from the template's surface to the label's");
+  figure(theme, "Label to template", format("%.2f mm, at most %.1f", making.from_mask.mean_mm, making.from_mask.max_mm),
+         "Mean and largest distance from the label's surface to the template's: also sees clefts that the template "
+         "does not follow");
   for (const std::string& remark : making.remarks) explanation(theme, remark);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
-  if (button(theme, "Save and use…", "Writes the template and starts the case anew with it", {}, half, true))
+  if (button(theme, "Save and use…", "Saves the template and starts the case again with it", {}, half, true))
     out.change([name = making.source.substr(0, making.source.find('.')) + "-template"](EditorState& s) {
       show_file_dialog(s, FilePurpose::use_made_template, name);
     });
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Back", "The template made before this one",
-             ui.template_maker.can_undo() ? "" : "There is none before this one.", half))
+             ui.template_maker.can_undo() ? "" : "No template was made before this one.", half))
     out.send(UndoTemplate{});
 }
 
@@ -123,16 +124,17 @@ bool label_choice(const UiContext& ui, int& label) {
 }
 
 void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality) {
-  figure(theme, "Landmarks", format("%ld", static_cast<long>(mesh.points.rows())));
+  figure(theme, "Vertices", format("%ld", static_cast<long>(mesh.points.rows())));
   figure(theme, "Surface", format("%s, genus %d", mesh.topology->closed() ? "closed" : "open", mesh.topology->genus()),
-         "Openings are capped flat for inside and outside; genus counts the tunnels");
+         "Openings count as closed flat. Genus is the number of tunnels");
   figure(theme, "Edges", format("%.2f mm \xc2\xb1 %.0f %%", quality.edge_mean, 100 * quality.edge_cv),
          format("Mean length and its standard deviation; %.2f to %.2f mm", quality.edge_min, quality.edge_max));
-  figure(theme, "Smallest angle", format("%.1f\xc2\xb0", quality.min_angle_deg), "60\xc2\xb0 is equilateral",
-         quality.min_angle_deg < 20 ? palette::amber : palette::text);
+  figure(theme, "Smallest angle", format("%.1f\xc2\xb0", quality.min_angle_deg),
+         "In a triangle of equal sides it is 60\xc2\xb0", quality.min_angle_deg < 20 ? palette::amber : palette::text);
   figure(theme, "Six neighbours", format("%.0f %%", 100 * quality.regular_share),
-         "Share of the landmarks that have six neighbours");
-  figure(theme, "Self-intersections", format("%zu", quality.self_intersections), "Pairs of faces",
+         "Share of the vertices that have six neighbours");
+  figure(theme, "Self-intersections", format("%zu", quality.self_intersections),
+         "Pairs of triangles that pass through each other",
          quality.self_intersections > 0 ? palette::amber : palette::text);
 }
 
@@ -140,7 +142,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   caption(theme, "From a label map");
   if (!ui.labels) {
-    if (button(theme, "Open a label map…", "Its labels become templates: an organ's surface, or rings and sectors", {},
+    if (button(theme, "Open a label map…", "A template is made from one of its labels", {},
                ImGui::GetContentRegionAvail().x))
       out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_labels); });
     return;
@@ -149,8 +151,8 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   bool changed = label_choice(ui, settings.label);
   int kind = settings.tube ? 1 : 0;
   if (choice(theme, "template kind", {"Organ", "Tube"}, kind,
-             {"Any shape: vertices spread evenly over the surface",
-              "Rings and sectors along the main axis: a ventricle"})) {
+             {"For any shape: vertices are spread evenly over the surface",
+              "For a ventricle: rings and sectors along the main axis"})) {
     settings.tube = kind == 1;
     changed = true;
   }
@@ -164,8 +166,8 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   const auto making = ui.template_maker.latest();
   if (ui.template_maker.busy()) {
     progress_bar(theme, ui.template_maker.fraction());
-    if (button(theme, "Cancel", "Stops after the present step", {}, width)) out.send(CancelTemplate{});
-  } else if (button(theme, "Make the template", "Each stage is shown in the views as it is done",
+    if (button(theme, "Cancel", "Stops after this stage", {}, width)) out.send(CancelTemplate{});
+  } else if (button(theme, "Make the template", "You see each stage in the views",
                     settings.label == 0 ? "The label map is empty." : "", width, !making || !making->mesh)) {
     out.send(MakeTemplate{});
   }
@@ -173,8 +175,8 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   if (!making->stages.empty()) draw_stages(ui, *making, out);
   if (!making->error.empty()) explanation(theme, making->error);
   if (making->mesh) draw_result(ui, *making, out);
-  if (!making->stages.empty() &&
-      button(theme, "Close", "Shows the case's mesh again", ui.template_maker.busy() ? "It is being made." : "", width))
+  if (!making->stages.empty() && button(theme, "Close", "Goes back to the case's mesh",
+                                        ui.template_maker.busy() ? "The template is being made." : "", width))
     out.send(CloseTemplateMaking{});
 }
 

@@ -55,8 +55,8 @@ struct UiContext {
   /// Why a control that needs a mesh is disabled; empty where there is one.
   std::string needs_shape() const {
     if (has_shape()) return {};
-    return document().reference ? "This frame has no mesh yet: Start from previous (Case) copies one."
-                                : "Load a template first (Reference): there is no mesh yet.";
+    return document().reference ? "This frame has no mesh yet. Start from previous (Case) copies one."
+                                : "There is no mesh yet. Load a template first (Reference).";
   }
   std::string needs_volume() const { return document().volume ? std::string() : "Open an image first."; }
 };

@@ -45,7 +45,7 @@ class GalleryPictures {
   static bool same(const GalleryKey& a, const GalleryKey& b);
   GalleryKey key_of(const ModelsState& state, const GalleryGrid& grid, bool moving, float scale) const;
 
-  /// Colours and glyphs of the landmarks, for the model and spacing that are shown.
+  /// Colours and glyphs of the vertices, for the model and spacing that are shown.
   void prepare(const ModelsState& state);
   Scene scene_of(const ModelsState& state, std::shared_ptr<const Points> points, bool glyphs) const;
   /// The framebuffer for a picture of that size; null where it could not be made.

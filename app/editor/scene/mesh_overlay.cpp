@@ -201,11 +201,8 @@ Legend overlay_legend(const Document& document, Overlay overlay) {
       return legend;
     }
     case Overlay::known:
-      return {"",
-              "",
-              "",
-              {{1, 1, 1}, decided, left_open},
-              {"confirmed", "moved by hand, fit or snap", "left to the shape and the model"}};
+      return {
+          "", "", "", {{1, 1, 1}, decided, left_open}, {"confirmed", "decided by hand, fit or snap", "not known yet"}};
     case Overlay::confidence:
       return {"no edge seen", "", "clear edge", confidence_scale()};
     case Overlay::quality:

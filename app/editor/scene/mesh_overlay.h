@@ -9,7 +9,7 @@
 
 namespace homolog {
 
-/// Colour of every vertex for an overlay; `hues` are the template's landmark hues, shown at `saturation`; `confidence`
+/// Colour of every vertex for an overlay; `hues` are the template's vertex hues, shown at `saturation`; `confidence`
 /// is that of the last snap, which its overlay needs.
 std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, const std::vector<float>& hues,
                                  float saturation, const VertexScalars* confidence = nullptr);

@@ -47,7 +47,7 @@ void SceneBuilder::update_mesh(const Input& input) {
   const Overlay overlay = shown_overlay(input.state);
   const bool follows_shape = overlay == Overlay::edge_stretch || overlay == Overlay::moved ||
                              overlay == Overlay::quality || overlay == Overlay::known;
-  // Frames may share points and differ in what those are compared with and in what is decided of them.
+  // Frames may share their points but differ in what these are compared with, and in which of them are decided.
   const Shape& shape = document.shape();
   const bool other_shape =
       moved || decided_ != shape.decided || placed_ != shape.placed || compared_ != shape.reference;

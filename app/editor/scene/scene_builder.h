@@ -10,8 +10,8 @@
 
 namespace homolog {
 
-/// Makes scenes of what the editor shows. Keeps what is dear to compute (hues, overlay colours, glyphs) and gives
-/// every new content a revision of its own, so that the renderer uploads only what changed.
+/// Makes scenes of what the editor shows. Keeps what takes long to compute (hues, colours, glyphs) and gives every new
+/// content a revision of its own, so that the renderer uploads only what changed.
 class SceneBuilder {
  public:
   struct Input {

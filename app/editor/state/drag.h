@@ -46,7 +46,7 @@ struct LandmarkDrag {
   Vec3 from_pointer = Vec3::Zero();  ///< of a landmark that was placed before: where it was taken hold of
   bool moved = true;                 ///< false until such a one has left its place
 };
-/// Stamps a brush along the surface; every stamp is an action.
+/// Puts dabs of a brush along the surface; every dab is an action.
 struct BrushDrag {
   ViewKind view = ViewKind::axial;
   Vec3 last_at = Vec3::Zero();

@@ -25,13 +25,13 @@ struct GalleryGrid {
 };
 GalleryGrid gallery_grid(std::size_t shapes, const RectPx& area);
 
-/// The linked camera in the cell of a shape: around the shapes' common centre, or around the pinned landmark.
+/// The linked camera in the cell of a shape: around the shapes' common centre, or around the pinned vertex.
 Camera3D cell_camera(const ModelsState& state, const Points& shape);
 /// px of the window.
 Eigen::Vector2d cell_px(const Camera3D& camera, const RectPx& cell, const Vec3& p_mm);
 /// Whether the surface at a vertex faces the viewer.
 bool faces_viewer(const Camera3D& camera, const Mesh& shape, Eigen::Index vertex);
-/// The landmark under the pointer: the nearest to the eye of those within reach.
+/// The vertex under the pointer: the nearest to the eye of those within reach.
 std::optional<GalleryPlace> place_at(const ModelsState& state, const GalleryGrid& grid, double x_px, double y_px,
                                      float scale);
 

@@ -16,14 +16,14 @@ namespace homolog {
 
 enum class CaseColumn { study, name, group, state, distance };
 
-/// A landmark of one of the gallery's shapes.
+/// A vertex of one of the gallery's shapes.
 struct GalleryPlace {
   std::size_t shape = 0;  ///< in the model
   Eigen::Index landmark = 0;
   bool operator==(const GalleryPlace&) const = default;
 };
 
-/// A case that is to be shown at a landmark as soon as it is open.
+/// A case that is to be shown at a vertex as soon as it is open.
 struct RepairPlace {
   std::filesystem::path file;
   std::optional<int> frame;
@@ -66,8 +66,8 @@ struct ModelsState {
   bool glyphs = true;
   double glyph_spacing_mm = 12;
   std::optional<GalleryPlace> hover;
-  std::optional<Eigen::Index> pinned;  ///< landmark that is marked in all shapes
-  bool focused = false;                ///< every cell looks at the pinned landmark
+  std::optional<Eigen::Index> pinned;  ///< vertex that is marked in all shapes
+  bool focused = false;                ///< every cell looks at the pinned vertex
 
   std::vector<double> deviations;  ///< coefficients of the shape that is shown, in standard deviations
   bool all_modes = false;          ///< a slider for each, not the first few alone
@@ -125,7 +125,7 @@ void take_model(ModelsState& state, std::shared_ptr<const StudyModel> model);
 
 /// Looks at all shapes, from the front.
 void fit_gallery(ModelsState& state);
-/// Marks a landmark in all shapes; `focus` turns it to the viewer, in the middle of every cell.
+/// Marks a vertex in all shapes; `focus` turns it to the viewer, in the middle of every cell.
 void pin_landmark(ModelsState& state, const GalleryPlace& place, bool focus);
 void unpin(ModelsState& state);
 
@@ -164,7 +164,7 @@ struct AddCases {
 struct OpenPhantomStudy {
   Organ organ = Organ::kidney;
 };
-/// Opens a case of the study in the case mode, at a landmark with the Slide tool where one is given; a mesh becomes a
+/// Opens a case of the study in the case mode, at a vertex with the Slide tool where one is given; a mesh becomes a
 /// case file first.
 struct OpenCaseOfStudy {
   std::string name;

@@ -8,12 +8,12 @@
 
 namespace homolog {
 
-/// How good the shown mesh is as a carrier of correspondence, against the template at the same placement:
-/// moved counts from the warped one, all else compares with the one that is not warped.
+/// How good the shown mesh is. `moved_*` is measured from the placed and warped template; all else compares with the
+/// placed template, not warped.
 struct QualityFigures {
   double stretch_low = 1, stretch_median = 1, stretch_high = 1;  ///< edge length / reference's: 5 %, 50 %, 95 %
   double edge_mean_mm = 0, edge_cv = 0;  ///< length of the edges: mean, standard deviation / mean
-  double regular_share = 0;              ///< of the landmarks: those with six neighbours
+  double regular_share = 0;              ///< of the vertices: those with six neighbours
   double min_angle_deg = 0;
   std::size_t turned = 0;        ///< triangles over 90° from their reference normal, carried by the local rotations
   std::size_t intersecting = 0;  ///< pairs of faces

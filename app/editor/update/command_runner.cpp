@@ -27,7 +27,7 @@ struct CommandRunner {
   void operator()(const SnapMesh& command) const {
     const Document& document = *app.displayed_;
     if (!document.volume || !document.has_shape())
-      return add_notice(state, "A snap needs an image and a mesh on it.", false);
+      return add_notice(state, "A snap needs an image, and a mesh that lies on its organ.", false);
     stop_playing();
     app.snaps_.start(*app.session_, command.region, state.snap, command.joined);
   }

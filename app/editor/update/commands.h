@@ -86,7 +86,7 @@ struct ExportLandmarks {
 struct ExportTemplate {
   std::filesystem::path path;
 };
-/// Takes every landmark's stiffness factor from a mesh file with the same vertices.
+/// Takes every vertex's stiffness factor from a mesh file with the same vertices.
 struct ImportStiffness {
   std::filesystem::path path;
 };
@@ -107,17 +107,16 @@ struct UseMadeTemplate {        ///< writes it and starts anew with it
 };
 /// Fits the shown frame's template to the label map that is shown, as the settings say.
 struct StartFit {};
-/// Moves landmarks along the mesh's own surface; see refine.
+/// Moves vertices along the mesh's own surface; see refine.
 struct RefineLandmarks {};
 /// Of a fit or a refinement.
 struct CancelFit {};
-/// How far what the study's model expects is blended into the shape, 0…1, now and after every stroke: previewed, or as
-/// an edit.
+/// Blends what the study's model expects into the shape, 0…1: now and after every stroke; as a preview, or as an edit.
 struct BlendModel {
   double strength = 0;
   bool commit = false;
 };
-/// Completes by the study's model what the edit before left open, as part of it.
+/// Lets the study's model complete what the edit before it left open. Undone together with that edit.
 struct CompleteByModel {};
 struct ExportPicture {
   std::filesystem::path path;

@@ -172,8 +172,8 @@ void press_key(EditorState& state, const InputEvent& event, int key, const Contr
       if (event.shift) {
         state.snap.with_strokes = !state.snap.with_strokes;
         add_notice(state,
-                   state.snap.with_strokes ? "What is dragged is snapped to the image (Shift+N: off)."
-                                           : "Strokes are no longer snapped to the image.",
+                   state.snap.with_strokes ? "From now on, what you pull or grab snaps to the image (Shift+N: off)."
+                                           : "Strokes no longer snap to the image.",
                    false);
         return;
       }

@@ -256,8 +256,7 @@ void Models::tell_once(EditorState& state, const std::vector<std::string>& sente
   const std::size_t shown = fresh.size() > most ? 1 : fresh.size();
   for (std::size_t k = 0; k < shown; ++k) add_notice(state, fresh[k], error);
   if (fresh.size() > shown)
-    add_notice(state, "And " + std::to_string(fresh.size() - shown) + " more cases of which the like is to be said.",
-               error);
+    add_notice(state, std::to_string(fresh.size() - shown) + " more cases have similar problems.", error);
 }
 
 bool Models::busy() const {

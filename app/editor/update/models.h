@@ -33,7 +33,7 @@ class Models {
   void cancel_file() { files_.cancel_running(); }
   /// Seconds until something moves by itself.
   std::optional<double> next_move_seconds(const ModelsState& state) const;
-  /// Puts the cross-hair on the landmark that the case was opened for, with the Slide tool in hand,
+  /// Puts the cross-hair on the vertex that the case was opened for, with the Slide tool in hand,
   /// and looks at it in the 3D view. Gives the frame that has to be shown for it, where another one is.
   static std::optional<int> show_repair(EditorState& state, const Snapshot& snapshot);
   /// Waits for everything that is due.
@@ -48,7 +48,7 @@ class Models {
   };
   void build(EditorState& state, const Snapshot& snapshot);
   void take_built(EditorState& state, StudyModelBuilt built);
-  /// Says what was not said yet; of many sentences the first, and how many more there are.
+  /// Shows the sentences that were not shown yet; of many only the first, and how many more there are.
   void tell_once(EditorState& state, const std::vector<std::string>& sentences, bool error);
   /// What work on files leaves to do here, on the window's thread.
   using Then = std::function<void(EditorState&, Outbox&)>;

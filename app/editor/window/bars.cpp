@@ -34,7 +34,7 @@ void draw_show_toggles(const UiContext& ui, Outbox& out) {
       {icon::outline, "Outlines of the mesh in the slices (O)", &ShownParts::outline},
       {icon::surface, "Surface in the 3D view", &ShownParts::surface},
       {icon::wireframe, "Triangles on the surface", &ShownParts::wireframe},
-      {icon::glyphs, "Glyphs: landmarks spread by curvature, in the hue of their index", &ShownParts::glyphs},
+      {icon::glyphs, "Glyphs: balls on some vertices, in the vertex's hue", &ShownParts::glyphs},
       {icon::planes, "Slice planes in the 3D view", &ShownParts::planes},
       {icon::crosshair, "Cross-hair (X); Shift with the mouse moves it", &ShownParts::crosshair},
   }};
@@ -98,13 +98,13 @@ void draw_tool_strip(const UiContext& ui, Outbox& out) {
   };
   static constexpr std::array<Item, 9> items{{
       {MouseTool::pull, icon::pull, "Pull (P): drag the outline; the surface follows along its normal"},
-      {MouseTool::grab, icon::grab, "Grab (G): drag a feature with its landmarks"},
-      {MouseTool::slide, icon::slide, "Slide (S): move landmarks along the surface; the surface stays"},
-      {MouseTool::relax, icon::relax, "Relax (R): back towards the template's local shape, under the brush"},
+      {MouseTool::grab, icon::grab, "Grab (G): drag a feature with its vertices"},
+      {MouseTool::slide, icon::slide, "Slide (S): move vertices along the surface; the surface stays"},
+      {MouseTool::relax, icon::relax, "Relax (R): paint the template's shape back"},
       {MouseTool::place, icon::place, "Place (M): move, turn (ring) and scale (knob) the template"},
       {MouseTool::landmark, icon::landmark, "Landmark (L): click where the named landmark is in the image"},
       {MouseTool::stiffness, icon::stiffness, "Stiffness brush (B): paint how stiff the surface is; Alt paints 1"},
-      {MouseTool::confirm, icon::confirm, "Confirm (C): regions that later strokes leave alone; Alt frees them"},
+      {MouseTool::confirm, icon::confirm, "Confirm (C): hold what you paint where it is; Alt frees it"},
       {MouseTool::ruler, icon::ruler, "Ruler (D): drag to measure a distance in mm"},
   }};
   const Theme& theme = ui.theme;

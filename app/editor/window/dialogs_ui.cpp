@@ -60,10 +60,10 @@ void draw_keys(const UiContext& ui, Outbox& out) {
                                                    {"Shift+mouse", "cross-hair"},
                                                    {"Double-click", "one view, or all four"},
                                                    {"Left-drag beside the mesh", "turns the 3D view"},
-                                                   {"Alt while painting", "takes away"},
+                                                   {"Alt while painting", "paints away"},
                                                    {"Arrows, PgUp, PgDn", "slices, by 1 or 10"},
                                                    {"1  2  3", "\xcf\x83 small, medium, large"},
-                                                   {"Escape", "gives up a drag"},
+                                                   {"Escape", "cancels a drag"},
                                                    {"Space", "plays a cine"},
                                                    {"F", "everything in view"},
                                                    {"Shift+A P L R S I", "look from that side"}}};
@@ -76,7 +76,7 @@ void draw_keys(const UiContext& ui, Outbox& out) {
                                                  {"B", "Stiffness brush"},
                                                  {"C", "Confirm"},
                                                  {"D", "Ruler"},
-                                                 {"N, Shift+N", "snap here, or while dragging"},
+                                                 {"N, Shift+N", "snap: here, while dragging"},
                                                  {"O", "outlines"},
                                                  {"X", "cross-hair"},
                                                  {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
@@ -123,8 +123,8 @@ void draw_flip(const UiContext& ui, const FlipDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "Are the mesh's coordinates RAS?", 520, 0)) close_dialog(out);
   explanation(theme, "Taken as LPS, " + dialog.name +
-                         " lies beside the image; taken as RAS (left-right and front-back exchanged) it lies in it. "
-                         "It was put in the middle of the image for now.");
+                         " lies beside the image. Taken as RAS (left-right and front-back exchanged), it lies in the "
+                         "image. For now it is in the middle of the image.");
   gap(theme, 4);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   if (button(theme, "Flip RAS to LPS", "Places it where its coordinates say, with x and y negated", {}, half, true)) {
@@ -158,7 +158,7 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
       });
     };
     if (asked) {
-      if (button(theme, "Delete it", "For good: what was done in it is lost", {}, theme.px(90)))
+      if (button(theme, "Delete it", "The work in it is lost for good", {}, theme.px(90)))
         out.send(DiscardCase{found.journal});
       ImGui::SameLine(0, theme.px(4));
       if (button(theme, "Keep it", "It is offered again at the next start", {}, theme.px(82), true)) ask_for({});
@@ -201,8 +201,8 @@ void draw_quit(const UiContext& ui, Outbox& out) {
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   if (button(theme, "Save as…", "Choose a name", {}, half, true)) out.send(SaveCase{true});
   ImGui::SameLine();
-  if (button(theme, kept ? "Quit" : "Lose it and quit", kept ? "Nothing is lost" : "What was done is not on the disk",
-             {}, half))
+  if (button(theme, kept ? "Quit" : "Lose it and quit", kept ? "Nothing is lost" : "The work is not on the disk", {},
+             half))
     out.send(Quit{true});
   end_dialog();
 }
@@ -210,7 +210,7 @@ void draw_quit(const UiContext& ui, Outbox& out) {
 void draw_spacing(const UiContext& ui, const SpacingDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "How large is a voxel?", 440, 0)) close_dialog(out);
-  explanation(theme, "PNG and TIFF slices do not tell. Columns, rows, distance of the slices:");
+  explanation(theme, "PNG and TIFF files do not say. Distance between columns, rows and slices:");
   Vec3 spacing = dialog.spacing_mm;
   const float width = (ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3;
   bool released = false, changed = false;

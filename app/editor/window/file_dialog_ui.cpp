@@ -90,7 +90,7 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
   const auto visible = browser.visible();
   if (!browser.error.empty()) return explanation(theme, browser.error);
   if (visible.empty())
-    return explanation(theme, browser.entries.empty() ? "Nothing of the right kind is here." : "No name holds that.");
+    return explanation(theme, browser.entries.empty() ? "Nothing of the right kind is here." : "No match.");
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(visible.size()), theme.px(26));
   while (clipper.Step()) {
@@ -172,8 +172,8 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   ImGui::SameLine(0, theme.px(8));
   if (several) {
     const auto files = visible_files(browser);
-    if (button(theme, format("Add all %zu", files.size()), "All files that are listed; the typed name leaves some out",
-               files.empty() ? "No shape is listed." : "", theme.px(124))) {
+    if (button(theme, format("Add all %zu", files.size()), "Adds all files in the list. Type a name to list fewer",
+               files.empty() ? "There is no shape in the list." : "", theme.px(124))) {
       out.send(AddCases{files});
       out.change([folder = browser.folder](EditorState& s) { s.preferences.folder = folder; });
       out.change(close);
@@ -196,7 +196,7 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
     }
   }
   bool all = browser.show_all;
-  if (toggle(theme, "All files, also hidden ones", all, "Also files whose names are of no known kind"))
+  if (toggle(theme, "All files, also hidden ones", all, "Shows files of other kinds too"))
     change_browser(out, [all](FileBrowser& b) {
       b.show_all = all;
       refresh(b);

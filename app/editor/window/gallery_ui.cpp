@@ -30,7 +30,7 @@ std::string cut(ImFont* font, std::string text, float width_px) {
   return text;
 }
 
-/// A ring at a landmark; faint where the shape's other side hides it.
+/// A ring at a vertex; faint where the shape's other side hides it.
 void draw_marker(ImDrawList& draw, const Theme& theme, const ModelsState& state, const RectPx& cell,
                  const Points& points, Eigen::Index landmark, bool lit) {
   const Camera3D camera = cell_camera(state, points);
@@ -44,7 +44,7 @@ void draw_marker(ImDrawList& draw, const Theme& theme, const ModelsState& state,
   draw.AddCircle(at, radius, with_alpha(IM_COL32_WHITE, alpha), 0, theme.scale * 1.5f);
 }
 
-/// The landmark that is shown in all cells: the hovered one, else the pinned one.
+/// The vertex that is shown in all cells: the hovered one, else the pinned one.
 std::optional<Eigen::Index> marked_landmark(const ModelsState& state) {
   return state.hover ? std::optional(state.hover->landmark) : state.pinned;
 }
@@ -77,7 +77,7 @@ void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, s
 
 std::string place_text(const StudyModel& model, const GalleryPlace& place) {
   const Vec3 apart = model.shapes[place.shape]->row(place.landmark) - model.mean.points.row(place.landmark);
-  return format("%s, landmark %td: %.2f mm from the mean", model.names[place.shape].c_str(), place.landmark,
+  return format("%s, vertex %td: %.2f mm from the mean", model.names[place.shape].c_str(), place.landmark,
                 apart.norm());
 }
 
@@ -90,7 +90,7 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   const float title = theme.strong->CalcTextSizeA(theme.strong->FontSize, 1e6f, 0, "Correspondence").x;
   if (state.model)
     text_at(draw, {rect.x + theme.px(24) + title, text_y}, palette::dim,
-            format("%zu shapes, %td landmarks", state.model->names.size(), state.model->landmarks()));
+            format("%zu shapes, %td vertices", state.model->names.size(), state.model->landmarks()));
   static constexpr std::array<LookFrom, 6> directions{LookFrom::anterior, LookFrom::posterior, LookFrom::left,
                                                       LookFrom::right,    LookFrom::superior,  LookFrom::inferior};
   static constexpr std::array<const char*, 6> letters{"A", "P", "L", "R", "S", "I"};
@@ -116,8 +116,8 @@ void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   const StudyModel& model = *state.model;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   ImGui::SetCursorPos({theme.px(8), theme.px(30)});
-  if (icon_button(theme, icon::glyphs, "glyphs", "Glyphs: landmarks spread by curvature, in the hue of their index",
-                  model.topology ? "" : "Points alone are all shown.", state.glyphs, 28))
+  if (icon_button(theme, icon::glyphs, "glyphs", "Glyphs: balls on some vertices, in the vertex's hue",
+                  model.topology ? "" : "Shapes without faces show all their points.", state.glyphs, 28))
     out.change([](EditorState& s) { s.models.glyphs = !s.models.glyphs; });
   ImGui::SetCursorPos({theme.px(44), theme.px(32)});
   ImGui::BeginChild("spacing", {theme.px(292), theme.px(24)});
@@ -125,8 +125,8 @@ void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   bool released = false;
   const double smallest_mm = std::max(model.radius_mm / 40, 0.1), largest_mm = model.radius_mm;
   if (slider(theme, "Glyph spacing", spacing_mm, {smallest_mm, largest_mm, "%.1f", "mm", true},
-             "Glyphs are at least this far from each other on the mean shape, mm", released,
-             !model.topology ? "Points alone are all shown."
+             "Smallest distance between two glyphs, on the mean shape", released,
+             !model.topology ? "Shapes without faces show all their points."
              : state.glyphs  ? ""
                              : "Glyphs are switched off."))
     out.change([spacing_mm](EditorState& s) { s.models.glyph_spacing_mm = spacing_mm; });
@@ -136,7 +136,7 @@ void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   if (at)
     text = place_text(model, *at);
   else if (state.pinned)
-    text = format("Landmark %td is marked (Escape)", *state.pinned);
+    text = format("Vertex %td is marked (Escape)", *state.pinned);
   const float x = rect.x + theme.px(348), room = rect.x + rect.width - theme.px(12) - x;
   ImGui::PushFont(theme.small);
   text_at(draw, {x, std::floor(rect.y + theme.px(44) - theme.small->FontSize / 2)}, palette::dim,
@@ -198,7 +198,7 @@ void draw_phantom_buttons(const UiContext& ui, Outbox& out) {
   for (const Organ organ : {Organ::vertebra, Organ::kidney, Organ::ventricle}) {
     const std::string what = organ == Organ::ventricle ? "phases" : "subjects";
     if (button(theme, format("Phantom %s: %d %s", organ_name(organ), phantom_shapes(organ), what.c_str()),
-               "Made-up shapes in true correspondence, as in the paper", {}, ImGui::GetContentRegionAvail().x))
+               "Made-up shapes whose true correspondence is known", {}, ImGui::GetContentRegionAvail().x))
       out.send(OpenPhantomStudy{organ});
   }
 }
@@ -216,7 +216,8 @@ void draw_start(const UiContext& ui, const RectPx& room, Outbox& out) {
   } else if (!state.study.cases.empty()) {
     explanation(theme, state.model_error.empty() ? "No shape yet." : state.model_error);
   } else {
-    explanation(theme, "Shapes in correspondence make a model: meshes of one template, from this editor or elsewhere.");
+    explanation(theme,
+                "A model is made of shapes in correspondence: meshes of one template, from this editor or elsewhere.");
     gap(theme, 4);
     if (button(theme, std::string(icon::plus) + "  Add meshes\xe2\x80\xa6", "PLY, VTK, VTP, OBJ, .particles or cases",
                {}, ImGui::GetContentRegionAvail().x, true))

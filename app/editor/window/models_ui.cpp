@@ -51,8 +51,7 @@ void draw_models_status(const UiContext& ui) {
   else if (!state.model_error.empty())
     left = state.model_error;
   else if (state.model)
-    left =
-        "Drag turns all shapes, right-drag moves, the wheel zooms. Click marks a landmark, double-click looks at it.";
+    left = "Drag turns all shapes, right-drag moves, the wheel zooms. Click marks a vertex, double-click looks at it.";
   text_at(draw, {bar.x + theme.px(12), y}, palette::dim, shortened(left, bar.width - theme.px(120)));
   const std::string right = ui.frames_per_second > 0 ? format("%.0f fps", ui.frames_per_second) : "";
   text_at(draw, {bar.x + bar.width - theme.px(12) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right);

@@ -64,7 +64,7 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   std::string message = snapshot.preview ? snapshot.preview->message : snapshot.message;
   ImU32 colour = palette::dim;
   if (snapshot.preview && snapshot.preview->stopped_by_guard) {
-    message.assign(icon::warning).append("  Held: going on would fold the surface.");
+    message.assign(icon::warning).append("  Stopped: farther, the surface would fold.");
     colour = palette::amber;
   } else if (message.empty()) {
     message = default_hint(ui);
@@ -78,8 +78,7 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   const ImVec2 at{bar.x + bar.width - theme.px(12) - size.x, y};
   text_at(draw, at, palette::dim, right);
   ImGui::SetCursorScreenPos(at);
-  area(theme, "timings", {std::max(size.x, 1.0f), size.y},
-       "Core work of the last edit, job in to points out · frames drawn a second");
+  area(theme, "timings", {std::max(size.x, 1.0f), size.y}, "Time to compute the last edit · pictures drawn a second");
   ImGui::PopFont();
   end_region();
 }

@@ -203,7 +203,7 @@ void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map
   if (const auto px = map.to_px(held)) draw.AddCircleFilled(to_im(*px), ui.theme.px(3), colour);
   if (!ui.state.hover || !drag.moved) return;
   const double moved_mm = ui.snapshot.preview ? ui.snapshot.preview->moved_mm : 0;
-  const std::string text = format("%.1f mm%s", moved_mm, stopped ? "  held" : "");
+  const std::string text = format("%.1f mm%s", moved_mm, stopped ? "  stopped" : "");
   const std::string sigma = format("\xcf\x83 %.1f mm", drag.stroke.sigma_mm);
   const ImVec2 a = text_size(ui.theme.strong, text), b = text_size(ui.theme.small, sigma);
   const ImVec2 at{static_cast<float>(ui.state.hover->x_px) + ui.theme.px(20),

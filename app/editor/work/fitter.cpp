@@ -45,10 +45,10 @@ Result<Fitted> refined(const Document& document, Progress& progress) {
   const auto moved_mm = (*done.edit.points - *document.shape().points).rowwise().norm();
   const auto off = surface_distance({document.reference->topology, *done.edit.points}, document.mesh());
   char remark[200];
-  std::snprintf(remark, sizeof remark,
-                "Landmarks moved along the surface by %.2f mm on average, at most %.1f mm; the surface stayed within "
-                "%.2f mm.",
-                moved_mm.mean(), moved_mm.maxCoeff(), off.max_mm);
+  std::snprintf(
+      remark, sizeof remark,
+      "Vertices moved along the surface by %.2f mm on average, at most %.1f mm. The surface stayed within %.2f mm.",
+      moved_mm.mean(), moved_mm.maxCoeff(), off.max_mm);
   done.remarks = std::move(refinement->warnings);
   done.remarks.emplace_back(remark);
   return done;

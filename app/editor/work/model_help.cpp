@@ -8,7 +8,7 @@ namespace homolog {
 
 namespace {
 
-/// How far a known landmark may be off, a coordinate.
+/// How far a known vertex may be off, in each coordinate.
 constexpr double known_noise_mm = 2;
 constexpr double share_kept = 0.99;
 

@@ -10,8 +10,8 @@
 
 namespace homolog {
 
-/// What the shape model of a study makes of the case: the model is computed on a thread of its own, then completes
-/// shapes on the session's. Called from the window's thread only.
+/// Completes the case's shape by the shape model of its study. The model is computed on a thread of its own; shapes are
+/// completed on the session's thread. Called from the window's thread only.
 class ModelHelp {
  public:
   /// `wake` is called from the thread when it is computed.
@@ -21,7 +21,7 @@ class ModelHelp {
   /// nothing where that is known already.
   void ask(std::shared_ptr<const StudyModel> study, const std::string& name);
   /// Carries the shown frame's mesh from what its edits alone made of it towards what the model expects from the
-  /// landmarks that are known, as far as `strength` 0…1 says. Empty at 0, while the model is computed, and where it
+  /// vertices that are known, as far as `strength` 0…1 says. Empty at 0, while the model is computed, and where it
   /// cannot be.
   Compute completion(double strength) const;
   /// Takes in what the thread did; gives the sentence where it failed.

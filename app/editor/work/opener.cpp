@@ -71,7 +71,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     opened.warnings = read->warnings;
     if (read_only)
       opened.warnings.push_back(request.case_file.string() +
-                                " is read-only: what you change is kept as a case of its own, to be saved elsewhere.");
+                                " is read-only. What you change is kept as a case of its own; save it elsewhere.");
     opened.opened_case = std::move(*read);
     return {};
   }
@@ -97,7 +97,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
       request.labels = request.volume_source;
       take_labels(opened, std::move(read->volume));
       opened.warnings.push_back(request.labels.filename().string() +
-                                " is shown as a label map over the image, since it has its voxels and few values.");
+                                " is shown as a label map over the image: it has the same voxels and few values.");
       return {};
     }
     opened.volume = std::make_shared<const Volume>(std::move(read->volume));

@@ -27,7 +27,7 @@ struct SnapFound {
 bool moves_boundary(Tool tool);
 /// What a stroke moves: its falloff, spread by the stiffness.
 SnapRegion snap_region(const Document& document, const Stroke& stroke);
-/// A snap as the settings say; what goes wrong is no error but leaves the mesh as it is.
+/// A snap as the settings say. Where it fails, the mesh stays as it is and there is no error.
 Compute snap_compute(const SnapRegion& region, const SnapSettings& settings);
 
 /// Snaps the case's mesh to its image on the session's thread, each snap one edit. The latest wins: one that still

@@ -102,7 +102,7 @@ Result<TrainingSetRead> training_set(Gathered& gathered, StudyModelBuilt& built)
   }
 }
 
-/// The template's faces for shapes that are points alone; null where it is of another count, or none.
+/// The template's faces, for shapes that are points alone. Null without a template, or where its vertex count differs.
 std::shared_ptr<const Topology> template_faces(const fs::path& file, Eigen::Index landmarks, StudyModelBuilt& built) {
   if (file.empty()) return nullptr;
   const auto reference = load_template(file.string());

@@ -25,8 +25,8 @@ struct StudyModel {
   std::shared_ptr<const PrincipalComponents> components;
   ShapeModel model;                                ///< of 95 % of the variance
   Mesh mean;                                       ///< without topology where there is none
-  std::shared_ptr<const std::vector<float>> hues;  ///< of the landmarks
-  std::vector<double> distances_mm;                ///< root mean square over the landmarks to the mean, of each shape
+  std::shared_ptr<const std::vector<float>> hues;  ///< of the vertices
+  std::vector<double> distances_mm;                ///< root mean square over the vertices to the mean, of each shape
   Vec3 centre_mm = Vec3::Zero();                   ///< of all shapes; the origin where they were aligned
   double radius_mm = 1;                            ///< of what all shapes reach around it
 

@@ -16,15 +16,21 @@ std::string ml(double value) {
   return text;
 }
 
+/// "1 tunnel", "2 tunnels".
+std::string counted(std::size_t number, const std::string& one, const std::string& several = {}) {
+  return std::to_string(number) + " " + (number == 1 ? one : several.empty() ? one + "s" : several);
+}
+
 std::vector<std::string> remarks_on(MaskTemplate& made) {
   std::vector<std::string> remarks = std::move(made.warnings);
   double islands_ml = 0;
   for (const double island : made.islands_ml) islands_ml += island;
   if (!made.islands_ml.empty())
-    remarks.push_back(std::to_string(made.islands_ml.size()) + " islands left out, " + ml(islands_ml) + ".");
+    remarks.push_back(counted(made.islands_ml.size(), "island") + " left out, " + ml(islands_ml) + ".");
   if (made.cavities > 0)
-    remarks.push_back(std::to_string(made.cavities) + " cavities filled, " + ml(made.cavities_ml) + ".");
-  if (!made.tunnels.empty()) remarks.push_back(std::to_string(made.tunnels.size()) + " tunnels cut.");
+    remarks.push_back(counted(static_cast<std::size_t>(made.cavities), "cavity", "cavities") + " filled, " +
+                      ml(made.cavities_ml) + ".");
+  if (!made.tunnels.empty()) remarks.push_back(counted(made.tunnels.size(), "tunnel") + " cut.");
   return remarks;
 }
 

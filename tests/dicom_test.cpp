@@ -138,7 +138,7 @@ TEST_CASE("a missing slice is refused with its neighbours' names") {
   const TemporaryFolder folder;
   save_series(folder.path, {0, 2.5, 5, 10, 12.5});
   const auto read = read_volume(folder.path);
-  CHECK(says(read, "lacks slices between"));
+  CHECK(says(read, "lacks slices: "));
   CHECK(says(read, "1.2.3-14.dcm (5.00 mm)"));
   CHECK(says(read, "1.2.3-21.dcm (10.00 mm)"));
 }
@@ -152,7 +152,7 @@ TEST_CASE("uneven and doubled and shifted and mixed slices are refused") {
   {
     const TemporaryFolder folder;
     save_series(folder.path, {0, 2.5, 2.5, 5});
-    CHECK(says(read_volume(folder.path), "1 slices at"));
+    CHECK(says(read_volume(folder.path), "1 slice at"));
   }
   {
     const TemporaryFolder folder;
@@ -323,6 +323,26 @@ TEST_CASE("a damaged file in a folder is named rather than left out") {
   save_series(folder.path, {0, 1, 2});
   write_bytes(folder.path / "empty.dcm", "");
   CHECK(says(read_volume(folder.path), "empty.dcm"));
+}
+
+TEST_CASE("a file named like the slices that is no DICOM is named rather than left out") {
+  const TemporaryFolder folder;
+  Slice slice;
+  const auto file = [&](int s) { return folder.path / ("CT.1.2." + std::to_string(100 + s)); };
+  for (int s = 0; s < 4; ++s) {
+    slice.z = s;
+    write_bytes(file(s), slice.bytes());
+  }
+  write_bytes(folder.path / "README", "of the scan");
+  REQUIRE(read_volume(folder.path));
+  const std::string whole = slice.bytes();
+  for (const std::string& damaged : {std::string(), std::string(whole.size(), '\0'), whole.substr(0, 100)}) {
+    write_bytes(file(3), damaged);
+    CHECK(says(read_volume(folder.path), "CT.1.2.103"));
+  }
+  fs::remove(file(3));
+  fs::create_symlink("nowhere", file(3));
+  CHECK(says(read_volume(folder.path), "CT.1.2.103"));
 }
 
 TEST_CASE("a data set without preamble and meta information is read") {

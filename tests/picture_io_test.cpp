@@ -170,7 +170,30 @@ TEST_CASE("stacks with colours or slices of different sizes are refused") {
   CHECK(says(read_volume(folder.path, with_spacing), "different sizes"));
   fs::remove(folder.path / "b.tif");
   REQUIRE(write_picture(Picture{2, 1, std::vector<std::uint8_t>(8)}, folder.path / "b.png"));
+  CHECK(says(read_volume(folder.path, with_spacing), "named differently"));
+  fs::remove(folder.path / "a.tif");
   CHECK(says(read_volume(folder.path, with_spacing), "colours"));
+}
+
+TEST_CASE("a stack whose names tell of a missing slice is refused") {
+  const auto stack = [](const TemporaryFolder& folder, const std::vector<int>& numbers) {
+    for (const int number : numbers)
+      write_bytes(folder.path / ("s" + std::to_string(number) + ".tif"), tiff(1, 1, {{1}}));
+    return read_volume(folder.path, with_spacing);
+  };
+  for (const std::vector<int>& numbers : {std::vector{0, 2, 3}, {1, 2, 3, 5}, {10, 20, 40}}) {
+    const TemporaryFolder folder;
+    CHECK(says(stack(folder, numbers), "lacks slices"));
+  }
+  const TemporaryFolder every_fifth;
+  CHECK(stack(every_fifth, {5, 10, 15, 20}));
+  const TemporaryFolder folder;
+  REQUIRE(stack(folder, {1, 2, 3}));
+  write_bytes(folder.path / "overview1.tif", tiff(1, 1, {{1}}));
+  CHECK(says(read_volume(folder.path, with_spacing), "named differently"));
+  fs::remove(folder.path / "overview1.tif");
+  fs::create_symlink("nowhere", folder.path / "s4.tif");
+  CHECK(says(read_volume(folder.path, with_spacing), "s4.tif"));
 }
 
 TEST_CASE("greys of a PNG are read as they are") {

@@ -511,6 +511,44 @@ TEST_CASE("the voxels of NIfTI-2 begin behind its longer header") {
   }
 }
 
+TEST_CASE("a voxel's size that is not said is assumed with a warning and one below zero refused") {
+  const auto warns = [](const Result<VolumeRead>& read) {
+    return read && std::any_of(read->warnings.begin(), read->warnings.end(), [](const std::string& warning) {
+             return warning.find("1 mm is assumed") != std::string::npos;
+           });
+  };
+  Nifti nifti({2, 2, 1}, 2, 8);
+  nifti.pixdim(1, 0);
+  CHECK_FALSE(warns(read_as("v.nii", nifti.bytes + "abcd")));  // its sform says it
+  nifti.put(254, std::int16_t{0});
+  CHECK(warns(read_as("v.nii", nifti.bytes + "abcd")));
+  nifti.pixdim(1, 1);
+  CHECK_FALSE(warns(read_as("v.nii", nifti.bytes + "abcd")));
+  const std::string nrrd = "NRRD0004\ntype: uchar\ndimension: 3\nencoding: raw\nsizes: 2 2 1\n";
+  CHECK(warns(read_as("v.nrrd", nrrd + "spacings: nan 1 1\n\nabcd")));
+  CHECK_FALSE(warns(read_as("v.nrrd", nrrd + "spacings: 2 1 1\n\nabcd")));
+  const std::string meta = "NDims = 3\nDimSize = 2 2 1\nElementType = MET_UCHAR\n",
+                    end = "ElementDataFile = LOCAL\nabcd";
+  CHECK(warns(read_as("v.mha", meta + end)));
+  CHECK_FALSE(warns(read_as("v.mha", meta + "ElementSpacing = 1 1 1\n" + end)));
+  CHECK(!read_as("v.mha", meta + "ElementSpacing = -1 1 1\n" + end));
+}
+
+TEST_CASE("headers that contradict themselves are refused") {
+  Nifti bits({4, 1, 1}, 2, 64);
+  CHECK(says(read_as("v.nii", bits.bytes + "abcd"), "64 bits"));
+  Nifti scaled({4, 1, 1}, 2, 8);
+  scaled.scale(std::numeric_limits<float>::infinity(), 0);
+  CHECK(says(read_as("v.nii", scaled.bytes + "abcd"), "not finite"));
+  scaled.scale(2, std::numeric_limits<float>::quiet_NaN());
+  CHECK(says(read_as("v.nii", scaled.bytes + "abcd"), "not finite"));
+  CHECK(!read_as("v.nrrd", "NRRD0004\ntype: uchar\ndimension: 1\nencoding: raw\nsizes: 4.5\n\nabcd"));
+  CHECK(says(read_as("v.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nencoding: raw\nsizes: 2 2 1.5\n\nabcd"), "whole"));
+  const std::string meta = "NDims = 3\nDimSize = 2 2 1\nElementSpacing = 1 1 1\nElementType = MET_UCHAR\n";
+  CHECK(!read_as("v.mha", meta + "DimSize = 1 2 1\nElementDataFile = LOCAL\nabcd"));
+  CHECK(says(read_as("v.mha", meta + "HeaderSize = 4\nElementDataFile = LOCAL\nabcd"), "HeaderSize"));
+}
+
 TEST_CASE("numbers of MetaImage that are no numbers or no place are refused") {
   const std::string start = "NDims = 3\nDimSize = 2 1 1\nElementType = MET_UCHAR\n",
                     end = "ElementDataFile = LOCAL\nab";

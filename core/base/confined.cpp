@@ -37,7 +37,7 @@ int spawn(const std::vector<std::string>& arguments, int output, pid_t& process)
   return error;
 }
 
-std::uintmax_t address_space_bytes() {
+[[maybe_unused]] std::uintmax_t address_space_bytes() {  // not under sanitizers, which take all addresses
   unsigned long pages = 0;
   if (std::FILE* file = std::fopen("/proc/self/statm", "re"); file != nullptr) {
     if (std::fscanf(file, "%lu", &pages) != 1) pages = 0;

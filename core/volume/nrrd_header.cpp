@@ -173,6 +173,8 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
       if (auto added = add_data_files(path, *value, lines, header); !added) return fail(added.error());
       ended = is_list(*value);
     } else {
+      if (line->starts_with("sizes:") && line->find('.') != std::string::npos)
+        return fail(path.string(), "has sizes that are no whole numbers; export it again");
       header.fields += *line + "\n";
       ended = line->empty();
     }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <tuple>
 
 #include "core/base/memory.h"
@@ -47,6 +48,10 @@ std::string mm_text(double mm) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f mm", mm);
   return text;
+}
+
+std::string slices_text(std::size_t count) {
+  return std::to_string(count) + (count == 1 ? " slice" : " slices");
 }
 
 std::vector<PlaneSource> all_planes(const std::vector<DicomHeader>& headers) {
@@ -95,10 +100,10 @@ Result<void> sort_planes(const fs::path& path, const std::vector<DicomHeader>& h
   result.frames = static_cast<int>(places.front().size());
   for (auto& place : places) {
     if (place.size() != places.front().size())
-      return fail(path.string(), "has " + std::to_string(places.front().size()) + " slices at " +
-                                     mm_text(places.front().front().along_normal_mm) + " and " +
-                                     std::to_string(place.size()) + " at " + mm_text(place.front().along_normal_mm) +
-                                     " along its normal; copy the whole series again, or keep one acquisition of it");
+      return fail(path.string(), "has " + slices_text(places.front().size()) + " at " +
+                                     mm_text(places.front().front().along_normal_mm) + " along its normal and " +
+                                     slices_text(place.size()) + " at " + mm_text(place.front().along_normal_mm) +
+                                     "; copy the whole series again, or keep one acquisition of it");
     std::stable_sort(place.begin(), place.end(), [&](const PlaneSource& a, const PlaneSource& b) {
       return std::tuple(a.plane->time_ms, headers[a.file].instance_number, a.plane_in_file) <
              std::tuple(b.plane->time_ms, headers[b.file].instance_number, b.plane_in_file);
@@ -128,8 +133,8 @@ Result<Vec3> slice_step(const fs::path& path, const std::vector<DicomHeader>& he
     const std::string where = headers[before.file].path.filename().string() + " (" + mm_text(before.along_normal_mm) +
                               ") and " + headers[after.file].path.filename().string() + " (" +
                               mm_text(after.along_normal_mm) + ")";
-    return fail(path.string(), (gaps[s] > 1.5 * usual ? "lacks slices between " : "has unevenly spaced slices: ") +
-                                   where + " lie " + mm_text(gaps[s]) + " apart, the others " + mm_text(usual) +
+    return fail(path.string(), (gaps[s] > 1.5 * usual ? "lacks slices: " : "has unevenly spaced slices: ") + where +
+                                   " lie " + mm_text(gaps[s]) + " apart, the others " + mm_text(usual) +
                                    "; copy the whole series again or resample it evenly");
   }
   const Vec3 whole = *arrangement.planes[slices - 1].plane->position_mm - *arrangement.planes[0].plane->position_mm;
@@ -320,6 +325,23 @@ Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHea
   return result;
 }
 
+/// Whether those files of a folder that are not DICOM may be passed over. One that is named like a slice is a slice
+/// that was damaged, and without it the volume would lack its place.
+Result<void> check_others(const std::vector<fs::path>& dicom, const std::vector<fs::path>& others) {
+  std::set<std::string> names;
+  for (const fs::path& file : dicom) {
+    names.insert(name_without_numbers(file));
+    const std::string extension = name_without_numbers(file.extension());
+    if (extension.find('#') == std::string::npos && !extension.empty()) names.insert(extension);
+  }
+  for (const fs::path& file : others)
+    if (names.contains(name_without_numbers(file)) || names.contains(file.extension().string()))
+      return fail(file.string(),
+                  "is named like the slices beside it but cannot be read as DICOM; copy the series again, or move the "
+                  "file elsewhere if it is no part of it");
+  return {};
+}
+
 /// The image headers in a folder, by series.
 Result<std::map<std::string, std::vector<DicomHeader>>> scan_folder(const fs::path& folder, Progress* progress) {
   std::map<std::string, std::vector<DicomHeader>> series;
@@ -327,12 +349,15 @@ Result<std::map<std::string, std::vector<DicomHeader>>> scan_folder(const fs::pa
   std::vector<fs::path> files;
   for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
        entry.increment(error))
-    if (entry->is_regular_file(not_a_file)) files.push_back(entry->path());
+    if (!entry->is_directory(not_a_file)) files.push_back(entry->path());
   if (error) return fail(folder.string(), "cannot be listed (" + error.message() + ")");
   std::sort(files.begin(), files.end());
+  const auto others = std::stable_partition(files.begin(), files.end(), looks_like_dicom);
+  if (const auto whole = check_others({files.begin(), others}, {others, files.end()}); !whole)
+    return fail(whole.error());
+  files.erase(others, files.end());
   for (const fs::path& file : files) {
     if (progress && progress->cancelled()) return fail(folder.string(), "was not read: cancelled");
-    if (!looks_like_dicom(file)) continue;
     const auto set = parse_dicom(file);
     if (!set) return fail(set.error());
     DicomHeader header = dicom_header(*set);

@@ -73,7 +73,7 @@ std::optional<Header> parse_header(std::string_view head) {
       return {};
     }
     const std::string key = trimmed(line.substr(0, equals));
-    header.fields[key] = trimmed(line.substr(equals + 1));
+    if (!header.fields.emplace(key, trimmed(line.substr(equals + 1))).second && key != "Comment") return {};
     if (key == "ElementDataFile") {
       header.local_offset = begin;
       return header;
@@ -110,7 +110,7 @@ struct Layout {
   double frame_seconds = 0;
 };
 
-Result<Layout> layout_of(const Header& header, const fs::path& path) {
+Result<Layout> layout_of(const Header& header, const fs::path& path, std::vector<std::string>& warnings) {
   const std::vector<double> sizes = header.numbers({"DimSize"});
   const auto n = static_cast<std::size_t>(std::clamp(header.number({"NDims"}, 0), 0.0, 100.0));
   const auto is_whole = [](double size) { return size == std::floor(size); };
@@ -130,6 +130,11 @@ Result<Layout> layout_of(const Header& header, const fs::path& path) {
   const std::vector<double> matrix = header.numbers(matrices);
   spacing.resize(std::max<std::size_t>(n, 4), 1);
   origin.resize(std::max<std::size_t>(n, 4), 0);
+  for (std::size_t a = 0; a < n; ++a)
+    if (!(spacing[a] > 0) && (a < 3 || spacing[a] < 0))
+      return fail(path.string(), "says that a voxel is 0 mm large or less (ElementSpacing); export it again");
+  if (header.text(spacings).empty())
+    warnings.push_back(path.string() + ": does not say how large a voxel is; 1 mm is assumed");
   const bool directed = !matrix.empty();
   const std::string units = header.text({"DistanceUnits"});
   const double scale = units == "um" ? 1e-3 : units == "cm" ? 10 : 1;
@@ -179,7 +184,8 @@ Result<VoxelRun> find_run(const Header& header, StoredType type, double bytes, c
   const double skipped = skipped_text.empty() ? 0 : header.number({"HeaderSize"}, unreadable);
   if (skipped == -1 && block.compression == Compression::None)  // the voxels end with the file
     block.offset = static_cast<std::uintmax_t>(std::max(0.0, file_bytes - bytes));
-  else if (skipped > 0 && skipped <= file_bytes && skipped == std::floor(skipped))
+  else if (skipped >= static_cast<double>(block.offset) && skipped > 0 && skipped <= file_bytes &&
+           skipped == std::floor(skipped))
     block.offset = static_cast<std::uintmax_t>(skipped);
   else if (skipped != 0)
     return fail(path.string(),
@@ -199,10 +205,9 @@ Result<VolumeRead> read_metaimage(const fs::path& path, Progress* progress) {
     return fail(path.string(), "holds several values for each voxel (vectors or colours); export one scalar volume");
   const auto type = stored_type(header->text({"ElementType"}));
   if (!type) return fail(path.string(), "holds voxels that are no plain numbers; export it as a scalar volume");
-  const auto shape = layout_of(*header, path);
-  if (!shape) return fail(shape.error());
-
   VolumeRead result;
+  const auto shape = layout_of(*header, path, result.warnings);
+  if (!shape) return fail(shape.error());
   result.volume.geometry = shape->geometry;
   result.volume.frames = shape->frames;
   result.volume.frame_seconds = shape->frame_seconds;

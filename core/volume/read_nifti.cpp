@@ -29,6 +29,9 @@ struct NiftiHeader {
   bool analyze = false;     ///< the older format, which says nothing of the patient
   std::size_t bytes = 0;    ///< of the header itself
   double voxels_begin = 0;  ///< as the header says: vox_offset
+  bool sized = true;        ///< it says how large a voxel is
+  bool scale_is_finite = true;
+  int bits = 0;  ///< of a voxel, as it says; 0 where it does not
 };
 
 /// The two files of a pair by the name of either; for a single file both are that file.
@@ -75,10 +78,29 @@ double take_voxels_begin(Header& header) {
   return begin;
 }
 
-/// Negative and missing voxel sizes are mended as nibabel does; their sign carries no meaning.
+/// Negative and missing voxel sizes are mended as nibabel does; their sign carries no meaning. False where one is
+/// missing.
 template <class Header>
-void mend_pixdim(Header& header) {
-  for (int d = 1; d <= 3; ++d) header.pixdim[d] = std::abs(header.pixdim[d]);
+bool mend_pixdim(Header& header) {
+  bool sized = true;
+  for (int d = 1; d <= 3; ++d) {
+    header.pixdim[d] = std::abs(header.pixdim[d]);
+    const bool given = std::isfinite(header.pixdim[d]) && header.pixdim[d] > 0;
+    sized = sized && (given || d > header.dim[0] || header.dim[d] == 1);
+  }
+  return sized;
+}
+
+/// What is read of a header here and not by libnifti.
+template <class Header>
+void take_over(Header& header, NiftiHeader& result) {
+  result.sized = mend_pixdim(header);
+  result.bits = header.bitpix;
+  // A slope that is NaN, which nibabel writes, or 0 says that there is none.
+  const bool scaled = !result.analyze && !std::isnan(header.scl_slope) && header.scl_slope != 0;
+  result.scale_is_finite = !scaled || (std::isfinite(header.scl_slope) && std::isfinite(header.scl_inter));
+  result.bytes = sizeof header;
+  result.voxels_begin = take_voxels_begin(header);
 }
 
 std::optional<NiftiHeader> parse_header(const std::string& head, const fs::path& path) {
@@ -97,9 +119,7 @@ std::optional<NiftiHeader> parse_header(const std::string& head, const fs::path&
       result.analyze ? nifti_swap_as_analyze(reinterpret_cast<nifti_analyze75*>(&header))
                      : nifti_swap_as_nifti1(&header);
     if (!plausible(header)) return {};
-    mend_pixdim(header);
-    result.bytes = sizeof header;
-    result.voxels_begin = take_voxels_begin(header);
+    take_over(header, result);
     result.image.reset(nifti_convert_n1hdr2nim(header, name.c_str()));
   } else if (size == sizeof(nifti_2_header) || swapped_size == sizeof(nifti_2_header)) {
     if (head.size() < sizeof(nifti_2_header)) return {};
@@ -107,9 +127,7 @@ std::optional<NiftiHeader> parse_header(const std::string& head, const fs::path&
     result.other_byte_order = size != sizeof(nifti_2_header);
     if (result.other_byte_order) nifti_swap_as_nifti2(&header);
     if (!plausible(header)) return {};
-    mend_pixdim(header);
-    result.bytes = sizeof header;
-    result.voxels_begin = take_voxels_begin(header);
+    take_over(header, result);
     result.image.reset(nifti_convert_n2hdr2nim(header, name.c_str()));
   }
   if (!result.image) return {};
@@ -212,6 +230,7 @@ Result<VolumeGeometry> geometry_of(const NiftiHeader& header, const fs::path& pa
     warnings.push_back(path.string() + ": its sform is sheared or damaged; placed by its qform instead");
     return by_qform;
   }
+  if (!header.sized) warnings.push_back(path.string() + ": does not say how large a voxel is; 1 mm is assumed");
   if (has_qform) return make_geometry(path, dims, qform.steps, qform.origin);
   warnings.push_back(path.string() +
                      ": says nothing of the patient's orientation; its axes are taken to run to the "
@@ -238,6 +257,10 @@ Result<VolumeRead> read_nifti(const fs::path& path, Progress* progress) {
                 "or a series of frames in the fourth");
   const auto type = stored_type(image, path);
   if (!type) return fail(type.error());
+  if (header->bits != 0 && header->bits != 8 * image.nbyper)
+    return fail(pair->header.string(), "says that its voxels are of type " +
+                                           std::string(nifti_datatype_to_string(image.datatype)) + " and have " +
+                                           std::to_string(header->bits) + " bits; export it again");
 
   VolumeRead result;
   Volume& volume = result.volume;
@@ -246,6 +269,8 @@ Result<VolumeRead> read_nifti(const fs::path& path, Progress* progress) {
   volume.geometry = *geometry;
   if (image.nt > 1) volume.frame_seconds = std::max(0.0, image.dt * seconds_per_unit(image.time_units));
   Rescale rescale;
+  if (!header->scale_is_finite)
+    return fail(pair->header.string(), "scales its voxels by a number that is not finite; export it again");
   if (std::isfinite(image.scl_slope) && image.scl_slope != 0 && std::isfinite(image.scl_inter))
     rescale = {image.scl_slope, image.scl_inter};
 

@@ -141,6 +141,7 @@ Result<VolumeGeometry> geometry_of(const Nrrd& nrrd, const Axes& axes, const fs:
   std::array<std::int64_t, 3> dims{1, 1, 1};
   Mat3 steps = Mat3::Identity();
   Vec3 origin = Vec3::Zero();
+  bool unsized = false;
   for (std::size_t a = 0; a < axes.space.size(); ++a) {
     const NrrdAxisInfo& axis = nrrd.axis[axes.space[a]];
     const auto column = static_cast<Eigen::Index>(a);
@@ -150,10 +151,13 @@ Result<VolumeGeometry> geometry_of(const Nrrd& nrrd, const Axes& axes, const fs:
       if (std::isfinite(nrrd.spaceOrigin[s])) origin[s] = nrrd.spaceOrigin[s];
     }
     if (nrrd.spaceDim == 0) {
-      if (std::isfinite(axis.spacing) && axis.spacing != 0) steps(column, column) = std::abs(axis.spacing);
+      const bool sized = std::isfinite(axis.spacing) && axis.spacing != 0;
+      if (sized) steps(column, column) = std::abs(axis.spacing);
+      unsized = unsized || (!sized && axis.size > 1);
       if (std::isfinite(axis.min)) origin[column] = axis.min;
     }
   }
+  if (unsized) warnings.push_back(path.string() + ": does not say how large a voxel is; 1 mm is assumed");
   if (nrrd.spaceDim > 3) return fail(path.string(), "is placed in four dimensions; export it in a space of three");
   const Vec3 signs = lps_signs(nrrd.space, path, warnings);
   return make_geometry(path, dims, signs.asDiagonal() * steps, signs.asDiagonal() * origin);

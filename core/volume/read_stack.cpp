@@ -55,6 +55,53 @@ bool natural_less(const std::string& a, const std::string& b) {
   return a.size() - i < b.size() - j;
 }
 
+/// The runs of digits in a name, as numbers.
+std::vector<double> numbers_in(const std::string& name) {
+  std::vector<double> numbers;
+  bool within = false;
+  for (const char c : name) {
+    const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
+    if (digit && !within) numbers.push_back(0);
+    if (digit) numbers.back() = 10 * numbers.back() + (c - '0');
+    within = digit;
+  }
+  return numbers;
+}
+
+tl::unexpected<Error> unlike(const fs::path& folder, const fs::path& one, const fs::path& other) {
+  return fail(folder.string(), "holds slices that are named differently (" + one.filename().string() + " and " +
+                                   other.filename().string() + "); keep those of one stack");
+}
+
+/// Names tell whether a slice is missing: those of one stack differ in a number alone, by the same step.
+Result<void> check_names(const fs::path& folder, const std::vector<fs::path>& files) {
+  const std::vector<double> first = numbers_in(files.front().filename().string());
+  for (const fs::path& file : files) {
+    if (lower_case_name(file.extension()) != lower_case_name(files.front().extension()))
+      return unlike(folder, files.front(), file);
+    if (!first.empty() && name_without_numbers(file) != name_without_numbers(files.front()))
+      return unlike(folder, files.front(), file);
+  }
+  double usual = 0;
+  for (std::size_t k = 1; k < files.size() && !first.empty(); ++k) {
+    const auto before = numbers_in(files[k - 1].filename().string()), here = numbers_in(files[k].filename().string());
+    double step = 0;
+    int differing = 0;
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      if (here[i] != before[i]) step = here[i] - before[i];
+      differing += here[i] != before[i] ? 1 : 0;
+    }
+    if (differing != 1) return {};  // several numbers count, as in a scan of several parts
+    if (k > 1 && step != usual)
+      return fail(folder.string(), "lacks slices: from " + files[k - 1].filename().string() + " to " +
+                                       files[k].filename().string() +
+                                       " the number rises otherwise than before; copy the stack again, or number its "
+                                       "files evenly");
+    usual = step;
+  }
+  return {};
+}
+
 struct PictureStack {
   std::vector<fs::path> files;
   PicturePages pages;  ///< of every file
@@ -66,11 +113,17 @@ Result<PictureStack> find_stack(const fs::path& path, const PictureModule& modul
   if (fs::is_directory(path, error)) {
     for (auto entry = fs::directory_iterator(path, error); !error && entry != fs::directory_iterator();
          entry.increment(error))
-      if (entry->is_regular_file(not_a_file) && is_picture_name(entry->path())) stack.files.push_back(entry->path());
+      if (is_picture_name(entry->path())) stack.files.push_back(entry->path());
     if (error) return fail(path.string(), "cannot be listed (" + error.message() + ")");
+    for (const fs::path& file : stack.files)
+      if (!fs::is_regular_file(file, not_a_file))
+        return fail(file.string(),
+                    "is named like a slice but is no file; copy the stack again, or move it elsewhere if it is no part "
+                    "of it");
     std::sort(stack.files.begin(), stack.files.end(), [](const fs::path& a, const fs::path& b) {
       return natural_less(a.filename().string(), b.filename().string());
     });
+    if (auto whole = check_names(path, stack.files); !whole) return fail(whole.error());
   } else {
     stack.files.push_back(path);
   }

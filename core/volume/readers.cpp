@@ -13,6 +13,18 @@ bool native_big_endian() {
   return std::endian::native == std::endian::big;
 }
 
+std::string name_without_numbers(const std::filesystem::path& path) {
+  std::string alike;
+  for (const char c : path.filename().string()) {
+    const bool digit = c >= '0' && c <= '9';
+    if (!digit)
+      alike += c;
+    else if (!alike.ends_with('#'))
+      alike += '#';
+  }
+  return alike;
+}
+
 std::string lower_case_name(const std::filesystem::path& path) {
   return lower_case(path.filename().string());
 }

@@ -8,6 +8,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/solve/energy.h"
 #include "tests/shapes.h"
+#include "tests/thread_limit.h"
 
 using namespace homolog;
 
@@ -86,6 +87,26 @@ TEST_CASE("the result does not depend on the events on the way and going back un
   const Vec3 q = SurfaceSearch(big_ball).nearest(big_pole).position;
   CHECK(largest_difference(deformer.stroke(start, drag(Tool::grab, big_pole, q), Pass::commit)->points,
                            big_ball.points) < 1e-12);
+}
+
+TEST_CASE("strokes of every tool give the same bits whatever the number of threads") {
+  const auto worked = [](int threads) {
+    const ThreadLimit limit(threads);
+    StrokeStart start = start_of(big_ball);
+    Deformer deformer;
+    const Vec3 side(40, 0, 0), beside(38, 9, 4);
+    for (const Stroke& stroke : {drag(Tool::pull, big_pole, big_pole * 1.2), drag(Tool::grab, side, 1.1 * beside),
+                                 drag(Tool::slide, side, beside), drag(Tool::relax, big_pole, beside, 20)}) {
+      const auto before = start.points;
+      start.points = share(deformer.stroke(start, stroke, Pass::commit).value().points);
+      CHECK(largest_difference(*start.points, *before) > 0);
+      deformer.end_gesture();
+    }
+    return *start.points;
+  };
+  const Points alone = worked(1);
+  CHECK(worked(2) == alone);
+  CHECK(worked(7) == alone);
 }
 
 TEST_CASE("an edit elsewhere never relaxes an earlier one") {

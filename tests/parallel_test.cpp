@@ -9,16 +9,11 @@
 #include <thread>
 #include <vector>
 
+#include "tests/thread_limit.h"
+
 using namespace homolog;
 
 namespace {
-
-/// Sets the limit, and the old one again.
-struct ThreadLimit {
-  explicit ThreadLimit(int threads) { set_thread_limit(threads); }
-  ~ThreadLimit() { set_thread_limit(before); }
-  int before = thread_limit();
-};
 
 /// A sum range by range, in single precision: its bits depend on the ranges.
 std::vector<float> range_sums(std::size_t count) {

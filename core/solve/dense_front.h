@@ -5,9 +5,9 @@
 #include <cmath>
 #include <type_traits>
 
-/// The dense arithmetic of SparseCholesky. A panel holds the columns of L of one front: `pivots` columns of `fours`
-/// times four rows each, first the rows of the pivots themselves, then those below. An update is a lower triangle in
-/// blocks of four columns, each block from its diagonal down.
+/// The dense arithmetic of factorising in SparseCholesky. A panel holds the columns of L of one front: `pivots` columns
+/// of `fours` times four rows each, first the rows of the pivots themselves, then those below. An update is a lower
+/// triangle in blocks of four columns, each block from its diagonal down.
 namespace homolog {
 
 /// Four rows of a column; or one row of x, y and z. Wider than the registers of an old processor, which takes two.
@@ -29,18 +29,28 @@ auto run_widest(const Work& work) {
   return work();
 }
 
-/// Columns are worked on in blocks of four, which stay in registers: `work` gets min(columns, 4) as a constant.
-template <class Work>
+/// Columns are worked on in blocks of up to `Most`, which stay in registers: `work` gets min(columns, Most) as a
+/// constant.
+template <int Most, class Work>
 auto with_width(int columns, const Work& work) {
-  switch (columns) {
+  static_assert(Most <= 8);
+  switch (std::min(columns, Most)) {
     case 1:
       return work(std::integral_constant<int, 1>());
     case 2:
       return work(std::integral_constant<int, 2>());
     case 3:
       return work(std::integral_constant<int, 3>());
-    default:
+    case 4:
       return work(std::integral_constant<int, 4>());
+    case 5:
+      return work(std::integral_constant<int, std::min(5, Most)>());
+    case 6:
+      return work(std::integral_constant<int, std::min(6, Most)>());
+    case 7:
+      return work(std::integral_constant<int, std::min(7, Most)>());
+    default:
+      return work(std::integral_constant<int, Most>());
   }
 }
 
@@ -119,7 +129,7 @@ inline void subtract_from_update(Lanes* at, Eigen::Index stride, const Lanes* ro
 inline bool factorise_panel(Lanes* panel, int pivots, Eigen::Index fours, Lanes* update) {
   for (int first = 0; first < pivots; first += 4) {
     const auto block = [&](auto width) { return factorise_columns<width>(panel, fours, first); };
-    if (!with_width(pivots - first, block)) return false;
+    if (!with_width<4>(pivots - first, block)) return false;
   }
   const Eigen::Index row_fours = fours - (pivots + 3) / 4;
   const Lanes* const below = panel + (fours - row_fours);
@@ -132,50 +142,6 @@ inline bool factorise_panel(Lanes* panel, int pivots, Eigen::Index fours, Lanes*
     if (row < row_fours) subtract_from_update<1>(at + row, stride, below + row, below + column, fours, pivots);
   }
   return true;
-}
-
-/// Pivots are solved for in blocks of at most so many.
-constexpr int block_pivots = 16;
-
-/// The inverse of a triangle of up to four rows, by columns. `at(r, c)`: the triangle, reciprocals on its diagonal.
-template <class At>
-inline void invert_small(const At& at, int rows, Lanes (&inverse)[4]) {
-  double t[4][4] = {};
-  for (int c = 0; c < rows; ++c) {
-    t[c][c] = at(c, c);
-    for (int r = c + 1; r < rows; ++r) {
-      for (int k = c; k < r; ++k) t[c][r] -= at(r, k) * t[c][k];
-      t[c][r] *= at(r, r);
-    }
-  }
-  for (int c = 0; c < 4; ++c) inverse[c] = Lanes{t[c][0], t[c][1], t[c][2], t[c][3]};
-}
-
-/// Puts the inverse in place of the triangle of each block of pivots of a factorised panel, zero above the diagonal: so
-/// solving for a block is a product, in which no number waits for the one before.
-inline void invert_blocks(Lanes* panel, int pivots, Eigen::Index fours) {
-  const auto at = [&](Eigen::Index row, Eigen::Index column) {
-    return reinterpret_cast<const double*>(panel + column * fours)[row];
-  };
-  for (int first = 0; first < pivots; first += 4) {
-    const Eigen::Index four = first / 4;
-    const int rows = std::min(4, pivots - first);
-    Lanes own[4];
-    invert_small([&](int r, int c) { return at(first + r, first + c); }, rows, own);
-    for (int left = first / block_pivots * block_pivots; left < first; left += 4) {
-      Lanes sum[4] = {};
-      for (int k = left; k < first; ++k) {
-        const Lanes l = panel[k * fours + four];
-#pragma GCC unroll 4
-        for (int c = 0; c < 4; ++c) sum[c] -= l * at(k, left + c);
-      }
-#pragma GCC unroll 4
-      for (int c = 0; c < 4; ++c)
-        panel[(left + c) * fours + four] =
-            own[0] * sum[c][0] + own[1] * sum[c][1] + own[2] * sum[c][2] + own[3] * sum[c][3];
-    }
-    for (int c = 0; c < rows; ++c) panel[(first + c) * fours + four] = own[c];
-  }
 }
 
 }  // namespace homolog

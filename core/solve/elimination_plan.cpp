@@ -109,15 +109,18 @@ void EliminationPlan::make_fronts(const Tree& tree, const std::vector<int>& orde
     front_of[j] = front_of[last[j]];
     ++fronts_[front_of[j]].pivots;
   }
+  int first = 0;
   for (Front& front : fronts_) {
-    front.first = places_;
-    places_ += 4 * front.pivot_fours();
+    front.first = first;
+    first += front.pivots;
   }
-  ++places_;
+  order_.resize(order.size());
   std::vector<int> taken(count), children(count);
   for (std::size_t j = 0; j < order.size(); ++j) {
     const int f = front_of[j];
-    position_[order[j]] = fronts_[f].first + taken[f]++;
+    const int place = fronts_[f].first + taken[f]++;
+    position_[order[j]] = place;
+    order_[place] = order[j];
     if (last[j] == static_cast<int>(j) && tree.parent[j] >= 0) {
       fronts_[f].parent = front_of[tree.parent[j]];
       ++children[fronts_[f].parent];
@@ -132,8 +135,7 @@ void EliminationPlan::make_fronts(const Tree& tree, const std::vector<int>& orde
 
 /// Every entry of A's lower triangle goes to its column in the order of elimination; rows ascend from the diagonal.
 void EliminationPlan::place_entries(const Edges& edges) {
-  std::vector<int> counts(places_);
-  for (const int place : position_) ++counts[place];
+  std::vector<int> counts(position_.size(), 1);
   for (const auto& [i, j] : edges) ++counts[std::min(position_[i], position_[j])];
   entry_start_ = starts_of(counts);
   entries_.resize(entry_start_.back());
@@ -144,7 +146,7 @@ void EliminationPlan::place_entries(const Edges& edges) {
     const auto [column, row] = std::minmax(position_[edges[e][0]], position_[edges[e][1]]);
     add(column, row, static_cast<int>(e));
   }
-  for (int j = 0; j < places_; ++j)
+  for (int j = 0; j < unknowns(); ++j)
     std::sort(entries_.begin() + entry_start_[j], entries_.begin() + entry_start_[j + 1],
               [](const Entry& a, const Entry& b) { return a.row < b.row; });
 }
@@ -152,37 +154,38 @@ void EliminationPlan::place_entries(const Edges& edges) {
 /// A front's rows are those of its entries of A and of its children's updates; finds them, and with them where
 /// everything is stored.
 void EliminationPlan::lay_out() {
-  std::vector<int> seen_in(places_, -1), place(places_);
-  row_start_.assign(1, 0);
+  std::vector<int> seen_in(position_.size(), -1), place(position_.size());
+  place_start_.assign(1, 0);
   for (int f = 0; f < static_cast<int>(fronts_.size()); ++f) {
     Front& front = fronts_[f];
     const auto add = [&](int row) {
       if (row < front.first + front.pivots || seen_in[row] == f) return;
       seen_in[row] = f;
-      rows_.push_back(row);
+      places_.push_back(row);
     };
+    const auto each_row_of = [&](int child, const auto& work) {
+      for (int k = place_start_[child] + fronts_[child].pivots; k < place_start_[child + 1]; ++k) work(k);
+    };
+    for (int k = 0; k < front.pivots; ++k) places_.push_back(front.first + k);
+    const int below = static_cast<int>(places_.size());
     const int first_entry = entry_start_[front.first], last_entry = entry_start_[front.first + front.pivots];
     for (int k = first_entry; k < last_entry; ++k) add(entries_[k].row);
-    for (const int child : children(f)) {
-      for (int k = 0; k < fronts_[child].rows; ++k) add(rows_[row_start_[child] + k]);
-    }
-    std::sort(rows_.begin() + row_start_[f], rows_.end());
-    front.rows = static_cast<int>(rows_.size()) - row_start_[f];
-    rows_.resize(row_start_[f] + 4 * front.row_fours(), places_ - 1);
-    row_start_.push_back(static_cast<int>(rows_.size()));
-    places_in_parent_.resize(rows_.size());
+    for (const int child : children(f)) each_row_of(child, [&](int k) { add(places_[k]); });
+    std::sort(places_.begin() + below, places_.end());
+    place_start_.push_back(static_cast<int>(places_.size()));
+    front.rows = place_start_.back() - below;
+    places_in_parent_.resize(places_.size());
     std::iota(place.begin() + front.first, place.begin() + front.first + front.pivots, 0);
     int next = 4 * front.pivot_fours();
-    for (int k = row_start_[f]; k < row_start_[f] + front.rows; ++k) place[rows_[k]] = next++;
-    for (const int child : children(f)) {
-      for (int k = row_start_[child]; k < row_start_[child] + fronts_[child].rows; ++k)
-        places_in_parent_[k] = place[rows_[k]];
-    }
+    for (int k = below; k < place_start_.back(); ++k) place[places_[k]] = next++;
+    for (const int child : children(f)) each_row_of(child, [&](int k) { places_in_parent_[k] = place[places_[k]]; });
     for (int k = first_entry; k < last_entry; ++k) entries_[k].place = place[entries_[k].row];
-    front.panel = panel_fours_;
+    front.factor = factor_numbers_;
     front.update = update_fours_;
-    panel_fours_ += Eigen::Index{front.fours()} * front.pivots;
-    update_fours_ += Eigen::Index{2} * front.row_fours() * (front.row_fours() + 1);
+    const Eigen::Index pivots = front.pivots, row_fours = front.row_fours();
+    factor_numbers_ += pivots * (pivots + 1) / 2 + pivots * front.rows;
+    update_fours_ += 2 * row_fours * (row_fours + 1);
+    panel_fours_ = std::max(panel_fours_, front.fours() * pivots);
     most_fours_ = std::max(most_fours_, front.fours());
   }
 }

@@ -16,15 +16,15 @@ class Topology;
 /// entries and not on their values, so a mesh needs one, made once.
 ///
 /// The unknowns are eliminated in the order of a nested dissection. Successive columns of L with (nearly) the same rows
-/// make a front, a small dense matrix [Duff and Reid 1983; Liu 1992]. Everything is stored and counted in fours: a
-/// front's pivots begin a four, and so do the rows below them; places that this leaves over belong to no unknown.
+/// make a front, a small dense matrix [Duff and Reid 1983; Liu 1992]. While it is factorised its rows are counted in
+/// fours: the pivots' begin one, and so do those below them.
 class EliminationPlan {
  public:
   struct Front {
-    int first = 0, pivots = 0;  ///< the columns of L that it holds; `first` begins a four
+    int first = 0, pivots = 0;  ///< the columns of L that it holds
     int rows = 0;               ///< of L below the pivots
     int parent = -1;            ///< the front that takes its update
-    Eigen::Index panel = 0;     ///< how many fours of L come before its own
+    Eigen::Index factor = 0;    ///< how many numbers of L come before its own
     Eigen::Index update = 0;    ///< how many fours of updates come before its own
 
     int pivot_fours() const { return (pivots + 3) / 4; }
@@ -44,28 +44,29 @@ class EliminationPlan {
 
   int unknowns() const { return static_cast<int>(position_.size()); }
   int edges() const { return static_cast<int>(entries_.size()) - unknowns(); }
-  /// How long a vector in the order of elimination is. Its last place belongs to no unknown.
-  int places() const { return places_; }
-  /// The place of each unknown in the order of elimination.
+  /// The place of each unknown in the order of elimination, and the unknown at each place.
   const std::vector<int>& position() const { return position_; }
+  const std::vector<int>& order() const { return order_; }
 
   /// Children come before their parents.
   const std::vector<Front>& fronts() const { return fronts_; }
   std::span<const int> children(int front) const { return part(children_, child_start_, front); }
-  /// The rows of L below a front's pivots, ascending in the order of elimination; filled up to fours with the last
-  /// place.
-  std::span<const int> rows(int front) const { return part(rows_, row_start_, front); }
-  /// Which rows of its parent's front they are.
-  std::span<const int> places_in_parent(int front) const { return part(places_in_parent_, row_start_, front); }
+  /// The places of a front: its pivots, then its rows of L below them, ascending.
+  std::span<const int> places(int front) const { return part(places_, place_start_, front); }
+  /// Which rows of its parent's front those below the pivots are.
+  std::span<const int> places_in_parent(int front) const {
+    return part(places_in_parent_, place_start_, front).subspan(fronts_[front].pivots);
+  }
 
   /// A's entries column by column, rows ascending from the diagonal.
   const std::vector<Entry>& entries() const { return entries_; }
   /// The entries of a column are those from its own number to the next column's.
   const std::vector<int>& entry_start() const { return entry_start_; }
 
-  Eigen::Index panel_fours() const { return panel_fours_; }    ///< of all of L
-  Eigen::Index update_fours() const { return update_fours_; }  ///< of all updates
-  int most_fours() const { return most_fours_; }               ///< of any front
+  Eigen::Index factor_numbers() const { return factor_numbers_; }  ///< of L, as all fronts store it
+  Eigen::Index update_fours() const { return update_fours_; }      ///< of all updates
+  Eigen::Index panel_fours() const { return panel_fours_; }        ///< of the largest front's columns
+  int most_fours() const { return most_fours_; }                   ///< of a column of any front
   /// Entries of L that may differ from zero.
   Eigen::Index nonzeros() const { return nonzeros_; }
 
@@ -81,13 +82,13 @@ class EliminationPlan {
   void place_entries(const Edges& edges);
   void lay_out();
 
-  std::vector<int> position_;
+  std::vector<int> position_, order_;
   std::vector<Front> fronts_;
-  std::vector<int> children_, child_start_, rows_, places_in_parent_, row_start_;
+  std::vector<int> children_, child_start_, places_, places_in_parent_, place_start_;
   std::vector<Entry> entries_;
   std::vector<int> entry_start_;
-  Eigen::Index panel_fours_ = 0, update_fours_ = 0, nonzeros_ = 0;
-  int places_ = 0, most_fours_ = 0;
+  Eigen::Index factor_numbers_ = 0, update_fours_ = 0, panel_fours_ = 0, nonzeros_ = 0;
+  int most_fours_ = 0;
 };
 
 /// The plan for I + Λ of a mesh [docs/method.md §1]: made when it is first asked for, kept with the topology. Any

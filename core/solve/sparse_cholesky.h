@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "core/base/geometry.h"
@@ -16,10 +15,8 @@ namespace homolog {
 /// A, added into the front's parent in a tree. The updates are kept, so only fronts with a changed entry and those
 /// above them have to be factorised again, which gives the same bits as factorising all.
 ///
-/// Solving reads all of L twice. A large L does not stay in the processor's caches, so it is kept a second time in
-/// single precision; all sums are in double precision. Since A⁻¹ has no negative entry and A⁻¹ s = 1, the error of a
-/// solution is below about 1e-7 of half the range of B/s. Where that may be more than 1e-5 (mm), L is read in double
-/// precision.
+/// Solving reads all of L twice, up the tree and down again. So L is stored once, in double precision, as it is read
+/// then [packed_front.h], and nothing but L.
 class SparseCholesky {
  public:
   explicit SparseCholesky(std::shared_ptr<const EliminationPlan> plan);
@@ -31,8 +28,6 @@ class SparseCholesky {
   /// X of A X = B; the last `factorise` must have succeeded.
   VertexScalars solve(const VertexScalars& b) const;
   Points solve(const Points& b) const;
-  /// The same with L in double precision, whatever its size.
-  Points solve_in_double(const Points& b) const;
 
   const EliminationPlan& plan() const { return *plan_; }
   int fronts_factorised() const { return fronts_factorised_; }  ///< by the last `factorise`
@@ -41,34 +36,15 @@ class SparseCholesky {
   struct alignas(32) FourRows {
     double rows[4];
   };
-  struct alignas(16) FourShortRows {
-    float rows[4];
-  };
-
-  struct Rooms;
-
-  Eigen::Index beyond() const;
   bool take_entries(int front, const VertexScalars& diagonal, const VertexScalars& weights);
   void assemble(int front);
-  void shorten(int front);
   bool factorise_stale(const VertexScalars& diagonal, const VertexScalars& weights);
-  template <int Components, class Number, class Value>
-  void forward(const Number* a, const double* corrections, int front, const Rooms& rooms, Value* x) const;
-  template <int Components, class Number, class Value>
-  void backward(const Number* a, const double* corrections, int front, const Rooms& rooms, Value* x) const;
-  template <class Number, class Value>
-  void substitute(const Number* factor, const double* corrections, Value* x) const;
-  template <class Value>
-  void solve_in_order(Value* x, bool in_short) const;
-  std::optional<Vec3> middle_for_short(const Points& b) const;
-  Points solve_xyz(const Points& b, const Vec3& known, bool in_short) const;
+  void substitute(FourRows* x) const;
 
   std::shared_ptr<const EliminationPlan> plan_;
-  VertexScalars s_;
-  std::vector<double> entries_;  ///< of A, in the plan's order; NaN where none are factorised
-  std::unique_ptr<FourRows[]> factor_, updates_;
-  std::unique_ptr<FourShortRows[]> short_factor_;  ///< null where L is small
-  std::vector<double> corrections_;                ///< of its diagonal
+  std::vector<double> entries_;                  ///< of A, in the plan's order; NaN where none are factorised
+  std::unique_ptr<FourRows[]> panel_, updates_;  ///< the front that is being factorised; of all
+  std::unique_ptr<double[]> factor_;
   int fronts_factorised_ = 0;
 };
 

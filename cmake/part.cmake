@@ -1,0 +1,29 @@
+# homolog_part(FOLDER USES folder… SOURCES file… LIBRARIES library… SYSTEM_INCLUDES folder…): a folder of the source tree
+# as a target of its own, named homolog_ and the folder (core/mesh is homolog_core_mesh). USES are the other folders that
+# it may include, all of them: the build stops at any other. (One root holds all headers, so no compiler would notice;
+# cmake/arrows.sh looks.)
+function(homolog_part folder)
+  cmake_parse_arguments(PART "" "" "USES;SOURCES;LIBRARIES;SYSTEM_INCLUDES" ${ARGN})
+  string(REPLACE "/" "_" target homolog_${folder})
+  list(TRANSFORM PART_SOURCES PREPEND ${PROJECT_SOURCE_DIR}/${folder}/)
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.h)
+
+  set(checked ${PROJECT_BINARY_DIR}/arrows/${target})
+  add_custom_command(OUTPUT ${checked}
+    COMMAND ${PROJECT_SOURCE_DIR}/cmake/arrows.sh ${PROJECT_SOURCE_DIR} ${folder} ${PART_USES}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/arrows
+    COMMAND ${CMAKE_COMMAND} -E touch ${checked}
+    DEPENDS ${PART_SOURCES} ${headers} ${PROJECT_SOURCE_DIR}/cmake/arrows.sh
+    COMMENT "What ${folder} includes")
+  add_custom_target(${target}_arrows DEPENDS ${checked})
+
+  add_library(${target} STATIC ${PART_SOURCES})
+  add_dependencies(${target} ${target}_arrows)
+  target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_include_directories(${target} SYSTEM PRIVATE ${PART_SYSTEM_INCLUDES})
+  target_link_libraries(${target} PUBLIC ${homolog_part_basis} PRIVATE homolog_options ${PART_LIBRARIES})
+  foreach(used ${PART_USES})
+    string(REPLACE "/" "_" used homolog_${used})
+    target_link_libraries(${target} PUBLIC ${used})
+  endforeach()
+endfunction()

@@ -10,6 +10,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
 #include "core/phantom/phantom.h"
+#include "core/volume/volume_io.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
 
@@ -49,6 +50,17 @@ std::map<std::string, Vec3> landmarks_of(const MeshFile& file, const std::vector
     if (std::find(names.begin(), names.end(), landmark.name) != names.end())
       landmarks[landmark.name] = landmark.position;
   return landmarks;
+}
+
+/// How far the fit moves, at its farthest vertex, when the label map moves by 1e-9 mm.
+double moved_by_a_last_bit(const Template& reference, Volume mask, double closing_mm) {
+  const auto fitted = [&] {
+    const Boundary boundary = label_boundary(mask, 1, 0, closing_mm, reference.points.rows()).value();
+    return fit_to_boundary(reference, boundary).value().mesh.points;
+  };
+  const Points before = fitted();
+  mask.geometry.origin_mm += Vec3(1e-9, -1e-9, 1e-9);
+  return (fitted() - before).rowwise().norm().maxCoeff();
 }
 
 const Similarity elsewhere{Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3(1, 2, -1).normalized())), 1.2,
@@ -348,6 +360,27 @@ TEST_CASE("a label that does not occur and a placement elsewhere are refused") {
   FitOptions options;
   options.placement = Similarity{Eigen::Quaterniond::Identity(), 1, Vec3(1000, 0, 0)};
   CHECK(!fit_to_boundary(*reference, boundary_of(there, 3), options));
+}
+
+TEST_CASE("a phantom that moves by a billionth of a millimetre moves its fit as little") {
+  const auto reference = built_in(Organ::vertebra);
+  for (const int subject : {3, 5}) {
+    CAPTURE(subject);
+    const Points truth = phantom_truth(Organ::vertebra, subject).front().points;
+    const Volume mask = label_map({reference->topology, truth}, grid_around(truth, 2.5));
+    CHECK(moved_by_a_last_bit(*reference, mask, 0) < 1e-3);
+  }
+}
+
+TEST_CASE("a real kidney that moves by a billionth of a millimetre moves its fit as little") {
+  const auto data = real_data();
+  if (data.empty()) return;
+  const auto reference = built_in(Organ::kidney);
+  for (const std::string name : {"case_00036_right_healthy_thick", "case_00078_right_healthy_thin"}) {
+    CAPTURE(name);
+    const Volume mask = read_volume(data / "kidney_masks" / (name + ".nii.gz")).value().volume;
+    CHECK(moved_by_a_last_bit(*reference, mask, 3) < 1e-3);
+  }
 }
 
 TEST_CASE("a fit that is cancelled says so") {

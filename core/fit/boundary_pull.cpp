@@ -71,6 +71,7 @@ BoundaryPull BoundarySearch::nearest(const Mesh& mesh) {
 
 BoundaryPull BoundarySearch::pull(const Mesh& mesh) {
   BoundaryPull pull = nearest(mesh);
+  const Points normals = vertex_normals(mesh);
   if (mesh_)
     mesh_->refit(mesh.points);
   else
@@ -83,7 +84,9 @@ BoundaryPull BoundarySearch::pull(const Mesh& mesh) {
   const double area_a_vertex = area_mm2_ / static_cast<double>(mesh.points.rows());
   for (const Sample& sample : samples_) {
     const auto& own = sample.on_mesh;
-    const Vec3 facing = area_normal(mesh, own.at.face).stableNormalized();
+    // Of normals that go on over edges: a sample that lies nearest to a corner is as near to several faces, and which
+    // of them is named hangs on rounding.
+    const Vec3 facing = own.at.interpolate(*mesh.topology, normals).transpose().stableNormalized();
     if (facing.dot(sample.normal) < same_way) continue;
     const auto corners = mesh.topology->triangles().row(own.at.face);
     for (int c = 0; c < 3; ++c) {

@@ -69,8 +69,9 @@ class Fitting {
   /// `off_mm`: how far each given landmark lies from where the placement has it.
   void say_of_landmarks(const VertexScalars& off_mm) {
     if (trust_.size() > 0 && trust_.size() < fewest_placing_landmarks)
-      landmark_warnings_.push_back(std::string(trust_.size() == 1 ? "one landmark pulls" : "two landmarks pull") +
-                                   " on the mesh and did not help to place it; three or more do");
+      landmark_warnings_.emplace_back(
+          trust_.size() == 1 ? "one landmark pulls on the mesh and did not help to place it; three or more do"
+                             : "two landmarks pull on the mesh and did not help to place it; three or more do");
     Eigen::Index k = -1;
     for (const Landmark& landmark : reference_.landmarks) {
       if (!options_.landmarks.contains(landmark.name) || trust_[++k] >= trusted) continue;

@@ -181,8 +181,8 @@ void add_bench(CLI::App& app, VerbRun& run) {
   };
   auto options = std::make_shared<Options>();
   auto* masks = verb->add_option("--templates", options->masks,
-                                 "Instead: a table of reference meshes, one of every label of these label maps");
-  verb->add_option("--vertices", options->vertices, "Landmarks of each of them")
+                                 "Instead: a table of templates, one of every label of these label maps");
+  verb->add_option("--vertices", options->vertices, "Vertices of each of them")
       ->check(CLI::Range(100, 200000))
       ->needs(masks)
       ->capture_default_str();

@@ -75,7 +75,7 @@ Json opening_figures(Renderer& renderer) {
   return figures;
 }
 
-/// A frame of the Models mode while its 24 shapes of 2,500 landmarks are turned, in a window of 1280×800.
+/// A frame of the Models mode while its 24 shapes of 2,500 vertices are turned, in a window of 1280×800.
 Json gallery_frame_ms(Renderer& renderer, Framebuffer& framebuffer) {
   const fs::path folder = fs::temp_directory_path() / ("homolog-bench-" + std::to_string(::getpid()));
   std::error_code ignored;

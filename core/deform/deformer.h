@@ -6,9 +6,8 @@
 
 namespace homolog {
 
-/// Keeps what is worth keeping between strokes: the factorisation and the running gesture. It is a cache: the same
-/// start and stroke give the same points with a fresh Deformer, except that a pull without `on` follows the
-/// cursor positions seen so far.
+/// Keeps the factorisation and the running gesture between strokes. It is only a cache: a fresh Deformer gives the same
+/// points for the same start and stroke. One exception: a pull without `on` follows the cursor positions seen so far.
 class Deformer {
  public:
   /// Errors: a stiffness that cannot be factorised, a stroke that is not finite, a confirmed place.

@@ -79,7 +79,7 @@ Result<StrokeOutcome> Gesture::move(const Stroke& stroke, Pass pass) {
       centre = nearest_on_surface(*start_.topology, *start_.points, *stroke.on).at;
     } else {
       follower_->move_to(stroke.to, edge_mm_);
-      // Confirmed regions are as good as an edge: the pull stays where it was before it came to one.
+      // A pull that comes to a confirmed place stays where it was before, as at a rim.
       if (!held(follower_->at())) free_ = follower_->at();
       centre = free_;
     }
@@ -102,7 +102,7 @@ Result<StrokeOutcome> Gesture::move(const Stroke& stroke, Pass pass) {
   } else {
     const auto at = [&](double step) { return Points(*start_.points + *response_ * (step * d).transpose()); };
     double step = guard_.largest_step(d);
-    // The closed form measures against the rotations at the start; what is kept is held to those at the end.
+    // The closed form uses the rotations at the start. What is kept must also pass with the rotations at the end.
     if (pass == Pass::commit) step = guard_.accepted_step(step, at);
     outcome.points = at(step);
     outcome.stopped_by_guard = step < 1;

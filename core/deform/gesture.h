@@ -34,8 +34,8 @@ struct StrokeOutcome {
   int solves = 0;
 };
 
-/// Whether an outcome is only shown or about to be kept: what is kept is checked against the full definition of a
-/// turned triangle.
+/// Whether an outcome is only shown or about to be kept. What is kept is checked with the full definition of a turned
+/// triangle.
 enum class Pass { preview, commit };
 
 /// One running drag [docs/method.md §3–4]. The response is solved for when the falloff changes; a frame in which only

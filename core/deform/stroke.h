@@ -9,8 +9,8 @@ namespace homolog {
 /// What a drag does; the method and its limits are in docs/editing.md.
 enum class Tool {
   pull,   ///< the surface to the cursor along its normal [Erdt 2009, §2.2, Fig. 2c]
-  grab,   ///< a feature with its landmarks, normal and lateral
-  slide,  ///< landmarks along the surface, which stays
+  grab,   ///< a feature with its vertices, normal and lateral
+  slide,  ///< vertices along the surface, which stays
   relax   ///< back towards the reference's local shape, under the brush
 };
 

@@ -65,7 +65,7 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double
   auto mesh = surface_of(surface);
   if (!mesh)
     return fail("", "label " + std::to_string(label) + " is too small for " + std::to_string(vertices) +
-                        " landmarks; use a template with fewer, or another label");
+                        " vertices; use a template with fewer, or another label");
   Boundary boundary;
   boundary.surface = std::move(*mesh);
   boundary.scan_edges = edges_of(*region, mask.geometry);

@@ -13,7 +13,8 @@ namespace homolog {
 struct ScanEdge {
   Vec3 outward = Vec3::UnitZ();
   double offset_mm = 0;
-  double doubt_mm = 0;  ///< half a slice or more: nearer to the plane than this the boundary is not the organ's
+  double doubt_mm =
+      0;  ///< half a slice or more: what lies nearer to the plane than this is the cut, not the organ's own boundary
 };
 
 /// The surface that a template is fitted to, LPS mm.
@@ -26,9 +27,9 @@ struct Boundary {
   bool shows(const Vec3& p) const;
 };
 
-/// The boundary of a label: its largest part, cavities filled, and all that a ball of radius `closing_mm` cannot reach
-/// from outside. Worked on isotropic voxels of about a third of the mean edge that `vertices` landmarks have. Errors:
-/// the label does not occur.
+/// The boundary of a label: its largest part with cavities filled, and with everything that a ball of radius
+/// `closing_mm` cannot reach from outside. Computed on isotropic voxels of about a third of the mean edge of a mesh of
+/// `vertices` vertices. Errors: the label does not occur.
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double closing_mm, Eigen::Index vertices);
 
 /// The largest part of a surface as a boundary.

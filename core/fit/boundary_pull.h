@@ -8,7 +8,7 @@
 
 namespace homolog {
 
-/// Force targets s_i that a boundary gives a mesh, and how much each is believed.
+/// Force targets s_i that a boundary gives a mesh, and the weight of each.
 struct BoundaryPull {
   Points targets;         ///< n×3, LPS mm; where nothing pulls, the vertex itself
   VertexScalars weights;  ///< 0 (nothing is known here) … 1
@@ -17,7 +17,7 @@ struct BoundaryPull {
 
 /// Looks for force targets in both directions: from every vertex to the nearest point of the boundary that faces the
 /// same way, and from samples of the boundary to the nearest place of the mesh that does, whose corners they pull. One
-/// direction alone leaves what the mesh does not reach as it is.
+/// direction alone would miss the parts of the boundary that no vertex is near.
 class BoundarySearch {
  public:
   /// `boundary` outlives the search; `vertices`: of the meshes to come, which decides the number of samples.

@@ -22,7 +22,7 @@ constexpr double enough_landmarks = 8;
 constexpr double least_trust = 1e-6;
 constexpr double outlying = 4;  // times the median distance: another part of the organ
 
-/// What is known of the displacement: along each row's direction, at its place.
+/// What is known of the displacement: at each place its length along one direction.
 struct Observations {
   Points at, along;
   Eigen::VectorXd offset_mm, noise_mm;

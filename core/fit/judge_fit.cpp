@@ -35,10 +35,10 @@ FitJudgement judge_fit(const Template& reference, const Boundary& boundary, cons
                                  ", so its fits have faults too; make it anew from a sound surface");
   else if (judgement.doubtful && !judgement.mirrored)
     judgement.warnings.emplace_back(
-        "the fit stays bad; is this the template of another organ or side, or the label a wrong one?");
+        "the fit is poor; is this the template of another organ or side, or is the label the wrong one?");
   else if (tangled)
     judgement.warnings.emplace_back(
-        "some faces are turned or meet; the organ differs too much from the template there");
+        "some triangles are turned or pass through each other; the organ differs too much from the template there");
   return judgement;
 }
 

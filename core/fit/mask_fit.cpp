@@ -52,7 +52,7 @@ class Fitting {
     if (options_.placement) {
       const Points placed = options_.placement->apply(reference_.points);
       if (!bounds_of(placed).intersects(bounds_of(boundary_.surface.points)))
-        return fail("", "the placement lays the template where the organ is not; leave it out to have one found");
+        return fail("", "the placement puts the template where the organ is not; leave it out, and the fit finds one");
     }
     const Placed found =
         find_placement(reference_, boundary_, {options_.landmarks, options_.orientation, options_.placement});

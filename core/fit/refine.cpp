@@ -13,7 +13,7 @@ namespace homolog {
 
 namespace {
 
-/// `found`, with confirmed landmarks back in their place and their surroundings carried along on the surface.
+/// `found`, with confirmed vertices back in their place and their surroundings carried along on the surface.
 Result<Points> held(const Document& document, const Points& found) {
   const Shape& shape = document.shape();
   const Topology& topology = *document.reference->topology;
@@ -37,7 +37,9 @@ std::vector<std::string> warnings_of(const Document& document, const Points& poi
   const Topology& topology = *document.reference->topology;
   const bool turned = !turned_triangles(topology, *document.shape().placed, points).empty();
   if (!turned && self_intersections({document.reference->topology, points}).empty()) return {};
-  return {"Some faces are turned or meet; look at them (Correspondence, Shape) before the mesh goes into a model."};
+  return {
+      "Some triangles are turned or pass through each other. Look at them (Correspondence, Shape) before you use the "
+      "mesh in a model."};
 }
 
 }  // namespace

@@ -223,7 +223,7 @@ Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, 
   pulling.most_pulls = options.most_pulls;
   pulling.progress = options.progress;
   pulling.watch = [&](int pulls, const std::vector<Deviation>& seen) {
-    // The exact measure is dear; far from 1 mm what is seen says enough.
+    // The exact distance takes long to compute. While the mesh is far from 1 mm, what the user sees is enough.
     if (!run.pulls_to_1mm && mean_mm(seen) < 1.2 * near_mm) note_when_near(pulls);
   };
   note_when_near(0);

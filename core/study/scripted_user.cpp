@@ -64,7 +64,7 @@ std::vector<Offset> offsets_of(const Mesh& mesh, const std::vector<Deviation>& s
   return offsets;
 }
 
-/// How many times a movement fits all offsets best, in the least-squares sense, and by how much the sum of their
+/// The multiple of a movement that fits all offsets best in the least-squares sense, and by how much the sum of their
 /// squares falls then.
 struct BestFit {
   double times = 0, gain_mm2 = 0;
@@ -144,8 +144,8 @@ std::optional<Stroke> fitting_stroke(EditSession& session, const Choice& choice,
   return stroke;
 }
 
-/// Of the pulls most to gain from, the first few that help are compared as a person compares them who moves the mouse
-/// and switches σ before letting go; the best is made.
+/// Tries the first few pulls that help, as a person does who moves the mouse and switches σ before letting go, and
+/// makes the best of them.
 Result<bool> pull_once(EditSession& session, Sight& sight, const std::vector<Deviation>& seen, double visible_mm) {
   const double enough = mean_square_mm2(seen) * helps;
   const std::vector<Offset> offsets = offsets_of(session.document().mesh(), seen);

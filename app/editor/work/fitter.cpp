@@ -12,7 +12,7 @@ namespace homolog {
 
 namespace {
 
-/// "the fit stays bad" as it stands alone.
+/// "the fit is poor" as it stands alone.
 std::string as_sentence(std::string text) {
   if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text.ends_with('.') || text.ends_with('?') ? text : text + '.';

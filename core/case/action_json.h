@@ -1,6 +1,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -10,8 +11,8 @@ namespace homolog {
 
 // The case file's spelling of actions and their values; see docs/case-file.md.
 
-/// Whether lines with this key are actions.
-bool is_action_key(std::string_view key);
+/// What a line with this key is to the history; none where the key is no action's.
+std::optional<LineRole> role_of_key(std::string_view key);
 
 nlohmann::ordered_json to_json(const Action& action);
 /// Errors: no known key, or a known key with a value of the wrong kind.

@@ -85,6 +85,19 @@ class Members {
   std::string_view rest_;
 };
 
+LineKind::Kind kind_of_role(LineRole role) {
+  switch (role) {
+    case LineRole::note:
+      return LineKind::note;
+    case LineRole::undo:
+      return LineKind::undo;
+    case LineRole::redo:
+      return LineKind::redo;
+    default:
+      return LineKind::step;
+  }
+}
+
 }  // namespace
 
 LineKind kind_of(std::string_view line) {
@@ -92,33 +105,27 @@ LineKind kind_of(std::string_view line) {
   if (!members.begins())
     return {line.find_first_not_of(" \t\r") == std::string_view::npos ? LineKind::empty : LineKind::unknown};
   LineKind found;
-  bool look = false, has_frame = false;
+  bool says_look = false, can_look = false;
   int steps = 0;
   LineKind::Kind other = LineKind::unknown;  // of what is no step; the first in this order decides
-  const auto is = [&](LineKind::Kind kind) { other = std::min(other, kind); };
   for (std::string_view key, value; members.next(key, value);) {
-    if (key == "joined")
-      found.joined = value == "true";
-    else if (key == "look")
-      look = value == "true";
-    else if (key == "note")
-      is(LineKind::note);
-    else if (key == "undo")
-      is(LineKind::undo);
-    else if (key == "redo")
-      is(LineKind::redo);
-    else if (key == "checkpoint")
-      is(LineKind::checkpoint);
-    else if (is_action_key(key))
+    if (key == "joined") found.joined = value == "true";
+    if (key == "look") says_look = value == "true";
+    if (key == "checkpoint") other = std::min(other, LineKind::checkpoint);
+    const auto role = role_of_key(key);
+    if (!role) continue;
+    if (const auto kind = kind_of_role(*role); kind != LineKind::step)
+      other = std::min(other, kind);
+    else
       ++steps;
-    found.stroke = found.stroke || key == "tool";
-    has_frame = has_frame || key == "frame";
+    found.stroke = found.stroke || *role == LineRole::stroke;
+    can_look = can_look || *role == LineRole::step_or_look;
   }
   if (!members.ends()) return {};
   if (steps == 0)
     found.kind = other;
   else
-    found.kind = look && has_frame && steps == 1 ? LineKind::look : LineKind::step;
+    found.kind = says_look && can_look && steps == 1 ? LineKind::look : LineKind::step;
   return found;
 }
 

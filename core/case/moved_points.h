@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/case/action.h"
+#include "core/case/actions/points.h"
 
 namespace homolog {
 

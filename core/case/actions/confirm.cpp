@@ -1,0 +1,43 @@
+#include "core/case/actions/confirm.h"
+
+#include "core/case/actions/brush.h"
+#include "core/case/actions/fields.h"
+
+namespace homolog {
+
+namespace {
+
+void spell_confirm(Fields& line, Confirm& action) {
+  Fields dab = line.object("confirm");
+  dab.member("at", action.at);
+  dab.member("radius_mm", action.radius_mm);
+  dab.optional("hold", action.hold);
+}
+
+Result<EditReport> apply_confirm(const Confirm& action, Edit& edit) {
+  if (!(action.radius_mm > 0) || !action.at.allFinite()) return fail("confirm", "needs a positive radius");
+  const auto& held = edit.before.shape().confirmed;
+  auto confirmed = held ? std::make_shared<VertexScalars>(*held)
+                        : std::make_shared<VertexScalars>(VertexScalars::Zero(edit.before.stiffness->size()));
+  const int touched = brush(*edit.before.shape().points, action.at, action.radius_mm, 0,
+                            [&](Eigen::Index i, double) { (*confirmed)[i] = action.hold ? 1 : 0; });
+  edit.shape().confirmed = confirmed->any() ? confirmed : nullptr;
+  EditReport report;
+  report.message = std::to_string(touched) + (action.hold ? " vertices confirmed." : " vertices released.");
+  return report;
+}
+
+}  // namespace
+
+const ActionKind<Confirm>& action_kind(const Confirm&) {
+  static constexpr ActionKind<Confirm> kind{
+      .key = "confirm",
+      .example = R"({"confirm":{"at":[-21,20,-9],"radius_mm":10,"hold":true}})",
+      .meaning = "holds (or frees) a region",
+      .name = [](const Confirm& action) -> std::string { return action.hold ? "confirm" : "release"; },
+      .spell = spell_confirm,
+      .apply = apply_confirm};
+  return kind;
+}
+
+}  // namespace homolog

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/geometry.h"
+#include "core/base/result.h"
+#include "core/base/text.h"
+
+namespace homolog {
+
+/// Why a line cannot be read, as the end of a sentence. Thrown, as the JSON library throws too; `caught` makes an Error
+/// of both.
+struct Unreadable {
+  std::string what;
+};
+
+/// Runs a reader and turns whatever it throws into an Error.
+template <class Read>
+auto caught(const Read& read) -> Result<decltype(read())> {
+  try {
+    return read();
+  } catch (const Unreadable& error) {
+    return fail("", error.what);
+  } catch (const nlohmann::json::out_of_range&) {
+    return fail("", "lacks a key that its kind of line needs");
+  } catch (const nlohmann::json::exception&) {
+    return fail("", "holds a value of the wrong kind");
+  }
+}
+
+/// What the values of an enumeration are called in a case file.
+template <class Value, std::size_t count>
+using Names = std::array<std::pair<const char*, Value>, count>;
+
+template <class Value, std::size_t count>
+const char* name_of(const Names<Value, count>& names, Value value) {
+  for (const auto& [name, known] : names)
+    if (known == value) return name;
+  return "";
+}
+
+/// The members of a JSON object, read into an action or written from it. So one description of them serves both ways.
+/// Members are written in the order in which they are named. Reading throws; see `caught`.
+class Fields {
+ public:
+  using Json = nlohmann::ordered_json;
+
+  /// Both keep a reference.
+  static Fields reader(const Json& from) { return {&from, nullptr}; }
+  static Fields writer(Json& to) { return {nullptr, &to}; }
+  bool reads() const { return from_ != nullptr; }
+
+  /// A member that every line has.
+  template <class Value>
+  void member(const char* key, Value& value) {
+    if (reads())
+      read(from_->at(key), key, value);
+    else
+      (*to_)[key] = written(value);
+  }
+  /// The same for an enumeration.
+  template <class Value, std::size_t count>
+  void member(const char* key, const Names<Value, count>& names, Value& value) {
+    std::string name = name_of(names, value);
+    member(key, name);
+    if (reads()) value = named(names, name);
+  }
+  void member(const char* key, Similarity& value) { object(key).similarity(value); }
+  /// A member that a line may lack: `value` stays as it is then.
+  template <class Value>
+  void optional(const char* key, Value& value, bool is_written = true) {
+    if (reads() ? from_->contains(key) : is_written) member(key, value);
+  }
+  /// A member that a line has where there is a value.
+  template <class Value>
+  void optional(const char* key, std::optional<Value>& value) {
+    if (reads() && from_->contains(key)) value.emplace();
+    if (value) member(key, *value);
+  }
+  /// A member that is null where there is no value; a line that was written by hand may lack it then.
+  template <class Value>
+  void or_null(const char* key, std::optional<Value>& value) {
+    if (reads() && from_->contains(key) && !from_->at(key).is_null()) value.emplace();
+    if (value)
+      member(key, *value);
+    else if (!reads())
+      (*to_)[key] = nullptr;
+  }
+  /// A member that always has the same value; `fault` says so where a line has another.
+  void constant(const char* key, const Json& value, const char* fault);
+  /// The members of the object that this member is.
+  Fields object(const char* key);
+  /// The members of a placement.
+  void similarity(Similarity& value);
+
+ private:
+  Fields(const Json* from, Json* to) : from_(from), to_(to) {}
+
+  static void read(const Json& from, const char* key, bool& to);
+  static void read(const Json& from, const char* key, int& to);  ///< 0 … 1,000,000
+  static void read(const Json& from, const char* key, std::int64_t& to);
+  static void read(const Json& from, const char* key, double& to);
+  static void read(const Json& from, const char* key, std::string& to);
+  static void read(const Json& from, const char* key, std::vector<double>& to);
+  static void read(const Json& from, const char* key, Vec3& to);
+  static void read(const Json& from, const char* key, Eigen::Quaterniond& to);  ///< a rotation
+  template <class Value>
+  static Json written(const Value& value) {
+    return value;
+  }
+  static Json written(const Vec3& value);
+  static Json written(const Eigen::Quaterniond& value);
+
+  template <class Value, std::size_t count>
+  static Value named(const Names<Value, count>& names, const std::string& given) {
+    std::string known_names;
+    for (const auto& [name, known] : names) {
+      if (given == name) return known;
+      known_names += std::string(known_names.empty() ? "" : ", ") + name;
+    }
+    throw Unreadable{"\"" + excerpt(given) + "\" is not one of " + known_names};
+  }
+
+  const Json* from_;
+  Json* to_;
+};
+
+}  // namespace homolog

@@ -1,0 +1,75 @@
+#include "core/case/actions/frames.h"
+
+#include <utility>
+
+#include "core/case/actions/fields.h"
+#include "core/case/placing.h"
+
+namespace homolog {
+
+namespace {
+
+void spell_frame(Fields& line, SetFrame& action) {
+  line.member("frame", action.frame);
+  bool look = !line.reads() && !action.step;
+  line.optional("look", look, look);
+  action.step = !look;
+}
+
+Result<EditReport> apply_frame(const SetFrame& action, Edit& edit) {
+  const Document& before = edit.before;
+  const int frames = before.volume ? before.volume->frames : 1;
+  if (action.frame < 0 || action.frame >= frames)
+    return fail("frame", std::to_string(action.frame) + " does not exist; the volume has frames 0 to " +
+                             std::to_string(frames - 1));
+  edit.after.frame = action.frame;
+  if (before.reference && !edit.after.has_shape()) {
+    Shape shape;
+    shape.placement = shape.before_landmarks = before.has_shape() ? before.shape().placement : Similarity{};
+    start_anew(*before.reference, shape);
+    edit.after.shapes.emplace(action.frame, std::move(shape));
+  }
+  return EditReport{};
+}
+
+Result<EditReport> apply_copy(const StartFrameFrom& action, Edit& edit) {
+  const auto from = edit.before.shapes.find(action.frame);
+  if (from == edit.before.shapes.end())
+    return fail("frame", std::to_string(action.frame) + " has no mesh to start from");
+  Shape begun = from->second;
+  begun.decided.reset();  // what was decided there is a guess here, and so is what a model did
+  begun.unaided.reset();
+  edit.after.shapes.insert_or_assign(edit.after.frame, std::move(begun));
+  return EditReport{};
+}
+
+}  // namespace
+
+const ActionKind<SetFrame>& action_kind(const SetFrame&) {
+  static constexpr ActionKind<SetFrame> kind{
+      .key = "frame",
+      .example = R"({"frame":3,"look":true})",
+      .meaning =
+          "shows a frame of a cine, counted from 0. To look is no step: there is nothing to undo, and what can "
+          "be redone stays so. Without `look`, as older versions wrote it, it is one",
+      .role = LineRole::step_or_look,
+      .needs_mesh = false,
+      .name = [](const SetFrame&) -> std::string { return "frame"; },
+      .spell = spell_frame,
+      .apply = apply_frame};
+  return kind;
+}
+
+const ActionKind<StartFrameFrom>& action_kind(const StartFrameFrom&) {
+  static constexpr ActionKind<StartFrameFrom> kind{
+      .key = "start_frame_from",
+      .example = R"({"start_frame_from":2})",
+      .meaning = "gives the shown frame a copy of another frame's mesh",
+      .needs_mesh = false,
+      .name = [](const StartFrameFrom&) -> std::string { return "copy of a frame"; },
+      .spell = [](Fields& line, StartFrameFrom& action) { line.member("start_frame_from", action.frame); },
+      .apply = apply_copy};
+  return kind;
+}
+
+}  // namespace homolog

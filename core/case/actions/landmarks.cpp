@@ -1,0 +1,104 @@
+#include "core/case/actions/landmarks.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/case/actions/fields.h"
+#include "core/case/placing.h"
+#include "core/mesh/surface_search.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr Names<LandmarkFit, 3> fit_names{
+    {{"off", LandmarkFit::off}, {"similarity", LandmarkFit::similarity}, {"warp", LandmarkFit::warp}}};
+
+Result<void> check_landmark(const std::string& name, const std::optional<Vec3>& at) {
+  if (name.empty() || (at && !at->allFinite())) return fail("landmark", "needs a name and a finite position");
+  return {};
+}
+
+Result<EditReport> apply_landmark(const PlaceLandmark& action, Edit& edit) {
+  if (auto usable = check_landmark(action.name, action.at); !usable) return fail(usable.error());
+  Shape& shape = edit.shape();
+  if (action.at)
+    shape.landmarks.insert_or_assign(action.name, *action.at);
+  else
+    shape.landmarks.erase(action.name);
+  return follow_landmarks(*edit.before.reference, edit.before.landmark_fit, edit.before.weighs_landmarks, shape);
+}
+
+Result<EditReport> apply_landmark_fit(const SetLandmarkFit& action, Edit& edit) {
+  edit.after.landmark_fit = action.fit;
+  Shape& shape = edit.shape();
+  if (shape.strokes == 0) start_anew(*edit.before.reference, shape);
+  return follow_landmarks(*edit.before.reference, action.fit, edit.before.weighs_landmarks, shape);
+}
+
+Result<EditReport> apply_template_landmark(const SetTemplateLandmark& action, Edit& edit) {
+  if (auto usable = check_landmark(action.name, action.at); !usable) return fail(usable.error());
+  const Template& reference = *edit.before.reference;
+  MeshFile file = to_mesh_file(reference);
+  const auto known = std::find_if(file.landmarks.begin(), file.landmarks.end(),
+                                  [&](const Landmark& landmark) { return landmark.name == action.name; });
+  if (action.at) {
+    const SurfacePoint on = nearest_on_surface(*reference.topology, *edit.before.shape().points, *action.at).at;
+    const Vec3 position = on.interpolate(*reference.topology, reference.points).transpose();
+    if (known != file.landmarks.end())
+      known->position = position;
+    else
+      file.landmarks.push_back({action.name, position});
+  } else {
+    if (known == file.landmarks.end())
+      return fail("landmark", "\"" + excerpt(action.name) + "\" is none of the template's");
+    file.landmarks.erase(known);
+  }
+  edit.after.reference = with_landmarks(reference, std::move(file.landmarks));
+  return EditReport{};
+}
+
+/// Of both kinds of landmark.
+template <class A>
+void spell_landmark(Fields& line, A& action) {
+  Fields landmark = line.object(action_kind(action).key);
+  landmark.member("name", action.name);
+  landmark.or_null("at", action.at);
+}
+
+}  // namespace
+
+const ActionKind<PlaceLandmark>& action_kind(const PlaceLandmark&) {
+  static constexpr ActionKind<PlaceLandmark> kind{
+      .key = "landmark",
+      .example = R"({"landmark":{"name":"hilum","at":[-21,20,-9]}})",
+      .meaning = "places a landmark; `\"at\":null` takes it away",
+      .name = [](const PlaceLandmark& action) { return "landmark " + action.name; },
+      .spell = spell_landmark<PlaceLandmark>,
+      .apply = apply_landmark};
+  return kind;
+}
+
+const ActionKind<SetLandmarkFit>& action_kind(const SetLandmarkFit&) {
+  static constexpr ActionKind<SetLandmarkFit> kind{
+      .key = "landmark_fit",
+      .example = R"({"landmark_fit":"warp"})",
+      .meaning = "how landmarks carry the template before the first stroke: `off`, `similarity` or `warp`",
+      .name = [](const SetLandmarkFit&) -> std::string { return "landmark fit"; },
+      .spell = [](Fields& line, SetLandmarkFit& action) { line.member("landmark_fit", fit_names, action.fit); },
+      .apply = apply_landmark_fit};
+  return kind;
+}
+
+const ActionKind<SetTemplateLandmark>& action_kind(const SetTemplateLandmark&) {
+  static constexpr ActionKind<SetTemplateLandmark> kind{
+      .key = "template_landmark",
+      .example = R"({"template_landmark":{"name":"apex","at":[-21,20,-9]}})",
+      .meaning = "names the template's point nearest to `at` on the mesh; `\"at\":null` takes the name away",
+      .name = [](const SetTemplateLandmark& action) { return "template landmark " + action.name; },
+      .spell = spell_landmark<SetTemplateLandmark>,
+      .apply = apply_template_landmark};
+  return kind;
+}
+
+}  // namespace homolog

@@ -1,0 +1,41 @@
+#include "core/case/actions/placement.h"
+
+#include "core/case/actions/fields.h"
+#include "core/case/placing.h"
+
+namespace homolog {
+
+namespace {
+
+/// R and P move along with the placement.
+void move_placement(const Template& reference, const Similarity& placement, Shape& shape) {
+  const auto moved = [move = placement.after(shape.placement.inverse())](const Points& points) {
+    return std::make_shared<const Points>(move.apply(points));
+  };
+  const bool warped = shape.reference != shape.placed;
+  const bool edited = shape.points != shape.reference;
+  if (shape.unaided) shape.unaided = moved(*shape.unaided);
+  shape.placement = shape.before_landmarks = placement;
+  shape.placed = std::make_shared<const Points>(placement.apply(reference.points));
+  shape.reference = warped ? moved(*shape.reference) : shape.placed;
+  shape.points = edited ? moved(*shape.points) : shape.reference;
+}
+
+}  // namespace
+
+const ActionKind<SetPlacement>& action_kind(const SetPlacement&) {
+  static constexpr ActionKind<SetPlacement> kind{
+      .key = "placement",
+      .example = R"({"placement":{"rotation":[1,0,0,0],"scale":1,"translation":[12,-40,310]}})",
+      .meaning = "moves the mesh and its reference",
+      .name = [](const SetPlacement&) -> std::string { return "placement"; },
+      .spell = [](Fields& line, SetPlacement& action) { line.member("placement", action.placement); },
+      .apply = [](const SetPlacement& action, Edit& edit) -> Result<EditReport> {
+        if (auto usable = check_placement(action.placement); !usable) return fail(usable.error());
+        move_placement(*edit.before.reference, action.placement, edit.shape());
+        return EditReport{};
+      }};
+  return kind;
+}
+
+}  // namespace homolog

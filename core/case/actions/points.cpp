@@ -1,0 +1,127 @@
+#include "core/case/actions/points.h"
+
+#include <utility>
+
+#include "core/case/actions/decided.h"
+#include "core/case/actions/fields.h"
+#include "core/case/moved_points.h"
+#include "core/case/packed.h"
+#include "core/case/placing.h"
+
+namespace homolog {
+
+namespace {
+
+void spell_points(Fields& line, SetPoints& set) {
+  std::vector<double> numbers;
+  if (set.points) numbers.assign(set.points->data(), set.points->data() + set.points->size());
+  line.member("points", numbers);
+  if (numbers.size() % 3 != 0) throw Unreadable{"\"points\" is not x, y, z of every vertex"};
+  line.optional("by", set.by);
+  line.optional("placement", set.placement);
+  if (line.reads())
+    set.points = std::make_shared<const Points>(
+        Eigen::Map<const Points>(numbers.data(), static_cast<Eigen::Index>(numbers.size() / 3), 3));
+}
+
+void spell_moves(Fields& line, MovePoints& move) {
+  line.optional("by", move.by);
+  line.optional("placement", move.placement);
+  Fields moved = line.object("moved");
+  std::int64_t landmarks = move.moves ? static_cast<std::int64_t>(move.moves->size() / 3) : 0;
+  std::string steps = move.moves ? packed<std::uint32_t>(*move.moves) : "";
+  moved.member("landmarks", landmarks);
+  constexpr std::int64_t most_landmarks = 1 << 27;
+  if (line.reads() && (landmarks < 1 || landmarks > most_landmarks)) throw Unreadable{"\"landmarks\" is out of range"};
+  moved.member("steps", steps);
+  if (!line.reads()) return;
+  auto moves = unpacked<std::uint32_t>(steps, 3 * static_cast<std::size_t>(landmarks));
+  if (!moves) throw Unreadable{moves.error().what};
+  move.moves = std::make_shared<const std::vector<std::uint32_t>>(std::move(*moves));
+}
+
+/// What an edit by `action` leaves of the shape without the model's help.
+std::shared_ptr<const Points> unaided_by(const SetPoints& action, const Shape& shape) {
+  if (action.by == by_model) {
+    Points unaided = unaided_points(shape);
+    const bool taken_back = (unaided - *action.points).cwiseAbs().maxCoeff() <= 1 / steps_per_mm;
+    return taken_back ? nullptr : std::make_shared<const Points>(std::move(unaided));
+  }
+  if (!shape.unaided) return nullptr;
+  if (action.by == by_refinement)
+    return std::make_shared<const Points>(*shape.unaided + *action.points - *shape.points);
+  Points unaided = unaided_after(*shape.unaided, *shape.points, *action.points);
+  return unaided == *action.points ? nullptr : std::make_shared<const Points>(std::move(unaided));
+}
+
+Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
+  const Template& reference = *edit.before.reference;
+  if (!action.points || action.points->rows() != reference.points.rows()) {
+    return fail("points", std::to_string(action.points ? action.points->rows() : 0) + " were given for " +
+                              std::to_string(reference.points.rows()) + " vertices");
+  }
+  if (!action.points->allFinite()) return fail("points", "hold a coordinate that is no finite number");
+  if (action.placement)
+    if (auto usable = check_placement(*action.placement); !usable) return fail(usable.error());
+  Shape& shape = edit.shape();
+  if (action.placement) {
+    shape.placement = shape.before_landmarks = *action.placement;
+    shape.reference = shape.placed = std::make_shared<const Points>(action.placement->apply(reference.points));
+  }
+  shape.unaided = unaided_by(action, shape);
+  if (action.by != by_model && action.by != by_refinement) {
+    const auto moved_mm2 = (*action.points - *shape.points).rowwise().squaredNorm().array();
+    decide(shape, std::make_shared<const VertexScalars>((moved_mm2 > 0).cast<double>()));
+  }
+  shape.points = action.points;
+  ++shape.strokes;
+  return EditReport{};
+}
+
+Result<EditReport> apply_moves(const MovePoints& action, Edit& edit) {
+  const auto points = points_of(*edit.before.shape().points, action);
+  if (!points) return fail(points.error());
+  return apply_points(*points, edit);
+}
+
+std::string name_of_points(const std::string& by) {
+  return by.empty() ? "points" : by;
+}
+
+}  // namespace
+
+const ActionKind<SetPoints>& action_kind(const SetPoints&) {
+  static constexpr ActionKind<SetPoints> kind{
+      .key = "points",
+      .example = R"({"points":[-21,20,-9,-19,17,-9],"by":"fit"})",
+      .meaning =
+          "moves every landmark to where an automatic step found it: x, y, z of the first landmark, then of the "
+          "next. Scripts and older versions write this. With `\"placement\":{…}` the reference moves there too. "
+          "`\"by\":\"model help\"` and `\"by\":\"refine\"` decide nothing of where the boundary is; all else "
+          "counts as known where it moved",
+      .name = [](const SetPoints& set) { return name_of_points(set.by); },
+      .spell = spell_points,
+      .apply = apply_points};
+  return kind;
+}
+
+const ActionKind<MovePoints>& action_kind(const MovePoints&) {
+  static constexpr ActionKind<MovePoints> kind{
+      .key = "moved",
+      .example = R"({"by":"snap","moved":{"landmarks":2,"steps":"eAEVwYEJAAAMAiCD/f9yI5WjpoKaPihqBAM="}})",
+      .meaning = "the same as how far each coordinate moved (below): what Homolog writes",
+      .name = [](const MovePoints& move) { return name_of_points(move.by); },
+      .spell = spell_moves,
+      .apply = apply_moves};
+  return kind;
+}
+
+SetPoints points_edit(const Document& document, const Points& points, std::string by,
+                      const std::optional<Similarity>& placement) {
+  Points rounded = *document.shape().points;
+  for (Eigen::Index k = 0; k < rounded.size(); ++k)
+    if (const double to = points.data()[k]; to != rounded.data()[k]) rounded.data()[k] = on_grid(to);
+  return {std::move(by), placement, std::make_shared<const Points>(std::move(rounded))};
+}
+
+}  // namespace homolog

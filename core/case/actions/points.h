@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/case/actions/kind.h"
+
+namespace homolog {
+
+/// Values of SetPoints::by that say nothing of where the boundary is: a study's shape model moved the vertices, or they
+/// moved along the surface.
+inline constexpr const char* by_model = "model help";
+inline constexpr const char* by_refinement = "refine";
+/// Puts every vertex where an automatic step found it: a fit, a snap, a shape model. The points themselves are kept, so
+/// replaying needs neither that step nor its image.
+struct SetPoints {
+  std::string by;                        ///< what found them: "fit", or one of those above, which count otherwise
+  std::optional<Similarity> placement;   ///< the reference moves there; unwarped then
+  std::shared_ptr<const Points> points;  ///< n×3, LPS mm
+  bool operator==(const SetPoints& other) const {
+    return by == other.by && placement == other.placement &&
+           (points == other.points || (points && other.points && *points == *other.points));
+  }
+};
+const ActionKind<SetPoints>& action_kind(const SetPoints&);
+
+/// SetPoints as a case keeps it: how far each coordinate moved, in steps of 2⁻¹⁶ mm [moved_points.h].
+struct MovePoints {
+  std::string by;
+  std::optional<Similarity> placement;
+  std::shared_ptr<const std::vector<std::uint32_t>> moves;  ///< 3n, landmark by landmark; 0 stays
+  bool operator==(const MovePoints& other) const {
+    return by == other.by && placement == other.placement &&
+           (moves == other.moves || (moves && other.moves && *moves == *other.moves));
+  }
+};
+const ActionKind<MovePoints>& action_kind(const MovePoints&);
+
+/// The edit that gives a document this shape; coordinates that differ from those of `document` are rounded to 2⁻¹⁶ mm
+/// [moved_points.h].
+SetPoints points_edit(const Document& document, const Points& points, std::string by,
+                      const std::optional<Similarity>& placement = std::nullopt);
+
+}  // namespace homolog

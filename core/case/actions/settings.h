@@ -1,0 +1,22 @@
+#pragma once
+
+#include "core/case/actions/kind.h"
+
+namespace homolog {
+
+/// How the strokes after it move the mesh.
+struct SetScheme {
+  Scheme scheme = Scheme::anchored;
+  int paper_events = 1;
+  bool operator==(const SetScheme&) const = default;
+};
+const ActionKind<SetScheme>& action_kind(const SetScheme&);
+
+/// How strongly the strokes after it keep vertices evenly spread, 0…1.
+struct SetSpacing {
+  double strength = 0;
+  bool operator==(const SetSpacing&) const = default;
+};
+const ActionKind<SetSpacing>& action_kind(const SetSpacing&);
+
+}  // namespace homolog

@@ -1,0 +1,76 @@
+#include "core/case/actions/stroke.h"
+
+#include <utility>
+
+#include "core/case/actions/decided.h"
+#include "core/case/actions/fields.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr Names<Tool, 4> tool_names{
+    {{"pull", Tool::pull}, {"grab", Tool::grab}, {"slide", Tool::slide}, {"relax", Tool::relax}}};
+
+void spell_stroke(Fields& line, Stroke& stroke) {
+  line.member("tool", tool_names, stroke.tool);
+  line.member("at", stroke.at);
+  if (line.reads()) stroke.to = stroke.at;
+  if (stroke.tool == Tool::relax)
+    line.optional("to", stroke.to);
+  else
+    line.member("to", stroke.to);
+  line.member("sigma_mm", stroke.sigma_mm);
+  line.optional("on", stroke.on);
+  line.optional("through_space", stroke.through_space, stroke.through_space);
+  line.optional("strength", stroke.strength, stroke.tool == Tool::relax);
+}
+
+Result<EditReport> apply_stroke(const Stroke& stroke, Edit& edit) {
+  const Document& before = edit.before;
+  const Shape& shape = before.shape();
+  const StrokeStart start{before.reference->topology, shape.placed,          shape.reference, shape.points,
+                          before.stiffness,           before.stiffness_base, shape.confirmed, before.scheme,
+                          before.paper_events,        before.spacing};
+  auto outcome = edit.deformer.stroke(start, stroke, edit.pass);
+  if (!outcome) return fail(outcome.error());
+  EditReport report;
+  report.stopped_by_guard = outcome->stopped_by_guard;
+  report.moved_mm = outcome->moved_mm;
+  report.on = outcome->on;
+  report.response = outcome->response;
+  report.solves = outcome->solves;
+  if (report.stopped_by_guard) report.message = "Stopped before a triangle turned over.";
+  Shape& after = edit.shape();
+  if (shape.unaided) {
+    // Relax, and every stroke of `paper`, put a vertex somewhere; other strokes carry it by a distance.
+    const bool absolute = stroke.tool == Tool::relax || before.scheme == Scheme::paper;
+    after.unaided =
+        std::make_shared<const Points>(absolute ? unaided_after(*shape.unaided, *shape.points, outcome->points)
+                                                : Points(*shape.unaided + outcome->points - *shape.points));
+  }
+  after.points = std::make_shared<const Points>(std::move(outcome->points));
+  if (outcome->response) decide(after, outcome->response);
+  ++after.strokes;
+  return report;
+}
+
+}  // namespace
+
+const ActionKind<Stroke>& action_kind(const Stroke&) {
+  static constexpr ActionKind<Stroke> kind{
+      .key = "tool",
+      .example = R"({"tool":"pull","at":[-21,20,-9],"to":[-19,17,-9],"sigma_mm":12})",
+      .meaning =
+          "a stroke with `pull`, `grab` or `slide`: `at` snaps to the nearest surface point, `to` is where the "
+          "cursor ended. A pull follows the straight path between them unless `on` names the surface point it "
+          "ended on. `\"through_space\":true` lets the falloff reach other sheets. With `\"tool\":\"relax\"`, "
+          "`\"strength\":1` and no `to` it is one dab of Relax",
+      .role = LineRole::stroke,
+      .name = [](const Stroke& stroke) -> std::string { return name_of(tool_names, stroke.tool); },
+      .spell = spell_stroke,
+      .apply = apply_stroke};
+  return kind;
+}
+
+}  // namespace homolog

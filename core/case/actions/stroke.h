@@ -1,0 +1,11 @@
+#pragma once
+
+#include "core/case/actions/kind.h"
+#include "core/deform/stroke.h"
+
+namespace homolog {
+
+// The struct Stroke is the deformer's; here is what it is as an action of a case.
+const ActionKind<Stroke>& action_kind(const Stroke&);
+
+}  // namespace homolog

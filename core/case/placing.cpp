@@ -1,0 +1,65 @@
+#include "core/case/placing.h"
+
+#include <cmath>
+#include <utility>
+
+#include "core/placement/landmark_warp.h"
+#include "core/placement/likely_similarity.h"
+#include "core/placement/similarity_fit.h"
+
+namespace homolog {
+
+namespace {
+
+bool usable(const Similarity& s) {
+  return s.rotation.coeffs().allFinite() && std::abs(s.rotation.norm() - 1) < 1e-6 && std::isfinite(s.scale) &&
+         s.scale > 0 && s.translation.allFinite();
+}
+
+/// Warps a shape that is as before any edit. Gives a sentence where the warp could not be followed.
+std::string warp(const Template& reference, const Points& from, const Points& to, Shape& shape) {
+  WarpedReference warped = warp_to_landmarks(*reference.topology, *shape.placed, shape.placement.apply(from), to);
+  if (warped.share > 0) shape.points = shape.reference = std::make_shared<const Points>(std::move(warped.points));
+  return warped.folds ? "The landmarks would fold the mesh, so the mesh does not quite meet them. Check that each is "
+                        "in its place."
+                      : "";
+}
+
+}  // namespace
+
+Result<void> check_placement(const Similarity& placement) {
+  if (usable(placement)) return {};
+  return fail("placement", "is not a rotation, a positive scale and a translation");
+}
+
+void start_anew(const Template& reference, Shape& shape) {
+  shape.placed = std::make_shared<const Points>(shape.placement.apply(reference.points));
+  shape.points = shape.reference = shape.placed;
+  shape.decided.reset();
+  shape.unaided.reset();
+  shape.strokes = 0;
+}
+
+Result<EditReport> follow_landmarks(const Template& reference, LandmarkFit fit, bool weighs, Shape& shape) {
+  EditReport report;
+  if (fit == LandmarkFit::off) return report;
+  if (shape.strokes > 0) {
+    report.message =
+        "After the first stroke landmarks no longer move the mesh. Bring the mesh to them with Slide or Grab.";
+    return report;
+  }
+  const auto [from, to] = matched_landmarks(reference, shape.landmarks);
+  if (from.rows() == 0) return report;
+  const Similarity placement =
+      weighs ? likely_similarity(from, to, {shape.before_landmarks}, bounds_of(reference.points).diagonal().norm())
+             : fit_similarity(from, to, shape.placement);
+  if (!usable(placement) || placement.scale < 1e-3) {
+    return fail("landmarks", "contradict each other, so that the template would shrink to nothing; check their places");
+  }
+  shape.placement = placement;
+  start_anew(reference, shape);
+  if (fit == LandmarkFit::warp) report.message = warp(reference, from, to, shape);
+  return report;
+}
+
+}  // namespace homolog

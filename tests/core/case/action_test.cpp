@@ -1,0 +1,134 @@
+#include <doctest/doctest.h>
+
+#include "core/base/files.h"
+#include "core/case/action_json.h"
+#include "core/case/action_line.h"
+#include "core/case/line_kind.h"
+#include "tests/must.h"
+
+namespace homolog {
+
+namespace {
+
+/// An action, the bytes of its line, and what the Undo menu calls it.
+struct KnownLine {
+  Action action;
+  std::string line, name;
+};
+
+const Vec3 here(-21.5, 20, 1.0 / 3);
+const std::string written_here = R"("at":[-21.5,20.0,0.3333333333333333])";
+
+std::vector<KnownLine> strokes() {
+  const Vec3 to(-19, 1e-7, 9e20);
+  const std::string from_to = written_here + R"(,"to":[-19.0,1e-07,9e+20],"sigma_mm":12.5)";
+  return {
+      {Stroke{Tool::pull, here, to, 12.5, {}, false, 1}, R"({"tool":"pull",)" + from_to + "}", "pull"},
+      {Stroke{Tool::pull, here, to, 12.5, Vec3(1, 2, 3), true, 1},
+       R"({"tool":"pull",)" + from_to + R"(,"on":[1.0,2.0,3.0],"through_space":true})", "pull"},
+      {Stroke{Tool::grab, here, to, 12.5, {}, true, 1}, R"({"tool":"grab",)" + from_to + R"(,"through_space":true})",
+       "grab"},
+      {Stroke{Tool::slide, here, to, 12.5, {}, false, 1}, R"({"tool":"slide",)" + from_to + "}", "slide"},
+      {Stroke{Tool::relax, here, to, 12.5, {}, false, 0.7}, R"({"tool":"relax",)" + from_to + R"(,"strength":0.7})",
+       "relax"},
+  };
+}
+
+std::vector<KnownLine> edits_of_the_mesh() {
+  const Similarity placement{Eigen::Quaterniond(0.6, 0, 0.8, 0), 1.1, Vec3(3, 0.1, -7)};
+  const std::string placed = R"("placement":{"rotation":[0.6,0.0,0.8,0.0],"scale":1.1,"translation":[3.0,0.1,-7.0]})";
+  const auto points = std::make_shared<const Points>(Points{{1, 2.5, -3}, {0.1, 1e-300, 6}});
+  const std::string numbers = R"("points":[1.0,2.5,-3.0,0.1,1e-300,6.0])";
+  using Moves = const std::vector<std::uint32_t>;
+  const auto moves = std::make_shared<Moves>(Moves{0, 65537, 4, 0, 0, 4294967295U});
+  return {
+      {SetPlacement{placement}, "{" + placed + "}", "placement"},
+      {SetPoints{"fit", placement, points}, "{" + numbers + R"(,"by":"fit",)" + placed + "}", "fit"},
+      {SetPoints{"", {}, points}, "{" + numbers + R"(,"by":""})", "points"},
+      {MovePoints{"snap", {}, moves},
+       R"({"by":"snap","moved":{"landmarks":2,"steps":"eAEVwYEJAAAMAiCD/f9yI5WjpoKaPihqBAM="}})", "snap"},
+      {PlaceLandmark{"x", here}, R"({"landmark":{"name":"x",)" + written_here + "}}", "landmark x"},
+      {PlaceLandmark{"x", {}}, R"({"landmark":{"name":"x","at":null}})", "landmark x"},
+      {SetLandmarkFit{LandmarkFit::off}, R"({"landmark_fit":"off"})", "landmark fit"},
+      {SetTemplateLandmark{"x", here}, R"({"template_landmark":{"name":"x",)" + written_here + "}}",
+       "template landmark x"},
+      {Confirm{here, 10, false}, R"({"confirm":{)" + written_here + R"(,"radius_mm":10.0,"hold":false}})", "release"},
+      {MirrorTemplate{}, R"({"mirror":"sagittal"})", "mirror"},
+      {SetFrame{3, false}, R"({"frame":3,"look":true})", "frame"},
+      {SetFrame{3, true}, R"({"frame":3})", "frame"},
+      {StartFrameFrom{2}, R"({"start_frame_from":2})", "copy of a frame"},
+  };
+}
+
+std::vector<KnownLine> settings_and_marks() {
+  const auto factors = std::make_shared<const VertexScalars>(VertexScalars{{1, 0.1, 5}});
+  const std::string brush = written_here + R"(,"radius_mm":10.0)";
+  return {
+      {PaintStiffness{here, 10, 50, 0}, R"({"stiffness":{)" + brush + R"(,"value":50.0,"soft":0.0}})",
+       "stiffness brush"},
+      {SmoothStiffness{here, 10, 0.25}, R"({"smooth_stiffness":{)" + brush + R"(,"strength":0.25}})",
+       "smoothing of the stiffness"},
+      {SetStiffnessBase{7.5}, R"({"stiffness_base":7.5})", "stiffness"},
+      {SetStiffnessFactors{factors}, R"({"stiffness_factors":[1.0,0.1,5.0]})", "imported stiffness"},
+      {PaintRegion{"a", here, 10, 0.5}, R"({"paint_region":{"name":"a",)" + brush + R"(,"soft":0.5}})",
+       "painting of a"},
+      {FillRegion{"a", here, FillRegion::By::region, 0.05},
+       R"({"fill_region":{"name":"a",)" + written_here + R"(,"by":"region"}})", "filling of a"},
+      {FillRegion{"", here, FillRegion::By::curvature, 0.3},
+       R"({"fill_region":{"name":"",)" + written_here + R"(,"by":"curvature","tolerance_per_mm":0.3}})", "emptying"},
+      {SetRegion{Region{"ü", 2, {1, 255, 16}}}, R"({"region":{"name":"ü","factor":2.0,"colour":"#01ff10"}})",
+       "region ü"},
+      {RenameRegion{"a", "b"}, R"({"rename_region":{"name":"a","to":"b"}})", "renaming to b"},
+      {RemoveRegion{"a"}, R"({"remove_region":"a"})", "removal of a"},
+      {SetScheme{Scheme::paper, 3}, R"({"scheme":"paper","events":3})", "scheme"},
+      {SetSpacing{0.5}, R"({"spacing":0.5})", "even spacing"},
+      {Note{"a \"b\""}, R"({"note":"a \"b\""})", "note"},
+      {Undo{}, R"({"undo":true})", "undo"},
+      {Redo{}, R"({"redo":true})", "redo"},
+  };
+}
+
+}  // namespace
+
+TEST_CASE("the lines of a case file keep their bytes and actions keep their names") {
+  for (const auto& known_lines : {strokes(), edits_of_the_mesh(), settings_and_marks()})
+    for (const KnownLine& known : known_lines) {
+      CHECK(action_line(known.action) == known.line);
+      CHECK(action_name(known.action) == known.name);
+      const auto read = parse_action(known.line);
+      REQUIRE_MESSAGE(read, known.line);
+      CHECK_MESSAGE(read->action == known.action, known.line);
+    }
+}
+
+TEST_CASE("every action reads its example of the docs and writes it again") {
+  for_each_action_kind([](const auto& kind) {
+    const auto read = parse_action(kind.example);
+    REQUIRE_MESSAGE(read, kind.example);
+    const auto example = nlohmann::ordered_json::parse(kind.example);
+    const auto written = to_json(read->action);
+    CHECK_MESSAGE(written.contains(kind.key), kind.example);
+    for (const auto& [key, value] : example.items())
+      CHECK_MESSAGE(written.value(key, nlohmann::ordered_json()) == value, kind.example);
+    CHECK_MESSAGE(parse_action(written.dump())->action == read->action, kind.example);
+    CHECK_MESSAGE(kind_of(kind.example).kind != LineKind::unknown, kind.example);
+  });
+}
+
+TEST_CASE("the table of lines in the docs is made from the actions") {
+  std::string table = "| line | what it does |\n|---|---|\n";
+  for_each_action_kind(
+      [&](const auto& kind) { table += std::string("| `") + kind.example + "` | " + kind.meaning + " |\n"; });
+  const std::string page =
+      test::must(read_whole_file(std::filesystem::path(HOMOLOG_SOURCE_DIR) / "docs" / "case-file.md"));
+  const auto begin = page.find("| line |"), end = page.find("\n\n", begin);
+  REQUIRE(end != std::string::npos);
+  const std::string made = page.substr(0, begin) + table + page.substr(end + 1);
+  if (made == page) return;
+  const std::filesystem::path left = std::filesystem::path(HOMOLOG_BINARY_DIR) / "case-file.md";
+  REQUIRE(write_whole_file(left, made));
+  FAIL("docs/case-file.md says otherwise of the actions than core/case/actions. What it should be is in "
+       << left.string() << "; look at it and copy it to docs/case-file.md.");
+}
+
+}  // namespace homolog

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace fs = std::filesystem;
 using namespace homolog;

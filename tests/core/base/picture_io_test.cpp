@@ -9,7 +9,7 @@
 
 #include "core/base/files.h"
 #include "core/volume/volume_io.h"
-#include "temporary_folder.h"
+#include "tests/temporary_folder.h"
 #include "tests/refusal.h"
 #include "tests/small_files.h"
 

@@ -7,8 +7,8 @@
 #include "core/volume/dicom_header.h"
 #include "core/volume/dicom_rle.h"
 #include "core/volume/volume_io.h"
-#include "peak_memory.h"
-#include "temporary_folder.h"
+#include "tests/peak_memory.h"
+#include "tests/temporary_folder.h"
 #include "tests/refusal.h"
 
 namespace fs = std::filesystem;

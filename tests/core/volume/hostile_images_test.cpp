@@ -4,8 +4,8 @@
 #include <chrono>
 
 #include "core/volume/volume_io.h"
-#include "peak_memory.h"
-#include "real_data.h"
+#include "tests/peak_memory.h"
+#include "tests/real_data.h"
 
 // Files that have crashed, hung or misled a reader of images.
 namespace fs = std::filesystem;

@@ -6,9 +6,9 @@
 
 #include "core/base/picture_io.h"
 #include "core/volume/volume_io.h"
-#include "peak_memory.h"
+#include "tests/peak_memory.h"
 #include "tests/refusal.h"
-#include "tiff_bytes.h"
+#include "tests/tiff_bytes.h"
 
 namespace fs = std::filesystem;
 using namespace homolog;

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "core/volume/volume_io.h"
-#include "real_data.h"
-#include "temporary_folder.h"
+#include "tests/real_data.h"
+#include "tests/temporary_folder.h"
 
 // Files that other programs wrote.
 namespace fs = std::filesystem;

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <limits>
 
-#include "temporary_folder.h"
+#include "tests/temporary_folder.h"
 #include "tests/refusal.h"
 
 namespace fs = std::filesystem;

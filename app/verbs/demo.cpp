@@ -3,6 +3,7 @@
 #include "app/editor/update/demo.h"
 #include "app/pictures/pictures.h"
 #include "app/verbs/verb.h"
+#include "core/base/files.h"
 #include "core/base/picture_io.h"
 #include "core/case/case_file.h"
 #include "core/measure/compare.h"
@@ -26,13 +27,13 @@ class HeadlessDemo {
   HeadlessDemo(fs::path folder, Progress& progress) : folder_(std::move(folder)), progress_(progress) {}
 
   Result<Report> play() {
+    const auto made = ResultFolder::make(folder_);
+    if (!made) return fail(made.error());
     std::error_code error;
-    if (fs::create_directories(folder_, error)) new_.push_back(folder_);
-    if (error) return fail(folder_.string(), "cannot be made (" + error.message() + "); choose another folder with -o");
     auto report = play_all();
     // Nothing half-done is left; what was there before is whole, in its old or its new form.
     if (!report)
-      for (auto made = new_.rbegin(); made != new_.rend(); ++made) fs::remove(*made, error);
+      for (const fs::path& file : new_) fs::remove(file, error);
     return report;
   }
 

@@ -91,9 +91,8 @@ std::string volume_table(const Propagation& propagation, double frame_seconds) {
 }
 
 Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propagation& propagation) {
-  std::error_code error;
-  fs::create_directories(verb.out, error);
-  if (error) return fail(verb.out.string(), "cannot be made (" + error.message() + "); choose another folder");
+  const auto made = ResultFolder::make(verb.out);
+  if (!made) return fail(made.error());
   const auto lines = case_lines(verb, initial, propagation);
   if (!lines) return fail(lines.error());
   MeshFile file = to_mesh_file(*initial.reference);

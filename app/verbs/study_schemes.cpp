@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include "app/verbs/case_pool.h"
 #include "app/verbs/study.h"
@@ -226,7 +227,9 @@ Result<void> write_tables(const Tables& tables, const fs::path& folder, Json& pa
 
 Result<Report> study_schemes(const Options& options, Progress& progress) {
   Report report;
-  if (!options.out.empty()) fs::create_directories(options.out);
+  std::optional<Result<ResultFolder>> folder;
+  if (!options.out.empty()) folder.emplace(ResultFolder::make(options.out));
+  if (folder && !*folder) return fail(folder->error());
   const auto plan = plan_of(options, report, progress);
   if (!plan) return fail(plan.error());
   std::vector<SchemeRun> runs(plan->schemes.size() * plan->subjects.size());

@@ -106,12 +106,28 @@ class FileBuffer : public std::streambuf {
   std::array<char, 1 << 16> buffer_;
 };
 
-/// What a link leads to, so that it stays one.
-fs::path followed(const fs::path& path) {
+/// What a link leads to, so that it stays one. Errors: it leads to nothing.
+Result<fs::path> followed(const fs::path& path) {
   std::error_code error;
   if (!fs::is_symlink(path, error)) return path;
   const fs::path target = fs::canonical(path, error);
-  return error ? path : target;
+  if (!error) return target;
+  const std::string remedy = "; remove the link or choose another name";
+  if (error == std::errc::too_many_symbolic_link_levels)
+    return fail(path.string(), "is a link that leads back to itself" + remedy);
+  if (error != std::errc::no_such_file_or_directory)
+    return fail(path.string(), "is a link that cannot be followed (" + error.message() + ")" + remedy);
+  return fail(path.string(),
+              "is a link to " + excerpt(fs::read_symlink(path, error).string()) + ", which does not exist" + remedy);
+}
+
+/// Whether its owner meant to keep a file as it is. Root may write everything, so only the rights tell.
+Result<void> may_be_replaced(const fs::path& path, const struct stat& file) {
+  const int refused = ::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) != 0 ? errno : 0;
+  if ((file.st_mode & 0222) == 0 || refused == EACCES || refused == EPERM)
+    return fail(path.string(), "is write-protected; change its permissions or choose another name");
+  if (refused != 0) return fail(cannot_write(path, refused));
+  return {};
 }
 
 fs::path folder_of(const fs::path& path) {
@@ -176,6 +192,8 @@ class Temporary {
   Temporary& operator=(const Temporary&) = delete;
 
   int error() const { return error_; }
+  /// Whether the file that is replaced belongs to somebody whom the system does not let this one be given to.
+  bool changes_owner() const { return changes_owner_; }
   int descriptor() const { return file_; }
   /// 0 or the errno.
   int replace(const fs::path& path) {
@@ -199,13 +217,16 @@ class Temporary {
   void take_rights_of(const struct stat& replaced) {
     mode_t mode = replaced.st_mode & 0777;
     if (::fchown(file_, static_cast<uid_t>(-1), replaced.st_gid) != 0) mode = (mode & 0707) | (mode & 0007) << 3;
-    if (::geteuid() == 0 && ::fchown(file_, replaced.st_uid, static_cast<gid_t>(-1)) != 0) mode &= 0700;
+    struct stat own {};
+    changes_owner_ = ::fstat(file_, &own) != 0 ||
+                     (own.st_uid != replaced.st_uid && ::fchown(file_, replaced.st_uid, static_cast<gid_t>(-1)) != 0);
     ::fchmod(file_, mode);
   }
 
   fs::path path_;
   Descriptor file_;
   int error_ = 0;
+  bool changes_owner_ = false;
 };
 
 /// Opens a file for reading, unless it is none. Pipes are not waited for.
@@ -215,7 +236,7 @@ Result<int> open_file(const fs::path& path, struct stat& now) {
   if (::fstat(file, &now) == 0 && S_ISREG(now.st_mode)) return file;
   ::close(file);
   return fail(path.string(), S_ISDIR(now.st_mode)
-                                 ? "is a folder, not a file"
+                                 ? "is a folder, not a file; give the name of a file in it"
                                  : "is a device or a pipe, not a file; copy what it gives into a file");
 }
 
@@ -223,15 +244,21 @@ Result<int> open_file(const fs::path& path, struct stat& now) {
 
 Result<void> write_whole_file(const fs::path& asked, const std::function<Result<void>(std::ostream&)>& write,
                               Readers readers) {
-  const fs::path path = followed(asked);
+  const auto target = followed(asked);
+  if (!target) return fail(target.error());
+  const fs::path& path = *target;
   struct stat before {};
   const bool replaces = ::stat(path.c_str(), &before) == 0;
   if (replaces && S_ISDIR(before.st_mode)) return fail(path.string(), "is a folder; give a file name");
   if (replaces && !S_ISREG(before.st_mode))
     return fail(path.string(), "is a device or a pipe, which is not replaced; give a file name");
+  if (replaces)
+    if (auto allowed = may_be_replaced(path, before); !allowed) return allowed;
   sweep(folder_of(path));
   Temporary temporary(path, replaces ? &before : nullptr, readers);
   if (temporary.error() != 0) return fail(cannot_write(path, temporary.error()));
+  if (temporary.changes_owner())
+    return fail(path.string(), "belongs to another user, and the new file would not; remove it or choose another name");
   FileBuffer buffer(temporary.descriptor());
   std::ostream out(&buffer);
   auto written = write(out);
@@ -282,6 +309,20 @@ Result<std::uintmax_t> size_of_file(const fs::path& path) {
   if (!opened) return fail(opened.error());
   ::close(*opened);
   return static_cast<std::uintmax_t>(now.st_size);
+}
+
+Result<ResultFolder> ResultFolder::make(const fs::path& folder) {
+  ResultFolder made;
+  std::error_code error;
+  for (fs::path missing = folder; !missing.empty() && !fs::exists(missing, error); missing = missing.parent_path())
+    made.made_.push_back(missing);
+  fs::create_directories(folder, error);
+  if (error) return fail(folder.string(), "cannot be made a folder (" + error.message() + "); choose another place");
+  return made;
+}
+
+ResultFolder::~ResultFolder() {
+  for (const fs::path& folder : made_) ::rmdir(folder.c_str());  // which refuses while there is something in it
 }
 
 Result<void> make_private_folder(const fs::path& folder) {

@@ -6,6 +6,7 @@
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/result.h"
 
@@ -18,7 +19,9 @@ enum class Readers { as_usual, user_alone };
 /// `write` fills a temporary file that belongs to this call alone and lies beside PATH; it is checked, synced and
 /// renamed. Nothing is left behind on failure (full disk, unwritable folder, `write` returning an error). A file that
 /// is replaced hands on its rights and its owner, so that a private one stays private; `readers` is for new ones.
-/// Where PATH is a link, what it leads to is written. Errors: PATH is a folder, a device or a pipe; the system refuses.
+/// Where PATH is a link, what it leads to is written. Errors: PATH is a folder, a device or a pipe, write-protected
+/// (for root too, where nobody has the right to write), a link that leads nowhere, the file of somebody to whom the
+/// system does not let the new one be given; the system refuses.
 Result<void> write_whole_file(const std::filesystem::path& path,
                               const std::function<Result<void>(std::ostream&)>& write,
                               Readers readers = Readers::as_usual);
@@ -33,6 +36,21 @@ Result<std::string> read_whole_file(const std::filesystem::path& path,
 
 /// The size of a file in bytes. Errors: those of read_whole_file.
 Result<std::uintmax_t> size_of_file(const std::filesystem::path& path);
+
+/// A folder for the results of one run. Those folders that it made and that are still empty at its end are removed
+/// again, so that a run that fails leaves none.
+class ResultFolder {
+ public:
+  /// Makes the folder where there is none, and those above it. Errors: the system refuses.
+  static Result<ResultFolder> make(const std::filesystem::path& folder);
+  ~ResultFolder();
+  ResultFolder(ResultFolder&&) = default;
+  ResultFolder& operator=(ResultFolder&&) = delete;
+
+ private:
+  ResultFolder() = default;
+  std::vector<std::filesystem::path> made_;  ///< the deepest first
+};
 
 /// Makes a folder where there is none, and those above it; new ones can be entered by the user alone.
 Result<void> make_private_folder(const std::filesystem::path& folder);

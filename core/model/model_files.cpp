@@ -12,13 +12,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Result<void> make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return fail(folder.string(), "cannot be made a folder (" + error.message() + "); choose another place");
-  return {};
-}
-
 template <class Values>
 void append_row(const Values& values, std::string& text) {
   for (Eigen::Index k = 0; k < values.size(); ++k) {
@@ -80,7 +73,8 @@ std::vector<std::string> shape_names(const std::vector<std::string>& files) {
 
 Result<void> write_model_tables(const PrincipalComponents& components, const std::vector<std::string>& names,
                                 const fs::path& folder) {
-  if (auto made = make_folder(folder); !made) return made;
+  const auto made = ResultFolder::make(folder);
+  if (!made) return fail(made.error());
   if (auto done = write_whole_file(folder / "mean.csv", mean_table(components)); !done) return done;
   if (auto done = write_whole_file(folder / "variances.csv", variance_table(components)); !done) return done;
   return write_whole_file(folder / "scores.csv", score_table(components, names));
@@ -89,7 +83,8 @@ Result<void> write_model_tables(const PrincipalComponents& components, const std
 Result<void> write_aligned_shapes(const PrincipalComponents& components,
                                   const std::shared_ptr<const Topology>& topology,
                                   const std::vector<std::string>& names, const fs::path& folder) {
-  if (auto made = make_folder(folder); !made) return made;
+  const auto made = ResultFolder::make(folder);
+  if (!made) return fail(made.error());
   MeshFile file;
   if (topology) file.triangles = topology->triangles();
   for (Eigen::Index i = 0; i < components.shapes(); ++i) {

@@ -1,5 +1,6 @@
 #include "core/model/repair.h"
 
+#include "core/base/files.h"
 #include "core/base/text.h"
 #include "core/case/case_file.h"
 
@@ -19,10 +20,9 @@ Result<fs::path> make_repair_case(const MeshFile& shape, const std::shared_ptr<c
     }
     imported.triangles = faces->triangles();
   }
+  const auto made = ResultFolder::make(folder);
+  if (!made) return fail(made.error());
   std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    return fail(folder.string(), "cannot be made a folder (" + error.message() + "); save the study elsewhere");
   std::string stem = name;
   for (int number = 2; fs::exists(folder / (stem + ".homolog"), error); ++number)
     stem = name + "-" + std::to_string(number);

@@ -150,9 +150,8 @@ Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sou
 
 Result<void> write_shapes(const std::vector<NamedShape>& shapes, const std::string& extension, const fs::path& folder,
                           Progress* progress) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return fail(folder.string(), "cannot be made a folder (" + error.message() + "); choose another place");
+  const auto made = ResultFolder::make(folder);
+  if (!made) return fail(made.error());
   double done = 0;
   for (const NamedShape& shape : shapes) {
     if (progress != nullptr) {

@@ -1,7 +1,6 @@
 #include "core/phantom/phantom_files.h"
 
-#include <system_error>
-
+#include "core/base/files.h"
 #include "core/mesh/landmark_io.h"
 #include "core/volume/volume_io.h"
 
@@ -9,9 +8,8 @@ namespace homolog {
 namespace fs = std::filesystem;
 
 Result<std::vector<fs::path>> write_phantom(Organ organ, int number, const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return fail(folder.string(), "cannot be made (" + error.message() + "); choose another folder");
+  const auto made = ResultFolder::make(folder);
+  if (!made) return fail(made.error());
 
   const PhantomSubject subject = make_phantom(organ, number);
   const std::string stem = std::string(organ_name(organ)) + "-" + std::to_string(number);

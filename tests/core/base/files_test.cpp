@@ -191,6 +191,71 @@ TEST_CASE("unsaved cases are the user's alone and a pipe among them stops nothin
   ::unsetenv("XDG_STATE_HOME");
 }
 
+TEST_CASE("a write-protected file is kept and root is told too") {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "atlas.ply";
+  write_bytes(file, "the old one");
+  fs::create_symlink("atlas.ply", folder.path / "link.ply");
+  REQUIRE(::chmod(file.c_str(), 0444) == 0);
+  for (const char* name : {"atlas.ply", "link.ply"})
+    CHECK(says(write_whole_file(folder.path / name, "new"), "atlas.ply: is write-protected; change its permissions"));
+  CHECK(read_whole_file(file).value() == "the old one");
+  CHECK(entries(folder.path) == 2);
+  REQUIRE(::chmod(file.c_str(), 0644) == 0);
+  CHECK(write_whole_file(file, "new"));
+}
+
+TEST_CASE("a link that leads nowhere is not replaced") {
+  const TemporaryFolder folder;
+  fs::create_symlink("absent.ply", folder.path / "dangling.ply");
+  fs::create_symlink("loop.ply", folder.path / "loop.ply");
+  CHECK(says(write_whole_file(folder.path / "dangling.ply", "x"), "is a link to absent.ply, which does not exist"));
+  CHECK(says(write_whole_file(folder.path / "loop.ply", "x"), "is a link that leads back to itself"));
+  for (const char* name : {"dangling.ply", "loop.ply"}) CHECK(fs::is_symlink(folder.path / name));
+  CHECK(entries(folder.path) == 2);
+}
+
+TEST_CASE("a file that belongs to another user does not change hands") {
+  if (::geteuid() != 0) {
+    MESSAGE("not tested: only root can make a file of another user");
+    return;
+  }
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "shared.ply";
+  write_bytes(file, "theirs");
+  REQUIRE(::chmod(folder.path.c_str(), 0777) == 0);
+  REQUIRE(::chmod(file.c_str(), 0666) == 0);
+  const auto owner = [&] {
+    struct stat now {};
+    REQUIRE(::stat(file.c_str(), &now) == 0);
+    return now.st_uid;
+  };
+  REQUIRE(::seteuid(65534) == 0);
+  const auto refused = write_whole_file(file, "ours");
+  REQUIRE(::seteuid(0) == 0);
+  CHECK(says(refused, "belongs to another user"));
+  CHECK(read_whole_file(file).value() == "theirs");
+  CHECK(entries(folder.path) == 1);
+  REQUIRE(::chown(file.c_str(), 65534, static_cast<gid_t>(-1)) == 0);
+  REQUIRE(write_whole_file(file, "by root"));
+  CHECK(owner() == 65534);
+}
+
+TEST_CASE("a folder for results goes again where nothing was put into it") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path / "old");
+  {
+    const auto a = ResultFolder::make(folder.path / "new/a"), b = ResultFolder::make(folder.path / "new/b/"),
+               old = ResultFolder::make(folder.path / "old");
+    REQUIRE((a && b && old));
+    write_bytes(folder.path / "new/b/file.txt", "result");
+  }
+  CHECK_FALSE(fs::exists(folder.path / "new/a"));
+  CHECK(fs::exists(folder.path / "new/b/file.txt"));
+  CHECK(fs::exists(folder.path / "old"));
+  CHECK(says(ResultFolder::make(folder.path / "new/b/file.txt/c"), "cannot be made a folder"));
+}
+
 TEST_CASE("what cannot be read is not called absent") {
   const TemporaryFolder folder;
   fs::create_symlink("loop", folder.path / "loop");

@@ -35,6 +35,7 @@ std::string MeshFaults::words() const {
     if (count > 0) parts.push_back(count == 1 ? "one " + one : std::to_string(count) + " " + many);
   };
   add(intersections, "pair of faces that cut each other", "pairs of faces that cut each other");
+  if (!all_intersections && !parts.empty()) parts.front() = "at least " + parts.front();
   add(turned, "face that is turned over", "faces that are turned over");
   add(flat, "face with an angle below 1°", "faces with an angle below 1°");
   std::string words;
@@ -45,7 +46,9 @@ std::string MeshFaults::words() const {
 
 MeshFaults mesh_faults(const Mesh& mesh) {
   MeshFaults faults;
-  faults.intersections = self_intersections(mesh).size();
+  const SelfIntersections intersections = find_self_intersections(mesh);
+  faults.intersections = intersections.pairs.size();
+  faults.all_intersections = intersections.all;
   faults.turned = turned_faces(mesh);
   for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f)
     faults.flat += smallest_angle_deg(mesh, f) < flat_deg;

@@ -12,6 +12,7 @@ struct MeshFaults {
   std::size_t turned = 0;         ///< faces that look against all faces around them
   std::size_t flat = 0;           ///< faces with an angle below 1°
   int tunnels = 0;                ///< genus
+  bool all_intersections = true;  ///< false: at least so many; see SelfIntersections
 
   /// Whether meshes fitted with such a template must have faults too.
   bool any() const { return intersections + turned + flat > 0; }

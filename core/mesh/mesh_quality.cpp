@@ -73,7 +73,9 @@ MeshQuality mesh_quality(const Mesh& mesh) {
     quality.valence_max = std::max(quality.valence_max, valence);
     if (valence == 6) quality.regular_share += 1.0 / static_cast<double>(vertices);
   }
-  quality.self_intersections = self_intersections(mesh).size();
+  const SelfIntersections intersections = find_self_intersections(mesh);
+  quality.self_intersections = intersections.pairs.size();
+  quality.all_intersections = intersections.all;
   quality.volume_ml = enclosed_volume_ml(mesh);
   return quality;
 }

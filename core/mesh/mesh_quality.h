@@ -15,6 +15,7 @@ struct MeshQuality {
   int valence_min = 0, valence_max = 0;
   double regular_share = 0;            ///< of the vertices: those with six neighbours
   std::size_t self_intersections = 0;  ///< pairs of faces
+  bool all_intersections = true;       ///< false: at least so many; see SelfIntersections
   double volume_ml = 0;                ///< enclosed volume, boundary loops capped flat
   double area_mm2 = 0;
 };
@@ -27,7 +28,20 @@ Vec3 area_normal(const Mesh& mesh, Eigen::Index face);
 /// The smallest of a face's three angles.
 double smallest_angle_deg(const Mesh& mesh, Eigen::Index face);
 
+/// The search for pairs ends here: more tell nobody more.
+inline constexpr std::size_t most_intersections = 100'000;
+
 /// Pairs of faces that share no vertex and intersect, or that share a vertex (or an edge) and intersect beyond it.
+struct SelfIntersections {
+  std::vector<std::array<std::int32_t, 2>> pairs;  ///< each pair and all of them in rising order
+  bool all = true;                                 ///< false: the search ended early; see find_self_intersections
+};
+
+/// Ends early where there are more than `most_intersections`, or where so many faces lie about one another that looking
+/// at all pairs would take long.
+SelfIntersections find_self_intersections(const Mesh& mesh);
+
+/// The pairs alone.
 std::vector<std::array<std::int32_t, 2>> self_intersections(const Mesh& mesh);
 
 /// Unit area-weighted vertex normals, n×3, pointing outward; zero at a vertex whose faces are all degenerate.

@@ -9,6 +9,10 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
+// How many neighbours are looked at: a sound mesh has about 25 a face. More have meshes of long needles or of copies of
+// one surface, where looking at all would take time with the square of the faces.
+constexpr std::size_t least_looks = 4'000'000, looks_per_face = 100;
+
 /// Whether a segment meets a triangle whose plane does not hold the whole segment; touching counts.
 bool crosses(const Vec3& p, const Vec3& q, const Corners& t) {
   const int at_p = orientation(t[0], t[1], t[2], p), at_q = orientation(t[0], t[1], t[2], q);
@@ -126,15 +130,28 @@ class Faces {
 
 }  // namespace
 
-std::vector<std::array<std::int32_t, 2>> self_intersections(const Mesh& mesh) {
+SelfIntersections find_self_intersections(const Mesh& mesh) {
   const SurfaceSearch search(mesh);
   const Faces faces(mesh);
-  std::vector<std::array<std::int32_t, 2>> pairs;
-  for (std::int32_t f = 0; f < mesh.topology->triangles().rows(); ++f)
-    for (const std::int32_t g : search.faces_near(faces.box(f)))
-      if (g > f && faces.intersect(f, g)) pairs.push_back({f, g});
-  std::sort(pairs.begin(), pairs.end());
-  return pairs;
+  const auto count = static_cast<std::int32_t>(mesh.topology->triangles().rows());
+  std::size_t looks = least_looks + looks_per_face * static_cast<std::size_t>(count);
+  SelfIntersections found;
+  for (std::int32_t f = 0; f < count && found.all; ++f) {
+    const auto near = search.faces_near(faces.box(f));
+    found.all = near.size() <= looks;
+    looks -= std::min(looks, near.size());
+    for (auto g = near.begin(); g != near.end() && found.all; ++g) {
+      if (*g <= f || !faces.intersect(f, *g)) continue;
+      found.all = found.pairs.size() < most_intersections;
+      if (found.all) found.pairs.push_back({f, *g});
+    }
+  }
+  std::sort(found.pairs.begin(), found.pairs.end());
+  return found;
+}
+
+std::vector<std::array<std::int32_t, 2>> self_intersections(const Mesh& mesh) {
+  return find_self_intersections(mesh).pairs;
 }
 
 }  // namespace homolog

@@ -106,8 +106,8 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   figure(theme, "Turned triangles", format("%zu", q.turned),
          "Triangles whose normal is more than 90° from the template's, turned along with the surface around them",
          q.turned > 0 ? palette::bad : palette::good);
-  figure(theme, "Intersecting pairs", format("%zu", q.intersecting), "Pairs of triangles that pass through each other",
-         q.intersecting > 0 ? palette::bad : palette::good);
+  figure(theme, "Intersecting pairs", format("%zu%s", q.intersecting, q.all_intersecting ? "" : "+"),
+         "Pairs of triangles that pass through each other", q.intersecting > 0 ? palette::bad : palette::good);
   draw_refinement(ui, out);
 }
 

@@ -133,7 +133,7 @@ void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality
          "In a triangle of equal sides it is 60\xc2\xb0", quality.min_angle_deg < 20 ? palette::amber : palette::text);
   figure(theme, "Six neighbours", format("%.0f %%", 100 * quality.regular_share),
          "Share of the vertices that have six neighbours");
-  figure(theme, "Self-intersections", format("%zu", quality.self_intersections),
+  figure(theme, "Self-intersections", format("%zu%s", quality.self_intersections, quality.all_intersections ? "" : "+"),
          "Pairs of triangles that pass through each other",
          quality.self_intersections > 0 ? palette::amber : palette::text);
 }

@@ -41,6 +41,7 @@ QualityFigures quality_figures(const Document& document) {
   figures.regular_share = quality.regular_share;
   figures.min_angle_deg = quality.min_angle_deg;
   figures.intersecting = quality.self_intersections;
+  figures.all_intersecting = quality.all_intersections;
   figures.volume_ml = quality.volume_ml;
   figures.turned = turned_triangles(topology, placed, p).size();
   return figures;

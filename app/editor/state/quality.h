@@ -17,6 +17,7 @@ struct QualityFigures {
   double min_angle_deg = 0;
   std::size_t turned = 0;        ///< triangles over 90° from their reference normal, carried by the local rotations
   std::size_t intersecting = 0;  ///< pairs of faces
+  bool all_intersecting = true;  ///< false: at least so many
   double moved_mean_mm = 0, moved_max_mm = 0;
   double volume_ml = 0;
   bool operator==(const QualityFigures&) const = default;

@@ -26,6 +26,18 @@ Mesh moved_apart_pair(const Mesh& mesh, const Vec3& shift) {
   return pair;
 }
 
+/// The same surface many times at one place.
+Mesh copies_of(const Mesh& mesh, int times) {
+  const auto n = static_cast<std::int32_t>(mesh.points.rows());
+  const Triangles& faces = mesh.topology->triangles();
+  Mesh copies;
+  copies.points = mesh.points.replicate(times, 1);
+  Triangles triangles(times * faces.rows(), 3);
+  for (int k = 0; k < times; ++k) triangles.middleRows(k * faces.rows(), faces.rows()) = faces.array() + k * n;
+  copies.topology = Topology::make(copies.points.rows(), std::move(triangles)).value();
+  return copies;
+}
+
 }  // namespace
 
 TEST_CASE("orientation is exact where rounding would lose the sign") {
@@ -151,6 +163,34 @@ TEST_CASE("a spike pushed through the far side is found") {
   const auto pairs = self_intersections(sphere);
   CHECK(pairs.size() >= 6);
   for (const auto& [f, g] : pairs) CHECK(f < g);
+}
+
+TEST_CASE("copies of one surface at one place are compared up to a limit and not further") {
+  const Mesh copies = copies_of(shapes::tetrahedron(10), 300);
+  const SelfIntersections found = find_self_intersections(copies);
+  CHECK(found.pairs.size() == most_intersections);
+  CHECK_FALSE(found.all);
+  CHECK(std::is_sorted(found.pairs.begin(), found.pairs.end()));
+  CHECK_FALSE(mesh_quality(copies).all_intersections);
+  CHECK(mesh_faults(copies).words().starts_with("at least 100000 pairs of faces that cut each other"));
+  const SelfIntersections few = find_self_intersections(copies_of(shapes::tetrahedron(10), 20));
+  CHECK(few.pairs.size() == 80 * 79 / 2 - 20 * 6);
+  CHECK(few.all);
+}
+
+TEST_CASE("needles whose boxes all overlap do not take time with the square of their number") {
+  constexpr int needles = 4000;
+  std::vector<Vec3> points;
+  std::vector<std::array<std::int32_t, 3>> faces;
+  for (int k = 0; k < needles; ++k) {
+    const Vec3 shift(0, 0, 1e-3 * k);  // parallel, so that none cuts another
+    for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(100, 100, 100), Vec3(100, 100.1, 100)})
+      points.push_back(corner + shift);
+    faces.push_back({3 * k, 3 * k + 1, 3 * k + 2});
+  }
+  const SelfIntersections found = find_self_intersections(shapes::make_mesh(points, faces));
+  CHECK(found.pairs.empty());
+  CHECK_FALSE(found.all);
 }
 
 TEST_CASE("mirroring twice changes nothing and once keeps faces outward and the numbering") {

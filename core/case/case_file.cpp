@@ -1,6 +1,7 @@
 #include "core/case/case_file.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/base/json.h"
@@ -16,8 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+/// What is wrong with a line, and a remedy where the error names none.
 Error in_line(const fs::path& path, std::size_t number, const Error& error) {
-  return {path.string(), "line " + std::to_string(number) + ": " + error.sentence()};
+  const std::string sentence = error.sentence();
+  const bool has_remedy = sentence.find("; ") != std::string::npos || sentence.ends_with('.');
+  const char* remedy = has_remedy ? "" : "; correct that line or take it out";
+  return {path.string(), "line " + std::to_string(number) + ": " + sentence + remedy};
 }
 
 /// A case file, looked through once.
@@ -66,7 +71,8 @@ Result<Scan> looked_through(const LineFile& file, Progress* progress) {
   if (!line) return fail(line.error());
   scan.torn = is_torn(*line, last_ended);
   if (scan.begin == 0 || (scan.torn && scan.lines.empty()))
-    return fail(file.path().string(), "is not a Homolog case: it is empty or its first line is torn");
+    return fail(file.path().string(),
+                "is not a Homolog case: it is empty or its first line is torn; take a copy of it from before");
   if (scan.torn) {
     scan.whole_bytes = last;
     scan.check = scan.lines.back().check;
@@ -151,9 +157,28 @@ Result<void> play(EditSession& session, const Scan& scan, std::size_t from, cons
   return {};
 }
 
+/// Finds, before the image is read, which may take long, the lines that certainly cannot be played: those of no known
+/// kind, and short ones behind the last checkpoint whose values are wrong.
+Result<void> check_lines(const LineFile& file, const Scan& scan) {
+  constexpr std::size_t short_bytes = 1024;
+  bool checkpoint_behind = false;
+  std::optional<Error> first;
+  for (std::size_t k = scan.lines.size(); k-- > 0;) {
+    const Scan::Line& line = scan.lines[k];
+    checkpoint_behind = checkpoint_behind || line.kind.kind == LineKind::checkpoint;
+    const bool is_played = !checkpoint_behind && line.kind.kind != LineKind::empty;
+    if (line.kind.kind != LineKind::unknown && !(is_played && line.place.bytes <= short_bytes)) continue;
+    const auto text = file.read(scan.begin + line.place.at, line.place.bytes);
+    if (!text) return fail(text.error());
+    if (auto step = parse_action(*text); !step) first = in_line(file.path(), k + 2, step.error());
+  }
+  return first ? Result<void>(fail(std::move(*first))) : Result<void>();
+}
+
 Result<CaseRead> read_lines(const std::shared_ptr<const LineFile>& file, const ReplayOptions& options) {
   const auto scan = looked_through(*file, options.progress);
   if (!scan) return fail(scan.error());
+  if (auto checked = check_lines(*file, *scan); !checked) return fail(checked.error());
   std::vector<std::string> warnings;
   if (scan->torn) {
     warnings.push_back(

@@ -44,7 +44,7 @@ Result<void> check(const Json& header, const char* key, const Value& loaded, con
   try {
     expected = header.at(key).get<Value>();
   } catch (const Json::exception&) {
-    return fail("", std::string("line 1: \"") + key + "\" is of the wrong kind");
+    return fail("", std::string("line 1: \"") + key + "\" is of the wrong kind; correct it in a text editor");
   }
   if (expected == loaded) return {};
   const Json both = {expected, loaded};
@@ -83,7 +83,8 @@ Result<void> check_grid(const Json& header, const Volume& volume, const std::str
                         (is.empty() ? "" : is + " ") + "(geometry " + here +
                         "); open it together with its own image, or start a new case");
   } catch (const Json::exception&) {
-    return fail("", "line 1: \"geometry\", \"voxels\" or \"spacing_mm\" is of the wrong kind");
+    return fail("",
+                "line 1: \"geometry\", \"voxels\" or \"spacing_mm\" is of the wrong kind; correct it in a text editor");
   }
 }
 
@@ -92,10 +93,11 @@ Result<void> check_grid(const Json& header, const Volume& volume, const std::str
 Result<Document> read_header(const Json& header, const fs::path& folder, const std::string& volume_now,
                              Progress* progress, std::vector<std::string>& warnings) {
   if (!header.is_object() || !header.contains("homolog")) {
-    return fail("", "is not a Homolog case: its first line is no header");
+    return fail("", "is not a Homolog case: its first line is no header; open a .homolog file that Homolog wrote");
   }
   if (header["homolog"] != format_version) {
-    return fail("", "is of case format " + excerpt(header["homolog"].dump()) + "; this Homolog reads format 1");
+    return fail("", "is of case format " + excerpt(header["homolog"].dump()) +
+                        "; this Homolog reads format 1, so open it with a newer one");
   }
   std::shared_ptr<const Volume> volume;
   std::string volume_source, template_source;
@@ -110,7 +112,7 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const s
           Vec3((*spacing)[0].get<double>(), (*spacing)[1].get<double>(), (*spacing)[2].get<double>());
     }
   } catch (const Json::exception&) {
-    return fail("", "line 1: a value is of the wrong kind");
+    return fail("", "line 1: a value is of the wrong kind; correct it in a text editor");
   }
   if (!volume_source.empty()) {
     std::error_code ignored;

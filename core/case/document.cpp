@@ -1,8 +1,10 @@
 #include "core/case/document.h"
 
 #include <charconv>
+#include <limits>
 #include <string_view>
 
+#include "core/base/text.h"
 #include "core/phantom/phantom.h"
 
 namespace homolog {
@@ -85,9 +87,13 @@ Result<VolumeRead> load_volume(const std::string& source, const VolumeReadOption
   if (!organ) return fail(organ.error());
   int number = 0;
   const char* end = rest.data() + rest.size();
-  const bool numbered =
-      colon != std::string::npos && std::from_chars(rest.data() + colon + 1, end, number).ptr == end && number >= 0;
-  if (!numbered) return fail(source, "needs a subject number, for instance phantom:kidney:1");
+  const auto numbered = [&] {
+    const auto [stop, error] = std::from_chars(rest.data() + colon + 1, end, number);
+    return error == std::errc() && stop == end && number >= 0;
+  };
+  if (colon == std::string::npos || !numbered())
+    return fail(excerpt(source), "needs a subject number from 0 to " + std::to_string(std::numeric_limits<int>::max()) +
+                                     ", for instance phantom:kidney:1");
   VolumeRead read;
   read.volume = make_phantom(*organ, number).image;
   return read;

@@ -28,7 +28,7 @@ Result<std::shared_ptr<const LineFile>> LineFile::open(const std::filesystem::pa
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
     return fail(path.string(), S_ISDIR(status.st_mode)
-                                   ? "is a folder, not a file"
+                                   ? "is a folder, not a file; give the name of a file in it"
                                    : "is a device or a pipe, not a file; copy what it gives into a file");
   return file;
 }
@@ -41,7 +41,8 @@ Result<std::size_t> LineFile::read_some(char* into, std::size_t most, std::uint6
   for (;;) {
     const ssize_t got = ::pread(descriptor_, into, most, static_cast<off_t>(at));
     if (got >= 0) return static_cast<std::size_t>(got);
-    if (errno != EINTR) return fail(path_.string(), std::string("cannot be read (") + std::strerror(errno) + ")");
+    if (errno != EINTR)
+      return fail(path_.string(), std::string("cannot be read (") + std::strerror(errno) + "); check the disk");
   }
 }
 
@@ -62,7 +63,8 @@ Result<void> LineFile::for_each_line(const Visit& visit) const {
   std::uint64_t at = 0;                  // where that is in the file
   for (;;) {
     if (filled == buffer.size()) {
-      if (buffer.size() >= longest_line) return fail(path_.string(), "has a line above 1 GiB, so it is no case");
+      if (buffer.size() >= longest_line)
+        return fail(path_.string(), "has a line above 1 GiB, so it is no case; check the name");
       buffer.resize(2 * buffer.size());
     }
     const auto got = read_some(buffer.data() + filled, buffer.size() - filled, at + filled);

@@ -127,6 +127,37 @@ TEST_CASE("lines that are no action are errors that name the line") {
   }
 }
 
+TEST_CASE("a line that cannot be played is said before the image is looked for") {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "a.homolog";
+  for (const std::string bad : {R"(nonsense)", R"({"wobble":1})", R"({"tool":"pull","at":[0,0]})"}) {
+    std::ofstream(file) << R"({"homolog":1,"volume":"absent.nii","template":"built-in:kidney"})"
+                        << "\n"
+                        << bad << "\n"
+                        << R"({"note":"fine"})"
+                        << "\n";
+    CHECK(says(read_case(file), "a.homolog: line 2: "));
+    CHECK(says(read_case(file), "; "));  // and a remedy
+  }
+  std::ofstream(file) << R"({"homolog":1})"
+                      << "\n"
+                      << std::string(70, '[') << "\n{}\n";
+  CHECK(says(read_case(file), "levels deep, which no file of this kind does; correct that line or take it out"));
+  std::ofstream(file) << R"({"wobble":1})"
+                      << "\n";
+  CHECK(says(read_case(file), "its first line is no header; open a .homolog file"));
+}
+
+TEST_CASE("a phantom's number that is too large or negative is refused with those allowed") {
+  const TemporaryFolder folder;
+  for (const char* number : {"99999999999999999999", "2147483648", "-1", "1x", ""}) {
+    std::ofstream(folder.path / "a.homolog")
+        << R"({"homolog":1,"volume":"phantom:kidney:)" << number << R"(","template":"built-in:kidney"})"
+        << "\n";
+    CHECK(says(read_case(folder.path / "a.homolog"), "needs a subject number from 0 to 2147483647"));
+  }
+}
+
 TEST_CASE("unknown keys are no error and stay in the file") {
   const CaseFolder folder;
   { const EditSession session = folder.create(); }

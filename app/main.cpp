@@ -1,5 +1,7 @@
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -72,6 +74,13 @@ void print_lines(const Json& values, const std::string& indent = "") {
   }
 }
 
+/// Whether what was printed arrived; otherwise a line is printed where errors go.
+bool shown() {
+  if (std::cout.flush()) return true;
+  std::cerr << "homolog: standard output: cannot be written; free some space or choose another place\n";
+  return false;
+}
+
 int run_verb(const VerbRun& run, bool json) {
   std::signal(SIGINT, on_interrupt);
   Result<Report> report = [&]() -> Result<Report> {
@@ -96,15 +105,30 @@ int run_verb(const VerbRun& run, bool json) {
   } else {
     print_lines(report->values);
   }
-  if (std::cout.flush()) return succeeded;
-  std::cerr << "homolog: standard output: cannot be written; free some space or choose another place\n";
-  return refused;
+  return shown() ? succeeded : refused;
 }
 
-/// Every option that takes a number refuses what is none, and a sign where there can be none.
-void check_numbers(CLI::App& app) {
+/// Whether a whole number fits into 64 bits; the library takes the largest number for all above.
+bool fits(const std::string& text, bool is_signed) {
+  errno = 0;
+  if (is_signed)
+    (void)std::strtoll(text.c_str(), nullptr, 0);
+  else
+    (void)std::strtoull(text.c_str(), nullptr, 0);
+  return errno != ERANGE;
+}
+
+/// Every option that takes a number refuses what is none, what is too large and a sign where there can be none; every
+/// one that takes a name refuses an empty one. An empty series or group is none.
+void check_values(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     const std::string type = option->get_type_name();
+    if (type.starts_with("TEXT") && !option->check_lname("series") && !option->check_lname("group"))
+      option->check([is_file = option->get_positional()](const std::string& text) {
+        return std::string(!text.empty() ? ""
+                           : is_file     ? "is empty; give a file name"
+                                         : "is empty; give a name or leave it out");
+      });
     if (type.starts_with("FLOAT"))
       option->check([](const std::string& text) {
         double number = 0;
@@ -113,10 +137,16 @@ void check_numbers(CLI::App& app) {
       });
     if (type.starts_with("UINT"))
       option->check([](const std::string& text) {
-        return text.starts_with('-') ? text + " is negative; use 0 or more" : std::string();
+        return text.starts_with('-') ? text + " is negative; use 0 or more"
+               : fits(text, false)   ? std::string()
+                                     : text + " is too large; use 0 to 18446744073709551615";
+      });
+    if (type.starts_with("INT"))
+      option->check([](const std::string& text) {
+        return fits(text, true) ? std::string() : text + " is too large; use a smaller number";
       });
   }
-  for (CLI::App* verb : app.get_subcommands({})) check_numbers(*verb);
+  for (CLI::App* verb : app.get_subcommands({})) check_values(*verb);
 }
 
 /// To what --jobs says or, without it, HOMOLOG_THREADS. False, and a line is printed, where that is no such number.
@@ -161,12 +191,13 @@ int run_main(int argc, char** argv) {
   add_editor_options(app);
   add_editor_options(*app.add_subcommand("edit", "The editor on these files"));
 
-  check_numbers(app);
+  check_values(app);
 
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {
-    return app.exit(help_or_version);
+    const int status = app.exit(help_or_version);
+    return shown() ? status : refused;
   } catch (const CLI::Error& error) {
     std::cerr << "homolog: " << printable(error.what()) << "; see homolog --help\n";
     return wrong_command_line;
@@ -179,11 +210,21 @@ int run_main(int argc, char** argv) {
   return run_verb(run, json != nullptr && json->count() > 0);
 }
 
+/// A file that the program opens must not get the number of a standard stream that is closed, or what is printed would
+/// be written into it. The descriptor taken in its place cannot be written to, so that printing fails as it should.
+void hold_standard_streams() {
+  int taken = 0;
+  do taken = ::open("/dev/null", O_RDONLY);
+  while (taken >= 0 && taken <= STDERR_FILENO);
+  if (taken > STDERR_FILENO) ::close(taken);
+}
+
 }  // namespace
 
 }  // namespace homolog
 
 int main(int argc, char** argv) {
+  homolog::hold_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing, which is told
   return homolog::run_main(argc, argv);
 }

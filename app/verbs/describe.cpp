@@ -49,7 +49,20 @@ Result<Report> describe_model(const std::filesystem::path& path) {
                 {}};
 }
 
+/// Points alone do not show that some are missing.
+std::string cut_off(const MeshFile& file) {
+  return "ends without a line break after " + std::to_string(file.points.rows()) +
+         " points, so it may have been cut off; add a line break at its end if it is whole, or copy it again";
+}
+
 }  // namespace
+
+std::vector<std::string> about(const std::filesystem::path& path, std::vector<std::string> warnings) {
+  const std::string subject = path.string() + ": ";
+  for (std::string& warning : warnings)
+    if (!warning.starts_with(subject)) warning.insert(0, subject);
+  return warnings;
+}
 
 Json json_of(const Vec3& p) {
   return Json::array({p[0], p[1], p[2]});
@@ -76,14 +89,16 @@ Json describe(const Mesh& mesh) {
       {"min_angle_deg", quality.min_angle_deg},
       {"valence", {{"min", quality.valence_min}, {"max", quality.valence_max}, {"six", quality.regular_share}}},
       {"self_intersections", quality.self_intersections},
+      {"self_intersections_all", quality.all_intersections},
       {"area_mm2", quality.area_mm2},
       {"volume_ml", quality.volume_ml}};
 }
 
 Result<Report> describe(const MeshFile& file, const std::filesystem::path& path) {
   Report report;
-  report.warnings = file.warnings;
+  report.warnings = about(path, file.warnings);
   if (file.triangles.rows() == 0) {
+    if (file.may_be_cut) return fail(path.string(), cut_off(file));
     const Box box = bounds_of(file.points);
     report.values = {{"kind", "particles"},
                      {"vertices", file.points.rows()},
@@ -93,6 +108,11 @@ Result<Report> describe(const MeshFile& file, const std::filesystem::path& path)
   auto topology = Topology::make(file.points.rows(), file.triangles);
   if (!topology) return fail(path.string(), topology.error().what);
   report.values = describe(Mesh{*topology, file.points});
+  if (report.values["self_intersections_all"] == false)
+    report.warnings.push_back(
+        path.string() +
+        ": so many of its faces cut or surround each other that not all were compared; the count of "
+        "self_intersections is only a part; remove what is there twice");
   if (file.stiffness || !file.landmarks.empty()) report.values["kind"] = "template";
   if (file.stiffness) {
     report.values["stiffness"] = {{"base", file.stiffness_base},

@@ -17,6 +17,9 @@ Result<Report> describe(const MeshFile& file, const std::filesystem::path& path)
 /// Reads and describes whatever the file is. Errors: the reader's.
 Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options);
 
+/// Warnings that each begin with the name of the file they are about.
+std::vector<std::string> about(const std::filesystem::path& path, std::vector<std::string> warnings);
+
 Json json_of(const Vec3& p);
 /// {mean, p95, max}
 Json json_of(const SurfaceDistance& distance);

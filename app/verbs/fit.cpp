@@ -26,6 +26,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr double one_place_mm = 1e-3;  ///< landmarks nearer to each other were placed by mistake
+
 struct Options {
   std::string template_source, orientation = "patient";
   std::vector<fs::path> masks, meshes;
@@ -127,14 +129,40 @@ std::string quoted(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Errors: a name that the template lacks, where one case is fitted; among several it is a warning.
+/// Takes out landmarks that lie at one place with another, since nobody knows which of them is right; gives their
+/// names.
+std::vector<std::string> take_coincident(std::map<std::string, Vec3>& places) {
+  std::vector<std::string> coincident;
+  for (const auto& [name, place] : places)
+    if (std::any_of(places.begin(), places.end(), [&](const auto& other) {
+          return other.first != name && (other.second - place).norm() < one_place_mm;
+        }))
+      coincident.push_back(name);
+  for (const std::string& name : coincident) places.erase(name);
+  return coincident;
+}
+
+/// Errors, where one case is fitted: no points, names that the template lacks, several points at one place. Among
+/// several cases these are warnings.
 Result<CaseLandmarks> landmarks_of(const Options& options, const Template& reference, const fs::path& path) {
   CaseLandmarks landmarks;
   if (options.landmarks.empty()) return landmarks;
+  const bool several = options.cases().size() > 1;
   const fs::path file = landmark_file(options, path);
-  if (file.empty()) return landmarks;
+  if (file.empty()) {
+    const std::string what = "has no landmark file in " + options.landmarks.string() + " (" + case_name(path) +
+                             ".mrk.json or " + case_name(path) + ".json)";
+    if (!several) return fail(path.string(), what + "; put one there, or name the file itself");
+    landmarks.warnings.push_back(what + ", so it was fitted without");
+    return landmarks;
+  }
   const auto read = read_landmarks(file);
   if (!read) return fail(read.error());
+  if (read->empty()) {
+    if (!several) return fail(file.string(), "holds no points; place the landmarks and save it again");
+    landmarks.warnings.push_back("its landmark file holds no points, so it was fitted without");
+    return landmarks;
+  }
   std::vector<std::string> known, unknown;
   for (const Landmark& landmark : reference.landmarks) known.push_back(landmark.name);
   for (const Landmark& landmark : *read) {
@@ -143,10 +171,15 @@ Result<CaseLandmarks> landmarks_of(const Options& options, const Template& refer
     else
       landmarks.places[landmark.name] = landmark.position;
   }
+  if (const auto names = take_coincident(landmarks.places); !names.empty()) {
+    const std::string what = "has " + quoted(names) + " at one place";
+    if (!several) return fail(file.string(), what + "; place each where it belongs, or leave all but one of them out");
+    landmarks.warnings.push_back("its landmark file " + what + "; they were left out");
+  }
   if (unknown.empty()) return landmarks;
   const std::string what = "names " + quoted(unknown) + ", which the template " + options.template_source + " lacks; " +
                            (known.empty() ? "it has no landmarks" : "it has " + quoted(known));
-  if (options.cases().size() < 2) return fail(file.string(), what + "; give each its name there, or leave it out");
+  if (!several) return fail(file.string(), what + "; give each its name there, or leave it out");
   landmarks.warnings.push_back("its landmark file " + what + "; they were left out");
   return landmarks;
 }
@@ -193,7 +226,7 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
   Report report = report_of(*target, *fit, judgement, options.snap.frame, seconds);
   report.warnings = std::move(landmarks->warnings);
   report.warnings.insert(report.warnings.end(), judgement.warnings.begin(), judgement.warnings.end());
-  for (std::string& warning : report.warnings) warning = path.string() + ": " + warning;
+  report.warnings = about(path, std::move(report.warnings));
   return report;
 }
 
@@ -259,7 +292,8 @@ Result<std::vector<fs::path>> outputs_of(const Options& options) {
 Result<Report> fit_many(const Options& options, const Shared& shared, Progress& progress) {
   const auto outputs = outputs_of(options);
   if (!outputs) return fail(outputs.error());
-  fs::create_directories(options.out);
+  const auto folder = ResultFolder::make(options.out);
+  if (!folder) return fail(folder.error());
   const auto& paths = options.cases();
   const auto results = run_cases(
       paths.size(),

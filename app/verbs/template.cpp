@@ -77,7 +77,7 @@ Result<Report> from_mask(const TemplateJob& options, const Volume& mask, int lab
   making.genus = genus_rule(options.genus);
   const auto made = make_mask_template(mask, making, &progress);
   if (!made) return fail(options.in.string(), made.error().what);
-  warnings.insert(warnings.end(), made->warnings.begin(), made->warnings.end());
+  for (std::string& warning : about(options.in, made->warnings)) warnings.push_back(std::move(warning));
 
   Json tunnels = Json::array();
   for (const CutTunnel& tunnel : made->tunnels)
@@ -108,7 +108,7 @@ Result<Report> tube(const TemplateJob& options, const Volume& mask, int label, s
   if (!options.base.empty()) making.base_and_apex = {Vec3(options.base.data()), Vec3(options.apex.data())};
   const auto made = make_tube_template(mask, making);
   if (!made) return fail(options.in.string(), made.error().what);
-  warnings.insert(warnings.end(), made->warnings.begin(), made->warnings.end());
+  for (std::string& warning : about(options.in, made->warnings)) warnings.push_back(std::move(warning));
   const Json provenance = provenance_of(options.in.filename().string(), making);
   return finish(template_file(made->mesh, provenance), options.out,
                 {{"distance_to_mask_mm", json_of(made->to_mask)},
@@ -127,7 +127,7 @@ Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
   file.landmarks = surface->landmarks;
   return finish(file, options.out,
                 {{"distance_to_mesh_mm", json_of(made->to_mesh)}, {"distance_from_mesh_mm", json_of(made->from_mesh)}},
-                std::move(made->warnings));
+                about(options.in, std::move(made->warnings)));
 }
 
 Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {

@@ -176,7 +176,7 @@ class Fitting {
       if (!boundary_.shows(mesh_.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
     result.landmarks = carried_landmarks(reference_, mesh_.points);
     result.landmarks_used = static_cast<std::size_t>((trust_.array() >= trusted).count());
-    result.landmarks_place = trust_.size() >= fewest_placing_landmarks;
+    result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
     result.warnings = std::move(landmark_warnings_);
     result.mesh = std::move(mesh_);
     return result;

@@ -29,7 +29,7 @@ struct FitResult {
   std::vector<std::int32_t> unseen;  ///< vertices beyond the scan's edge, where the shape follows the template
   std::size_t turned_triangles = 0, self_intersections = 0;
   std::size_t landmarks_used = 0;     ///< of those given: that pulled on the mesh
-  bool landmarks_place = false;       ///< they had a say in the placement too: three or more
+  bool landmarks_place = false;       ///< three or more were used, so that they had a say in the placement too
   std::vector<std::string> warnings;  ///< each a sentence
 };
 

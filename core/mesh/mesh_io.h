@@ -37,6 +37,7 @@ struct MeshFile {
   std::vector<std::string> comments;  ///< every other comment line, kept as it was
   std::map<std::string, VertexScalars> arrays;  ///< further per-vertex values by name; read from PLY, not written
   std::vector<std::string> warnings;            ///< what was mended on reading, each a sentence
+  bool may_be_cut = false;                      ///< `.particles` without a line break at the end: points may be missing
 };
 
 /// Reads PLY (ASCII and both binary orders), VTK legacy (ASCII and binary), VTP, OBJ, STL or `.particles`, chosen by

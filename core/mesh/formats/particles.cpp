@@ -21,7 +21,11 @@ Result<MeshFile> read_particles(std::string_view bytes) {
     if (numbers != 3) return fail("", "holds a line that is not \"x y z\"; copy or export it again");
   }
   mesh.points = to_points(coordinates);
-  warn_if_cut(text, mesh.warnings);
+  // Nothing says how many points there were.
+  mesh.may_be_cut = text.may_be_cut();
+  if (mesh.may_be_cut)
+    mesh.warnings.push_back("ends without a line break after " + std::to_string(mesh.points.rows()) +
+                            " points and may have been cut off; compare it with its source");
   return mesh;
 }
 

@@ -84,7 +84,33 @@ TEST_CASE("fit refuses landmarks that the template lacks and says how many it us
   CHECK(cases[1]["landmarks_used"] == 1);
   CHECK(cases[2]["landmarks_used"] == 0);
   CHECK(many.errors.find("other.nii.gz: its landmark file names \"apex\"") != std::string::npos);
+  CHECK(many.errors.find("plain.nii.gz: has no landmark file in places (plain.mrk.json or plain.json)") !=
+        std::string::npos);
   CHECK(run(folder, "fit named.ply --mask good.nii.gz other.nii.gz -o out --landmarks places/good.json").status == 2);
+}
+
+TEST_CASE("fit refuses landmarks at one place and landmark files without points") {
+  const BallFolder folder;
+  MeshFile named{folder.ball.points, folder.ball.topology->triangles()};
+  named.landmarks = {{"top", {0, 0, 20}}, {"left", {20, 0, 0}}, {"back", {0, 20, 0}}};
+  REQUIRE(write_mesh_file(named, folder.path / "named.ply"));
+  fs::create_directory(folder.path / "places");
+  fs::copy(folder.path / "good.nii.gz", folder.path / "other.nii.gz");
+  std::ofstream(folder.path / "places/good.json")
+      << R"([{"id":"top","coordinates":[0,0,20]},{"id":"left","coordinates":[0,0,20.0005]},)"
+      << R"({"id":"back","coordinates":[0,20,0]}])";
+  std::ofstream(folder.path / "places/other.json") << "[]";
+  const std::string one = "fit named.ply --mask good.nii.gz -o M.ply --landmarks places/";
+  check_refused(run(folder, one + "good.json"), "places/good.json: has \"left\", \"top\" at one place; place each");
+  check_refused(run(folder, one + "other.json"), "places/other.json: holds no points; place");
+  CHECK_FALSE(fs::exists(folder.path / "M.ply"));
+  const Ran many = run(folder, "fit named.ply --mask good.nii.gz other.nii.gz -o out --landmarks places --json");
+  CHECK(many.status == 0);
+  CHECK(many.json()["cases"][0]["landmarks_used"] == 1);
+  CHECK(many.json()["cases"][0]["landmarks_place"] == false);
+  CHECK(many.errors.find("good.nii.gz: its landmark file has \"left\", \"top\" at one place; they were left out") !=
+        std::string::npos);
+  CHECK(many.errors.find("other.nii.gz: its landmark file holds no points") != std::string::npos);
 }
 
 TEST_CASE("fit says that an organ looks mirrored and does not with the template of its side") {

@@ -126,8 +126,107 @@ TEST_CASE("a case that a scripted user works on appears whole or not at all") {
 
 TEST_CASE("a demo that the disk cannot hold leaves no case") {
   const TemporaryFolder folder;
-  check_refused(run(folder, "demo --headless -o out", "ulimit -f 8; "), "cannot be written");
-  CHECK((!fs::exists(folder.path / "out") || names_in(folder.path / "out").empty()));
+  check_refused(run(folder, "demo --headless -o new/out", "ulimit -f 8; "), "cannot be written");
+  CHECK(names_in(folder.path).empty());
+}
+
+TEST_CASE("a run that fails leaves no folder") {
+  const TemporaryFolder folder;
+  put_inputs(folder.path);
+  const auto before = names_in(folder.path);
+  const std::string model = "model ball-1.ply ball-2.ply ball-3.ply -o m.h5 ";
+  for (const std::string& arguments :
+       {model + "--csv new/e", model + "--aligned new/e", std::string("phantom kidney --subject 1 -o new/d"),
+        std::string("fit ball-1.ply --mesh absent-1.ply absent-2.ply -o new/d"),
+        std::string("study schemes ball-1.ply --mesh absent.ply -o new/d")}) {
+    CAPTURE(arguments);
+    const Ran ran = run(folder, arguments, "ulimit -f 1; ");
+    INFO(ran.out);
+    CHECK(ran.status == 1);
+    CHECK(names_in(folder.path) == before);
+  }
+}
+
+TEST_CASE("copies of one surface at one place do not hang the program") {
+  const TemporaryFolder folder;
+  const Mesh one = shapes::tetrahedron(10);
+  MeshFile copies;
+  constexpr int times = 5000;
+  copies.points = one.points.replicate(times, 1);
+  copies.triangles.resize(4 * times, 3);
+  for (int k = 0; k < times; ++k) copies.triangles.middleRows(4 * k, 4) = one.topology->triangles().array() + 4 * k;
+  REQUIRE(write_mesh_file(copies, folder.path / "v.vtp"));
+  const std::string in = (folder.path / "v.vtp").string(), out = (folder.path / "o.ply").string();
+  for (const auto& arguments :
+       {std::vector<std::string>{"info", in}, {"convert", in, out}, {"template", in, "-o", out}}) {
+    CAPTURE(arguments.front());
+    const Use use = used_by(arguments, folder);
+    CHECK(use.status == (arguments.front() == "template" ? 1 : 0));  // which joins vertices at one place
+    CHECK(use.seconds < 10);                                         // 200 and more when every pair was compared
+  }
+  const Ran info = run(folder, "info v.vtp --json");
+  CHECK(info.json()["self_intersections"] == 100000);
+  CHECK(info.json()["self_intersections_all"] == false);
+  CHECK(info.errors.find("v.vtp: so many of its faces cut") != std::string::npos);
+}
+
+TEST_CASE("a write-protected file and a link that leads nowhere are no place for a result") {
+  const TemporaryFolder folder;
+  put_inputs(folder.path);
+  std::ofstream(folder.path / "atlas.ply") << "the old one";
+  REQUIRE(::chmod((folder.path / "atlas.ply").c_str(), 0444) == 0);
+  fs::create_symlink("absent.ply", folder.path / "link.ply");
+  check_refused(run(folder, "mirror ball-1.ply -o atlas.ply"), "atlas.ply: is write-protected");
+  check_refused(run(folder, "mirror ball-1.ply -o link.ply"), "link.ply: is a link to absent.ply");
+  CHECK(read_whole_file(folder.path / "atlas.ply").value() == "the old one");
+  CHECK(fs::is_symlink(folder.path / "link.ply"));
+}
+
+TEST_CASE("points that may have been cut off are refused alone and named in a training set") {
+  const TemporaryFolder folder;
+  put_inputs(folder.path);
+  for (int k = 1; k <= 3; ++k) {
+    const std::string name = "ball-" + std::to_string(k);
+    REQUIRE(
+        write_mesh_file(read_mesh_file(folder.path / (name + ".ply")).value(), folder.path / (name + ".particles")));
+  }
+  const std::string whole = read_whole_file(folder.path / "ball-3.particles").value();
+  write_bytes(folder.path / "ball-3.particles", whole.substr(0, whole.size() - 1));
+  const std::string points = std::to_string(icosphere(4, 40).points.rows()) + " points";
+  check_refused(run(folder, "info ball-3.particles"), "add a line break at its end if it is whole");
+  check_refused(run(folder, "convert ball-3.particles out.particles"),
+                "ball-3.particles: ends without a line break after " + points);
+  CHECK_FALSE(fs::exists(folder.path / "out.particles"));
+  const Ran model = run(folder, "model ball-1.particles ball-2.particles ball-3.particles -o m.h5");
+  CHECK(model.status == 0);
+  CHECK(model.errors.find("ball-3.particles: ends without a line break after " + points) != std::string::npos);
+  write_bytes(folder.path / "ball-3.particles", whole.substr(0, whole.find('\n', whole.size() / 2)));
+  check_refused(run(folder, "model ball-1.particles ball-2.particles ball-3.particles -o m.h5"), "ball-3.particles");
+}
+
+TEST_CASE("a warning names the file that it is about") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(icosphere(3, 20), folder.path / "long.ply"));
+  std::ofstream(folder.path / "long.ply", std::ios::app | std::ios::binary) << "more";
+  for (const char* arguments : {"info long.ply", "convert long.ply out.vtk", "mirror long.ply -o out.ply",
+                                "template long.ply -o out.ply --vertices 200"}) {
+    CAPTURE(arguments);
+    const Ran ran = run(folder, arguments);
+    CHECK(ran.status == 0);
+    CHECK(ran.errors.starts_with("homolog: warning: long.ply: the file holds more than its header announces"));
+  }
+  std::ofstream obj(folder.path / "two.obj");
+  for (int k = 0; k < 2; ++k) {
+    const Mesh ball = icosphere(2, 20 - 10.0 * k);
+    for (const auto p : ball.points.rowwise()) obj << "v " << p[0] + 50 * k << ' ' << p[1] << ' ' << p[2] << '\n';
+    for (const auto f : ball.topology->triangles().rowwise())
+      obj << "f " << f[0] + 1 + 162 * k << ' ' << f[1] + 1 + 162 * k << ' ' << f[2] + 1 + 162 * k << '\n';
+  }
+  obj.close();
+  const Ran two = run(folder, "template two.obj -o out.ply --vertices 200");
+  CHECK(two.errors.find("warning: two.obj: the surface has 2 parts") != std::string::npos);
+  fs::create_directory(folder.path / "d.ply");
+  check_refused(run(folder, "info d.ply"), "d.ply: is a folder, not a file; give the name of a file in it");
 }
 
 TEST_CASE("a device is no place for a result") {

@@ -32,6 +32,19 @@ TEST_CASE("help and version answer on stdout with status 0") {
   }
 }
 
+TEST_CASE("what cannot be printed is an error of help and version too") {
+  const TemporaryFolder folder;
+  for (const std::string arguments :
+       {"--help >/dev/full", "--version >/dev/full", "fit --help >/dev/full", "--version >&-"}) {
+    CAPTURE(arguments);
+    const Ran ran = run(folder, arguments);
+    CHECK(ran.status == 1);
+    CHECK(ran.errors == "homolog: standard output: cannot be written; free some space or choose another place\n");
+  }
+  REQUIRE(write_mesh(icosphere(2, 40), folder.path / "ball.ply"));
+  CHECK(run(folder, "convert ball.ply out.ply >&-").status == 1);
+}
+
 TEST_CASE("a wrong command line is one line with status 2 and where the help is") {
   const TemporaryFolder folder;
   for (const std::string wrong : {"info",
@@ -70,7 +83,13 @@ TEST_CASE("a wrong command line is one line with status 2 and where the help is"
                                   "study schemes built-in:kidney --phantoms 1 --seed -1",
                                   "study schemes built-in:kidney --stiffness nan",
                                   "study user built-in:kidney --mask m.nii -o c.homolog --seed -1",
-                                  "evaluate a.ply b.ply --seed nan"}) {
+                                  "evaluate a.ply b.ply --seed nan",
+                                  "evaluate a.ply b.ply --seed 99999999999999999999999",
+                                  "study schemes built-in:kidney --phantoms 1 --seed 18446744073709551616",
+                                  "convert a.ply ''",
+                                  "info ''",
+                                  "mirror a.ply -o ''",
+                                  "fit t.ply --mask '' -o o.ply"}) {
     const Ran ran = run(folder, wrong);
     INFO(wrong << ": " << ran.errors);
     CHECK(ran.status == 2);

@@ -136,6 +136,12 @@ TEST_CASE("landmarks that are not used are said") {
     CAPTURE(there->first);
     CHECK(with_mm < 0.9 * without_mm);
   }
+  FitOptions at_one_place;
+  for (const char* name : {"hilum", "superior pole", "inferior pole"})
+    at_one_place.landmarks[name] = landmarks_of(truth, {"hilum"}).at("hilum");
+  const FitResult confused = fit_to_boundary(*reference, boundary, at_one_place).value();
+  CHECK(confused.landmarks_used < 3);
+  CHECK_FALSE(confused.landmarks_place);
   FitOptions blunder;
   blunder.landmarks = landmarks_of(truth, {"hilum", "superior pole", "inferior pole", "lateral convexity"});
   blunder.landmarks.at("hilum").y() -= 45;

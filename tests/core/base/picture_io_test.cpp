@@ -9,9 +9,9 @@
 
 #include "core/base/files.h"
 #include "core/volume/volume_io.h"
-#include "tests/temporary_folder.h"
 #include "tests/refusal.h"
 #include "tests/small_files.h"
+#include "tests/temporary_folder.h"
 
 namespace fs = std::filesystem;
 using namespace homolog;

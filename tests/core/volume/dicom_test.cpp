@@ -8,8 +8,8 @@
 #include "core/volume/dicom_rle.h"
 #include "core/volume/volume_io.h"
 #include "tests/peak_memory.h"
-#include "tests/temporary_folder.h"
 #include "tests/refusal.h"
+#include "tests/temporary_folder.h"
 
 namespace fs = std::filesystem;
 using namespace homolog;

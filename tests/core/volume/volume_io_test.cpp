@@ -9,8 +9,8 @@
 #include <fstream>
 #include <limits>
 
-#include "tests/temporary_folder.h"
 #include "tests/refusal.h"
+#include "tests/temporary_folder.h"
 
 namespace fs = std::filesystem;
 using namespace homolog;

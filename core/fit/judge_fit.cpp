@@ -19,8 +19,8 @@ FitJudgement judge_fit(const Template& reference, const Boundary& boundary, cons
                        const FitResult& fit) {
   FitJudgement judgement;
   judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
-  judgement.doubtful = is_doubtful(judgement.agreement, boundary);
   judgement.mirrored = looks_mirrored(reference, boundary, options.orientation);
+  judgement.doubtful = judgement.mirrored || is_doubtful(judgement.agreement, boundary);
   judgement.warnings = boundary.warnings;
   judgement.warnings.insert(judgement.warnings.end(), fit.warnings.begin(), fit.warnings.end());
   if (judgement.mirrored)

@@ -120,9 +120,11 @@ TEST_CASE("fit says that an organ looks mirrored and does not with the template 
   const Ran wrong = run(folder, "fit built-in:kidney --mesh left.ply -o M.ply --json");
   CHECK(wrong.status == 0);
   CHECK(wrong.json()["mirrored"] == true);
+  CHECK(wrong.json()["doubtful"] == true);
   CHECK(wrong.errors.find("mirror") != std::string::npos);
   const Ran right = run(folder, "fit built-in:kidney --mesh left.ply -o M.ply --json --mirror");
   CHECK(right.json()["mirrored"] == false);
+  CHECK(right.json()["doubtful"] == false);
   CHECK(right.errors.empty());
 }
 

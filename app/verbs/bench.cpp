@@ -67,27 +67,6 @@ Json gesture_figures(const Mesh& mesh) {
           {"commit_ms", committed}};
 }
 
-/// Eight numbers that lie side by side.
-typedef float FloatLanes __attribute__((vector_size(32), aligned(4), may_alias));
-
-/// The sum of some numbers, read as fast as the memory gives them: eight at a time into four sums.
-float sum_of(std::span<const float> numbers) {
-  float sum = 0;
-  run_widest([&] {
-    FloatLanes sums[4] = {};
-    std::size_t i = 0;
-    for (; i + 32 <= numbers.size(); i += 32) {
-#pragma GCC unroll 4
-      for (std::size_t k = 0; k < 4; ++k) sums[k] += *reinterpret_cast<const FloatLanes*>(numbers.data() + i + 8 * k);
-    }
-    for (; i < numbers.size(); ++i) sums[0][0] += numbers[i];
-    for (const FloatLanes& lanes : sums) {
-      for (int k = 0; k < 8; ++k) sum += lanes[k];
-    }
-  });
-  return sum;
-}
-
 /// The time that the calling thread has had a core, in ms. Other programs that take turns do not count.
 double core_ms() {
   timespec time{};
@@ -98,19 +77,17 @@ double core_ms() {
 /// What solving for x, y and z costs, and beside it a limit: reading as many numbers as the factor has twice, in single
 /// precision, up and down as the solve does. Both by turns, so that they find the caches in one state.
 Json solve_figures(const ShapeSolver& solver, const Points& points) {
-  const std::vector<float> numbers(static_cast<std::size_t>(solver.factor_entries()), 1.0f);
-  constexpr std::size_t block = 4096;
+  const Eigen::VectorXf numbers = Eigen::VectorXf::Ones(solver.factor_entries());
+  const Eigen::Index count = numbers.size(), block = 4096;
   std::vector<double> solve_ms, limit_ms;
   float sum = 0;
   (void)median_ms([&](int) {
     const double start = core_ms();
     (void)solver.solve(points);
     const double middle = core_ms();
-    const auto read_block = [&](std::size_t first) {
-      sum += sum_of({numbers.data() + first, std::min(block, numbers.size() - first)});
-    };
-    for (std::size_t i = 0; i < numbers.size(); i += block) read_block(i);
-    for (std::size_t i = (numbers.size() - 1) / block + 1; i-- > 0;) read_block(i * block);
+    for (Eigen::Index i = 0; i < count; i += block) sum += numbers.segment(i, std::min(block, count - i)).sum();
+    for (Eigen::Index i = (count - 1) / block * block; i >= 0; i -= block)
+      sum += numbers.segment(i, std::min(block, count - i)).sum();
     const double end = core_ms();
     solve_ms.push_back(middle - start);
     limit_ms.push_back(end - middle);

@@ -87,16 +87,10 @@ class HdfPartsReader {
       : file_(file), file_bytes_(file_bytes), left_(most_value_bytes(file_bytes)) {}
 
   Result<HdfTree> read(const HdfParts& parts) {
-    for (const auto& [group, name] : parts.attributes)
-      if (auto done = read_attribute(group, name); !done) return fail(done.error());
-    for (const std::string& path : parts.datasets)
-      if (auto done = read_dataset(path); !done) return fail(done.error());
-    for (const std::string& start : parts.numbered)
-      for (std::size_t k = 0;; ++k) {
-        const auto done = read_dataset(start + std::to_string(k));
-        if (!done) return fail(done.error());
-        if (!*done) break;
-      }
+    const auto done = read_parts(
+        parts, [this](const std::string& group, const std::string& name) { return read_attribute(group, name); },
+        [this](const std::string& path) { return read_dataset(path); });
+    if (!done) return fail(done.error());
     return std::move(tree_);
   }
 

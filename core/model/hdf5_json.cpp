@@ -81,15 +81,14 @@ class JsonPartsReader {
   Result<HdfTree> read(const HdfParts& parts) {
     if (!file_.contains("groups") || file_.value("root", "").empty())
       return fail("", "is JSON but no HDF5-JSON; export the model again");
-    for (const auto& [group, name] : parts.attributes) read_attribute(group, name);
-    for (const std::string& path : parts.datasets)
-      if (auto done = read_dataset(path); !done) return fail(done.error());
-    for (const std::string& start : parts.numbered)
-      for (std::size_t k = 0;; ++k) {
-        const auto done = read_dataset(start + std::to_string(k));
-        if (!done) return fail(done.error());
-        if (!*done) break;
-      }
+    const auto done = read_parts(
+        parts,
+        [this](const std::string& group, const std::string& name) {
+          read_attribute(group, name);
+          return Result<void>();
+        },
+        [this](const std::string& path) { return read_dataset(path); });
+    if (!done) return fail(done.error());
     return std::move(tree_);
   }
 

@@ -39,6 +39,23 @@ struct HdfParts {
   std::vector<std::string> numbered;  ///< "/a/b_": the datasets "/a/b_0", "/a/b_1", … up to the first that is absent
 };
 
+/// Calls `read_attribute(group, name)` and `read_dataset(path)` for all parts; the latter says whether it is there.
+/// Ends with the first error.
+template <class ReadAttribute, class ReadDataset>
+Result<void> read_parts(const HdfParts& parts, const ReadAttribute& read_attribute, const ReadDataset& read_dataset) {
+  for (const auto& [group, name] : parts.attributes)
+    if (Result<void> done = read_attribute(group, name); !done) return done;
+  for (const std::string& path : parts.datasets)
+    if (Result<bool> done = read_dataset(path); !done) return fail(done.error());
+  for (const std::string& start : parts.numbered)
+    for (std::size_t k = 0;; ++k) {
+      const Result<bool> there = read_dataset(start + std::to_string(k));
+      if (!there) return fail(there.error());
+      if (!*there) break;
+    }
+  return {};
+}
+
 /// How many bytes the values of all parts together may take: a file can name one table by several paths, and what is
 /// packed in it may unfold.
 constexpr std::uintmax_t most_value_bytes(std::uintmax_t file_bytes) {

@@ -28,14 +28,14 @@ void spell_moves(Fields& line, MovePoints& move) {
   line.optional("by", move.by);
   line.optional("placement", move.placement);
   Fields moved = line.object("moved");
-  std::int64_t landmarks = move.moves ? static_cast<std::int64_t>(move.moves->size() / 3) : 0;
+  std::int64_t vertices = move.moves ? static_cast<std::int64_t>(move.moves->size() / 3) : 0;
   std::string steps = move.moves ? packed<std::uint32_t>(*move.moves) : "";
-  moved.member("landmarks", landmarks);
-  constexpr std::int64_t most_landmarks = 1 << 27;
-  if (line.reads() && (landmarks < 1 || landmarks > most_landmarks)) throw Unreadable{"\"landmarks\" is out of range"};
+  moved.member("landmarks", vertices);
+  constexpr std::int64_t most_vertices = 1 << 27;
+  if (line.reads() && (vertices < 1 || vertices > most_vertices)) throw Unreadable{"\"landmarks\" is out of range"};
   moved.member("steps", steps);
   if (!line.reads()) return;
-  auto moves = unpacked<std::uint32_t>(steps, 3 * static_cast<std::size_t>(landmarks));
+  auto moves = unpacked<std::uint32_t>(steps, 3 * static_cast<std::size_t>(vertices));
   if (!moves) throw Unreadable{moves.error().what};
   move.moves = std::make_shared<const std::vector<std::uint32_t>>(std::move(*moves));
 }
@@ -95,7 +95,7 @@ const ActionKind<SetPoints>& action_kind(const SetPoints&) {
       .key = "points",
       .example = R"({"points":[-21,20,-9,-19,17,-9],"by":"fit"})",
       .meaning =
-          "moves every landmark to where an automatic step found it: x, y, z of the first landmark, then of the "
+          "moves every vertex to where an automatic step found it: x, y, z of the first vertex, then of the "
           "next. Scripts and older versions write this. With `\"placement\":{…}` the reference moves there too. "
           "`\"by\":\"model help\"` and `\"by\":\"refine\"` decide nothing of where the boundary is; all else "
           "counts as known where it moved",

@@ -199,7 +199,7 @@ const ActionKind<PaintRegion>& action_kind(const PaintRegion&) {
   static constexpr ActionKind<PaintRegion> kind{
       .key = "paint_region",
       .example = R"({"paint_region":{"name":"hilum","at":[-21,20,-9],"radius_mm":10,"soft":0.5}})",
-      .meaning = "brings landmarks into a region; the empty name takes them out",
+      .meaning = "brings vertices into a region; the empty name takes them out",
       .name = [](const PaintRegion& action) -> std::string {
         return action.name.empty() ? "painting away" : "painting of " + action.name;
       },
@@ -249,7 +249,7 @@ const ActionKind<RemoveRegion>& action_kind(const RemoveRegion&) {
   static constexpr ActionKind<RemoveRegion> kind{
       .key = "remove_region",
       .example = R"({"remove_region":"hilum"})",
-      .meaning = "forgets a region; its landmarks keep their stiffness",
+      .meaning = "forgets a region; its vertices keep their stiffness",
       .name = [](const RemoveRegion& action) { return "removal of " + action.name; },
       .spell = [](Fields& line, RemoveRegion& action) { line.member("remove_region", action.name); },
       .apply = apply_removal};

@@ -39,7 +39,7 @@ const ActionKind<SetSpacing>& action_kind(const SetSpacing&) {
   static constexpr ActionKind<SetSpacing> kind{
       .key = "spacing",
       .example = R"({"spacing":0.5})",
-      .meaning = "strength of keeping landmarks evenly spread along with an edit, 0…1",
+      .meaning = "strength of keeping vertices evenly spread along with an edit, 0…1",
       .needs_mesh = false,
       .name = [](const SetSpacing&) -> std::string { return "even spacing"; },
       .spell = [](Fields& line, SetSpacing& action) { line.member("spacing", action.strength); },

@@ -101,7 +101,7 @@ const ActionKind<SetStiffnessFactors>& action_kind(const SetStiffnessFactors&) {
   static constexpr ActionKind<SetStiffnessFactors> kind{
       .key = "stiffness_factors",
       .example = R"({"stiffness_factors":[1,1,5]})",
-      .meaning = "a factor for every landmark",
+      .meaning = "a factor for every vertex",
       .name = [](const SetStiffnessFactors&) -> std::string { return "imported stiffness"; },
       .spell = spell_factors,
       .apply = apply_factors};
@@ -112,7 +112,7 @@ const ActionKind<SetStiffnessBase>& action_kind(const SetStiffnessBase&) {
   static constexpr ActionKind<SetStiffnessBase> kind{
       .key = "stiffness_base",
       .example = R"({"stiffness_base":10})",
-      .meaning = "w = base × factor for every landmark",
+      .meaning = "w = base × factor for every vertex",
       .needs_mesh = false,
       .name = [](const SetStiffnessBase&) -> std::string { return "stiffness"; },
       .spell = [](Fields& line, SetStiffnessBase& action) { line.member("stiffness_base", action.base); },

@@ -60,22 +60,37 @@ TEST_CASE("golden picture of the whole window") {
   CHECK(test::golden_fault(without_outline, whole, parts).find("the outlines: ") == 0);
 }
 
+namespace {
+
+/// A study of phantom vertebrae, and options that show it.
+struct ShownStudy {
+  TemporaryFolder folder;
+  EditorPictureOptions options;
+
+  ShownStudy() {
+    Progress progress;
+    const std::filesystem::path path = test::must(make_phantom_study(Organ::vertebra, folder.path, progress));
+    options.arrange = [path](EditorState& state) {
+      show_study(state.models, test::must(read_study(path)).study, path);
+    };
+    options.models = StartEvaluation{};
+  }
+  Result<Picture> draw() const { return editor_picture(EditSession(new_document({}, nullptr, nullptr)), options); }
+};
+
+}  // namespace
+
 TEST_CASE("a study is drawn in a window of any size") {
   const auto gl = OffscreenContext::make();
   if (!gl) {
     test::skip(gl.error().sentence());
     return;
   }
-  const TemporaryFolder folder;
-  Progress progress;
-  const std::filesystem::path path = test::must(make_phantom_study(Organ::vertebra, folder.path, progress));
+  ShownStudy study;
   for (const auto& [width, height] : {std::pair(960, 640), std::pair(900, 600), std::pair(640, 480)}) {
-    EditorPictureOptions options;
-    options.width_px = width;
-    options.height_px = height;
-    options.arrange = [&](EditorState& state) { show_study(state.models, test::must(read_study(path)).study, path); };
-    options.models = StartEvaluation{};
-    CHECK(editor_picture(EditSession(new_document({}, nullptr, nullptr)), options));
+    study.options.width_px = width;
+    study.options.height_px = height;
+    CHECK(study.draw());
   }
 }
 
@@ -85,21 +100,16 @@ TEST_CASE("golden picture of the models") {
     test::skip(gl.error().sentence());
     return;
   }
-  const TemporaryFolder folder;
-  Progress progress;
-  const std::filesystem::path path = test::must(make_phantom_study(Organ::vertebra, folder.path, progress));
-  EditorPictureOptions options;
-  options.arrange = [&](EditorState& state) { show_study(state.models, test::must(read_study(path)).study, path); };
-  options.models = StartEvaluation{};
+  ShownStudy study;
   std::vector<DrawnItem> items;
-  options.items = &items;
-  const auto picture = test::must(editor_picture(EditSession(new_document({}, nullptr, nullptr)), options));
-  options.arrange = [arrange = options.arrange](EditorState& state) {
+  study.options.items = &items;
+  const auto picture = test::must(study.draw());
+  study.options.arrange = [arrange = study.options.arrange](EditorState& state) {
     arrange(state);
     state.models.glyphs = false;
   };
-  options.items = nullptr;
-  const auto without_glyphs = test::must(editor_picture(EditSession(new_document({}, nullptr, nullptr)), options));
+  study.options.items = nullptr;
+  const auto without_glyphs = test::must(study.draw());
   std::vector<test::PicturePart> parts{test::part_drawn("the glyphs", picture, without_glyphs)};
   add_items(parts, items, picture);
   test::check_golden(picture, "models", parts);

@@ -30,6 +30,17 @@ struct BallFolder : TemporaryFolder {
   }
 };
 
+/// … and as a mesh with landmarks, named.ply, a second label map and a folder for landmark files.
+struct NamedBallFolder : BallFolder {
+  NamedBallFolder() {
+    MeshFile named{ball.points, ball.topology->triangles()};
+    named.landmarks = {{"top", {0, 0, 20}}, {"left", {20, 0, 0}}, {"back", {0, 20, 0}}};
+    REQUIRE(write_mesh_file(named, path / "named.ply"));
+    fs::create_directory(path / "places");
+    fs::copy(path / "good.nii.gz", path / "other.nii.gz");
+  }
+};
+
 }  // namespace
 
 TEST_CASE("fit does every case of a folder that can be done and reports the others") {
@@ -56,12 +67,7 @@ TEST_CASE("fit does every case of a folder that can be done and reports the othe
 }
 
 TEST_CASE("fit refuses landmarks that the template lacks and says how many it used") {
-  const BallFolder folder;
-  MeshFile named{folder.ball.points, folder.ball.topology->triangles()};
-  named.landmarks = {{"top", {0, 0, 20}}, {"left", {20, 0, 0}}, {"back", {0, 20, 0}}};
-  REQUIRE(write_mesh_file(named, folder.path / "named.ply"));
-  fs::create_directory(folder.path / "places");
-  fs::copy(folder.path / "good.nii.gz", folder.path / "other.nii.gz");
+  const NamedBallFolder folder;
   fs::copy(folder.path / "good.nii.gz", folder.path / "plain.nii.gz");
   const auto write = [&](const char* name, const char* text) { std::ofstream(folder.path / "places" / name) << text; };
   write("good.json", R"([{"id":"top","coordinates":[0,0,20]}])");
@@ -90,12 +96,7 @@ TEST_CASE("fit refuses landmarks that the template lacks and says how many it us
 }
 
 TEST_CASE("fit refuses landmarks at one place and landmark files without points") {
-  const BallFolder folder;
-  MeshFile named{folder.ball.points, folder.ball.topology->triangles()};
-  named.landmarks = {{"top", {0, 0, 20}}, {"left", {20, 0, 0}}, {"back", {0, 20, 0}}};
-  REQUIRE(write_mesh_file(named, folder.path / "named.ply"));
-  fs::create_directory(folder.path / "places");
-  fs::copy(folder.path / "good.nii.gz", folder.path / "other.nii.gz");
+  const NamedBallFolder folder;
   std::ofstream(folder.path / "places/good.json")
       << R"([{"id":"top","coordinates":[0,0,20]},{"id":"left","coordinates":[0,0,20.0005]},)"
       << R"({"id":"back","coordinates":[0,20,0]}])";

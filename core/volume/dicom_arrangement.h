@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/geometry.h"
+#include "core/base/result.h"
+#include "core/volume/dicom_header.h"
+
+namespace homolog {
+
+/// A plane and where it comes from.
+struct DicomPlaneSource {
+  std::size_t file = 0, plane_in_file = 0;
+  const DicomPlane* plane = nullptr;
+  double along_normal_mm = 0;
+};
+
+/// The planes in the order of the volume (slices fastest, then frames), and its grid.
+struct DicomArrangement {
+  std::vector<DicomPlaneSource> planes;
+  int slices = 0, frames = 1;
+  Mat3 steps_mm = Mat3::Identity();
+  Vec3 origin_mm = Vec3::Zero();
+  double frame_seconds = 0;
+};
+
+/// Puts the planes of one series in their place: from slice to slice along their normal, and where there are several at
+/// every place, in the order of their times. `path` is named in errors: planes of different sizes or directions, a
+/// slice that is missing, uneven or shifted. `warnings`: what was assumed.
+Result<DicomArrangement> arrange(const std::filesystem::path& path, const std::vector<DicomHeader>& headers,
+                                 std::vector<std::string>& warnings);
+
+}  // namespace homolog

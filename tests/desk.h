@@ -4,6 +4,7 @@
 
 #include "app/editor/update/controls.h"
 #include "app/editor/update/demo.h"
+#include "app/editor/update/editing.h"
 #include "tests/must.h"
 
 namespace homolog {
@@ -28,6 +29,19 @@ struct Desk {
   void send(What what, double x, double y, bool shift = false, bool ctrl = false) {
     InputEvent event{what, x, y, shift, ctrl, false, seconds += 1, !layout.view_at(x, y).has_value()};
     handle_event(state, event, context(), out);
+    run_on_state();
+  }
+  /// Does the commands that need nothing but the state; the others stay in `out`.
+  void run_on_state() {
+    for (Command& command : out.take()) {
+      Outbox further;
+      if (!homolog::run_on_state(command, state, context(), further)) out.send(std::move(command));
+      for (Command& next : further.take()) out.send(std::move(next));
+    }
+  }
+  void give(Command command) {
+    out.send(std::move(command));
+    run_on_state();
   }
   void press(int key, bool ctrl = false) { send(KeyPress{key}, 300, 250, false, ctrl); }
   Eigen::Vector2d middle_of(ViewKind kind) const {

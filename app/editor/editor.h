@@ -14,6 +14,8 @@ struct EditorOptions {
   std::vector<std::filesystem::path> files;  ///< a case, an image, a template
   std::string template_source;               ///< path, or "built-in:kidney"; empty without one
   std::optional<Organ> demo;                 ///< a phantom's image with its template
+  std::filesystem::path log;                 ///< gets every command as a line; empty: none does
+  std::filesystem::path replay;              ///< such a file, whose commands are done again; empty: none
 };
 
 /// The editor in a window, until it is closed. Returns the program's exit status; without a display it says so on

@@ -74,6 +74,7 @@ struct SessionThread::Shared {
     snapshot.shown = snapshot.document;
     snapshot.preview.reset();
     ++snapshot.committed;
+    ++snapshot.jobs_done;
   }
 
   void do_action(EditStep step) {
@@ -102,6 +103,7 @@ struct SessionThread::Shared {
     auto saved = save_case_as(session, path);
     describe(snapshot);
     ++snapshot.committed;
+    ++snapshot.jobs_done;
     snapshot.error = saved ? "" : saved.error().sentence();
     if (saved) snapshot.message = "Saved as " + path.string();
     publish(std::move(snapshot));
@@ -141,7 +143,10 @@ struct SessionThread::Shared {
     Snapshot snapshot = *latest;
     const bool done = session.shared_document() != snapshot.document;
     end_edit(snapshot);
-    if (!was_job) --snapshot.committed;
+    if (!was_job) {
+      --snapshot.committed;
+      --snapshot.jobs_done;
+    }
     try {
       std::rethrow_exception(thrown);
     } catch (const std::bad_alloc&) {
@@ -241,14 +246,17 @@ void SessionThread::preview(std::optional<Action> action, std::vector<Compute> t
 }
 
 void SessionThread::apply(Action action, bool joined) {
+  ++posted_;
   shared_->post_edit(EditStep{std::move(action), joined});
 }
 
 void SessionThread::apply_computed(Compute compute, bool joined) {
+  ++posted_;
   shared_->post_edit(Shared::Computed{std::move(compute), joined});
 }
 
 void SessionThread::save_as(std::filesystem::path path) {
+  ++posted_;
   {
     const std::lock_guard lock(shared_->mutex);
     shared_->jobs.emplace_back(Shared::SaveAs{std::move(path)});

@@ -17,6 +17,7 @@ struct Snapshot {
   std::optional<EditReport> preview;         ///< of the running preview
   std::uint64_t revision = 0;                ///< counts every change of this struct
   std::uint64_t committed = 0;               ///< counts the actions done (or refused) so far
+  std::uint64_t jobs_done = 0;               ///< counts what was posted and is done (or refused): edits and savings
   bool can_undo = false, can_redo = false;
   std::string undo_name, redo_name;
   double solver_ms = 0;        ///< time to compute the last job, from its arrival to the new points
@@ -48,7 +49,7 @@ class SessionThread {
 
   std::shared_ptr<const Snapshot> snapshot() const;
   /// Whether an edit that was posted is not done (or refused) yet.
-  bool busy() const { return snapshot()->committed < posted_; }
+  bool busy() const { return snapshot()->jobs_done < posted_; }
   /// Waits until everything posted so far is done, and returns the session (for tests and for closing).
   EditSession finish();
 

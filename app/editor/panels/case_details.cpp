@@ -23,19 +23,16 @@ void draw_text_field(const UiContext& ui, const StudyCase& one, const char* fiel
   ImGui::PushID(one.name.c_str());
   const bool changed = text_field(ui.theme, field, text, hint, ImGui::GetContentRegionAvail().x, 28);
   ImGui::PopID();
-  if (changed) out.change([key, text](EditorState& s) { s.models.text_edit = CaseTextEdit{key, text}; });
+  if (changed) out.send(TypeCaseText{key, text});
   if (!field_left()) return;
-  out.change([name = one.name, field, text](EditorState& s) {
-    set_case_text(s.models, name, field, text);
-    s.models.text_edit.reset();
-  });
+  out.send(SetCaseText{one.name, field, text});
 }
 
 void draw_flip(const UiContext& ui, const StudyCase& one, Outbox& out) {
   if (!offers_flip(ui.state.models, one)) return;
   bool flipped = one.flipped;
   if (toggle(ui.theme, "Flipped left for right", flipped, "Only in this study. The file is not changed"))
-    out.change([name = one.name](EditorState& s) { flip_cases(s.models, {name}); });
+    out.send(FlipCases{{one.name}});
 }
 
 void draw_frames(const UiContext& ui, const StudyCase& one, Outbox& out) {
@@ -43,7 +40,7 @@ void draw_frames(const UiContext& ui, const StudyCase& one, Outbox& out) {
   if (count == 0) return;
   if (button(ui.theme, format("Add its %zu other %s as cases", count, count == 1 ? "frame" : "frames"),
              "Each edited frame of the cine becomes a case of the study", {}, ImGui::GetContentRegionAvail().x))
-    out.change([name = one.name](EditorState& s) { add_frames(s.models, name); });
+    out.send(AddFrames{one.name});
 }
 
 }  // namespace
@@ -64,10 +61,7 @@ void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
   ImGui::PopFont();
   int chosen = static_cast<int>(one.state);
   if (choice(theme, "state", {"To do", "In work", "Done"}, chosen, {"Not begun", "Begun", "Finished"}))
-    out.change([name = one.name, chosen](EditorState& s) {
-      if (StudyCase* now = find_case(s.models.study, name)) now->state = static_cast<CaseState>(chosen);
-      ++s.models.study_revision;
-    });
+    out.send(SetCaseState{one.name, static_cast<CaseState>(chosen)});
   draw_text_field(ui, one, "group", "Group, e.g. healthy", one.group, out);
   draw_text_field(ui, one, "notes", "Notes", one.notes, out);
   const float width = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
@@ -81,7 +75,7 @@ void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
   ImGui::SameLine(0, theme.px(8));
   if (button(theme, std::string(icon::trash) + "  Remove", "Removes the case from the study. Its file stays", {},
              width))
-    out.change([name = one.name](EditorState& s) { remove_case(s.models, name); });
+    out.send(RemoveCase{one.name});
   draw_flip(ui, one, out);
   draw_frames(ui, one, out);
 }

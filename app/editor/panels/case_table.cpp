@@ -34,9 +34,7 @@ void draw_study_menu(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   if (!begin_menu(theme, "study menu")) return;
-  const auto ask = [&](FilePurpose purpose, std::string name = {}) {
-    out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
-  };
+  const auto ask = [&](FilePurpose purpose, std::string name = {}) { out.send(ShowFileDialog{purpose, name}); };
   if (menu_item(theme, "New study\xe2\x80\xa6", nullptr)) ask(FilePurpose::new_study, "study.study.json");
   if (menu_item(theme, "Open study\xe2\x80\xa6", "Ctrl+O")) ask(FilePurpose::open_study);
   if (!state.study_file.empty()) {
@@ -51,8 +49,7 @@ void draw_study_menu(const UiContext& ui, Outbox& out) {
     menu_line();
     const auto export_as = [&](const char* label, const char* extension) {
       if (!menu_item(theme, label, nullptr)) return;
-      out.change([extension](EditorState& s) { s.models.export_extension = extension; });
-      ask(FilePurpose::export_shapes, study_stem(state) + "-shapes");
+      out.send(ChooseShapesFolder{extension, study_stem(state) + "-shapes"});
     };
     export_as("Export shapes as imported\xe2\x80\xa6", "");
     export_as("Export shapes as .ply\xe2\x80\xa6", ".ply");
@@ -77,11 +74,11 @@ void draw_buttons(const UiContext& ui, Outbox& out) {
   ImGui::SameLine(0, theme.px(8));
   if (button(theme, std::string(icon::plus) + "  Meshes\xe2\x80\xa6",
              "Add meshes (PLY, VTK, VTP, OBJ), .particles or case files. Or drop them on the window", {}, width))
-    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::add_shapes); });
+    out.send(ShowFileDialog{FilePurpose::add_shapes, {}});
   ImGui::SameLine(0, theme.px(8));
   if (icon_button(theme, icon::next, "next", "Next case that is not done (N)",
                   state.study.next_case() < 0 ? "Every case is done." : "", false, 28))
-    out.change([](EditorState& s) { select_next_case(s.models); });
+    out.send(SelectNextCase{});
 }
 
 /// A title of the list that sorts it.
@@ -93,7 +90,7 @@ void draw_title(const UiContext& ui, const char* text, CaseColumn column, float 
   const ImVec2 at = ImGui::GetCursorScreenPos(), size{width_px, theme.px(20)};
   const bool sorted = state.sorted_by == column;
   const auto title = area(theme, text, size, tip, {sorted});
-  if (title.clicked) out.change([column](EditorState& s) { sort_by(s.models, column); });
+  if (title.clicked) out.send(SortCases{column});
   const ImU32 colour = title.hovered ? palette::accent : sorted ? palette::text : palette::dim;
   const std::string label =
       std::string(text) + (sorted ? std::string(" ") + (state.descending ? icon::down_angle : icon::arrow_up) : "");
@@ -142,7 +139,7 @@ void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox&
   const auto shape = state.model ? state.model->index_of(one.name) : -1;
   const bool left_out = state.model && shape < 0;
   const auto row = area(theme, "row", size, row_tip(one, left_out), {selected, true});
-  if (row.clicked) out.change([name = one.name](EditorState& s) { s.models.selected = name; });
+  if (row.clicked) out.send(SelectCase{one.name});
   if (row.doubled) out.send(OpenCaseOfStudy{one.name, {}});
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   if (selected || row.hovered)
@@ -177,7 +174,7 @@ void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox&
   if (area(theme, "state", {theme.px(24), size.y},
            std::string("State: ") + state_name(one.state) + ". Click for the next.")
           .clicked)
-    out.change([name = one.name](EditorState& s) { cycle_case_state(s.models, name); });
+    out.send(CycleCaseState{one.name});
   text_at(draw, {at.x + columns.state + theme.px(4), y}, state_colour(one.state), state_icon(one.state));
 }
 
@@ -194,7 +191,7 @@ void draw_mirrored(const UiContext& ui, Outbox& out) {
              palette::amber);
   if (button(theme, mirrored.size() == 1 ? "Flip it left for right" : "Flip them left for right",
              "Only in this study. The files are not changed", {}, ImGui::GetContentRegionAvail().x))
-    out.change([mirrored](EditorState& s) { flip_cases(s.models, mirrored); });
+    out.send(FlipCases{mirrored});
   gap(theme, 4);
 }
 
@@ -203,7 +200,7 @@ void draw_list(const UiContext& ui, Outbox& out) {
   const ModelsState& state = ui.state.models;
   std::string filter = state.filter;
   if (text_field(theme, "filter", filter, "Filter by name, group or notes", ImGui::GetContentRegionAvail().x, 28))
-    out.change([filter](EditorState& s) { s.models.filter = filter; });
+    out.send(FilterCases{filter});
   const float left = ImGui::GetCursorPosX(), scrollbar = ImGui::GetStyle().ScrollbarSize;
   const float width = ImGui::GetContentRegionAvail().x - scrollbar;  // the same with and without one
   const Columns columns = columns_in(theme, width);

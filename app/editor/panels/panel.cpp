@@ -13,11 +13,11 @@ void CaseNumber::settle(bool changed, bool released, const std::function<Action(
                         Outbox& out) const {
   if (changed && !released) {
     if (ui_.state.playing) out.send(PlayFrames{false});
-    out.change([edit = PanelEdit{control_, value}](EditorState& s) { s.panel_edit = edit; });
+    out.send(ChangeNumber{PanelEdit{control_, value}});
     out.preview(action_for(value));
   }
   if (!released) return;
-  out.change([](EditorState& s) { s.panel_edit.reset(); });
+  out.send(ChangeNumber{});
   if (value != committed_)
     out.apply(action_for(value));
   else
@@ -25,7 +25,7 @@ void CaseNumber::settle(bool changed, bool released, const std::function<Action(
 }
 
 void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,
-                   std::span<const bool> open, void (*toggle)(EditorState&, std::size_t), Outbox& out) {
+                   std::span<const bool> open, Command (*open_section)(std::size_t, bool), Outbox& out) {
   const Theme& theme = ui.theme;
   begin_region(name, rect, palette::surface);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(12), 0});
@@ -33,7 +33,7 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
   for (std::size_t i = 0; i < sections.size(); ++i) {
     bool toggled = false;
     const bool shown = section(theme, sections[i].title, open[i], toggled);
-    if (toggled) out.change([i, toggle](EditorState& s) { toggle(s, i); });
+    if (toggled) out.send(open_section(i, !open[i]));
     if (!shown) continue;
     {
       const Part part(sections[i].title);
@@ -53,10 +53,8 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
                                                          {"Deform", draw_deform_section},
                                                          {"Correspondence", draw_correspondence_section},
                                                          {"Export", draw_export_section}}};
-  const auto toggle = [](EditorState& s, std::size_t i) {
-    s.preferences.sections_open[i] = !s.preferences.sections_open[i];
-  };
-  draw_sections(ui, "side panel", ui.layout.panel, sections, ui.state.preferences.sections_open, toggle, out);
+  const auto open_section = [](std::size_t section, bool open) -> Command { return OpenSection{section, open}; };
+  draw_sections(ui, "side panel", ui.layout.panel, sections, ui.state.preferences.sections_open, open_section, out);
 }
 
 }  // namespace homolog

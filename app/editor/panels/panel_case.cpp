@@ -42,14 +42,14 @@ void draw_window_presets(const UiContext& ui, Outbox& out) {
   const float width = (ImGui::GetContentRegionAvail().x - 3 * theme.px(4)) / 4;
   for (const WindowPreset& preset : ct_presets) {
     if (button(theme, preset.label, preset.tip, refusal, width))
-      out.change([preset](EditorState& s) {
-        s.window_low = preset.centre - preset.width / 2;
-        s.window_high = preset.centre + preset.width / 2;
-      });
+      out.send(SetWindow{preset.centre - preset.width / 2, preset.centre + preset.width / 2});
     ImGui::SameLine(0, theme.px(4));
   }
-  if (button(theme, "Auto", "The file's own window, else the range without its 0.1 % tails", ui.needs_volume(), width))
-    out.change([volume](EditorState& s) { std::tie(s.window_low, s.window_high) = default_window(*volume); });
+  if (button(theme, "Auto", "The file's own window, else the range without its 0.1 % tails", ui.needs_volume(),
+             width)) {
+    const auto [low, high] = default_window(*volume);
+    out.send(SetWindow{low, high});
+  }
   const double centre = (ui.state.window_low + ui.state.window_high) / 2;
   const double window_width = ui.state.window_high - ui.state.window_low;
   figure(theme, "Window", format("%.4g \xc2\xb1 %.4g", centre, window_width / 2),
@@ -65,10 +65,7 @@ void draw_frames(const UiContext& ui, Outbox& out) {
   bool released = false;
   const SliderRange range{0, static_cast<double>(frames - 1), "%.0f", "", false};
   if (slider(theme, "Frame", value, range, "Frame of the cine. Each frame has a mesh of its own", released))
-    out.change([k = static_cast<int>(std::lround(value))](EditorState& s) {
-      s.shown_frame = k;
-      s.playing = false;
-    });
+    out.send(SeekFrame{static_cast<int>(std::lround(value))});
   if (released && ui.state.shown_frame && !ui.state.playing) out.send(ShowFrame{frame});
   if (button(theme,
              std::string(ui.state.playing ? icon::pause : icon::play) + (ui.state.playing ? "  Pause" : "  Play"),
@@ -100,7 +97,7 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   gap(theme, 0);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   if (button(theme, std::string(icon::open) + "  Open…", "Image, case or template (Ctrl+O)", {}, half))
-    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open); });
+    out.send(ShowFileDialog{FilePurpose::open, {}});
   ImGui::SameLine();
   if (button(theme, std::string(icon::save) + "  Save as…", "Continue the case under another name (Ctrl+Shift+S)", {},
              half))
@@ -112,30 +109,27 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   if (!document.volume) return;
   bool linear = ui.state.preferences.linear;
   if (toggle(theme, "Smooth voxels", linear, "Interpolates between voxels. Off shows the voxels as they are"))
-    out.change([linear](EditorState& s) { s.preferences.linear = linear; });
+    out.send(InterpolateImage{linear});
   bool radiological = ui.state.preferences.radiological;
   if (toggle(theme, "Radiological", radiological, "The patient's right on the left of the screen"))
-    out.change([radiological](EditorState& s) { s.preferences.radiological = radiological; });
+    out.send(ShowRadiological{radiological});
   bool own = ui.state.own_planes;
   if (toggle(theme, "The image's own planes", own, "Slices as they were acquired, instead of the patient's axes",
              is_oblique(document.volume->geometry) ? "" : "The image was acquired along the patient's axes already."))
-    out.change([own, document = ui.displayed](EditorState& s) {
-      s.own_planes = own;
-      settle_crosshair(s, *document);
-    });
+    out.send(ShowOwnPlanes{own});
   if (document.volume->frames > 1) draw_frames(ui, out);
 
   rule(theme);
   if (!ui.labels) {
     if (button(theme, "Overlay a label map…", "Shown over the slices in colours", {}, ImGui::GetContentRegionAvail().x))
-      out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_labels); });
+      out.send(ShowFileDialog{FilePurpose::open_labels, {}});
     return;
   }
   figure(theme, "Labels", ui.labels_name);
   double opacity = 100.0 * static_cast<double>(ui.state.label_opacity);
   bool released = false;
   if (slider(theme, "Opacity", opacity, {0, 100, "%.0f", "%", false}, "Of the label map over the image", released))
-    out.change([opacity](EditorState& s) { s.label_opacity = static_cast<float>(opacity / 100); });
+    out.send(SetLabelOpacity{opacity / 100});
   if (button(theme, "Remove the overlay", "The file is not changed")) out.send(CloseLabels{});
 }
 

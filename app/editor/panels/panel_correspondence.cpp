@@ -80,14 +80,14 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
           brush     ? "While you hold a brush, the mesh shows what the brush paints."
           : snapped ? "The confidence of the snap is shown until the mesh changes (Deform, Show confidence)."
                     : ""))
-    out.change([overlay](EditorState& s) { s.overlay = static_cast<Overlay>(overlay); });
+    out.send(ChooseOverlay{static_cast<Overlay>(overlay)});
   draw_overlay_legend(ui);
   if (ui.state.preferences.show.glyphs) {
     double spacing_mm = ui.state.glyph_spacing_mm;
     bool released = false;
     if (slider(theme, "Glyph spacing", spacing_mm, {3, 60, "%.0f", "mm", true},
                "Smallest distance between two glyphs, on the template", released))
-      out.change([spacing_mm](EditorState& s) { s.glyph_spacing_mm = spacing_mm; });
+      out.send(SpaceGlyphs{spacing_mm});
   }
   if (!ui.quality.latest()) return explanation(theme, ui.quality.error().empty() ? "Measuring…" : ui.quality.error());
   const QualityFigures& q = *ui.quality.latest();

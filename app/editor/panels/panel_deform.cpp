@@ -18,12 +18,12 @@ void draw_sigma(const UiContext& ui, Outbox& out) {
              {"Small: a spot (key 1, also while dragging)", "Medium: a part of the organ (key 2)",
               "Large: a whole end of the organ (key 3)"},
              ui.needs_shape()))
-    out.change([chosen](EditorState& s) { s.sigma_preset = static_cast<std::size_t>(chosen); });
+    out.send(ChooseSigma{static_cast<std::size_t>(chosen)});
   double sigma_mm = ui.state.sigma_mm();
   bool released = false;
   if (slider(theme, "Width \xcf\x83", sigma_mm, {smallest_sigma_mm, 100, "%.1f", "mm", true},
              "How wide a stroke is. The wheel changes it during a drag", released, ui.needs_shape()))
-    out.change([sigma_mm](EditorState& s) { set_sigma(s, sigma_mm); });
+    out.send(SetSigma{sigma_mm});
 }
 
 /// A slider whose value belongs to the case.
@@ -98,7 +98,7 @@ void draw_brush(const UiContext& ui, Outbox& out) {
                       {"Later edits leave what you paint where it is", "What you paint can move again"});
     brush.hold = frees == 0;
   }
-  if (changed) out.change([brush](EditorState& s) { s.brush = brush; });
+  if (changed) out.send(SetBrush{brush});
 }
 
 void draw_scheme(const UiContext& ui, Outbox& out) {
@@ -129,7 +129,7 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
     bool released = false;
     if (slider(theme, "Strength", strength, {0, 100, "%.0f", "%", false},
                "How far each dab goes towards the template's shape", released))
-      out.change([strength](EditorState& s) { s.relax_strength = strength / 100; });
+      out.send(SetRelaxStrength{strength / 100});
   }
   if (tool == MouseTool::stiffness || tool == MouseTool::confirm) draw_brush(ui, out);
   draw_snap(ui, out);
@@ -148,7 +148,7 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   const bool sheets = document.reference->topology->components() > 1;
   if (toggle(theme, "Through space", through, "A stroke also moves other sheets of the mesh that lie near",
              sheets ? "" : "This mesh has one sheet only."))
-    out.change([through](EditorState& s) { s.through_space = through; });
+    out.send(MoveThroughSpace{through});
   draw_scheme(ui, out);
   draw_model_help(ui, out);
   figure(theme, "Strokes", format("%d", document.shape().strokes));

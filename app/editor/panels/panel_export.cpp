@@ -13,7 +13,7 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
   const std::string name = case_name(ui.snapshot.file, ui.document());
   const auto ask = [&](FilePurpose purpose, const std::string& file) {
     if (ui.state.playing) out.send(PlayFrames{false});
-    out.change([purpose, file](EditorState& s) { show_file_dialog(s, purpose, file); });
+    out.send(ShowFileDialog{purpose, file});
   };
   if (button(theme, "Mesh…", "With the template's numbering, ready for a shape model", ui.needs_shape(), width))
     ask(FilePurpose::export_mesh, name + ".ply");
@@ -39,7 +39,7 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
   changed |= toggle(theme, "Transparent background", transparent, "The background stays transparent",
                     options.view == ViewKind::space ? "" : "For pictures of the 3D view.");
   options.transparent = transparent;
-  if (changed) out.change([options](EditorState& s) { s.picture = options; });
+  if (changed) out.send(SetPicture{options});
   if (button(theme, format("%s  Save the picture…", icon::camera), "PNG", {}, width))
     ask(FilePurpose::export_picture, name + ".png");
 }

@@ -23,7 +23,7 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
     settings.as_placed = start == 1;
     changed = true;
   }
-  if (changed) out.change([settings](EditorState& s) { s.fit_settings = settings; });
+  if (changed) out.send(SetFit{settings});
 }
 
 void draw_fitting(const UiContext& ui, const char* what, Outbox& out) {
@@ -67,14 +67,14 @@ void draw_fit(const UiContext& ui, Outbox& out) {
   if (!ui.labels) {
     if (button(theme, "Open a label map\xe2\x80\xa6", "Then the template can be fitted to a label automatically", {},
                width))
-      out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_labels); });
+      out.send(ShowFileDialog{FilePurpose::open_labels, {}});
     return;
   }
   if (ui.fitter.busy() && !ui.fitter.refining()) return draw_fitting(ui, "Fitting", out);
   draw_fit_settings(ui, out);
   if (button(theme, "Fit to the label", "You see the mesh move. One step to undo", fit_refusal(ui), width, true))
-    out.send(StartFit{});
-  if (ui.state.last_fit && ui.state.last_fit->edit.points == ui.committed_shape().points)
+    out.send(StartFit{ui.state.fit_settings});
+  if (ui.state.last_fit && *ui.state.last_fit->edit.points == *ui.committed_shape().points)
     draw_last_fit(theme, *ui.state.last_fit);
 }
 

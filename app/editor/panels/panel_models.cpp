@@ -12,28 +12,27 @@ namespace homolog {
 namespace {
 
 void ask_for_file(Outbox& out, FilePurpose purpose, const std::string& name) {
-  out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
+  out.send(ShowFileDialog{purpose, name});
 }
 
 void draw_poses(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3);
-  if (button(theme, "Mean", "Every mode at 0 (the mean shape)", {}, width))
-    out.change([](EditorState& s) { set_to_mean(s.models); });
+  if (button(theme, "Mean", "Every mode at 0 (the mean shape)", {}, width)) out.send(ShowMean{});
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Random",
              "A random shape of the model: b ~ N(0, \xce\xbb), every mode within \xc2\xb1"
              "3 standard deviations",
              {}, width))
-    out.change([](EditorState& s) { set_to_sample(s.models); });
+    out.send(ShowSample{});
   ImGui::SameLine(0, theme.px(4));
   const bool in_model = state.model->index_of(state.selected) >= 0;
   if (button(theme, "Selected",
              "The coefficients of the selected case, within \xc2\xb1"
              "3 standard deviations",
              in_model ? "" : "Select a case that is in the model.", width))
-    out.change([](EditorState& s) { set_to_case(s.models, s.models.selected); });
+    out.send(ShowSelectedShape{});
 }
 
 void draw_mode_sliders(const UiContext& ui, Outbox& out) {
@@ -54,11 +53,7 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
                                      "3 and +3 standard deviations",
                                      k + 1),
                     {}, playing, 24))
-      out.change([k, playing](EditorState& s) {
-        s.models.animated_mode = playing ? std::nullopt : std::optional(k);
-        s.models.show_difference = false;
-        s.models.animation_started = -1;
-      });
+      out.send(AnimateMode{playing ? std::nullopt : std::optional(k)});
     ImGui::SameLine(0, theme.px(4));
     double value = state.deviations[k];
     bool released = false;
@@ -69,16 +64,12 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
         "the variance.",
         k + 1, std::sqrt(variance), 100 * variance / total);
     if (slider(theme, label.c_str(), value, {-3, 3, "%+.2f", "\xcf\x83", false}, tip, released))
-      out.change([k, value](EditorState& s) {
-        if (k < s.models.deviations.size()) s.models.deviations[k] = value;
-        s.models.animated_mode.reset();
-        s.models.show_difference = false;
-      });
+      out.send(SetMode{k, value});
   }
   if (count > first_few + 1 &&
       button(theme, state.all_modes ? format("First %zu modes", first_few) : format("All %zu modes", count),
              "Shows only the modes that hold 95 % of the variance", {}, ImGui::GetContentRegionAvail().x))
-    out.change([](EditorState& s) { s.models.all_modes = !s.models.all_modes; });
+    out.send(ShowAllModes{!state.all_modes});
 }
 
 /// A button that goes on to the next group.
@@ -90,13 +81,11 @@ void draw_group_choice(const UiContext& ui, std::size_t which, const std::vector
              (which == 0 ? "From the mean of this group; click for the next group: "
                          : "To the mean of this group; click for the next group: ") +
                  now,
-             {}, width_px))
-    out.change([which, groups](EditorState& s) {
-      std::string& group = s.models.compared[which];
-      const auto found = std::find(groups.begin(), groups.end(), group);
-      const auto next = found == groups.end() ? 0 : (found - groups.begin() + 1) % std::ssize(groups);
-      group = groups[static_cast<std::size_t>(next)];
-    });
+             {}, width_px)) {
+    const auto found = std::find(groups.begin(), groups.end(), now);
+    const auto next = found == groups.end() ? 0 : (found - groups.begin() + 1) % std::ssize(groups);
+    out.send(CompareGroup{which, groups[static_cast<std::size_t>(next)]});
+  }
 }
 
 void draw_difference(const UiContext& ui, Outbox& out) {
@@ -108,10 +97,7 @@ void draw_difference(const UiContext& ui, Outbox& out) {
              "Colours the mean shape by how far the second group's mean lies outwards (red) or inwards (blue) of the "
              "first's, mm along the normal",
              groups.size() < 2 ? "Give cases a group: two groups of at least two cases each." : ""))
-    out.change([shown](EditorState& s) {
-      s.models.show_difference = shown;
-      s.models.animated_mode.reset();
-    });
+    out.send(ShowDifference{shown});
   if (!state.show_difference || groups.size() < 2) return;
   const float half = std::floor((ImGui::GetContentRegionAvail().x - theme.px(8)) / 2);
   draw_group_choice(ui, 0, groups, half, out);
@@ -128,7 +114,7 @@ void draw_model_section(const UiContext& ui, Outbox& out) {
   if (choice(theme, "alignment", {"Similarity", "Rigid", "As they lie"}, alignment,
              {"Generalised Procrustes: position, turn and size are taken out",
               "Position and turn are taken out; size is part of the model", "Shapes stay where they are"}))
-    out.change([alignment](EditorState& s) { s.models.alignment = static_cast<Alignment>(alignment); });
+    out.send(ChooseAlignment{static_cast<Alignment>(alignment)});
   if (!state.model) {
     explanation(theme, "Two shapes in correspondence make a model.");
     return;
@@ -233,8 +219,8 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
 void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out) {
   static constexpr std::array<PanelSection, 3> sections{
       {{"Model", draw_model_section}, {"Measures", draw_measures_section}, {"Suspicion", draw_suspicion_section}}};
-  const auto toggle = [](EditorState& s, std::size_t i) { s.models.sections_open[i] = !s.models.sections_open[i]; };
-  draw_sections(ui, "models panel", rect, sections, ui.state.models.sections_open, toggle, out);
+  const auto open_section = [](std::size_t section, bool open) -> Command { return OpenModelsSection{section, open}; };
+  draw_sections(ui, "models panel", rect, sections, ui.state.models.sections_open, open_section, out);
 }
 
 }  // namespace homolog

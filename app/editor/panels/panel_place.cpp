@@ -113,12 +113,7 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     const auto row =
         area(theme, "row", {width - remove, height},
              done ? "Go there. Drag it in a view to move it" : "Then click where it is in a slice", {next});
-    if (row.clicked)
-      out.change([name = landmark.name, done, position = done ? place->second : Vec3()](EditorState& s) {
-        s.tool = MouseTool::landmark;
-        s.landmark = name;
-        if (done) s.crosshair_mm = position;
-      });
+    if (row.clicked) out.send(ChooseLandmark{landmark.name, done ? std::optional(place->second) : std::nullopt});
     ImDrawList& draw = *ImGui::GetWindowDrawList();
     if (next || row.hovered)
       draw.AddRectFilled(at, {at.x + width, at.y + height}, next ? with_alpha(palette::accent, 0.18f) : palette::raised,
@@ -149,9 +144,7 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
   ImGui::PopStyleVar();
   gap(theme, 2);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
-  const auto ask = [&](FilePurpose purpose, const std::string& name) {
-    out.change([purpose, name](EditorState& s) { show_file_dialog(s, purpose, name); });
-  };
+  const auto ask = [&](FilePurpose purpose, const std::string& name) { out.send(ShowFileDialog{purpose, name}); };
   if (button(theme, "Import…",
              "Places the landmarks of a 3D Slicer (.mrk.json) or scalismo (.json) file by their names", {}, half))
     ask(FilePurpose::open_landmarks, "");

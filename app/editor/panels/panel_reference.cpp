@@ -33,19 +33,17 @@ void draw_reference_section(const UiContext& ui, Outbox& out) {
   for (std::size_t i = 0; i < built_ins.size(); ++i) {
     if (i > 0) ImGui::SameLine(0, theme.px(4));
     if (button(theme, built_ins[i].label, "Start again with this built-in template", {}, third))
-      out.send(OpenTemplate{built_ins[i].source});
+      out.send(open_template(built_ins[i].source));
   }
   if (button(theme, "Load a template…", "PLY, VTK, VTP, OBJ or STL", {}, ImGui::GetContentRegionAvail().x))
-    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_template); });
+    out.send(ShowFileDialog{FilePurpose::open_template, {}});
   if (button(theme, "Mirror left and right",
              "Takes the template of the other side, with the same numbering. The mesh starts again from its placement",
              ui.needs_shape(), ImGui::GetContentRegionAvail().x))
     out.apply(MirrorTemplate{});
   if (button(theme, "Save the template…", "As PLY, with the stiffness, regions and landmarks as they are now",
              ui.needs_shape(), ImGui::GetContentRegionAvail().x))
-    out.change([name = case_name(ui.snapshot.file, ui.document()) + "-template"](EditorState& s) {
-      show_file_dialog(s, FilePurpose::export_template, name);
-    });
+    out.send(ShowFileDialog{FilePurpose::export_template, case_name(ui.snapshot.file, ui.document()) + "-template"});
   draw_template_making(ui, out);
   if (!ui.has_shape()) return;
   draw_regions(ui, out);

@@ -45,11 +45,7 @@ Colour next_colour(const Regions& regions, const Colour& colour) {
 }
 
 void take_region_brush(const std::string& name, Outbox& out) {
-  out.change([name](EditorState& s) {
-    s.tool = MouseTool::stiffness;
-    s.brush.region = name;
-    if (s.brush.paints != BrushPaints::fill) s.brush.paints = BrushPaints::region;
-  });
+  out.send(BrushRegion{name});
 }
 
 int landmarks_in(const Regions& regions, std::size_t number) {
@@ -61,24 +57,21 @@ void draw_renaming(const UiContext& ui, const Regions& regions, float width, Out
   RenameRegion renaming = ui.state.renaming->rename;
   if (!ui.state.renaming->focused) {
     ImGui::SetKeyboardFocusHere();
-    out.change([](EditorState& s) {
-      if (s.renaming) s.renaming->focused = true;
-    });
+    out.send(NameRegion{RegionNaming{renaming, true}});
   }
-  if (text_field(ui.theme, "new name", renaming.to, "Name", width))
-    out.change([to = renaming.to](EditorState& s) {
-      if (s.renaming) s.renaming->rename.to = to;
-    });
+  if (text_field(ui.theme, "new name", renaming.to, "Name", width)) out.send(NameRegion{RegionNaming{renaming, true}});
   const bool entered = enter_pressed(), left = ImGui::IsItemDeactivated();
   if (!entered && !left) return;
   const bool taken = std::any_of(regions.list.begin(), regions.list.end(),
                                  [&](const Region& region) { return region.name == renaming.to; });
   const bool take = entered && !renaming.to.empty() && !taken;
   if (take) out.apply(renaming);
-  out.change([take, renaming](EditorState& s) {
-    if (take && s.brush.region == renaming.name) s.brush.region = renaming.to;
-    s.renaming.reset();
-  });
+  if (take && ui.state.brush.region == renaming.name) {
+    BrushSettings brush = ui.state.brush;
+    brush.region = renaming.to;
+    out.send(SetBrush{brush});
+  }
+  out.send(NameRegion{});
 }
 
 /// The colour and the name: a click on the one gives another, on the other takes the brush; a double click renames.
@@ -98,8 +91,7 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
                             indent);
   if (row.clicked && on_swatch) out.apply(SetRegion{{region.name, region.factor, next_colour(regions, region.colour)}});
   if (row.clicked && !on_swatch) take_region_brush(region.name, out);
-  if (row.doubled && !on_swatch)
-    out.change([name = region.name](EditorState& s) { s.renaming = RegionNaming{{name, name}}; });
+  if (row.doubled && !on_swatch) out.send(NameRegion{RegionNaming{{region.name, region.name}}});
   ImGui::GetWindowDrawList()->AddRectFilled({at.x + theme.px(4), y}, {at.x + theme.px(4) + swatch, y + swatch},
                                             IM_COL32(region.colour[0], region.colour[1], region.colour[2], 255),
                                             theme.px(2));
@@ -147,7 +139,7 @@ void draw_regions(const UiContext& ui, Outbox& out) {
   std::string name = ui.state.new_region;
   const float width = ImGui::GetContentRegionAvail().x, add_width = theme.px(64);
   if (text_field(theme, "new region", name, "New region, e.g. hilum", width - add_width - theme.px(4)))
-    out.change([name](EditorState& s) { s.new_region = name; });
+    out.send(TypeRegion{name});
   const bool entered = enter_pressed();
   const bool taken =
       std::any_of(regions.list.begin(), regions.list.end(), [&](const Region& r) { return r.name == name; });
@@ -159,16 +151,15 @@ void draw_regions(const UiContext& ui, Outbox& out) {
                           add_width);
   if (add || (entered && !name.empty() && !taken)) {
     out.apply(SetRegion{{name, 1, fresh_colour(regions)}});
-    out.change([name](EditorState& s) {
-      s.new_region.clear();
-      s.tool = MouseTool::stiffness;
-      s.brush.region = name;
-      s.brush.paints = BrushPaints::region;
-    });
+    out.send(TypeRegion{});
+    BrushSettings brush = ui.state.brush;
+    brush.paints = BrushPaints::region;
+    out.send(SetBrush{brush});
+    out.send(BrushRegion{name});
   }
   if (button(theme, "Stiffness from a mesh…", "Takes one value per vertex from a PLY with the same vertices", {},
              width))
-    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_stiffness); });
+    out.send(ShowFileDialog{FilePurpose::open_stiffness, {}});
 }
 
 void draw_template_landmarks(const UiContext& ui, Outbox& out) {
@@ -183,11 +174,10 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
     const float name_width = ImGui::GetContentRegionAvail().x - remove_width - theme.px(4);
     if (list_row(theme, landmark.name, naming && ui.state.template_landmark == landmark.name,
                  {name_width, theme.px(28)}, "To move it, click here, then on the mesh")
-            .clicked)
-      out.change([name = landmark.name](EditorState& s) {
-        s.tool = MouseTool::template_landmark;
-        s.template_landmark = name;
-      });
+            .clicked) {
+      out.send(NameTemplateLandmark{landmark.name});
+      out.send(ChooseTool{MouseTool::template_landmark});
+    }
     ImGui::SameLine(0, theme.px(4));
     if (button(theme, "\xc3\x97", "Removes the landmark from the template", {}, remove_width))
       out.apply(SetTemplateLandmark{landmark.name, std::nullopt});
@@ -196,22 +186,21 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
   std::string name = ui.state.template_landmark;
   const float width = ImGui::GetContentRegionAvail().x, add_width = theme.px(64);
   if (text_field(theme, "new landmark", name, "New landmark, e.g. apex", width - add_width - theme.px(4)))
-    out.change([name](EditorState& s) { s.template_landmark = name; });
+    out.send(NameTemplateLandmark{name});
   const bool entered = enter_pressed() && !name.empty();
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, naming ? "Click…" : "Name", "Then click the point on the mesh, in any view (Enter)",
              name.empty() ? "Type a name first." : "", add_width) ||
       entered)
-    out.change([](EditorState& s) { s.tool = MouseTool::template_landmark; });
+    out.send(ChooseTool{MouseTool::template_landmark});
   const float half = (width - theme.px(4)) / 2;
   if (button(theme, "Import…##template", "3D Slicer (.mrk.json) or scalismo (.json), in the template's own coordinates",
              {}, half))
-    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_template_landmarks); });
+    out.send(ShowFileDialog{FilePurpose::open_template_landmarks, {}});
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Export…##template", "3D Slicer (.mrk.json) or scalismo (.json), in the template's own coordinates",
              landmarks.empty() ? "There is no landmark yet." : "", half))
-    out.change(
-        [](EditorState& s) { show_file_dialog(s, FilePurpose::export_template_landmarks, "landmarks.mrk.json"); });
+    out.send(ShowFileDialog{FilePurpose::export_template_landmarks, "landmarks.mrk.json"});
 }
 
 }  // namespace homolog

@@ -76,7 +76,7 @@ void draw_snap(const UiContext& ui, Outbox& out) {
     out.send(SnapMesh{});
   }
   SnapSettings snap = ui.state.snap;
-  if (draw_snap_settings(ui, snap)) out.change([snap](EditorState& s) { s.snap = snap; });
+  if (draw_snap_settings(ui, snap)) out.send(SetSnap{snap});
   if (ui.state.confidence && ui.state.snapped) {
     draw_last_snap(ui);
     if (shown_overlay(ui.state) == Overlay::confidence) draw_overlay_legend(ui);

@@ -19,16 +19,10 @@ void draw_entry(const UiContext& ui, int id, const GalleryPlace& place, const st
   const std::string& name = state.model->names[place.shape];
   const Part part(format("%d", id), "doubt");
   const ImVec2 at = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, theme.px(24)};
-  const bool lit = has_place && state.pinned == place.landmark && state.selected == name;
+  const bool lit = has_place && state.pinned == place.vertex && state.selected == name;
   const auto row = area(theme, "entry", size, tip + "\nDouble-click opens the case there, Slide tool in hand.", {lit});
-  if (row.clicked)
-    out.change([place, has_place, name](EditorState& s) {
-      if (has_place)
-        pin_landmark(s.models, place, true);
-      else
-        s.models.selected = name;
-    });
-  if (row.doubled) out.send(OpenCaseOfStudy{name, has_place ? std::optional(place.landmark) : std::nullopt});
+  if (row.clicked) out.send(has_place ? Command(PinVertex{place, true}) : SelectCase{name});
+  if (row.doubled) out.send(OpenCaseOfStudy{name, has_place ? std::optional(place.vertex) : std::nullopt});
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   if (row.hovered || lit)
     draw.AddRectFilled({at.x - theme.px(4), at.y}, {at.x + size.x + theme.px(4), at.y + size.y},

@@ -78,7 +78,7 @@ void draw_stages(const UiContext& ui, const TemplateMaking& making, Outbox& out)
     const std::string time = format("%.2f s", stage.seconds);
     const float room = ImGui::GetContentRegionAvail().x, time_width = ImGui::CalcTextSize(time.c_str()).x;
     if (list_row(theme, name, shown, {room - time_width - theme.px(4), theme.px(24)}).clicked)
-      out.change([i](EditorState& s) { s.shown_stage = i; });
+      out.send(ShowTemplateStage{i});
     ImGui::SameLine(0, theme.px(4));
     ImGui::AlignTextToFramePadding();
     text_line(time, palette::faint);
@@ -96,9 +96,8 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
   for (const std::string& remark : making.remarks) explanation(theme, remark);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
   if (button(theme, "Save and use…", "Saves the template and starts the case again with it", {}, half, true))
-    out.change([name = making.source.substr(0, making.source.find('.')) + "-template"](EditorState& s) {
-      show_file_dialog(s, FilePurpose::use_made_template, name);
-    });
+    out.send(
+        ShowFileDialog{FilePurpose::use_made_template, making.source.substr(0, making.source.find('.')) + "-template"});
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Back", "The template made before this one",
              ui.template_maker.can_undo() ? "" : "No template was made before this one.", half))
@@ -144,7 +143,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   if (!ui.labels) {
     if (button(theme, "Open a label map…", "A template is made from one of its labels", {},
                ImGui::GetContentRegionAvail().x))
-      out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_labels); });
+      out.send(ShowFileDialog{FilePurpose::open_labels, {}});
     return;
   }
   TemplateSettings settings = ui.state.template_settings;
@@ -160,7 +159,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
     draw_tube_settings(ui, settings, changed);
   else
     draw_organ_settings(theme, settings.mask, changed);
-  if (changed) out.change([settings](EditorState& s) { s.template_settings = settings; });
+  if (changed) out.send(SetTemplate{settings});
 
   const float width = ImGui::GetContentRegionAvail().x;
   const auto making = ui.template_maker.latest();
@@ -169,7 +168,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
     if (button(theme, "Cancel", "Stops after this stage", {}, width)) out.send(CancelTemplate{});
   } else if (button(theme, "Make the template", "You see each stage in the views",
                     settings.label == 0 ? "The label map is empty." : "", width, !making || !making->mesh)) {
-    out.send(MakeTemplate{});
+    out.send(MakeTemplate{settings, settings.axis_by_ruler ? ui.state.ruler : std::nullopt});
   }
   if (!making) return;
   if (!making->stages.empty()) draw_stages(ui, *making, out);

@@ -14,6 +14,7 @@
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/quality_monitor.h"
 #include "app/editor/work/study_appearance.h"
+#include "app/editor/work/template_maker.h"
 #include "core/case/session_thread.h"
 
 namespace homolog {
@@ -108,9 +109,9 @@ struct PanelSection {
   const char* title;
   void (*draw)(const UiContext&, Outbox&);
 };
-/// A panel of sections in `rect`; `open`: which are, and `toggle` folds or unfolds one.
+/// A panel of sections in `rect`; `open`: which are, and `open_section` is the command that unfolds or folds one.
 void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,
-                   std::span<const bool> open, void (*toggle)(EditorState&, std::size_t), Outbox& out);
+                   std::span<const bool> open, Command (*open_section)(std::size_t, bool), Outbox& out);
 
 // Sections of the side panel, in the order of the work.
 void draw_case_section(const UiContext& ui, Outbox& out);

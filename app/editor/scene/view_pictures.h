@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "app/editor/picking/view_geometry.h"
+#include "app/editor/state/view_geometry.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"
 

@@ -6,9 +6,9 @@
 #include <variant>
 #include <vector>
 
-#include "app/editor/picking/view_geometry.h"
-#include "app/editor/update/file_browser.h"
-#include "app/editor/work/opener.h"
+#include "app/editor/state/file_browser.h"
+#include "app/editor/state/open_request.h"
+#include "app/editor/state/view_geometry.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {
@@ -23,6 +23,33 @@ struct PictureOptions {
 // The dialogs that cover the window; one at a time.
 
 struct KeysDialog {};
+
+/// What a file is wanted for. Each has a row in app/editor/update/file_purposes.cpp.
+enum class FilePurpose {
+  open,
+  open_template,
+  open_labels,
+  open_landmarks,
+  open_stiffness,
+  open_template_landmarks,
+  open_study,
+  open_study_template,
+  add_shapes,
+  save_case,
+  export_mesh,
+  export_label_map,
+  export_landmarks,
+  export_template,
+  export_template_landmarks,
+  use_made_template,
+  export_picture,
+  new_study,
+  save_study,
+  export_model,
+  export_measures,
+  export_plots,
+  export_shapes
+};
 struct FileDialog {
   FilePurpose purpose = FilePurpose::open;
   FileBrowser browser;

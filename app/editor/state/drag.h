@@ -3,7 +3,7 @@
 #include <string>
 #include <variant>
 
-#include "app/editor/picking/view_geometry.h"
+#include "app/editor/state/view_geometry.h"
 #include "core/case/action.h"
 
 namespace homolog {

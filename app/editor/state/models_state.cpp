@@ -251,14 +251,14 @@ void fit_gallery(ModelsState& state) {
   state.camera.distance_mm = room * radius_mm / std::tan(15 * std::numbers::pi / 180);
 }
 
-void pin_landmark(ModelsState& state, const GalleryPlace& place, bool focus) {
+void pin_vertex(ModelsState& state, const GalleryPlace& place, bool focus) {
   if (!state.model || place.shape >= state.model->names.size()) return;
-  state.pinned = place.landmark;
+  state.pinned = place.vertex;
   state.selected = state.model->names[place.shape];
   if (!focus) return;
   state.focused = true;
   const Mesh shape{state.model->topology, *state.model->shapes[place.shape]};
-  if (shape.topology) look_from_outside(state.camera, vertex_normals(shape).row(place.landmark));
+  if (shape.topology) look_from_outside(state.camera, vertex_normals(shape).row(place.vertex));
   constexpr double nearer = 0.5;
   state.camera.target = Vec3::Zero();
   state.camera.distance_mm = nearer * state.model->radius_mm / std::tan(15 * std::numbers::pi / 180);

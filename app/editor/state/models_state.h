@@ -4,10 +4,9 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "app/editor/picking/view_geometry.h"
+#include "app/editor/state/view_geometry.h"
 #include "app/editor/work/study_model.h"
 #include "core/model/evaluation.h"
 #include "core/phantom/phantom.h"
@@ -19,7 +18,7 @@ enum class CaseColumn { study, name, group, state, distance };
 /// A vertex of one of the gallery's shapes.
 struct GalleryPlace {
   std::size_t shape = 0;  ///< in the model
-  Eigen::Index landmark = 0;
+  Eigen::Index vertex = 0;
   bool operator==(const GalleryPlace&) const = default;
 };
 
@@ -27,7 +26,7 @@ struct GalleryPlace {
 struct RepairPlace {
   std::filesystem::path file;
   std::optional<int> frame;
-  std::optional<Eigen::Index> landmark;
+  std::optional<Eigen::Index> vertex;
 };
 
 /// A text of a case that is being typed.
@@ -126,7 +125,7 @@ void take_model(ModelsState& state, std::shared_ptr<const StudyModel> model);
 /// Looks at all shapes, from the front.
 void fit_gallery(ModelsState& state);
 /// Marks a vertex in all shapes; `focus` turns it to the viewer, in the middle of every cell.
-void pin_landmark(ModelsState& state, const GalleryPlace& place, bool focus);
+void pin_vertex(ModelsState& state, const GalleryPlace& place, bool focus);
 void unpin(ModelsState& state);
 
 /// b of the model's shape that is shown: deviations · √λ.
@@ -146,48 +145,5 @@ int phantom_shapes(Organ organ);
 /// Writes the phantoms' true surfaces and their study into a folder, and gives the study's path; what is there already
 /// is kept.
 Result<std::filesystem::path> make_phantom_study(Organ organ, const std::filesystem::path& folder, Progress& progress);
-
-// What the Models mode asks for.
-struct OpenStudy {
-  std::filesystem::path path;
-};
-struct NewStudy {
-  std::filesystem::path path;
-};
-/// The study continues under another name.
-struct SaveStudyAs {
-  std::filesystem::path path;
-};
-struct AddCases {
-  std::vector<std::filesystem::path> paths;
-};
-struct OpenPhantomStudy {
-  Organ organ = Organ::kidney;
-};
-/// Opens a case of the study in the case mode, at a vertex with the Slide tool where one is given; a mesh becomes a
-/// case file first.
-struct OpenCaseOfStudy {
-  std::string name;
-  std::optional<Eigen::Index> landmark;
-};
-/// Writes every shape of the study, flipped ones flipped, into a folder; see write_shapes.
-struct ExportShapes {
-  std::filesystem::path folder;
-  std::string extension;
-};
-struct StartEvaluation {};
-struct CancelEvaluation {};
-struct ExportModel {
-  std::filesystem::path path;
-};
-struct ExportEvaluation {
-  std::filesystem::path path;
-};
-struct ExportPlots {
-  std::filesystem::path path;
-};
-using ModelsCommand =
-    std::variant<OpenStudy, NewStudy, SaveStudyAs, AddCases, OpenPhantomStudy, OpenCaseOfStudy, ExportShapes,
-                 StartEvaluation, CancelEvaluation, ExportModel, ExportEvaluation, ExportPlots>;
 
 }  // namespace homolog

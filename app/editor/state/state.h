@@ -6,14 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/picking/view_geometry.h"
 #include "app/editor/state/dialogs.h"
 #include "app/editor/state/drag.h"
 #include "app/editor/state/layout.h"
 #include "app/editor/state/models_state.h"
-#include "app/editor/work/fitter.h"
-#include "app/editor/work/snaps.h"
-#include "app/editor/work/template_maker.h"
+#include "app/editor/state/outcomes.h"
+#include "app/editor/state/settings.h"
+#include "app/editor/state/view_geometry.h"
 #include "core/case/action.h"
 #include "core/deform/sigma_presets.h"
 #include "core/snap/appearance.h"
@@ -60,15 +59,6 @@ struct RegionNaming {
   bool focused = false;  ///< the field has been given the keyboard
 };
 
-struct SnapSettings {
-  double strength = 1, reach_mm = 10;
-  Polarity polarity = Polarity::automatic;
-  bool with_strokes = false;  ///< the part under the tool is snapped while a stroke is dragged
-  bool show_confidence = true;
-  bool learn = false;                         ///< from the study's cases that are done
-  std::shared_ptr<const Appearance> learned;  ///< what came of that; null where nothing did
-};
-
 /// What the pointer is over; nothing while it is outside the views.
 struct Hover {
   ViewKind view = ViewKind::axial;
@@ -104,6 +94,9 @@ struct Notice {
   std::optional<double> until;        ///< when it goes by itself, in seconds of the window's clock
   std::filesystem::path case_before;  ///< offered to be opened again; empty where there is none
 };
+
+/// Whether the window closes: at once, or as soon as what is being written is written.
+enum class Quitting { no, when_written, now };
 
 /// Things a newcomer has to do once; each hint goes away when done, all when dismissed.
 struct Hints {
@@ -174,6 +167,10 @@ struct EditorState {
   std::optional<PanelEdit> panel_edit;
 
   PictureOptions picture;
+  bool fit_views_wanted = true;   ///< once it is known how large they are
+  bool making_shown = false;      ///< the template that is being made stands in for the case's mesh
+  double next_frame_seconds = 0;  ///< of a cine that plays, by the window's clock
+  Quitting quitting = Quitting::no;
 
   std::optional<Dialog> dialog;
   std::vector<Notice> notices;

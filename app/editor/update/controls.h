@@ -3,17 +3,12 @@
 #include <variant>
 
 #include "app/editor/picking/picking.h"
+#include "app/editor/state/key_codes.h"
 #include "app/editor/state/state.h"
 #include "app/editor/update/commands.h"
 
 namespace homolog {
 
-/// Keys by GLFW's codes: printable ones are their capital letter in ASCII.
-namespace key {
-inline constexpr int escape = 256, enter = 257, tab = 258, backspace = 259, insert = 260, del = 261, right = 262,
-                     left = 263, down = 264, up = 265, page_up = 266, page_down = 267, home = 268, end = 269, f1 = 290,
-                     keypad_enter = 335;
-}
 struct MouseMove {};
 struct MousePress {
   MouseButton button = MouseButton::left;
@@ -53,22 +48,12 @@ ViewMap view_map(const EditorState& state, const ControlsContext& context, ViewK
 void update_hover(EditorState& state, const ControlsContext& context, double x_px, double y_px);
 
 // Parts of handle_event.
-void press_key(EditorState& state, const InputEvent& event, int key, const ControlsContext& context, Outbox& out);
-/// In the Models mode; false for the keys of both modes.
-bool press_models_key(EditorState& state, const InputEvent& event, int key, Outbox& out);
+void press_key(const EditorState& state, const InputEvent& event, int key, const ControlsContext& context, Outbox& out);
 void start_drag(EditorState& state, const InputEvent& event, MouseButton button, const ControlsContext& context,
                 Outbox& out);
 void move_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out);
 void finish_drag(EditorState& state, const ControlsContext& context, Outbox& out);
 void cancel_drag(EditorState& state, Outbox& out);
-
-/// Opens the file dialog where it was left.
-void show_file_dialog(EditorState& state, FilePurpose purpose, std::string name = {});
-/// Does what the file dialog's choice is for, and closes it; enters a folder instead where one is chosen, and asks
-/// first where a file would be replaced.
-void accept_file_dialog(EditorState& state, Outbox& out);
-/// Does it with the file that is there already.
-void accept_replacement(EditorState& state, Outbox& out);
 
 /// One stamp of the stiffness or the confirm brush.
 std::optional<Action> brush_action(const EditorState& state, const Document& document, const Vec3& at);

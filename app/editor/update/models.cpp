@@ -15,16 +15,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A study's file that is not there yet.
-fs::path new_study_file() {
-  std::error_code ignored;
-  make_private_folder(studies_folder());  // what is wrong is said where the study is written
-  for (int number = 1;; ++number) {
-    const fs::path path = studies_folder() / ("study-" + std::to_string(number) + ".study.json");
-    if (!fs::exists(path, ignored)) return path;
-  }
-}
-
 bool is_study_case(const Study& study, const fs::path& file) {
   return !file.empty() &&
          std::any_of(study.cases.begin(), study.cases.end(), [&](const StudyCase& one) { return one.file == file; });
@@ -40,6 +30,15 @@ void tell(EditorState& state, const Result<void>& done, const fs::path& path) {
 }
 
 }  // namespace
+
+fs::path new_study_file() {
+  std::error_code ignored;
+  make_private_folder(studies_folder());  // what is wrong is said where the study is written
+  for (int number = 1;; ++number) {
+    const fs::path path = studies_folder() / ("study-" + std::to_string(number) + ".study.json");
+    if (!fs::exists(path, ignored)) return path;
+  }
+}
 
 void Models::take_study(EditorState& state, StudyRead read, const fs::path& path) {
   // What was edited while this one was read belongs to the study before.
@@ -117,37 +116,21 @@ std::vector<std::string> Models::close(ModelsState& models) {
   return faults;
 }
 
-void Models::run(const ModelsCommand& command, EditorState& state, const Snapshot& snapshot, Outbox& out) {
-  ModelsState& models = state.models;
-  if (const auto* open = std::get_if<OpenStudy>(&command)) {
-    open_study(open->path);
-  } else if (const auto* made = std::get_if<NewStudy>(&command)) {
-    new_study(made->path);
-  } else if (const auto* save = std::get_if<SaveStudyAs>(&command)) {
-    save_study_as(models, save->path);
-  } else if (const auto* add = std::get_if<AddCases>(&command)) {
-    if (add_cases(models, add->paths) == 0) add_notice(state, "These shapes are in the study already.", false);
-    if (models.study_file.empty()) models.study_file = new_study_file();
-  } else if (const auto* phantom = std::get_if<OpenPhantomStudy>(&command)) {
-    phantoms_.start("The phantom study", [organ = phantom->organ](Progress& progress) {
-      return make_phantom_study(organ, studies_folder() / ("phantom-" + std::string(organ_name(organ))), progress);
-    });
-  } else if (const auto* of = std::get_if<OpenCaseOfStudy>(&command)) {
-    open_case(*of, state, snapshot, out);
-  } else if (const auto* shapes = std::get_if<ExportShapes>(&command)) {
-    export_shapes(*shapes, models);
-  } else if (std::holds_alternative<StartEvaluation>(command)) {
-    if (!models.model) return;
-    evaluator_.start("The measures", [model = models.model](Progress& progress) -> Result<Evaluated> {
-      const auto most = static_cast<int>(model->components->shapes()) - 2;
-      const EvaluationOptions options{{std::min(most, static_cast<int>(model->model.modes()))}};
-      auto evaluation = evaluate_model(*model->components, model->topology, options, &progress);
-      if (!evaluation) return fail(evaluation.error());
-      return Evaluated{model, std::move(*evaluation)};
-    });
-  } else if (std::holds_alternative<CancelEvaluation>(command)) {
-    evaluator_.cancel();
-  }
+void Models::open_phantom_study(Organ organ) {
+  phantoms_.start("The phantom study", [organ](Progress& progress) {
+    return make_phantom_study(organ, studies_folder() / ("phantom-" + std::string(organ_name(organ))), progress);
+  });
+}
+
+void Models::start_evaluation(const ModelsState& models) {
+  if (!models.model) return;
+  evaluator_.start("The measures", [model = models.model](Progress& progress) -> Result<Evaluated> {
+    const auto most = static_cast<int>(model->components->shapes()) - 2;
+    const EvaluationOptions options{{std::min(most, static_cast<int>(model->model.modes()))}};
+    auto evaluation = evaluate_model(*model->components, model->topology, options, &progress);
+    if (!evaluation) return fail(evaluation.error());
+    return Evaluated{model, std::move(*evaluation)};
+  });
 }
 
 void Models::open_case(const OpenCaseOfStudy& command, EditorState& state, const Snapshot& snapshot, Outbox& out) {
@@ -155,7 +138,7 @@ void Models::open_case(const OpenCaseOfStudy& command, EditorState& state, const
   const StudyCase* one = find_case(models.study, command.name);
   if (one == nullptr) return;
   if (!is_case_file(one->file)) return repair_case(*one, command, state);
-  models.repair = RepairPlace{one->file, one->frame, command.landmark};
+  models.repair = RepairPlace{one->file, one->frame, command.vertex};
   models.shown = false;
   if (snapshot.file != one->file) return out.send(OpenFiles{{one->file}});
   if (const auto frame = show_repair(state, snapshot)) out.send(ShowFrame{*frame});
@@ -215,10 +198,10 @@ std::optional<int> Models::show_repair(EditorState& state, const Snapshot& snaps
   const auto shape = document.shapes.find(frame);
   if (shape == document.shapes.end()) return std::nullopt;
   const Points& points = *shape->second.points;
-  if (repair->landmark && *repair->landmark < points.rows()) {
+  if (repair->vertex && *repair->vertex < points.rows()) {
     const Mesh mesh{document.reference->topology, points};
-    state.crosshair_mm = state.camera.target = points.row(*repair->landmark);
-    look_from_outside(state.camera, vertex_normals(mesh).row(*repair->landmark));
+    state.crosshair_mm = state.camera.target = points.row(*repair->vertex);
+    look_from_outside(state.camera, vertex_normals(mesh).row(*repair->vertex));
     state.tool = MouseTool::slide;
   }
   return frame == document.frame ? std::nullopt : std::optional(frame);

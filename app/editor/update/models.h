@@ -22,7 +22,14 @@ class Models {
   explicit Models(std::function<void()> wake)
       : builder_(wake), evaluator_(wake), phantoms_(wake), exporter_(wake), files_(std::move(wake)) {}
 
-  void run(const ModelsCommand& command, EditorState& state, const Snapshot& snapshot, Outbox& out);
+  void open_study(const std::filesystem::path& path);
+  void new_study(const std::filesystem::path& path);
+  void save_study_as(const ModelsState& models, const std::filesystem::path& path);
+  void open_phantom_study(Organ organ);
+  void open_case(const OpenCaseOfStudy& command, EditorState& state, const Snapshot& snapshot, Outbox& out);
+  void export_shapes(const ExportShapes& command, const ModelsState& models);
+  void start_evaluation(const ModelsState& models);
+  void cancel_evaluation() { evaluator_.cancel(); }
   /// Takes in what the threads did, and starts what is due. True where there is something new to draw.
   bool update(EditorState& state, const Snapshot& snapshot, double seconds, Outbox& out);
   /// Whether something that was asked for is not done yet.
@@ -54,15 +61,10 @@ class Models {
   using Then = std::function<void(EditorState&, Outbox&)>;
   bool study_is_written(const ModelsState& models) const { return written_revision_ == models.study_revision; }
   void write_study_file(const ModelsState& models);
-  void open_study(const std::filesystem::path& path);
-  void new_study(const std::filesystem::path& path);
-  void save_study_as(const ModelsState& models, const std::filesystem::path& path);
   Result<Then> read_of(const std::filesystem::path& path, const Progress& progress);
   void take_study(EditorState& state, StudyRead read, const std::filesystem::path& path);
   bool take_files(EditorState& state, Outbox& out);
   void repair_case(const StudyCase& one, const OpenCaseOfStudy& command, EditorState& state);
-  void open_case(const OpenCaseOfStudy& command, EditorState& state, const Snapshot& snapshot, Outbox& out);
-  void export_shapes(const ExportShapes& command, const ModelsState& models);
 
   Worker<StudyModelBuilt> builder_;
   Worker<Evaluated> evaluator_;
@@ -74,5 +76,8 @@ class Models {
   std::shared_ptr<const Document> built_document_;  ///< of the open case, where it is one of the study's
   std::vector<std::string> told_;                   ///< sentences about this study that were shown already
 };
+
+/// A study's file that is not there yet.
+std::filesystem::path new_study_file();
 
 }  // namespace homolog

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "app/editor/picking/view_geometry.h"
+#include "app/editor/state/view_geometry.h"
 
 namespace homolog {
 

@@ -40,8 +40,11 @@ void draw_show_toggles(const UiContext& ui, Outbox& out) {
   }};
   for (const Item& item : items) {
     const bool shown = ui.state.preferences.show.*item.part;
-    if (icon_button(ui.theme, item.glyph, item.tip, item.tip, {}, shown, 28))
-      out.change([part = item.part](EditorState& s) { s.preferences.show.*part = !(s.preferences.show.*part); });
+    if (icon_button(ui.theme, item.glyph, item.tip, item.tip, {}, shown, 28)) {
+      ShownParts parts = ui.state.preferences.show;
+      parts.*item.part = !(parts.*item.part);
+      out.send(ShowParts{parts});
+    }
     same_line(ui, 2);
   }
 }
@@ -55,7 +58,7 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
   draw_mode_switch(ui, out);
   same_line(ui, 12);
   if (icon_button(theme, icon::open, "open", "Open an image, a case or a template (Ctrl+O)", {}, false, 28))
-    out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open); });
+    out.send(ShowFileDialog{FilePurpose::open, {}});
   same_line(ui, 2);
   if (icon_button(theme, icon::save, "save", "Save the case (Ctrl+S)", {}, false, 28)) out.send(SaveCase{});
   same_line(ui, 12);
@@ -82,11 +85,10 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
   same_line(ui, 12);
   if (icon_button(theme, icon::fit, "fit", "Everything in view (F)", {}, false, 28)) out.send(FitViews{});
   same_line(ui, 2);
-  if (icon_button(theme, icon::keys, "keys", "Keys and mouse (F1)", {}, false, 28))
-    out.change([](EditorState& s) { s.dialog = KeysDialog{}; });
+  if (icon_button(theme, icon::keys, "keys", "Keys and mouse (F1)", {}, false, 28)) out.send(ShowKeys{});
   same_line(ui, 2);
   if (icon_button(theme, icon::panel, "panel", "Side panel", {}, ui.state.preferences.panel_open, 28))
-    out.change([](EditorState& s) { s.preferences.panel_open = !s.preferences.panel_open; });
+    out.send(ShowPanel{!ui.state.preferences.panel_open});
   end_region();
 }
 
@@ -114,7 +116,7 @@ void draw_tool_strip(const UiContext& ui, Outbox& out) {
     const bool free_of_mesh = item.tool == MouseTool::ruler;
     const std::string refusal = free_of_mesh ? ui.needs_volume() : ui.needs_shape();
     if (icon_button(theme, item.glyph, tool_name(item.tool), item.tip, refusal, ui.state.tool == item.tool, 40))
-      out.change([tool = item.tool](EditorState& s) { s.tool = tool; });
+      out.send(ChooseTool{item.tool});
     if (item.tool == MouseTool::relax || item.tool == MouseTool::landmark || item.tool == MouseTool::confirm)
       gap(theme, 4);
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "app/editor/update/controls.h"
+#include "app/editor/update/keys.h"
 #include "app/editor/widgets/dialog_frame.h"
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
@@ -44,7 +45,7 @@ void end_dialog() {
 namespace {
 
 void close_dialog(Outbox& out) {
-  out.change([](EditorState& s) { s.dialog.reset(); });
+  out.send(CloseDialog{});
 }
 
 void draw_keys(const UiContext& ui, Outbox& out) {
@@ -52,51 +53,29 @@ void draw_keys(const UiContext& ui, Outbox& out) {
     const char* keys;
     const char* does;
   };
-  static constexpr std::array<Row, 15> mouse_rows{{{"Left-drag on the outline", "the tool"},
-                                                   {"Wheel", "slices; while dragging: \xcf\x83"},
-                                                   {"Ctrl+wheel", "zoom"},
-                                                   {"Middle-drag", "pan"},
-                                                   {"Right-drag", "window and level"},
-                                                   {"Shift+mouse", "cross-hair"},
-                                                   {"Double-click", "one view, or all four"},
-                                                   {"Left-drag beside the mesh", "turns the 3D view"},
-                                                   {"Alt while painting", "paints away"},
-                                                   {"Arrows, PgUp, PgDn", "slices, by 1 or 10"},
-                                                   {"1  2  3", "\xcf\x83 small, medium, large"},
-                                                   {"Escape", "cancels a drag"},
-                                                   {"Space", "plays a cine"},
-                                                   {"F", "everything in view"},
-                                                   {"Shift+A P L R S I", "look from that side"}}};
-  static constexpr std::array<Row, 17> key_rows{{{"P", "Pull"},
-                                                 {"G", "Grab"},
-                                                 {"S", "Slide"},
-                                                 {"R", "Relax"},
-                                                 {"M", "Place"},
-                                                 {"L", "Landmarks"},
-                                                 {"B", "Stiffness brush"},
-                                                 {"C", "Confirm"},
-                                                 {"D", "Ruler"},
-                                                 {"N, Shift+N", "snap: here, while dragging"},
-                                                 {"O", "outlines"},
-                                                 {"X", "cross-hair"},
-                                                 {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"},
-                                                 {"Ctrl+O", "open"},
-                                                 {"Ctrl+S, Ctrl+Shift+S", "save, save as"},
-                                                 {"Tab", "case or models"},
-                                                 {"F1", "this list"}}};
+  static constexpr std::array<Row, 9> mouse_rows{{{"Left-drag on the outline", "the tool"},
+                                                  {"Wheel", "slices; while dragging: \xcf\x83"},
+                                                  {"Ctrl+wheel", "zoom"},
+                                                  {"Middle-drag", "pan"},
+                                                  {"Right-drag", "window and level"},
+                                                  {"Shift+mouse", "cross-hair"},
+                                                  {"Double-click", "one view, or all four"},
+                                                  {"Left-drag beside the mesh", "turns the 3D view"},
+                                                  {"Alt while painting", "paints away"}}};
   if (!begin_dialog(ui, "Keys and mouse", 720, 0)) close_dialog(out);
   const Theme& theme = ui.theme;
-  const auto column = [&](const auto& rows, float x_units, float keys_units) {
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      ImGui::SetCursorPos({theme.px(x_units), theme.px(56 + 24 * static_cast<float>(i))});
-      text_line(rows[i].keys, palette::dim);
-      ImGui::SetCursorPos({theme.px(x_units + keys_units), theme.px(56 + 24 * static_cast<float>(i))});
-      text_line(rows[i].does);
-    }
-  };
-  column(mouse_rows, 20, 180);
-  column(key_rows, 400, 164);
-  ImGui::SetCursorPos({theme.px(20), theme.px(56 + 24 * 17)});
+  std::vector<Row> rows(mouse_rows.begin(), mouse_rows.end());
+  for (const KeyRow& row : key_rows(ui.state.models.shown)) rows.push_back({row.keys, row.does});
+  const std::size_t in_column = (rows.size() + 1) / 2;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const float left = i < in_column ? 20 : 380, keys_width = i < in_column ? 180 : 164;
+    const float top = 56 + 24 * static_cast<float>(i % in_column);
+    ImGui::SetCursorPos({theme.px(left), theme.px(top)});
+    text_line(rows[i].keys, palette::dim);
+    ImGui::SetCursorPos({theme.px(left + keys_width), theme.px(top)});
+    text_line(rows[i].does);
+  }
+  ImGui::SetCursorPos({theme.px(20), theme.px(56 + 24 * static_cast<float>(in_column))});
   ImGui::Dummy({theme.px(680), theme.px(4)});
   end_dialog();
 }
@@ -129,10 +108,8 @@ void draw_flip(const UiContext& ui, const FlipDialog& dialog, Outbox& out) {
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   if (button(theme, "Flip RAS to LPS", "Places it where its coordinates say, with x and y negated", {}, half, true)) {
     out.apply(SetPlacement{dialog.placement});
-    out.change([centre = Vec3(dialog.bounds_mm.center())](EditorState& s) {
-      s.crosshair_mm = s.camera.target = centre;
-      s.dialog.reset();
-    });
+    out.send(LookAt{dialog.bounds_mm.center()});
+    close_dialog(out);
   }
   ImGui::SameLine();
   if (button(theme, "Leave it in the middle", "It can be placed by hand", {}, half)) close_dialog(out);
@@ -152,11 +129,7 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
     ImGui::SetCursorPos({buttons, top + theme.px(4)});
     // The word that deletes is not where the first click was.
     const bool asked = dialog.to_discard == found.journal;
-    const auto ask_for = [&](const std::filesystem::path& journal) {
-      out.change([journal](EditorState& s) {
-        if (auto* open = s.dialog ? std::get_if<RecoverDialog>(&*s.dialog) : nullptr) open->to_discard = journal;
-      });
-    };
+    const auto ask_for = [&](const std::filesystem::path& journal) { out.send(AskToDiscard{journal}); };
     if (asked) {
       if (button(theme, "Delete it", "The work in it is lost for good", {}, theme.px(90)))
         out.send(DiscardCase{found.journal});
@@ -164,7 +137,7 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
       if (button(theme, "Keep it", "It is offered again at the next start", {}, theme.px(82), true)) ask_for({});
     } else {
       if (button(theme, "Recover", "Open it as it was", {}, theme.px(90), true)) {
-        out.send(RecoverCase{found.journal});
+        out.send(open_case(found.journal));
         close_dialog(out);
       }
       ImGui::SameLine(0, theme.px(4));
@@ -186,8 +159,7 @@ void draw_replace(const UiContext& ui, const ReplaceDialog& dialog, Outbox& out)
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   if (button(theme, "Replace it", "What it holds now is lost", {}, half)) out.send(AcceptReplacement{});
   ImGui::SameLine();
-  if (button(theme, "Choose another name", "Back to the files", {}, half, true))
-    out.change([files = dialog.files](EditorState& s) { s.dialog = files; });
+  if (button(theme, "Choose another name", "Back to the files", {}, half, true)) out.send(ChooseOtherName{});
   end_dialog();
 }
 
@@ -220,11 +192,7 @@ void draw_spacing(const UiContext& ui, const SpacingDialog& dialog, Outbox& out)
         number_field(theme, format("spacing %d", axis).c_str(), spacing[axis], 0.01, "%.3f", "mm", width, "", released);
   }
   spacing = spacing.cwiseMax(1e-3);
-  if (changed)
-    out.change([spacing](EditorState& s) {
-      if (s.dialog)
-        if (auto* open = std::get_if<SpacingDialog>(&*s.dialog)) open->spacing_mm = spacing;
-    });
+  if (changed) out.send(SetStackSpacing{spacing});
   gap(theme, 4);
   if (button(theme, "Open", "With these voxels", {}, ImGui::GetContentRegionAvail().x, true)) {
     OpenRequest request = dialog.request;

@@ -19,7 +19,7 @@ struct EditorPictureOptions {
   float scale = 1;
   std::function<void(EditorState&)> arrange;
   std::optional<Action> preview;
-  std::optional<ModelsCommand> models;      ///< done when the study's model is made
+  std::optional<Command> models;            ///< done when the study's model is made
   std::vector<DrawnItem>* items = nullptr;  ///< gets the controls and texts of the picture
 };
 Result<Picture> editor_picture(EditSession session, const EditorPictureOptions& options);

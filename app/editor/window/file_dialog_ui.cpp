@@ -2,7 +2,7 @@
 #include <chrono>
 #include <ctime>
 
-#include "app/editor/update/controls.h"
+#include "app/editor/update/file_purposes.h"
 #include "app/editor/widgets/dialog_frame.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
@@ -10,14 +10,6 @@
 namespace homolog {
 
 namespace {
-
-/// A change of the browser, done after the frame.
-void change_browser(Outbox& out, std::function<void(FileBrowser&)> change) {
-  out.change([change = std::move(change)](EditorState& s) {
-    if (s.dialog)
-      if (auto* files = std::get_if<FileDialog>(&*s.dialog)) change(files->browser);
-  });
-}
 
 std::string size_text(std::uintmax_t bytes) {
   const auto value = static_cast<double>(bytes);
@@ -64,23 +56,24 @@ AreaState row(const Theme& theme, const RowTexts& texts, bool selected, const st
   return state;
 }
 
-void draw_places(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
+void draw_places(const UiContext& ui, const FileDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
+  const FileBrowser& browser = dialog.browser;
   caption(theme, "Places");
   for (const auto& place : browser.places) {
     const Part part(place.path.string(), "place");
     if (row(theme, {icon::folder, place.name, "", ""}, place.path == browser.folder).clicked)
-      change_browser(out, [path = place.path](FileBrowser& b) { enter_folder(b, path); });
+      out.send(EnterFolder{place.path});
   }
   const auto& recent = ui.state.preferences.recent;
-  if (browser.purpose != FilePurpose::open || recent.empty()) return;
+  if (dialog.purpose != FilePurpose::open || recent.empty()) return;
   gap(theme, 8);
   caption(theme, "Recent");
   for (const auto& path : recent) {
     const Part part("recent " + path.string(), "recent file");
     if (row(theme, {icon::history, path.filename().string(), "", ""}, false, path.string()).clicked) {
       out.send(OpenFiles{{path}});
-      out.change([](EditorState& s) { s.dialog.reset(); });
+      out.send(CloseDialog{});
     }
   }
 }
@@ -101,12 +94,8 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
                              {entry.folder ? icon::folder : icon::file, entry.name, date_text(entry.changed),
                               entry.folder ? std::string() : size_text(entry.bytes)},
                              browser.selected == shown);
-      if (state.clicked)
-        change_browser(out, [shown](FileBrowser& b) {
-          select_entry(b, shown);
-          b.scroll_to_selected = false;
-        });
-      if (state.doubled) out.send(AcceptFileDialog{});
+      if (state.clicked) out.send(SelectFile{shown});
+      if (state.doubled) out.send(AcceptFile{});
     }
   }
   if (browser.selected >= 0 && browser.scroll_to_selected)
@@ -118,7 +107,7 @@ void draw_path_bar(const UiContext& ui, const FileBrowser& browser, Outbox& out)
   const Theme& theme = ui.theme;
   if (icon_button(theme, icon::up, "up", "The folder above (Backspace)",
                   browser.folder.has_relative_path() ? "" : "This is the topmost folder.", false, 28))
-    change_browser(out, [](FileBrowser& b) { press_key(b, BrowserKey::parent); });
+    out.send(MoveInFiles{BrowserKey::parent});
   ImGui::SameLine(0, theme.px(8));
   ImGui::AlignTextToFramePadding();
   text_line(shortened(browser.folder.string(), ImGui::GetContentRegionAvail().x), palette::dim);
@@ -126,7 +115,7 @@ void draw_path_bar(const UiContext& ui, const FileBrowser& browser, Outbox& out)
 
 std::string refusal_of(const FileBrowser& browser) {
   if (browser.selected >= 0 || !browser.name.empty()) return {};
-  return saves(browser.purpose) ? "Type a name first." : "Choose a file first.";
+  return browser.kind.saves ? "Type a name first." : "Choose a file first.";
 }
 
 }  // namespace
@@ -134,13 +123,12 @@ std::string refusal_of(const FileBrowser& browser) {
 void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   const FileBrowser& browser = dialog.browser;
-  const auto close = [](EditorState& s) { s.dialog.reset(); };
-  if (!begin_dialog(ui, purpose_title(dialog.purpose), 860, 580)) out.change(close);
+  if (!begin_dialog(ui, file_purpose(dialog.purpose).title, 860, 580)) out.send(CloseDialog{});
   draw_path_bar(ui, browser, out);
   const float footer = theme.px(28) + theme.px(8) * 2 + theme.px(24);
   ImGui::BeginChild("places", {theme.px(180), -footer});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
-  draw_places(ui, browser, out);
+  draw_places(ui, dialog, out);
   ImGui::PopStyleVar();
   ImGui::EndChild();
   ImGui::SameLine(0, theme.px(12));
@@ -151,7 +139,7 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   ImGui::EndChild();
   gap(theme, 2);
 
-  const bool saving = saves(dialog.purpose);
+  const bool saving = browser.kind.saves;
   const bool several = dialog.purpose == FilePurpose::add_shapes;
   const float buttons = theme.px(96) * 2 + theme.px(8) + (several ? theme.px(132) : 0);
   const float room = ImGui::GetContentRegionAvail().x - buttons - theme.px(12);
@@ -161,22 +149,17 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   text_field(theme, "name", name, saving ? "Name" : "Type to filter", room, 28);
   const bool entered = enter_pressed();
   if (entered) ImGui::SetKeyboardFocusHere(-1);
-  if (name != browser.name)
-    change_browser(out, [name](FileBrowser& b) {
-      b.name = name;
-      b.selected = saves(b.purpose) || name.empty() ? -1 : 0;
-    });
-  if (entered) out.send(AcceptFileDialog{});
+  if (name != browser.name) out.send(TypeFileName{name});
+  if (entered) out.send(AcceptFile{});
   ImGui::SameLine(0, theme.px(12));
-  if (button(theme, "Cancel", "Escape", {}, theme.px(96))) out.change(close);
+  if (button(theme, "Cancel", "Escape", {}, theme.px(96))) out.send(CloseDialog{});
   ImGui::SameLine(0, theme.px(8));
   if (several) {
     const auto files = visible_files(browser);
     if (button(theme, format("Add all %zu", files.size()), "Adds all files in the list. Type a name to list fewer",
                files.empty() ? "There is no shape in the list." : "", theme.px(124))) {
       out.send(AddCases{files});
-      out.change([folder = browser.folder](EditorState& s) { s.preferences.folder = folder; });
-      out.change(close);
+      out.send(CloseDialog{});
     }
     ImGui::SameLine(0, theme.px(8));
   }
@@ -190,17 +173,13 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
              opens_folder ? std::string() : refusal_of(browser), theme.px(96), true)) {
     if (opens_folder) {
       out.send(OpenFiles{{browser.folder}});
-      out.change(close);
+      out.send(CloseDialog{});
     } else {
-      out.send(AcceptFileDialog{});
+      out.send(AcceptFile{});
     }
   }
   bool all = browser.show_all;
-  if (toggle(theme, "All files, also hidden ones", all, "Shows files of other kinds too"))
-    change_browser(out, [all](FileBrowser& b) {
-      b.show_all = all;
-      refresh(b);
-    });
+  if (toggle(theme, "All files, also hidden ones", all, "Shows files of other kinds too")) out.send(ShowAllFiles{all});
   end_dialog();
 }
 

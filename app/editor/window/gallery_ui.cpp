@@ -46,7 +46,7 @@ void draw_marker(ImDrawList& draw, const Theme& theme, const ModelsState& state,
 
 /// The vertex that is shown in all cells: the hovered one, else the pinned one.
 std::optional<Eigen::Index> marked_landmark(const ModelsState& state) {
-  return state.hover ? std::optional(state.hover->landmark) : state.pinned;
+  return state.hover ? std::optional(state.hover->vertex) : state.pinned;
 }
 
 ImU32 name_colour(const StudyModel& model, std::size_t shape, bool pointed) {
@@ -76,9 +76,8 @@ void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, s
 }
 
 std::string place_text(const StudyModel& model, const GalleryPlace& place) {
-  const Vec3 apart = model.shapes[place.shape]->row(place.landmark) - model.mean.points.row(place.landmark);
-  return format("%s, vertex %td: %.2f mm from the mean", model.names[place.shape].c_str(), place.landmark,
-                apart.norm());
+  const Vec3 apart = model.shapes[place.shape]->row(place.vertex) - model.mean.points.row(place.vertex);
+  return format("%s, vertex %td: %.2f mm from the mean", model.names[place.shape].c_str(), place.vertex, apart.norm());
 }
 
 void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
@@ -99,15 +98,10 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
     ImGui::SetCursorPos({rect.width - theme.px(24) * static_cast<float>(8 - i), theme.px(2)});
     if (icon_button(theme, letters[i], names[i],
                     format("Look from %s (Shift+%s), as the first shape lies", names[i], letters[i]), {}, false, 24))
-      out.change([from = directions[i]](EditorState& s) {
-        const Camera3D camera = camera_from(from, Box());
-        s.models.camera.to_eye = camera.to_eye;
-        s.models.camera.up = camera.up;
-      });
+      out.send(LookFromSideInGallery{directions[i]});
   }
   ImGui::SetCursorPos({rect.width - theme.px(28), theme.px(2)});
-  if (icon_button(theme, icon::fit, "fit", "All shapes in view (F)", {}, false, 24))
-    out.change([](EditorState& s) { fit_gallery(s.models); });
+  if (icon_button(theme, icon::fit, "fit", "All shapes in view (F)", {}, false, 24)) out.send(FitGallery{});
 }
 
 void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
@@ -118,7 +112,7 @@ void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   ImGui::SetCursorPos({theme.px(8), theme.px(30)});
   if (icon_button(theme, icon::glyphs, "glyphs", "Glyphs: balls on some vertices, in the vertex's hue",
                   model.topology ? "" : "Shapes without faces show all their points.", state.glyphs, 28))
-    out.change([](EditorState& s) { s.models.glyphs = !s.models.glyphs; });
+    out.send(ShowGalleryGlyphs{!state.glyphs});
   ImGui::SetCursorPos({theme.px(44), theme.px(32)});
   ImGui::BeginChild("spacing", {theme.px(292), theme.px(24)});
   double spacing_mm = state.glyph_spacing_mm;
@@ -129,7 +123,7 @@ void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
              !model.topology ? "Shapes without faces show all their points."
              : state.glyphs  ? ""
                              : "Glyphs are switched off."))
-    out.change([spacing_mm](EditorState& s) { s.models.glyph_spacing_mm = spacing_mm; });
+    out.send(SpaceGalleryGlyphs{spacing_mm});
   ImGui::EndChild();
   const auto& at = state.hover;
   std::string text;
@@ -153,19 +147,10 @@ void steer(const UiContext& ui, double side_px, Outbox& out) {
     const bool turns = ImGui::IsMouseDragging(ImGuiMouseButton_Left, ui.theme.px(3));
     const bool pans = ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle);
     if (turns || pans)
-      out.change([=](EditorState& s) {
-        s.models.turning = true;
-        s.models.hover.reset();
-        if (pans)
-          pan_gallery(s.models, right_px, down_px, side_px);
-        else
-          s.models.camera = turned(s.models.camera, right_px, down_px);
-      });
+      out.send(pans ? Command(PanGallery{right_px, down_px, side_px}) : TurnGallery{right_px, down_px});
   }
-  if (ImGui::IsItemDeactivated() && ui.state.models.turning)
-    out.change([](EditorState& s) { s.models.turning = false; });
-  if (ImGui::IsItemHovered() && io.MouseWheel != 0)
-    out.change([steps = io.MouseWheel](EditorState& s) { zoom_gallery(s.models, static_cast<double>(steps)); });
+  if (ImGui::IsItemDeactivated() && ui.state.models.turning) out.send(LetGoOfGallery{});
+  if (ImGui::IsItemHovered() && io.MouseWheel != 0) out.send(ZoomGallery{static_cast<double>(io.MouseWheel)});
 }
 
 void draw_cells(const UiContext& ui, const RectPx& room, Outbox& out) {
@@ -180,14 +165,14 @@ void draw_cells(const UiContext& ui, const RectPx& room, Outbox& out) {
   const bool hovered = ImGui::IsItemHovered() && !state.turning;
   const auto place =
       hovered ? place_at(state, grid, io.MousePos.x, io.MousePos.y, ui.theme.scale) : std::optional<GalleryPlace>();
-  if (place != state.hover && !state.turning) out.change([place](EditorState& s) { s.models.hover = place; });
+  if (place != state.hover && !state.turning) out.send(PointAtVertex{place});
   if (cells.doubled) {
-    out.change([place](EditorState& s) { place ? pin_landmark(s.models, *place, true) : unpin(s.models); });
+    out.send(PinVertex{place, true});
   } else if (ImGui::IsItemDeactivated() && !moved_far && ImGui::IsMouseReleased(ImGuiMouseButton_Left)) {
     if (place)
-      out.change([place](EditorState& s) { pin_landmark(s.models, *place, false); });
+      out.send(PinVertex{place, false});
     else if (const auto shape = grid.shape_at(io.MousePos.x, io.MousePos.y); shape && !state.turning)
-      out.change([name = state.model->names[*shape]](EditorState& s) { s.models.selected = name; });
+      out.send(SelectCase{state.model->names[*shape]});
   }
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   for (std::size_t k = 0; k < grid.shapes; ++k) draw_cell(draw, ui, grid, k);
@@ -221,10 +206,10 @@ void draw_start(const UiContext& ui, const RectPx& room, Outbox& out) {
     gap(theme, 4);
     if (button(theme, std::string(icon::plus) + "  Add meshes\xe2\x80\xa6", "PLY, VTK, VTP, OBJ, .particles or cases",
                {}, ImGui::GetContentRegionAvail().x, true))
-      out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::add_shapes); });
+      out.send(ShowFileDialog{FilePurpose::add_shapes, {}});
     if (button(theme, std::string(icon::open) + "  Open a study\xe2\x80\xa6", "A .study.json file (Ctrl+O)", {},
                ImGui::GetContentRegionAvail().x))
-      out.change([](EditorState& s) { show_file_dialog(s, FilePurpose::open_study); });
+      out.send(ShowFileDialog{FilePurpose::open_study, {}});
     gap(theme, 4);
     draw_phantom_buttons(ui, out);
   }

@@ -31,8 +31,7 @@ void draw_models_top_bar(const UiContext& ui, Outbox& out) {
   const std::string path = ui.state.models.study_file.string();
   if (!path.empty() && ImGui::IsMouseHoveringRect(at, {at.x + size.x, at.y + size.y})) tooltip(theme, path);
   ImGui::SetCursorPos({bar.width - theme.px(36), theme.px(8)});
-  if (icon_button(theme, icon::keys, "keys", "Keys and mouse (F1)", {}, false, 28))
-    out.change([](EditorState& s) { s.dialog = KeysDialog{}; });
+  if (icon_button(theme, icon::keys, "keys", "Keys and mouse (F1)", {}, false, 28)) out.send(ShowKeys{});
   end_region();
 }
 
@@ -71,7 +70,7 @@ void draw_mode_switch(const UiContext& ui, Outbox& out) {
   int mode = ui.state.models.shown ? 1 : 0;
   if (choice(ui.theme, "mode", {"Case", "Models"}, mode,
              {"One image with its mesh (Tab)", "The study's shapes, their model and its measures (Tab)"}))
-    out.change([mode](EditorState& s) { s.models.shown = mode == 1; });
+    out.send(ShowModels{mode == 1});
   ImGui::EndChild();
 }
 

@@ -31,9 +31,7 @@ void end_card(const UiContext& ui, float& bottom_px) {
 }
 
 void dismiss_notice(std::size_t index, Outbox& out) {
-  out.change([index](EditorState& s) {
-    if (index < s.notices.size()) s.notices.erase(s.notices.begin() + static_cast<std::ptrdiff_t>(index));
-  });
+  out.send(DismissNotice{index});
 }
 
 void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbox& out) {
@@ -47,7 +45,7 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   if (!notice.case_before.empty()) {
     ImGui::SetCursorPosX(theme.px(36));
     if (button(theme, "Open it again", notice.case_before.string(), {}, theme.px(140), true)) {
-      out.send(RecoverCase{notice.case_before});
+      out.send(open_case(notice.case_before));
       dismiss_notice(index, out);
     }
   }

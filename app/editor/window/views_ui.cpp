@@ -36,7 +36,7 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
   const bool whole = ui.state.maximised == kind;
   if (icon_button(theme, whole ? icon::unfit : icon::fit, "maximise",
                   whole ? "All four views (double-click)" : "This view alone (double-click)", {}, false, 24))
-    out.change([kind, whole](EditorState& s) { s.maximised = whole ? std::nullopt : std::optional(kind); });
+    out.send(MaximiseView{whole ? std::nullopt : std::optional(kind)});
   if (kind == ViewKind::space && rect.width > theme.px(260)) {
     static constexpr std::array<LookFrom, 6> directions{LookFrom::anterior, LookFrom::posterior, LookFrom::left,
                                                         LookFrom::right,    LookFrom::superior,  LookFrom::inferior};
@@ -46,7 +46,7 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
       ImGui::SetCursorPos({rect.width - side * static_cast<float>(8 - i) - theme.px(4), top});
       if (icon_button(theme, letters[i], names[i], format("Look from %s (Shift+%s)", names[i], letters[i]), {}, false,
                       24))
-        out.change([from = directions[i]](EditorState& s) { look_from(s, from); });
+        out.send(LookFromSide{directions[i]});
     }
   }
   end_region();

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/state/outcomes.h"
 #include "app/editor/work/worker.h"
 #include "core/case/action.h"
 #include "core/fit/mask_fit.h"
@@ -14,24 +15,10 @@
 
 namespace homolog {
 
-/// What the panel says about a fit.
-struct FitSettings {
-  int label = 0;           ///< 0: the label map's first
-  double closing_mm = 1;   ///< radius: narrower clefts are filled
-  bool as_placed = false;  ///< starts where the template is; else its place is found
-};
-
 /// A label map with its name, for sentences.
 struct NamedLabels {
   std::shared_ptr<const Volume> volume;
   std::string name;
-};
-
-/// A finished fit or refinement: the edit, and what it is judged by.
-struct Fitted {
-  SetPoints edit;
-  Agreement agreement;               ///< of a fit, with the boundary
-  std::vector<std::string> remarks;  ///< each a sentence
 };
 
 /// Fits the shown frame's template to a label, or to the surface that the mesh has already (see refine), on a thread of

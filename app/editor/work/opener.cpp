@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cctype>
 
+#include "app/editor/state/file_browser.h"
+#include "app/editor/state/file_extensions.h"
 #include "app/editor/update/demo.h"
-#include "app/editor/update/file_browser.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
 
@@ -125,10 +126,10 @@ Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
   for (const fs::path& path : paths) {
     std::error_code ignored;
     const bool folder = fs::is_directory(path, ignored);
-    if (!folder && ends_with_any(path, purpose_extensions(FilePurpose::save_case))) {
+    if (!folder && ends_with_any(path, {case_extension})) {
       if (!request.case_file.empty()) return fail(path.string(), "is a second case; open one case at a time");
       request.case_file = absolute_path(path);  // as studies name it
-    } else if (!folder && ends_with_any(path, purpose_extensions(FilePurpose::open_template))) {
+    } else if (!folder && ends_with_any(path, mesh_extensions())) {
       if (!request.template_source.empty()) return fail(path.string(), "is a second template; open one at a time");
       request.template_source = path.string();
     } else {

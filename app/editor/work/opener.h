@@ -7,22 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/state/open_request.h"
 #include "app/editor/work/worker.h"
 #include "core/case/case_file.h"
 #include "core/phantom/phantom.h"
 
 namespace homolog {
-
-/// What is to be opened; empty parts are not asked for.
-struct OpenRequest {
-  std::filesystem::path case_file;
-  std::string volume_source;  ///< beside a case: where its image lies now
-  VolumeReadOptions volume_options;
-  std::string template_source;  ///< path, or "built-in:kidney"
-  std::filesystem::path labels;
-  std::optional<std::pair<Organ, int>> demo;  ///< a phantom's subject, with its template placed
-  std::shared_ptr<const Volume> beside;       ///< the image on the screen: a label map on its voxels is shown over it
-};
 
 /// Sorts paths into a case, a volume, a template, by their names. Errors: more than one of a kind, a case with a
 /// template.

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "core/base/json.h"
 #include "core/case/unsaved_cases.h"
 
 namespace homolog {

@@ -4,24 +4,12 @@
 #include <optional>
 #include <string>
 
+#include "app/editor/state/outcomes.h"
 #include "core/base/progress.h"
 #include "core/case/session_thread.h"
 #include "core/snap/snap_document.h"
 
 namespace homolog {
-
-struct SnapSettings;
-
-/// What a snap found.
-struct SnapFound {
-  Points points;
-  std::shared_ptr<const VertexScalars> confidence;  ///< per vertex, 0…1
-  double mean_confidence = 0, moved_mm = 0, seconds = 0;
-  bool doubtful = false;
-  std::string warning;  ///< a sentence; empty where there is none
-
-  bool is_of(const Points& shape) const { return shape.rows() == points.rows() && shape == points; }
-};
 
 /// Whether a tool carries the surface to another place, which a snap and the model's help carry on from.
 bool moves_boundary(Tool tool);

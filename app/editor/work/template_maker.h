@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/state/outcomes.h"
 #include "app/editor/work/mailbox.h"
 #include "app/editor/work/worker.h"
 #include "core/mesh/mesh_quality.h"
@@ -13,35 +14,6 @@
 #include "core/template/tube_template.h"
 
 namespace homolog {
-
-/// What a template is to be made of, as the panel holds it.
-struct TemplateSettings {
-  int label = 0;  ///< 0: the label map's first
-  bool tube = false;
-  MaskTemplateOptions mask;
-  TubeTemplateOptions tube_options;
-  int outer_label = 0;  ///< 0: one sheet
-  bool axis_by_ruler = false;
-};
-
-/// The making of a template as it stands, from the first stage to the finished mesh.
-struct TemplateMaking {
-  struct Stage {
-    std::string name;
-    std::shared_ptr<const Mesh> surface;
-    double seconds = 0;  ///< since the start
-  };
-  TemplateSettings settings;
-  std::string source;  ///< name of the label map
-  std::vector<Stage> stages;
-  bool done = false;
-  // Of a finished one.
-  std::optional<Mesh> mesh;
-  MeshQuality quality;
-  SurfaceDistance to_mask, from_mask;
-  std::vector<std::string> remarks;  ///< warnings, and what was left out or filled, each a sentence
-  std::string error;                 ///< the sentence, where it failed
-};
 
 /// Makes templates beside the window, one at a time. Called from the window's thread only.
 class TemplateMaker {

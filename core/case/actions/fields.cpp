@@ -41,6 +41,22 @@ void Fields::read(const Json& from, const char*, double& to) {
   to = from.get<double>();
 }
 
+void Fields::read(const Json& from, const char*, std::size_t& to) {
+  to = from.get<std::size_t>();
+}
+
+void Fields::read(const Json& from, const char*, std::filesystem::path& to) {
+  to = from.get<std::string>();
+}
+
+void Fields::read(const Json& from, const char*, std::vector<std::string>& to) {
+  to = from.get<std::vector<std::string>>();
+}
+
+void Fields::read(const Json& from, const char*, Json& to) {
+  to = from;
+}
+
 void Fields::read(const Json& from, const char*, std::string& to) {
   to = from.get<std::string>();
 }
@@ -61,6 +77,10 @@ void Fields::read(const Json& from, const char* key, Eigen::Quaterniond& to) {
   if (!(to.norm() > 1e-6)) throw Unreadable{name + " is zero"};
   // A quaternion that is unit to the last digits is taken as it is, so that what was written reads back the same.
   if (std::abs(to.norm() - 1) > 1e-9) to.normalize();
+}
+
+Fields::Json Fields::written(const std::filesystem::path& value) {
+  return value.string();
 }
 
 Fields::Json Fields::written(const Vec3& value) {

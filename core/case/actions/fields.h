@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -106,7 +107,11 @@ class Fields {
   static void read(const Json& from, const char* key, int& to);  ///< 0 … 1,000,000
   static void read(const Json& from, const char* key, std::int64_t& to);
   static void read(const Json& from, const char* key, double& to);
+  static void read(const Json& from, const char* key, std::size_t& to);
   static void read(const Json& from, const char* key, std::string& to);
+  static void read(const Json& from, const char* key, std::filesystem::path& to);
+  static void read(const Json& from, const char* key, std::vector<std::string>& to);
+  static void read(const Json& from, const char* key, Json& to);
   static void read(const Json& from, const char* key, std::vector<double>& to);
   static void read(const Json& from, const char* key, Vec3& to);
   static void read(const Json& from, const char* key, Eigen::Quaterniond& to);  ///< a rotation
@@ -114,6 +119,7 @@ class Fields {
   static Json written(const Value& value) {
     return value;
   }
+  static Json written(const std::filesystem::path& value);
   static Json written(const Vec3& value);
   static Json written(const Eigen::Quaterniond& value);
 

@@ -10,6 +10,7 @@
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "tests/driver.h"
+#include "tests/failing_memory.h"
 #include "tests/must.h"
 
 // What a person does with the panels, done to the panels themselves: what is asserted is the document, the case's file
@@ -162,8 +163,9 @@ TEST_CASE("landmark files are read beside the window and taken into the case tha
   CHECK(driver.shows("far (360 mm)"));
 
   // Asked for before another case was opened.
-  driver.app().send(ImportLandmarks{placed});
-  driver.app().send(ChangeState{[&](EditorState&) { driver.app().start_session(EditSession(ball.document())); }});
+  driver.app().send(ImportLandmarks{{placed}});
+  driver.app().handle({MouseMove{}});  // does the command, and takes nothing in yet
+  driver.app().start_session(EditSession(ball.document()));
   driver.wait_until("that is said", [&] { return driver.shows("was read for the case before"); });
   CHECK(driver.document().shape().landmarks.empty());
 }
@@ -201,14 +203,18 @@ TEST_CASE("a study's file is kept up to date beside the window") {
 TEST_CASE("a command that fails ends in a sentence and takes nothing else with it") {
   const Ball ball;
   Driver driver(ball.document());
-  driver.app().send(ChangeState{[](EditorState&) { throw std::bad_alloc(); }});
-  driver.app().send(ChangeState{
-      [](EditorState&) { throw fs::filesystem_error("", "/gone", std::error_code(2, std::generic_category())); }});
-  driver.app().send(ChangeState{[](EditorState& s) { s.tool = MouseTool::ruler; }});
+  driver.app().send(FilterCases{std::string(2000, 'x')});
+  driver.app().send(ChooseTool{MouseTool::ruler});
+  {
+    const test::MemoryEndsAfter none(0);
+    InputEvent beside{MouseMove{}};
+    beside.over_panel = true;
+    driver.app().handle(beside);
+  }
+  CHECK(driver.state().models.filter.empty());
+  CHECK(driver.state().tool == MouseTool::ruler);
   driver.frames(2);
   CHECK(driver.shows("This needs more memory than there is"));
-  CHECK(driver.shows("/gone: No such file or directory"));
-  CHECK(driver.state().tool == MouseTool::ruler);
 }
 
 namespace {
@@ -246,7 +252,7 @@ TEST_CASE("every control has a name of its own and lies in the window") {
   driver.press(key::f1);
   CHECK(faults_of(driver, size) == "");
   driver.press(key::escape);
-  show_file_dialog(driver.state(), FilePurpose::open);
+  driver.app().send(ShowFileDialog{FilePurpose::open, {}});
   driver.frames(2);
   CHECK(faults_of(driver, size) == "");
   driver.press(key::escape);

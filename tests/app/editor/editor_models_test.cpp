@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "app/editor/state/gallery.h"
-#include "app/editor/update/controls.h"
+#include "app/editor/update/editing.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
@@ -204,7 +204,7 @@ TEST_CASE("a landmark that is looked at is in the middle of every cell and faces
   ModelsState& state = balls.modelled();
   const GalleryGrid grid = gallery_grid(state.model->shapes.size(), {100, 50, 640, 480});
   const double distance_mm = state.camera.distance_mm;
-  pin_landmark(state, {1, 17}, true);
+  pin_vertex(state, {1, 17}, true);
   CHECK(state.selected == "a2");
   for (std::size_t k = 0; k < grid.shapes; ++k) {
     const Points& points = *state.model->shapes[k];
@@ -242,7 +242,9 @@ TEST_CASE("Tab exchanges case and models and in the models the tools' keys do no
   const Document document = new_document({}, nullptr, nullptr);
   const Layout layout = make_layout(1280, 800, 1, {});
   const auto press = [&](int key) {
-    press_key(state, {KeyPress{key}, 0, 0, false, false, false, 0, true}, key, {layout, document, false, false}, out);
+    const ControlsContext context{layout, document, false, false};
+    press_key(state, {KeyPress{key}, 0, 0, false, false, false, 0, true}, key, context, out);
+    for (const Command& command : out.take()) run_on_state(command, state, context, out);
   };
   press('G');
   CHECK(state.tool == MouseTool::grab);

@@ -1,5 +1,6 @@
 #include <fstream>
 
+#include "app/editor/update/file_purposes.h"
 #include "tests/desk.h"
 #include "tests/temporary_folder.h"
 
@@ -25,20 +26,20 @@ TEST_CASE("saving takes the typed name and asks before it replaces a file") {
   std::ofstream(folder.path / "old.homolog") << "kept";
   Desk desk;
   desk.state.preferences.folder = folder.path;
-  show_file_dialog(desk.state, FilePurpose::save_case, "new");
+  desk.give(ShowFileDialog{FilePurpose::save_case, "new"});
   desk.press(key::enter);
   auto saved = desk.sent<SaveCaseAs>();
   REQUIRE(saved.size() == 1);
   CHECK(saved[0].path == folder.path / "new.homolog");
 
-  show_file_dialog(desk.state, FilePurpose::save_case, "new");
+  desk.give(ShowFileDialog{FilePurpose::save_case, "new"});
   desk.press(key::down);
   CHECK(std::get<FileDialog>(*desk.state.dialog).browser.name == "old.homolog");
   desk.press(key::enter);
   CHECK(desk.sent<SaveCaseAs>().empty());
   REQUIRE(desk.state.dialog);
   REQUIRE(std::holds_alternative<ReplaceDialog>(*desk.state.dialog));
-  accept_replacement(desk.state, desk.out);
+  desk.give(AcceptReplacement{});
   saved = desk.sent<SaveCaseAs>();
   REQUIRE(saved.size() == 1);
   CHECK(saved[0].path == folder.path / "old.homolog");
@@ -57,10 +58,11 @@ TEST_CASE("a maximised view shows what it showed larger and then as before") {
 TEST_CASE("opening takes a file that is there without a question") {
   const TemporaryFolder folder;
   std::ofstream(folder.path / "points.mrk.json") << "{}";
-  for (const FilePurpose purpose : {FilePurpose::open_landmarks, FilePurpose::open}) CHECK_FALSE(saves(purpose));
+  for (const FilePurpose purpose : {FilePurpose::open_landmarks, FilePurpose::open})
+    CHECK_FALSE(file_purpose(purpose).files.saves);
   Desk desk;
   desk.state.preferences.folder = folder.path;
-  show_file_dialog(desk.state, FilePurpose::open_landmarks, "points");
+  desk.give(ShowFileDialog{FilePurpose::open_landmarks, "points"});
   desk.press(key::down);
   desk.press(key::enter);
   CHECK(desk.sent<ImportLandmarks>().size() == 1);

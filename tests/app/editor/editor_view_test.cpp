@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
 #include "app/editor/picking/picking.h"
-#include "app/editor/picking/view_geometry.h"
 #include "app/editor/state/layout.h"
+#include "app/editor/state/view_geometry.h"
 #include "core/mesh/icosphere.h"
 #include "tests/render_help.h"
 

@@ -56,6 +56,21 @@ TEST_CASE("no queued action is lost and they come in order") {
   CHECK(wakes >= 41);
 }
 
+TEST_CASE("a session is busy until what was posted is done") {
+  SessionThread thread(EditSession(ball()), nullptr);
+  CHECK_FALSE(thread.busy());
+  std::atomic<bool> go{false};
+  thread.apply_computed([&](const Document&) -> Result<std::optional<Action>> {
+    while (!go) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return std::optional<Action>();
+  });
+  thread.apply(pull(45));
+  CHECK(thread.busy());
+  go = true;
+  REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.committed == 2; }));
+  CHECK_FALSE(thread.busy());
+}
+
 TEST_CASE("the latest preview wins and its end shows the document again") {
   SessionThread thread(EditSession(ball()), nullptr);
   for (double to = 40; to <= 50; to += 0.05) thread.preview(pull(to));

@@ -1,4 +1,4 @@
-#include "app/editor/picking/view_geometry.h"
+#include "app/editor/state/view_geometry.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,31 +9,11 @@
 
 namespace homolog {
 
-/// What a path is wanted for; decides the title, the kinds of files shown, and whether the name may be new.
-enum class FilePurpose {
-  open,
-  open_template,
-  open_labels,
-  open_landmarks,
-  open_stiffness,
-  open_template_landmarks,
-  open_study,
-  open_study_template,
-  add_shapes,
-  save_case,
-  export_mesh,
-  export_label_map,
-  export_landmarks,
-  export_template,
-  export_template_landmarks,
-  use_made_template,
-  export_picture,
-  new_study,
-  save_study,
-  export_model,
-  export_measures,
-  export_plots,
-  export_shapes  ///< a new folder
+/// Which files a dialog is for.
+struct FileKind {
+  bool saves = false;                   ///< the name may be new
+  std::vector<std::string> extensions;  ///< last parts of names that fit, with dot, the default first
+  bool any_volume = false;              ///< DICOM files too, which often have no extension that tells
 };
 
 /// A folder as the file dialog shows it. Free of any interface.
@@ -49,9 +29,9 @@ struct FileBrowser {
     std::filesystem::path path;
   };
 
-  FilePurpose purpose = FilePurpose::open;
+  FileKind kind;
   std::filesystem::path folder;
-  std::vector<Entry> entries;       ///< all that the purpose shows: folders first, then by name
+  std::vector<Entry> entries;       ///< all that fit: folders first, then by name
   std::vector<Place> places;        ///< home, working folder, roots of mounted media
   std::string name;                 ///< typed: filters when opening, the new file's name when saving
   int selected = -1;                ///< index into visible(); −1 nothing
@@ -63,7 +43,7 @@ struct FileBrowser {
   std::vector<int> visible() const;
 };
 
-FileBrowser browse(FilePurpose purpose, const std::filesystem::path& folder, std::string name = {});
+FileBrowser browse(FileKind kind, const std::filesystem::path& folder, std::string name = {});
 /// Goes to another folder and reads it.
 void enter_folder(FileBrowser& browser, const std::filesystem::path& folder);
 void refresh(FileBrowser& browser);
@@ -74,16 +54,11 @@ void select_entry(FileBrowser& browser, int index);
 void press_key(FileBrowser& browser, BrowserKey key);
 
 /// What accepting gives: a chosen path, or nothing where a folder was entered instead (or nothing is chosen).
-/// When saving, only the typed name counts (choosing a file copies its name), and the purpose's extension is added
+/// When saving, only the typed name counts (choosing a file copies its name), and the kind's extension is added
 /// where it has none that fits.
 std::optional<std::filesystem::path> accept(FileBrowser& browser);
 
-/// The files that the typed name leaves, for a purpose that takes several.
+/// The files that the typed name leaves, for dialogs that take several.
 std::vector<std::filesystem::path> visible_files(const FileBrowser& browser);
-
-bool saves(FilePurpose purpose);
-const char* purpose_title(FilePurpose purpose);
-/// The last parts of names that fit, with dot, the default first.
-const std::vector<std::string>& purpose_extensions(FilePurpose purpose);
 
 }  // namespace homolog

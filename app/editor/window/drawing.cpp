@@ -1,22 +1,45 @@
+#include "app/editor/window/drawing.h"
+
 #include <backends/imgui_impl_opengl3.h>
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <utility>
 
-#include "app/editor/editor_app.h"
+#include "app/editor/update/opening.h"
+#include "app/editor/update/results.h"
 #include "app/editor/widgets/plots.h"
 #include "app/editor/window/view_overlay.h"
 
-// Frames of the window, and pictures of it.
-
 namespace homolog {
 
-void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
+Result<void> Drawing::start(float scale) {
+  auto pictures = ViewPictures::make();
+  if (!pictures) return fail(pictures.error());
+  pictures_ = std::move(*pictures);
+  set_scale(scale);
+  return {};
+}
+
+void Drawing::set_scale(float scale) {
+  scale_ = scale;
+  const bool had_texture = pictures_ && theme_;
+  if (had_texture) ImGui_ImplOpenGL3_DestroyFontsTexture();
+  theme_ = make_theme(scale);
+  // ImGui makes the first texture by itself, and only that one.
+  if (had_texture) ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
+void Drawing::forget() {
+  if (pictures_) pictures_->forget();
+}
+
+void Drawing::draw(int width_px, int height_px, double frames_per_second) {
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
                         {state_.maximised, state_.preferences.panel_open, state_.models.shown});
-  if (!state_.models.shown && std::exchange(fit_wanted_, false)) {
-    fit_views(state_, *displayed_, layout_);
-    show_repair();
+  if (!state_.models.shown && std::exchange(state_.fit_views_wanted, false)) {
+    fit_views(state_, shown_.document(), layout_);
+    if (const auto frame = Models::show_repair(state_, shown_.snapshot())) out_.send(ShowFrame{*frame});
   }
   follow_layout(state_, layout_);
   if (pictures_) draw_pictures(width_px, height_px);
@@ -27,7 +50,7 @@ void EditorApp::draw(int width_px, int height_px, double frames_per_second) {
 }
 
 /// What the views and the gallery show, and the background, into the framebuffer that is bound.
-void EditorApp::draw_pictures(int width_px, int height_px) {
+void Drawing::draw_pictures(int width_px, int height_px) {
   GLint target_framebuffer = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target_framebuffer);
   const SceneBuilder::Input input = scene_input(state_);
@@ -41,10 +64,10 @@ void EditorApp::draw_pictures(int width_px, int height_px) {
     views[index_of(kind)] =
         kind == ViewKind::space
             ? pictures_->space(scene, state_.camera, target, state_.drag.has_value())
-            : pictures_->slice(kind, scene, slice_view(state_, kind, geometry_of(*displayed_)), target);
+            : pictures_->slice(kind, scene, slice_view(state_, kind, geometry_of(shown_.document())), target);
   }
   const ModelsLayout models = models_layout(layout_);
-  thumbnails_left_ = state_.models.shown && thumbnails_.draw(state_.models, scale_, pictures_->renderer());
+  draws_on_ = state_.models.shown && thumbnails_.draw(state_.models, scale_, pictures_->renderer());
   if (state_.models.shown) gallery_.draw(state_.models, models, scale_, pictures_->renderer());
   for (auto error : {pictures_->take_error(), gallery_.take_error()})
     if (!error.empty()) add_notice(state_, std::move(error));
@@ -63,7 +86,7 @@ void EditorApp::draw_pictures(int width_px, int height_px) {
   ImGui_ImplOpenGL3_NewFrame();
 }
 
-Result<Picture> EditorApp::picture(const PictureOptions& options) {
+Result<Picture> Drawing::picture(const PictureOptions& options) {
   if (!pictures_) return fail("", "This window draws nothing, so there is no picture of it.");
   auto framebuffer = Framebuffer::make(options.width, options.height, options.view == ViewKind::space ? 4 : 1);
   if (!framebuffer) return fail(framebuffer.error());
@@ -84,7 +107,7 @@ Result<Picture> EditorApp::picture(const PictureOptions& options) {
   return (*framebuffer)->read();
 }
 
-void EditorApp::draw_view_picture(const PictureOptions& options) {
+void Drawing::draw_view_picture(const PictureOptions& options) {
   const ViewKind kind = *options.view;
   const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
   // As large as the view is on the screen; one that is hidden there as it would be beside the others.
@@ -93,33 +116,34 @@ void EditorApp::draw_view_picture(const PictureOptions& options) {
     rect =
         make_layout(layout_.top_bar.width, layout_.status_line.y + layout_.status_line.height, scale_, {}).image(kind);
   const double smaller = std::max(rect.width / width, rect.height / height);
-  EditorState shown = state_;
-  shown.hover.reset();
-  if (kind != ViewKind::space) shown.slices[index_of(kind)].mm_per_px *= smaller;
+  EditorState state = state_;
+  state.hover.reset();
+  if (kind != ViewKind::space) state.slices[index_of(kind)].mm_per_px *= smaller;
   const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / smaller)};
-  const SceneBuilder::Input input = scene_input(shown);
+  const SceneBuilder::Input input = scene_input(state);
   Scene scene = scenes_.scene(input, kind);
   const bool transparent = options.transparent && kind == ViewKind::space;
   if (transparent) scene.background = {0, 0, 0, 0};
-  const auto drawn = kind == ViewKind::space
-                         ? pictures_->renderer().draw(scene, shown.camera, target)
-                         : pictures_->renderer().draw(scene, slice_view(shown, kind, geometry_of(*displayed_)), target);
+  const auto drawn =
+      kind == ViewKind::space
+          ? pictures_->renderer().draw(scene, state.camera, target)
+          : pictures_->renderer().draw(scene, slice_view(state, kind, geometry_of(shown_.document())), target);
   if (!drawn) add_notice(state_, drawn.error().sentence());  // the rest of the scene is there all the same
   if (transparent) return;
 
   // Letters, scale bar, landmarks and ruler: without them nobody can tell the sides of a slice.
   layout_.images[index_of(kind)] = {0, 0, width, height};
-  shown.preferences.hints = {true, true, true};
+  state.preferences.hints = {true, true, true};
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::GetIO().DisplaySize = {width, height};
   ImGui::NewFrame();
-  const UiContext ui = ui_context(shown, 0);
+  const UiContext ui = ui_context(state, 0);
   draw_view_overlay(ui, kind, *ImGui::GetBackgroundDrawList());
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
-Result<Picture> EditorApp::plots_picture(const PictureOptions& options) {
+Result<Picture> Drawing::plots(const PictureOptions& options) {
   if (!pictures_) return fail("", "This window draws nothing, so there is no picture of it.");
   auto framebuffer = Framebuffer::make(options.width, options.height, 1);
   if (!framebuffer) return fail(framebuffer.error());
@@ -132,6 +156,44 @@ Result<Picture> EditorApp::plots_picture(const PictureOptions& options) {
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   return (*framebuffer)->read();
+}
+
+SceneBuilder::Input Drawing::scene_input(const EditorState& state) const {
+  return {state, shown_.displayed(), shown_.snapshot().preview, shown_.labels().volume, shown_making(state, work_)};
+}
+
+UiContext Drawing::ui_context(const EditorState& state, double fps) const {
+  constexpr double shown_after_seconds = 0.5;
+  std::vector<RunningWork> running;
+  const auto show = [&](const char* kind, const std::string& verb, const std::optional<RunningJob>& job, Command cancel,
+                        const char* tip) {
+    if (job && job->seconds > shown_after_seconds)
+      running.push_back({kind, verb + std::filesystem::path(job->subject).filename().string(), tip, std::move(cancel),
+                         job->fraction});
+  };
+  show("opening", "Opening ", work_.opener.running(), CancelOpening{}, "What is open stays as it is");
+  show("reading", "Reading ", work_.imports.running(), CancelReading{}, "The case stays as it is");
+  show("study", "Study: ", work_.models.files_running(), CancelStudyFile{}, "What is not written yet is tried again");
+  if (const auto file = work_.exports.running())
+    show("writing", "Writing ", file, CancelWriting{file->subject},
+         "Nothing is written, and what the file held before stays");
+  return {*theme_,
+          layout_,
+          state,
+          shown_.snapshot(),
+          shown_.displayed(),
+          work_.quality,
+          std::move(running),
+          shown_.labels().volume,
+          shown_.labels().name,
+          shown_.labels().values,
+          work_.template_maker,
+          work_.fitter,
+          work_.study_appearance,
+          thumbnails_,
+          work_.snaps.busy(),
+          shown_making(state, work_) != nullptr,
+          fps};
 }
 
 }  // namespace homolog

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/phantom/phantom.h"
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+/// What is to be opened; empty parts are not asked for.
+struct OpenRequest {
+  std::filesystem::path case_file;
+  std::string volume_source;  ///< beside a case: where its image lies now
+  VolumeReadOptions volume_options;
+  std::string template_source;  ///< path, or "built-in:kidney"
+  std::filesystem::path labels;
+  std::optional<std::pair<Organ, int>> demo;  ///< a phantom's subject, with its template placed
+  std::shared_ptr<const Volume> beside;       ///< the image on the screen: a label map on its voxels is shown over it
+};
+
+}  // namespace homolog

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/editor/state/settings.h"
+#include "core/case/actions/points.h"
+#include "core/measure/compare.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+// What came of the automatic steps.
+
+/// A finished fit or refinement: the edit, and what it is judged by.
+struct Fitted {
+  SetPoints edit;
+  Agreement agreement;               ///< of a fit, with the boundary
+  std::vector<std::string> remarks;  ///< each a sentence
+};
+
+/// What a snap found.
+struct SnapFound {
+  Points points;
+  std::shared_ptr<const VertexScalars> confidence;  ///< per vertex, 0…1
+  double mean_confidence = 0, moved_mm = 0, seconds = 0;
+  bool doubtful = false;
+  std::string warning;  ///< a sentence; empty where there is none
+
+  bool is_of(const Points& shape) const { return shape.rows() == points.rows() && shape == points; }
+};
+
+/// The making of a template as it stands, from the first stage to the finished mesh.
+struct TemplateMaking {
+  struct Stage {
+    std::string name;
+    std::shared_ptr<const Mesh> surface;
+    double seconds = 0;  ///< since the start
+  };
+  TemplateSettings settings;
+  std::string source;  ///< name of the label map
+  std::vector<Stage> stages;
+  bool done = false;
+  // Of a finished one.
+  std::optional<Mesh> mesh;
+  MeshQuality quality;
+  SurfaceDistance to_mask, from_mask;
+  std::vector<std::string> remarks;  ///< warnings, and what was left out or filled, each a sentence
+  std::string error;                 ///< the sentence, where it failed
+};
+
+}  // namespace homolog

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/snap/appearance.h"
+#include "core/snap/edge_search.h"
+#include "core/template/mask_template.h"
+#include "core/template/tube_template.h"
+
+namespace homolog {
+
+// What the panels set for the automatic steps.
+
+/// What the panel says about a fit.
+struct FitSettings {
+  int label = 0;           ///< 0: the label map's first
+  double closing_mm = 1;   ///< radius: narrower clefts are filled
+  bool as_placed = false;  ///< starts where the template is; else its place is found
+};
+
+/// What a template is to be made of, as the panel holds it.
+struct TemplateSettings {
+  int label = 0;  ///< 0: the label map's first
+  bool tube = false;
+  MaskTemplateOptions mask;
+  TubeTemplateOptions tube_options;
+  int outer_label = 0;  ///< 0: one sheet
+  bool axis_by_ruler = false;
+};
+
+/// How a snap looks for the boundary.
+struct SnapSettings {
+  double strength = 1, reach_mm = 10;
+  Polarity polarity = Polarity::automatic;
+  bool with_strokes = false;  ///< the part under the tool is snapped while a stroke is dragged
+  bool show_confidence = true;
+  bool learn = false;                         ///< from the study's cases that are done
+  std::shared_ptr<const Appearance> learned;  ///< what came of that; null where nothing did
+};
+
+}  // namespace homolog

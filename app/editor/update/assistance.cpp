@@ -1,0 +1,138 @@
+#include "app/editor/update/assistance.h"
+
+#include <utility>
+
+namespace homolog {
+
+namespace {
+
+/// Takes back what the model did.
+Result<std::optional<Action>> without_help(const Document& document) {
+  if (!document.has_shape() || !document.shape().unaided) return std::optional<Action>();
+  return std::optional<Action>(points_edit(document, unaided_points(document.shape()), by_model));
+}
+
+void take_fit(Editing& editing, Fitted fitted) {
+  EditorState& state = editing.state;
+  if (fitted.edit.by == by_refinement) {
+    for (const std::string& remark : fitted.remarks) add_notice(state, remark, false);
+    editing.log.is_done(RefineLandmarks{});
+  } else {
+    look_at_mesh(state, *fitted.edit.points);
+    state.last_fit = fitted;
+    if (editing.work.started_fit) editing.log.is_done(*editing.work.started_fit);
+  }
+  editing.shown.session().apply(std::move(fitted.edit));
+}
+
+void ask_model(Editing& editing) {
+  const Snapshot& snapshot = editing.shown.snapshot();
+  const StudyCase* one = find_case(editing.state.models, snapshot.file, snapshot.document->frame);
+  editing.work.model_help.ask(editing.state.models.model, one != nullptr ? one->name : std::string());
+}
+
+}  // namespace
+
+std::vector<Compute> assistance(const Editing& editing, const Action& action) {
+  std::vector<Compute> then;
+  const auto* stroke = std::get_if<Stroke>(&action);
+  if (stroke == nullptr || !moves_boundary(stroke->tool)) return then;
+  const Document& document = editing.shown.document();
+  if (editing.state.snap.with_strokes && document.volume)
+    then.push_back(snap_compute(snap_region(document, *stroke), editing.state.snap));
+  if (auto complete = editing.work.model_help.completion(editing.state.model_help)) then.push_back(std::move(complete));
+  return then;
+}
+
+void cancel_fit(Editing& editing) {
+  if (!editing.work.fitter.busy()) return;
+  editing.work.fitter.cancel();
+  editing.shown.session().preview(std::nullopt);
+}
+
+void follow_fit(Editing& editing) {
+  Fitter& fitter = editing.work.fitter;
+  SessionThread& session = editing.shown.session();
+  if (fitter.document() && fitter.document() != editing.shown.snapshot().document) {
+    cancel_fit(editing);
+    add_notice(editing.state, "The case was edited while the fit ran, so the fit was given up.", false);
+  }
+  if (auto step = fitter.take_step(); step && fitter.busy()) {
+    // The organ may be far from where the template was.
+    if (!std::exchange(editing.work.fit_seen, true)) look_at_mesh(editing.state, *step);
+    session.preview(SetPoints{"fit", std::nullopt, std::move(step)});
+  }
+  if (auto done = fitter.take()) {
+    if (*done) return take_fit(editing, std::move(**done));
+    session.preview(std::nullopt);
+    add_notice(editing.state, done->error().sentence());
+  }
+}
+
+void follow_learning(Editing& editing) {
+  EditorState& state = editing.state;
+  StudyAppearance& appearance = editing.work.study_appearance;
+  for (const std::string& sentence : appearance.update()) add_notice(state, sentence, false);
+  const Snapshot& snapshot = editing.shown.snapshot();
+  const auto& reference = snapshot.document->reference;
+  auto cases = cases_to_learn(state.models.study, snapshot.file);
+  if (!state.snap.learn || !reference || cases.empty())
+    appearance.forget();
+  else
+    appearance.ask(std::move(cases), reference->topology->vertices());
+  state.snap.learned = appearance.learned().appearance;
+}
+
+void blend_model(Editing& editing, const BlendModel& command) {
+  if (!editing.state.models.model || !editing.shown.snapshot().document->has_shape()) return;
+  ask_model(editing);
+  editing.state.model_help = command.strength;
+  SessionThread& session = editing.shown.session();
+  auto complete = editing.work.model_help.completion(command.strength);
+  if (command.strength <= 0) complete = without_help;
+  if (!complete) {
+    session.preview(std::nullopt);
+    editing.work.blend_wanted = command;
+    return;
+  }
+  editing.work.blend_wanted.reset();
+  if (command.commit)
+    session.apply_computed(std::move(complete));
+  else
+    session.preview(std::nullopt, {std::move(complete)});
+}
+
+void follow_model_help(Editing& editing) {
+  EditorState& state = editing.state;
+  Work& work = editing.work;
+  if (const auto error = work.model_help.update()) {
+    add_notice(state, *error);
+    work.blend_wanted.reset();
+    state.model_help = 0;
+  }
+  if (state.model_help <= 0) return;
+  const Document& document = *editing.shown.snapshot().document;
+  if (!state.models.model || !document.has_shape() ||
+      state.models.model->landmarks() != document.reference->topology->vertices()) {
+    state.model_help = 0;
+    return;
+  }
+  ask_model(editing);  // the study may have grown
+  if (work.blend_wanted && !work.model_help.busy()) blend_model(editing, BlendModel(*work.blend_wanted));
+}
+
+bool take_snap(Editing& editing) {
+  EditorState& state = editing.state;
+  if (auto found = editing.work.snaps.take()) {
+    if (!found->warning.empty()) add_notice(state, found->warning, false);
+    state.snapped = std::move(found);
+  }
+  const Document& document = editing.shown.document();
+  const bool shown = state.snapped && document.has_shape() && state.snapped->is_of(*document.shape().points);
+  auto confidence = shown ? state.snapped->confidence : nullptr;
+  const bool changed = confidence != state.confidence;
+  state.confidence = std::move(confidence);
+  return changed;
+}
+
+}  // namespace homolog

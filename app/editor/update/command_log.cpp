@@ -1,0 +1,103 @@
+#include "app/editor/update/command_log.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include "core/base/json.h"
+#include "core/case/action_json.h"
+#include "core/case/actions/fields.h"
+
+namespace homolog {
+
+namespace {
+
+using Json = Fields::Json;
+
+template <class C>
+constexpr Logged when_logged() {
+  if constexpr (requires { C::logged; })
+    return C::logged;
+  else
+    return Logged::at_once;
+}
+
+template <class C>
+void spell(Fields& line, C& command) {
+  if constexpr (requires { command.spell(line); }) command.spell(line);
+}
+
+template <class C>
+void read_where_it_is(const Json& line, const std::string& key, std::optional<Command>& read) {
+  if (read || key != C::key) return;
+  C command;
+  Fields members = Fields::reader(line);
+  spell(members, command);
+  read = std::move(command);
+}
+
+template <std::size_t... i>
+Command read_command(const Json& line, std::index_sequence<i...>) {
+  const auto key = line.at("do").get<std::string>();
+  std::optional<Command> read;
+  (read_where_it_is<std::variant_alternative_t<i, Command>>(line, key, read), ...);
+  if (!read) throw Unreadable{"\"" + excerpt(key) + "\" is no command"};
+  return std::move(*read);
+}
+
+}  // namespace
+
+std::string log_line(const Command& command) {
+  const auto write = [](auto one) {
+    Json line = Json::object();
+    line["do"] = one.key;
+    Fields members = Fields::writer(line);
+    spell(members, one);
+    return line;
+  };
+  return dumped(std::visit(write, command));
+}
+
+bool cancels(const Command& command) {
+  return std::visit([](const auto& one) { return std::string_view(one.key).starts_with("cancel "); }, command);
+}
+
+Result<Command> command_of_line(const std::string& line) {
+  const auto json = read_json<Json>(line);
+  if (!json) return fail(json.error());
+  return caught([&] { return read_command(*json, std::make_index_sequence<std::variant_size_v<Command>>{}); });
+}
+
+Result<std::vector<Command>> read_log(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) return fail(path.string(), std::string("cannot be read: ") + std::strerror(errno));
+  std::vector<Command> commands;
+  std::string line;
+  while (std::getline(file, line)) {
+    auto command = command_of_line(line);
+    if (!command)
+      return fail(path.string(), "line " + std::to_string(commands.size() + 1) +
+                                     " is no command: " + command.error().what + ". Give a file that --log wrote.");
+    commands.push_back(std::move(*command));
+  }
+  return commands;
+}
+
+Result<void> CommandLog::write_to(const std::filesystem::path& path) {
+  file_.open(path, std::ios::trunc);
+  if (!file_) return fail(path.string(), std::string("cannot be written: ") + std::strerror(errno));
+  for (const std::string& line : lines_) file_ << line << '\n';
+  file_.flush();
+  return {};
+}
+
+void CommandLog::was_given(const Command& command) {
+  const auto at_once = [](const auto& one) { return when_logged<std::decay_t<decltype(one)>>() == Logged::at_once; };
+  if (std::visit(at_once, command)) add(log_line(command));
+}
+
+void CommandLog::add(std::string line) {
+  if (file_.is_open()) (file_ << line << '\n').flush();
+  lines_.push_back(std::move(line));
+}
+
+}  // namespace homolog

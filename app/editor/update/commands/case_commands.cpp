@@ -1,0 +1,123 @@
+#include "app/editor/update/commands/case_commands.h"
+
+#include "app/editor/update/assistance.h"
+#include "app/editor/update/commands/spelling.h"
+#include "app/editor/update/editing.h"
+#include "core/case/action_json.h"
+
+namespace homolog {
+
+namespace {
+
+void spell_action(Fields& line, Action& action) {
+  Fields::Json json = line.reads() ? Fields::Json() : to_json(action);
+  line.member("action", json);
+  if (!line.reads()) return;
+  auto read = action_from_json(json);
+  if (!read) throw Unreadable{read.error().sentence()};
+  action = std::move(*read);
+}
+
+}  // namespace
+
+void PreviewEdit::spell(Fields& line) {
+  bool any = action.has_value();
+  line.member("any", any);
+  if (!any) return;
+  if (!action) action.emplace();
+  spell_action(line, *action);
+}
+void PreviewEdit::run(Editing& editing) const {
+  editing.shown.session().preview(action, action ? assistance(editing, *action) : std::vector<Compute>{});
+}
+
+void ApplyEdit::spell(Fields& line) {
+  spell_action(line, action);
+  line.member("joined", joined);
+}
+void ApplyEdit::run(Editing& editing) const {
+  stop_playing(editing);
+  editing.shown.session().apply(action, joined);
+}
+
+void SnapMesh::spell(Fields& line) {
+  std::optional<Vec3> at;
+  double sigma_mm = region ? region->sigma_mm : 0;
+  if (region) at = region->at;
+  line.optional("at", at);
+  line.optional("sigma_mm", sigma_mm, region.has_value());
+  if (line.reads() && at) region = SnapRegion{*at, sigma_mm};
+  line.member("joined", joined);
+}
+void SnapMesh::run(Editing& editing) const {
+  const Document& document = editing.shown.document();
+  if (!document.volume || !document.has_shape())
+    return add_notice(editing.state, "A snap needs an image, and a mesh that lies on its organ.", false);
+  stop_playing(editing);
+  editing.work.snaps.start(editing.shown.session(), region, editing.state.snap, joined);
+}
+
+void CancelSnap::run(Editing& editing) const {
+  if (!editing.work.snaps.busy()) return;
+  editing.work.snaps.cancel();
+  editing.log.is_done(*this);
+}
+
+void StartFit::spell(Fields& line) {
+  spell_fit(line, settings);
+}
+void StartFit::run(Editing& editing) const {
+  const auto& labels = editing.shown.labels();
+  if (!labels.volume || !editing.shown.document().has_shape()) return;
+  stop_playing(editing);
+  FitSettings chosen = settings;
+  if (chosen.label == 0 && !labels.values.empty()) chosen.label = labels.values.front();
+  editing.state.last_fit.reset();
+  editing.work.fit_seen = false;
+  editing.work.started_fit = *this;
+  editing.work.fitter.start_fit(editing.shown.snapshot().document, {labels.volume, labels.name}, chosen);
+}
+
+void RefineLandmarks::run(Editing& editing) const {
+  if (!editing.shown.document().has_shape()) return;
+  stop_playing(editing);
+  editing.work.started_fit.reset();
+  editing.work.fitter.start_refinement(editing.shown.snapshot().document);
+}
+
+void CancelFit::run(Editing& editing) const {
+  cancel_fit(editing);
+}
+
+void BlendModel::spell(Fields& line) {
+  line.member("strength", strength);
+  line.member("commit", commit);
+}
+void BlendModel::run(Editing& editing) const {
+  blend_model(editing, *this);
+}
+
+void CompleteByModel::run(Editing& editing) const {
+  if (auto complete = editing.work.model_help.completion(editing.state.model_help))
+    editing.shown.session().apply_computed(std::move(complete), true);
+}
+
+void ShowFrame::spell(Fields& line) {
+  line.member("frame", frame);
+}
+void ShowFrame::run(Editing& editing) const {
+  editing.shown.session().apply(SetFrame{frame});
+  editing.state.shown_frame.reset();
+}
+
+void PlayFrames::spell(Fields& line) {
+  line.member("play", play);
+}
+void PlayFrames::run(Editing& editing) const {
+  if (play)
+    editing.state.playing = true;
+  else
+    stop_playing(editing);
+}
+
+}  // namespace homolog

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <optional>
+
+#include "app/editor/state/state.h"
+#include "app/editor/update/commands/logged.h"
+#include "core/case/action.h"
+#include "core/snap/snap_document.h"
+
+namespace homolog {
+
+class Fields;
+struct Editing;
+
+// Edits of the case.
+
+/// Shows what an action would give; nullopt ends the preview.
+struct PreviewEdit {
+  static constexpr const char* key = "preview";
+  static constexpr Logged logged = Logged::never;
+  std::optional<Action> action;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+struct ApplyEdit {
+  static constexpr const char* key = "edit";
+  Action action;
+  bool joined = false;  ///< undone together with the edit before it
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Snaps the mesh, or a part of it, to the image, as the settings say.
+struct SnapMesh {
+  static constexpr const char* key = "snap";
+  std::optional<SnapRegion> region;
+  bool joined = false;  ///< undone together with the edit before it
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+struct CancelSnap {
+  static constexpr const char* key = "cancel snap";
+  static constexpr Logged logged = Logged::when_done;  ///< where there was one
+  void run(Editing& editing) const;
+};
+/// Fits the shown frame's template to the label map that is shown.
+struct StartFit {
+  static constexpr const char* key = "fit";
+  static constexpr Logged logged = Logged::when_done;
+  FitSettings settings;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Moves vertices along the mesh's own surface; see refine.
+struct RefineLandmarks {
+  static constexpr const char* key = "refine";
+  static constexpr Logged logged = Logged::when_done;
+  void run(Editing& editing) const;
+};
+/// Of a fit or a refinement.
+struct CancelFit {
+  static constexpr const char* key = "cancel fit";
+  static constexpr Logged logged = Logged::never;  ///< a fit that was given up is not logged either
+  void run(Editing& editing) const;
+};
+/// Blends what the study's model expects into the shape, 0…1: now and after every stroke; as a preview, or as an edit.
+struct BlendModel {
+  static constexpr const char* key = "blend model";
+  double strength = 0;
+  bool commit = false;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Lets the study's model complete what the edit before it left open. Undone together with that edit.
+struct CompleteByModel {
+  static constexpr const char* key = "complete by model";
+  void run(Editing& editing) const;
+};
+/// Commits the frame that a slider went to.
+struct ShowFrame {
+  static constexpr const char* key = "show frame";
+  int frame = 0;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Plays a cine, or stops and commits the frame that is shown.
+struct PlayFrames {
+  static constexpr const char* key = "play frames";
+  static constexpr Logged logged = Logged::never;  ///< the frame that is committed is
+  bool play = true;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+
+}  // namespace homolog

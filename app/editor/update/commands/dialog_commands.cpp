@@ -1,0 +1,180 @@
+#include "app/editor/update/commands/dialog_commands.h"
+
+#include <system_error>
+
+#include "app/editor/update/commands/spelling.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/update/editing.h"
+#include "app/editor/update/file_purposes.h"
+#include "core/case/journal.h"
+
+namespace homolog {
+
+namespace {
+
+template <class Kind>
+Kind* open_dialog(EditorState& state) {
+  return state.dialog ? std::get_if<Kind>(&*state.dialog) : nullptr;
+}
+
+FileBrowser* open_browser(EditorState& state) {
+  auto* files = open_dialog<FileDialog>(state);
+  return files != nullptr ? &files->browser : nullptr;
+}
+
+}  // namespace
+
+void ShowFileDialog::spell(Fields& line) {
+  std::string purpose_name = file_purpose(purpose).name;
+  line.member("purpose", purpose_name);
+  if (line.reads()) purpose = purpose_of(purpose_name);
+  line.member("name", name);
+}
+void ShowFileDialog::run(EditorState& state) const {
+  FileDialog dialog;
+  dialog.purpose = purpose;
+  dialog.browser = browse(file_purpose(purpose).files, state.preferences.folder, name);
+  state.dialog = std::move(dialog);
+}
+
+void ShowKeys::run(EditorState& state) const {
+  state.dialog = KeysDialog{};
+}
+
+void CloseDialog::run(EditorState& state) const {
+  state.dialog.reset();
+}
+
+void DismissNotice::spell(Fields& line) {
+  line.member("index", index);
+}
+void DismissNotice::run(EditorState& state) const {
+  if (index < state.notices.size()) state.notices.erase(state.notices.begin() + static_cast<std::ptrdiff_t>(index));
+}
+
+void EnterFolder::spell(Fields& line) {
+  line.member("folder", folder);
+}
+void EnterFolder::run(EditorState& state) const {
+  if (auto* browser = open_browser(state)) enter_folder(*browser, folder);
+}
+
+void MoveInFiles::spell(Fields& line) {
+  static constexpr std::array names{"up", "down", "page up", "page down", "parent"};
+  spell_choice(line, "by", names, by);
+}
+void MoveInFiles::run(EditorState& state) const {
+  if (auto* browser = open_browser(state)) press_key(*browser, by);
+}
+
+void SelectFile::spell(Fields& line) {
+  line.member("index", index);
+}
+void SelectFile::run(EditorState& state) const {
+  if (auto* browser = open_browser(state)) {
+    select_entry(*browser, index);
+    browser->scroll_to_selected = false;
+  }
+}
+
+void TypeFileName::spell(Fields& line) {
+  line.member("name", name);
+}
+void TypeFileName::run(EditorState& state) const {
+  if (auto* browser = open_browser(state)) {
+    browser->name = name;
+    browser->selected = browser->kind.saves || name.empty() ? -1 : 0;
+  }
+}
+
+void ShowAllFiles::spell(Fields& line) {
+  line.member("all", all);
+}
+void ShowAllFiles::run(EditorState& state) const {
+  if (auto* browser = open_browser(state)) {
+    browser->show_all = all;
+    refresh(*browser);
+  }
+}
+
+void AcceptFile::run(EditorState& state, const ControlsContext&, Outbox& out) const {
+  auto* dialog = open_dialog<FileDialog>(state);
+  if (dialog == nullptr) return;
+  const auto path = accept(dialog->browser);
+  if (!path) return;
+  state.preferences.folder = path->parent_path();
+  std::error_code ignored;
+  if (dialog->browser.kind.saves && std::filesystem::exists(*path, ignored)) {
+    ReplaceDialog replace{std::move(*dialog), *path};
+    state.dialog = std::move(replace);
+    return;
+  }
+  out.send(file_purpose(dialog->purpose).command(*path, state));
+  state.dialog.reset();
+}
+
+void AcceptReplacement::run(EditorState& state, const ControlsContext&, Outbox& out) const {
+  const auto* dialog = open_dialog<ReplaceDialog>(state);
+  if (dialog == nullptr) return;
+  out.send(file_purpose(dialog->files.purpose).command(dialog->path, state));
+  state.dialog.reset();
+}
+
+void ChooseOtherName::run(EditorState& state) const {
+  if (auto* replace = open_dialog<ReplaceDialog>(state)) {
+    FileDialog files = std::move(replace->files);
+    state.dialog = std::move(files);
+  }
+}
+
+void SetStackSpacing::spell(Fields& line) {
+  line.member("spacing_mm", spacing_mm);
+}
+void SetStackSpacing::run(EditorState& state) const {
+  if (auto* dialog = open_dialog<SpacingDialog>(state)) dialog->spacing_mm = spacing_mm;
+}
+
+void AskToDiscard::spell(Fields& line) {
+  line.member("journal", journal);
+}
+void AskToDiscard::run(EditorState& state) const {
+  if (auto* dialog = open_dialog<RecoverDialog>(state)) dialog->to_discard = journal;
+}
+
+void ShowRecovery::run(Editing& editing) const {
+  editing.work.recovery_offer = RecoveryOffer::asked;
+  editing.work.recovery.look();
+}
+
+void DiscardCase::spell(Fields& line) {
+  line.member("journal", journal);
+}
+void DiscardCase::run(EditorState& state) const {
+  std::error_code ignored;
+  if (Journal::in_use(journal))
+    add_notice(state, "That case was recovered in another window; it is not deleted.");
+  else
+    std::filesystem::remove(journal, ignored);
+  auto* recover = open_dialog<RecoverDialog>(state);
+  if (recover == nullptr) return;
+  std::erase_if(recover->found, [&](const auto& found) { return found.journal == journal; });
+  if (recover->found.empty()) state.dialog.reset();
+}
+
+void Quit::spell(Fields& line) {
+  line.member("sure", sure);
+}
+void Quit::run(Editing& editing) const {
+  EditorState& state = editing.state;
+  if (has_unsaved_edits(editing.shown.snapshot()) && !sure) {
+    state.dialog = QuitDialog{};
+  } else if (const auto file = editing.work.exports.running()) {
+    state.quitting = Quitting::when_written;
+    const std::string name = std::filesystem::path(file->subject).filename().string();
+    add_notice(state, "Homolog closes as soon as " + name + " is written.", false);
+  } else {
+    state.quitting = Quitting::now;
+  }
+}
+
+}  // namespace homolog

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "app/editor/state/state.h"
+#include "app/editor/update/commands/logged.h"
+
+namespace homolog {
+
+class Fields;
+class Outbox;
+struct ControlsContext;
+struct Editing;
+
+// Dialogs and notices.
+
+/// Asks for a file; `name` is the one that is offered for a new one.
+struct ShowFileDialog {
+  static constexpr const char* key = "show file dialog";
+  static constexpr Logged logged = Logged::never;
+  FilePurpose purpose = FilePurpose::open;
+  std::string name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// The list of keys.
+struct ShowKeys {
+  static constexpr const char* key = "show keys";
+  static constexpr Logged logged = Logged::never;
+  void run(EditorState& state) const;
+};
+/// Closes whichever dialog is open.
+struct CloseDialog {
+  static constexpr const char* key = "close dialog";
+  static constexpr Logged logged = Logged::never;
+  void run(EditorState& state) const;
+};
+struct DismissNotice {
+  static constexpr const char* key = "dismiss notice";
+  std::size_t index = 0;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+
+// In the file dialog.
+
+struct EnterFolder {
+  static constexpr const char* key = "enter folder";
+  static constexpr Logged logged = Logged::never;
+  std::filesystem::path folder;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Goes along the list by the keyboard, or to the folder above.
+struct MoveInFiles {
+  static constexpr const char* key = "move in files";
+  static constexpr Logged logged = Logged::never;
+  BrowserKey by = BrowserKey::down;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct SelectFile {
+  static constexpr const char* key = "select file";
+  static constexpr Logged logged = Logged::never;
+  int index = 0;  ///< of those that the dialog lists
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Filters the list, or names the new file.
+struct TypeFileName {
+  static constexpr const char* key = "type file name";
+  static constexpr Logged logged = Logged::never;
+  std::string name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Also files of other kinds, and hidden ones.
+struct ShowAllFiles {
+  static constexpr const char* key = "show all files";
+  static constexpr Logged logged = Logged::never;
+  bool all = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Does what the chosen file is for.
+struct AcceptFile {
+  static constexpr const char* key = "accept file";
+  static constexpr Logged logged = Logged::never;
+  void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
+};
+/// Writes over the file that is there.
+struct AcceptReplacement {
+  static constexpr const char* key = "accept replacement";
+  static constexpr Logged logged = Logged::never;
+  void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
+};
+/// Goes back from the question whether a file is to be replaced.
+struct ChooseOtherName {
+  static constexpr const char* key = "choose other name";
+  static constexpr Logged logged = Logged::never;
+  void run(EditorState& state) const;
+};
+
+// In the others.
+
+/// The voxel size of a stack of pictures, mm.
+struct SetStackSpacing {
+  static constexpr const char* key = "set stack spacing";
+  static constexpr Logged logged = Logged::never;
+  Vec3 spacing_mm = Vec3::Ones();
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Asks a second time before a case is deleted; an empty path takes the question back.
+struct AskToDiscard {
+  static constexpr const char* key = "ask to discard";
+  static constexpr Logged logged = Logged::never;
+  std::filesystem::path journal;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Lists the cases that were never saved.
+struct ShowRecovery {
+  static constexpr const char* key = "show recovery";
+  static constexpr Logged logged = Logged::never;
+  void run(Editing& editing) const;
+};
+struct DiscardCase {
+  static constexpr const char* key = "discard case";
+  std::filesystem::path journal;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct Quit {
+  static constexpr const char* key = "quit";
+  static constexpr Logged logged = Logged::never;
+  bool sure = false;  ///< an unsaved case is not asked about again
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+
+}  // namespace homolog

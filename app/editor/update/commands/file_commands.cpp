@@ -1,0 +1,198 @@
+#include "app/editor/update/commands/file_commands.h"
+
+#include <memory>
+#include <system_error>
+
+#include "app/editor/update/commands/spelling.h"
+#include "app/editor/update/editing.h"
+#include "app/editor/update/imports.h"
+#include "core/base/picture_io.h"
+#include "core/case/unsaved_cases.h"
+#include "core/mesh/label_map.h"
+#include "core/mesh/landmark_io.h"
+#include "core/template/template_file.h"
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The case as it is done, at the frame that is shown: an export never takes a running preview.
+Document as_done(const Editing& editing) {
+  Document document = *editing.shown.snapshot().document;
+  document.frame = editing.shown.document().frame;
+  return document;
+}
+
+void no_mesh_to_export(Editing& editing) {
+  add_notice(editing.state, "This frame has no mesh of its own to export yet; start it from another frame.", false);
+}
+
+/// Says so where there is nothing to save.
+bool nothing_to_save(Editing& editing) {
+  const Document& document = editing.shown.document();
+  if (document.volume || document.reference) return false;
+  add_notice(editing.state, "Nothing is open that could be saved; open an image or a template.");
+  return true;
+}
+
+}  // namespace
+
+void OpenFiles::spell(Fields& line) {
+  std::vector<std::string> names;
+  for (const auto& path : paths) names.push_back(path.string());
+  line.member("paths", names);
+  if (line.reads()) paths.assign(names.begin(), names.end());
+}
+void OpenFiles::run(Editing& editing) const {
+  if (editing.state.models.shown) {
+    // Dropped on the Models mode: studies are opened, all else becomes a case of the study.
+    for (const auto& path : paths)
+      if (path.string().ends_with(".study.json")) return editing.out.send(OpenStudy{{path}});
+    return editing.out.send(AddCases{paths});
+  }
+  auto request = sort_files(paths);
+  if (!request) return add_notice(editing.state, request.error().sentence());
+  std::error_code ignored;
+  if (!request->case_file.empty() && fs::equivalent(request->case_file, editing.shown.snapshot().file, ignored))
+    return add_notice(editing.state, request->case_file.filename().string() + " is the case that is open.", false);
+  request->beside = editing.shown.document().volume;
+  editing.out.send(OpenRequested{std::move(*request)});
+}
+
+void OpenRequested::spell(Fields& line) {
+  const auto named = [&](const char* name, auto& value) { line.optional(name, value, !value.empty()); };
+  named("case_file", request.case_file);
+  named("volume", request.volume_source);
+  named("series", request.volume_options.series_uid);
+  line.optional("stack_spacing_mm", request.volume_options.stack_spacing_mm);
+  named("template", request.template_source);
+  named("labels", request.labels);
+  std::optional<Organ> organ;
+  int subject = 1;
+  if (request.demo) std::tie(organ, subject) = *request.demo;
+  spell_choice_or_null(line, "phantom", organ_names, organ);
+  line.optional("subject", subject, request.demo.has_value());
+  if (line.reads() && organ) request.demo = {*organ, subject};
+}
+void OpenRequested::run(Editing& editing) const {
+  editing.work.opener.start(request);
+}
+
+OpenRequested open_case(const fs::path& file) {
+  OpenRequested open;
+  open.request.case_file = file;
+  return open;
+}
+
+OpenRequested open_template(const std::string& source) {
+  OpenRequested open;
+  open.request.template_source = source;
+  return open;
+}
+
+OpenRequested open_labels(const fs::path& file) {
+  OpenRequested open;
+  open.request.labels = file;
+  return open;
+}
+
+OpenRequested open_phantom(Organ organ, int subject) {
+  OpenRequested open;
+  open.request.demo = {organ, subject};
+  return open;
+}
+
+void CloseLabels::run(Editing& editing) const {
+  editing.shown.close_labels();
+}
+
+void CancelOpening::run(Editing& editing) const {
+  editing.work.opener.cancel();
+}
+
+void CancelReading::run(Editing& editing) const {
+  editing.work.imports.cancel();
+}
+
+void CancelWriting::spell(Fields& line) {
+  line.member("path", path);
+}
+void CancelWriting::run(Editing& editing) const {
+  editing.work.exports.cancel(path);
+}
+
+void SaveCase::spell(Fields& line) {
+  line.member("as", as);
+}
+void SaveCase::run(Editing& editing) const {
+  if (nothing_to_save(editing)) return;
+  const auto& file = editing.shown.snapshot().file;
+  if (as || file.empty() || file.parent_path() == unsaved_folder())
+    return editing.out.send(ShowFileDialog{FilePurpose::save_case, case_name(file, editing.shown.document())});
+  add_notice(editing.state, "Every edit is on the disk already, in " + file.string(), false);
+}
+
+void FileCommand::spell(Fields& line) {
+  line.member("path", path);
+}
+
+void SaveCaseAs::run(Editing& editing) const {
+  if (!nothing_to_save(editing)) editing.shown.session().save_as(path);
+}
+
+void ExportMesh::run(Editing& editing) const {
+  const Document document = as_done(editing);
+  if (!document.has_shape()) return no_mesh_to_export(editing);
+  write_beside(editing, path, [file = to_mesh_file(document, document.frame)](const auto& to, Progress&) {
+    return write_mesh_file(file, to);
+  });
+}
+
+void ExportLabelMap::run(Editing& editing) const {
+  const Document document = as_done(editing);
+  if (!document.has_shape() || !document.volume) return no_mesh_to_export(editing);
+  write_beside(editing, path,
+               [mesh = document.mesh(), grid = document.volume->geometry](const auto& to, Progress& progress) {
+                 return write_volume(label_map(mesh, grid, 1), to, &progress);
+               });
+}
+
+void ExportLandmarks::run(Editing& editing) const {
+  const Document document = as_done(editing);
+  if (!document.has_shape()) return no_mesh_to_export(editing);
+  std::vector<Landmark> placed;
+  for (const auto& [name, position] : document.shape().landmarks) placed.push_back({name, position});
+  write_beside(editing, path, [placed](const auto& to, Progress&) { return write_landmarks(placed, to); });
+}
+
+void ExportTemplate::run(Editing& editing) const {
+  write_beside(editing, path, [file = painted_template(as_done(editing))](const auto& to, Progress&) {
+    return write_mesh_file(file, to);
+  });
+}
+
+void ExportTemplateLandmarks::run(Editing& editing) const {
+  write_beside(editing, path, [landmarks = as_done(editing).reference->landmarks](const auto& to, Progress&) {
+    return write_landmarks(landmarks, to);
+  });
+}
+
+void ExportPicture::run(Editing& editing) const {
+  write_picture_beside(editing, path, editing.pictures.picture(editing.state.picture));
+}
+
+void ImportLandmarks::run(Editing& editing) const {
+  import_landmarks(editing, path);
+}
+
+void ImportStiffness::run(Editing& editing) const {
+  import_stiffness(editing, path);
+}
+
+void ImportTemplateLandmarks::run(Editing& editing) const {
+  import_template_landmarks(editing, path);
+}
+
+}  // namespace homolog

@@ -1,0 +1,299 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/editor/update/commands/file_commands.h"
+
+namespace homolog {
+
+class Outbox;
+
+// What the Models mode asks for: the study, its cases, the gallery, the model.
+
+struct OpenStudy : FileCommand {
+  static constexpr const char* key = "open study";
+  void run(Editing& editing) const;
+};
+struct NewStudy : FileCommand {
+  static constexpr const char* key = "new study";
+  void run(Editing& editing) const;
+};
+/// The study continues under another name.
+struct SaveStudyAs : FileCommand {
+  static constexpr const char* key = "save study as";
+  void run(Editing& editing) const;
+};
+/// The mesh whose faces stand for those of shapes that are points alone.
+struct SetStudyTemplate : FileCommand {
+  static constexpr const char* key = "set study template";
+  void run(EditorState& state) const;
+};
+struct OpenPhantomStudy {
+  static constexpr const char* key = "open phantom study";
+  Organ organ = Organ::kidney;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Of a study's file.
+struct CancelStudyFile {
+  static constexpr const char* key = "cancel study file";
+  static constexpr Logged logged = Logged::never;
+  void run(Editing& editing) const;
+};
+struct ExportModel : FileCommand {
+  static constexpr const char* key = "export model";
+  void run(Editing& editing) const;
+};
+struct ExportEvaluation : FileCommand {
+  static constexpr const char* key = "export measures";
+  void run(Editing& editing) const;
+};
+struct ExportPlots : FileCommand {
+  static constexpr const char* key = "export plots";
+  void run(Editing& editing) const;
+};
+/// Asks for a folder to export the shapes to; empty: each in the format it was imported from.
+struct ChooseShapesFolder {
+  static constexpr const char* key = "choose shapes folder";
+  static constexpr Logged logged = Logged::never;
+  std::string extension, name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Writes every shape of the study, flipped ones flipped, into a folder; see write_shapes.
+struct ExportShapes {
+  static constexpr const char* key = "export shapes";
+  std::filesystem::path folder;
+  std::string extension;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+struct StartEvaluation {
+  static constexpr const char* key = "start evaluation";
+  void run(Editing& editing) const;
+};
+struct CancelEvaluation {
+  static constexpr const char* key = "cancel evaluation";
+  static constexpr Logged logged = Logged::never;
+  void run(Editing& editing) const;
+};
+
+// Cases.
+
+struct AddCases {
+  static constexpr const char* key = "add cases";
+  std::vector<std::filesystem::path> paths;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Opens a case of the study in the case mode, at a vertex with the Slide tool where one is given; a mesh becomes a
+/// case file first.
+struct OpenCaseOfStudy {
+  static constexpr const char* key = "open case of study";
+  static constexpr Logged logged = Logged::never;
+  std::string name;
+  std::optional<Eigen::Index> vertex;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+struct SelectCase {
+  static constexpr const char* key = "select case";
+  std::string name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// The next one that is not done.
+struct SelectNextCase {
+  static constexpr const char* key = "select next case";
+  void run(EditorState& state) const;
+};
+struct RemoveCase {
+  static constexpr const char* key = "remove case";
+  std::string name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct SetCaseState {
+  static constexpr const char* key = "set case state";
+  std::string name;
+  CaseState to = CaseState::to_do;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// To do, in work, done, to do.
+struct CycleCaseState {
+  static constexpr const char* key = "cycle case state";
+  std::string name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// A text of the selected case while it is typed.
+struct TypeCaseText {
+  static constexpr const char* key = "type case text";
+  std::string field, text;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct SetCaseText {
+  static constexpr const char* key = "set case text";
+  std::string name, field, text;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Takes them left for right, or as they lie where they were flipped.
+struct FlipCases {
+  static constexpr const char* key = "flip cases";
+  std::vector<std::string> names;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Every edited frame of a case's cine becomes a case.
+struct AddFrames {
+  static constexpr const char* key = "add frames";
+  std::string name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct FilterCases {
+  static constexpr const char* key = "filter cases";
+  std::string filter;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct SortCases {
+  static constexpr const char* key = "sort cases";
+  CaseColumn column = CaseColumn::study;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+
+// The gallery.
+
+struct LookFromSideInGallery {
+  static constexpr const char* key = "look from side in gallery";
+  LookFrom side = LookFrom::anterior;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct FitGallery {
+  static constexpr const char* key = "fit gallery";
+  void run(EditorState& state) const;
+};
+struct TurnGallery {
+  static constexpr const char* key = "turn gallery";
+  double right_px = 0, down_px = 0;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct PanGallery {
+  static constexpr const char* key = "pan gallery";
+  double right_px = 0, down_px = 0, side_px = 1;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// A turn or a pan ends.
+struct LetGoOfGallery {
+  static constexpr const char* key = "let go of gallery";
+  void run(EditorState& state) const;
+};
+struct ZoomGallery {
+  static constexpr const char* key = "zoom gallery";
+  double steps = 0;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// What the pointer is over.
+struct PointAtVertex {
+  static constexpr const char* key = "point at vertex";
+  static constexpr Logged logged = Logged::never;
+  std::optional<GalleryPlace> place;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Marks a vertex in all shapes; none: unmarks.
+struct PinVertex {
+  static constexpr const char* key = "pin vertex";
+  std::optional<GalleryPlace> place;
+  bool focus = false;  ///< every cell looks at it
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct ShowGalleryGlyphs {
+  static constexpr const char* key = "show gallery glyphs";
+  bool shown = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct SpaceGalleryGlyphs {
+  static constexpr const char* key = "space gallery glyphs";
+  double spacing_mm = 12;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+
+// The model's shape that is shown.
+
+struct ShowMean {
+  static constexpr const char* key = "show mean";
+  void run(EditorState& state) const;
+};
+struct ShowSample {
+  static constexpr const char* key = "show sample";
+  void run(EditorState& state) const;
+};
+/// The coefficients of the selected case.
+struct ShowSelectedShape {
+  static constexpr const char* key = "show selected shape";
+  void run(EditorState& state) const;
+};
+/// A coefficient, in standard deviations.
+struct SetMode {
+  static constexpr const char* key = "set mode";
+  std::size_t mode = 0;
+  double deviations = 0;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct AnimateMode {
+  static constexpr const char* key = "animate mode";
+  std::optional<std::size_t> mode;  ///< none: it stops
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct ShowAllModes {
+  static constexpr const char* key = "show all modes";
+  bool all = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct ShowDifference {
+  static constexpr const char* key = "show difference";
+  bool shown = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct CompareGroup {
+  static constexpr const char* key = "compare group";
+  std::size_t which = 0;  ///< 0: from, 1: to
+  std::string group;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct ChooseAlignment {
+  static constexpr const char* key = "choose alignment";
+  Alignment alignment = Alignment::similarity;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Unfolds or folds a section of the Models panel.
+struct OpenModelsSection {
+  static constexpr const char* key = "open models section";
+  std::size_t section = 0;
+  bool open = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+
+}  // namespace homolog

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "app/editor/state/settings.h"
+#include "core/case/actions/fields.h"
+
+namespace homolog {
+
+/// An enumeration's value in a command's line; `names` are in the order of its values.
+template <class Value, std::size_t count>
+void spell_choice(Fields& line, const char* key, const std::array<const char*, count>& names, Value& value) {
+  Names<Value, count> known;
+  for (std::size_t i = 0; i < count; ++i) known[i] = {names[i], static_cast<Value>(i)};
+  line.member(key, known, value);
+}
+
+/// The same, null where there is no value.
+template <class Value, std::size_t count>
+void spell_choice_or_null(Fields& line, const char* key, const std::array<const char*, count>& names,
+                          std::optional<Value>& value) {
+  std::optional<std::string> name;
+  if (value) name = names[static_cast<std::size_t>(*value)];
+  line.or_null(key, name);
+  if (!line.reads()) return;
+  value.reset();
+  if (name) spell_choice(line, key, names, value.emplace());
+}
+
+inline void spell_fit(Fields& line, FitSettings& fit) {
+  line.member("label", fit.label);
+  line.member("closing_mm", fit.closing_mm);
+  line.member("as_placed", fit.as_placed);
+}
+
+inline void spell_template(Fields& line, TemplateSettings& settings) {
+  static constexpr std::array tunnel_names{"automatic", "keep", "number"};
+  line.member("label", settings.label);
+  line.member("tube", settings.tube);
+  Fields mask = line.object("organ_options");
+  mask.member("vertices", settings.mask.vertices);
+  mask.member("closing_mm", settings.mask.closing_mm);
+  mask.member("opening_mm", settings.mask.opening_mm);
+  spell_choice(mask, "tunnels", tunnel_names, settings.mask.genus.kind);
+  mask.member("genus", settings.mask.genus.genus);
+  Fields tube = line.object("tube_options");
+  tube.member("rings", settings.tube_options.rings);
+  tube.member("sectors", settings.tube_options.sectors);
+  tube.member("capped", settings.tube_options.capped);
+  line.member("outer_label", settings.outer_label);
+  line.member("axis_by_ruler", settings.axis_by_ruler);
+}
+
+// What values are called in the log.
+inline constexpr std::array view_names{"axial", "sagittal", "coronal", "3D"};
+inline constexpr std::array side_names{"anterior", "posterior", "left", "right", "superior", "inferior"};
+inline constexpr std::array organ_names{"kidney", "vertebra", "ventricle"};
+
+}  // namespace homolog

@@ -1,0 +1,63 @@
+#include "app/editor/update/commands/template_commands.h"
+
+#include <algorithm>
+
+#include "app/editor/update/commands/spelling.h"
+#include "app/editor/update/editing.h"
+#include "app/editor/update/imports.h"
+
+namespace homolog {
+
+void MakeTemplate::spell(Fields& line) {
+  spell_template(line, settings);
+  std::optional<Vec3> from, to;
+  if (axis) {
+    from = axis->from;
+    to = axis->to;
+  }
+  line.optional("axis_from", from);
+  line.optional("axis_to", to);
+  if (from && to) axis = Ruler{*from, *to};
+}
+void MakeTemplate::run(Editing& editing) const {
+  const auto& labels = editing.shown.labels();
+  if (!labels.volume) return;
+  EditorState& state = editing.state;
+  TemplateSettings chosen = settings;
+  if (chosen.label == 0 && !labels.values.empty()) chosen.label = labels.values.front();
+  chosen.mask.label = chosen.tube_options.label = chosen.label;
+  chosen.mask.frame = chosen.tube_options.frame = std::min(editing.shown.document().frame, labels.volume->frames - 1);
+  chosen.tube_options.outer_label = chosen.outer_label != 0 ? std::optional<int>(chosen.outer_label) : std::nullopt;
+  if (axis) chosen.tube_options.base_and_apex = {axis->from, axis->to};
+  state.shown_stage.reset();
+  state.making_shown = true;
+  editing.work.template_maker.start(labels.volume, labels.name, chosen);
+}
+
+void CancelTemplate::run(Editing& editing) const {
+  if (!editing.work.template_maker.busy()) return;
+  editing.work.template_maker.cancel();
+  editing.log.is_done(*this);
+}
+
+void UndoTemplate::run(Editing& editing) const {
+  editing.work.template_maker.undo();
+  editing.state.shown_stage.reset();
+}
+
+void CloseTemplateMaking::run(Editing& editing) const {
+  close_template_making(editing);
+}
+
+void UseMadeTemplate::run(Editing& editing) const {
+  use_made_template(editing, path);
+}
+
+void ShowTemplateStage::spell(Fields& line) {
+  line.member("stage", stage);
+}
+void ShowTemplateStage::run(EditorState& state) const {
+  state.shown_stage = stage;
+}
+
+}  // namespace homolog

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "app/editor/update/commands/file_commands.h"
+
+namespace homolog {
+
+// The making of a template from the label map that is shown.
+
+struct MakeTemplate {
+  static constexpr const char* key = "make template";
+  TemplateSettings settings;
+  std::optional<Ruler> axis;  ///< the ruler, where it is to be the tube's axis
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+struct CancelTemplate {
+  static constexpr const char* key = "cancel template";
+  static constexpr Logged logged = Logged::when_done;  ///< where one was being made
+  void run(Editing& editing) const;
+};
+/// Goes back to the one made before.
+struct UndoTemplate {
+  static constexpr const char* key = "undo template";
+  void run(Editing& editing) const;
+};
+/// Shows the case's mesh again.
+struct CloseTemplateMaking {
+  static constexpr const char* key = "close template";
+  void run(Editing& editing) const;
+};
+/// Writes it and starts anew with it.
+struct UseMadeTemplate : FileCommand {
+  static constexpr const char* key = "use template";
+  static constexpr Logged logged = Logged::never;
+  void run(Editing& editing) const;
+};
+/// Shows a stage of the making.
+struct ShowTemplateStage {
+  static constexpr const char* key = "show stage";
+  std::size_t stage = 0;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+
+}  // namespace homolog

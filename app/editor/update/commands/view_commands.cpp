@@ -1,0 +1,153 @@
+#include "app/editor/update/commands/view_commands.h"
+
+#include "app/editor/update/commands/spelling.h"
+#include "app/editor/update/controls.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr std::array overlay_names{"landmark hue", "edge stretch", "moved", "stiffness",
+                                   "regions",      "quality",      "known", "confidence"};
+
+}  // namespace
+
+void LookFromSide::spell(Fields& line) {
+  spell_choice(line, "side", side_names, side);
+}
+void LookFromSide::run(EditorState& state) const {
+  look_from(state, side);
+}
+
+void MaximiseView::spell(Fields& line) {
+  spell_choice_or_null(line, "view", view_names, view);
+}
+void MaximiseView::run(EditorState& state) const {
+  state.maximised = view;
+}
+
+void ShowParts::spell(Fields& line) {
+  line.member("outline", parts.outline);
+  line.member("surface", parts.surface);
+  line.member("planes", parts.planes);
+  line.member("glyphs", parts.glyphs);
+  line.member("wireframe", parts.wireframe);
+  line.member("crosshair", parts.crosshair);
+  line.member("letters", parts.letters);
+}
+void ShowParts::run(EditorState& state) const {
+  state.preferences.show = parts;
+}
+
+void ShowPanel::spell(Fields& line) {
+  line.member("shown", shown);
+}
+void ShowPanel::run(EditorState& state) const {
+  state.preferences.panel_open = shown;
+}
+
+void ScrollSlices::spell(Fields& line) {
+  spell_choice(line, "view", view_names, view);
+  line.member("steps", steps);
+}
+void ScrollSlices::run(EditorState& state, const ControlsContext& context, Outbox&) const {
+  if (view != ViewKind::space) scroll_slice(state, view, context.document, steps);
+}
+
+void OpenSection::spell(Fields& line) {
+  line.member("section", section);
+  line.member("open", open);
+}
+void OpenSection::run(EditorState& state) const {
+  if (section < state.preferences.sections_open.size()) state.preferences.sections_open[section] = open;
+}
+
+void FitViews::run(EditorState& state, const ControlsContext& context, Outbox&) const {
+  fit_views(state, context.document, context.layout);
+}
+
+void SetWindow::spell(Fields& line) {
+  line.member("low", low);
+  line.member("high", high);
+}
+void SetWindow::run(EditorState& state) const {
+  state.window_low = low;
+  state.window_high = high;
+}
+
+void InterpolateImage::spell(Fields& line) {
+  line.member("linear", linear);
+}
+void InterpolateImage::run(EditorState& state) const {
+  state.preferences.linear = linear;
+}
+
+void ShowRadiological::spell(Fields& line) {
+  line.member("radiological", radiological);
+}
+void ShowRadiological::run(EditorState& state) const {
+  state.preferences.radiological = radiological;
+}
+
+void ShowOwnPlanes::spell(Fields& line) {
+  line.member("own", own);
+}
+void ShowOwnPlanes::run(EditorState& state, const ControlsContext& context, Outbox&) const {
+  state.own_planes = own;
+  settle_crosshair(state, context.document);
+}
+
+void SetLabelOpacity::spell(Fields& line) {
+  line.member("opacity", opacity);
+}
+void SetLabelOpacity::run(EditorState& state) const {
+  state.label_opacity = static_cast<float>(opacity);
+}
+
+void ChooseOverlay::spell(Fields& line) {
+  spell_choice(line, "overlay", overlay_names, overlay);
+}
+void ChooseOverlay::run(EditorState& state) const {
+  state.overlay = overlay;
+}
+
+void SpaceGlyphs::spell(Fields& line) {
+  line.member("spacing_mm", spacing_mm);
+}
+void SpaceGlyphs::run(EditorState& state) const {
+  state.glyph_spacing_mm = spacing_mm;
+}
+
+void SeekFrame::spell(Fields& line) {
+  line.member("frame", frame);
+}
+void SeekFrame::run(EditorState& state) const {
+  state.shown_frame = frame;
+  state.playing = false;
+}
+
+void LookAt::spell(Fields& line) {
+  line.member("point_mm", point_mm);
+}
+void LookAt::run(EditorState& state) const {
+  state.crosshair_mm = state.camera.target = point_mm;
+}
+
+void ShowModels::spell(Fields& line) {
+  line.member("shown", shown);
+}
+void ShowModels::run(EditorState& state) const {
+  state.models.shown = shown;
+}
+
+void SetPicture::spell(Fields& line) {
+  spell_choice_or_null(line, "view", view_names, options.view);
+  line.member("width", options.width);
+  line.member("height", options.height);
+  line.member("transparent", options.transparent);
+}
+void SetPicture::run(EditorState& state) const {
+  state.picture = options;
+}
+
+}  // namespace homolog

@@ -1,0 +1,137 @@
+#pragma once
+
+#include <optional>
+
+#include "app/editor/state/state.h"
+#include "app/editor/update/commands/logged.h"
+
+namespace homolog {
+
+class Fields;
+class Outbox;
+struct ControlsContext;
+
+// What is seen, and from where.
+
+/// Turns the 3D view.
+struct LookFromSide {
+  static constexpr const char* key = "look from side";
+  LookFrom side = LookFrom::anterior;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// One view fills the window; all four where none is named.
+struct MaximiseView {
+  static constexpr const char* key = "maximise view";
+  std::optional<ViewKind> view;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Outline, surface, planes and so on.
+struct ShowParts {
+  static constexpr const char* key = "show parts";
+  ShownParts parts;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct ShowPanel {
+  static constexpr const char* key = "show panel";
+  bool shown = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Goes through the slices of a view; the 3D view has none.
+struct ScrollSlices {
+  static constexpr const char* key = "scroll slices";
+  ViewKind view = ViewKind::axial;
+  double steps = 1;
+  void spell(Fields& line);
+  void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
+};
+/// Unfolds or folds a section of the side panel.
+struct OpenSection {
+  static constexpr const char* key = "open section";
+  std::size_t section = 0;
+  bool open = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct FitViews {
+  static constexpr const char* key = "fit views";
+  void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
+};
+/// The range of grey values.
+struct SetWindow {
+  static constexpr const char* key = "set window";
+  double low = 0, high = 1;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct InterpolateImage {
+  static constexpr const char* key = "interpolate image";
+  bool linear = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct ShowRadiological {
+  static constexpr const char* key = "show radiological";
+  bool radiological = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Slices along the image's own axes.
+struct ShowOwnPlanes {
+  static constexpr const char* key = "show own planes";
+  bool own = true;
+  void spell(Fields& line);
+  void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
+};
+struct SetLabelOpacity {
+  static constexpr const char* key = "set label opacity";
+  double opacity = 0;  ///< 0…1
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct ChooseOverlay {
+  static constexpr const char* key = "choose overlay";
+  Overlay overlay = Overlay::landmark_hue;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct SpaceGlyphs {
+  static constexpr const char* key = "space glyphs";
+  double spacing_mm = 12;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Shows a frame while its slider is dragged; ShowFrame commits it.
+struct SeekFrame {
+  static constexpr const char* key = "seek frame";
+  static constexpr Logged logged = Logged::never;  ///< ShowFrame is
+  int frame = 0;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Brings the cross-hair and the 3D view to a point, LPS mm.
+struct LookAt {
+  static constexpr const char* key = "look at";
+  Vec3 point_mm = Vec3::Zero();
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Shows the study and its model, or the case.
+struct ShowModels {
+  static constexpr const char* key = "show models";
+  bool shown = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// What a picture that is saved shows.
+struct SetPicture {
+  static constexpr const char* key = "set picture";
+  PictureOptions options;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+
+}  // namespace homolog

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "app/editor/update/command_log.h"
+#include "app/editor/update/commands.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/update/models.h"
+#include "app/editor/update/shown_case.h"
+#include "app/editor/work/exports.h"
+#include "app/editor/work/fitter.h"
+#include "app/editor/work/model_help.h"
+#include "app/editor/work/opener.h"
+#include "app/editor/work/quality_monitor.h"
+#include "app/editor/work/recovery.h"
+#include "app/editor/work/snaps.h"
+#include "app/editor/work/study_appearance.h"
+#include "app/editor/work/template_maker.h"
+#include "core/base/picture_io.h"
+
+namespace homolog {
+
+struct Editing;
+
+/// How cases that were never saved are offered: at a start without files, with some, and when somebody asks.
+enum class RecoveryOffer { dialog, notice, asked };
+
+/// All that goes on beside the window, and what is remembered of it until it is done. Belongs to the window's thread.
+struct Work {
+  /// `wake` may be called from any thread when there is something new.
+  explicit Work(const std::function<void()>& wake);
+  bool busy() const;
+
+  /// What is to be done here when a file was read.
+  using Then = std::function<void(Editing&)>;
+
+  Opener opener;
+  Exports exports;
+  Worker<Then> imports;
+  Fitter fitter;
+  Snaps snaps;
+  TemplateMaker template_maker;
+  StudyAppearance study_appearance;
+  ModelHelp model_help;
+  Models models;
+  QualityMonitor quality;
+  Recovery recovery;
+
+  RecoveryOffer recovery_offer = RecoveryOffer::dialog;
+  bool fit_seen = false;                              ///< a step of the fit that goes on was shown
+  std::optional<StartFit> started_fit;                ///< the fit that goes on; none while it is a refinement
+  std::optional<BlendModel> blend_wanted;             ///< as soon as the model's part is computed
+  std::shared_ptr<const TemplateMaking> seen_making;  ///< of the template maker, when it was looked at last
+};
+
+/// Who can draw what a file is to show.
+class PictureSource {
+ public:
+  virtual ~PictureSource() = default;
+  /// The window or one view in another size.
+  virtual Result<Picture> picture(const PictureOptions& options) = 0;
+  /// The plots of the model's measures, 3 side by side.
+  virtual Result<Picture> plots(const PictureOptions& options) = 0;
+  /// Lets go of what was uploaded for the case before.
+  virtual void forget() = 0;
+};
+
+/// What a command acts on: the whole editor but its window.
+struct Editing {
+  EditorState& state;
+  const Layout& layout;
+  ShownCase& shown;
+  Work& work;
+  PictureSource& pictures;
+  Outbox& out;  ///< for further commands
+  CommandLog& log;
+
+  ControlsContext controls() const {
+    return {layout, shown.document(), shown.snapshot().can_undo, shown.snapshot().can_redo};
+  }
+};
+
+/// Does one command. Errors end in a notice.
+void run(const Command& command, Editing& editing);
+/// Does one command where the state alone is enough for it; else false, and nothing is done.
+bool run_on_state(const Command& command, EditorState& state, const ControlsContext& context, Outbox& out);
+
+/// Stops a cine, and commits the frame that is shown.
+void stop_playing(Editing& editing);
+
+}  // namespace homolog

@@ -1,0 +1,121 @@
+#include "app/editor/update/file_purposes.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "app/editor/state/file_extensions.h"
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Extensions = std::vector<std::string>;
+
+template <class C>
+Command to(const fs::path& chosen, const EditorState&) {
+  return C{{chosen}};
+}
+
+Command template_of(const fs::path& chosen, const EditorState&) {
+  return open_template(chosen.string());
+}
+
+Command labels_of(const fs::path& chosen, const EditorState&) {
+  return open_labels(chosen);
+}
+
+Command shapes_folder(const fs::path& chosen, const EditorState& state) {
+  return ExportShapes{chosen, state.models.export_extension};
+}
+
+Extensions joined(Extensions first, const Extensions& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+const std::vector<FilePurposeKind>& file_purposes() {
+  static const Extensions& meshes = mesh_extensions();
+  static const Extensions& volumes = volume_extensions();
+  static const Extensions openable = joined(joined({case_extension}, volumes), meshes);
+  static const Extensions exported = joined(meshes, {".particles"});
+  static const Extensions shapes{".ply", ".vtk", ".vtp", ".obj", ".particles", case_extension};
+  static const Extensions landmarks{".mrk.json", ".json"};
+  static const std::vector<FilePurposeKind> all{
+      {FilePurpose::open, "open", "Open an image, a case or a template", {false, openable, true}, to<OpenFiles>},
+      {FilePurpose::open_template, "open template", "Load a template mesh", {false, meshes}, template_of},
+      {FilePurpose::open_labels, "open labels", "Load a label map as overlay", {false, volumes, true}, labels_of},
+      {FilePurpose::open_landmarks,
+       "open landmarks",
+       "Import placed landmarks",
+       {false, landmarks},
+       to<ImportLandmarks>},
+      {FilePurpose::open_stiffness,
+       "open stiffness",
+       "Take stiffness factors from a mesh",
+       {false, {".ply"}},
+       to<ImportStiffness>},
+      {FilePurpose::open_template_landmarks,
+       "open template landmarks",
+       "Import the template's landmarks",
+       {false, landmarks},
+       to<ImportTemplateLandmarks>},
+      {FilePurpose::open_study, "open study", "Open a study", {false, {".study.json"}}, to<OpenStudy>},
+      {FilePurpose::open_study_template,
+       "open study template",
+       "Set the study's template",
+       {false, meshes},
+       to<SetStudyTemplate>},
+      {FilePurpose::add_shapes, "add shapes", "Add shapes to the study", {false, shapes}, to<AddCases>},
+      {FilePurpose::save_case, "save case", "Save the case", {true, {case_extension}}, to<SaveCaseAs>},
+      {FilePurpose::export_mesh, "export mesh", "Export the mesh", {true, exported}, to<ExportMesh>},
+      {FilePurpose::export_label_map,
+       "export label map",
+       "Export the label map",
+       {true, {".nii.gz", ".nii", ".nrrd", ".mha"}},
+       to<ExportLabelMap>},
+      {FilePurpose::export_landmarks,
+       "export landmarks",
+       "Export the placed landmarks",
+       {true, landmarks},
+       to<ExportLandmarks>},
+      {FilePurpose::export_template, "export template", "Save the template", {true, {".ply"}}, to<ExportTemplate>},
+      {FilePurpose::export_template_landmarks,
+       "export template landmarks",
+       "Export the template's landmarks",
+       {true, landmarks},
+       to<ExportTemplateLandmarks>},
+      {FilePurpose::use_made_template,
+       "use made template",
+       "Save the new template",
+       {true, {".ply"}},
+       to<UseMadeTemplate>},
+      {FilePurpose::export_picture, "export picture", "Save a picture", {true, {".png"}}, to<ExportPicture>},
+      {FilePurpose::new_study, "new study", "New study", {true, {".study.json"}}, to<NewStudy>},
+      {FilePurpose::save_study, "save study", "Save the study as", {true, {".study.json"}}, to<SaveStudyAs>},
+      {FilePurpose::export_model, "export model", "Export the model", {true, {".h5.json", ".h5"}}, to<ExportModel>},
+      {FilePurpose::export_measures,
+       "export measures",
+       "Export the measures",
+       {true, {".csv", ".json"}},
+       to<ExportEvaluation>},
+      {FilePurpose::export_plots, "export plots", "Save the plots", {true, {".png"}}, to<ExportPlots>},
+      {FilePurpose::export_shapes, "export shapes", "Export the shapes into a new folder", {true, {}}, shapes_folder},
+  };
+  return all;
+}
+
+}  // namespace
+
+const FilePurposeKind& file_purpose(FilePurpose purpose) {
+  const auto& all = file_purposes();
+  return *std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.purpose == purpose; });
+}
+
+FilePurpose purpose_of(const std::string& name) {
+  const auto& all = file_purposes();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
+  return found == all.end() ? FilePurpose::open : found->purpose;
+}
+
+}  // namespace homolog

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "app/editor/state/file_browser.h"
+#include "app/editor/update/commands.h"
+
+namespace homolog {
+
+/// All that the program knows of a purpose of files.
+struct FilePurposeKind {
+  FilePurpose purpose;
+  const char* name;   ///< in the log
+  const char* title;  ///< of the dialog
+  FileKind files;
+  Command (*command)(const std::filesystem::path& chosen, const EditorState& state);
+};
+
+const FilePurposeKind& file_purpose(FilePurpose purpose);
+/// By its name in the log; that to open a file where there is none of that name.
+FilePurpose purpose_of(const std::string& name);
+
+}  // namespace homolog

@@ -1,0 +1,158 @@
+#include "app/editor/update/imports.h"
+
+#include <cmath>
+
+#include "core/mesh/landmark_io.h"
+#include "core/mesh/surface_search.h"
+#include "core/template/template_file.h"
+
+namespace homolog {
+
+namespace {
+
+/// The values that a mesh file has for the template's vertices.
+Result<VertexScalars> stiffness_in(const std::filesystem::path& path, const Topology& topology) {
+  auto read = read_mesh_file(path);
+  if (!read) return fail(read.error());
+  const std::string name = path.filename().string();
+  std::optional<VertexScalars> factors = read->stiffness;
+  if (!factors && read->arrays.size() == 1) factors = read->arrays.begin()->second;
+  if (!factors) {
+    std::string names;
+    for (const auto& [array, values] : read->arrays) names += (names.empty() ? "" : ", ") + array;
+    return fail(name, names.empty()
+                          ? "holds no value per vertex; save one as \"stiffness\"."
+                          : "holds several values per vertex (" + names + "); name the one to take \"stiffness\".");
+  }
+  if (read->triangles.rows() > 0 && read->triangles != topology.triangles())
+    return fail(name,
+                "its faces are not those of the template, so its vertices are others. Save the values on the "
+                "template's own mesh.");
+  return std::move(*factors);
+}
+
+/// Landmarks in the template's own frame, with the place of each on its surface.
+struct OnTemplate {
+  std::vector<std::pair<std::string, SurfacePoint>> landmarks;
+  std::string away;  ///< "apex (34 mm), base (40 mm)": what lies off the surface
+};
+
+Result<OnTemplate> landmarks_on(const std::filesystem::path& path, const Template& reference) {
+  constexpr double most_mm = 10;
+  const auto read = read_landmarks(path);
+  if (!read) return fail(read.error());
+  const SurfaceSearch search({reference.topology, reference.points});
+  OnTemplate found;
+  for (const Landmark& landmark : *read) {
+    const auto nearest = search.nearest(landmark.position);
+    if (nearest.distance_mm <= most_mm)
+      found.landmarks.emplace_back(landmark.name, nearest.at);
+    else
+      found.away += (found.away.empty() ? "" : ", ") + landmark.name + " (" +
+                    std::to_string(std::lround(nearest.distance_mm)) + " mm)";
+  }
+  return found;
+}
+
+Result<void> write_template(const TemplateMaking& making, const std::filesystem::path& path) {
+  const TemplateSettings& settings = making.settings;
+  const auto provenance =
+      settings.tube ? provenance_of(making.source, settings.tube_options) : provenance_of(making.source, settings.mask);
+  return write_mesh_file(template_file(*making.mesh, provenance), path);
+}
+
+/// Reads a file beside the window with `read`, and hands what it gives to `take`, where the case is still the same.
+template <class Done, class Read, class Take>
+void read_for_case(Editing& editing, const Done& command, Read read, Take take) {
+  editing.work.imports.queue(command.path.string(),
+                             [command, read = std::move(read), take = std::move(take),
+                              number = editing.shown.number()](Progress&) -> Result<Work::Then> {
+                               auto got = read(command.path);
+                               if (!got) return fail(got.error());
+                               using Value = typename decltype(got)::value_type;
+                               const auto value = std::make_shared<const Value>(std::move(*got));
+                               return Work::Then([command, take, value, number](Editing& then) {
+                                 if (number != then.shown.number())
+                                   return add_notice(then.state,
+                                                     command.path.filename().string() +
+                                                         " was read for the case before this one, and left out.",
+                                                     false);
+                                 then.log.is_done(command);
+                                 take(then, *value);
+                               });
+                             });
+}
+
+}  // namespace
+
+void import_landmarks(Editing& editing, const std::filesystem::path& path) {
+  read_for_case(
+      editing, ImportLandmarks{{path}}, [](const auto& file) { return read_landmarks(file); },
+      [name = path.filename().string()](Editing& then, const std::vector<Landmark>& read) {
+        const auto known = landmarks_of_template(read, *then.shown.snapshot().document);
+        if (known.empty())
+          return add_notice(then.state,
+                            name + ": none of its names is a landmark of the template. Rename them as in the list.");
+        stop_playing(then);
+        for (std::size_t i = 0; i < known.size(); ++i)
+          then.shown.session().apply(PlaceLandmark{known[i].name, known[i].position}, i > 0);
+        if (known.size() < read.size())
+          add_notice(then.state,
+                     name + ": " + std::to_string(read.size() - known.size()) + " of " + std::to_string(read.size()) +
+                         " names are not landmarks of the template. They were left out.",
+                     false);
+      });
+}
+
+void import_stiffness(Editing& editing, const std::filesystem::path& path) {
+  const auto topology = editing.shown.snapshot().document->reference->topology;
+  read_for_case(
+      editing, ImportStiffness{{path}}, [topology](const auto& file) { return stiffness_in(file, *topology); },
+      [](Editing& then, const VertexScalars& factors) {
+        then.shown.session().apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(factors)});
+      });
+}
+
+void import_template_landmarks(Editing& editing, const std::filesystem::path& path) {
+  read_for_case(
+      editing, ImportTemplateLandmarks{{path}},
+      [reference = editing.shown.snapshot().document->reference](const auto& file) {
+        return landmarks_on(file, *reference);
+      },
+      [name = path.filename().string()](Editing& then, const OnTemplate& found) {
+        const Document& document = *then.shown.snapshot().document;
+        bool joined = false;
+        for (const auto& [landmark, at] : found.landmarks) {
+          const Vec3 on_mesh = at.interpolate(*document.reference->topology, *document.shape().points).transpose();
+          then.shown.session().apply(SetTemplateLandmark{landmark, on_mesh}, std::exchange(joined, true));
+        }
+        if (!found.away.empty())
+          add_notice(then.state, name + ": left out, because they lie away from the template: " + found.away +
+                                     ". Check that the points are in the template's own coordinates.");
+      });
+}
+
+void use_made_template(Editing& editing, const std::filesystem::path& path) {
+  const auto making = editing.work.template_maker.latest();
+  if (!making || !making->mesh) return;
+  editing.work.imports.queue(path.string(), [making, path](Progress&) -> Result<Work::Then> {
+    if (auto written = write_template(*making, path); !written) return fail(written.error());
+    return Work::Then([path](Editing& then) {
+      close_template_making(then);
+      then.out.send(open_template(path.string()));
+    });
+  });
+}
+
+void close_template_making(Editing& editing) {
+  editing.state.making_shown = false;
+  editing.work.template_maker.forget();
+}
+
+void write_picture_beside(Editing& editing, const std::filesystem::path& path, Result<Picture> picture) {
+  if (!picture) return add_notice(editing.state, picture.error().sentence());
+  write_beside(editing, path,
+               [picture = std::move(*picture)](const auto& to, Progress&) { return write_picture(picture, to); });
+}
+
+}  // namespace homolog

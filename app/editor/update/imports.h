@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <utility>
+
+#include "app/editor/update/editing.h"
+
+namespace homolog {
+
+// Files that are read into the case on the screen, and files that are written: beside the window, since they may be
+// large or far away.
+
+void import_landmarks(Editing& editing, const std::filesystem::path& path);
+void import_stiffness(Editing& editing, const std::filesystem::path& path);
+void import_template_landmarks(Editing& editing, const std::filesystem::path& path);
+
+/// Writes the template that was made, and starts anew with it.
+void use_made_template(Editing& editing, const std::filesystem::path& path);
+/// Shows the case's mesh again.
+void close_template_making(Editing& editing);
+
+/// Has a file written; `how` keeps what it is written from.
+template <class How>
+void write_beside(Editing& editing, const std::filesystem::path& path, How how) {
+  editing.work.exports.start(path, [path, how = std::move(how)](Progress& progress) { return how(path, progress); });
+}
+void write_picture_beside(Editing& editing, const std::filesystem::path& path, Result<Picture> picture);
+
+}  // namespace homolog

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/editor/state/key_codes.h"
+#include "app/editor/update/controls.h"
+
+namespace homolog {
+
+/// A key with what is held.
+struct KeyChord {
+  int code = 0;
+  bool ctrl = false, shift = false;
+};
+
+/// What a command may be made of when a key is pressed.
+struct KeyMoment {
+  const EditorState& state;
+  const ControlsContext& context;
+  int code;
+};
+
+/// A key, or keys that belong together: the only place that knows them. The list that F1 shows is made of these rows,
+/// and a test holds docs/editing.md to them.
+struct KeyRow {
+  const char* keys;  ///< as it is written: "Ctrl+Z"
+  const char* does;
+  std::vector<KeyChord> chords;
+  /// None where the key does nothing at the moment.
+  std::optional<Command> (*command)(const KeyMoment& now);
+};
+
+/// Of the case's views, or of the Models mode.
+const std::vector<KeyRow>& key_rows(bool in_models);
+
+}  // namespace homolog

@@ -1,0 +1,112 @@
+#include "app/editor/update/opening.h"
+
+#include "core/case/unsaved_cases.h"
+
+namespace homolog {
+
+namespace {
+
+void start_document(Editing& editing, Document document) {
+  const bool edited = editing.shown.snapshot().can_undo;
+  const std::filesystem::path before = editing.shown.snapshot().file;
+  auto session = create_unsaved_case(document);
+  if (!session) {
+    add_notice(editing.state, session.error().sentence());
+    return start_session(editing, EditSession(std::move(document)));
+  }
+  start_session(editing, std::move(*session));
+  if (!edited || before.empty()) return;
+  Notice notice{"A new case was started. The case before it is kept.", false};
+  notice.case_before = before;
+  add_notice(editing.state, std::move(notice));
+}
+
+/// Asks, where the template lies beside the image, and in it after half a turn.
+void offer_flip(EditorState& state, const Document& document) {
+  if (!document.volume || !document.reference || document.reference->source.starts_with("built-in:")) return;
+  const Box image = document.volume->geometry.bounds_mm();
+  const Points& points = document.reference->points;
+  if (image.intersects(bounds_of(points))) return;
+  // To negate x and y is half a turn about z.
+  const Similarity flip{Eigen::Quaterniond(0, 0, 0, 1), 1, Vec3::Zero()};
+  const Box flipped = bounds_of(Points(points * Vec3(-1, -1, 1).asDiagonal()));
+  if (!image.intersects(flipped)) return;
+  const std::string name = std::filesystem::path(document.reference->source).filename().string();
+  state.dialog = FlipDialog{name, flip, flipped};
+}
+
+/// An image, a template or a demo: a new case with what is open besides.
+void start_with(Editing& editing, Opened opened) {
+  const Document& now = *editing.shown.snapshot().document;
+  EditorState& state = editing.state;
+  const bool new_image = opened.volume != nullptr;
+  const auto volume = new_image ? opened.volume : now.volume;
+  const std::string source = new_image ? opened.request.volume_source : now.volume_source;
+  // A case's first line names the template's file, so a mirrored one is loaded as it is there and mirrored again.
+  const auto reference = opened.reference ? opened.reference : editing.shown.loaded_template();
+  const bool mirrored = !opened.reference && reference && reference->points != now.reference->points;
+  const bool demo = opened.demo.has_value();
+  start_document(editing, opened.demo ? std::move(*opened.demo) : new_document(source, volume, reference));
+  if (mirrored && !demo) editing.shown.session().apply(MirrorTemplate{});
+  if (demo && editing.shown.document().volume->modality == "CT") {
+    // Soft tissue: what the demo is about.
+    state.window_low = -160;
+    state.window_high = 240;
+  }
+  if (new_image && !source.starts_with("phantom:")) remember_recent(state.preferences, source);
+  if (!demo) offer_flip(state, *editing.shown.snapshot().document);
+}
+
+}  // namespace
+
+void start_session(Editing& editing, EditSession session) {
+  EditorState& state = editing.state;
+  ShownCase& shown = editing.shown;
+  const auto before = shown.displayed();
+  const std::string source_before = before && before->volume ? before->volume_source : std::string();
+  editing.work.snaps.cancel();
+  shown.start(std::move(session));
+  const Document& document = shown.document();
+  show_document(state, document, editing.layout, !source_before.empty() && document.volume_source == source_before);
+  const Layout& layout = editing.layout;
+  state.fit_views_wanted = layout.scale <= 0 || layout.status_line.width <= 0 || layout.models.width > 0;
+  if (!state.fit_views_wanted) show_repair(editing);
+  remember_case(state, shown.snapshot());
+  if (document.volume != (before ? before->volume : nullptr)) editing.pictures.forget();
+  editing.work.quality.post(nullptr);
+  editing.work.quality.post(shown.displayed());
+}
+
+void show_repair(Editing& editing) {
+  if (const auto frame = Models::show_repair(editing.state, editing.shown.snapshot()))
+    editing.shown.session().apply(SetFrame{*frame});
+}
+
+void take_opened(Editing& editing, Opened opened) {
+  EditorState& state = editing.state;
+  for (auto& warning : opened.warnings) add_notice(state, std::move(warning), false);
+  if (opened.needs_spacing) {
+    state.dialog = SpacingDialog{std::move(opened.request)};
+    return;
+  }
+  if (!opened.series.empty()) {
+    state.dialog = SeriesDialog{std::move(opened.request), std::move(opened.series)};
+    return;
+  }
+  const OpenRequested command{opened.request};
+  if (opened.labels) {
+    editing.log.is_done(command);
+    return editing.shown.show_labels(
+        {std::move(opened.labels), opened.request.labels.filename().string(), std::move(opened.label_values)});
+  }
+  const Snapshot& now = editing.shown.snapshot();
+  if (has_unsaved_edits(now) && now.file.empty())
+    return add_notice(state, "The case on the screen could not be kept on the disk; save it before opening another.");
+  editing.log.is_done(command);
+  if (opened.opened_case)
+    start_session(editing, std::move(opened.opened_case->session));
+  else
+    start_with(editing, std::move(opened));
+}
+
+}  // namespace homolog

@@ -1,0 +1,147 @@
+#include "app/editor/update/results.h"
+
+#include <algorithm>
+
+#include "app/editor/update/assistance.h"
+#include "app/editor/update/opening.h"
+
+namespace homolog {
+
+namespace {
+
+void take_imports(Editing& editing) {
+  while (auto done = editing.work.imports.take()) {
+    if (*done)
+      (**done)(editing);
+    else
+      add_notice(editing.state, done->error().sentence());
+  }
+}
+
+/// Says which files were written; true where there were some.
+bool take_written(Editing& editing) {
+  EditorState& state = editing.state;
+  const auto written = editing.work.exports.take();
+  for (const auto& [path, result, cancelled] : written) {
+    add_notice(state, result ? "Written: " + path.string() : result.error().sentence(), !result && !cancelled);
+    if (!result && state.quitting == Quitting::when_written) state.quitting = Quitting::no;
+  }
+  if (state.quitting == Quitting::when_written && !editing.work.exports.busy()) state.quitting = Quitting::now;
+  return !written.empty();
+}
+
+/// Takes in what the template maker has; true where there is something new to draw.
+bool take_stage(Editing& editing) {
+  TemplateMaker& maker = editing.work.template_maker;
+  maker.update();
+  const auto making = maker.latest();
+  if (making == editing.work.seen_making) return maker.busy();
+  const bool first = editing.state.making_shown && making && making->stages.size() == 1 && !making->done;
+  editing.work.seen_making = making;
+  if (first) look_at_mesh(editing.state, making->stages.front().surface->points);
+  return true;
+}
+
+/// Offers the cases that were found; true where there is something new to draw.
+bool take_recovery(Editing& editing) {
+  auto found = editing.work.recovery.take();
+  if (!found) return false;
+  EditorState& state = editing.state;
+  const RecoveryOffer offer = editing.work.recovery_offer;
+  auto* open = state.dialog ? std::get_if<RecoverDialog>(&*state.dialog) : nullptr;
+  if (found->counted) {
+    if (open == nullptr) return false;
+    for (RecoverDialog::Found& shown : open->found)
+      for (const RecoverDialog::Found& counted : found->cases)
+        if (shown.journal == counted.journal) shown.details = counted.details;
+  } else if (found->cases.empty()) {
+    if (offer == RecoveryOffer::asked) add_notice(state, "There is no case to recover.", false);
+  } else if (offer == RecoveryOffer::notice || (state.dialog && open == nullptr)) {
+    add_notice(state,
+               std::to_string(found->cases.size()) + (found->cases.size() == 1 ? " case was" : " cases were") +
+                   " not saved. Unsaved cases… in the section Case recovers them.",
+               false);
+  } else {
+    state.dialog = RecoverDialog{std::move(found->cases), {}};
+  }
+  return true;
+}
+
+/// News go by themselves, errors stay until they are dismissed.
+void forget_old_news(EditorState& state, double seconds) {
+  constexpr double news_seconds = 8;
+  for (Notice& notice : state.notices)
+    if (!notice.error && !notice.until) notice.until = seconds + news_seconds;
+  std::erase_if(state.notices, [&](const Notice& notice) { return notice.until && *notice.until <= seconds; });
+}
+
+void play(EditorState& state, const Document& document, double seconds) {
+  if (!state.playing || seconds < state.next_frame_seconds || !document.volume || document.volume->frames <= 1) return;
+  const Volume& volume = *document.volume;
+  const double pace = volume.frame_seconds > 0 ? volume.frame_seconds : 0.05;
+  state.next_frame_seconds = std::max(state.next_frame_seconds + pace, seconds);
+  state.shown_frame = (shown_frame(state, document) + 1) % volume.frames;
+}
+
+}  // namespace
+
+bool take_results(Editing& editing, double seconds) {
+  EditorState& state = editing.state;
+  Work& work = editing.work;
+  const std::size_t notices_before = state.notices.size();
+  const Snapshot* const before = &editing.shown.snapshot();
+  if (auto opened = work.opener.take()) {
+    if (*opened)
+      take_opened(editing, std::move(**opened));
+    else
+      add_notice(state, opened->error().sentence());
+  }
+  take_imports(editing);
+  play(state, editing.shown.document(), seconds);
+  if (editing.shown.take_snapshot(state)) work.quality.post(editing.shown.displayed());
+  bool changed = take_written(editing);
+  follow_fit(editing);
+  follow_model_help(editing);
+  follow_learning(editing);
+  changed |= take_snap(editing);
+  changed |= work.models.update(state, editing.shown.snapshot(), seconds, editing.out);
+  changed |= work.quality.update();
+  changed |= take_stage(editing);
+  changed |= take_recovery(editing);
+  forget_old_news(state, seconds);
+  return changed || state.notices.size() != notices_before || before != &editing.shown.snapshot() || state.playing;
+}
+
+void settle(Editing& editing) {
+  Work& work = editing.work;
+  work.opener.finish();
+  work.imports.finish();
+  take_results(editing, 0);
+  work.models.settle(editing.state, editing.shown.snapshot(), editing.out);
+  work.exports.finish();
+  take_written(editing);
+  work.quality.finish();
+  while (work.recovery.busy()) {
+    work.recovery.finish();
+    take_recovery(editing);
+  }
+}
+
+std::optional<double> next_move_seconds(const EditorState& state, const Work& work, double now) {
+  constexpr double progress_seconds = 0.1;
+  if (state.playing) return std::max(state.next_frame_seconds - now, 0.0);
+  if (work.busy()) return progress_seconds;
+  auto next = work.models.next_move_seconds(state.models);
+  if (const auto rest = work.quality.rest_seconds()) next = std::min(next.value_or(*rest), *rest);
+  for (const Notice& notice : state.notices)
+    if (notice.until) next = std::min(next.value_or(*notice.until - now), std::max(*notice.until - now, 0.0));
+  return next;
+}
+
+std::shared_ptr<const Mesh> shown_making(const EditorState& state, const Work& work) {
+  const auto making = state.making_shown ? work.template_maker.latest() : nullptr;
+  if (!making || making->stages.empty()) return nullptr;
+  return making->stages[std::min(state.shown_stage.value_or(making->stages.size()), making->stages.size() - 1)].surface;
+}
+
+}  // namespace homolog

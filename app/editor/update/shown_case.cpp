@@ -1,0 +1,87 @@
+#include "app/editor/update/shown_case.h"
+
+#include <algorithm>
+
+#include "app/editor/work/recovery.h"
+#include "core/case/unsaved_cases.h"
+
+namespace homolog {
+
+namespace {
+
+bool has_region(const Document& document, const std::string& name) {
+  return document.regions && std::any_of(document.regions->list.begin(), document.regions->list.end(),
+                                         [&](const Region& region) { return region.name == name; });
+}
+
+/// The brush lets go of a region that was taken back.
+void let_go_of_regions(EditorState& state, const Document& before, const Document& now) {
+  const std::string& brushed = state.brush.region;
+  if (has_region(before, brushed) && !has_region(now, brushed)) state.brush.region.clear();
+  if (state.renaming && !has_region(now, state.renaming->rename.name)) state.renaming.reset();
+}
+
+std::shared_ptr<const Document> at_frame(const std::shared_ptr<const Document>& document, int frame) {
+  if (document->frame == frame) return document;
+  auto other = std::make_shared<Document>(*document);
+  other->frame = frame;
+  return other;
+}
+
+}  // namespace
+
+bool has_unsaved_edits(const Snapshot& snapshot) {
+  if (snapshot.file.empty()) return snapshot.can_undo && snapshot.committed > 0;
+  return snapshot.can_undo && snapshot.file.parent_path() == unsaved_folder();
+}
+
+void remember_case(EditorState& state, const Snapshot& snapshot) {
+  const auto& file = snapshot.file;
+  if (!file.empty() && file.parent_path() != unsaved_folder()) remember_recent(state.preferences, file);
+}
+
+void ShownCase::start(EditSession session) {
+  const auto volume_before = displayed_ ? displayed_->volume : nullptr;
+  close();
+  loaded_template_ = session.initial_document().reference;
+  session_ = std::make_unique<SessionThread>(std::move(session), wake_);
+  ++number_;
+  snapshot_ = session_->snapshot();
+  displayed_ = snapshot_->shown;
+  if (displayed_->volume != volume_before) close_labels();
+}
+
+void ShownCase::close() {
+  if (!session_) return;
+  session_.reset();  // what was asked for is done, and the journal closed
+  remove_without_edits(snapshot_->file);
+}
+
+bool ShownCase::take_snapshot(EditorState& state) {
+  const auto latest = session_->snapshot();
+  const bool changed = latest != snapshot_, done = latest->committed != snapshot_->committed;
+  const bool renamed = latest->file != snapshot_->file;
+  let_go_of_regions(state, *snapshot_->document, *latest->document);
+  snapshot_ = latest;
+  if (renamed) remember_case(state, *snapshot_);
+  keep_on_disk(state);
+  if (done && !snapshot_->error.empty()) add_notice(state, snapshot_->error);
+  const int frame = shown_frame(state, *snapshot_->shown);
+  if (!changed && displayed_->frame == frame) return false;
+  const auto before = displayed_;
+  displayed_ = at_frame(snapshot_->shown, frame);
+  return before->has_shape() != displayed_->has_shape() ||
+         (displayed_->has_shape() && before->shape().points != displayed_->shape().points);
+}
+
+void ShownCase::keep_on_disk(EditorState& state) {
+  // The state folder was full, or the case is read-only: tried again with every edit.
+  if (!snapshot_->file.empty() || !has_unsaved_edits(*snapshot_) || tried_to_keep_ == snapshot_->document) return;
+  tried_to_keep_ = snapshot_->document;
+  if (auto path = new_unsaved_path())
+    session_->save_as(std::move(*path));
+  else
+    add_notice(state, path.error().sentence());
+}
+
+}  // namespace homolog

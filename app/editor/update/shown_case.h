@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/editor/state/state.h"
+#include "core/case/session_thread.h"
+
+namespace homolog {
+
+/// The label map that is shown over the image.
+struct ShownLabels {
+  std::shared_ptr<const Volume> volume;  ///< null without one
+  std::string name;
+  std::vector<int> values;  ///< without 0
+};
+
+/// Whether there are edits of a case that has no file of its own.
+bool has_unsaved_edits(const Snapshot& snapshot);
+
+/// The case on the screen: its session, what of it is shown, and the label map over it. Belongs to the window's thread.
+class ShownCase {
+ public:
+  /// `wake` is called from the session's thread when there is something new.
+  explicit ShownCase(std::function<void()> wake) : wake_(std::move(wake)) {}
+  ~ShownCase() { close(); }
+
+  /// Shows another case; the one before is closed first. The label map goes where the image is another.
+  void start(EditSession session);
+  /// Waits until what was asked for is done and on the disk. Whoever snaps must have been told to stop.
+  void close();
+  bool is_open() const { return session_ != nullptr; }
+
+  SessionThread& session() const { return *session_; }
+  /// As it was taken in last.
+  const Snapshot& snapshot() const { return *snapshot_; }
+  /// What is shown: with the preview, at the frame that plays.
+  const Document& document() const { return *displayed_; }
+  const std::shared_ptr<const Document>& displayed() const { return displayed_; }
+  /// Counts the cases that were on the screen.
+  std::uint64_t number() const { return number_; }
+  /// As its file holds it: the case may have mirrored it.
+  const std::shared_ptr<const Template>& loaded_template() const { return loaded_template_; }
+
+  /// Takes in what the session did. What of the state spoke of what is gone by now is let go. True where the shown
+  /// mesh moved.
+  bool take_snapshot(EditorState& state);
+  /// Whether the session has nothing more to do, and all of it was taken in.
+  bool at_rest() const { return !session_->busy() && snapshot_ == session_->snapshot(); }
+
+  const ShownLabels& labels() const { return labels_; }
+  void show_labels(ShownLabels labels) { labels_ = std::move(labels); }
+  void close_labels() { labels_ = {}; }
+
+ private:
+  void keep_on_disk(EditorState& state);
+
+  std::function<void()> wake_;
+  std::unique_ptr<SessionThread> session_;
+  std::uint64_t number_ = 0;
+  std::shared_ptr<const Snapshot> snapshot_;
+  std::shared_ptr<const Document> displayed_;
+  std::shared_ptr<const Document> tried_to_keep_;  ///< the last for which a journal was asked
+  std::shared_ptr<const Template> loaded_template_;
+  ShownLabels labels_;
+};
+
+/// Puts the case's file among the recent ones, where it is one of its own.
+void remember_case(EditorState& state, const Snapshot& snapshot);
+
+}  // namespace homolog

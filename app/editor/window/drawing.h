@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/scene/scene_builder.h"
+#include "app/editor/scene/view_pictures.h"
+#include "app/editor/update/editing.h"
+
+namespace homolog {
+
+/// Draws the editor into the framebuffer that is bound: the window, and pictures of it. Without start() it lays out the
+/// interface and draws nothing; then ImGui's context alone is needed, else a current OpenGL context too. Both must
+/// outlive the drawing calls.
+class Drawing : public PictureSource {
+ public:
+  /// What is drawn, all kept by reference. `layout` is set by every frame; controls send to `out`.
+  Drawing(EditorState& state, Layout& layout, const ShownCase& shown, const Work& work, Outbox& out)
+      : state_(state), layout_(layout), shown_(shown), work_(work), out_(out) {}
+
+  Result<void> start(float scale);
+  /// Sets the scale of the interface; the next frame uses it.
+  void set_scale(float scale);
+  /// Draws the window; ImGui's frame must not have begun. `frames_per_second` is shown.
+  void draw(int width_px, int height_px, double frames_per_second);
+  /// Whether the next frame shows more than the last, without anything having happened.
+  bool draws_on() const { return draws_on_; }
+
+  Result<Picture> picture(const PictureOptions& options) override;
+  Result<Picture> plots(const PictureOptions& options) override;
+  void forget() override;
+
+ private:
+  void draw_pictures(int width_px, int height_px);
+  void draw_view_picture(const PictureOptions& options);
+  SceneBuilder::Input scene_input(const EditorState& state) const;
+  UiContext ui_context(const EditorState& state, double fps) const;
+
+  EditorState& state_;
+  Layout& layout_;
+  const ShownCase& shown_;
+  const Work& work_;
+  Outbox& out_;
+  float scale_ = 1;
+  std::optional<Theme> theme_;
+  std::optional<ViewPictures> pictures_;
+  SceneBuilder scenes_;
+  GalleryPictures gallery_;
+  CaseThumbnails thumbnails_;
+  bool draws_on_ = false;  ///< thumbnails are left
+};
+
+}  // namespace homolog

@@ -1,0 +1,166 @@
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "app/editor/update/file_purposes.h"
+#include "app/editor/update/keys.h"
+#include "core/base/files.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/label_map.h"
+#include "core/mesh/landmark_io.h"
+#include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
+#include "tests/driver.h"
+#include "tests/must.h"
+
+// Commands: each has a line, and the lines of a session lead to its case again.
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A ball of 40 mm as a template, and a label map of one of 37 mm.
+struct BallAndLabel {
+  TemporaryFolder folder;
+  fs::path label = folder.path / "label.nii.gz", landmarks = folder.path / "placed.mrk.json";
+  Document document;
+
+  BallAndLabel() {
+    const Mesh mesh = icosphere(3, 40);
+    MeshFile ball{mesh.points, mesh.topology->triangles()};
+    ball.landmarks = {{"north", Vec3(0, 0, 40)}, {"south", Vec3(0, 0, -40)}};
+    const fs::path file = folder.path / "ball.ply";
+    REQUIRE(write_mesh_file(ball, file));
+    document = new_document("", nullptr, test::must(load_template(file.string())));
+    VolumeGeometry grid;
+    grid.dims = {60, 60, 60};
+    grid.spacing_mm.setConstant(1.5);
+    grid.origin_mm.setConstant(-44);
+    REQUIRE(write_volume(label_map(icosphere(4, 37), grid, 1), label));
+    REQUIRE(write_landmarks({{"north", Vec3(0, 0, 37)}}, landmarks));
+  }
+};
+
+void open_by_dialog(Driver& driver, std::string_view button, const fs::path& file) {
+  driver.click(button);
+  driver.type_into("name", file.string());
+  driver.press(key::enter);
+}
+
+template <std::size_t... i>
+std::vector<Command> one_of_each(std::index_sequence<i...>) {
+  return {Command(std::variant_alternative_t<i, Command>{})...};
+}
+
+std::vector<Command> one_of_each() {
+  return one_of_each(std::make_index_sequence<std::variant_size_v<Command>>{});
+}
+
+}  // namespace
+
+TEST_CASE("a fit to the label is said as long as the mesh is as it left it") {
+  const BallAndLabel ball;
+  Driver driver(ball.document);
+  driver.click("side panel/Place");
+  open_by_dialog(driver, "Place/Open a label map…", ball.label);
+  driver.wait_until("the label map is open", [&] { return driver.has("Place/Fit to the label"); });
+  driver.click("Place/Fit to the label");
+  driver.wait_until("the fit is done", [&] { return driver.document().shape().points->row(0).norm() < 38.5; });
+  driver.settle();
+  CHECK(driver.shows("Distance to the label"));
+  driver.click("top bar/undo");
+  driver.settle();
+  CHECK_FALSE(driver.shows("Distance to the label"));
+}
+
+TEST_CASE("the commands of a session lead to the same case again") {
+  const BallAndLabel ball;
+  const fs::path log = ball.folder.path / "session.log";
+  Document before;
+  std::string undo_name;
+  {
+    Driver driver(ball.document);
+    REQUIRE(driver.app().log().write_to(log));
+    driver.click("side panel/Reference");
+    driver.type_into("new region", "pole");
+    driver.click("Reference/Add");
+    driver.settle();
+    driver.click("side panel/Reference");
+    driver.click("side panel/Place");
+    open_by_dialog(driver, "Place/Import…", ball.landmarks);
+    driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("north"); });
+    open_by_dialog(driver, "Place/Open a label map…", ball.label);
+    driver.wait_until("the label map is open", [&] { return driver.has("Place/Fit to the label"); });
+    driver.click("Place/Fit to the label");
+    driver.wait_until("the fit is done", [&] { return driver.document().shape().points->row(0).norm() < 38.5; });
+    // A fit that is given up leaves nothing, in the case or in the log.
+    driver.click("Place/Fit to the label");
+    driver.app().send(CancelFit{});
+    driver.settle();
+    const Vec3 at = driver.document().shape().points->row(5);
+    driver.app().send(ApplyEdit{Stroke{Tool::pull, at, 1.1 * at, 12}});
+    driver.app().send(ApplyEdit{Stroke{Tool::pull, -at, -1.1 * at, 12}});
+    driver.settle();
+    driver.click("top bar/undo");
+    driver.settle();
+    before = driver.document();
+    undo_name = driver.app().snapshot().undo_name;
+  }
+  Driver again(ball.document);
+  again.app().replay(test::must(read_log(log)));
+  again.settle();
+  CHECK(bool(*again.document().shape().points == *before.shape().points));
+  CHECK(again.document().shape().landmarks == before.shape().landmarks);
+  CHECK(again.document().regions->list.size() == before.regions->list.size());
+  CHECK(again.app().snapshot().undo_name == undo_name);
+  CHECK(again.app().snapshot().can_redo);
+}
+
+TEST_CASE("every command has a key of its own and its line reads back as it was") {
+  std::set<std::string> keys;
+  for (const Command& command : one_of_each()) {
+    const std::string line = log_line(command);
+    CAPTURE(line);
+    const auto read = command_of_line(line);
+    REQUIRE(read);
+    CHECK(read->index() == command.index());
+    CHECK(log_line(*read) == line);
+    CHECK(keys.insert(std::visit([](const auto& one) { return std::string(one.key); }, command)).second);
+  }
+}
+
+TEST_CASE("a line of the log that is no command is refused by its number") {
+  const TemporaryFolder folder;
+  const fs::path log = folder.path / "session.log";
+  for (const char* bad :
+       {"{\"do\":\"dance\"}", "{\"do\":\"choose tool\"}", "{\"do\":\"choose tool\",\"tool\":7}", "no"}) {
+    std::ofstream(log) << log_line(ChooseTool{MouseTool::slide}) << '\n' << bad << '\n';
+    const auto read = read_log(log);
+    REQUIRE_FALSE(read);
+    CHECK(read.error().sentence().find("line 2") != std::string::npos);
+  }
+  CHECK_FALSE(read_log(folder.path / "absent.log"));
+}
+
+TEST_CASE("every purpose of a file has a row and every key is in the page on editing") {
+  std::set<std::string> names;
+  for (int purpose = 0; purpose <= static_cast<int>(FilePurpose::export_shapes); ++purpose) {
+    const FilePurposeKind& kind = file_purpose(static_cast<FilePurpose>(purpose));
+    CHECK(kind.purpose == static_cast<FilePurpose>(purpose));
+    CHECK(names.insert(kind.name).second);
+    CHECK(purpose_of(kind.name) == kind.purpose);
+  }
+  const std::string page = test::must(read_whole_file(fs::path(HOMOLOG_SOURCE_DIR) / "docs" / "editing.md"));
+  for (const bool in_models : {false, true})
+    for (const KeyRow& row : key_rows(in_models)) {
+      CAPTURE(row.keys);
+      CHECK(page.find("| `" + std::string(row.keys) + "` | " + row.does + " |") != std::string::npos);
+    }
+}
+
+}  // namespace homolog

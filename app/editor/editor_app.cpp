@@ -223,6 +223,7 @@ bool EditorApp::update_parts(double seconds) {
   follow_learning();
   const bool new_snap = take_snap();
   const bool new_model = models_.update(state_, *snapshot_, seconds, out_);
+  follow_quit();
   const bool new_figures = quality_.update();
   const bool new_stage = take_stage();
   const bool new_offer = take_recovery();
@@ -264,36 +265,42 @@ bool EditorApp::take_work() {
   return any;
 }
 
-bool EditorApp::take_recovery() {
-  auto found = recovery_.take();
-  if (!found) return false;
-  auto* open = state_.dialog ? std::get_if<RecoverDialog>(&*state_.dialog) : nullptr;
-  if (found->counted) {
-    if (open == nullptr) return false;
-    for (RecoverDialog::Found& shown : open->found)
-      for (const RecoverDialog::Found& counted : found->cases)
-        if (shown.journal == counted.journal) shown.details = counted.details;
-  } else if (found->cases.empty()) {
-    if (offer_ == Offer::asked) add_notice(state_, "There is no case to recover.", false);
-  } else if (offer_ == Offer::notice || (state_.dialog && open == nullptr)) {
-    add_notice(state_,
-               std::to_string(found->cases.size()) + (found->cases.size() == 1 ? " case was" : " cases were") +
-                   " not saved. Unsaved cases… in the section Case recovers them.",
-               false);
-  } else {
-    state_.dialog = RecoverDialog{std::move(found->cases), {}};
-  }
-  return true;
-}
-
 bool EditorApp::take_written() {
   const auto written = exports_.take();
-  for (const auto& [path, result, cancelled] : written) {
+  for (const auto& [path, result, cancelled, then] : written) {
     add_notice(state_, result ? "Written: " + path.string() : result.error().sentence(), !result && !cancelled);
-    if (!result) quit_when_written_ = false;
+    if (!result)
+      quit_when_written_ = false;
+    else if (then)
+      then();
   }
-  if (quit_when_written_ && !exports_.busy()) quit_ = true;
   return !written.empty();
+}
+
+void EditorApp::quit_when_written(bool without_study) {
+  quit_when_written_ = true;
+  quit_without_study_ = without_study;
+  if (!without_study) models_.write_if_changed(state_.models);
+  if (const auto file = exports_.running()) {
+    const std::string name = std::filesystem::path(file->subject).filename().string();
+    add_notice(state_, "Homolog closes as soon as " + name + " is written.", false);
+  }
+  follow_quit();
+}
+
+void EditorApp::follow_quit() {
+  if (!quit_when_written_ || exports_.busy()) return;
+  if (!quit_without_study_) {
+    if (models_.files_running()) return;
+    models_.take_files(state_, out_);
+    if (!models_.unwritten().empty()) {
+      quit_when_written_ = false;
+      state_.dialog = QuitDialog{models_.unwritten()};
+      return;
+    }
+    if (models_.write_if_changed(state_.models)) return;  // it was changed meanwhile
+  }
+  quit_ = true;
 }
 
 bool EditorApp::take_snap() {
@@ -329,28 +336,37 @@ SceneBuilder::Input EditorApp::scene_input(const EditorState& state) const {
   return {state, displayed_, snapshot_->preview, labels_, shown_making()};
 }
 
-UiContext EditorApp::ui_context(const EditorState& state, double fps) const {
+std::vector<RunningWork> EditorApp::running_work() const {
   constexpr double shown_after_seconds = 0.5;
   std::vector<RunningWork> running;
   const auto show = [&](const char* kind, const std::string& verb, const std::optional<RunningJob>& job, Command cancel,
                         const char* tip) {
     if (job && job->seconds > shown_after_seconds)
-      running.push_back({kind, verb + std::filesystem::path(job->subject).filename().string(), tip, std::move(cancel),
-                         job->fraction});
+      running.push_back({kind,
+                         verb + std::filesystem::path(job->subject).filename().string(),
+                         tip,
+                         std::move(cancel),
+                         job->fraction,
+                         {}});
   };
   show("opening", "Opening ", opener_.running(), CancelOpening{}, "What is open stays as it is");
   show("reading", "Reading ", work_.running(), CancelReading{}, "The case stays as it is");
-  show("study", "Study: ", models_.files_running(), CancelStudyFile{}, "What is not written yet is tried again");
+  if (const auto job = models_.files_running(); job && job->seconds > shown_after_seconds)
+    running.push_back(study_work(*job));
   if (const auto file = exports_.running())
     show("writing", "Writing ", file, CancelWriting{file->subject},
          "Nothing is written, and what the file held before stays");
+  return running;
+}
+
+UiContext EditorApp::ui_context(const EditorState& state, double fps) const {
   return {*theme_,
           layout_,
           state,
           *snapshot_,
           displayed_,
           quality_,
-          std::move(running),
+          running_work(),
           labels_,
           labels_name_,
           label_values_,

@@ -123,12 +123,17 @@ class EditorApp {
   SceneBuilder::Input scene_input(const EditorState& state) const;
   /// Says which files were written; true where there were some.
   bool take_written();
+  /// Closes the window as soon as all files are written; `without_study`: the study's too, or not.
+  void quit_when_written(bool without_study);
+  /// Does so now where nothing is left to write; asks where the study's file could not be written.
+  void follow_quit();
   /// The window or one view in another size.
   Result<Picture> picture(const PictureOptions& options);
   /// Into the framebuffer that is bound, and the layout of that.
   void draw_view_picture(const PictureOptions& options);
   /// The plots of the model's measures, 3 side by side.
   Result<Picture> plots_picture(const PictureOptions& options);
+  std::vector<RunningWork> running_work() const;
   UiContext ui_context(const EditorState& state, double fps) const;
 
   std::function<void()> wake_;
@@ -172,7 +177,7 @@ class EditorApp {
   std::optional<Theme> theme_;
   double frame_due_ = 0;
   bool fit_wanted_ = true;
-  bool quit_ = false, quit_when_written_ = false;
+  bool quit_ = false, quit_when_written_ = false, quit_without_study_ = false;
 };
 
 }  // namespace homolog

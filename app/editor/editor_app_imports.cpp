@@ -6,7 +6,8 @@
 #include "core/mesh/surface_search.h"
 #include "core/template/template_file.h"
 
-// Files that are read into the case on the screen: beside the window, since they may be large or far away.
+// Files that are read into the case on the screen, and the template that is made and then used: beside the window,
+// since they may be large or far away.
 
 namespace homolog {
 
@@ -129,16 +130,17 @@ void EditorApp::import_template_landmarks(const std::filesystem::path& path) {
 void EditorApp::use_made_template(const std::filesystem::path& path) {
   const auto making = template_maker_.latest();
   if (!making || !making->mesh) return;
-  work_.queue(path.string(), [this, making, path](Progress&) -> Result<Then> {
-    if (auto written = write_template(*making, path); !written) return fail(written.error());
-    return Then([this, path] {
-      making_shown_ = false;
-      template_maker_.forget();
-      OpenRequest request;
-      request.template_source = path.string();
-      opener_.start(std::move(request));
-    });
-  });
+  exports_.start(
+      path, [making, path](Progress&) { return write_template(*making, path); },
+      [this, making, path] {
+        if (template_maker_.latest() == making) {  // and no other was begun meanwhile
+          making_shown_ = false;
+          template_maker_.forget();
+        }
+        OpenRequest request;
+        request.template_source = path.string();
+        opener_.start(std::move(request));
+      });
 }
 
 }  // namespace homolog

@@ -63,6 +63,34 @@ void EditorApp::start_document(Document document) {
   add_notice(state_, std::move(notice));
 }
 
+bool EditorApp::take_recovery() {
+  auto looked = recovery_.take();
+  if (!looked) return false;
+  if (!*looked) {
+    add_notice(state_, looked->error().sentence());
+    return true;
+  }
+  Recovery::Found* found = &**looked;
+  auto* open = state_.dialog ? std::get_if<RecoverDialog>(&*state_.dialog) : nullptr;
+  if (found->counted) {
+    if (open == nullptr) return false;
+    for (RecoverDialog::Found& shown : open->found)
+      for (const RecoverDialog::Found& counted : found->cases)
+        if (shown.journal == counted.journal) shown.details = counted.details;
+  } else if (found->cases.empty()) {
+    if (offer_ == Offer::asked) add_notice(state_, "There is no case to recover.", false);
+  } else if (offer_ == Offer::notice || (state_.dialog && open == nullptr)) {
+    add_notice(state_,
+               std::to_string(found->cases.size()) + (found->cases.size() == 1 ? " case was" : " cases were") +
+                   " not saved. Unsaved cases… in the section Case recovers them.",
+               false);
+  } else {
+    state_.dialog = RecoverDialog{found->cases, {}};
+    recovery_.count(std::move(*found));
+  }
+  return true;
+}
+
 void EditorApp::offer_flip(const Document& document) {
   if (!document.volume || !document.reference || document.reference->source.starts_with("built-in:")) return;
   const Box image = document.volume->geometry.bounds_mm();

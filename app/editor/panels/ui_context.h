@@ -25,7 +25,10 @@ struct RunningWork {
   const char* cancel_tip = "";
   Command cancel;
   double fraction = 0;
+  const char* no_cancel = "";  ///< why it cannot be given up; empty where it can
 };
+/// Work on a study's file, or on a case that is made for the study.
+RunningWork study_work(const RunningJob& job);
 
 /// Everything that the interface is drawn from, at one moment. Drawing changes nothing in it; what the user asks for
 /// goes to an Outbox.

@@ -61,7 +61,7 @@ struct CommandRunner {
   void operator()(const CloseLabels&) const { app.labels_.reset(); }
   void operator()(const CancelOpening&) const { app.opener_.cancel(); }
   void operator()(const CancelReading&) const { app.work_.cancel(); }
-  void operator()(const CancelStudyFile&) const { app.models_.cancel_file(); }
+  void operator()(const CancelStudyFile& command) const { app.models_.cancel_file(command.subject); }
   void operator()(const CancelWriting& command) const { app.exports_.cancel(command.path); }
   void operator()(const SaveCase& command) const {
     const auto& file = app.snapshot_->file;
@@ -197,12 +197,8 @@ struct CommandRunner {
   void operator()(const Quit& command) const {
     if (has_unsaved_edits(*app.snapshot_) && !command.sure)
       state.dialog = QuitDialog{};
-    else if (const auto file = app.exports_.running()) {
-      app.quit_when_written_ = true;
-      const std::string name = std::filesystem::path(file->subject).filename().string();
-      add_notice(state, "Homolog closes as soon as " + name + " is written.", false);
-    } else
-      app.quit_ = true;
+    else
+      app.quit_when_written(command.without_study);
   }
 
  private:

@@ -55,10 +55,12 @@ struct OpenLabels {
 };
 struct CloseLabels {};
 struct CancelOpening {};
-/// Of files that are read for the case, or written for a new one.
+/// Of files that are read for the case.
 struct CancelReading {};
-/// Of a study's file.
-struct CancelStudyFile {};
+/// Of a study that is read, or of a case that is made for it.
+struct CancelStudyFile {
+  std::string subject;
+};
 struct CancelWriting {
   std::filesystem::path path;
 };
@@ -143,7 +145,8 @@ struct PlayFrames {
 };
 struct FitViews {};
 struct Quit {
-  bool sure = false;  ///< an unsaved case is not asked about again
+  bool sure = false;           ///< an unsaved case is not asked about again
+  bool without_study = false;  ///< nor a study that could not be written
 };
 
 using Command =

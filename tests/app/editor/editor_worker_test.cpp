@@ -12,6 +12,7 @@
 #include "app/editor/work/quality_monitor.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
+#include "tests/ball.h"
 #include "tests/must.h"
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
@@ -31,11 +32,6 @@ Result<int> until_cancelled(Progress& progress) {
   return 1;
 }
 
-Document measured_ball(double radius_mm) {
-  const Mesh mesh = icosphere(3, radius_mm);
-  return new_document("", nullptr, make_template({mesh.points, mesh.topology->triangles()}, "ball").value());
-}
-
 }  // namespace
 
 TEST_CASE("of several pieces of work the latest gives the result") {
@@ -53,12 +49,17 @@ TEST_CASE("of several pieces of work the latest gives the result") {
 TEST_CASE("work that is queued is done in order and what runs can be ended alone") {
   Worker<int> worker([] {});
   worker.queue("first", until_cancelled);
-  for (const int k : {2, 3}) worker.queue("later", [k](Progress&) { return k; });
+  for (const int k : {2, 3})
+    worker.queue(
+        "later", [k](Progress& progress) { return progress.cancelled() ? 0 : k; }, "Counting");
   REQUIRE(test::wait_until([&] { return worker.fraction() > 0; }));
   REQUIRE(worker.running());
   CHECK(worker.running()->subject == "first");
   CHECK(worker.running()->fraction == 0.5);
-  worker.cancel_running();
+  CHECK(worker.running()->verb == std::string());
+  worker.cancel_running("later");  // waits still
+  CHECK_FALSE(worker.take());
+  worker.cancel_running("first");
   worker.finish();
   for (const int k : {1, 2, 3}) CHECK(test::must(worker.take().value()) == k);
   CHECK_FALSE(worker.take());
@@ -111,7 +112,7 @@ TEST_CASE("the quality monitor measures the mesh posted last and forgets when th
   const auto volume = [&] { return monitor.latest()->volume_ml; };
   // As a drag posts them.
   for (int radius_mm = 20; radius_mm <= 40; ++radius_mm) {
-    monitor.post(std::make_shared<const Document>(measured_ball(radius_mm)));
+    monitor.post(std::make_shared<const Document>(ball_document(radius_mm)));
     monitor.update();
   }
   REQUIRE(test::wait_until([&] {
@@ -121,8 +122,8 @@ TEST_CASE("the quality monitor measures the mesh posted last and forgets when th
   CHECK(woken > 0);
   CHECK_FALSE(monitor.rest_seconds());
   CHECK(monitor.error().empty());
-  monitor.post(std::make_shared<const Document>(measured_ball(20)));
-  monitor.post(std::make_shared<const Document>(measured_ball(10)));
+  monitor.post(std::make_shared<const Document>(ball_document(20)));
+  monitor.post(std::make_shared<const Document>(ball_document(10)));
   CHECK(monitor.rest_seconds());
   monitor.finish();
   CHECK(volume() < 5);
@@ -137,11 +138,11 @@ TEST_CASE("a mesh that cannot be measured ends in a sentence and the next is mea
                            if (++measured == 1) throw std::bad_alloc();
                            return quality_figures(document);
                          });
-  monitor.post(std::make_shared<const Document>(measured_ball(20)));
+  monitor.post(std::make_shared<const Document>(ball_document(20)));
   monitor.finish();
   CHECK_FALSE(monitor.latest());
   CHECK(monitor.error() == "The mesh's figures: needs more memory than there is; close other programs");
-  monitor.post(std::make_shared<const Document>(measured_ball(20)));
+  monitor.post(std::make_shared<const Document>(ball_document(20)));
   monitor.finish();
   CHECK(monitor.latest());
   CHECK(monitor.error().empty());

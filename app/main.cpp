@@ -185,7 +185,7 @@ int run_main(int argc, char** argv) {
     add(app, run);
   }
   const auto add_editor_options = [&editor](CLI::App& to) {
-    to.add_option("FILES", editor.files, "A case, or volumes and meshes");
+    to.add_option("FILES", editor.files, "A case, or an image, its label map and a template");
     to.add_option("--template", editor.template_source, "Template mesh to start with");
   };
   add_editor_options(app);

@@ -96,6 +96,8 @@ class EditorApp {
   void show_repair();
   bool update_parts(double seconds);
   void take_opened(Opened opened);
+  /// Shows the label map that was opened over the image.
+  void take_labels(const Opened& opened);
   /// What became of the work that leaves something to do here.
   bool take_work();
   /// Reads a file beside the window with `read`, and hands what it gives to `take`, where the case is still the same.

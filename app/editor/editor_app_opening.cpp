@@ -16,12 +16,7 @@ void EditorApp::take_opened(Opened opened) {
     state_.dialog = SeriesDialog{std::move(opened.request), std::move(opened.series)};
     return;
   }
-  if (opened.labels) {
-    labels_ = std::move(opened.labels);
-    labels_name_ = opened.request.labels.filename().string();
-    label_values_ = std::move(opened.label_values);
-    return;
-  }
+  if (opened.labels && !opened.volume) return take_labels(opened);
   if (has_unsaved_edits(*snapshot_) && snapshot_->file.empty())
     return add_notice(state_, "The case on the screen could not be kept on the disk; save it before opening another.");
   if (opened.opened_case) {
@@ -44,7 +39,14 @@ void EditorApp::take_opened(Opened opened) {
     state_.window_high = 240;
   }
   if (new_image && !source.starts_with("phantom:")) remember_recent(state_.preferences, source);
+  if (opened.labels) take_labels(opened);
   if (!demo) offer_flip(*snapshot_->document);
+}
+
+void EditorApp::take_labels(const Opened& opened) {
+  labels_ = opened.labels;
+  labels_name_ = opened.request.labels.filename().string();
+  label_values_ = opened.label_values;
 }
 
 void EditorApp::start_document(Document document) {

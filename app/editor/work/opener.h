@@ -18,14 +18,15 @@ struct OpenRequest {
   std::filesystem::path case_file;
   std::string volume_source;  ///< beside a case: where its image lies now
   VolumeReadOptions volume_options;
+  std::string other_source;     ///< a second volume: one of the two is the image, the other its label map
   std::string template_source;  ///< path, or "built-in:kidney"
   std::filesystem::path labels;
   std::optional<std::pair<Organ, int>> demo;  ///< a phantom's subject, with its template placed
   std::shared_ptr<const Volume> beside;       ///< the image on the screen: a label map on its voxels is shown over it
 };
 
-/// Sorts paths into a case, a volume, a template, by their names. Errors: more than one of a kind, a case with a
-/// template.
+/// Sorts paths into a case, a volume, a template, by their names; two volumes are an image and its label map, and which
+/// is which is seen when they are read. Errors: more than one of a kind, a case with a template or two volumes.
 Result<OpenRequest> sort_files(const std::vector<std::filesystem::path>& paths);
 
 struct Opened {

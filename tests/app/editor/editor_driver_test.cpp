@@ -312,6 +312,22 @@ TEST_CASE("the window closes only after a template that was made is written") {
   CHECK(fs::exists(file));
 }
 
+TEST_CASE("an image and its label map are opened together") {
+  const Ball ball;
+  Driver driver(ball.document());
+  const fs::path image = driver.folder() / "ct.nii", labels = write_labels(driver);
+  Volume ct;
+  ct.geometry = ball_grid();
+  ct.data = std::vector<std::int16_t>(ct.geometry.voxels(), 1000);
+  REQUIRE(write_volume(ct, image));
+  driver.app().send(OpenFiles{{labels, image}});
+  driver.wait_until("that is said", [&] { return driver.shows("labels.nii is shown as a label map"); });
+  driver.settle();
+  CHECK(driver.document().volume_source == image.string());
+  driver.click("side panel/Reference");
+  CHECK(driver.has("Make the template"));
+}
+
 TEST_CASE("a command that fails ends in a sentence and takes nothing else with it") {
   const Ball ball;
   Driver driver(ball.document());

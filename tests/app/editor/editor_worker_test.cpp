@@ -12,6 +12,7 @@
 #include "app/editor/work/quality_monitor.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
 #include "tests/ball.h"
 #include "tests/must.h"
 #include "tests/temporary_folder.h"
@@ -184,6 +185,60 @@ TEST_CASE("the opener reads what is asked for last and says why it cannot") {
   CHECK_FALSE(opener.busy());
   CHECK_FALSE(opener.take());
   CHECK(test::wait_until([&] { return woken >= 3; }));
+}
+
+namespace {
+
+/// Voxels of 1 mm, of which the first holds `first` and all others 0.
+template <class Value>
+Volume voxels(Value first, double origin_mm = 0) {
+  Volume volume;
+  volume.geometry.dims = {4, 4, 4};
+  volume.geometry.origin_mm.setConstant(origin_mm);
+  std::vector<Value> values(volume.geometry.voxels());
+  values.front() = first;
+  volume.data = values;
+  return volume;
+}
+
+}  // namespace
+
+TEST_CASE("of an image and its label map each is known in either order") {
+  const TemporaryFolder folder;
+  const fs::path ct = folder.path / "ct.nii", labels = folder.path / "labels.nii", real = folder.path / "real.nii",
+                 other_ct = folder.path / "other.nii", away = folder.path / "away.nii";
+  REQUIRE(write_volume(voxels<std::int16_t>(1000), ct));
+  REQUIRE(write_volume(voxels<std::int16_t>(900), other_ct));
+  REQUIRE(write_volume(voxels<std::uint8_t>(3), labels));
+  REQUIRE(write_volume(voxels<float>(2), real));
+  REQUIRE(write_volume(voxels<std::uint8_t>(3, 50), away));
+  Opener opener([] {});
+  const auto opened = [&](const std::vector<fs::path>& files) {
+    opener.start(test::must(sort_files(files)));
+    opener.finish();
+    return opener.take().value();
+  };
+  for (const auto& [map, label] : {std::pair(labels, 3), std::pair(real, 2)})
+    for (const auto& files : {std::vector{ct, map}, std::vector{map, ct}}) {
+      const Opened both = test::must(opened(files));
+      REQUIRE(both.volume);
+      REQUIRE(both.labels);
+      CHECK(both.volume->at(0, 0, 0) == 1000);
+      CHECK(both.request.volume_source == ct.string());
+      CHECK(both.request.labels == map);
+      CHECK(both.label_values == std::vector{label});
+    }
+  const auto refusal = [&](const std::vector<fs::path>& files) { return opened(files).error().sentence(); };
+  const std::string remedy = "a label map by Reference → Open a label map…";
+  for (const auto& [second, why] : {std::pair(other_ct, "no label map on the voxels of ct.nii"),
+                                    std::pair(away, "no label map on the voxels of ct.nii")}) {
+    CHECK(refusal({ct, second}).starts_with(second.string() + ": is a second image, and " + why));
+    CHECK(refusal({ct, second}).find(remedy) != std::string::npos);
+  }
+  CHECK(refusal({labels, real}).find("either it or labels.nii could be the label map") != std::string::npos);
+  for (const auto& files :
+       {std::vector<fs::path>{ct, labels, other_ct}, std::vector<fs::path>{"a.homolog", ct, labels}})
+    CHECK(sort_files(files).error().sentence().find(remedy) != std::string::npos);
 }
 
 TEST_CASE("files are sorted and named where the working folder is gone") {

@@ -132,5 +132,8 @@ void draw_interface(const UiContext& ui, Outbox& out);
 /// A borderless ImGui window that fills a rectangle of the layout; end_region() follows.
 void begin_region(const char* name, const RectPx& rect, ImU32 colour, float padding_px = 0);
 void end_region();
+/// The line at the window's foot, in the small font; gives the y of its text. end_status_line() follows.
+float begin_status_line(const UiContext& ui);
+void end_status_line();
 
 }  // namespace homolog

@@ -185,7 +185,7 @@ int run_main(int argc, char** argv) {
     add(app, run);
   }
   const auto add_editor_options = [&editor](CLI::App& to) {
-    to.add_option("FILES", editor.files, "A case, or volumes and meshes");
+    to.add_option("FILES", editor.files, "A case, or an image, its label map and a template");
     to.add_option("--template", editor.template_source, "Template mesh to start with");
     to.add_option("--log", editor.log, "Writes what you do to this file, a line each. Attach it when you report a bug");
     to.add_option("--replay", editor.replay, "Does again what such a file holds");

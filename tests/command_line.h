@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/files.h"
+#include "tests/skip.h"
+#include "tests/small_files.h"
 #include "tests/temporary_folder.h"
 
 namespace homolog {
@@ -21,8 +23,8 @@ struct Ran {
   Json json() const { return Json::parse(out, nullptr, false); }
 };
 
-/// Runs the program with `arguments` as a shell would, without a display. `before`: what the shell does first
-/// ("ulimit -f 8; "), or runs it by ("timeout 20 ").
+/// Runs the program with `arguments` as a shell would, without a display. `before`: what the shell runs it by
+/// ("timeout 20 ").
 inline Ran run(const TemporaryFolder& folder, const std::string& arguments, const std::string& before = "") {
   const fs::path errors = folder.path / "stderr";
   const std::string command = "cd '" + folder.path.string() + "' && " + before +
@@ -40,6 +42,12 @@ inline Ran run(const TemporaryFolder& folder, const std::string& arguments, cons
   return ran;
 }
 
+/// The same on a disk where no file grows beyond `most_bytes`.
+inline Ran run_on_full_disk(const TemporaryFolder& folder, const std::string& arguments, rlim_t most_bytes) {
+  const SmallFilesOnly full(most_bytes);
+  return run(folder, arguments);
+}
+
 inline std::size_t lines(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
@@ -52,6 +60,13 @@ inline void check_refused(const Ran& ran, const std::string& subject) {
   CHECK(lines(ran.errors) == 1);
   CHECK(ran.errors.rfind("homolog: ", 0) == 0);
   CHECK(ran.errors.find(subject) != std::string::npos);
+}
+
+/// Whether the program refused because the machine cannot draw; the test is skipped then.
+inline bool cannot_draw(const Ran& ran) {
+  if (ran.status != 1 || ran.errors.find("OpenGL") == std::string::npos) return false;
+  test::skip(ran.errors);
+  return true;
 }
 
 }  // namespace homolog

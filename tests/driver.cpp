@@ -4,15 +4,13 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cstdlib>
 #include <fstream>
 #include <string>
-#include <thread>
 #include <utility>
 
 #include "core/case/case_file.h"
 #include "tests/must.h"
+#include "tests/wait.h"
 
 namespace homolog {
 
@@ -38,11 +36,6 @@ bool is_seen(const DrawnItem& item) {
 }
 
 }  // namespace
-
-Driver::Home::Home() {
-  for (const char* kept : {"HOME", "XDG_STATE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"})
-    ::setenv(kept, folder.path.c_str(), 1);
-}
 
 Driver::Driver(Document document) : Driver(std::move(document), Size()) {}
 
@@ -105,15 +98,15 @@ void Driver::settle() {
 }
 
 void Driver::wait_until(const char* what, const std::function<bool()>& done) {
-  const auto begin = std::chrono::steady_clock::now();
-  while (!done()) {
-    if (std::chrono::steady_clock::now() - begin > std::chrono::seconds(30)) {
-      std::string notices;
-      for (const Notice& notice : state().notices) notices += "\n  " + notice.text;
-      FAIL("after 30 s still not: " << std::string(what) << "; the program says:" << notices);
-    }
+  const bool reached = test::wait_until([&] {
+    if (done()) return true;
     frame();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return false;
+  });
+  if (!reached) {
+    std::string notices;
+    for (const Notice& notice : state().notices) notices += "\n  " + notice.text;
+    FAIL("still not: " << std::string(what) << "; the program says:" << notices);
   }
   frames(3);
 }

@@ -9,6 +9,7 @@
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/window/input_router.h"
+#include "tests/environment_variable.h"
 #include "tests/temporary_folder.h"
 
 namespace homolog {
@@ -80,7 +81,8 @@ class Driver {
   /// All that the program keeps goes into a folder of the test's own.
   struct Home {
     TemporaryFolder folder;
-    Home();
+    EnvironmentVariable home{"HOME", folder.path}, state{"XDG_STATE_HOME", folder.path},
+        config{"XDG_CONFIG_HOME", folder.path}, data{"XDG_DATA_HOME", folder.path};
   };
   std::vector<const DrawnItem*> found(std::string_view name) const;
   void scroll_to(std::string_view name);

@@ -34,7 +34,7 @@ bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
                     "How far a snap looks for the boundary, to both sides of the mesh", released);
   int polarity = static_cast<int>(snap.polarity);
   if (choice(theme, "polarity", {"Auto", "Bright", "Dark", "Either"}, polarity,
-             {"As most edges around the mesh. In a cine, as in the nearest edited frame",
+             {"Bright or dark, as most edges around the mesh are. In a cine: as in the nearest edited frame",
               "The organ is brighter than what surrounds it", "The organ is darker than what surrounds it",
               "Any edge, bright or dark inside"})) {
     snap.polarity = static_cast<Polarity>(polarity);

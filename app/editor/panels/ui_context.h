@@ -26,7 +26,10 @@ struct RunningWork {
   const char* cancel_tip = "";
   Command cancel;
   double fraction = 0;
+  const char* no_cancel = "";  ///< why it cannot be given up; empty where it can
 };
+/// Work on a study's file, or on a case that is made for the study.
+RunningWork study_work(const RunningJob& job);
 
 /// Everything that the interface is drawn from, at one moment. Drawing changes nothing in it; what the user asks for
 /// goes to an Outbox.
@@ -130,5 +133,8 @@ void draw_interface(const UiContext& ui, Outbox& out);
 /// A borderless ImGui window that fills a rectangle of the layout; end_region() follows.
 void begin_region(const char* name, const RectPx& rect, ImU32 colour, float padding_px = 0);
 void end_region();
+/// The line at the window's foot, in the small font; gives the y of its text. end_status_line() follows.
+float begin_status_line(const UiContext& ui);
+void end_status_line();
 
 }  // namespace homolog

@@ -80,8 +80,10 @@ struct RecoverDialog {
   std::vector<Found> found;
   std::filesystem::path to_discard;  ///< the one whose deletion waits for a second word
 };
-/// The window is closed over a case that was never saved.
-struct QuitDialog {};
+/// The window is closed over a case that was never saved, or over a study whose file could not be written.
+struct QuitDialog {
+  std::filesystem::path study;  ///< that file; empty: the case is asked about
+};
 /// The stack's voxel size, which PNG and TIFF do not tell.
 struct SpacingDialog {
   OpenRequest request;

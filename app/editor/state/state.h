@@ -95,8 +95,8 @@ struct Notice {
   std::filesystem::path case_before;  ///< offered to be opened again; empty where there is none
 };
 
-/// Whether the window closes: at once, or as soon as what is being written is written.
-enum class Quitting { no, when_written, now };
+/// Whether the window closes: now, or as soon as what is being written is written, the study's file too or not.
+enum class Quitting { no, when_written, when_written_without_study, now };
 
 /// Things a newcomer has to do once; each hint goes away when done, all when dismissed.
 struct Hints {

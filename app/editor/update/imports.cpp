@@ -135,13 +135,13 @@ void import_template_landmarks(Editing& editing, const std::filesystem::path& pa
 void use_made_template(Editing& editing, const std::filesystem::path& path) {
   const auto making = editing.work.template_maker.latest();
   if (!making || !making->mesh) return;
-  editing.work.imports.queue(path.string(), [making, path](Progress&) -> Result<Work::Then> {
-    if (auto written = write_template(*making, path); !written) return fail(written.error());
-    return Work::Then([path](Editing& then) {
-      close_template_making(then);
-      then.out.send(open_template(path.string()));
-    });
-  });
+  editing.work.exports.start(
+      path, [making, path](Progress&) { return write_template(*making, path); },
+      // Whoever takes the result does this, on the window's thread, while the editor lives.
+      [&editing, making, path] {
+        if (editing.work.template_maker.latest() == making) close_template_making(editing);  // no other was begun
+        editing.out.send(open_template(path.string()));
+      });
 }
 
 void close_template_making(Editing& editing) {

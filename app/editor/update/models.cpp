@@ -41,8 +41,12 @@ fs::path new_study_file() {
 }
 
 void Models::take_study(EditorState& state, StudyRead read, const fs::path& path) {
-  // What was edited while this one was read belongs to the study before.
-  if (!study_is_written(state.models)) write_study_file(state.models);
+  if (!unwritten_.empty())
+    return add_notice(state, path.filename().string() + " was not opened, because " + unwritten_.filename().string() +
+                                 " could not be written, and what changed in it would be lost. Save that study as "
+                                 "another file first.");
+  // What was edited while this one was read belongs to the study before, and is written first.
+  if (!study_is_written(state.models)) return open_study(state.models, path);
   // What was said of the study before does not concern this one.
   std::erase_if(state.notices, [&](const Notice& notice) {
     return std::find(told_.begin(), told_.end(), notice.text) != told_.end();
@@ -53,66 +57,87 @@ void Models::take_study(EditorState& state, StudyRead read, const fs::path& path
   written_revision_ = state.models.study_revision;
 }
 
-Result<Models::Then> Models::read_of(const fs::path& path, const Progress& progress) {
+Result<Models::FileDone> Models::read_of(const fs::path& path, const Progress& progress) {
   auto read = read_study(path);
   if (!read) return fail(read.error());
-  if (progress.cancelled()) return Then([](EditorState&, Outbox&) {});
-  return Then([this, path, study = std::make_shared<StudyRead>(std::move(*read))](EditorState& state, Outbox&) {
-    take_study(state, std::move(*study), path);
-  });
+  if (progress.cancelled()) return FileDone();
+  const auto study = std::make_shared<StudyRead>(std::move(*read));
+  return FileDone{
+      {}, {}, [this, path, study](EditorState& state, Outbox&) { take_study(state, std::move(*study), path); }};
 }
 
-void Models::open_study(const fs::path& path) {
-  files_.queue(path.string(), [this, path](Progress& progress) { return read_of(path, progress); });
+void Models::open_study(const ModelsState& models, const fs::path& path) {
+  write_if_changed(models);
+  files_.queue(
+      path.string(), [this, path](Progress& progress) { return read_of(path, progress); }, "Reading study");
 }
 
-void Models::new_study(const fs::path& path) {
-  files_.queue(path.string(), [this, path](Progress& progress) -> Result<Then> {
+void Models::new_study(const ModelsState& models, const fs::path& path) {
+  write_if_changed(models);
+  const auto make = [this, path](Progress& progress) -> Result<FileDone> {
     if (auto written = write_study({}, path); !written) return fail(written.error());
     return read_of(path, progress);
-  });
+  };
+  files_.queue(path.string(), make, "Writing study");
+}
+
+void Models::queue_writing(const ModelsState& models, const fs::path& path, Then then) {
+  const auto write = [study = models.study, path, then = std::move(then)](Progress&) -> Result<FileDone> {
+    return FileDone{path, guarded(path.string(), [&] { return write_study(study, path); }), then};
+  };
+  files_.queue(path.string(), write, "Writing study");
 }
 
 void Models::save_study_as(const ModelsState& models, const fs::path& path) {
-  files_.queue(path.string(), [this, path, study = models.study, revision = models.study_revision](Progress&) {
-    const auto written = write_study(study, path);
-    return Result<Then>([this, path, written, revision](EditorState& state, Outbox&) {
-      if (written) {
-        state.models.study_file = absolute_path(path);
-        written_revision_ = revision;  // what was edited meanwhile is not in that file yet
-      }
-      tell(state, written, path);
-    });
-  });
+  const auto then = [this, path, from = models.study_file, revision = models.study_revision](EditorState& state,
+                                                                                             Outbox&) {
+    if (state.models.study_file == from) {  // else another one was opened meanwhile
+      state.models.study_file = absolute_path(path);
+      written_revision_ = revision;  // what was edited meanwhile is not in that file yet
+      unwritten_.clear();
+    }
+    tell(state, {}, path);
+  };
+  queue_writing(models, path, then);
 }
 
 void Models::write_study_file(const ModelsState& models) {
   written_revision_ = models.study_revision;
-  if (models.study_file.empty()) return;
-  files_.queue(models.study_file.string(), [study = models.study, path = models.study_file](Progress&) -> Result<Then> {
-    if (auto written = write_study(study, path); !written) return fail(written.error());
-    return Then([](EditorState&, Outbox&) {});
-  });
+  unwritten_.clear();
+  if (!models.study_file.empty()) queue_writing(models, models.study_file, {});
+}
+
+bool Models::write_if_changed(const ModelsState& models) {
+  if (study_is_written(models)) return false;
+  write_study_file(models);
+  return true;
 }
 
 bool Models::take_files(EditorState& state, Outbox& out) {
   bool any = false;
   while (auto done = files_.take()) {
     any = true;
-    if (*done)
-      (**done)(state, out);
-    else
+    if (!*done) {
       add_notice(state, done->error().sentence());
+    } else if (const Result<void>& written = (*done)->written; !written) {
+      unwritten_ = (*done)->path;
+      add_notice(state, written.error().sentence());
+    } else {
+      if (unwritten_ == (*done)->path) unwritten_.clear();  // a later writing than the one that failed
+      if ((*done)->then) (*done)->then(state, out);
+    }
   }
   return any;
 }
 
 std::vector<std::string> Models::close(ModelsState& models) {
-  if (!study_is_written(models)) write_study_file(models);
+  write_if_changed(models);
   files_.finish();
   std::vector<std::string> faults;
-  while (auto done = files_.take())
+  while (auto done = files_.take()) {
     if (!*done) faults.push_back(done->error().sentence());
+    if (*done && !(*done)->written) faults.push_back((*done)->written.error().sentence());
+  }
   return faults;
 }
 
@@ -151,27 +176,32 @@ void Models::repair_case(const StudyCase& one, const OpenCaseOfStudy& command, E
     return add_notice(state, one.name + ": could not be read, so there is nothing to open.");
   const std::string subject = "the case of " + one.name;
   if (const auto now = files_.running(); now && now->subject == subject) return;  // asked for twice
-  files_.queue(subject,
-               [this, command, mesh = file->second.shapes.frames.at(0), mesh_file = one.file,
-                faces = models.model ? models.model->topology : nullptr,
-                folder = models.study_file.parent_path() / "repaired"](Progress&) -> Result<Then> {
-                 const auto made = make_repair_case(*mesh, faces, command.name, folder);
-                 if (!made) return fail(made.error());
-                 return Then([this, command, mesh_file, case_file = *made](EditorState& now, Outbox& out) {
-                   StudyCase* repaired = find_case(now.models.study, command.name);
-                   if (repaired == nullptr || repaired->file != mesh_file)
-                     return;  // another study, or another file by now
-                   repaired->imported = std::exchange(repaired->file, case_file);
-                   ++now.models.shapes_revision;
-                   ++now.models.study_revision;
-                   add_notice(now,
-                              command.name + ": opened as a case of its own, repaired/" +
-                                  case_file.filename().string() + "; " + mesh_file.filename().string() +
-                                  " stays as it is.",
-                              false);
-                   out.send(command);
-                 });
-               });
+  const auto make = [command, mesh = file->second.shapes.frames.at(0), mesh_file = one.file,
+                     faces = models.model ? models.model->topology : nullptr,
+                     folder = models.study_file.parent_path() / "repaired"](Progress& progress) -> Result<FileDone> {
+    if (progress.cancelled()) return FileDone();
+    const auto made = make_repair_case(*mesh, faces, command.name, folder);
+    if (!made) return fail(made.error());
+    if (progress.cancelled()) return FileDone();
+    return FileDone{{}, {}, [command, mesh_file, case_file = *made](EditorState& now, Outbox& out) {
+                      take_repair_case(command, mesh_file, case_file, now, out);
+                    }};
+  };
+  files_.queue(subject, make, "Making");
+}
+
+void Models::take_repair_case(const OpenCaseOfStudy& command, const fs::path& mesh_file, const fs::path& case_file,
+                              EditorState& state, Outbox& out) {
+  StudyCase* repaired = find_case(state.models.study, command.name);
+  if (repaired == nullptr || repaired->file != mesh_file) return;  // another study, or another file by now
+  repaired->imported = std::exchange(repaired->file, case_file);
+  ++state.models.shapes_revision;
+  ++state.models.study_revision;
+  add_notice(state,
+             command.name + ": opened as a case of its own, repaired/" + case_file.filename().string() + "; " +
+                 mesh_file.filename().string() + " stays as it is.",
+             false);
+  out.send(command);
 }
 
 void Models::export_shapes(const ExportShapes& command, const ModelsState& models) {
@@ -251,7 +281,7 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
   bool changed = take_files(state, out);
   if (auto made = phantoms_.take()) {
     if (*made)
-      open_study(**made);
+      open_study(models, **made);
     else
       add_notice(state, made->error().sentence());
     changed = true;
@@ -261,7 +291,7 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
     changed = true;
   }
   // One writing at a time: what is edited meanwhile goes into the next.
-  if (!study_is_written(models) && !files_.busy()) write_study_file(models);
+  if (written_revision_ != models.study_revision && !files_.busy()) write_study_file(models);
   const bool stale = built_revision_ != models.shapes_revision || built_alignment_ != models.alignment ||
                      built_document_ != open_document(models, snapshot);
   if (models.shown && stale) build(state, snapshot);

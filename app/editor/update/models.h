@@ -22,8 +22,8 @@ class Models {
   explicit Models(std::function<void()> wake)
       : builder_(wake), evaluator_(wake), phantoms_(wake), exporter_(wake), files_(std::move(wake)) {}
 
-  void open_study(const std::filesystem::path& path);
-  void new_study(const std::filesystem::path& path);
+  void open_study(const ModelsState& models, const std::filesystem::path& path);
+  void new_study(const ModelsState& models, const std::filesystem::path& path);
   void save_study_as(const ModelsState& models, const std::filesystem::path& path);
   void open_phantom_study(Organ organ);
   void open_case(const OpenCaseOfStudy& command, EditorState& state, const Snapshot& snapshot, Outbox& out);
@@ -36,8 +36,14 @@ class Models {
   bool busy() const;
   /// The study's file or a case's that is being read or written.
   std::optional<RunningJob> files_running() const { return files_.running(); }
-  /// Gives up opening a study, where one is being read.
-  void cancel_file() { files_.cancel_running(); }
+  /// Gives up reading a study, or making a case of `subject`, where that runs. What is written is written whole.
+  void cancel_file(const std::string& subject) { files_.cancel_running(subject); }
+  /// Says what became of the work on files, and does what it leaves to do; true where there was some.
+  bool take_files(EditorState& state, Outbox& out);
+  /// Writes the study's file where it is not up to date: again, where that failed. True where that was to be done.
+  bool write_if_changed(const ModelsState& models);
+  /// The study's file whose writing failed last; empty where none did since.
+  const std::filesystem::path& unwritten() const { return unwritten_; }
   /// Seconds until something moves by itself.
   std::optional<double> next_move_seconds(const ModelsState& state) const;
   /// Puts the cross-hair on the vertex that the case was opened for, with the Slide tool in hand,
@@ -59,19 +65,31 @@ class Models {
   void tell_once(EditorState& state, const std::vector<std::string>& sentences, bool error);
   /// What work on files leaves to do here, on the window's thread.
   using Then = std::function<void(EditorState&, Outbox&)>;
-  bool study_is_written(const ModelsState& models) const { return written_revision_ == models.study_revision; }
+  struct FileDone {
+    std::filesystem::path path;  ///< of the study's file where that was to be written
+    Result<void> written;
+    Then then;  ///< empty where nothing is left to do
+  };
+  bool study_is_written(const ModelsState& models) const {
+    return written_revision_ == models.study_revision && unwritten_.empty();
+  }
   void write_study_file(const ModelsState& models);
-  Result<Then> read_of(const std::filesystem::path& path, const Progress& progress);
+  void queue_writing(const ModelsState& models, const std::filesystem::path& path, Then then);
+  Result<FileDone> read_of(const std::filesystem::path& path, const Progress& progress);
   void take_study(EditorState& state, StudyRead read, const std::filesystem::path& path);
-  bool take_files(EditorState& state, Outbox& out);
   void repair_case(const StudyCase& one, const OpenCaseOfStudy& command, EditorState& state);
+  /// Puts the case that was made of a mesh into the study in the mesh's place, and opens it.
+  static void take_repair_case(const OpenCaseOfStudy& command, const std::filesystem::path& mesh_file,
+                               const std::filesystem::path& case_file, EditorState& state, Outbox& out);
 
   Worker<StudyModelBuilt> builder_;
   Worker<Evaluated> evaluator_;
   Worker<std::filesystem::path> phantoms_;
   Worker<std::filesystem::path> exporter_;
-  Worker<Then> files_;  ///< the study's file and the cases made beside it, in order; none is dropped
-  std::uint64_t built_revision_ = 0, written_revision_ = 0;
+  Worker<FileDone> files_;  ///< the study's file and the cases made beside it, in order; none is dropped
+  std::uint64_t built_revision_ = 0;
+  std::uint64_t written_revision_ = 0;  ///< the last that was asked to be written
+  std::filesystem::path unwritten_;     ///< see unwritten(); the next change, or closing, tries again
   Alignment built_alignment_ = Alignment::similarity;
   std::shared_ptr<const Document> built_document_;  ///< of the open case, where it is one of the study's
   std::vector<std::string> told_;                   ///< sentences about this study that were shown already

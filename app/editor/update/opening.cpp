@@ -35,6 +35,10 @@ void offer_flip(EditorState& state, const Document& document) {
   state.dialog = FlipDialog{name, flip, flipped};
 }
 
+ShownLabels labels_of(const Opened& opened) {
+  return {opened.labels, opened.request.labels.filename().string(), opened.label_values};
+}
+
 /// An image, a template or a demo: a new case with what is open besides.
 void start_with(Editing& editing, Opened opened) {
   const Document& now = *editing.shown.snapshot().document;
@@ -54,6 +58,7 @@ void start_with(Editing& editing, Opened opened) {
     state.window_high = 240;
   }
   if (new_image && !source.starts_with("phantom:")) remember_recent(state.preferences, source);
+  if (opened.labels) editing.shown.show_labels(labels_of(opened));
   if (!demo) offer_flip(state, *editing.shown.snapshot().document);
 }
 
@@ -94,10 +99,9 @@ void take_opened(Editing& editing, Opened opened) {
     return;
   }
   const OpenRequested command{opened.request};
-  if (opened.labels) {
+  if (opened.labels && !opened.volume) {
     editing.log.is_done(command);
-    return editing.shown.show_labels(
-        {std::move(opened.labels), opened.request.labels.filename().string(), std::move(opened.label_values)});
+    return editing.shown.show_labels(labels_of(opened));
   }
   const Snapshot& now = editing.shown.snapshot();
   if (has_unsaved_edits(now) && now.file.empty())

@@ -4,6 +4,7 @@
 
 #include "app/editor/update/assistance.h"
 #include "app/editor/update/opening.h"
+#include "app/editor/update/quitting.h"
 
 namespace homolog {
 
@@ -22,11 +23,13 @@ void take_imports(Editing& editing) {
 bool take_written(Editing& editing) {
   EditorState& state = editing.state;
   const auto written = editing.work.exports.take();
-  for (const auto& [path, result, cancelled] : written) {
+  for (const auto& [path, result, cancelled, then] : written) {
     add_notice(state, result ? "Written: " + path.string() : result.error().sentence(), !result && !cancelled);
-    if (!result && state.quitting == Quitting::when_written) state.quitting = Quitting::no;
+    if (!result)
+      state.quitting = Quitting::no;
+    else if (then)
+      then();
   }
-  if (state.quitting == Quitting::when_written && !editing.work.exports.busy()) state.quitting = Quitting::now;
   return !written.empty();
 }
 
@@ -44,9 +47,14 @@ bool take_stage(Editing& editing) {
 
 /// Offers the cases that were found; true where there is something new to draw.
 bool take_recovery(Editing& editing) {
-  auto found = editing.work.recovery.take();
-  if (!found) return false;
+  auto looked = editing.work.recovery.take();
+  if (!looked) return false;
   EditorState& state = editing.state;
+  if (!*looked) {
+    add_notice(state, looked->error().sentence());
+    return true;
+  }
+  Recovery::Found* found = &**looked;
   const RecoveryOffer offer = editing.work.recovery_offer;
   auto* open = state.dialog ? std::get_if<RecoverDialog>(&*state.dialog) : nullptr;
   if (found->counted) {
@@ -62,7 +70,8 @@ bool take_recovery(Editing& editing) {
                    " not saved. Unsaved cases… in the section Case recovers them.",
                false);
   } else {
-    state.dialog = RecoverDialog{std::move(found->cases), {}};
+    state.dialog = RecoverDialog{found->cases, {}};
+    editing.work.recovery.count(std::move(*found));
   }
   return true;
 }
@@ -105,6 +114,7 @@ bool take_results(Editing& editing, double seconds) {
   follow_learning(editing);
   changed |= take_snap(editing);
   changed |= work.models.update(state, editing.shown.snapshot(), seconds, editing.out);
+  follow_quit(editing);
   changed |= work.quality.update();
   changed |= take_stage(editing);
   changed |= take_recovery(editing);

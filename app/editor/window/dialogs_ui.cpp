@@ -179,6 +179,20 @@ void draw_quit(const UiContext& ui, Outbox& out) {
   end_dialog();
 }
 
+void draw_quit_without_study(const UiContext& ui, const std::filesystem::path& study, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!begin_dialog(ui, "The study was not saved", 520, 0)) close_dialog(out);
+  explanation(theme, study.string() + " could not be written. Save the study in a folder that you may write to.");
+  gap(theme, 4);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  if (button(theme, "Save study as…", "Choose a name", {}, half, true))
+    out.send(ShowFileDialog{FilePurpose::save_study, study.filename().string()});
+  ImGui::SameLine();
+  if (button(theme, "Quit without it", "What no other file of the study holds is lost", {}, half))
+    out.send(Quit{true, true});
+  end_dialog();
+}
+
 void draw_spacing(const UiContext& ui, const SpacingDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "How large is a voxel?", 440, 0)) close_dialog(out);
@@ -222,8 +236,10 @@ void draw_dialogs(const UiContext& ui, Outbox& out) {
     draw_recover(ui, *recover, out);
   else if (const auto* spacing = std::get_if<SpacingDialog>(&dialog))
     draw_spacing(ui, *spacing, out);
-  else
+  else if (const auto* quit = std::get_if<QuitDialog>(&dialog); quit->study.empty())
     draw_quit(ui, out);
+  else
+    draw_quit_without_study(ui, quit->study, out);
 }
 
 }  // namespace homolog

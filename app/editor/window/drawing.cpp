@@ -162,28 +162,37 @@ SceneBuilder::Input Drawing::scene_input(const EditorState& state) const {
   return {state, shown_.displayed(), shown_.snapshot().preview, shown_.labels().volume, shown_making(state, work_)};
 }
 
-UiContext Drawing::ui_context(const EditorState& state, double fps) const {
+std::vector<RunningWork> Drawing::running_work() const {
   constexpr double shown_after_seconds = 0.5;
   std::vector<RunningWork> running;
   const auto show = [&](const char* kind, const std::string& verb, const std::optional<RunningJob>& job, Command cancel,
                         const char* tip) {
     if (job && job->seconds > shown_after_seconds)
-      running.push_back({kind, verb + std::filesystem::path(job->subject).filename().string(), tip, std::move(cancel),
-                         job->fraction});
+      running.push_back({kind,
+                         verb + std::filesystem::path(job->subject).filename().string(),
+                         tip,
+                         std::move(cancel),
+                         job->fraction,
+                         {}});
   };
   show("opening", "Opening ", work_.opener.running(), CancelOpening{}, "What is open stays as it is");
   show("reading", "Reading ", work_.imports.running(), CancelReading{}, "The case stays as it is");
-  show("study", "Study: ", work_.models.files_running(), CancelStudyFile{}, "What is not written yet is tried again");
+  if (const auto job = work_.models.files_running(); job && job->seconds > shown_after_seconds)
+    running.push_back(study_work(*job));
   if (const auto file = work_.exports.running())
     show("writing", "Writing ", file, CancelWriting{file->subject},
          "Nothing is written, and what the file held before stays");
+  return running;
+}
+
+UiContext Drawing::ui_context(const EditorState& state, double fps) const {
   return {*theme_,
           layout_,
           state,
           shown_.snapshot(),
           shown_.displayed(),
           work_.quality,
-          std::move(running),
+          running_work(),
           shown_.labels().volume,
           shown_.labels().name,
           shown_.labels().values,

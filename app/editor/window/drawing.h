@@ -34,6 +34,7 @@ class Drawing : public PictureSource {
   void draw_pictures(int width_px, int height_px);
   void draw_view_picture(const PictureOptions& options);
   SceneBuilder::Input scene_input(const EditorState& state) const;
+  std::vector<RunningWork> running_work() const;
   UiContext ui_context(const EditorState& state, double fps) const;
 
   EditorState& state_;

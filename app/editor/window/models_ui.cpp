@@ -39,11 +39,8 @@ void draw_models_status(const UiContext& ui) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const RectPx& bar = ui.layout.status_line;
-  begin_region("status line", bar, palette::surface);
-  ImGui::PushFont(theme.small);
+  const float y = begin_status_line(ui);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  const float y = std::floor(bar.y + (bar.height - ImGui::GetFontSize()) / 2);
-  draw.AddLine({bar.x, bar.y}, {bar.x + bar.width, bar.y}, palette::line);
   std::string left = "Add meshes in correspondence, or open a study.";
   if (state.modelling)
     left = format("Making the model: %.0f %%", 100 * state.modelling_fraction);
@@ -54,8 +51,7 @@ void draw_models_status(const UiContext& ui) {
   text_at(draw, {bar.x + theme.px(12), y}, palette::dim, shortened(left, bar.width - theme.px(120)));
   const std::string right = ui.frames_per_second > 0 ? format("%.0f fps", ui.frames_per_second) : "";
   text_at(draw, {bar.x + bar.width - theme.px(12) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right);
-  ImGui::PopFont();
-  end_region();
+  end_status_line();
 }
 
 }  // namespace

@@ -60,12 +60,23 @@ void draw_work(const UiContext& ui, const RunningWork& work, float& bottom_px, O
   ImGui::AlignTextToFramePadding();
   text_line(shortened(work.what, theme.px(400 - 12 - 76 - 24)));
   ImGui::SameLine(theme.px(400 - 12 - 76));
-  if (button(theme, "Cancel", work.cancel_tip, {}, theme.px(76))) out.send(work.cancel);
+  if (button(theme, "Cancel", work.cancel_tip, work.no_cancel, theme.px(76))) out.send(work.cancel);
   progress_bar(theme, work.fraction);
   end_card(ui, bottom_px);
 }
 
 }  // namespace
+
+RunningWork study_work(const RunningJob& job) {
+  const std::string_view verb = job.verb;
+  const bool writes = verb.starts_with("Writing");
+  return {"study",
+          job.verb + (" " + std::filesystem::path(job.subject).filename().string()),
+          verb.starts_with("Reading") ? "The study on the screen stays as it is" : "The shape stays as it is",
+          CancelStudyFile{job.subject},
+          job.fraction,
+          writes ? "A study's file is written whole." : ""};
+}
 
 void draw_notices(const UiContext& ui, Outbox& out) {
   float bottom_px = ui.layout.status_line.y - ui.theme.px(16);

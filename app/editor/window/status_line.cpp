@@ -50,14 +50,24 @@ std::string default_hint(const UiContext& ui) {
 
 }  // namespace
 
+float begin_status_line(const UiContext& ui) {
+  const RectPx& bar = ui.layout.status_line;
+  begin_region("status line", bar, palette::surface);
+  ImGui::PushFont(ui.theme.small);
+  ImGui::GetWindowDrawList()->AddLine({bar.x, bar.y}, {bar.x + bar.width, bar.y}, palette::line);
+  return std::floor(bar.y + (bar.height - ImGui::GetFontSize()) / 2);
+}
+
+void end_status_line() {
+  ImGui::PopFont();
+  end_region();
+}
+
 void draw_status_line(const UiContext& ui, Outbox&) {
   const Theme& theme = ui.theme;
   const RectPx& bar = ui.layout.status_line;
-  begin_region("status line", bar, palette::surface);
-  ImGui::PushFont(theme.small);
+  const float y = begin_status_line(ui);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  const float y = std::floor(bar.y + (bar.height - ImGui::GetFontSize()) / 2);
-  draw.AddLine({bar.x, bar.y}, {bar.x + bar.width, bar.y}, palette::line);
   text_at(draw, {bar.x + theme.px(12), y}, palette::text, read_out(ui));
 
   const auto& snapshot = ui.snapshot;
@@ -79,8 +89,7 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   text_at(draw, at, palette::dim, right);
   ImGui::SetCursorScreenPos(at);
   area(theme, "timings", {std::max(size.x, 1.0f), size.y}, "Time to compute the last edit · pictures drawn a second");
-  ImGui::PopFont();
-  end_region();
+  end_status_line();
 }
 
 }  // namespace homolog

@@ -4,15 +4,16 @@
 
 namespace homolog {
 
-void Exports::start(const std::filesystem::path& path, Write write) {
-  worker_.queue(path.string(), [path, write = std::move(write)](Progress& progress) -> Result<Written> {
-    auto result = guarded(path.string(), [&] { return write(progress); });
-    return Written{path, std::move(result), progress.cancelled()};
-  });
+void Exports::start(const std::filesystem::path& path, Write write, Then then) {
+  worker_.queue(path.string(),
+                [path, write = std::move(write), then = std::move(then)](Progress& progress) -> Result<Written> {
+                  auto result = guarded(path.string(), [&] { return write(progress); });
+                  return Written{path, std::move(result), progress.cancelled(), then};
+                });
 }
 
 void Exports::cancel(const std::filesystem::path& path) {
-  if (const auto now = running(); now && now->subject == path.string()) worker_.cancel_running();
+  worker_.cancel_running(path.string());
 }
 
 std::vector<Exports::Written> Exports::take() {
@@ -22,7 +23,7 @@ std::vector<Exports::Written> Exports::take() {
     if (*one)
       written.push_back(std::move(**one));
     else
-      written.push_back({{}, fail(one->error()), false});
+      written.push_back({{}, fail(one->error()), false, {}});
   }
   return written;
 }

@@ -13,10 +13,13 @@ namespace homolog {
 class Exports {
  public:
   using Write = std::function<Result<void>(Progress&)>;
+  /// What is to be done in the window once the file is written.
+  using Then = std::function<void()>;
   struct Written {
     std::filesystem::path path;
     Result<void> result;
     bool cancelled = false;
+    Then then;  ///< may be empty
   };
 
   /// `wake` is called from the thread when a file is done.
@@ -24,8 +27,8 @@ class Exports {
   /// Finishes what is asked for.
   ~Exports() { finish(); }
 
-  /// `write` gets all that it needs with it.
-  void start(const std::filesystem::path& path, Write write);
+  /// `write` gets all that it needs with it. `then` comes back with the result; whoever takes that does it.
+  void start(const std::filesystem::path& path, Write write, Then then = {});
   /// Gives up `path` where that is being written; those after it are written all the same.
   void cancel(const std::filesystem::path& path);
   /// What is being written; its subject is the path.

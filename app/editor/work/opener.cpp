@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <utility>
 
 #include "app/editor/state/file_browser.h"
 #include "app/editor/state/file_extensions.h"
@@ -22,22 +24,42 @@ bool ends_with_any(const fs::path& path, const std::vector<std::string>& extensi
   return std::any_of(extensions.begin(), extensions.end(), [&](const auto& e) { return name.ends_with(e); });
 }
 
-/// Whether a volume holds labels for the image: whole numbers, few of them, on the same voxels.
-bool is_label_map_on(const Volume& volume, const Volume& image) {
+/// Whether all values are whole numbers from 0 to 255, and few of them.
+bool holds_labels(const Volume& volume) {
   constexpr std::size_t most_labels = 32;
+  const auto* real = std::get_if<std::vector<float>>(&volume.data);
+  const bool whole =
+      real == nullptr || std::all_of(real->begin(), real->end(), [](float v) { return v == std::floor(v); });
+  if (!whole || volume.range_min < 0 || volume.range_max > 255) return false;
+  for (int frame = 0; frame < volume.frames; ++frame)
+    if (labels_of(volume, frame).size() > most_labels) return false;
+  return true;
+}
+
+/// Whether a volume holds labels for the image, on the same voxels.
+bool is_label_map_on(const Volume& volume, const Volume& image) {
   const auto& a = volume.geometry;
   const auto& b = image.geometry;
   const bool same_voxels = a.dims == b.dims && a.spacing_mm.isApprox(b.spacing_mm, 1e-3) &&
                            a.direction.isApprox(b.direction, 1e-3) &&
                            (a.origin_mm - b.origin_mm).norm() < 0.1 * b.spacing_mm.minCoeff();
-  const bool whole = !std::holds_alternative<std::vector<float>>(volume.data);
-  return same_voxels && whole && volume.frames == 1 && volume.range_min >= 0 && volume.range_max <= 255 &&
-         labels_of(volume).size() <= most_labels;
+  return same_voxels && (volume.frames == 1 || volume.frames == image.frames) && holds_labels(volume);
+}
+
+/// The sentence where a second volume cannot be the label map of the first.
+Error second_image(const std::string& path, const std::string& why) {
+  return {path, "is a second image" + why +
+                    "; open one at a time, a series of slices as the folder that holds them, and a label map by "
+                    "Reference → Open a label map…"};
 }
 
 void take_labels(Opened& opened, Volume labels) {
   for (const auto& [value, voxels] : labels_of(labels)) opened.label_values.push_back(value);
   opened.labels = std::make_shared<const Volume>(std::move(labels));
+}
+
+std::string shown_as_labels(const fs::path& file) {
+  return file.filename().string() + " is shown as a label map over the image: it has the same voxels and few values.";
 }
 
 /// "ct.nii.gz", for the progress bar.
@@ -50,6 +72,66 @@ std::string name_of(const OpenRequest& request) {
   // A folder may be given with a slash at its end.
   const fs::path path = fs::path(source).lexically_normal();
   return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
+/// Takes the volume that was read first as the image over which the other lies as a label map, or the other way round.
+Result<void> take_pair(Opened& opened, Volume first, Progress& progress) {
+  OpenRequest& request = opened.request;
+  VolumeReadOptions options;
+  options.progress = &progress;
+  options.stack_spacing_mm = request.volume_options.stack_spacing_mm;
+  auto other = load_volume(request.other_source, options);
+  if (!other) return fail(other.error());
+  opened.warnings.insert(opened.warnings.end(), other->warnings.begin(), other->warnings.end());
+  const bool first_is_map = is_label_map_on(first, other->volume);
+  if (first_is_map == is_label_map_on(other->volume, first)) {
+    const std::string name = fs::path(request.volume_source).filename().string();
+    return fail(second_image(request.other_source, first_is_map
+                                                       ? ", and either it or " + name + " could be the label map"
+                                                       : ", and no label map on the voxels of " + name));
+  }
+  if (first_is_map) {
+    std::swap(first, other->volume);
+    std::swap(request.volume_source, request.other_source);
+  }
+  opened.volume = std::make_shared<const Volume>(std::move(first));
+  request.labels = std::exchange(request.other_source, {});  // both are known by now
+  take_labels(opened, std::move(other->volume));
+  opened.warnings.push_back(shown_as_labels(request.labels));
+  return {};
+}
+
+/// The image that is asked for, with its label map where there are two; or a label map for the image on the screen.
+Result<void> open_volume(Opened& opened, Progress& progress) {
+  OpenRequest& request = opened.request;
+  VolumeReadOptions options = request.volume_options;
+  options.progress = &progress;
+  if (!options.stack_spacing_mm && is_picture_stack(request.volume_source)) {
+    opened.needs_spacing = true;
+    return {};
+  }
+  std::error_code ignored;
+  if (options.series_uid.empty() && fs::is_directory(request.volume_source, ignored)) {
+    auto series = list_series(request.volume_source);
+    if (series && series->size() > 1) {
+      opened.series = std::move(*series);
+      return {};
+    }
+  }
+  auto read = load_volume(request.volume_source, options);
+  if (!read) return fail(read.error());
+  opened.warnings = std::move(read->warnings);
+  if (!request.other_source.empty()) {
+    if (auto taken = take_pair(opened, std::move(read->volume), progress); !taken) return fail(taken.error());
+  } else if (request.template_source.empty() && request.beside && is_label_map_on(read->volume, *request.beside)) {
+    request.labels = request.volume_source;
+    take_labels(opened, std::move(read->volume));
+    opened.warnings.push_back(shown_as_labels(request.labels));
+    return {};
+  } else {
+    opened.volume = std::make_shared<const Volume>(std::move(read->volume));
+  }
+  return {};
 }
 
 Result<void> open_parts(Opened& opened, Progress& progress) {
@@ -77,38 +159,15 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     return {};
   }
   if (!request.volume_source.empty()) {
-    VolumeReadOptions options = request.volume_options;
-    options.progress = &progress;
-    if (!options.stack_spacing_mm && is_picture_stack(request.volume_source)) {
-      opened.needs_spacing = true;
-      return {};
-    }
-    std::error_code ignored;
-    if (options.series_uid.empty() && fs::is_directory(request.volume_source, ignored)) {
-      auto series = list_series(request.volume_source);
-      if (series && series->size() > 1) {
-        opened.series = std::move(*series);
-        return {};
-      }
-    }
-    auto read = load_volume(request.volume_source, options);
-    if (!read) return fail(read.error());
-    opened.warnings = std::move(read->warnings);
-    if (request.template_source.empty() && request.beside && is_label_map_on(read->volume, *request.beside)) {
-      request.labels = request.volume_source;
-      take_labels(opened, std::move(read->volume));
-      opened.warnings.push_back(request.labels.filename().string() +
-                                " is shown as a label map over the image: it has the same voxels and few values.");
-      return {};
-    }
-    opened.volume = std::make_shared<const Volume>(std::move(read->volume));
+    if (auto done = open_volume(opened, progress); !done) return fail(done.error());
+    if (!opened.volume) return {};  // a label map, or something is to be asked first
   }
   if (!request.template_source.empty()) {
     auto reference = load_template(request.template_source);
     if (!reference) return fail(reference.error());
     opened.reference = std::move(*reference);
   }
-  if (!request.labels.empty()) {
+  if (!request.labels.empty() && !opened.labels) {
     VolumeReadOptions options;
     options.progress = &progress;
     auto read = read_volume(request.labels, options);
@@ -132,13 +191,15 @@ Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
     } else if (!folder && ends_with_any(path, mesh_extensions())) {
       if (!request.template_source.empty()) return fail(path.string(), "is a second template; open one at a time");
       request.template_source = path.string();
-    } else {
-      if (!request.volume_source.empty())
-        return fail(path.string(),
-                    "is a second image; open one at a time, a series of slices as the folder that holds them");
+    } else if (request.volume_source.empty()) {
       request.volume_source = path.string();
+    } else if (request.other_source.empty()) {
+      request.other_source = path.string();
+    } else {
+      return fail(second_image(path.string(), ""));
     }
   }
+  if (!request.case_file.empty() && !request.other_source.empty()) return fail(second_image(request.other_source, ""));
   if (!request.case_file.empty() && !request.template_source.empty())
     return fail(request.case_file.string(),
                 "is a case, which names its template; open it alone, or with its image where that has moved");

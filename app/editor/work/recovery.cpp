@@ -48,8 +48,12 @@ bool left_alone(const fs::path& journal) {
 }  // namespace
 
 void Recovery::look() {
-  counting_ = false;
   work_.start("", [](Progress& progress) -> Result<Found> {
+    std::error_code error;
+    const fs::directory_iterator readable(unsaved_folder(), error);
+    if (error && error != std::errc::no_such_file_or_directory)
+      return fail(unsaved_folder().string(), "the cases that were not saved lie there, and it cannot be read (" +
+                                                 error.message() + "); check its rights");
     Found found;
     for (const UnsavedCase& one : unsaved_cases()) {
       if (progress.cancelled()) break;
@@ -65,22 +69,16 @@ void Recovery::look() {
   });
 }
 
-std::optional<Recovery::Found> Recovery::take() {
-  auto done = work_.take();
-  if (!done) return std::nullopt;
-  counting_ = *done && !(*done)->counted && !(*done)->cases.empty();
-  if (!*done) return Found{};
-  if (counting_)
-    work_.start("", [found = **done](Progress& progress) mutable -> Result<Found> {
-      for (RecoverDialog::Found& one : found.cases) {
-        if (progress.cancelled()) break;
-        const std::size_t edits = count_steps(one.journal);
-        one.details = std::to_string(edits) + (edits == 1 ? " edit, " : " edits, ") + one.details;
-      }
-      found.counted = true;
-      return std::move(found);
-    });
-  return std::move(**done);
+void Recovery::count(Found found) {
+  work_.start("", [found = std::move(found)](Progress& progress) mutable -> Result<Found> {
+    for (RecoverDialog::Found& one : found.cases) {
+      if (progress.cancelled()) break;
+      const std::size_t edits = count_steps(one.journal);
+      one.details = std::to_string(edits) + (edits == 1 ? " edit, " : " edits, ") + one.details;
+    }
+    found.counted = true;
+    return std::move(found);
+  });
 }
 
 void remove_without_edits(const fs::path& journal) {

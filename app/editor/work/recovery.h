@@ -11,25 +11,26 @@
 namespace homolog {
 
 /// Looks for cases that were never saved, on a thread of its own: first what they are called, so that a thousand of
-/// them are offered at once, then how much was done in each. Those that a killed program left as they were opened are
-/// removed.
+/// them are offered at once, then, where that is asked for, how much was done in each. Those that a killed program left
+/// as they were opened are removed.
 class Recovery {
  public:
   /// `wake` is called from the thread when there is something to take.
   explicit Recovery(std::function<void()> wake) : work_(std::move(wake)) {}
 
   void look();
-  bool busy() const { return work_.busy() || counting_; }
+  bool busy() const { return work_.busy(); }
   struct Found {
     std::vector<RecoverDialog::Found> cases;  ///< newest first
     bool counted = false;                     ///< their details say how many edits they hold
   };
-  /// What was found: once without the edits counted, and once with.
-  std::optional<Found> take();
+  /// Counts the edits of what was found: reads the files whole, so only where somebody looks at the figures.
+  void count(Found found);
+  /// What was found, or counted; once. Errors: the folder cannot be read.
+  std::optional<Result<Found>> take() { return work_.take(); }
   void finish() { work_.finish(); }
 
  private:
-  bool counting_ = false;
   Worker<Found> work_;
 };
 

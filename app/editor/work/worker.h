@@ -21,7 +21,8 @@ namespace homolog {
 struct RunningJob {
   std::string subject;
   double fraction = 0;
-  double seconds = 0;  ///< since it was asked for
+  double seconds = 0;     ///< since it was asked for
+  const char* verb = "";  ///< "Writing", where whoever asked for it said so
 };
 
 /// Does work beside the window, on a thread of its own: one job after the other, in the order in which they were asked
@@ -48,11 +49,12 @@ class Worker {
   Worker& operator=(const Worker&) = delete;
 
   /// Asks for work after all that was asked for before. `subject` says what it is about: a file's name, or nothing.
-  void queue(std::string subject, Work work) {
+  /// `verb` says what it does to that.
+  void queue(std::string subject, Work work, const char* verb = "") {
     if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
     {
       const std::lock_guard lock(mutex_);
-      jobs_.push_back(std::make_shared<Job>(std::move(subject), std::move(work)));
+      jobs_.push_back(std::make_shared<Job>(std::move(subject), std::move(work), verb));
     }
     changed_.notify_all();
   }
@@ -68,10 +70,10 @@ class Worker {
     jobs_.clear();
     results_.clear();
   }
-  /// Asks what runs to end early; its result comes all the same, and what waits is done.
-  void cancel_running() {
+  /// Asks what runs to end early, where it is about `subject`; its result comes all the same, and what waits is done.
+  void cancel_running(const std::string& subject) {
     const std::lock_guard lock(mutex_);
-    if (!jobs_.empty()) jobs_.front()->progress.cancel();
+    if (!jobs_.empty() && jobs_.front()->subject == subject) jobs_.front()->progress.cancel();
   }
 
   bool busy() const {
@@ -83,7 +85,7 @@ class Worker {
     if (jobs_.empty()) return std::nullopt;
     const Job& job = *jobs_.front();
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - job.asked;
-    return RunningJob{job.subject, job.progress.fraction(), passed.count()};
+    return RunningJob{job.subject, job.progress.fraction(), passed.count(), job.verb};
   }
   /// Of what runs; 0 where nothing does.
   double fraction() const {
@@ -106,9 +108,11 @@ class Worker {
 
  private:
   struct Job {
-    Job(std::string about, Work asked_work) : subject(std::move(about)), work(std::move(asked_work)) {}
+    Job(std::string about, Work asked_work, const char* does)
+        : subject(std::move(about)), work(std::move(asked_work)), verb(does) {}
     std::string subject;
     Work work;
+    const char* verb;
     Progress progress;
     std::chrono::steady_clock::time_point asked = std::chrono::steady_clock::now();
   };

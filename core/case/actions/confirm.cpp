@@ -15,7 +15,7 @@ void spell_confirm(Fields& line, Confirm& action) {
 }
 
 Result<EditReport> apply_confirm(const Confirm& action, Edit& edit) {
-  if (!(action.radius_mm > 0) || !action.at.allFinite()) return fail("confirm", "needs a positive radius");
+  if (auto usable = check_brush(action.at, action.radius_mm, 0); !usable) return fail(usable.error());
   const auto& held = edit.before.shape().confirmed;
   auto confirmed = held ? std::make_shared<VertexScalars>(*held)
                         : std::make_shared<VertexScalars>(VertexScalars::Zero(edit.before.stiffness->size()));

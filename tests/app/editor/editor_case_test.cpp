@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "app/editor/editor_app.h"
+#include "tests/ball.h"
 #include "tests/shapes.h"
 #include "tests/temporary_folder.h"
 
@@ -8,10 +9,8 @@ namespace homolog {
 
 TEST_CASE("an export during a drag writes what is done and not what is previewed") {
   const TemporaryFolder folder;
-  const Mesh ball = icosphere(3, 40);
   EditorApp app([] {});
-  app.start_session(
-      EditSession(new_document("", nullptr, make_template({ball.points, ball.topology->triangles()}, "ball").value())));
+  app.start_session(EditSession(ball_document(40)));
   const auto done = app.snapshot().document;
   app.preview(Stroke{Tool::pull, Vec3(0, 0, 40), Vec3(0, 0, 60), 10, {}, false, 1});
   app.update(0);

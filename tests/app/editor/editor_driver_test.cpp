@@ -7,8 +7,11 @@
 #include "app/editor/update/controls.h"
 #include "core/base/files.h"
 #include "core/mesh/icosphere.h"
+#include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
+#include "core/model/study.h"
+#include "core/volume/volume_io.h"
 #include "tests/driver.h"
 #include "tests/failing_memory.h"
 #include "tests/must.h"
@@ -45,6 +48,12 @@ const Region* region_named(const Document& document, const std::string& name) {
 double factor_of(const Driver& driver, const std::string& name) {
   const Region* region = region_named(driver.document(), name);
   return region != nullptr ? region->factor : 0;
+}
+
+/// Types a file's name into the file dialog that is open.
+void choose(Driver& driver, const fs::path& file) {
+  driver.type_into("name", file.string());
+  driver.press(key::enter);
 }
 
 /// The section Reference open, with a region.
@@ -111,15 +120,13 @@ TEST_CASE("the mesh is exported under the name that was typed and a file that is
   driver.click("Export/Mesh…");
   CHECK(driver.shows("Export the mesh"));
   const fs::path file = driver.folder() / "out.ply";
-  driver.type_into("name", file.string());
-  driver.press(key::enter);
+  choose(driver, file);
   driver.wait_until("it is said that the file is written", [&] { return driver.shows("Written: " + file.string()); });
   CHECK(test::must(read_mesh(file)).points.isApprox(*driver.document().shape().points, 1e-6));
 
   fs::resize_file(file, 0);
   driver.click("Export/Mesh…");
-  driver.type_into("name", file.string());
-  driver.press(key::enter);
+  choose(driver, file);
   driver.wait_until("it is asked", [&] { return driver.has("Replace it"); });
   CHECK(fs::file_size(file) == 0);
   driver.click("Replace it");
@@ -150,15 +157,15 @@ TEST_CASE("landmark files are read beside the window and taken into the case tha
   REQUIRE(write_landmarks({{"east", Vec3(40, 0, 0)}, {"far", Vec3(400, 0, 0)}}, on_template));
   driver.click("side panel/Place");
   driver.click("Place/Import…");
-  driver.type_into("name", placed.string());
-  driver.press(key::enter);
+  choose(driver, placed);
+  // First what goes by itself.
+  driver.wait_until("what is left out is said",
+                    [&] { return driver.shows("1 of 2 names are not landmarks of the template"); });
   driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("north"); });
-  CHECK(driver.shows("1 of 2 names are not landmarks of the template"));
 
   driver.click("side panel/Reference");
   driver.click("Reference/Import…");
-  driver.type_into("name", on_template.string());
-  driver.press(key::enter);
+  choose(driver, on_template);
   driver.wait_until("the template has it", [&] { return driver.document().reference->landmarks.size() == 3; });
   CHECK(driver.shows("far (360 mm)"));
 
@@ -177,12 +184,10 @@ TEST_CASE("a study's file is kept up to date beside the window") {
   driver.press(key::tab);
   driver.click("Study");
   driver.click("study menu/New study…");
-  driver.type_into("name", study.string());
-  driver.press(key::enter);
+  choose(driver, study);
   driver.wait_until("the study is open", [&] { return driver.state().models.study_file == study; });
   driver.click("Meshes…");
-  driver.type_into("name", ball.file.string());
-  driver.press(key::enter);
+  choose(driver, ball.file);
   driver.wait_until("the case is in the list", [&] { return driver.has("cases/ball/row"); });
   driver.click("cases/ball/row");
   driver.type_into("selected case/group", "round");
@@ -198,6 +203,131 @@ TEST_CASE("a study's file is kept up to date beside the window") {
   fs::create_directory(study);
   driver.click("cases/ball/state");
   driver.wait_until("a fault is said", [&] { return driver.shows("some.study.json"); });
+}
+
+namespace {
+
+/// The ball as the one case of a study that is open.
+fs::path open_study_of(Driver& driver, const Ball& ball) {
+  const fs::path study = driver.folder() / "some.study.json";
+  driver.app().send(NewStudy{study});
+  driver.wait_until("the study is open", [&] { return driver.state().models.study_file == study; });
+  driver.app().send(AddCases{{ball.file}});
+  driver.settle();
+  return study;
+}
+
+}  // namespace
+
+TEST_CASE("a study that could not be written is not lost with another one or with the window") {
+  const Ball ball;
+  Driver driver(ball.document());
+  const fs::path study = open_study_of(driver, ball), other = driver.folder() / "other.study.json";
+  REQUIRE(write_study({}, other));
+  fs::remove(study);
+  fs::create_directory(study);
+  driver.app().send(CycleCaseState{"ball"});
+  driver.wait_until("a fault is said", [&] { return driver.shows("some.study.json"); });
+  driver.app().send(OpenStudy{other});
+  driver.wait_until("that is said", [&] { return driver.shows("other.study.json was not opened"); });
+  CHECK(driver.state().models.study_file == study);
+
+  driver.app().ask_to_quit();
+  driver.wait_until("it is asked", [&] { return driver.has("Quit without it"); });
+  CHECK_FALSE(driver.app().wants_to_quit());
+  driver.press(key::escape);
+  fs::remove(study);
+  driver.app().ask_to_quit();
+  driver.wait_until("it closes", [&] { return driver.app().wants_to_quit(); });
+  CHECK(test::must(read_whole_file(study)).find("\"in work\"") != std::string::npos);
+}
+
+TEST_CASE("a study that could not be saved as another file is said before the window closes") {
+  const Ball ball;
+  Driver driver(ball.document());
+  open_study_of(driver, ball);
+  const fs::path taken = driver.folder() / "taken.study.json";
+  fs::create_directory(taken);
+  driver.app().send(SaveStudyAs{{taken}});
+  driver.app().ask_to_quit();
+  driver.wait_until("it is asked", [&] { return driver.has("Quit without it"); });
+  CHECK(driver.shows("taken.study.json could not be written"));
+  driver.click("Quit without it");
+  CHECK(driver.app().wants_to_quit());
+}
+
+TEST_CASE("work on a study says what it does and is given up only where that is possible") {
+  const auto shown = [](const char* subject, const char* verb) { return study_work({subject, 0.5, 1, verb}); };
+  CHECK(shown("/far/some.study.json", "Reading study").what == "Reading study some.study.json");
+  CHECK(shown("/far/some.study.json", "Reading study").no_cancel == std::string());
+  CHECK(shown("/far/some.study.json", "Writing study").what == "Writing study some.study.json");
+  CHECK(shown("/far/some.study.json", "Writing study").no_cancel != std::string());
+  CHECK(shown("the case of knee", "Making").what == "Making the case of knee");
+}
+
+namespace {
+
+VolumeGeometry ball_grid() {
+  VolumeGeometry grid;
+  grid.dims = {50, 50, 50};
+  grid.origin_mm.setConstant(-24.5);
+  return grid;
+}
+
+fs::path write_labels(const Driver& driver) {
+  const fs::path labels = driver.folder() / "labels.nii";
+  REQUIRE(write_volume(label_map(icosphere(4, 18), ball_grid(), 3), labels));
+  return labels;
+}
+
+void make_template_of_labels(Driver& driver) {
+  driver.app().send(open_labels(write_labels(driver)));
+  driver.settle();
+  driver.state().template_settings.mask.vertices = 500;
+  driver.app().send(MakeTemplate{driver.state().template_settings, {}});
+  driver.settle();
+}
+
+}  // namespace
+
+TEST_CASE("a template that was made is written like any other file and then used") {
+  const Ball ball;
+  Driver driver(ball.document());
+  make_template_of_labels(driver);
+  const fs::path file = driver.folder() / "made.ply";
+  driver.app().send(UseMadeTemplate{driver.folder()});
+  driver.wait_until("a fault is said", [&] { return driver.shows(driver.folder().string() + ": "); });
+  driver.app().send(UseMadeTemplate{file});
+  driver.wait_until("it is said that the file is written", [&] { return driver.shows("Written: " + file.string()); });
+  driver.wait_until("the case has it", [&] { return driver.document().reference->source == file.string(); });
+  CHECK(driver.document().shape().points->rows() == 500);
+}
+
+TEST_CASE("the window closes only after a template that was made is written") {
+  const Ball ball;
+  Driver driver(ball.document());
+  make_template_of_labels(driver);
+  const fs::path file = driver.folder() / "made.ply";
+  driver.app().send(UseMadeTemplate{file});
+  driver.app().ask_to_quit();
+  driver.wait_until("it closes", [&] { return driver.app().wants_to_quit(); });
+  CHECK(fs::exists(file));
+}
+
+TEST_CASE("an image and its label map are opened together") {
+  const Ball ball;
+  Driver driver(ball.document());
+  const fs::path image = driver.folder() / "ct.nii", labels = write_labels(driver);
+  Volume ct;
+  ct.geometry = ball_grid();
+  ct.data = std::vector<std::int16_t>(ct.geometry.voxels(), 1000);
+  REQUIRE(write_volume(ct, image));
+  driver.app().send(OpenFiles{{labels, image}});
+  driver.wait_until("that is said", [&] { return driver.shows("labels.nii is shown as a label map"); });
+  driver.settle();
+  CHECK(driver.document().volume_source == image.string());
+  driver.click("side panel/Reference");
+  CHECK(driver.has("Make the template"));
 }
 
 TEST_CASE("a command that fails ends in a sentence and takes nothing else with it") {

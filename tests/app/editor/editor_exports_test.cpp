@@ -3,6 +3,7 @@
 #include <atomic>
 #include <fstream>
 #include <new>
+#include <thread>
 
 #include "app/editor/work/exports.h"
 #include "core/volume/volume_io.h"
@@ -64,6 +65,36 @@ TEST_CASE("a file that is being written can be given up and those after it are w
   CHECK(written[0].cancelled);
   CHECK(written[1].result);
   CHECK_FALSE(written[1].cancelled);
+}
+
+TEST_CASE("giving up a file never gives up the one after it") {
+  Exports exports([] {});
+  for (int k = 0; k < 400; ++k) {
+    std::atomic<bool> started = false, ends = false;
+    exports.start("first", [&](Progress&) -> Result<void> {
+      started = true;
+      while (!ends) continue;
+      return {};
+    });
+    exports.start("second", [](Progress&) { return Result<void>(); });
+    while (!started) std::this_thread::yield();
+    ends = true;
+    exports.cancel("first");  // which ends at this moment
+    exports.finish();
+    for (const auto& written : exports.take())
+      if (written.path == "second") REQUIRE_FALSE(written.cancelled);
+  }
+}
+
+TEST_CASE("what is left to do once a file is written comes back with it") {
+  Exports exports([] {});
+  int done = 0;
+  exports.start(
+      "file", [](Progress&) { return Result<void>(); }, [&] { ++done; });
+  exports.finish();
+  CHECK(done == 0);
+  for (const auto& written : exports.take()) written.then();
+  CHECK(done == 1);
 }
 
 TEST_CASE("closing the window finishes what is being written") {

@@ -8,6 +8,7 @@
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/model/shape_model.h"
+#include "tests/ball.h"
 #include "tests/must.h"
 
 // What the editor does on threads of its own for the case: the fit to a label, and the model's help.
@@ -15,11 +16,6 @@
 namespace homolog {
 
 namespace {
-
-std::shared_ptr<const Template> ball(double radius_mm) {
-  const Mesh mesh = icosphere(3, radius_mm);
-  return test::must(make_template({mesh.points, mesh.topology->triangles()}, "ball"));
-}
 
 /// Label 2 is a ball of 24 mm about (60, 60, 60).
 std::shared_ptr<const Volume> labels() {
@@ -60,7 +56,7 @@ std::shared_ptr<const StudyModel> balls_model() {
 TEST_CASE("a fit shows its steps and gives the shape of the label") {
   std::atomic<int> woken = 0;
   Fitter fitter([&] { ++woken; });
-  const auto document = case_of(ball(20));
+  const auto document = case_of(ball_template(20));
   fitter.start_fit(document, {labels(), "labels"}, settings());
   CHECK(fitter.document() == document);
   fitter.finish();
@@ -85,7 +81,7 @@ TEST_CASE("a fit has the same bits whatever the number of threads") {
   for (const int threads : {1, 2, 7}) {
     set_thread_limit(threads);
     Fitter fitter([] {});
-    fitter.start_fit(case_of(ball(20)), {labels(), "labels"}, settings());
+    fitter.start_fit(case_of(ball_template(20)), {labels(), "labels"}, settings());
     fitter.finish();
     fitted.push_back(*test::must(*fitter.take()).edit.points);
   }
@@ -96,14 +92,14 @@ TEST_CASE("a fit has the same bits whatever the number of threads") {
 
 TEST_CASE("a fit that was cancelled gives nothing and one to an absent label says so") {
   Fitter fitter([] {});
-  fitter.start_fit(case_of(ball(20)), {labels(), "labels"}, settings());
+  fitter.start_fit(case_of(ball_template(20)), {labels(), "labels"}, settings());
   fitter.cancel();
   CHECK_FALSE(fitter.busy());
   CHECK_FALSE(fitter.take());
   CHECK_FALSE(fitter.take_step());
   FitSettings absent;
   absent.label = 7;
-  fitter.start_fit(case_of(ball(20)), {labels(), "labels"}, absent);
+  fitter.start_fit(case_of(ball_template(20)), {labels(), "labels"}, absent);
   fitter.finish();
   const auto done = fitter.take();
   REQUIRE(done);
@@ -119,7 +115,7 @@ TEST_CASE("the model completes what strokes leave open and leaves alone what is 
   CHECK_FALSE(help.update());
   CHECK_FALSE(help.completion(0));
 
-  EditSession session(new_document("", nullptr, ball(26)));
+  EditSession session(new_document("", nullptr, ball_template(26)));
   const Points begun = *session.document().shape().points;
   REQUIRE(session.apply(Confirm{Vec3(26, 0, 0), 15, true}));
   const VertexScalars held = *session.document().shape().confirmed;
@@ -154,7 +150,7 @@ TEST_CASE("the model's help does not add up and can be taken back") {
   help.ask(balls_model(), "ball26");
   help.finish();
   CHECK_FALSE(help.update());
-  EditSession session(new_document("", nullptr, ball(26)));
+  EditSession session(new_document("", nullptr, ball_template(26)));
   REQUIRE(session.apply(Confirm{Vec3(26, 0, 0), 15, true}));
   const auto points = [&] { return *session.document().shape().points; };
   const auto blend = [&](double strength) {

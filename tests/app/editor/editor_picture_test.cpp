@@ -16,6 +16,14 @@ namespace homolog {
 
 namespace {
 
+/// What draws without a display; null, and the test is skipped, where there is none.
+std::unique_ptr<OffscreenContext> context_or_skip() {
+  auto gl = OffscreenContext::make();
+  if (gl) return std::move(*gl);
+  test::skip(gl.error().sentence());
+  return nullptr;
+}
+
 /// Every control and text by itself: a word covers a tenth of its rectangle.
 void add_items(std::vector<test::PicturePart>& parts, const std::vector<DrawnItem>& items, const Picture& picture) {
   constexpr float smallest_px2 = 40;
@@ -30,11 +38,8 @@ void add_items(std::vector<test::PicturePart>& parts, const std::vector<DrawnIte
 }  // namespace
 
 TEST_CASE("golden picture of the whole window") {
-  const auto gl = OffscreenContext::make();
-  if (!gl) {
-    test::skip(gl.error().sentence());
-    return;
-  }
+  const auto gl = context_or_skip();
+  if (!gl) return;
   const Document document = test::must(demo_document(Organ::kidney, 1));
   std::vector<DrawnItem> items;
   const auto picture = [&](bool ShownParts::*left_out) {
@@ -81,11 +86,8 @@ struct ShownStudy {
 }  // namespace
 
 TEST_CASE("a study is drawn in a window of any size") {
-  const auto gl = OffscreenContext::make();
-  if (!gl) {
-    test::skip(gl.error().sentence());
-    return;
-  }
+  const auto gl = context_or_skip();
+  if (!gl) return;
   ShownStudy study;
   for (const auto& [width, height] : {std::pair(960, 640), std::pair(900, 600), std::pair(640, 480)}) {
     study.options.width_px = width;
@@ -95,11 +97,8 @@ TEST_CASE("a study is drawn in a window of any size") {
 }
 
 TEST_CASE("golden picture of the models") {
-  const auto gl = OffscreenContext::make();
-  if (!gl) {
-    test::skip(gl.error().sentence());
-    return;
-  }
+  const auto gl = context_or_skip();
+  if (!gl) return;
   ShownStudy study;
   std::vector<DrawnItem> items;
   study.options.items = &items;

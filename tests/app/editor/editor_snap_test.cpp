@@ -5,6 +5,7 @@
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
+#include "tests/ball.h"
 #include "tests/desk.h"
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
@@ -75,9 +76,7 @@ Document ball_on_image(double radius_mm, const fs::path& image_file) {
   grid.origin_mm.setConstant(-39);
   auto image = std::make_shared<const Volume>(label_map(icosphere(3, radius_mm), grid, 100));
   if (!image_file.empty()) REQUIRE(write_volume(*image, image_file));
-  const Mesh mesh = icosphere(3, 24);
-  const auto reference = make_template({mesh.points, mesh.topology->triangles()}, "ball").value();
-  return new_document(image_file.string(), std::move(image), reference);
+  return new_document(image_file.string(), std::move(image), ball_template(24));
 }
 
 }  // namespace

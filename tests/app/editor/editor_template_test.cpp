@@ -7,20 +7,12 @@
 #include "app/editor/work/template_maker.h"
 #include "core/case/session.h"
 #include "core/mesh/label_map.h"
-#include "tests/shapes.h"
+#include "tests/ball.h"
 #include "tests/wait.h"
 
 using namespace homolog;
 
 namespace {
-
-Document ball_document() {
-  const Mesh ball = icosphere(3, 20);
-  MeshFile file;
-  file.points = ball.points;
-  file.triangles = ball.topology->triangles();
-  return new_document("", nullptr, make_template(file, "ball").value());
-}
 
 std::shared_ptr<const Volume> ball_labels() {
   VolumeGeometry grid;
@@ -44,7 +36,7 @@ std::shared_ptr<const TemplateMaking> finished(TemplateMaker& maker) {
 }  // namespace
 
 TEST_CASE("the stiffness brush makes the action of what it paints and Alt reverses it") {
-  const Document document = ball_document();
+  const Document document = ball_document(20);
   EditorState state;
   state.tool = MouseTool::stiffness;
   state.brush.region = "hilum";
@@ -65,7 +57,7 @@ TEST_CASE("the stiffness brush makes the action of what it paints and Alt revers
 }
 
 TEST_CASE("regions colour the mesh as they say") {
-  EditSession session(ball_document());
+  EditSession session(ball_document(20));
   REQUIRE(session.apply(SetRegion{{"hilum", 1, {255, 0, 0}}}));
   REQUIRE(session.apply(PaintRegion{"hilum", {0, 0, 20}, 10, 0}));
   const Document& document = session.document();

@@ -12,6 +12,8 @@
 #include "app/editor/work/quality_monitor.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
+#include "tests/ball.h"
 #include "tests/must.h"
 #include "tests/temporary_folder.h"
 #include "tests/wait.h"
@@ -31,11 +33,6 @@ Result<int> until_cancelled(Progress& progress) {
   return 1;
 }
 
-Document measured_ball(double radius_mm) {
-  const Mesh mesh = icosphere(3, radius_mm);
-  return new_document("", nullptr, make_template({mesh.points, mesh.topology->triangles()}, "ball").value());
-}
-
 }  // namespace
 
 TEST_CASE("of several pieces of work the latest gives the result") {
@@ -53,12 +50,17 @@ TEST_CASE("of several pieces of work the latest gives the result") {
 TEST_CASE("work that is queued is done in order and what runs can be ended alone") {
   Worker<int> worker([] {});
   worker.queue("first", until_cancelled);
-  for (const int k : {2, 3}) worker.queue("later", [k](Progress&) { return k; });
+  for (const int k : {2, 3})
+    worker.queue(
+        "later", [k](Progress& progress) { return progress.cancelled() ? 0 : k; }, "Counting");
   REQUIRE(test::wait_until([&] { return worker.fraction() > 0; }));
   REQUIRE(worker.running());
   CHECK(worker.running()->subject == "first");
   CHECK(worker.running()->fraction == 0.5);
-  worker.cancel_running();
+  CHECK(worker.running()->verb == std::string());
+  worker.cancel_running("later");  // waits still
+  CHECK_FALSE(worker.take());
+  worker.cancel_running("first");
   worker.finish();
   for (const int k : {1, 2, 3}) CHECK(test::must(worker.take().value()) == k);
   CHECK_FALSE(worker.take());
@@ -111,7 +113,7 @@ TEST_CASE("the quality monitor measures the mesh posted last and forgets when th
   const auto volume = [&] { return monitor.latest()->volume_ml; };
   // As a drag posts them.
   for (int radius_mm = 20; radius_mm <= 40; ++radius_mm) {
-    monitor.post(std::make_shared<const Document>(measured_ball(radius_mm)));
+    monitor.post(std::make_shared<const Document>(ball_document(radius_mm)));
     monitor.update();
   }
   REQUIRE(test::wait_until([&] {
@@ -121,8 +123,8 @@ TEST_CASE("the quality monitor measures the mesh posted last and forgets when th
   CHECK(woken > 0);
   CHECK_FALSE(monitor.rest_seconds());
   CHECK(monitor.error().empty());
-  monitor.post(std::make_shared<const Document>(measured_ball(20)));
-  monitor.post(std::make_shared<const Document>(measured_ball(10)));
+  monitor.post(std::make_shared<const Document>(ball_document(20)));
+  monitor.post(std::make_shared<const Document>(ball_document(10)));
   CHECK(monitor.rest_seconds());
   monitor.finish();
   CHECK(volume() < 5);
@@ -137,11 +139,11 @@ TEST_CASE("a mesh that cannot be measured ends in a sentence and the next is mea
                            if (++measured == 1) throw std::bad_alloc();
                            return quality_figures(document);
                          });
-  monitor.post(std::make_shared<const Document>(measured_ball(20)));
+  monitor.post(std::make_shared<const Document>(ball_document(20)));
   monitor.finish();
   CHECK_FALSE(monitor.latest());
   CHECK(monitor.error() == "The mesh's figures: needs more memory than there is; close other programs");
-  monitor.post(std::make_shared<const Document>(measured_ball(20)));
+  monitor.post(std::make_shared<const Document>(ball_document(20)));
   monitor.finish();
   CHECK(monitor.latest());
   CHECK(monitor.error().empty());
@@ -183,6 +185,60 @@ TEST_CASE("the opener reads what is asked for last and says why it cannot") {
   CHECK_FALSE(opener.busy());
   CHECK_FALSE(opener.take());
   CHECK(test::wait_until([&] { return woken >= 3; }));
+}
+
+namespace {
+
+/// Voxels of 1 mm, of which the first holds `first` and all others 0.
+template <class Value>
+Volume voxels(Value first, double origin_mm = 0) {
+  Volume volume;
+  volume.geometry.dims = {4, 4, 4};
+  volume.geometry.origin_mm.setConstant(origin_mm);
+  std::vector<Value> values(volume.geometry.voxels());
+  values.front() = first;
+  volume.data = values;
+  return volume;
+}
+
+}  // namespace
+
+TEST_CASE("of an image and its label map each is known in either order") {
+  const TemporaryFolder folder;
+  const fs::path ct = folder.path / "ct.nii", labels = folder.path / "labels.nii", real = folder.path / "real.nii",
+                 other_ct = folder.path / "other.nii", away = folder.path / "away.nii";
+  REQUIRE(write_volume(voxels<std::int16_t>(1000), ct));
+  REQUIRE(write_volume(voxels<std::int16_t>(900), other_ct));
+  REQUIRE(write_volume(voxels<std::uint8_t>(3), labels));
+  REQUIRE(write_volume(voxels<float>(2), real));
+  REQUIRE(write_volume(voxels<std::uint8_t>(3, 50), away));
+  Opener opener([] {});
+  const auto opened = [&](const std::vector<fs::path>& files) {
+    opener.start(test::must(sort_files(files)));
+    opener.finish();
+    return opener.take().value();
+  };
+  for (const auto& [map, label] : {std::pair(labels, 3), std::pair(real, 2)})
+    for (const auto& files : {std::vector{ct, map}, std::vector{map, ct}}) {
+      const Opened both = test::must(opened(files));
+      REQUIRE(both.volume);
+      REQUIRE(both.labels);
+      CHECK(both.volume->at(0, 0, 0) == 1000);
+      CHECK(both.request.volume_source == ct.string());
+      CHECK(both.request.labels == map);
+      CHECK(both.label_values == std::vector{label});
+    }
+  const auto refusal = [&](const std::vector<fs::path>& files) { return opened(files).error().sentence(); };
+  const std::string remedy = "a label map by Reference → Open a label map…";
+  for (const auto& [second, why] : {std::pair(other_ct, "no label map on the voxels of ct.nii"),
+                                    std::pair(away, "no label map on the voxels of ct.nii")}) {
+    CHECK(refusal({ct, second}).starts_with(second.string() + ": is a second image, and " + why));
+    CHECK(refusal({ct, second}).find(remedy) != std::string::npos);
+  }
+  CHECK(refusal({labels, real}).find("either it or labels.nii could be the label map") != std::string::npos);
+  for (const auto& files :
+       {std::vector<fs::path>{ct, labels, other_ct}, std::vector<fs::path>{"a.homolog", ct, labels}})
+    CHECK(sort_files(files).error().sentence().find(remedy) != std::string::npos);
 }
 
 TEST_CASE("files are sorted and named where the working folder is gone") {

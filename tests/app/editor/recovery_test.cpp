@@ -3,9 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <fstream>
 
+#include "tests/environment_variable.h"
+#include "tests/must.h"
+#include "tests/refusal.h"
 #include "tests/temporary_folder.h"
 
 namespace homolog {
@@ -14,7 +16,7 @@ namespace fs = std::filesystem;
 
 TEST_CASE("cases to recover are named first and counted then and what holds no edit goes when it is left alone") {
   const TemporaryFolder folder;
-  ::setenv("XDG_STATE_HOME", folder.path.c_str(), 1);
+  const EnvironmentVariable state_home("XDG_STATE_HOME", folder.path);
   const fs::path state = folder.path / "homolog";
   fs::create_directories(state);
   const std::string header = "{\"homolog\":1,\"volume\":\"../ct.nii.gz\"}\n";
@@ -27,19 +29,18 @@ TEST_CASE("cases to recover are named first and counted then and what holds no e
   Recovery recovery([] {});
   recovery.look();
   recovery.finish();
-  auto named = recovery.take();
-  REQUIRE(named);
-  CHECK_FALSE(named->counted);
-  REQUIRE(named->cases.size() == 1);
-  CHECK(named->cases[0].name == "ct.nii.gz");
-  CHECK(named->cases[0].details.find("edits") == std::string::npos);
-  CHECK(recovery.busy());
+  auto named = test::must(recovery.take().value());
+  CHECK_FALSE(named.counted);
+  REQUIRE(named.cases.size() == 1);
+  CHECK(named.cases[0].name == "ct.nii.gz");
+  CHECK(named.cases[0].details.find("edits") == std::string::npos);
+  CHECK_FALSE(recovery.busy());  // nobody looks at the figures yet
+  recovery.count(named);
   recovery.finish();
-  const auto counted = recovery.take();
-  REQUIRE(counted);
-  CHECK(counted->counted);
-  CHECK(counted->cases.at(0).details.starts_with("2 edits, "));
-  CHECK_FALSE(recovery.busy());
+  const auto counted = test::must(recovery.take().value());
+  CHECK(counted.counted);
+  CHECK(counted.cases.at(0).details.starts_with("2 edits, "));
+  CHECK_FALSE(recovery.take());
 
   CHECK(fs::exists(state / "edited.homolog"));
   CHECK_FALSE(fs::exists(state / "looked.homolog"));
@@ -48,7 +49,20 @@ TEST_CASE("cases to recover are named first and counted then and what holds no e
   remove_without_edits(state / "edited.homolog");
   CHECK_FALSE(fs::exists(state / "begun.homolog"));
   CHECK(fs::exists(state / "edited.homolog"));
-  ::unsetenv("XDG_STATE_HOME");
+}
+
+TEST_CASE("where the folder of unsaved cases cannot be read that is said") {
+  const TemporaryFolder folder;
+  const EnvironmentVariable state("XDG_STATE_HOME", folder.path);
+  const auto found = [] {
+    Recovery recovery([] {});
+    recovery.look();
+    recovery.finish();
+    return recovery.take().value();
+  };
+  CHECK(test::must(found()).cases.empty());  // there is no folder yet
+  write_bytes(folder.path / "homolog", "a file in its place");
+  CHECK(says(found(), (folder.path / "homolog").string() + ": the cases that were not saved lie there"));
 }
 
 }  // namespace homolog

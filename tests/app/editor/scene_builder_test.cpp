@@ -2,16 +2,15 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/shapes.h"
+#include "tests/ball.h"
 
 namespace homolog {
 
 TEST_CASE("the overlay known follows the frame also where two frames share their points") {
-  const Mesh ball = icosphere(2, 40);
-  Document document =
-      new_document("", nullptr, make_template({ball.points, ball.topology->triangles()}, "ball").value());
+  Document document = ball_document(40, 2);
   Shape begun = document.shape();  // as a frame that was started from the other one
-  document.shapes.at(0).decided = std::make_shared<const VertexScalars>(VertexScalars::Ones(ball.points.rows()));
+  document.shapes.at(0).decided =
+      std::make_shared<const VertexScalars>(VertexScalars::Ones(document.shape().points->rows()));
   document.shapes.emplace(1, std::move(begun));
   EditorState state;
   state.overlay = Overlay::known;

@@ -105,7 +105,7 @@ TEST_CASE("on a full disk every writer says so and keeps the old file") {
   const auto before = names_in(folder.path);
   for (const auto& [arguments, file] : writers) {
     CAPTURE(arguments);
-    const Ran ran = run(folder, arguments, "ulimit -f 8; ");  // blocks of 512 bytes
+    const Ran ran = run_on_full_disk(folder, arguments, 4096);
     check_refused(ran, file);
     CHECK(ran.errors.find("cannot be written") != std::string::npos);
     CHECK(read_whole_file(folder.path / file).value() == "the old one");
@@ -118,7 +118,7 @@ TEST_CASE("a case that a scripted user works on appears whole or not at all") {
   REQUIRE(run(folder, "phantom kidney --subject 2 -o .").status == 0);
   const std::string work = "study user built-in:kidney --mask kidney-2-labels.nii.gz --pulls 4 -o work.homolog";
   std::ofstream(folder.path / "work.homolog") << "the old one";
-  check_refused(run(folder, work, "ulimit -f 1; "), "work.homolog");
+  check_refused(run_on_full_disk(folder, work, 512), "work.homolog");
   CHECK(read_whole_file(folder.path / "work.homolog").value() == "the old one");
   REQUIRE(run(folder, work).status == 0);
   CHECK(run(folder, "replay work.homolog -o work.ply --json").json()["strokes"] == 4);
@@ -126,7 +126,7 @@ TEST_CASE("a case that a scripted user works on appears whole or not at all") {
 
 TEST_CASE("a demo that the disk cannot hold leaves no case") {
   const TemporaryFolder folder;
-  check_refused(run(folder, "demo --headless -o new/out", "ulimit -f 8; "), "cannot be written");
+  check_refused(run_on_full_disk(folder, "demo --headless -o new/out", 4096), "cannot be written");
   CHECK(names_in(folder.path).empty());
 }
 
@@ -140,7 +140,7 @@ TEST_CASE("a run that fails leaves no folder") {
         std::string("fit ball-1.ply --mesh absent-1.ply absent-2.ply -o new/d"),
         std::string("study schemes ball-1.ply --mesh absent.ply -o new/d")}) {
     CAPTURE(arguments);
-    const Ran ran = run(folder, arguments, "ulimit -f 1; ");
+    const Ran ran = run_on_full_disk(folder, arguments, 512);
     INFO(ran.out);
     CHECK(ran.status == 1);
     CHECK(names_in(folder.path) == before);

@@ -8,13 +8,13 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <set>
 
 #include "core/case/case_file.h"
 #include "core/case/unsaved_cases.h"
+#include "tests/environment_variable.h"
 #include "tests/refusal.h"
 #include "tests/small_files.h"
 #include "tests/temporary_folder.h"
@@ -176,7 +176,7 @@ TEST_CASE("what a killed program left is swept when it is surely stale") {
 
 TEST_CASE("unsaved cases are the user's alone and a pipe among them stops nothing") {
   const TemporaryFolder folder;
-  ::setenv("XDG_STATE_HOME", (folder.path / "state").c_str(), 1);
+  const EnvironmentVariable state("XDG_STATE_HOME", folder.path / "state");
   {
     const auto session = create_unsaved_case(new_document("", nullptr, nullptr));
     REQUIRE(session);
@@ -188,7 +188,6 @@ TEST_CASE("unsaved cases are the user's alone and a pipe among them stops nothin
   for (const UnsavedCase& one : unsaved_cases()) CHECK_FALSE(one.edited);
   CHECK_FALSE(unsaved_case(unsaved_folder() / "unsaved-1.homolog"));
   ::alarm(0);
-  ::unsetenv("XDG_STATE_HOME");
 }
 
 TEST_CASE("a write-protected file is kept and root is told too") {

@@ -9,8 +9,9 @@
 
 #include "core/case/unsaved_cases.h"
 #include "tests/case_folder.h"
-#include "tests/full_disk.h"
+#include "tests/environment_variable.h"
 #include "tests/refusal.h"
+#include "tests/small_files.h"
 
 namespace homolog {
 
@@ -21,13 +22,16 @@ TEST_CASE("half a line that cannot be taken back is the last one that a journal 
   REQUIRE(::write(file, "{}\n", 3) == 3);
   REQUIRE(::fcntl(file, F_ADD_SEALS, F_SEAL_SHRINK) == 0);
   const fs::path path = "/proc/self/fd/" + std::to_string(file);
-  const int status = with_disk_of(10, [&] {
-    auto journal = Journal::open(path);
-    if (!journal || (*journal)->append("{\"note\":\"too long\"}\n")) return 3;
-    const auto later = (*journal)->append("{}\n");  // there would be room for it
-    return !later && later.error().what.find("half a line") != std::string::npos ? 0 : 4;
-  });
-  CHECK(status == 0);
+  auto journal = Journal::open(path);
+  REQUIRE(journal);
+  Result<void> too_long, later;
+  {
+    const SmallFilesOnly full(10);
+    too_long = (*journal)->append("{\"note\":\"too long\"}\n");
+    later = (*journal)->append("{}\n");  // there would be room for it
+  }
+  CHECK_FALSE(too_long);
+  CHECK(says(later, "half a line"));
   char bytes[64] = {};
   CHECK(::pread(file, bytes, sizeof bytes, 0) == 10);
   CHECK(std::string(bytes) == "{}\n{\"note\"");
@@ -85,7 +89,7 @@ TEST_CASE("a case that is only read keeps its lines when it goes on elsewhere") 
 
 TEST_CASE("many unsaved cases are listed without reading them through") {
   const CaseFolder folder;
-  ::setenv("XDG_STATE_HOME", folder.folder.path.c_str(), 1);
+  const EnvironmentVariable state("XDG_STATE_HOME", folder.folder.path);
   const fs::path first = new_unsaved_path().value();
   CHECK(fs::status(first.parent_path()).permissions() == fs::perms::owner_all);
   const auto name = [&](int k) { return first.parent_path() / ("unsaved-" + std::to_string(1000 + k) + ".homolog"); };
@@ -108,7 +112,6 @@ TEST_CASE("many unsaved cases are listed without reading them through") {
   }
   CHECK(found.back().header == "{\"homolog\":1,\"volume\":\"0.nii\"}");
   CHECK(count_steps(name(1)) == 1);
-  ::unsetenv("XDG_STATE_HOME");
 }
 
 TEST_CASE("a long file is read line by line whatever its pieces are") {

@@ -1,10 +1,14 @@
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "core/case/action_json.h"
 #include "core/case/session.h"
 #include "core/mesh/curvature.h"
+#include "tests/ball.h"
+#include "tests/refusal.h"
 #include "tests/shapes.h"
 
 using namespace homolog;
@@ -14,11 +18,7 @@ namespace {
 const Region capsule{"capsule", 5, {224, 164, 88}}, hilum{"hilum", 1, {96, 165, 214}};
 
 EditSession ball_session() {
-  const Mesh ball = icosphere(3, 20);
-  MeshFile file;
-  file.points = ball.points;
-  file.triangles = ball.topology->triangles();
-  return EditSession(new_document("", nullptr, make_template(file, "ball").value()));
+  return EditSession(ball_document(20));
 }
 
 int vertices_in(const Document& document, std::uint8_t number) {
@@ -114,6 +114,21 @@ TEST_CASE("mean curvature of a ball is one over its radius and negative inside o
   turned.col(1).swap(turned.col(2));
   ball.topology = Topology::make(ball.points.rows(), turned).value();
   CHECK((mean_curvature(ball) + curvature).cwiseAbs().maxCoeff() < 1e-12);
+}
+
+TEST_CASE("every brush needs a place and a radius that are numbers") {
+  constexpr double endless = std::numeric_limits<double>::infinity();
+  EditSession session = ball_session();
+  REQUIRE(session.apply(SetRegion{capsule}));
+  for (const double radius_mm : {0.0, -1.0, endless, std::nan("")}) {
+    CAPTURE(radius_mm);
+    const Vec3 at(0, 0, 20);
+    for (const Action& action :
+         {Action(PaintRegion{"capsule", at, radius_mm, 0}), Action(Confirm{at, radius_mm, true}),
+          Action(PaintStiffness{at, radius_mm, 5, 0}), Action(SmoothStiffness{at, radius_mm, 1})})
+      CHECK(says(session.apply(action), "a radius above 0 mm"));
+  }
+  CHECK(says(session.apply(Confirm{{0, 0, endless}, 5, true}), "needs a place"));
 }
 
 TEST_CASE("smoothing draws factors together and keeps uniform ones") {

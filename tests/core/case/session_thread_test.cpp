@@ -3,34 +3,25 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
-#include <chrono>
 #include <new>
 #include <stdexcept>
-#include <thread>
 
+#include "tests/ball.h"
 #include "tests/shapes.h"
+#include "tests/wait.h"
 
 using namespace homolog;
 
 namespace {
 
-Document ball() {
-  const Mesh mesh = icosphere(3, 40);
-  return new_document("", nullptr, make_template({mesh.points, mesh.topology->triangles()}, "ball").value());
-}
-
 Stroke pull(double to_mm, double sigma_mm = 10) {
   return {Tool::pull, Vec3(0, 0, 40), Vec3(0, 0, to_mm), sigma_mm, {}, false, 1};
 }
 
-/// Waits until `reached` holds of the latest snapshot; gives up after a time that no healthy machine needs.
+/// Waits until `reached` holds of the latest snapshot; false where that takes too long.
 template <class Reached>
 bool wait_for(const SessionThread& thread, const Reached& reached) {
-  for (int k = 0; k < 20000; ++k) {
-    if (reached(*thread.snapshot())) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return false;
+  return test::wait_until([&] { return reached(*thread.snapshot()); });
 }
 
 double height(const Document& document) {
@@ -41,7 +32,7 @@ double height(const Document& document) {
 
 TEST_CASE("no queued action is lost and they come in order") {
   std::atomic<int> wakes{0};
-  SessionThread thread(EditSession(ball()), [&] { ++wakes; });
+  SessionThread thread(EditSession(ball_document(40)), [&] { ++wakes; });
   for (int k = 0; k < 20; ++k) {
     thread.preview(pull(41 + k));
     thread.apply(pull(45));
@@ -57,7 +48,7 @@ TEST_CASE("no queued action is lost and they come in order") {
 }
 
 TEST_CASE("a session is busy until what was posted is done") {
-  SessionThread thread(EditSession(ball()), nullptr);
+  SessionThread thread(EditSession(ball_document(40)), nullptr);
   CHECK_FALSE(thread.busy());
   std::atomic<bool> go{false};
   thread.apply_computed([&](const Document&) -> Result<std::optional<Action>> {
@@ -72,7 +63,7 @@ TEST_CASE("a session is busy until what was posted is done") {
 }
 
 TEST_CASE("the latest preview wins and its end shows the document again") {
-  SessionThread thread(EditSession(ball()), nullptr);
+  SessionThread thread(EditSession(ball_document(40)), nullptr);
   for (double to = 40; to <= 50; to += 0.05) thread.preview(pull(to));
   REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.preview && height(*s.shown) > 49.9; }));
   CHECK(thread.snapshot()->document != thread.snapshot()->shown);
@@ -83,7 +74,7 @@ TEST_CASE("the latest preview wins and its end shows the document again") {
 }
 
 TEST_CASE("a stale preview never outlives the action that ends its gesture") {
-  SessionThread thread(EditSession(ball()), nullptr);
+  SessionThread thread(EditSession(ball_document(40)), nullptr);
   for (int k = 1; k <= 50; ++k) {
     thread.preview(pull(60));
     thread.apply(pull(41));
@@ -95,7 +86,7 @@ TEST_CASE("a stale preview never outlives the action that ends its gesture") {
 }
 
 TEST_CASE("a refused action is told in a sentence and changes nothing") {
-  SessionThread thread(EditSession(ball()), nullptr);
+  SessionThread thread(EditSession(ball_document(40)), nullptr);
   thread.apply(SetStiffnessBase{-1});
   REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.committed == 1; }));
   CHECK(!thread.snapshot()->error.empty());
@@ -107,7 +98,7 @@ TEST_CASE("a refused action is told in a sentence and changes nothing") {
 }
 
 TEST_CASE("a stale preview never outlives the computed edit that ends its gesture either") {
-  SessionThread thread(EditSession(ball()), nullptr);
+  SessionThread thread(EditSession(ball_document(40)), nullptr);
   const Compute nothing = [](const Document&) -> Result<std::optional<Action>> { return std::optional<Action>(); };
   const Compute refused = [](const Document&) -> Result<std::optional<Action>> { return fail("", "Not today."); };
   const Compute softer = [](const Document&) -> Result<std::optional<Action>> { return SetStiffnessBase{5}; };
@@ -129,7 +120,7 @@ TEST_CASE("a stale preview never outlives the computed edit that ends its gestur
 }
 
 TEST_CASE("a preview that is shown ends with a computed edit that gives nothing") {
-  SessionThread thread(EditSession(ball()), nullptr);
+  SessionThread thread(EditSession(ball_document(40)), nullptr);
   thread.preview(pull(60));
   REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.preview.has_value(); }));
   thread.apply_computed([](const Document&) -> Result<std::optional<Action>> { return std::optional<Action>(); });
@@ -139,7 +130,7 @@ TEST_CASE("a preview that is shown ends with a computed edit that gives nothing"
 }
 
 TEST_CASE("what is thrown in a job ends neither the thread nor the case") {
-  SessionThread thread(EditSession(ball()), nullptr);
+  SessionThread thread(EditSession(ball_document(40)), nullptr);
   thread.apply(pull(45));
   REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.committed == 1; }));
   const auto done = thread.snapshot()->document;

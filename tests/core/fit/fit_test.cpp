@@ -11,6 +11,7 @@
 #include "core/mesh/mirror.h"
 #include "core/phantom/phantom.h"
 #include "core/volume/volume_io.h"
+#include "tests/ball.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
 
@@ -79,7 +80,7 @@ TEST_CASE("the organ of the other side looks mirrored and the own side does not"
 
 TEST_CASE("an organ that is its own mirror image never looks mirrored") {
   const Mesh ball = icosphere(3, 20);
-  const auto reference = make_template({ball.points, ball.topology->triangles()}, "ball").value();
+  const auto reference = ball_template(20);
   CHECK_FALSE(looks_mirrored(*reference, mesh_boundary(ball)));
   Mesh egg = ball;
   egg.points.col(1) *= 1.3;
@@ -110,7 +111,7 @@ TEST_CASE("a template with faults is named as the cause and the organ is not") {
   CHECK(judged.doubtful);
   REQUIRE(judged.warnings.size() == 1);
   CHECK(judged.warnings[0].find("the template itself has") == 0);
-  const auto sound = make_template({ball.points, ball.topology->triangles()}, "ball").value();
+  const auto sound = ball_template(20);
   const auto blamed = judge_fit(*sound, mesh_boundary(ball), {}, fit);
   REQUIRE(blamed.warnings.size() == 1);
   CHECK(blamed.warnings[0].find("another organ") != std::string::npos);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <numeric>
 
 #include "core/volume/codestream.h"
 #include "core/volume/dicom_header.h"
@@ -259,18 +260,27 @@ TEST_CASE("only the stored bits of a pixel count") {
   CHECK(without->volume.data == VoxelData(std::vector<std::uint16_t>{4095, 2047, 1, 2048, 0, 1}));
 }
 
-TEST_CASE("frames of an enhanced file are put in the order of their places") {
+namespace {
+
+/// An enhanced file whose frames lie at these heights; its pixels count on from frame to frame. `shared`: what else all
+/// frames share, beside their orientation.
+Slice enhanced_at(const std::vector<double>& heights_mm, const std::string& shared = "") {
   Slice slice;
   slice.orientation = "";
-  slice.frames = "3";
-  slice.pixels.resize(18);
-  for (std::size_t i = 0; i < 18; ++i) slice.pixels[i] = static_cast<std::int16_t>(i);
-  const auto plane = [](double z) { return item(sequence(0x00209113, item(position(1, 2, z)))); };
-  slice.before_pixels =
-      sequence(0x52009229, item(sequence(0x00209116, item(element(0x00200037, "DS", "1\\0\\0\\0\\1\\0"))) +
-                                sequence(0x00289110, item(element(0x00280030, "DS", "2\\3"))))) +
-      sequence(0x52009230, plane(10) + plane(4) + plane(7));
-  const auto read = read_slice(slice);
+  slice.frames = std::to_string(heights_mm.size());
+  slice.pixels.resize(6 * heights_mm.size());
+  std::iota(slice.pixels.begin(), slice.pixels.end(), std::int16_t{0});
+  std::string places;
+  for (const double z : heights_mm) places += item(sequence(0x00209113, item(position(1, 2, z))));
+  const std::string orientation = sequence(0x00209116, item(element(0x00200037, "DS", "1\\0\\0\\0\\1\\0")));
+  slice.before_pixels = sequence(0x52009229, item(orientation + shared)) + sequence(0x52009230, places);
+  return slice;
+}
+
+}  // namespace
+
+TEST_CASE("frames of an enhanced file are put in the order of their places") {
+  const auto read = read_slice(enhanced_at({10, 4, 7}, sequence(0x00289110, item(element(0x00280030, "DS", "2\\3")))));
   REQUIRE(read);
   const Volume& volume = read->volume;
   CHECK((volume.geometry.spacing_mm - Vec3(3, 2, 3)).norm() < 1e-9);
@@ -462,17 +472,7 @@ TEST_CASE("pictures within a file say their own size and are believed only where
 }
 
 TEST_CASE("frames that lie in another order than in their file are put in place without a second volume") {
-  const TemporaryFolder folder;
-  Slice slice;
-  slice.orientation = "";
-  slice.frames = "5";
-  slice.pixels.resize(30);
-  for (std::size_t i = 0; i < 30; ++i) slice.pixels[i] = static_cast<std::int16_t>(i);
-  const auto plane = [](double z) { return item(sequence(0x00209113, item(position(1, 2, z)))); };
-  slice.before_pixels =
-      sequence(0x52009229, item(sequence(0x00209116, item(element(0x00200037, "DS", "1\\0\\0\\0\\1\\0"))))) +
-      sequence(0x52009230, plane(4) + plane(0) + plane(3) + plane(1) + plane(2));
-  const auto read = read_slice(slice);
+  const auto read = read_slice(enhanced_at({4, 0, 3, 1, 2}));
   REQUIRE(read);
   const std::array<int, 5> first_at{6, 18, 24, 12, 0};  // of z = 0…4
   for (int k = 0; k < 5; ++k) CHECK(read->volume.at(0, 0, k) == first_at[static_cast<std::size_t>(k)]);

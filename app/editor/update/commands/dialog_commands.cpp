@@ -6,6 +6,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/file_purposes.h"
+#include "app/editor/update/quitting.h"
 #include "core/case/journal.h"
 
 namespace homolog {
@@ -163,18 +164,13 @@ void DiscardCase::run(EditorState& state) const {
 
 void Quit::spell(Fields& line) {
   line.member("sure", sure);
+  line.member("without_study", without_study);
 }
 void Quit::run(Editing& editing) const {
-  EditorState& state = editing.state;
-  if (has_unsaved_edits(editing.shown.snapshot()) && !sure) {
-    state.dialog = QuitDialog{};
-  } else if (const auto file = editing.work.exports.running()) {
-    state.quitting = Quitting::when_written;
-    const std::string name = std::filesystem::path(file->subject).filename().string();
-    add_notice(state, "Homolog closes as soon as " + name + " is written.", false);
-  } else {
-    state.quitting = Quitting::now;
-  }
+  if (has_unsaved_edits(editing.shown.snapshot()) && !sure)
+    editing.state.dialog = QuitDialog{};
+  else
+    quit_when_written(editing, without_study);
 }
 
 }  // namespace homolog

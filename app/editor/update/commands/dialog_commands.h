@@ -135,7 +135,8 @@ struct DiscardCase {
 struct Quit {
   static constexpr const char* key = "quit";
   static constexpr Logged logged = Logged::never;
-  bool sure = false;  ///< an unsaved case is not asked about again
+  bool sure = false;           ///< an unsaved case is not asked about again
+  bool without_study = false;  ///< nor a study that could not be written
   void spell(Fields& line);
   void run(Editing& editing) const;
 };

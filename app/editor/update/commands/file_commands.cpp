@@ -65,6 +65,7 @@ void OpenRequested::spell(Fields& line) {
   const auto named = [&](const char* name, auto& value) { line.optional(name, value, !value.empty()); };
   named("case_file", request.case_file);
   named("volume", request.volume_source);
+  named("other_volume", request.other_source);
   named("series", request.volume_options.series_uid);
   line.optional("stack_spacing_mm", request.volume_options.stack_spacing_mm);
   named("template", request.template_source);

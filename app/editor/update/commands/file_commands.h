@@ -47,7 +47,7 @@ struct CancelOpening {
   static constexpr Logged logged = Logged::never;
   void run(Editing& editing) const;
 };
-/// Of files that are read for the case, or written for a new one.
+/// Of files that are read for the case.
 struct CancelReading {
   static constexpr const char* key = "cancel reading";
   static constexpr Logged logged = Logged::never;

@@ -30,11 +30,11 @@ void spell_place(Fields& line, std::optional<GalleryPlace>& place) {
 }  // namespace
 
 void OpenStudy::run(Editing& editing) const {
-  editing.work.models.open_study(path);
+  editing.work.models.open_study(editing.state.models, path);
 }
 
 void NewStudy::run(Editing& editing) const {
-  editing.work.models.new_study(path);
+  editing.work.models.new_study(editing.state.models, path);
 }
 
 void SaveStudyAs::run(Editing& editing) const {
@@ -52,8 +52,11 @@ void OpenPhantomStudy::run(Editing& editing) const {
   editing.work.models.open_phantom_study(organ);
 }
 
+void CancelStudyFile::spell(Fields& line) {
+  line.member("subject", subject);
+}
 void CancelStudyFile::run(Editing& editing) const {
-  editing.work.models.cancel_file();
+  editing.work.models.cancel_file(subject);
 }
 
 void ExportModel::run(Editing& editing) const {

@@ -36,10 +36,12 @@ struct OpenPhantomStudy {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
-/// Of a study's file.
+/// Of a study that is read, or of a case that is made for it.
 struct CancelStudyFile {
   static constexpr const char* key = "cancel study file";
   static constexpr Logged logged = Logged::never;
+  std::string subject;
+  void spell(Fields& line);
   void run(Editing& editing) const;
 };
 struct ExportModel : FileCommand {

@@ -1,0 +1,33 @@
+#include "app/editor/update/quitting.h"
+
+namespace homolog {
+
+void quit_when_written(Editing& editing, bool without_study) {
+  EditorState& state = editing.state;
+  state.quitting = without_study ? Quitting::when_written_without_study : Quitting::when_written;
+  if (!without_study) editing.work.models.write_if_changed(state.models);
+  if (const auto file = editing.work.exports.running()) {
+    const std::string name = std::filesystem::path(file->subject).filename().string();
+    add_notice(state, "Homolog closes as soon as " + name + " is written.", false);
+  }
+  follow_quit(editing);
+}
+
+void follow_quit(Editing& editing) {
+  EditorState& state = editing.state;
+  Models& models = editing.work.models;
+  if (state.quitting == Quitting::no || editing.work.exports.busy()) return;
+  if (state.quitting == Quitting::when_written) {
+    if (models.files_running()) return;
+    models.take_files(state, editing.out);
+    if (!models.unwritten().empty()) {
+      state.quitting = Quitting::no;
+      state.dialog = QuitDialog{models.unwritten()};
+      return;
+    }
+    if (models.write_if_changed(state.models)) return;  // it was changed meanwhile
+  }
+  state.quitting = Quitting::now;
+}
+
+}  // namespace homolog

@@ -16,7 +16,7 @@
 #include <new>
 #include <thread>
 
-#include "app/editor/editor.h"
+#include "app/editor/window/editor.h"
 #include "app/verbs/verb.h"
 #include "app/version.h"
 #include "core/base/guarded.h"

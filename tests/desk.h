@@ -3,8 +3,8 @@
 #include <doctest/doctest.h>
 
 #include "app/editor/update/controls.h"
-#include "app/editor/update/demo.h"
 #include "app/editor/update/editing.h"
+#include "app/editor/work/demo.h"
 #include "tests/must.h"
 
 namespace homolog {

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "app/editor/editor_app.h"
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/imgui_context.h"
+#include "app/editor/window/editor_app.h"
 #include "app/editor/window/input_router.h"
 #include "tests/environment_variable.h"
 #include "tests/temporary_folder.h"

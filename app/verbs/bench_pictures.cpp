@@ -5,8 +5,9 @@
 #include <unistd.h>
 #include <filesystem>
 
-#include "app/editor/scene/gallery_pictures.h"
-#include "app/editor/update/demo.h"
+#include "app/editor/drawing/gallery_pictures.h"
+#include "app/editor/work/build_study_model.h"
+#include "app/editor/work/demo.h"
 #include "app/verbs/median.h"
 #include "core/correspondence/colours.h"
 #include "core/volume/volume_io.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/editor.h"
+#include "app/editor/window/editor.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 

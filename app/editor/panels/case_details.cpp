@@ -1,8 +1,8 @@
 #include <algorithm>
 
+#include "app/editor/panels/models_ui.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "app/editor/window/models_ui.h"
 
 // What the list of cases shows of the selected one.
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/editor/panels/models_ui.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "app/editor/window/models_ui.h"
 
 namespace homolog {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/scene/case_thumbnails.h"
+#include "app/editor/drawing/case_thumbnails.h"
 #include "app/editor/update/commands.h"
 #include "app/editor/widgets/theme.h"
 #include "app/editor/work/fitter.h"

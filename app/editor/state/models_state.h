@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/state/study_model.h"
 #include "app/editor/state/view_geometry.h"
-#include "app/editor/work/study_model.h"
 #include "core/model/evaluation.h"
 #include "core/phantom/phantom.h"
 

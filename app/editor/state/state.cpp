@@ -5,7 +5,7 @@
 #include <iterator>
 #include <tuple>
 
-#include "app/editor/widgets/theme_colours.h"
+#include "app/editor/state/view_colours.h"
 #include "core/case/unsaved_cases.h"
 
 namespace homolog {

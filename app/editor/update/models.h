@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "app/editor/scene/gallery_pictures.h"
 #include "app/editor/update/commands.h"
+#include "app/editor/work/build_study_model.h"
 #include "app/editor/work/worker.h"
 #include "core/case/session_thread.h"
 

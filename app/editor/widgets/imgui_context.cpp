@@ -6,7 +6,7 @@
 
 #include <utility>
 
-#include "app/editor/update/controls.h"
+#include "app/editor/state/key_codes.h"
 
 namespace homolog {
 

@@ -2,7 +2,7 @@
 
 #include <imgui.h>
 
-#include "app/editor/widgets/theme_colours.h"
+#include "app/editor/state/view_colours.h"
 
 namespace homolog {
 

@@ -2,8 +2,8 @@
 
 #include <backends/imgui_impl_opengl3.h>
 
-#include "app/editor/editor_app.h"
 #include "app/editor/widgets/imgui_context.h"
+#include "app/editor/window/editor_app.h"
 
 namespace homolog {
 

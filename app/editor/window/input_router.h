@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/editor/editor_app.h"
+#include "app/editor/window/editor_app.h"
 #include "app/editor/window/input_queue.h"
 
 namespace homolog {

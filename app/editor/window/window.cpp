@@ -10,10 +10,10 @@
 #include <thread>
 #include <utility>
 
-#include "app/editor/editor.h"
-#include "app/editor/editor_app.h"
 #include "app/editor/state/preferences.h"
 #include "app/editor/widgets/imgui_context.h"
+#include "app/editor/window/editor.h"
+#include "app/editor/window/editor_app.h"
 #include "app/editor/window/input_router.h"
 
 namespace homolog {

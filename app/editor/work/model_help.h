@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "app/editor/work/study_model.h"
+#include "app/editor/state/study_model.h"
 #include "app/editor/work/worker.h"
 #include "core/case/session.h"
 

@@ -9,7 +9,7 @@
 
 #include "app/editor/state/file_browser.h"
 #include "app/editor/state/file_extensions.h"
-#include "app/editor/update/demo.h"
+#include "app/editor/work/demo.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
 

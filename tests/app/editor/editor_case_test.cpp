@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "app/editor/editor_app.h"
+#include "app/editor/window/editor_app.h"
 #include "tests/ball.h"
 #include "tests/shapes.h"
 #include "tests/temporary_folder.h"

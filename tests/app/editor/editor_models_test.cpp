@@ -4,6 +4,7 @@
 
 #include "app/editor/state/gallery.h"
 #include "app/editor/update/editing.h"
+#include "app/editor/work/build_study_model.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "app/editor/update/demo.h"
 #include "app/editor/window/editor_picture.h"
+#include "app/editor/work/demo.h"
 #include "render/offscreen.h"
 #include "tests/golden.h"
 #include "tests/must.h"

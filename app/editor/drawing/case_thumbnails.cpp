@@ -1,4 +1,4 @@
-#include "app/editor/scene/case_thumbnails.h"
+#include "app/editor/drawing/case_thumbnails.h"
 
 #include <epoxy/gl.h>
 

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/progress.h"
 #include "core/case/document.h"
 #include "core/correspondence/colours.h"
 #include "core/model/shape_files.h"
@@ -53,29 +52,5 @@ struct ReadFile {
   ShapesOfFile shapes;
 };
 using ReadFiles = std::map<std::filesystem::path, ReadFile>;
-
-struct StudyModelRequest {
-  std::vector<StudyCase> cases;
-  std::filesystem::path template_file;  ///< gives shapes of points alone their faces; may be empty
-  Alignment alignment = Alignment::similarity;
-  ReadFiles known;
-  /// The case on the screen, as it is now, for the study's case of that file; null without one.
-  std::shared_ptr<const Document> open_document;
-  std::filesystem::path open_file;
-};
-
-struct StudyModelBuilt {
-  std::shared_ptr<const StudyModel> model;                        ///< null where there is none
-  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< of every case that has one, as it lies
-  std::vector<std::string> mirrored;                              ///< cases that are mirror images of most others
-  std::vector<std::string> refusals;                              ///< a sentence for each case that is left out
-  std::vector<std::string> warnings;
-  std::string error;  ///< why there is no model
-  ReadFiles known;
-};
-
-/// Reads what is not known yet and builds the model. A case that cannot be read, has no mesh yet, or is not in
-/// correspondence with the rest is left out and said so.
-StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& progress);
 
 }  // namespace homolog

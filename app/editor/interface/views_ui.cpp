@@ -1,10 +1,10 @@
 #include <cmath>
 
+#include "app/editor/interface/view_overlay.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "app/editor/window/view_overlay.h"
 
 namespace homolog {
 

@@ -1,4 +1,4 @@
-#include "app/editor/window/view_overlay.h"
+#include "app/editor/interface/view_overlay.h"
 
 #include <algorithm>
 #include <cmath>

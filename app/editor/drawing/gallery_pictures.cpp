@@ -1,4 +1,4 @@
-#include "app/editor/scene/gallery_pictures.h"
+#include "app/editor/drawing/gallery_pictures.h"
 
 #include <algorithm>
 #include <cmath>

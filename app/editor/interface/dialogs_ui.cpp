@@ -1,8 +1,8 @@
 #include <algorithm>
 
+#include "app/editor/interface/dialog_frame.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/update/keys.h"
-#include "app/editor/widgets/dialog_frame.h"
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"

@@ -1,4 +1,4 @@
-#include "app/editor/window/models_ui.h"
+#include "app/editor/panels/models_ui.h"
 
 #include <cmath>
 

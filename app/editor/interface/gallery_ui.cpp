@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/editor/scene/gallery_pictures.h"
+#include "app/editor/drawing/gallery_pictures.h"
+#include "app/editor/panels/models_ui.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "app/editor/window/models_ui.h"
 
 namespace homolog {
 

@@ -1,4 +1,4 @@
-#include "app/editor/window/drawing.h"
+#include "app/editor/interface/drawing.h"
 
 #include <backends/imgui_impl_opengl3.h>
 #include <epoxy/gl.h>
@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/editor/interface/view_overlay.h"
 #include "app/editor/update/opening.h"
 #include "app/editor/update/results.h"
 #include "app/editor/widgets/plots.h"
-#include "app/editor/window/view_overlay.h"
 
 namespace homolog {
 

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "app/editor/editor.h"
+#include "app/editor/interface/drawing.h"
 #include "app/editor/update/editing.h"
-#include "app/editor/window/drawing.h"
+#include "app/editor/window/editor.h"
 
 namespace homolog {
 

@@ -2,8 +2,8 @@
 #include <chrono>
 #include <ctime>
 
+#include "app/editor/interface/dialog_frame.h"
 #include "app/editor/update/file_purposes.h"
-#include "app/editor/widgets/dialog_frame.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 

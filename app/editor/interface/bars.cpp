@@ -1,10 +1,10 @@
 #include <cmath>
 
+#include "app/editor/panels/models_ui.h"
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "app/editor/window/models_ui.h"
 #include "core/case/unsaved_cases.h"
 
 namespace homolog {

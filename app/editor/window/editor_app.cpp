@@ -1,4 +1,4 @@
-#include "app/editor/editor_app.h"
+#include "app/editor/window/editor_app.h"
 
 #include <chrono>
 #include <cstdio>

@@ -1,6 +1,6 @@
+#include "app/editor/panels/models_ui.h"
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/widgets/drawn_items.h"
-#include "app/editor/window/models_ui.h"
 
 namespace homolog {
 

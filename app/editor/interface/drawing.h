@@ -2,9 +2,10 @@
 
 #include <optional>
 
+#include "app/editor/drawing/gallery_pictures.h"
+#include "app/editor/drawing/view_pictures.h"
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/scene/scene_builder.h"
-#include "app/editor/scene/view_pictures.h"
 #include "app/editor/update/editing.h"
 
 namespace homolog {

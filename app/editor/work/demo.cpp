@@ -1,4 +1,4 @@
-#include "app/editor/update/demo.h"
+#include "app/editor/work/demo.h"
 
 #include <algorithm>
 

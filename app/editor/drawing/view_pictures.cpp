@@ -1,4 +1,4 @@
-#include "app/editor/scene/view_pictures.h"
+#include "app/editor/drawing/view_pictures.h"
 
 #include <algorithm>
 #include <tuple>

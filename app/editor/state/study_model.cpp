@@ -1,0 +1,35 @@
+#include "app/editor/state/study_model.h"
+
+#include <algorithm>
+
+#include "core/mesh/mesh_quality.h"
+#include "core/model/groups.h"
+
+namespace homolog {
+
+std::ptrdiff_t StudyModel::index_of(const std::string& name) const {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? -1 : found - names.begin();
+}
+
+std::vector<std::string> StudyModel::comparable_groups() const {
+  std::vector<std::string> found;
+  for (const std::string& group : groups)
+    if (!group.empty() && std::find(found.begin(), found.end(), group) == found.end() &&
+        std::count(groups.begin(), groups.end(), group) > 1)
+      found.push_back(group);
+  return found;
+}
+
+std::vector<Eigen::Index> StudyModel::of_group(const std::string& group) const {
+  std::vector<Eigen::Index> found;
+  for (std::size_t k = 0; k < groups.size(); ++k)
+    if (groups[k] == group) found.push_back(static_cast<Eigen::Index>(k));
+  return found;
+}
+
+VertexScalars difference_of_groups_mm(const StudyModel& model, const std::string& from, const std::string& to) {
+  return outward_mm(model.mean, group_difference_mm(*model.components, model.of_group(from), model.of_group(to)));
+}
+
+}  // namespace homolog

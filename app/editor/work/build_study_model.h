@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/editor/state/study_model.h"
+#include "core/base/progress.h"
+
+namespace homolog {
+
+struct StudyModelRequest {
+  std::vector<StudyCase> cases;
+  std::filesystem::path template_file;  ///< gives shapes of points alone their faces; may be empty
+  Alignment alignment = Alignment::similarity;
+  ReadFiles known;
+  /// The case on the screen, as it is now, for the study's case of that file; null without one.
+  std::shared_ptr<const Document> open_document;
+  std::filesystem::path open_file;
+};
+
+struct StudyModelBuilt {
+  std::shared_ptr<const StudyModel> model;                        ///< null where there is none
+  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< of every case that has one, as it lies
+  std::vector<std::string> mirrored;                              ///< cases that are mirror images of most others
+  std::vector<std::string> refusals;                              ///< a sentence for each case that is left out
+  std::vector<std::string> warnings;
+  std::string error;  ///< why there is no model
+  ReadFiles known;
+};
+
+/// Reads what is not known yet and builds the model. A case that cannot be read, has no mesh yet, or is not in
+/// correspondence with the rest is left out and said so.
+StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& progress);
+
+}  // namespace homolog

@@ -159,7 +159,7 @@ Result<void> check_others(const std::vector<fs::path>& dicom, const std::vector<
     if (extension.find('#') == std::string::npos && !extension.empty()) names.insert(extension);
   }
   for (const fs::path& file : others)
-    if (names.contains(name_without_numbers(file)) || names.contains(file.extension().string()))
+    if (names.contains(name_without_numbers(file)) || names.contains(lower_case_name(file.extension())))
       return fail(file.string(),
                   "is named like the slices beside it but cannot be read as DICOM; copy the series again, or move the "
                   "file elsewhere if it is no part of it");
@@ -173,15 +173,18 @@ Result<std::map<std::string, std::vector<DicomHeader>>> scan_folder(const fs::pa
   std::vector<fs::path> files;
   for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
        entry.increment(error))
-    if (!entry->is_directory(not_a_file)) files.push_back(entry->path());
+    if (!entry->is_directory(not_a_file) && !is_hidden(entry->path())) files.push_back(entry->path());
   if (error) return fail(folder.string(), "cannot be listed (" + error.message() + ")");
   std::sort(files.begin(), files.end());
-  const auto others = std::stable_partition(files.begin(), files.end(), looks_like_dicom);
-  if (const auto whole = check_others({files.begin(), others}, {others, files.end()}); !whole)
-    return fail(whole.error());
-  files.erase(others, files.end());
-  for (const fs::path& file : files) {
-    if (progress && progress->cancelled()) return fail(folder.string(), "was not read: cancelled");
+  const auto cancelled = [&] { return progress && progress->cancelled(); };
+  std::vector<fs::path> dicom, others;
+  for (fs::path& file : files) {
+    if (cancelled()) return fail(folder.string(), "was not read: cancelled");
+    (looks_like_dicom(file) ? dicom : others).push_back(std::move(file));
+  }
+  if (const auto whole = check_others(dicom, others); !whole) return fail(whole.error());
+  for (const fs::path& file : dicom) {
+    if (cancelled()) return fail(folder.string(), "was not read: cancelled");
     const auto set = parse_dicom(file);
     if (!set) return fail(set.error());
     DicomHeader header = dicom_header(*set);

@@ -182,8 +182,8 @@ Result<VoxelRun> find_run(const Header& header, StoredType type, double bytes, c
   const std::string skipped_text = header.text({"HeaderSize"});
   const double file_bytes = static_cast<double>(*size), unreadable = -2;
   const double skipped = skipped_text.empty() ? 0 : header.number({"HeaderSize"}, unreadable);
-  if (skipped == -1 && block.compression == Compression::None)  // the voxels end with the file
-    block.offset = static_cast<std::uintmax_t>(std::max(0.0, file_bytes - bytes));
+  if (skipped == -1 && block.compression == Compression::None)  // the voxels end with the file, behind the header
+    block.offset = std::max(block.offset, static_cast<std::uintmax_t>(std::max(0.0, file_bytes - bytes)));
   else if (skipped >= static_cast<double>(block.offset) && skipped > 0 && skipped <= file_bytes &&
            skipped == std::floor(skipped))
     block.offset = static_cast<std::uintmax_t>(skipped);

@@ -15,7 +15,7 @@ bool native_big_endian() {
 
 std::string name_without_numbers(const std::filesystem::path& path) {
   std::string alike;
-  for (const char c : path.filename().string()) {
+  for (const char c : lower_case_name(path)) {
     const bool digit = c >= '0' && c <= '9';
     if (!digit)
       alike += c;
@@ -23,6 +23,10 @@ std::string name_without_numbers(const std::filesystem::path& path) {
       alike += '#';
   }
   return alike;
+}
+
+bool is_hidden(const std::filesystem::path& path) {
+  return path.filename().string().starts_with('.');
 }
 
 std::string lower_case_name(const std::filesystem::path& path) {

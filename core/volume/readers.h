@@ -52,8 +52,11 @@ double claimed_voxels(const VolumeGeometry& geometry, std::int64_t frames);
 /// A file's name without its folder, in lower case: what extensions are compared with.
 std::string lower_case_name(const std::filesystem::path& path);
 
-/// A file's name with # for every run of digits: files of one series are named alike.
+/// A file's name in lower case with # for every run of digits: files of one series are named alike.
 std::string name_without_numbers(const std::filesystem::path& path);
+
+/// Whether a file in a folder is no part of a scan: beside each file, macOS leaves one named `._NAME` on other disks.
+bool is_hidden(const std::filesystem::path& path);
 
 /// Whether this machine stores the most significant byte first.
 bool native_big_endian();

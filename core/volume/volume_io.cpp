@@ -20,13 +20,14 @@ bool ends_with_any(const std::string& name, const std::array<const char*, N>& en
 
 enum class Kind { None, Nifti, Nrrd, MetaImage, Dicom, DicomFolder, Stack };
 
-/// A folder of slices is known by its first file that is one; whatever else lies there does not matter.
+/// A folder with a DICOM file holds DICOM, one with pictures and no DICOM file a stack; whatever else lies there does
+/// not matter.
 Kind kind_of_folder(const fs::path& folder) {
   Kind kind = Kind::None;
   std::error_code error;
   for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
        entry.increment(error)) {
-    if (!entry->is_regular_file(error)) continue;
+    if (!entry->is_regular_file(error) || is_hidden(entry->path())) continue;
     if (looks_like_dicom(entry->path())) return Kind::DicomFolder;
     if (is_picture_name(entry->path())) kind = Kind::Stack;
   }

@@ -3,6 +3,8 @@
 #include <sstream>
 
 #include "app/verbs/verb.h"
+#include "core/base/listed.h"
+#include "core/mesh/formats/formats.h"
 #include "core/model/evaluation.h"
 #include "core/model/model_files.h"
 #include "core/model/statismo.h"
@@ -28,7 +30,8 @@ struct TrainingVerb {
 
 void add_training_options(CLI::App& verb, TrainingVerb& options) {
   verb.add_option("SHAPE", options.files,
-                  "Shapes in correspondence (.ply, .vtk, .vtp, .obj, .particles, .homolog), or a study (.study.json)")
+                  "Shapes in correspondence (" + listed(mesh_format_extensions(&MeshFormat::keeps_numbers), ", ") +
+                      ", .homolog), or a study (.study.json)")
       ->required();
   auto* keep_scale = verb.add_flag("--keep-scale", options.keep_scale, "Align by translation and rotation only");
   verb.add_flag("--no-align", options.no_align, "Do not align the shapes")->excludes(keep_scale);

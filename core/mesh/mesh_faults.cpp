@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/base/listed.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {
@@ -40,10 +41,7 @@ std::string MeshFaults::words() const {
                                : "so many faces close to each other that not all could be compared"};
   add(turned, "face that is turned over", "faces that are turned over");
   add(flat, "face with an angle below 1°", "faces with an angle below 1°");
-  std::string words;
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    words += (k == 0 ? "" : k + 1 == parts.size() ? " and " : ", ") + parts[k];
-  return words;
+  return listed(parts, " and ");
 }
 
 MeshFaults mesh_faults(const Mesh& mesh) {

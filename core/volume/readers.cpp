@@ -1,5 +1,6 @@
 #include "core/volume/readers.h"
 
+#include <algorithm>
 #include <bit>
 #include <cctype>
 #include <limits>
@@ -23,6 +24,11 @@ std::string name_without_numbers(const std::filesystem::path& path) {
       alike += '#';
   }
   return alike;
+}
+
+bool has_ending(const std::filesystem::path& path, const std::vector<std::string>& endings) {
+  const std::string name = lower_case_name(path);
+  return std::any_of(endings.begin(), endings.end(), [&](const std::string& ending) { return name.ends_with(ending); });
 }
 
 bool is_hidden(const std::filesystem::path& path) {

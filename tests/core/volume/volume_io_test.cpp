@@ -1,4 +1,5 @@
 #include "core/volume/volume_io.h"
+#include "core/volume/formats/formats.h"
 
 #include <doctest/doctest.h>
 #include <sys/stat.h>
@@ -100,12 +101,13 @@ VolumeGeometry grid(bool oblique, bool left_handed) {
 
 TEST_CASE("volumes of every type and direction survive being written and read in every format") {
   const TemporaryFolder folder;
-  for (const char* name : {"ä b.nii", "v.nii.gz", "v.nrrd", "v.mha"})
+  for (const std::string& ending : volume_format_endings(&VolumeFormat::written))
     for (const bool oblique : {false, true})
       for (const bool left_handed : {false, true})
         for (const int frames : {1, 3})
           for (int type = 0; type < 4; ++type) {
-            CAPTURE(std::string(name));
+            const std::string name = "ä b" + ending;
+            CAPTURE(name);
             CAPTURE(type);
             CAPTURE(frames);
             const VolumeGeometry geometry = grid(oblique, left_handed);

@@ -4,6 +4,7 @@
 
 #include "core/base/memory.h"
 #include "core/base/picture_module.h"
+#include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
 
 // Stacks of PNG or TIFF slices, through the picture module.
@@ -138,7 +139,8 @@ Result<PictureStack> find_stack(const fs::path& path, const PictureModule& modul
   if (fs::is_directory(path, error)) {
     for (auto entry = fs::directory_iterator(path, error); !error && entry != fs::directory_iterator();
          entry.increment(error))
-      if (is_picture_name(entry->path()) && !is_hidden(entry->path())) stack.files.push_back(entry->path());
+      if (has_ending(entry->path(), formats::stack.endings) && !is_hidden(entry->path()))
+        stack.files.push_back(entry->path());
     if (error) return fail(path.string(), "cannot be listed (" + error.message() + ")");
     for (const fs::path& file : stack.files)
       if (!fs::is_regular_file(file, not_a_file))
@@ -165,15 +167,8 @@ Result<PictureStack> find_stack(const fs::path& path, const PictureModule& modul
   return stack;
 }
 
-}  // namespace
-
-bool is_picture_name(const fs::path& path) {
-  const std::string name = lower_case_name(path);
-  return name.ends_with(".png") || name.ends_with(".tif") || name.ends_with(".tiff");
-}
-
-Result<VolumeRead> read_stack(const fs::path& path, const std::optional<Vec3>& spacing_mm, Progress* progress) {
-  if (!spacing_mm)
+Result<VolumeRead> read_stack(const fs::path& path, const VolumeReadOptions& options) {
+  if (!options.stack_spacing_mm)
     return fail(path.string(),
                 "is a stack of pictures, which do not say how large a voxel is; give it in mm with "
                 "--spacing X,Y,Z");
@@ -186,7 +181,7 @@ Result<VolumeRead> read_stack(const fs::path& path, const std::optional<Vec3>& s
 
   VolumeRead result;
   // Pictures say nothing of the patient: columns to the left, rows to the back, slices to the head.
-  auto geometry = make_geometry(path, {width, height, slices}, spacing_mm->asDiagonal(), Vec3::Zero());
+  auto geometry = make_geometry(path, {width, height, slices}, options.stack_spacing_mm->asDiagonal(), Vec3::Zero());
   if (!geometry) return fail(geometry.error());
   result.volume.geometry = *geometry;
   const StoredType type = stored_type(values);
@@ -195,6 +190,7 @@ Result<VolumeRead> read_stack(const fs::path& path, const std::optional<Vec3>& s
   StoredVoxels stored = make_stored_voxels(type, 0);
   reserve_voxels(stored, geometry->voxels());
   std::int64_t slice = 0;
+  Progress* const progress = options.progress;
   const PageRoom room = [&]() -> Result<std::span<std::byte>> {
     if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
     if (progress) progress->report(static_cast<double>(slice) / static_cast<double>(slices));
@@ -207,5 +203,14 @@ Result<VolumeRead> read_stack(const fs::path& path, const std::optional<Vec3>& s
     return fail(kept.error());
   return result;
 }
+
+}  // namespace
+
+const VolumeFormat formats::stack{
+    .name = "a stack of PNG or TIFF slices",
+    .endings = {".png", ".tif", ".tiff"},
+    .in_folder = "PNG or TIFF slices",
+    .note = "a folder in the order of its names, or the pages of one TIFF; the spacing must be given",
+    .read = read_stack};
 
 }  // namespace homolog

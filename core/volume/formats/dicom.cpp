@@ -8,6 +8,7 @@
 #include "core/volume/dicom_arrangement.h"
 #include "core/volume/dicom_header.h"
 #include "core/volume/dicom_pixels.h"
+#include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
 
 // DICOM: planes from one file or a folder, put in their place.
@@ -193,8 +194,6 @@ Result<std::map<std::string, std::vector<DicomHeader>>> scan_folder(const fs::pa
   return series;
 }
 
-}  // namespace
-
 Result<VolumeRead> read_dicom_file(const fs::path& path, Progress* progress) {
   const auto set = parse_dicom(path);
   if (!set) return fail(set.error());
@@ -202,6 +201,7 @@ Result<VolumeRead> read_dicom_file(const fs::path& path, Progress* progress) {
   return read_headers(path, {std::move(header)}, progress);
 }
 
+/// `series_uid` chooses where the folder holds several series.
 Result<VolumeRead> read_dicom_folder(const fs::path& folder, const std::string& series_uid, Progress* progress) {
   auto series = scan_folder(folder, progress);
   if (!series) return fail(series.error());
@@ -218,6 +218,22 @@ Result<VolumeRead> read_dicom_folder(const fs::path& folder, const std::string& 
   return fail(folder.string(),
               "holds " + std::to_string(series->size()) + " series; choose one with --series UID: " + list);
 }
+
+Result<VolumeRead> read_dicom(const fs::path& path, const VolumeReadOptions& options) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return read_dicom_folder(path, options.series_uid, options.progress);
+  return read_dicom_file(path, options.progress);
+}
+
+}  // namespace
+
+const VolumeFormat formats::dicom{
+    .name = "DICOM",
+    .endings = {".dcm", ".ima"},
+    .in_folder = "DICOM files",
+    .note = "known by its content, whatever its name: the folder of a series, or one file",
+    .recognises = looks_like_dicom,
+    .read = read_dicom};
 
 Result<std::vector<SeriesInfo>> list_series(const fs::path& folder) {
   const auto series = scan_folder(folder, nullptr);

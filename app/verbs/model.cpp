@@ -158,7 +158,7 @@ Result<Report> evaluate(const EvaluateOptions& options, Progress& progress) {
 
 }  // namespace
 
-void add_model(CLI::App& app, VerbRun& run) {
+void add_model(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<ModelOptions>();
   CLI::App* verb = add_verb(app, "model", "A statistical shape model from shapes in correspondence");
   add_training_options(*verb, options->training);
@@ -169,10 +169,10 @@ void add_model(CLI::App& app, VerbRun& run) {
   verb->add_option("--csv", options->tables, "Folder for mean.csv, variances.csv and scores.csv");
   verb->add_option("--aligned", options->aligned, "Folder for the aligned shapes as .ply and .particles");
   verb->callback(
-      [options, &run] { run = [options](Progress& progress) { return make_and_write(*options, progress); }; });
+      [options, &asked] { asked.run = [options](Progress& progress) { return make_and_write(*options, progress); }; });
 }
 
-void add_evaluate(CLI::App& app, VerbRun& run) {
+void add_evaluate(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<EvaluateOptions>();
   CLI::App* verb = add_verb(app, "evaluate", "Compactness, generalisation and specificity of a training set");
   add_training_options(*verb, options->training);
@@ -185,7 +185,8 @@ void add_evaluate(CLI::App& app, VerbRun& run) {
         return parsed_modes(text, 1).empty() ? text + " is neither all nor mode counts like 1,3,8" : std::string();
       });
   verb->add_option("--csv", options->csv, "Write the measures as a table too");
-  verb->callback([options, &run] { run = [options](Progress& progress) { return evaluate(*options, progress); }; });
+  verb->callback(
+      [options, &asked] { asked.run = [options](Progress& progress) { return evaluate(*options, progress); }; });
 }
 
 }  // namespace homolog

@@ -17,7 +17,7 @@
 #include <thread>
 
 #include "app/editor/window/editor.h"
-#include "app/verbs/verb.h"
+#include "app/verbs/verbs.h"
 #include "app/version.h"
 #include "core/base/guarded.h"
 #include "core/base/parallel.h"
@@ -176,19 +176,14 @@ int run_main(int argc, char** argv) {
   app.set_version_flag("--version", std::string("homolog ") + version);
   app.require_subcommand(0, 1);
   app.fallthrough(false);
-  VerbRun run;
-  EditorOptions editor;
-  add_demo(app, run, editor);
-  for (const auto add :
-       {add_info, add_replay, add_compare, add_label_map, add_model, add_evaluate, add_mirror, add_phantom, add_picture,
-        add_convert, add_study, add_template, add_fit, add_refine, add_snap, add_propagate, add_bench}) {
-    add(app, run);
-  }
-  const auto add_editor_options = [&editor](CLI::App& to) {
-    to.add_option("FILES", editor.files, "A case, or an image, its label map and a template");
-    to.add_option("--template", editor.template_source, "Template mesh to start with");
-    to.add_option("--log", editor.log, "Writes what you do to this file, a line each. Attach it when you report a bug");
-    to.add_option("--replay", editor.replay, "Does again what such a file holds");
+  CommandLine asked;
+  for (AddVerb* const add : all_verbs) add(app, asked);
+  const auto add_editor_options = [&asked](CLI::App& to) {
+    to.add_option("FILES", asked.editor.files, "A case, or an image, its label map and a template");
+    to.add_option("--template", asked.editor.template_source, "Template mesh to start with");
+    to.add_option("--log", asked.editor.log,
+                  "Writes what you do to this file, a line each. Attach it when you report a bug");
+    to.add_option("--replay", asked.editor.replay, "Does again what such a file holds");
   };
   add_editor_options(app);
   add_editor_options(*app.add_subcommand("edit", "The editor on these files"));
@@ -204,12 +199,12 @@ int run_main(int argc, char** argv) {
     std::cerr << "homolog: " << printable(error.what()) << "; see homolog --help\n";
     return wrong_command_line;
   }
-  if (!run) return limit_threads(nullptr) ? run_editor(editor) : wrong_command_line;
+  if (!asked.run) return limit_threads(nullptr) ? run_editor(asked.editor) : wrong_command_line;
   const CLI::App* verb = &app;
   while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
   if (!limit_threads(verb->get_option_no_throw("--jobs"))) return wrong_command_line;
   const CLI::Option* json = verb->get_option_no_throw("--json");
-  return run_verb(run, json != nullptr && json->count() > 0);
+  return run_verb(asked.run, json != nullptr && json->count() > 0);
 }
 
 /// A file that the program opens must not get the number of a standard stream that is closed, or what is printed would

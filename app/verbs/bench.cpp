@@ -149,7 +149,7 @@ double memory_gb_per_s() {
 
 }  // namespace
 
-void add_bench(CLI::App& app, VerbRun& run) {
+void add_bench(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "bench", "Times the solver, models, slices and pictures on this machine (medians)");
   struct Options {
     std::vector<std::filesystem::path> masks;
@@ -194,7 +194,7 @@ void add_bench(CLI::App& app, VerbRun& run) {
     report.values["pictures"] = picture_figures();
     return report;
   };
-  verb->callback([bench, &run] { run = bench; });
+  verb->callback([bench, &asked] { asked.run = bench; });
 }
 
 }  // namespace homolog

@@ -132,7 +132,7 @@ bool has_display() {
 
 }  // namespace
 
-void add_demo(CLI::App& app, VerbRun& run, EditorOptions& editor) {
+void add_demo(CLI::App& app, CommandLine& asked) {
   struct Options {
     bool headless = false;
     fs::path folder = "homolog-demo";
@@ -141,11 +141,11 @@ void add_demo(CLI::App& app, VerbRun& run, EditorOptions& editor) {
   CLI::App* verb = add_verb(app, "demo", "The built-in phantom case in the editor, ready to drag");
   verb->add_flag("--headless", options->headless, "Without a window: plays the whole job and writes its files");
   verb->add_option("-o,--output", options->folder, "Folder for the files of --headless");
-  verb->callback([options, &run, &editor] {
+  verb->callback([options, &asked] {
     if (options->headless || !has_display()) {
-      run = [options](Progress& progress) { return HeadlessDemo(options->folder, progress).play(); };
+      asked.run = [options](Progress& progress) { return HeadlessDemo(options->folder, progress).play(); };
     } else {
-      editor.demo = Organ::kidney;
+      asked.editor.demo = Organ::kidney;
     }
   });
 }

@@ -57,7 +57,7 @@ Result<Report> describe_and_write(const fs::path& in, const fs::path& out,
 
 }  // namespace
 
-void add_info(CLI::App& app, VerbRun& run) {
+void add_info(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path file, mask;
     int label = 0;
@@ -82,10 +82,10 @@ void add_info(CLI::App& app, VerbRun& run) {
     report->values["distance_from_mask_mm"] = json_of(surface_distance(*target, *mesh));
     return report;
   };
-  verb->callback([info, &run] { run = info; });
+  verb->callback([info, &asked] { asked.run = info; });
 }
 
-void add_convert(CLI::App& app, VerbRun& run) {
+void add_convert(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path in, out;
     std::string series;
@@ -110,10 +110,10 @@ void add_convert(CLI::App& app, VerbRun& run) {
     if (auto written = write_volume(read->volume, options->out, &progress); !written) return fail(written.error());
     return Report{describe(read->volume), read->warnings};
   };
-  verb->callback([convert, &run] { run = convert; });
+  verb->callback([convert, &asked] { asked.run = convert; });
 }
 
-void add_mirror(CLI::App& app, VerbRun& run) {
+void add_mirror(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path in, out;
     std::string plane = "sagittal";
@@ -131,10 +131,10 @@ void add_mirror(CLI::App& app, VerbRun& run) {
     return describe_and_write(options->in, options->out,
                               [plane](const MeshFile& mesh) { return mirrored(mesh, plane); });
   };
-  verb->callback([mirror, &run] { run = mirror; });
+  verb->callback([mirror, &asked] { asked.run = mirror; });
 }
 
-void add_label_map(CLI::App& app, VerbRun& run) {
+void add_label_map(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path mesh, like, out;
     int value = 1;
@@ -164,7 +164,7 @@ void add_label_map(CLI::App& app, VerbRun& run) {
                      {"volume_ml", static_cast<double>(voxels) * labels.geometry.voxel_volume_mm3() / 1000}};
     return report;
   };
-  verb->callback([label, &run] { run = label; });
+  verb->callback([label, &asked] { asked.run = label; });
 }
 
 namespace {
@@ -182,7 +182,7 @@ Json describe(const Agreement& agreement) {
 
 }  // namespace
 
-void add_compare(CLI::App& app, VerbRun& run) {
+void add_compare(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path mesh, mask, other;
     int label = 0;
@@ -211,13 +211,13 @@ void add_compare(CLI::App& app, VerbRun& run) {
     if (!agreement) return fail(options->mask.string(), agreement.error().what);
     return Report{describe(*agreement), mask->warnings};
   };
-  verb->callback([options, compare, &run] {
+  verb->callback([options, compare, &asked] {
     if (options->mask.empty() == options->other.empty()) throw CLI::RequiredError("exactly one of --mask and --mesh");
-    run = compare;
+    asked.run = compare;
   });
 }
 
-void add_phantom(CLI::App& app, VerbRun& run) {
+void add_phantom(CLI::App& app, CommandLine& asked) {
   struct Options {
     std::string organ;
     int subject = 0;
@@ -241,7 +241,7 @@ void add_phantom(CLI::App& app, VerbRun& run) {
     for (const auto& path : *paths) written.push_back(path.string());
     return Report{{{"paths", std::move(written)}}, {}};
   };
-  verb->callback([make, &run] { run = make; });
+  verb->callback([make, &asked] { asked.run = make; });
 }
 
 }  // namespace homolog

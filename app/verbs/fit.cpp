@@ -345,7 +345,7 @@ void check(const Options& options) {
 
 }  // namespace
 
-void add_fit(CLI::App& app, VerbRun& run) {
+void add_fit(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "fit", "Fits a template to label maps, surfaces or an image");
   verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
@@ -374,9 +374,9 @@ void add_fit(CLI::App& app, VerbRun& run) {
       ->capture_default_str();
   add_snap_arguments(*verb, options->snap);
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
-  verb->callback([options, &run] {
+  verb->callback([options, &asked] {
     check(*options);
-    run = [options](Progress& progress) { return fit(*options, progress); };
+    asked.run = [options](Progress& progress) { return fit(*options, progress); };
   });
 }
 

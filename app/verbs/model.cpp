@@ -3,6 +3,8 @@
 #include <sstream>
 
 #include "app/verbs/verb.h"
+#include "core/base/listed.h"
+#include "core/mesh/formats/formats.h"
 #include "core/model/evaluation.h"
 #include "core/model/model_files.h"
 #include "core/model/statismo.h"
@@ -28,7 +30,8 @@ struct TrainingVerb {
 
 void add_training_options(CLI::App& verb, TrainingVerb& options) {
   verb.add_option("SHAPE", options.files,
-                  "Shapes in correspondence (.ply, .vtk, .vtp, .obj, .particles, .homolog), or a study (.study.json)")
+                  "Shapes in correspondence (" + listed(mesh_format_extensions(&MeshFormat::keeps_numbers), ", ") +
+                      ", .homolog), or a study (.study.json)")
       ->required();
   auto* keep_scale = verb.add_flag("--keep-scale", options.keep_scale, "Align by translation and rotation only");
   verb.add_flag("--no-align", options.no_align, "Do not align the shapes")->excludes(keep_scale);
@@ -155,7 +158,7 @@ Result<Report> evaluate(const EvaluateOptions& options, Progress& progress) {
 
 }  // namespace
 
-void add_model(CLI::App& app, VerbRun& run) {
+void add_model(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<ModelOptions>();
   CLI::App* verb = add_verb(app, "model", "A statistical shape model from shapes in correspondence");
   add_training_options(*verb, options->training);
@@ -166,10 +169,10 @@ void add_model(CLI::App& app, VerbRun& run) {
   verb->add_option("--csv", options->tables, "Folder for mean.csv, variances.csv and scores.csv");
   verb->add_option("--aligned", options->aligned, "Folder for the aligned shapes as .ply and .particles");
   verb->callback(
-      [options, &run] { run = [options](Progress& progress) { return make_and_write(*options, progress); }; });
+      [options, &asked] { asked.run = [options](Progress& progress) { return make_and_write(*options, progress); }; });
 }
 
-void add_evaluate(CLI::App& app, VerbRun& run) {
+void add_evaluate(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<EvaluateOptions>();
   CLI::App* verb = add_verb(app, "evaluate", "Compactness, generalisation and specificity of a training set");
   add_training_options(*verb, options->training);
@@ -182,7 +185,8 @@ void add_evaluate(CLI::App& app, VerbRun& run) {
         return parsed_modes(text, 1).empty() ? text + " is neither all nor mode counts like 1,3,8" : std::string();
       });
   verb->add_option("--csv", options->csv, "Write the measures as a table too");
-  verb->callback([options, &run] { run = [options](Progress& progress) { return evaluate(*options, progress); }; });
+  verb->callback(
+      [options, &asked] { asked.run = [options](Progress& progress) { return evaluate(*options, progress); }; });
 }
 
 }  // namespace homolog

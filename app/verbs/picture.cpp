@@ -167,7 +167,7 @@ void add_options(CLI::App& verb, PictureVerb& options) {
 
 }  // namespace
 
-void add_picture(CLI::App& app, VerbRun& run) {
+void add_picture(CLI::App& app, CommandLine& asked) {
   CLI::App* picture = app.add_subcommand("picture", "Pictures without a display");
   picture->require_subcommand(1);
   auto options = std::make_shared<PictureVerb>();
@@ -178,12 +178,12 @@ void add_picture(CLI::App& app, VerbRun& run) {
   all->add_flag("--all-frames", options->all_frames, "Show every edited frame of a cine");
   add_options(*all, *options);
   all->callback(
-      [options, &run] { run = [options](Progress& progress) { return correspondence(*options, progress); }; });
+      [options, &asked] { asked.run = [options](Progress& progress) { return correspondence(*options, progress); }; });
   CLI::App* modes = add_verb(*picture, "modes", "Modes of a model: -3, 0 and +3 standard deviations");
   modes->add_option("MODEL", options->in, "The model (.h5.json or .h5)")->required()->expected(1);
   modes->add_option("--modes", options->modes, "How many modes to show, a row for each")->check(CLI::Range(1, 20));
   add_options(*modes, *options);
-  modes->callback([options, &run] { run = [options](Progress&) { return of_model(*options); }; });
+  modes->callback([options, &asked] { asked.run = [options](Progress&) { return of_model(*options); }; });
   CLI::App* one = add_verb(*picture, "case", "A case: three slices with the outline, and the shape in 3D");
   one->add_option("CASE", options->in, "The case file")->required()->expected(1);
   add_options(*one, *options);
@@ -191,13 +191,15 @@ void add_picture(CLI::App& app, VerbRun& run) {
   window->add_option("CASE", options->in, "The case file")->required()->expected(1);
   window->add_option("-o,--output", options->out, "The picture to write (.png)")->required();
   add_size(*window, options->size);
-  window->callback([options, &run] { run = [options](Progress& progress) { return of_window(*options, progress); }; });
+  window->callback(
+      [options, &asked] { asked.run = [options](Progress& progress) { return of_window(*options, progress); }; });
   CLI::App* study = add_verb(*picture, "study", "A study's models, as the editor's window shows them");
   study->add_option("STUDY", options->in, "The study (.study.json)")->required()->expected(1);
   study->add_option("-o,--output", options->out, "The picture to write (.png)")->required();
   add_size(*study, options->size);
-  study->callback([options, &run] { run = [options](Progress&) { return of_study(*options); }; });
-  one->callback([options, &run] { run = [options](Progress& progress) { return of_case(*options, progress); }; });
+  study->callback([options, &asked] { asked.run = [options](Progress&) { return of_study(*options); }; });
+  one->callback(
+      [options, &asked] { asked.run = [options](Progress& progress) { return of_case(*options, progress); }; });
 }
 
 }  // namespace homolog

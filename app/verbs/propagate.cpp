@@ -165,7 +165,7 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
 
 }  // namespace
 
-void add_propagate(CLI::App& app, VerbRun& run) {
+void add_propagate(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<PropagateVerb>();
   CLI::App* verb = add_verb(app, "propagate", "Carries the mesh of one frame through all frames of a cine");
   verb->add_option("MESH", options->mesh, "The mesh of one frame, lying on its organ")->required();
@@ -179,7 +179,7 @@ void add_propagate(CLI::App& app, VerbRun& run) {
       ->check(CLI::Range(0.5, 50.0))
       ->capture_default_str();
   verb->callback(
-      [options, &run] { run = [options](Progress& progress) { return run_propagate(*options, progress); }; });
+      [options, &asked] { asked.run = [options](Progress& progress) { return run_propagate(*options, progress); }; });
 }
 
 }  // namespace homolog

@@ -52,13 +52,14 @@ Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
 
 }  // namespace
 
-void add_refine(CLI::App& app, VerbRun& run) {
+void add_refine(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<RefineVerb>();
   CLI::App* verb =
       add_verb(app, "refine", "Moves a case's vertices along its surface to where the fitted template has them");
   verb->add_option("CASE", options->file, "The case file, which gets one more edit")->required();
   verb->add_option("-o,--output", options->out, "The mesh to write");
-  verb->callback([options, &run] { run = [options](Progress& progress) { return run_refine(*options, progress); }; });
+  verb->callback(
+      [options, &asked] { asked.run = [options](Progress& progress) { return run_refine(*options, progress); }; });
 }
 
 }  // namespace homolog

@@ -54,7 +54,7 @@ Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
 
 }  // namespace
 
-void add_replay(CLI::App& app, VerbRun& run) {
+void add_replay(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<ReplayVerb>();
   CLI::App* verb = add_verb(app, "replay", "Plays a case file and writes the mesh it gives");
   verb->add_option("CASE", options->file, "The case file")->required();
@@ -67,7 +67,8 @@ void add_replay(CLI::App& app, VerbRun& run) {
       ->check(CLI::Range(1, 1000));
   verb->add_option("--frame", options->frame, "Which frame's mesh to write (default: the one shown last)")
       ->check(CLI::NonNegativeNumber);
-  verb->callback([options, &run] { run = [options](Progress& progress) { return replay(*options, progress); }; });
+  verb->callback(
+      [options, &asked] { asked.run = [options](Progress& progress) { return replay(*options, progress); }; });
 }
 
 }  // namespace homolog

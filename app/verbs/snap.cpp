@@ -83,7 +83,7 @@ void check(const SnapVerb& verb) {
 
 }  // namespace
 
-void add_snap(CLI::App& app, VerbRun& run) {
+void add_snap(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<SnapVerb>();
   CLI::App* verb = add_verb(app, "snap", "Draws a mesh to the boundary that an image shows");
   verb->add_option("MESH|CASE", options->source,
@@ -98,9 +98,9 @@ void add_snap(CLI::App& app, VerbRun& run) {
       ->check(CLI::Range(0.5, 200.0))
       ->capture_default_str();
   add_snap_arguments(*verb, options->snap);
-  verb->callback([options, &run] {
+  verb->callback([options, &asked] {
     check(*options);
-    run = [options](Progress& progress) { return run_snap(*options, progress); };
+    asked.run = [options](Progress& progress) { return run_snap(*options, progress); };
   });
 }
 

@@ -59,7 +59,7 @@ Result<Report> study_user(const UserOptions& options, Progress& progress) {
   return report;
 }
 
-void add_user(CLI::App& study, VerbRun& run) {
+void add_user(CLI::App& study, CommandLine& asked) {
   auto options = std::make_shared<UserOptions>();
   CLI::App* verb = add_verb(study, "user", "A scripted user adapts a template to a label map and writes a case file");
   verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
@@ -77,7 +77,8 @@ void add_user(CLI::App& study, VerbRun& run) {
   verb->add_option("--seed", options->work.seed, "Disturbs the placement; each number in another way");
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->add_option("-o,--output", options->out, "The case file to write")->required();
-  verb->callback([options, &run] { run = [options](Progress& progress) { return study_user(*options, progress); }; });
+  verb->callback(
+      [options, &asked] { asked.run = [options](Progress& progress) { return study_user(*options, progress); }; });
 }
 
 }  // namespace
@@ -119,11 +120,11 @@ Json json_of(const SchemeRun& run) {
           {"turned_triangles", run.turned_triangles}};
 }
 
-void add_study(CLI::App& app, VerbRun& run) {
+void add_study(CLI::App& app, CommandLine& asked) {
   CLI::App* study = app.add_subcommand("study", "Experiments with a scripted user");
   study->require_subcommand(1);
-  add_user(*study, run);
-  add_study_schemes(*study, run);
+  add_user(*study, asked);
+  add_study_schemes(*study, asked);
 }
 
 }  // namespace homolog

@@ -24,6 +24,6 @@ Result<StudySubject> mask_subject(const std::filesystem::path& path, const Targe
 /// The figures of a run by name, lengths in mm; null where there is none.
 Json json_of(const SchemeRun& run);
 
-void add_study_schemes(CLI::App& study, VerbRun& run);
+void add_study_schemes(CLI::App& study, CommandLine& asked);
 
 }  // namespace homolog

@@ -277,7 +277,7 @@ void check(const Options& options) {
 
 }  // namespace
 
-void add_study_schemes(CLI::App& study, VerbRun& run) {
+void add_study_schemes(CLI::App& study, CommandLine& asked) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(study, "schemes", "Compares ways of working: every scheme on every case, as tables");
   verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
@@ -301,9 +301,9 @@ void add_study_schemes(CLI::App& study, VerbRun& run) {
       ->capture_default_str();
   verb->add_option("-o,--output", options->out, "Folder for runs.csv, schemes.csv, schemes.md and landmarks.svg");
   verb->add_flag("--cases", options->cases, "Write a case file of every run there too");
-  verb->callback([options, &run] {
+  verb->callback([options, &asked] {
     check(*options);
-    run = [options](Progress& progress) { return study_schemes(*options, progress); };
+    asked.run = [options](Progress& progress) { return study_schemes(*options, progress); };
   });
 }
 

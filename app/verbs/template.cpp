@@ -144,7 +144,7 @@ Result<Report> make_template_file(const TemplateJob& options, Progress& progress
 
 }  // namespace
 
-void add_template(CLI::App& app, VerbRun& run) {
+void add_template(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<TemplateJob>();
   CLI::App* verb = add_verb(app, "template", "A template from a label map or from a surface");
   verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over")->required();
@@ -195,12 +195,12 @@ void add_template(CLI::App& app, VerbRun& run) {
                    "Label of the wall around: a second sheet (epicardium) in the same mesh")
       ->check(CLI::PositiveNumber)
       ->needs(tube_flag);
-  verb->callback([options, &run] {
+  verb->callback([options, &asked] {
     if (!options->axis.empty() && Vec3(options->axis.data()).norm() < 1e-9)
       throw CLI::ValidationError("--axis", "needs a direction other than 0,0,0");
     if (options->base == options->apex && !options->base.empty())
       throw CLI::ValidationError("--apex", "needs a point other than --base");
-    run = [options](Progress& progress) { return make_template_file(*options, progress); };
+    asked.run = [options](Progress& progress) { return make_template_file(*options, progress); };
   });
 }
 

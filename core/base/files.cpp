@@ -5,6 +5,7 @@
 #include <sys/file.h>
 #include <sys/random.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <array>
@@ -17,6 +18,7 @@
 #include <set>
 #include <streambuf>
 #include <system_error>
+#include <vector>
 
 namespace homolog {
 namespace fs = std::filesystem;
@@ -121,6 +123,17 @@ Result<fs::path> followed(const fs::path& path) {
               "is a link to " + excerpt(fs::read_symlink(path, error).string()) + ", which does not exist" + remedy);
 }
 
+constexpr const char* access_list_name = "system.posix_acl_access";
+
+/// A file's access list as the system keeps it; empty without one. Nothing where it cannot be read.
+std::optional<std::vector<char>> access_list_of(const fs::path& path) {
+  std::vector<char> list(XATTR_SIZE_MAX);
+  const ssize_t size = ::getxattr(path.c_str(), access_list_name, list.data(), list.size());
+  if (size < 0 && errno != ENODATA && errno != ENOTSUP) return {};
+  list.resize(size < 0 ? 0 : static_cast<std::size_t>(size));
+  return list;
+}
+
 /// Whether its owner meant to keep a file as it is. Root may write everything, so only the rights tell.
 Result<void> may_be_replaced(const fs::path& path, const struct stat& file) {
   const int refused = ::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) != 0 ? errno : 0;
@@ -183,7 +196,7 @@ class Temporary {
     error_ = file_ >= 0 ? 0 : errno;
     if (error_ != 0) return;
     ::flock(file_, LOCK_EX | LOCK_NB);
-    if (replaced != nullptr) take_rights_of(*replaced);
+    if (replaced != nullptr) take_rights_of(path, *replaced);
   }
   ~Temporary() {
     if (file_ >= 0) ::unlink(path_.c_str());
@@ -192,8 +205,9 @@ class Temporary {
   Temporary& operator=(const Temporary&) = delete;
 
   int error() const { return error_; }
-  /// Whether the file that is replaced belongs to somebody whom the system does not let this one be given to.
-  bool changes_owner() const { return changes_owner_; }
+  /// Whether the file that is replaced belongs to another user and another group, whom the system does not let this one
+  /// be given to. Where the group stays, as in a team's folder, its members share the file whoever wrote it last.
+  bool changes_hands() const { return changes_hands_; }
   int descriptor() const { return file_; }
   /// 0 or the errno.
   int replace(const fs::path& path) {
@@ -213,20 +227,28 @@ class Temporary {
   static int open_new(const fs::path& path, bool for_user_alone) {
     return ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, for_user_alone ? 0600 : 0666);
   }
-  /// Where the group cannot be kept, another one must not get its rights.
-  void take_rights_of(const struct stat& replaced) {
-    mode_t mode = replaced.st_mode & 0777;
-    if (::fchown(file_, static_cast<uid_t>(-1), replaced.st_gid) != 0) mode = (mode & 0707) | (mode & 0007) << 3;
+  /// Where the group cannot be kept, another one must not get its rights. Where there is an access list, the bits of
+  /// the group are its mask, the most that anybody named in it may do: without the list they would be the group's own.
+  void take_rights_of(const fs::path& path, const struct stat& replaced) {
+    const mode_t mode = replaced.st_mode & 0777;
+    const bool group_stays = ::fchown(file_, static_cast<uid_t>(-1), replaced.st_gid) == 0;
     struct stat own {};
-    changes_owner_ = ::fstat(file_, &own) != 0 ||
-                     (own.st_uid != replaced.st_uid && ::fchown(file_, replaced.st_uid, static_cast<gid_t>(-1)) != 0);
-    ::fchmod(file_, mode);
+    const bool owner_stays =
+        ::fstat(file_, &own) == 0 &&
+        (own.st_uid == replaced.st_uid || ::fchown(file_, replaced.st_uid, static_cast<gid_t>(-1)) == 0);
+    changes_hands_ = !owner_stays && !group_stays;
+    ::fremovexattr(file_, access_list_name);  // what it got from its folder
+    const auto list = access_list_of(path);
+    if (list && list->empty())
+      ::fchmod(file_, group_stays ? mode : (mode & 0707) | (mode & 0007) << 3);
+    else if (!list || !group_stays || ::fsetxattr(file_, access_list_name, list->data(), list->size(), 0) != 0)
+      ::fchmod(file_, mode & 0700);
   }
 
   fs::path path_;
   Descriptor file_;
   int error_ = 0;
-  bool changes_owner_ = false;
+  bool changes_hands_ = false;
 };
 
 /// Opens a file for reading, unless it is none. Pipes are not waited for.
@@ -257,8 +279,8 @@ Result<void> write_whole_file(const fs::path& asked, const std::function<Result<
   sweep(folder_of(path));
   Temporary temporary(path, replaces ? &before : nullptr, readers);
   if (temporary.error() != 0) return fail(cannot_write(path, temporary.error()));
-  if (temporary.changes_owner())
-    return fail(path.string(), "belongs to another user, and the new file would not; remove it or choose another name");
+  if (temporary.changes_hands())
+    return fail(path.string(), "belongs to another user and to a group that you are not in; choose another name");
   FileBuffer buffer(temporary.descriptor());
   std::ostream out(&buffer);
   auto written = write(out);

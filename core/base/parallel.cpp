@@ -13,7 +13,8 @@ namespace homolog {
 
 namespace {
 
-/// One loop. Whoever takes part takes the next piece until none is left.
+/// One loop. Whoever takes part takes the next piece until none is left, or a piece throws. Pieces are taken in order,
+/// so that all before the first that throws are done, and its exception is the one that is kept.
 class SharedLoop {
  public:
   SharedLoop(std::size_t count, const std::function<void(std::size_t)>& work) : count_(count), work_(work) {}
@@ -29,6 +30,7 @@ class SharedLoop {
           thrown_at_ = k;
           thrown_ = std::current_exception();
         }
+        next_ = count_;
       }
     }
   }

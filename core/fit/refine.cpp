@@ -36,10 +36,11 @@ Result<Points> held(const Document& document, const Points& found) {
 std::vector<std::string> warnings_of(const Document& document, const Points& points) {
   const Topology& topology = *document.reference->topology;
   const bool turned = !turned_triangles(topology, *document.shape().placed, points).empty();
-  if (!turned && self_intersections({document.reference->topology, points}).empty()) return {};
-  return {
-      "Some triangles are turned or pass through each other. Look at them (Correspondence, Shape) before you use the "
-      "mesh in a model."};
+  const SelfIntersections crossing = find_self_intersections({document.reference->topology, points});
+  const std::string remedy = " Look at them (Correspondence, Shape) before you use the mesh in a model.";
+  if (turned || !crossing.pairs.empty()) return {"Some triangles are turned or pass through each other." + remedy};
+  if (!crossing.all) return {"So many triangles lie close to each other that not all could be compared." + remedy};
+  return {};
 }
 
 }  // namespace

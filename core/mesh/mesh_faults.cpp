@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/base/listed.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {
@@ -35,13 +36,12 @@ std::string MeshFaults::words() const {
     if (count > 0) parts.push_back(count == 1 ? "one " + one : std::to_string(count) + " " + many);
   };
   add(intersections, "pair of faces that cut each other", "pairs of faces that cut each other");
-  if (!all_intersections && !parts.empty()) parts.front() = "at least " + parts.front();
+  if (!all_intersections)
+    parts = {intersections > 0 ? "at least " + parts.front()
+                               : "so many faces close to each other that not all could be compared"};
   add(turned, "face that is turned over", "faces that are turned over");
   add(flat, "face with an angle below 1°", "faces with an angle below 1°");
-  std::string words;
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    words += (k == 0 ? "" : k + 1 == parts.size() ? " and " : ", ") + parts[k];
-  return words;
+  return listed(parts, " and ");
 }
 
 MeshFaults mesh_faults(const Mesh& mesh) {

@@ -14,11 +14,12 @@ struct MeshFaults {
   int tunnels = 0;                ///< genus
   bool all_intersections = true;  ///< false: at least so many; see SelfIntersections
 
-  /// Whether meshes fitted with such a template must have faults too.
-  bool any() const { return intersections + turned + flat > 0; }
+  /// Whether meshes fitted with such a template must have faults too, or nobody knows.
+  bool any() const { return intersections + turned + flat > 0 || !all_intersections; }
   /// More tunnels than organs have: the surface of a label map with noise, or of trabeculae.
   bool riddled() const { return tunnels > 16; }
-  /// "3 pairs of faces that cut each other and 2 faces with an angle below 1°"; empty without any.
+  /// "3 pairs of faces that cut each other and 2 faces with an angle below 1°"; empty without any. Said, too, where so
+  /// many faces lie close to each other that not all were compared.
   std::string words() const;
 };
 

@@ -7,30 +7,18 @@
 #include <numeric>
 
 #include "core/base/files.h"
+#include "core/base/listed.h"
 #include "core/base/text.h"
 #include "core/mesh/formats/formats.h"
 
 namespace homolog {
 namespace {
 
-struct Format {
-  const char* extension;
-  Result<MeshFile> (*read)(std::string_view);
-  void (*write)(const MeshFile&, std::ostream&);
-};
-
-constexpr std::array known_formats{Format{".ply", formats::read_ply, formats::write_ply},
-                                   Format{".vtk", formats::read_vtk, formats::write_vtk},
-                                   Format{".vtp", formats::read_vtp, formats::write_vtp},
-                                   Format{".obj", formats::read_obj, formats::write_obj},
-                                   Format{".stl", formats::read_stl, formats::write_stl},
-                                   Format{".particles", formats::read_particles, formats::write_particles}};
-
-Result<Format> format_of(const std::filesystem::path& path) {
+Result<const MeshFormat*> format_of(const std::filesystem::path& path) {
   const std::string extension = lower_case(path.extension().string());
-  for (const Format& format : known_formats)
-    if (extension == format.extension) return format;
-  return fail(path.string(), "is not a mesh file of a known kind; use .ply, .vtk, .vtp, .obj, .stl or .particles");
+  for (const MeshFormat* format : mesh_formats)
+    if (extension == format->extension) return format;
+  return fail(path.string(), "is not a mesh file of a known kind; use " + listed(mesh_format_extensions(), " or "));
 }
 
 /// Every array that a format may hold has a value for every vertex.
@@ -91,10 +79,9 @@ Result<MeshFile> read_mesh_file(const std::filesystem::path& path) {
   const auto bytes = read_whole_file(path);
   if (!bytes) return fail(bytes.error());
   if (bytes->empty()) return fail(path.string(), "is empty; copy or export it again");
-  auto mesh = format->read(*bytes);
+  auto mesh = (*format)->read(*bytes);
   if (!mesh) return fail(path.string(), mesh.error().what);
-  if (auto checked = check(*mesh, format->read != formats::read_particles); !checked)
-    return fail(path.string(), checked.error().what);
+  if (auto checked = check(*mesh, (*format)->has_faces); !checked) return fail(path.string(), checked.error().what);
   return mesh;
 }
 
@@ -102,7 +89,7 @@ Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& 
   const auto format = format_of(path);
   if (!format) return fail(format.error());
   return write_whole_file(path, [&](std::ostream& out) {
-    format->write(mesh, out);
+    (*format)->write(mesh, out);
     return Result<void>();
   });
 }

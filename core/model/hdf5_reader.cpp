@@ -86,8 +86,7 @@ int read_and_send(const std::vector<std::string>& arguments) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error), bytes = error ? 0 : size;
   // The values, once more on their way through the library, and what it needs for itself.
-  confine_this_process(3 * most_value_bytes(bytes) + (std::uintmax_t{64} << 20),
-                       1 + static_cast<unsigned>(std::min<std::uintmax_t>(bytes >> 24, 3600)));
+  confine_this_process(3 * most_value_bytes(bytes) + (std::uintmax_t{64} << 20), most_reading_seconds(bytes));
   Sender sender(stdout);
   try {
     if (auto tree = read_hdf5_unconfined(path, parts_of(arguments)))
@@ -172,6 +171,10 @@ class Receiver {
 };
 
 }  // namespace
+
+unsigned most_reading_seconds(std::uintmax_t bytes) {
+  return 10 + static_cast<unsigned>(std::min<std::uintmax_t>(bytes >> 24, 3600));
+}
 
 Result<HdfTree> read_hdf5(const fs::path& path, const HdfParts& parts) {
   const auto bytes = size_of_file(path);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "core/model/hdf_tree.h"
@@ -9,5 +10,9 @@ namespace homolog {
 /// What libhdf5 reads of a file, here in this process. The library loops for ever or reads beyond its memory on some
 /// damaged files, so that all but the process that read_hdf5 starts call read_hdf5.
 Result<HdfTree> read_hdf5_unconfined(const std::filesystem::path& path, const HdfParts& parts);
+
+/// How much of the processor's time that process may take for a file of `bytes` bytes: far more than a sound file needs
+/// on a slow machine, so that only one that loops for ever is given up.
+unsigned most_reading_seconds(std::uintmax_t bytes);
 
 }  // namespace homolog

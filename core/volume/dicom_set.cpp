@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "core/base/files.h"
+#include "core/base/text.h"
 
 namespace homolog {
 namespace fs = std::filesystem;
@@ -204,13 +205,15 @@ bool begins_as_data_set(const std::string_view start) {
 }  // namespace
 
 bool looks_like_dicom(const fs::path& path) {
-  if (!size_of_file(path)) return false;
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) return false;  // a pipe may never end
   std::ifstream in(path, std::ios::binary);
+  if (!in) return false;
   char start[132] = {};
   in.read(start, sizeof start);
   const bool typed =
       std::isupper(static_cast<unsigned char>(start[4])) && std::isupper(static_cast<unsigned char>(start[5]));
-  return std::string_view(start + 128, 4) == "DICM" || path.extension() == ".dcm" ||
+  return std::string_view(start + 128, 4) == "DICM" || lower_case(path.extension().string()) == ".dcm" ||
          (typed && begins_as_data_set({start, sizeof start}));
 }
 

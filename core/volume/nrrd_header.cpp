@@ -24,14 +24,14 @@ tl::unexpected<Error> bad_names(const fs::path& path, const std::string& value) 
                                  value.substr(0, 60) + "); write it as slice%03d.raw MIN MAX STEP, or as a list");
 }
 
-/// The value of a line "data file: VALUE"; nothing where the line is another. Case and blanks in the name do not
-/// matter, so that no spelling that the library knows is missed.
-std::optional<std::string> data_file_value(const std::string& line) {
+/// The value of a line "FIELD: VALUE"; nothing where the line is another. Case and blanks in the field's name do not
+/// matter, so that no spelling that the library knows is missed; `field` is in lower case and without blanks.
+std::optional<std::string> field_value(const std::string& line, std::string_view field) {
   const auto colon = line.find(':');
   if (colon == std::string::npos || line.substr(colon).starts_with(":=")) return {};
   std::string name = lower_case(line.substr(0, colon));
   std::erase_if(name, [](char c) { return c == ' ' || c == '\t'; });
-  if (name != "datafile") return {};
+  if (name != field) return {};
   const auto begin = line.find_first_not_of(" \t", colon + 1);
   if (begin == std::string::npos) return std::string();
   return line.substr(begin, line.find_last_not_of(" \t") + 1 - begin);
@@ -52,6 +52,12 @@ std::optional<int> integer_of(std::string_view text) {
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || rest != text.data() + text.size()) return {};
   return number;
+}
+
+/// Whether text is a whole number above 0, however large.
+bool is_count(std::string_view text) {
+  return text.find_first_not_of("0123456789") == std::string_view::npos &&
+         text.find_first_not_of('0') != std::string_view::npos;
 }
 
 /// A file name with a number in it: what stands before and behind, and how the number is written.
@@ -168,16 +174,19 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
   NrrdHeader header;
   Lines lines(*text);
   bool ended = false;
-  for (auto line = lines.next(); line && !ended; line = ended ? line : lines.next()) {
-    if (const auto value = data_file_value(*line)) {
+  while (!ended) {
+    const auto line = lines.next();
+    if (!line) break;
+    if (const auto value = field_value(*line, "datafile")) {
       if (auto added = add_data_files(path, *value, lines, header); !added) return fail(added.error());
       ended = is_list(*value);
-    } else {
-      if (line->starts_with("sizes:") && line->find('.') != std::string::npos)
-        return fail(path.string(), "has sizes that are no whole numbers; export it again");
-      header.fields += *line + "\n";
-      ended = line->empty();
+      continue;
     }
+    if (const auto sizes = field_value(*line, "sizes"))  // the library reads 1.5 as 1
+      for (const std::string_view size : words_of(*sizes))
+        if (!is_count(size)) return fail(path.string(), "has sizes that are no whole numbers above 0; export it again");
+    header.fields += *line + "\n";
+    ended = line->empty();
   }
   const bool whole = ended || (header.detached && text->size() < longest_header);
   if (!whole || !text->starts_with("NRRD"))

@@ -1,5 +1,6 @@
 #include "core/volume/readers.h"
 
+#include <algorithm>
 #include <bit>
 #include <cctype>
 #include <limits>
@@ -15,7 +16,7 @@ bool native_big_endian() {
 
 std::string name_without_numbers(const std::filesystem::path& path) {
   std::string alike;
-  for (const char c : path.filename().string()) {
+  for (const char c : lower_case_name(path)) {
     const bool digit = c >= '0' && c <= '9';
     if (!digit)
       alike += c;
@@ -23,6 +24,15 @@ std::string name_without_numbers(const std::filesystem::path& path) {
       alike += '#';
   }
   return alike;
+}
+
+bool has_ending(const std::filesystem::path& path, const std::vector<std::string>& endings) {
+  const std::string name = lower_case_name(path);
+  return std::any_of(endings.begin(), endings.end(), [&](const std::string& ending) { return name.ends_with(ending); });
+}
+
+bool is_hidden(const std::filesystem::path& path) {
+  return path.filename().string().starts_with('.');
 }
 
 std::string lower_case_name(const std::filesystem::path& path) {

@@ -11,22 +11,8 @@
 #include "core/volume/volume_io.h"
 #include "core/volume/voxel_stream.h"
 
-/// What the readers behind read_volume share; each library has a file of its own.
+/// What the formats in core/volume/formats share.
 namespace homolog {
-
-Result<VolumeRead> read_nifti(const std::filesystem::path& path, Progress* progress);
-Result<VolumeRead> read_nrrd(const std::filesystem::path& path, Progress* progress);
-Result<VolumeRead> read_metaimage(const std::filesystem::path& path, Progress* progress);
-Result<VolumeRead> read_dicom_file(const std::filesystem::path& path, Progress* progress);
-/// `series_uid` chooses where the folder holds several series.
-Result<VolumeRead> read_dicom_folder(const std::filesystem::path& folder, const std::string& series_uid,
-                                     Progress* progress);
-
-/// Slices of a folder in the order of their names, or the pages of one file.
-Result<VolumeRead> read_stack(const std::filesystem::path& path, const std::optional<Vec3>& spacing_mm,
-                              Progress* progress);
-/// Whether a name is that of a PNG or TIFF file.
-bool is_picture_name(const std::filesystem::path& path);
 
 /// The grid whose axis a steps by the vector `steps_mm.col(a)`. Fails on sizes that are none, on axes that are not at
 /// right angles and on steps of length zero.
@@ -52,8 +38,14 @@ double claimed_voxels(const VolumeGeometry& geometry, std::int64_t frames);
 /// A file's name without its folder, in lower case: what extensions are compared with.
 std::string lower_case_name(const std::filesystem::path& path);
 
-/// A file's name with # for every run of digits: files of one series are named alike.
+/// Whether a file's name ends in one of these, in any case.
+bool has_ending(const std::filesystem::path& path, const std::vector<std::string>& endings);
+
+/// A file's name in lower case with # for every run of digits: files of one series are named alike.
 std::string name_without_numbers(const std::filesystem::path& path);
+
+/// Whether a file in a folder is no part of a scan: beside each file, macOS leaves one named `._NAME` on other disks.
+bool is_hidden(const std::filesystem::path& path);
 
 /// Whether this machine stores the most significant byte first.
 bool native_big_endian();

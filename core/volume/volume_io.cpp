@@ -1,11 +1,10 @@
 #include "core/volume/volume_io.h"
 
-#include <algorithm>
-#include <array>
 #include <new>
 
 #include "core/base/files.h"
-#include "core/volume/dicom_set.h"
+#include "core/base/listed.h"
+#include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
 
 namespace homolog {
@@ -13,38 +12,30 @@ namespace fs = std::filesystem;
 
 namespace {
 
-template <std::size_t N>
-bool ends_with_any(const std::string& name, const std::array<const char*, N>& ends) {
-  return std::any_of(ends.begin(), ends.end(), [&](const char* end) { return name.ends_with(end); });
-}
-
-enum class Kind { None, Nifti, Nrrd, MetaImage, Dicom, DicomFolder, Stack };
-
-/// A folder of slices is known by its first file that is one; whatever else lies there does not matter.
-Kind kind_of_folder(const fs::path& folder) {
-  Kind kind = Kind::None;
-  std::error_code error;
-  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
-       entry.increment(error)) {
-    if (!entry->is_regular_file(error)) continue;
-    if (looks_like_dicom(entry->path())) return Kind::DicomFolder;
-    if (is_picture_name(entry->path())) kind = Kind::Stack;
+/// A folder is of the first format of which a file lies in it; whatever else lies there does not matter.
+const VolumeFormat* format_of_folder(const fs::path& folder) {
+  for (const VolumeFormat* format : volume_formats) {
+    if (format->in_folder.empty()) continue;
+    std::error_code error;
+    for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
+         entry.increment(error)) {
+      const fs::path& file = entry->path();
+      if (!entry->is_regular_file(error) || is_hidden(file)) continue;
+      if (format->recognises ? format->recognises(file) : has_ending(file, format->endings)) return format;
+    }
   }
-  return kind;
+  return nullptr;
 }
 
-Kind kind_of(const fs::path& path) {
-  constexpr std::array nifti{".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"};
-  constexpr std::array nrrd{".nrrd", ".nhdr"};
-  constexpr std::array metaimage{".mha", ".mhd"};
+/// The format of a file or folder; null where it is none.
+const VolumeFormat* format_of(const fs::path& path) {
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return kind_of_folder(path);
-  const std::string name = lower_case_name(path);
-  if (ends_with_any(name, nifti)) return Kind::Nifti;
-  if (ends_with_any(name, nrrd)) return Kind::Nrrd;
-  if (ends_with_any(name, metaimage)) return Kind::MetaImage;
-  if (is_picture_name(path)) return Kind::Stack;
-  return looks_like_dicom(path) ? Kind::Dicom : Kind::None;
+  if (fs::is_directory(path, ignored)) return format_of_folder(path);
+  for (const VolumeFormat* format : volume_formats)
+    if (!format->recognises && has_ending(path, format->endings)) return format;
+  for (const VolumeFormat* format : volume_formats)
+    if (format->recognises && format->recognises(path)) return format;
+  return nullptr;
 }
 
 /// Large files are often kept elsewhere and stand in as a few lines of text.
@@ -71,26 +62,21 @@ Result<VolumeRead> read_any(const fs::path& path, const VolumeReadOptions& optio
   std::error_code ignored;
   if (fs::is_regular_file(path, ignored) && is_lfs_pointer(path))
     return fail(path.string(), "is a Git LFS pointer, not the image itself; fetch it with `git lfs pull`");
-  switch (kind_of(path)) {
-    case Kind::Nifti:
-      return read_nifti(path, options.progress);
-    case Kind::Nrrd:
-      return read_nrrd(path, options.progress);
-    case Kind::MetaImage:
-      return read_metaimage(path, options.progress);
-    case Kind::Dicom:
-      return read_dicom_file(path, options.progress);
-    case Kind::DicomFolder:
-      return read_dicom_folder(path, options.series_uid, options.progress);
-    case Kind::Stack:
-      return read_stack(path, options.stack_spacing_mm, options.progress);
-    case Kind::None:
-      break;
-  }
-  return fail(path.string(),
-              fs::is_directory(path, ignored)
-                  ? "holds neither DICOM files nor PNG or TIFF slices; choose the folder that does"
-                  : "is not a volume; open DICOM, NIfTI, NRRD, MetaImage, or a stack of PNG or TIFF slices");
+  if (const VolumeFormat* format = format_of(path)) return format->read(path, options);
+  const bool folder = fs::is_directory(path, ignored);
+  std::vector<std::string> known;
+  for (const VolumeFormat* format : volume_formats)
+    if (const std::string& name = folder ? format->in_folder : format->name; !name.empty()) known.push_back(name);
+  return fail(path.string(), folder ? "holds neither " + listed(known, " nor ") + "; choose the folder that does"
+                                    : "is not a volume; open " + listed(known, ", or "));
+}
+
+/// By the format that the name's ending chooses. Errors that do not depend on the file name none.
+Result<void> write_any(const Volume& volume, const fs::path& path, Progress* progress) {
+  for (const VolumeFormat* format : volume_formats)
+    if (has_ending(path, format->written)) return format->write(volume, path, progress);
+  return fail("", "is not a kind of volume that can be written; end its name in " +
+                      listed(volume_format_endings(&VolumeFormat::written), " or "));
 }
 
 }  // namespace
@@ -107,12 +93,18 @@ Result<VolumeRead> read_volume(const fs::path& path, const VolumeReadOptions& op
   }
 }
 
+Result<void> write_volume(const Volume& volume, const fs::path& path, Progress* progress) {
+  auto written = write_any(volume, path, progress);
+  if (!written && written.error().subject.empty()) return fail(path.string(), written.error().what);
+  return written;
+}
+
 bool is_picture_stack(const fs::path& path) {
-  return kind_of(path) == Kind::Stack && check_path(path);
+  return format_of(path) == &formats::stack && check_path(path);
 }
 
 bool looks_like_volume(const fs::path& path) {
-  return kind_of(path) != Kind::None;
+  return format_of(path) != nullptr;
 }
 
 }  // namespace homolog

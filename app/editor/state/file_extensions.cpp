@@ -1,15 +1,17 @@
 #include "app/editor/state/file_extensions.h"
 
+#include "core/mesh/formats/formats.h"
+#include "core/volume/formats/formats.h"
+
 namespace homolog {
 
 const std::vector<std::string>& mesh_extensions() {
-  static const std::vector<std::string> all{".ply", ".vtk", ".vtp", ".obj", ".stl"};
+  static const std::vector<std::string> all = mesh_format_extensions(&MeshFormat::has_faces);
   return all;
 }
 
 const std::vector<std::string>& volume_extensions() {
-  static const std::vector<std::string> all{".nii.gz", ".nii", ".hdr", ".img", ".nrrd", ".nhdr", ".mha",
-                                            ".mhd",    ".dcm", ".ima", ".png", ".tif",  ".tiff"};
+  static const std::vector<std::string> all = volume_format_endings(&VolumeFormat::endings);
   return all;
 }
 

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "app/editor/state/file_extensions.h"
+#include "core/mesh/formats/formats.h"
+#include "core/volume/formats/formats.h"
 
 namespace homolog {
 
@@ -38,8 +40,9 @@ const std::vector<FilePurposeKind>& file_purposes() {
   static const Extensions& meshes = mesh_extensions();
   static const Extensions& volumes = volume_extensions();
   static const Extensions openable = joined(joined({case_extension}, volumes), meshes);
-  static const Extensions exported = joined(meshes, {".particles"});
-  static const Extensions shapes{".ply", ".vtk", ".vtp", ".obj", ".particles", case_extension};
+  static const Extensions exported = mesh_format_extensions();
+  static const Extensions shapes = joined(mesh_format_extensions(&MeshFormat::keeps_numbers), {case_extension});
+  static const Extensions templates = mesh_format_extensions(&MeshFormat::keeps_template);
   static const Extensions landmarks{".mrk.json", ".json"};
   static const std::vector<FilePurposeKind> all{
       {FilePurpose::open, "open", "Open an image, a case or a template", {false, openable, true}, to<OpenFiles>},
@@ -53,7 +56,7 @@ const std::vector<FilePurposeKind>& file_purposes() {
       {FilePurpose::open_stiffness,
        "open stiffness",
        "Take stiffness factors from a mesh",
-       {false, {".ply"}},
+       {false, templates},
        to<ImportStiffness>},
       {FilePurpose::open_template_landmarks,
        "open template landmarks",
@@ -72,14 +75,14 @@ const std::vector<FilePurposeKind>& file_purposes() {
       {FilePurpose::export_label_map,
        "export label map",
        "Export the label map",
-       {true, {".nii.gz", ".nii", ".nrrd", ".mha"}},
+       {true, volume_format_endings(&VolumeFormat::written)},
        to<ExportLabelMap>},
       {FilePurpose::export_landmarks,
        "export landmarks",
        "Export the placed landmarks",
        {true, landmarks},
        to<ExportLandmarks>},
-      {FilePurpose::export_template, "export template", "Save the template", {true, {".ply"}}, to<ExportTemplate>},
+      {FilePurpose::export_template, "export template", "Save the template", {true, templates}, to<ExportTemplate>},
       {FilePurpose::export_template_landmarks,
        "export template landmarks",
        "Export the template's landmarks",
@@ -88,7 +91,7 @@ const std::vector<FilePurposeKind>& file_purposes() {
       {FilePurpose::use_made_template,
        "use made template",
        "Save the new template",
-       {true, {".ply"}},
+       {true, templates},
        to<UseMadeTemplate>},
       {FilePurpose::export_picture, "export picture", "Save a picture", {true, {".png"}}, to<ExportPicture>},
       {FilePurpose::new_study, "new study", "New study", {true, {".study.json"}}, to<NewStudy>},

@@ -1,27 +1,45 @@
 #pragma once
 
+#include <array>
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/mesh/mesh_io.h"
 
-/// The single mesh formats behind mesh_io.h. Readers take the bytes of a whole file, writers a mesh that fits their
-/// format; errors name no file. Readers need not check that coordinates are finite or indices in range.
-namespace homolog::formats {
+namespace homolog {
 
-Result<MeshFile> read_ply(std::string_view bytes);
-Result<MeshFile> read_vtk(std::string_view bytes);
-Result<MeshFile> read_vtp(std::string_view bytes);
-Result<MeshFile> read_obj(std::string_view bytes);
-Result<MeshFile> read_stl(std::string_view bytes);
-Result<MeshFile> read_particles(std::string_view bytes);
+/// All that the program knows of a mesh format. Each has one of these in the source of this folder that is named like
+/// it.
+struct MeshFormat {
+  const char* name;             ///< in docs/commands.md
+  const char* extension;        ///< of its files, in lower case
+  const char* note = "";        ///< a remark for docs/commands.md
+  bool has_faces = true;        ///< false for a list of points
+  bool keeps_numbers = true;    ///< a file that is written and read has the same vertices in the same order
+  bool keeps_template = false;  ///< stiffness, regions and landmarks too
 
-void write_ply(const MeshFile& mesh, std::ostream& out);
-void write_vtk(const MeshFile& mesh, std::ostream& out);
-void write_vtp(const MeshFile& mesh, std::ostream& out);
-void write_obj(const MeshFile& mesh, std::ostream& out);
-void write_stl(const MeshFile& mesh, std::ostream& out);
-void write_particles(const MeshFile& mesh, std::ostream& out);
+  /// Takes the bytes of a whole file. Errors name no file. It need not check that coordinates are finite, that indices
+  /// are in range and that every vertex has its values.
+  Result<MeshFile> (*read)(std::string_view bytes);
+  void (*write)(const MeshFile&, std::ostream&);
+};
 
-}  // namespace homolog::formats
+namespace formats {
+extern const MeshFormat ply, vtk, vtp, obj, stl, particles;
+}
+
+/// The mesh formats, in the order in which sentences and file dialogs list them.
+inline constexpr std::array mesh_formats{&formats::ply, &formats::vtk, &formats::vtp,
+                                         &formats::obj, &formats::stl, &formats::particles};
+
+/// The extensions of those formats of which `wanted` is true; without it of all.
+inline std::vector<std::string> mesh_format_extensions(bool MeshFormat::*wanted = nullptr) {
+  std::vector<std::string> extensions;
+  for (const MeshFormat* format : mesh_formats)
+    if (wanted == nullptr || format->*wanted) extensions.emplace_back(format->extension);
+  return extensions;
+}
+
+}  // namespace homolog

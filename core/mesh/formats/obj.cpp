@@ -25,8 +25,6 @@ Result<void> read_face(Text& words, std::size_t vertices, std::vector<std::int32
   return add_polygon(polygon, corners);
 }
 
-}  // namespace
-
 Result<MeshFile> read_obj(std::string_view bytes) {
   MeshFile mesh;
   Text text(bytes);
@@ -77,5 +75,9 @@ void write_obj(const MeshFile& mesh, std::ostream& out) {
   }
   out << text;
 }
+
+}  // namespace
+
+const MeshFormat obj{.name = "OBJ", .extension = ".obj", .read = read_obj, .write = write_obj};
 
 }  // namespace homolog::formats

@@ -3,6 +3,7 @@
 #include "core/mesh/formats/text.h"
 
 namespace homolog::formats {
+namespace {
 
 Result<MeshFile> read_particles(std::string_view bytes) {
   MeshFile mesh;
@@ -39,5 +40,14 @@ void write_particles(const MeshFile& mesh, std::ostream& out) {
   }
   out << text;
 }
+
+}  // namespace
+
+const MeshFormat particles{.name = "ShapeWorks particles",
+                           .extension = ".particles",
+                           .note = "points only",
+                           .has_faces = false,
+                           .read = read_particles,
+                           .write = write_particles};
 
 }  // namespace homolog::formats

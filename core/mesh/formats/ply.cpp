@@ -325,8 +325,6 @@ float as_stiffness(double factor) {
       std::clamp<double>(factor, std::numeric_limits<float>::min(), std::numeric_limits<float>::max()));
 }
 
-}  // namespace
-
 Result<MeshFile> read_ply(std::string_view bytes) {
   Text text(bytes);
   auto header = read_header(text);
@@ -401,5 +399,14 @@ void write_ply(const MeshFile& mesh, std::ostream& out) {
   }
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
+
+}  // namespace
+
+const MeshFormat ply{.name = "PLY",
+                     .extension = ".ply",
+                     .note = "what a template is written as: it keeps stiffness, regions and landmarks",
+                     .keeps_template = true,
+                     .read = read_ply,
+                     .write = write_ply};
 
 }  // namespace homolog::formats

@@ -65,8 +65,6 @@ Result<std::vector<double>> ascii_corners(std::string_view bytes) {
   return corners;
 }
 
-}  // namespace
-
 Result<MeshFile> read_stl(std::string_view bytes) {
   const bool binary =
       bytes.size() >= header_size + 4 &&
@@ -114,5 +112,14 @@ void write_stl(const MeshFile& mesh, std::ostream& out) {
   }
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
+
+}  // namespace
+
+const MeshFormat stl{.name = "STL",
+                     .extension = ".stl",
+                     .note = "vertices lose their numbers, so it is read only to make a template from",
+                     .keeps_numbers = false,
+                     .read = read_stl,
+                     .write = write_stl};
 
 }  // namespace homolog::formats

@@ -207,8 +207,6 @@ class VtkReader {
   MeshFile mesh_;
 };
 
-}  // namespace
-
 Result<MeshFile> read_vtk(std::string_view bytes) {
   return VtkReader(bytes).read();
 }
@@ -226,5 +224,9 @@ void write_vtk(const MeshFile& mesh, std::ostream& out) {
   bytes += '\n';
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
+
+}  // namespace
+
+const MeshFormat vtk{.name = "VTK legacy", .extension = ".vtk", .read = read_vtk, .write = write_vtk};
 
 }  // namespace homolog::formats

@@ -265,8 +265,6 @@ class VtpReader {
   std::size_t encoded_left_ = 0, decoded_left_ = 0;  ///< of bytes that may still be taken
 };
 
-}  // namespace
-
 Result<MeshFile> read_vtp(std::string_view bytes) {
   return VtpReader().read(bytes);
 }
@@ -302,5 +300,9 @@ void write_vtp(const MeshFile& mesh, std::ostream& out) {
   out.write(data.data(), static_cast<std::streamsize>(data.size()));
   out << "\n</AppendedData>\n</VTKFile>\n";
 }
+
+}  // namespace
+
+const MeshFormat vtp{.name = "VTP", .extension = ".vtp", .read = read_vtp, .write = write_vtp};
 
 }  // namespace homolog::formats

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -28,6 +29,29 @@ mode_t rights(const fs::path& path) {
   struct stat now {};
   REQUIRE(::lstat(path.c_str(), &now) == 0);
   return now.st_mode & 07777;
+}
+
+constexpr const char *own_list = "system.posix_acl_access", *handed_on_list = "system.posix_acl_default";
+
+/// An access list as Linux keeps it [acl(5)]: user 1 and the owner may read and write, the group and others nothing.
+std::string access_list() {
+  const auto entry = [](std::uint32_t tag, std::uint32_t rights, std::uint32_t id) {
+    return little_endian(tag, 2) + little_endian(rights, 2) + little_endian(id, 4);
+  };
+  constexpr std::uint32_t nobody = 0xffffffff;
+  return little_endian(2, 4) + entry(1, 6, nobody) + entry(2, 6, 1) + entry(4, 0, nobody) + entry(16, 6, nobody) +
+         entry(32, 0, nobody);
+}
+
+bool put_list(const fs::path& path, const char* name) {
+  const std::string list = access_list();
+  return ::setxattr(path.c_str(), name, list.data(), list.size(), 0) == 0;
+}
+
+std::string list_of(const fs::path& path, const char* name) {
+  std::string list(1024, '\0');
+  const ssize_t size = ::getxattr(path.c_str(), name, list.data(), list.size());
+  return list.substr(0, size < 0 ? 0 : static_cast<std::size_t>(size));
 }
 
 std::size_t entries(const fs::path& folder) {
@@ -101,6 +125,24 @@ TEST_CASE("a private file stays private and one for the user alone begins so") {
   REQUIRE(make_private_folder(folder.path / "state/homolog"));
   CHECK(rights(folder.path / "state") == 0700);
   CHECK(rights(folder.path / "state/homolog") == 0700);
+}
+
+TEST_CASE("a file's access list is handed on and its group gets no more than before") {
+  const TemporaryFolder folder;
+  const fs::path listed = folder.path / "listed.txt", plain = folder.path / "plain.txt";
+  write_bytes(listed, "first");
+  write_bytes(plain, "first");
+  REQUIRE(::chmod(plain.c_str(), 0640) == 0);
+  if (!put_list(listed, own_list) || !put_list(folder.path, handed_on_list)) {
+    MESSAGE("not tested: ", folder.path.string(), " keeps no access lists");
+    return;
+  }
+  REQUIRE(rights(listed) == 0660);  // the group's bits are the list's mask
+  for (const fs::path& path : {listed, plain}) REQUIRE(write_whole_file(path, "second"));
+  CHECK(list_of(listed, own_list) == access_list());
+  CHECK(rights(listed) == 0660);
+  CHECK(list_of(plain, own_list).empty());  // the folder's is for new files
+  CHECK(rights(plain) == 0640);
 }
 
 TEST_CASE("devices and pipes are neither replaced nor waited for") {
@@ -224,6 +266,7 @@ TEST_CASE("a file that belongs to another user does not change hands") {
   write_bytes(file, "theirs");
   REQUIRE(::chmod(folder.path.c_str(), 0777) == 0);
   REQUIRE(::chmod(file.c_str(), 0666) == 0);
+  REQUIRE(::chown(file.c_str(), 0, 12345) == 0);
   const auto owner = [&] {
     struct stat now {};
     REQUIRE(::stat(file.c_str(), &now) == 0);
@@ -232,12 +275,39 @@ TEST_CASE("a file that belongs to another user does not change hands") {
   REQUIRE(::seteuid(65534) == 0);
   const auto refused = write_whole_file(file, "ours");
   REQUIRE(::seteuid(0) == 0);
-  CHECK(says(refused, "belongs to another user"));
+  CHECK(says(refused, "belongs to another user and to a group that you are not in; choose another name"));
   CHECK(read_whole_file(file).value() == "theirs");
   CHECK(entries(folder.path) == 1);
   REQUIRE(::chown(file.c_str(), 65534, static_cast<gid_t>(-1)) == 0);
   REQUIRE(write_whole_file(file, "by root"));
   CHECK(owner() == 65534);
+}
+
+TEST_CASE("a colleague's file in a team's folder is replaced and stays the team's") {
+  if (::geteuid() != 0) {
+    MESSAGE("not tested: only root can make a file of another user");
+    return;
+  }
+  const TemporaryFolder folder;
+  const fs::path file = folder.path / "shared.ply";
+  write_bytes(file, "a colleague's");
+  constexpr uid_t colleague = 12345, user = 65534;
+  constexpr gid_t team = 12346;
+  REQUIRE(::chown(folder.path.c_str(), colleague, team) == 0);
+  REQUIRE(::chmod(folder.path.c_str(), 02775) == 0);
+  REQUIRE(::chown(file.c_str(), colleague, team) == 0);
+  REQUIRE(::chmod(file.c_str(), 0664) == 0);
+  REQUIRE(::setegid(team) == 0);
+  REQUIRE(::seteuid(user) == 0);
+  const auto written = write_whole_file(file, "the user's");
+  REQUIRE(::seteuid(0) == 0);
+  REQUIRE(::setegid(0) == 0);
+  CHECK(written);
+  CHECK(read_whole_file(file).value() == "the user's");
+  struct stat now {};
+  REQUIRE(::stat(file.c_str(), &now) == 0);
+  CHECK(now.st_gid == team);
+  CHECK(rights(file) == 0664);
 }
 
 TEST_CASE("a folder for results goes again where nothing was put into it") {

@@ -67,6 +67,20 @@ TEST_CASE("loops within loops use no more threads than the limit") {
   }
 }
 
+TEST_CASE("pieces that nobody has begun are left out once one has thrown") {
+  for (const int threads : {1, 3}) {
+    const ThreadLimit limit(threads);
+    std::atomic<int> begun = 0;
+    const auto work = [&](std::size_t k) {
+      ++begun;
+      if (k == 2) throw std::runtime_error("broke");
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    };
+    CHECK_THROWS_AS(for_each_in_parallel(200, work), std::runtime_error);
+    CHECK(begun < 100);
+  }
+}
+
 TEST_CASE("the exception of the first piece that throws is passed on") {
   const ThreadLimit limit(3);
   std::string caught;

@@ -46,6 +46,13 @@ std::string tiff(std::uint32_t width, std::uint32_t height, const std::vector<st
 
 const VolumeReadOptions with_spacing{{}, Vec3(0.5, 0.5, 3), nullptr};
 
+/// Writes a slice of one voxel for each number, and reads the folder.
+Result<VolumeRead> stack(const TemporaryFolder& folder, const std::vector<std::int64_t>& numbers) {
+  for (const std::int64_t number : numbers)
+    write_bytes(folder.path / ("s" + std::to_string(number) + ".tif"), tiff(1, 1, {{1}}));
+  return read_volume(folder.path, with_spacing);
+}
+
 std::string big_endian(std::uint32_t value) {
   const std::string bytes = little_endian(value, 4);
   return {bytes.rbegin(), bytes.rend()};
@@ -176,15 +183,13 @@ TEST_CASE("stacks with colours or slices of different sizes are refused") {
 }
 
 TEST_CASE("a stack whose names tell of a missing slice is refused") {
-  const auto stack = [](const TemporaryFolder& folder, const std::vector<int>& numbers) {
-    for (const int number : numbers)
-      write_bytes(folder.path / ("s" + std::to_string(number) + ".tif"), tiff(1, 1, {{1}}));
-    return read_volume(folder.path, with_spacing);
-  };
-  for (const std::vector<int>& numbers : {std::vector{0, 2, 3}, {1, 2, 3, 5}, {10, 20, 40}}) {
+  for (const std::vector<std::int64_t>& numbers :
+       {std::vector<std::int64_t>{0, 2, 3}, {1, 2, 3, 5}, {10, 20, 40}, {1, 2, 3, 4, 6, 7, 8, 9, 11}}) {
     const TemporaryFolder folder;
     CHECK(says(stack(folder, numbers), "lacks slices"));
   }
+  const TemporaryFolder begins_with_the_gap;
+  CHECK(says(stack(begins_with_the_gap, {1, 3, 4, 5, 6}), "from s1.tif to s3.tif"));
   const TemporaryFolder every_fifth;
   CHECK(stack(every_fifth, {5, 10, 15, 20}));
   const TemporaryFolder folder;
@@ -194,6 +199,39 @@ TEST_CASE("a stack whose names tell of a missing slice is refused") {
   fs::remove(folder.path / "overview1.tif");
   fs::create_symlink("nowhere", folder.path / "s4.tif");
   CHECK(says(read_volume(folder.path, with_spacing), "s4.tif"));
+}
+
+TEST_CASE("a stack whose names are times is read in their order") {
+  for (const std::vector<std::int64_t>& times :
+       {std::vector<std::int64_t>{120001, 120003, 120006, 120008, 120010, 120015},
+        {100, 200, 300, 400, 550},                                                        // by no multiple
+        {20240101120000001, 20240101120000002, 20240101120000003, 20240101120000005}}) {  // too long for a count
+    const TemporaryFolder folder;
+    const auto read = stack(folder, times);
+    if (!read) FAIL(read.error().sentence());
+    CHECK(read->volume.geometry.dims[2] == static_cast<int>(times.size()));
+  }
+}
+
+TEST_CASE("slices of a stack are ordered whatever the case of their names") {
+  const TemporaryFolder folder;
+  for (const auto& [name, value] : {std::pair<const char*, std::uint16_t>{"s1.tif", 1}, {"S2.TIF", 2}, {"s10.tif", 10}})
+    write_bytes(folder.path / name, tiff(1, 1, {{value}}));
+  for (int k = 3; k < 10; ++k)
+    write_bytes(folder.path / ("S" + std::to_string(k) + ".tif"), tiff(1, 1, {{static_cast<std::uint16_t>(k)}}));
+  const auto read = read_volume(folder.path, with_spacing);
+  if (!read) FAIL(read.error().sentence());
+  for (int k = 0; k < 10; ++k) CHECK(read->volume.at(0, 0, k) == k + 1);
+}
+
+TEST_CASE("files that macOS leaves beside the slices of a stack do not count") {
+  const TemporaryFolder folder;
+  REQUIRE(stack(folder, {1, 2, 3}));
+  for (const char* name : {"._s1.tif", "._s2.tif", "._notes.dcm"})
+    write_bytes(folder.path / name, std::string("\0\5\26\7", 4) + std::string(200, 'x'));
+  const auto read = read_volume(folder.path, with_spacing);
+  if (!read) FAIL(read.error().sentence());
+  CHECK(read->volume.geometry.dims[2] == 3);
 }
 
 TEST_CASE("greys of a PNG are read as they are") {

@@ -5,6 +5,7 @@
 #include "core/deform/tangential.h"
 #include "core/fit/refine.h"
 #include "core/measure/compare.h"
+#include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/phantom/phantom.h"
 #include "tests/must.h"
@@ -91,6 +92,24 @@ TEST_CASE("the rim of an open mesh stays where it is") {
   REQUIRE(!reference->topology->boundary_loops().empty());
   CHECK((on_boundary_loops(before, after) - after).cwiseAbs().maxCoeff() < 1e-5);
   CHECK(surface_distance(before, {reference->topology, after}).mean_mm < 0.05);
+}
+
+TEST_CASE("a refined mesh of which not all triangles could be compared is not called sound") {
+  // A tube along a diagonal, of triangles so long that the boxes of all overlap.
+  Mesh tube = shapes::open_cylinder(2, 1200, 20, 400);
+  const Mat3 along = Eigen::Quaterniond::FromTwoVectors(Vec3(0, 0, 1), Vec3(1, 1, 1)).toRotationMatrix();
+  tube.points = tube.points * along.transpose();
+  REQUIRE(find_self_intersections(tube).pairs.empty());
+  REQUIRE_FALSE(find_self_intersections(tube).all);
+  Template reference;
+  reference.source = "tube";
+  reference.topology = tube.topology;
+  reference.points = tube.points;
+  reference.stiffness = VertexScalars::Ones(tube.points.rows());
+  const Document document = new_document("", nullptr, std::make_shared<const Template>(std::move(reference)));
+  const Refinement refined = test::must(refine(document));
+  REQUIRE(refined.warnings.size() == 1);
+  CHECK(refined.warnings.front().starts_with("So many triangles lie close to each other"));
 }
 
 TEST_CASE("without a mesh there is nothing to refine and a refinement that is cancelled says so") {

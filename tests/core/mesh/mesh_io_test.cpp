@@ -10,7 +10,11 @@
 #include <limits>
 
 #include "core/base/files.h"
+#include "core/base/listed.h"
+#include "core/mesh/formats/formats.h"
 #include "core/mesh/mirror.h"
+#include "core/volume/formats/formats.h"
+#include "tests/docs_page.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
 #include "tests/temporary_folder.h"
@@ -94,6 +98,42 @@ void check_square(const Result<MeshFile>& mesh) {
 const std::vector<double> square_coordinates{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0.5};
 
 }  // namespace
+
+TEST_CASE("the tables of formats in the docs are made from the formats") {
+  const auto cell = [](const std::string& text) { return text.empty() ? std::string(" |") : " " + text + " |"; };
+  const auto code = [](std::vector<std::string> endings) {
+    for (std::string& ending : endings) ending = "`" + ending + "`";
+    return listed(endings, ", ");
+  };
+  std::string volumes = "| images | names read | names written | |\n|---|---|---|---|\n";
+  for (const VolumeFormat* format : volume_formats)
+    volumes += "|" + cell(format->name) + cell(code(format->endings)) + cell(code(format->written)) +
+               cell(format->note) + "\n";
+  std::string meshes = "| meshes | names read and written | |\n|---|---|---|\n";
+  for (const MeshFormat* format : mesh_formats)
+    meshes += "|" + cell(format->name) + cell(code({format->extension})) + cell(format->note) + "\n";
+  test::DocsPage page("commands.md");
+  page.has_table(volumes);
+  page.has_table(meshes);
+  page.check();
+}
+
+TEST_CASE("every mesh format reads what it writes") {
+  MeshFolder folder;
+  const MeshFile file = sphere_file();
+  for (const MeshFormat* format : mesh_formats) {
+    CAPTURE(std::string(format->name));
+    const fs::path path = folder.path / (std::string("a") + format->extension);
+    CHECK(is_mesh_name(path));
+    REQUIRE(write_mesh_file(file, path));
+    const auto back = read_mesh_file(path);
+    REQUIRE_MESSAGE(back, back.error().sentence());
+    REQUIRE(back->points.rows() == file.points.rows());
+    CHECK(back->triangles.rows() == (format->has_faces ? file.triangles.rows() : 0));
+    if (format->keeps_numbers) CHECK((back->points - file.points).cwiseAbs().maxCoeff() < 1e-3);
+    if (format->keeps_numbers && format->has_faces) CHECK(back->triangles == file.triangles);
+  }
+}
 
 TEST_CASE("formats that hold doubles give back the same points and faces to the last bit") {
   MeshFolder folder;

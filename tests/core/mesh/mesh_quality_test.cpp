@@ -213,6 +213,17 @@ TEST_CASE("mirroring twice changes nothing and once keeps faces outward and the 
   CHECK(mirrored(file).landmarks[0].position == Vec3(-1, 2, 3));
 }
 
+TEST_CASE("a search for faces that cut each other that was broken off is no sign of a sound mesh") {
+  MeshFaults faults;
+  CHECK_FALSE(faults.any());
+  faults.all_intersections = false;
+  CHECK(faults.any());
+  CHECK(faults.words() == "so many faces close to each other that not all could be compared");
+  faults.flat = 2;
+  CHECK(faults.words() ==
+        "so many faces close to each other that not all could be compared and 2 faces with an angle below 1°");
+}
+
 TEST_CASE("faults of a template are counted and said in words") {
   CHECK_FALSE(mesh_faults(icosphere(3, 20)).any());
   CHECK(mesh_faults(icosphere(3, 20)).words().empty());

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "core/base/files.h"
+#include "core/model/hdf5_reader.h"
 #include "core/model/hdf_tree.h"
 #include "core/model/statismo.h"
 #include "tests/refusal.h"
@@ -57,6 +58,12 @@ hid_t chunked(hsize_t chunk, bool packed) {
 }
 
 }  // namespace
+
+TEST_CASE("a slow machine has time for a model however small its file is") {
+  CHECK(most_reading_seconds(0) >= 10);
+  CHECK(most_reading_seconds(std::uintmax_t{1} << 32) >= 200);
+  CHECK(most_reading_seconds(~std::uintmax_t{0}) < 4000);
+}
 
 TEST_CASE("a model in chunks and packed is read as one that is not") {
   const TemporaryFolder folder;

@@ -1,5 +1,9 @@
 #include <doctest/doctest.h>
 
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <numeric>
@@ -7,6 +11,7 @@
 #include "core/volume/codestream.h"
 #include "core/volume/dicom_header.h"
 #include "core/volume/dicom_rle.h"
+#include "core/volume/dicom_set.h"
 #include "core/volume/volume_io.h"
 #include "tests/peak_memory.h"
 #include "tests/refusal.h"
@@ -333,6 +338,70 @@ TEST_CASE("a damaged file in a folder is named rather than left out") {
   save_series(folder.path, {0, 1, 2});
   write_bytes(folder.path / "empty.dcm", "");
   CHECK(says(read_volume(folder.path), "empty.dcm"));
+}
+
+TEST_CASE("a damaged file is named whatever the case of its name") {
+  for (const char* name : {"9.DCM", "NOTES.DCM"}) {
+    const TemporaryFolder folder;
+    save_series(folder.path, {0, 1, 2});
+    write_bytes(folder.path / name, "");
+    CHECK(says(read_volume(folder.path), name));
+  }
+  const TemporaryFolder folder;
+  Slice slice;
+  for (int s = 0; s < 3; ++s) {
+    slice.z = s;
+    write_bytes(folder.path / ("im" + std::to_string(s)), slice.bytes());
+  }
+  write_bytes(folder.path / "IM3", slice.bytes().substr(0, 100));
+  CHECK(says(read_volume(folder.path), "IM3"));
+}
+
+TEST_CASE("files that macOS leaves beside those of a series do not count") {
+  const TemporaryFolder folder;
+  save_series(folder.path, {0, 1, 2});
+  const std::string leftover = std::string("\0\5\26\7", 4) + std::string(200, 'x');
+  for (const char* name : {"._1.2.3-0.dcm", "._1.2.3-7.dcm"}) write_bytes(folder.path / name, leftover);
+  const auto read = read_volume(folder.path);
+  if (!read) FAIL(read.error().sentence());
+  CHECK(read->volume.geometry.dims[2] == 3);
+  CHECK(list_series(folder.path)->size() == 1);
+  const TemporaryFolder nothing_else;
+  write_bytes(nothing_else.path / "._1.dcm", leftover);
+  CHECK_FALSE(looks_like_volume(nothing_else.path));
+}
+
+TEST_CASE("a file is opened once to see whether it is DICOM") {
+  const TemporaryFolder folder;
+  write_bytes(folder.path / "slice", Slice().bytes());
+  const int watch = ::inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+  if (watch < 0 || ::inotify_add_watch(watch, folder.path.c_str(), IN_OPEN | IN_CLOSE) < 0) {
+    MESSAGE("not tested: the system does not tell who opens files");
+    return;
+  }
+  CHECK(looks_like_dicom(folder.path / "slice"));
+  alignas(inotify_event) std::array<char, 4096> events;
+  const ssize_t size = ::read(watch, events.data(), events.size());
+  ::close(watch);
+  int opened = 0;
+  for (ssize_t at = 0; at < size;) {
+    const auto& event = *reinterpret_cast<const inotify_event*>(events.data() + at);
+    opened += (event.mask & IN_OPEN) != 0;
+    at += static_cast<ssize_t>(sizeof(inotify_event) + event.len);
+  }
+  CHECK(opened == 1);
+}
+
+TEST_CASE("a folder is cancelled while its files are told apart") {
+  const TemporaryFolder folder;
+  save_series(folder.path, {0, 1, 2});
+  fs::create_symlink("nowhere", folder.path / "lost.dcm");
+  CHECK(says(read_volume(folder.path), "lost.dcm"));
+  Progress progress;
+  progress.cancel();
+  VolumeReadOptions options;
+  options.progress = &progress;
+  CHECK(says(read_volume(folder.path, options), "cancelled"));
 }
 
 TEST_CASE("a file named like the slices that is no DICOM is named rather than left out") {

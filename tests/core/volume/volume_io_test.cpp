@@ -1,4 +1,5 @@
 #include "core/volume/volume_io.h"
+#include "core/volume/formats/formats.h"
 
 #include <doctest/doctest.h>
 #include <sys/stat.h>
@@ -100,12 +101,13 @@ VolumeGeometry grid(bool oblique, bool left_handed) {
 
 TEST_CASE("volumes of every type and direction survive being written and read in every format") {
   const TemporaryFolder folder;
-  for (const char* name : {"ä b.nii", "v.nii.gz", "v.nrrd", "v.mha"})
+  for (const std::string& ending : volume_format_endings(&VolumeFormat::written))
     for (const bool oblique : {false, true})
       for (const bool left_handed : {false, true})
         for (const int frames : {1, 3})
           for (int type = 0; type < 4; ++type) {
-            CAPTURE(std::string(name));
+            const std::string name = "ä b" + ending;
+            CAPTURE(name);
             CAPTURE(type);
             CAPTURE(frames);
             const VolumeGeometry geometry = grid(oblique, left_handed);
@@ -441,6 +443,15 @@ TEST_CASE("MetaImage takes voxels from the end of a file and in either byte orde
   CHECK(says(read_volume(folder.path / "t.mhd"), "as text"));
 }
 
+TEST_CASE("a MetaImage that was cut off takes no voxels from its own header") {
+  const std::string header =
+      "NDims = 3\nDimSize = 2 2 1\nElementType = MET_UCHAR\nHeaderSize = -1\nElementDataFile = LOCAL\n";
+  const auto whole = read_as("v.mha", header + "abcd");
+  REQUIRE(whole);
+  CHECK(whole->volume.data == VoxelData(std::vector<std::uint8_t>{'a', 'b', 'c', 'd'}));
+  for (const char* cut : {"", "a", "abc"}) CHECK(says(read_as("v.mha", header + cut), "v.mha: is cut short"));
+}
+
 TEST_CASE("what is no volume is refused by name") {
   const TemporaryFolder folder;
   CHECK(says(read_volume(folder.path / "absent.nii"), "does not exist"));
@@ -543,7 +554,11 @@ TEST_CASE("headers that contradict themselves are refused") {
   scaled.scale(2, std::numeric_limits<float>::quiet_NaN());
   CHECK(says(read_as("v.nii", scaled.bytes + "abcd"), "not finite"));
   CHECK(!read_as("v.nrrd", "NRRD0004\ntype: uchar\ndimension: 1\nencoding: raw\nsizes: 4.5\n\nabcd"));
-  CHECK(says(read_as("v.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nencoding: raw\nsizes: 2 2 1.5\n\nabcd"), "whole"));
+  for (const char* sizes : {"sizes: 2 2 1.5", "Sizes: 2 2 1.5", "SIZES:2 2 1e0", "sizes: 2 2 1x", "sizes: 0 2 1"}) {
+    CAPTURE(std::string(sizes));
+    const std::string header = "NRRD0004\ntype: uchar\ndimension: 3\nencoding: raw\n";
+    CHECK(says(read_as("v.nrrd", header + sizes + "\n\nabcd"), "sizes that are no whole numbers above 0"));
+  }
   const std::string meta = "NDims = 3\nDimSize = 2 2 1\nElementSpacing = 1 1 1\nElementType = MET_UCHAR\n";
   CHECK(!read_as("v.mha", meta + "DimSize = 1 2 1\nElementDataFile = LOCAL\nabcd"));
   CHECK(says(read_as("v.mha", meta + "HeaderSize = 4\nElementDataFile = LOCAL\nabcd"), "HeaderSize"));

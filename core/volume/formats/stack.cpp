@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include "core/base/memory.h"
 #include "core/base/picture_module.h"
+#include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
 
 // Stacks of PNG or TIFF slices, through the picture module.
@@ -55,17 +57,17 @@ bool natural_less(const std::string& a, const std::string& b) {
   return a.size() - i < b.size() - j;
 }
 
-/// The runs of digits in a name, as numbers.
-std::vector<double> numbers_in(const std::string& name) {
-  std::vector<double> numbers;
+/// The runs of digits in a name.
+std::vector<std::string> digits_in(const std::string& name) {
+  std::vector<std::string> runs;
   bool within = false;
   for (const char c : name) {
     const bool digit = std::isdigit(static_cast<unsigned char>(c)) != 0;
-    if (digit && !within) numbers.push_back(0);
-    if (digit) numbers.back() = 10 * numbers.back() + (c - '0');
+    if (digit && !within) runs.emplace_back();
+    if (digit) runs.back() += c;
     within = digit;
   }
-  return numbers;
+  return runs;
 }
 
 tl::unexpected<Error> unlike(const fs::path& folder, const fs::path& one, const fs::path& other) {
@@ -73,33 +75,57 @@ tl::unexpected<Error> unlike(const fs::path& folder, const fs::path& one, const 
                                    other.filename().string() + "); keep those of one stack");
 }
 
-/// Names tell whether a slice is missing: those of one stack differ in a number alone, by the same step.
+/// By how much the one number in which two names differ rises. Nothing where several do, as in a scan of several parts,
+/// or where it is no count but a date with a time, or an identifier.
+std::optional<double> step_between(const std::vector<std::string>& before, const std::vector<std::string>& here) {
+  constexpr std::size_t longest_count = 15;
+  std::optional<double> step;
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    if (here[i] == before[i]) continue;
+    if (step || std::max(here[i].size(), before[i].size()) > longest_count) return {};
+    step = std::stod(here[i]) - std::stod(before[i]);
+  }
+  return step;
+}
+
+/// Numbers of slices rise by one step. A slice is missing where nearly all do and one rises by a multiple of it;
+/// numbers that rise this way and that are times, or tell nothing.
+Result<void> check_steps(const fs::path& folder, const std::vector<fs::path>& files) {
+  std::vector<double> steps;
+  std::vector<std::string> before = digits_in(files.front().filename().string());
+  for (std::size_t k = 1; k < files.size(); ++k) {
+    std::vector<std::string> here = digits_in(files[k].filename().string());
+    const auto step = step_between(before, here);
+    if (!step) return {};
+    steps.push_back(*step);
+    before = std::move(here);
+  }
+  if (steps.empty()) return {};
+  std::vector<double> sorted = steps;
+  std::sort(sorted.begin(), sorted.end());
+  const double usual = sorted[(sorted.size() - 1) / 2];
+  const auto others = steps.size() - static_cast<std::size_t>(std::count(steps.begin(), steps.end(), usual));
+  if (usual <= 0 || (others > 1 && 4 * others > steps.size())) return {};
+  for (std::size_t k = 0; k < steps.size(); ++k)
+    if (steps[k] != usual && std::fmod(steps[k], usual) == 0)
+      return fail(folder.string(), "lacks slices: from " + files[k].filename().string() + " to " +
+                                       files[k + 1].filename().string() +
+                                       " the number rises otherwise than elsewhere; copy the stack again, or number "
+                                       "its files evenly");
+  return {};
+}
+
+/// Names tell whether a slice is missing: those of one stack differ in a number alone.
 Result<void> check_names(const fs::path& folder, const std::vector<fs::path>& files) {
-  const std::vector<double> first = numbers_in(files.front().filename().string());
+  const std::string alike = name_without_numbers(files.front());
+  const bool numbered = alike.find('#') != std::string::npos;
   for (const fs::path& file : files) {
     if (lower_case_name(file.extension()) != lower_case_name(files.front().extension()))
       return unlike(folder, files.front(), file);
-    if (!first.empty() && name_without_numbers(file) != name_without_numbers(files.front()))
-      return unlike(folder, files.front(), file);
+    if (numbered && name_without_numbers(file) != alike) return unlike(folder, files.front(), file);
   }
-  double usual = 0;
-  for (std::size_t k = 1; k < files.size() && !first.empty(); ++k) {
-    const auto before = numbers_in(files[k - 1].filename().string()), here = numbers_in(files[k].filename().string());
-    double step = 0;
-    int differing = 0;
-    for (std::size_t i = 0; i < here.size(); ++i) {
-      if (here[i] != before[i]) step = here[i] - before[i];
-      differing += here[i] != before[i] ? 1 : 0;
-    }
-    if (differing != 1) return {};  // several numbers count, as in a scan of several parts
-    if (k > 1 && step != usual)
-      return fail(folder.string(), "lacks slices: from " + files[k - 1].filename().string() + " to " +
-                                       files[k].filename().string() +
-                                       " the number rises otherwise than before; copy the stack again, or number its "
-                                       "files evenly");
-    usual = step;
-  }
-  return {};
+  if (!numbered) return {};
+  return check_steps(folder, files);
 }
 
 struct PictureStack {
@@ -113,15 +139,17 @@ Result<PictureStack> find_stack(const fs::path& path, const PictureModule& modul
   if (fs::is_directory(path, error)) {
     for (auto entry = fs::directory_iterator(path, error); !error && entry != fs::directory_iterator();
          entry.increment(error))
-      if (is_picture_name(entry->path())) stack.files.push_back(entry->path());
+      if (has_ending(entry->path(), formats::stack.endings) && !is_hidden(entry->path()))
+        stack.files.push_back(entry->path());
     if (error) return fail(path.string(), "cannot be listed (" + error.message() + ")");
     for (const fs::path& file : stack.files)
       if (!fs::is_regular_file(file, not_a_file))
         return fail(file.string(),
                     "is named like a slice but is no file; copy the stack again, or move it elsewhere if it is no part "
                     "of it");
-    std::sort(stack.files.begin(), stack.files.end(), [](const fs::path& a, const fs::path& b) {
-      return natural_less(a.filename().string(), b.filename().string());
+    std::sort(stack.files.begin(), stack.files.end());
+    std::stable_sort(stack.files.begin(), stack.files.end(), [](const fs::path& a, const fs::path& b) {
+      return natural_less(lower_case_name(a), lower_case_name(b));
     });
     if (auto whole = check_names(path, stack.files); !whole) return fail(whole.error());
   } else {
@@ -139,15 +167,8 @@ Result<PictureStack> find_stack(const fs::path& path, const PictureModule& modul
   return stack;
 }
 
-}  // namespace
-
-bool is_picture_name(const fs::path& path) {
-  const std::string name = lower_case_name(path);
-  return name.ends_with(".png") || name.ends_with(".tif") || name.ends_with(".tiff");
-}
-
-Result<VolumeRead> read_stack(const fs::path& path, const std::optional<Vec3>& spacing_mm, Progress* progress) {
-  if (!spacing_mm)
+Result<VolumeRead> read_stack(const fs::path& path, const VolumeReadOptions& options) {
+  if (!options.stack_spacing_mm)
     return fail(path.string(),
                 "is a stack of pictures, which do not say how large a voxel is; give it in mm with "
                 "--spacing X,Y,Z");
@@ -160,7 +181,7 @@ Result<VolumeRead> read_stack(const fs::path& path, const std::optional<Vec3>& s
 
   VolumeRead result;
   // Pictures say nothing of the patient: columns to the left, rows to the back, slices to the head.
-  auto geometry = make_geometry(path, {width, height, slices}, spacing_mm->asDiagonal(), Vec3::Zero());
+  auto geometry = make_geometry(path, {width, height, slices}, options.stack_spacing_mm->asDiagonal(), Vec3::Zero());
   if (!geometry) return fail(geometry.error());
   result.volume.geometry = *geometry;
   const StoredType type = stored_type(values);
@@ -169,6 +190,7 @@ Result<VolumeRead> read_stack(const fs::path& path, const std::optional<Vec3>& s
   StoredVoxels stored = make_stored_voxels(type, 0);
   reserve_voxels(stored, geometry->voxels());
   std::int64_t slice = 0;
+  Progress* const progress = options.progress;
   const PageRoom room = [&]() -> Result<std::span<std::byte>> {
     if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
     if (progress) progress->report(static_cast<double>(slice) / static_cast<double>(slices));
@@ -181,5 +203,14 @@ Result<VolumeRead> read_stack(const fs::path& path, const std::optional<Vec3>& s
     return fail(kept.error());
   return result;
 }
+
+}  // namespace
+
+const VolumeFormat formats::stack{
+    .name = "a stack of PNG or TIFF slices",
+    .endings = {".png", ".tif", ".tiff"},
+    .in_folder = "PNG or TIFF slices",
+    .note = "a folder in the order of its names, or the pages of one TIFF; the spacing must be given",
+    .read = read_stack};
 
 }  // namespace homolog

@@ -1,5 +1,6 @@
 #include <NrrdIO.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -9,9 +10,11 @@
 #include <optional>
 
 #include "core/base/files.h"
+#include "core/volume/formats/formats.h"
 #include "core/volume/nrrd_header.h"
 #include "core/volume/readers.h"
 #include "core/volume/text_voxels.h"
+#include "core/volume/write_voxels.h"
 
 // NRRD. NrrdIO, the library behind ITK's reader, parses the fields of the header, given as text; it opens no file. The
 // voxels are read here, which adds bzip2, progress and cancellation.
@@ -245,9 +248,7 @@ double frame_seconds_of(const NrrdAxisInfo& axis) {
   return units == "ms" || units == "msec" ? axis.spacing / 1000 : axis.spacing;
 }
 
-}  // namespace
-
-Result<VolumeRead> read_nrrd(const fs::path& path, Progress* progress) {
+Result<VolumeRead> read_nrrd(const fs::path& path, const VolumeReadOptions& options) {
   const auto header = read_nrrd_header(path);
   if (!header) return fail(header.error());
   const NrrdPointer nrrd(nrrdNew());
@@ -274,12 +275,46 @@ Result<VolumeRead> read_nrrd(const fs::path& path, Progress* progress) {
   const bool numbers = state->encoding == nrrdEncodingAscii, hex = state->encoding == nrrdEncodingHex;
   auto stored = numbers || hex
                     ? read_text_voxels(*run, hex ? VoxelText::Hex : VoxelText::Numbers, volume.geometry, volume.frames)
-                    : read_run(*run, volume.geometry, volume.frames, frames_first, progress);
+                    : read_run(*run, volume.geometry, volume.frames, frames_first, options.progress);
   if (!stored) return fail(stored.error());
   if (frames_first) stored = std::visit(FramesToBack{frames}, *stored);
   if (auto kept = keep_voxels(std::move(*stored), {}, path.string(), volume, result.warnings); !kept)
     return fail(kept.error());
   return result;
 }
+
+Result<void> write_nrrd(const Volume& volume, const fs::path& path, Progress* progress) {
+  constexpr std::array types{"uint8", "int16", "uint16", "float"};
+  const VolumeGeometry& g = volume.geometry;
+  const bool cine = volume.frames > 1;
+  auto header = exact_text();
+  const auto vector = [&header](const Vec3& v) { header << " (" << v[0] << ',' << v[1] << ',' << v[2] << ')'; };
+  header << "NRRD0004\ntype: " << types[volume.data.index()] << "\ndimension: " << (cine ? 4 : 3)
+         << "\nspace: left-posterior-superior\nsizes: " << g.dims[0] << ' ' << g.dims[1] << ' ' << g.dims[2];
+  if (cine) header << ' ' << volume.frames;
+  header << "\nspace directions:";
+  for (int a = 0; a < 3; ++a) vector(g.direction.col(a) * g.spacing_mm[a]);
+  if (cine) header << " none";
+  header << "\nkinds: domain domain domain" << (cine ? " list" : "");
+  if (cine && volume.frame_seconds > 0)
+    header << "\nspacings: nan nan nan " << volume.frame_seconds << "\nunits: \"\" \"\" \"\" \"s\"";
+  header << "\nendian: " << (native_big_endian() ? "big" : "little") << "\nencoding: gzip\nspace origin:";
+  vector(g.origin_mm);
+  header << "\n\n";
+  return write_whole_file(path, [&](std::ostream& out) -> Result<void> {
+    out << header.str();
+    return write_compressed(out, {}, volume.data, progress);
+  });
+}
+
+}  // namespace
+
+const VolumeFormat formats::nrrd{
+    .name = "NRRD",
+    .endings = {".nrrd", ".nhdr"},
+    .written = {".nrrd"},
+    .note = "also compressed, also with frames, also with the voxels in files of their own",
+    .read = read_nrrd,
+    .write = write_nrrd};
 
 }  // namespace homolog

@@ -1,13 +1,18 @@
 #include <nifti2_io.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <optional>
 
+#include "core/base/files.h"
+#include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
+#include "core/volume/write_voxels.h"
 
 // NIfTI-1 and -2 through libnifti2. Its header conversion is used on bytes that were read here, never its search for
 // files: asked for a.nii.gz it opens a sibling a.nii. ITK's NIfTI reader is not linked, since the libnifti that it
@@ -239,9 +244,7 @@ Result<VolumeGeometry> geometry_of(const NiftiHeader& header, const fs::path& pa
                        Vec3::Zero());
 }
 
-}  // namespace
-
-Result<VolumeRead> read_nifti(const fs::path& path, Progress* progress) {
+Result<VolumeRead> read_nifti(const fs::path& path, const VolumeReadOptions& options) {
   const auto pair = find_pair(path);
   if (!pair) return fail(pair.error());
   const auto head = read_head(pair->header, sizeof(nifti_2_header));
@@ -280,12 +283,100 @@ Result<VolumeRead> read_nifti(const fs::path& path, Progress* progress) {
                      *type,
                      header->other_byte_order};
   const std::int64_t frames = std::max<std::int64_t>(image.nt, 1);
-  auto stored = read_run(run, volume.geometry, frames, !rescale.identity(), progress);
+  auto stored = read_run(run, volume.geometry, frames, !rescale.identity(), options.progress);
   if (!stored) return fail(stored.error());
   volume.frames = static_cast<int>(frames);
   if (auto kept = keep_voxels(std::move(*stored), rescale, path.string(), volume, result.warnings); !kept)
     return fail(kept.error());
   return result;
 }
+
+int nifti_type(const VoxelData& data) {
+  constexpr std::array types{NIFTI_TYPE_UINT8, NIFTI_TYPE_INT16, NIFTI_TYPE_UINT16, NIFTI_TYPE_FLOAT32};
+  return types[data.index()];
+}
+
+/// RAS = diag(−1, −1, 1) · LPS.
+nifti_dmat44 ras_affine(const VolumeGeometry& geometry) {
+  nifti_dmat44 affine{};
+  const Mat3 steps = geometry.direction * geometry.spacing_mm.asDiagonal();
+  for (int row = 0; row < 3; ++row) {
+    const double sign = row < 2 ? -1 : 1;
+    for (int column = 0; column < 3; ++column) affine.m[row][column] = sign * steps(row, column);
+    affine.m[row][3] = sign * geometry.origin_mm[row];
+  }
+  affine.m[3][3] = 1;
+  return affine;
+}
+
+nifti_image nifti_header_image(const Volume& volume) {
+  const VolumeGeometry& g = volume.geometry;
+  nifti_image image{};
+  const bool cine = volume.frames > 1;
+  image.ndim = image.dim[0] = cine ? 4 : 3;
+  image.nx = image.dim[1] = g.dims[0];
+  image.ny = image.dim[2] = g.dims[1];
+  image.nz = image.dim[3] = g.dims[2];
+  image.nt = image.dim[4] = volume.frames;
+  image.nu = image.nv = image.nw = image.dim[5] = image.dim[6] = image.dim[7] = 1;
+  image.dx = image.pixdim[1] = g.spacing_mm[0];
+  image.dy = image.pixdim[2] = g.spacing_mm[1];
+  image.dz = image.pixdim[3] = g.spacing_mm[2];
+  image.dt = image.pixdim[4] = cine ? volume.frame_seconds : 0;
+  image.nvox = static_cast<std::int64_t>(g.voxels()) * volume.frames;
+  image.datatype = nifti_type(volume.data);
+  int swap_size = 0;
+  nifti_datatype_sizes(image.datatype, &image.nbyper, &swap_size);
+  image.scl_slope = 1;
+  image.qform_code = image.sform_code = NIFTI_XFORM_SCANNER_ANAT;
+  image.sto_xyz = ras_affine(g);
+  nifti_dmat44_to_quatern(image.sto_xyz, &image.quatern_b, &image.quatern_c, &image.quatern_d, &image.qoffset_x,
+                          &image.qoffset_y, &image.qoffset_z, nullptr, nullptr, nullptr, &image.qfac);
+  image.xyz_units = NIFTI_UNITS_MM;
+  image.time_units = cine ? NIFTI_UNITS_SEC : NIFTI_UNITS_UNKNOWN;
+  return image;
+}
+
+/// Header and the four bytes that say that no extension follows. NIfTI-1 counts voxels in 16 bits; larger grids are
+/// written as NIfTI-2.
+template <class Header>
+std::string header_bytes(Header header, std::int64_t offset) {
+  header.vox_offset = static_cast<decltype(header.vox_offset)>(offset);
+  std::string bytes(static_cast<std::size_t>(offset), '\0');
+  std::memcpy(bytes.data(), &header, sizeof header);
+  return bytes;
+}
+
+Result<void> write_nifti(const Volume& volume, const fs::path& path, Progress* progress) {
+  nifti_image image = nifti_header_image(volume);
+  const bool small =
+      std::all_of(image.dim + 1, image.dim + 5, [](auto n) { return n <= std::numeric_limits<short>::max(); });
+  std::string header;
+  constexpr std::int64_t nifti1_offset = 352, nifti2_offset = 544;
+  image.nifti_type = small ? NIFTI_FTYPE_NIFTI1_1 : NIFTI_FTYPE_NIFTI2_1;
+  image.iname_offset = small ? nifti1_offset : nifti2_offset;
+  nifti_1_header first{};
+  nifti_2_header second{};
+  const int failed = small ? nifti_convert_nim2n1hdr(&image, &first) : nifti_convert_nim2n2hdr(&image, &second);
+  if (failed != 0) return fail(path.string(), "cannot be written as NIfTI; choose .nrrd or .mha");
+  header = small ? header_bytes(first, nifti1_offset) : header_bytes(second, nifti2_offset);
+  return write_whole_file(path, [&](std::ostream& out) -> Result<void> {
+    if (!lower_case_name(path).ends_with(".gz")) {
+      out << header;
+      return write_plain(out, volume.data, progress);
+    }
+    return write_compressed(out, header, volume.data, progress);
+  });
+}
+
+}  // namespace
+
+const VolumeFormat formats::nifti{
+    .name = "NIfTI",
+    .endings = {".nii.gz", ".nii", ".hdr", ".hdr.gz", ".img", ".img.gz"},
+    .written = {".nii.gz", ".nii"},
+    .note = "version 1 and 2, also as pairs of header and voxels; the fourth dimension as frames",
+    .read = read_nifti,
+    .write = write_nifti};
 
 }  // namespace homolog

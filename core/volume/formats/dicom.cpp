@@ -8,6 +8,7 @@
 #include "core/volume/dicom_arrangement.h"
 #include "core/volume/dicom_header.h"
 #include "core/volume/dicom_pixels.h"
+#include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
 
 // DICOM: planes from one file or a folder, put in their place.
@@ -159,7 +160,7 @@ Result<void> check_others(const std::vector<fs::path>& dicom, const std::vector<
     if (extension.find('#') == std::string::npos && !extension.empty()) names.insert(extension);
   }
   for (const fs::path& file : others)
-    if (names.contains(name_without_numbers(file)) || names.contains(file.extension().string()))
+    if (names.contains(name_without_numbers(file)) || names.contains(lower_case_name(file.extension())))
       return fail(file.string(),
                   "is named like the slices beside it but cannot be read as DICOM; copy the series again, or move the "
                   "file elsewhere if it is no part of it");
@@ -173,15 +174,18 @@ Result<std::map<std::string, std::vector<DicomHeader>>> scan_folder(const fs::pa
   std::vector<fs::path> files;
   for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator();
        entry.increment(error))
-    if (!entry->is_directory(not_a_file)) files.push_back(entry->path());
+    if (!entry->is_directory(not_a_file) && !is_hidden(entry->path())) files.push_back(entry->path());
   if (error) return fail(folder.string(), "cannot be listed (" + error.message() + ")");
   std::sort(files.begin(), files.end());
-  const auto others = std::stable_partition(files.begin(), files.end(), looks_like_dicom);
-  if (const auto whole = check_others({files.begin(), others}, {others, files.end()}); !whole)
-    return fail(whole.error());
-  files.erase(others, files.end());
-  for (const fs::path& file : files) {
-    if (progress && progress->cancelled()) return fail(folder.string(), "was not read: cancelled");
+  const auto cancelled = [&] { return progress && progress->cancelled(); };
+  std::vector<fs::path> dicom, others;
+  for (fs::path& file : files) {
+    if (cancelled()) return fail(folder.string(), "was not read: cancelled");
+    (looks_like_dicom(file) ? dicom : others).push_back(std::move(file));
+  }
+  if (const auto whole = check_others(dicom, others); !whole) return fail(whole.error());
+  for (const fs::path& file : dicom) {
+    if (cancelled()) return fail(folder.string(), "was not read: cancelled");
     const auto set = parse_dicom(file);
     if (!set) return fail(set.error());
     DicomHeader header = dicom_header(*set);
@@ -190,8 +194,6 @@ Result<std::map<std::string, std::vector<DicomHeader>>> scan_folder(const fs::pa
   return series;
 }
 
-}  // namespace
-
 Result<VolumeRead> read_dicom_file(const fs::path& path, Progress* progress) {
   const auto set = parse_dicom(path);
   if (!set) return fail(set.error());
@@ -199,6 +201,7 @@ Result<VolumeRead> read_dicom_file(const fs::path& path, Progress* progress) {
   return read_headers(path, {std::move(header)}, progress);
 }
 
+/// `series_uid` chooses where the folder holds several series.
 Result<VolumeRead> read_dicom_folder(const fs::path& folder, const std::string& series_uid, Progress* progress) {
   auto series = scan_folder(folder, progress);
   if (!series) return fail(series.error());
@@ -215,6 +218,22 @@ Result<VolumeRead> read_dicom_folder(const fs::path& folder, const std::string& 
   return fail(folder.string(),
               "holds " + std::to_string(series->size()) + " series; choose one with --series UID: " + list);
 }
+
+Result<VolumeRead> read_dicom(const fs::path& path, const VolumeReadOptions& options) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return read_dicom_folder(path, options.series_uid, options.progress);
+  return read_dicom_file(path, options.progress);
+}
+
+}  // namespace
+
+const VolumeFormat formats::dicom{
+    .name = "DICOM",
+    .endings = {".dcm", ".ima"},
+    .in_folder = "DICOM files",
+    .note = "known by its content, whatever its name: the folder of a series, or one file",
+    .recognises = looks_like_dicom,
+    .read = read_dicom};
 
 Result<std::vector<SeriesInfo>> list_series(const fs::path& folder) {
   const auto series = scan_folder(folder, nullptr);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -6,7 +7,9 @@
 #include <string_view>
 
 #include "core/base/files.h"
+#include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
+#include "core/volume/write_voxels.h"
 
 // MetaImage: a few lines "Key = Value", then the voxels [itk.org/Wiki/MetaIO/Documentation]. Read here rather than by
 // ITK's MetaIO, which writes beyond its buffers on damaged headers and leaves the rest of a short file at zero.
@@ -182,8 +185,8 @@ Result<VoxelRun> find_run(const Header& header, StoredType type, double bytes, c
   const std::string skipped_text = header.text({"HeaderSize"});
   const double file_bytes = static_cast<double>(*size), unreadable = -2;
   const double skipped = skipped_text.empty() ? 0 : header.number({"HeaderSize"}, unreadable);
-  if (skipped == -1 && block.compression == Compression::None)  // the voxels end with the file
-    block.offset = static_cast<std::uintmax_t>(std::max(0.0, file_bytes - bytes));
+  if (skipped == -1 && block.compression == Compression::None)  // the voxels end with the file, behind the header
+    block.offset = std::max(block.offset, static_cast<std::uintmax_t>(std::max(0.0, file_bytes - bytes)));
   else if (skipped >= static_cast<double>(block.offset) && skipped > 0 && skipped <= file_bytes &&
            skipped == std::floor(skipped))
     block.offset = static_cast<std::uintmax_t>(skipped);
@@ -194,9 +197,7 @@ Result<VoxelRun> find_run(const Header& header, StoredType type, double bytes, c
   return run;
 }
 
-}  // namespace
-
-Result<VolumeRead> read_metaimage(const fs::path& path, Progress* progress) {
+Result<VolumeRead> read_metaimage(const fs::path& path, const VolumeReadOptions& options) {
   const auto head = read_head(path, longest_text);
   if (!head) return fail(head.error());
   const auto header = parse_header(*head);
@@ -215,11 +216,41 @@ Result<VolumeRead> read_metaimage(const fs::path& path, Progress* progress) {
   for (const int size : shape->geometry.dims) bytes *= size;
   const auto run = find_run(*header, *type, bytes, path);
   if (!run) return fail(run.error());
-  auto stored = read_run(*run, shape->geometry, shape->frames, false, progress);
+  auto stored = read_run(*run, shape->geometry, shape->frames, false, options.progress);
   if (!stored) return fail(stored.error());
   if (auto kept = keep_voxels(std::move(*stored), {}, path.string(), result.volume, result.warnings); !kept)
     return fail(kept.error());
   return result;
 }
+
+Result<void> write_metaimage(const Volume& volume, const fs::path& path, Progress* progress) {
+  constexpr std::array types{"MET_UCHAR", "MET_SHORT", "MET_USHORT", "MET_FLOAT"};
+  const VolumeGeometry& g = volume.geometry;
+  const int n = volume.frames > 1 ? 4 : 3;
+  auto header = exact_text();
+  header << "ObjectType = Image\nNDims = " << n
+         << "\nBinaryData = True\nBinaryDataByteOrderMSB = " << (native_big_endian() ? "True" : "False")
+         << "\nCompressedData = False\nTransformMatrix =";
+  for (int axis = 0; axis < n; ++axis)  // an axis's direction after the other
+    for (int r = 0; r < n; ++r) header << ' ' << (axis < 3 && r < 3 ? g.direction(r, axis) : axis == r ? 1.0 : 0.0);
+  header << "\nOffset = " << g.origin_mm[0] << ' ' << g.origin_mm[1] << ' ' << g.origin_mm[2] << (n == 4 ? " 0" : "");
+  header << "\nElementSpacing = " << g.spacing_mm[0] << ' ' << g.spacing_mm[1] << ' ' << g.spacing_mm[2];
+  if (n == 4) header << ' ' << (volume.frame_seconds > 0 ? volume.frame_seconds : 1);
+  header << "\nDimSize = " << g.dims[0] << ' ' << g.dims[1] << ' ' << g.dims[2];
+  if (n == 4) header << ' ' << volume.frames;
+  header << "\nElementType = " << types[volume.data.index()] << "\nElementDataFile = LOCAL\n";
+  return write_whole_file(path, [&](std::ostream& out) -> Result<void> {
+    out << header.str();
+    return write_plain(out, volume.data, progress);
+  });
+}
+
+}  // namespace
+
+const VolumeFormat formats::metaimage{.name = "MetaImage",
+                                      .endings = {".mha", ".mhd"},
+                                      .written = {".mha"},
+                                      .read = read_metaimage,
+                                      .write = write_metaimage};
 
 }  // namespace homolog

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+/// All that the program knows of an image format. Each has one of these in the source of this folder that is named like
+/// it.
+struct VolumeFormat {
+  std::string name;                  ///< in sentences and in docs/commands.md
+  std::vector<std::string> endings;  ///< of the names of its files, in lower case
+  std::vector<std::string> written;  ///< those that write_volume takes, the usual one first; none where it writes none
+  std::string in_folder;             ///< what a folder of it holds, in sentences; empty where a file holds it all
+  std::string note;                  ///< a remark for docs/commands.md
+
+  /// Whether a file is of this format by its content. Null where the ending of its name decides; where it is not null,
+  /// the endings are those that file dialogs show.
+  bool (*recognises)(const std::filesystem::path& file) = nullptr;
+  /// Takes a file or, where `in_folder` is not empty, a folder. It checks what the header claims with `check_claim`
+  /// before it takes memory, and reads voxels with `read_run` (core/volume/readers.h).
+  Result<VolumeRead> (*read)(const std::filesystem::path& path, const VolumeReadOptions& options);
+  Result<void> (*write)(const Volume& volume, const std::filesystem::path& path, Progress* progress) = nullptr;
+};
+
+namespace formats {
+extern const VolumeFormat dicom, nifti, nrrd, metaimage, stack;
+}
+
+/// The image formats, in the order in which sentences list them and in which a folder is looked through for them.
+inline constexpr std::array volume_formats{&formats::dicom, &formats::nifti, &formats::nrrd, &formats::metaimage,
+                                           &formats::stack};
+
+/// The endings of all formats' names: `endings` or `written`.
+inline std::vector<std::string> volume_format_endings(std::vector<std::string> VolumeFormat::*which) {
+  std::vector<std::string> all;
+  for (const VolumeFormat* format : volume_formats)
+    all.insert(all.end(), (format->*which).begin(), (format->*which).end());
+  return all;
+}
+
+}  // namespace homolog

@@ -8,7 +8,7 @@ namespace homolog {
 
 namespace {
 
-constexpr std::size_t header_bytes = 64, most_segments = 15;
+constexpr std::size_t rle_header_bytes = 64, most_segments = 15;
 
 std::uint32_t number_at(std::span<const char> bytes, std::size_t offset) {
   std::uint32_t number = 0;
@@ -38,12 +38,12 @@ bool decode_segment(std::span<const char> segment, std::span<std::byte> out, std
 }  // namespace
 
 bool decode_rle(std::span<const char> fragment, std::size_t value_bytes, std::span<std::byte> out) {
-  if (fragment.size() < header_bytes || value_bytes < 1 || value_bytes > most_segments) return false;
+  if (fragment.size() < rle_header_bytes || value_bytes < 1 || value_bytes > most_segments) return false;
   if (number_at(fragment, 0) != value_bytes) return false;
   std::array<std::size_t, most_segments + 1> begins{};
   for (std::size_t s = 0; s < value_bytes; ++s) begins[s] = number_at(fragment, 4 * (s + 1));
   begins[value_bytes] = fragment.size();
-  if (begins[0] < header_bytes) return false;
+  if (begins[0] < rle_header_bytes) return false;
   for (std::size_t s = 0; s < value_bytes; ++s) {
     if (begins[s] >= begins[s + 1]) return false;
     // The most significant byte comes first.

@@ -137,7 +137,7 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
       if (button(theme, "Keep it", "It is offered again at the next start", {}, theme.px(82), true)) ask_for({});
     } else {
       if (button(theme, "Recover", "Open it as it was", {}, theme.px(90), true)) {
-        out.send(open_case(found.journal));
+        out.send(open_case_file(found.journal));
         close_dialog(out);
       }
       ImGui::SameLine(0, theme.px(4));

@@ -172,8 +172,7 @@ std::vector<RunningWork> Drawing::running_work() const {
                          verb + std::filesystem::path(job->subject).filename().string(),
                          tip,
                          std::move(cancel),
-                         job->fraction,
-                         {}});
+                         job->fraction});
   };
   show("opening", "Opening ", work_.opener.running(), CancelOpening{}, "What is open stays as it is");
   show("reading", "Reading ", work_.imports.running(), CancelReading{}, "The case stays as it is");

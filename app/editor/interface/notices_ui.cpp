@@ -45,7 +45,7 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   if (!notice.case_before.empty()) {
     ImGui::SetCursorPosX(theme.px(36));
     if (button(theme, "Open it again", notice.case_before.string(), {}, theme.px(140), true)) {
-      out.send(open_case(notice.case_before));
+      out.send(open_case_file(notice.case_before));
       dismiss_notice(index, out);
     }
   }

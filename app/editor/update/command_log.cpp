@@ -83,6 +83,9 @@ Result<std::vector<Command>> read_log(const std::filesystem::path& path) {
 }
 
 Result<void> CommandLog::write_to(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !read_log(path))
+    return fail(path.string(), "is there already and is no log of commands; give another name");
   file_.open(path, std::ios::trunc);
   if (!file_) return fail(path.string(), std::string("cannot be written: ") + std::strerror(errno));
   for (const std::string& line : lines_) file_ << line << '\n';

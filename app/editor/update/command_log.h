@@ -25,7 +25,8 @@ Result<std::vector<Command>> read_log(const std::filesystem::path& path);
 /// done, and one that was given up is not logged at all. Previews are not.
 class CommandLog {
  public:
-  /// From now on every line is also written to a file, at once. Errors: it cannot be made.
+  /// From now on every line is also written to a file, at once, in place of an older log. Errors: it cannot be made, or
+  /// holds something else.
   Result<void> write_to(const std::filesystem::path& path);
   /// A command that was given, and done unless its work goes on.
   void was_given(const Command& command);

@@ -145,6 +145,9 @@ TEST_CASE("a line of the log that is no command is refused by its number") {
     CHECK(read.error().sentence().find("line 2") != std::string::npos);
   }
   CHECK_FALSE(read_log(folder.path / "absent.log"));
+  CommandLog over;
+  CHECK_FALSE(over.write_to(log));  // what is no log is not written over
+  CHECK(over.write_to(folder.path / "new.log"));
 }
 
 TEST_CASE("every purpose of a file has a row and every key is in the page on editing") {

@@ -81,7 +81,7 @@ void OpenRequested::run(Editing& editing) const {
   editing.work.opener.start(request);
 }
 
-OpenRequested open_case(const fs::path& file) {
+OpenRequested open_case_file(const fs::path& file) {
   OpenRequested open;
   open.request.case_file = file;
   return open;

@@ -32,7 +32,7 @@ struct OpenRequested {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
-OpenRequested open_case(const std::filesystem::path& file);
+OpenRequested open_case_file(const std::filesystem::path& file);
 /// A path, or "built-in:kidney".
 OpenRequested open_template(const std::string& source);
 OpenRequested open_labels(const std::filesystem::path& file);

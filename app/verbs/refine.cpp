@@ -4,10 +4,10 @@
 #include <filesystem>
 
 #include "app/verbs/describe.h"
-#include "core/case/case_file.h"
 #include "core/deform/fold_guard.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/session/case_file.h"
 
 // The verb `refine`: moves the vertices of a case along the surface that its mesh has.
 

@@ -5,9 +5,9 @@
 
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/remesh.h"
-#include "core/template/label_region.h"
-#include "core/template/level_set.h"
-#include "core/template/voxel_components.h"
+#include "core/template_making/label_region.h"
+#include "core/template_making/level_set.h"
+#include "core/template_making/voxel_components.h"
 
 namespace homolog {
 

@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "core/case/document.h"
 #include "core/fit/boundary.h"
 #include "core/mesh/surface_search.h"
 #include "core/placement/likely_similarity.h"
+#include "core/template/template.h"
 
 namespace homolog {
 

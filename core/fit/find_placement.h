@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "core/case/document.h"
 #include "core/fit/boundary.h"
 #include "core/fit/closest_points.h"
+#include "core/template/template.h"
 
 namespace homolog {
 

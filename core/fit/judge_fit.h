@@ -5,6 +5,7 @@
 
 #include "core/fit/mask_fit.h"
 #include "core/measure/compare.h"
+#include "core/template/template.h"
 
 namespace homolog {
 

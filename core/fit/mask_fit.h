@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/case/document.h"
 #include "core/fit/boundary.h"
 #include "core/fit/find_placement.h"
+#include "core/template/template.h"
 
 namespace homolog {
 

@@ -5,8 +5,8 @@
 
 #include "core/snap/appearance.h"
 #include "core/snap/edge_search.h"
-#include "core/template/mask_template.h"
-#include "core/template/tube_template.h"
+#include "core/template_making/mask_template.h"
+#include "core/template_making/tube_template.h"
 
 namespace homolog {
 

@@ -6,7 +6,7 @@
 
 #include "app/editor/state/outcomes.h"
 #include "core/base/progress.h"
-#include "core/case/session_thread.h"
+#include "core/session/session_thread.h"
 #include "core/snap/snap_document.h"
 
 namespace homolog {

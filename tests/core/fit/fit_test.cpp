@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "core/catalogue/catalogue.h"
 #include "core/deform/fold_guard.h"
 #include "core/fit/judge_fit.h"
 #include "core/fit/untangle.h"

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "core/case/session.h"
+#include "core/catalogue/catalogue.h"
 #include "core/deform/fold_guard.h"
 #include "core/deform/tangential.h"
 #include "core/fit/refine.h"
@@ -8,6 +8,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/phantom/phantom.h"
+#include "core/session/session.h"
 #include "tests/must.h"
 #include "tests/shapes.h"
 

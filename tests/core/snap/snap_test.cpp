@@ -2,13 +2,15 @@
 
 #include <cmath>
 
-#include "core/case/case_file.h"
-#include "core/case/session.h"
+#include "core/case/action_line.h"
+#include "core/catalogue/catalogue.h"
 #include "core/deform/fold_guard.h"
 #include "core/fit/refine.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/phantom/phantom.h"
+#include "core/session/case_file.h"
+#include "core/session/session.h"
 #include "core/snap/propagate.h"
 #include "core/snap/snap_document.h"
 #include "core/solve/elimination_plan.h"

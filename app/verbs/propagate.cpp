@@ -3,14 +3,14 @@
 
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
+#include "core/adapt/propagate.h"
+#include "core/assist/assist.h"
 #include "core/base/files.h"
 #include "core/case/action_line.h"
 #include "core/catalogue/catalogue.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"
 #include "core/session/case_header.h"
-#include "core/snap/propagate.h"
-#include "core/snap/snap_document.h"
 
 // The verb `propagate`: the mesh of one frame through a whole cine.
 

@@ -1,11 +1,13 @@
 #include "core/session/checkpoint.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "core/base/json.h"
 #include "core/case/action_json.h"
 #include "core/case/packed.h"
+#include "core/case/placing.h"
 #include "core/mesh/mirror.h"
 #include "core/session/case_lines.h"
 
@@ -163,6 +165,38 @@ Document document_of(const Json& json, const Document& start) {
   return document;
 }
 
+bool is_positive(double value) {
+  return value > 0 && std::isfinite(value);
+}
+
+bool is_sound(const Regions& regions, Eigen::Index vertices) {
+  const std::size_t numbers = regions.of_vertex.size(), most = regions.list.size();
+  return (numbers == 0 || numbers == static_cast<std::size_t>(vertices)) && most <= 255 &&
+         std::all_of(regions.of_vertex.begin(), regions.of_vertex.end(), [&](auto number) { return number <= most; }) &&
+         std::all_of(regions.list.begin(), regions.list.end(),
+                     [](const Region& region) { return is_positive(region.factor); });
+}
+
+bool is_sound(const Shape& shape) {
+  const auto finite = [](const auto& values) { return !values || values->allFinite(); };
+  return check_placement(shape.placement) && finite(shape.points) && finite(shape.reference) &&
+         finite(shape.confirmed) && finite(shape.decided) && finite(shape.unaided) && shape.strokes >= 0;
+}
+
+/// Whether a document is one that actions can make: a line that was damaged may be read and hold anything.
+bool is_sound(const Document& document) {
+  const int frames = document.volume ? document.volume->frames : 1;
+  const auto frame_exists = [&](int frame) { return frame >= 0 && frame < frames; };
+  return frame_exists(document.frame) && document.has_shape() && is_positive(document.stiffness_base) &&
+         document.stiffness->allFinite() && (document.stiffness->array() > 0).all() &&
+         is_sound(*document.regions, document.stiffness->size()) && document.scheme >= Scheme::anchored &&
+         document.scheme <= Scheme::raw && document.paper_events >= 1 && document.paper_events <= 1000 &&
+         document.spacing >= 0 && document.spacing <= 1 && document.landmark_fit >= LandmarkFit::off &&
+         document.landmark_fit <= LandmarkFit::warp &&
+         std::all_of(document.shapes.begin(), document.shapes.end(),
+                     [&](const auto& one) { return frame_exists(one.first) && is_sound(one.second); });
+}
+
 /// A checksum of all that a replay starts from.
 std::uint32_t start_check(const Document& start) {
   const auto bytes_of = [](const auto& array) {
@@ -212,7 +246,8 @@ std::optional<Document> read_checkpoint(const std::string& line, const Document&
     if (checkpoint.at("version") != HOMOLOG_VERSION || checkpoint.at("start") != start_check(start) ||
         checkpoint.at("lines") != lines_check)
       return std::nullopt;
-    return document_of(checkpoint.at("document"), start);
+    Document document = document_of(checkpoint.at("document"), start);
+    return is_sound(document) ? std::optional(std::move(document)) : std::nullopt;
   } catch (const Unusable&) {
     return std::nullopt;
   } catch (const Json::exception&) {

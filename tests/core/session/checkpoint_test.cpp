@@ -1,11 +1,12 @@
 #include "core/session/checkpoint.h"
 
 #include <algorithm>
-#include <bit>
 #include <fstream>
+#include <functional>
+#include <span>
 
+#include "core/base/json.h"
 #include "core/case/action_line.h"
-#include "core/case/moved_points.h"
 #include "core/case/packed.h"
 #include "core/session/line_kind.h"
 #include "tests/case_steps.h"
@@ -14,6 +15,8 @@
 namespace homolog {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 constexpr HistoryLimits often{.replayed_steps = 10};
 
@@ -41,35 +44,6 @@ ReplayOptions every_line() {
 
 }  // namespace
 
-TEST_CASE("packed numbers read back to the last bit and damage is refused") {
-  std::mt19937_64 random(1);
-  for (const std::size_t count : {0, 1, 2, 3, 1000}) {
-    std::vector<double> doubles(count);
-    std::vector<std::uint32_t> whole(count);
-    std::vector<std::uint8_t> bytes(count);
-    for (std::size_t k = 0; k < count; ++k) {
-      doubles[k] = std::bit_cast<double>(random() >> 2);
-      whole[k] = static_cast<std::uint32_t>(random() >> (random() % 64));
-      bytes[k] = static_cast<std::uint8_t>(random() % 3);
-    }
-    CHECK(unpacked<double>(packed<double>(doubles), count).value() == doubles);
-    CHECK(unpacked<std::uint32_t>(packed<std::uint32_t>(whole), count).value() == whole);
-    CHECK(unpacked<std::uint8_t>(packed<std::uint8_t>(bytes), count).value() == bytes);
-    CHECK_FALSE(unpacked<double>(packed<double>(doubles), count + 1));
-    CHECK_FALSE(unpacked<double>(packed<double>(doubles), std::size_t{1} << 40));
-  }
-  std::vector<std::uint32_t> whole(1000);
-  for (auto& one : whole) one = static_cast<std::uint32_t>(random());
-  const std::string text = packed<std::uint32_t>(whole);
-  for (int k = 0; k < 200; ++k) {
-    std::string damaged = text;
-    damaged[random() % damaged.size()] = "AZaz09+/=\n\"x"[random() % 12];
-    const auto read = unpacked<std::uint32_t>(damaged, whole.size());
-    if (read) CHECK(*read == whole);  // the last letter may have bits to spare
-    CHECK_FALSE(unpacked<std::uint32_t>(text.substr(0, random() % text.size()), whole.size()));
-  }
-}
-
 TEST_CASE("computed points are rounded when they are made and are the same in the case and after a replay") {
   const CaseFolder folder;
   EditSession session = folder.create();
@@ -91,27 +65,6 @@ TEST_CASE("computed points are rounded when they are made and are the same in th
     CHECK(static_cast<double>(folder.text().size() - bytes) < 3.3 * moved + 500);
     CHECK(*read_case(folder.case_path, every_line())->session.document().shape().points == after);
   }
-}
-
-TEST_CASE("moves come to the same place from half a step away") {
-  std::mt19937 random(2);
-  std::uniform_real_distribution<double> mm(-200, 200);
-  Points from(1000, 3);
-  for (Eigen::Index k = 0; k < from.size(); ++k) {
-    from.data()[k] = mm(random);
-    if (k % 3 == 0) from.data()[k] = (std::floor(from.data()[k] * 65536) + 0.5) / 65536;  // where rounding is undecided
-  }
-  Points to = from;
-  for (Eigen::Index k = 0; k < to.size(); ++k) to.data()[k] = on_grid(from.data()[k] + (k % 2 == 0 ? 0 : mm(random)));
-  const auto moves = moves_of(from, {"snap", std::nullopt, std::make_shared<const Points>(to)});
-  REQUIRE(moves);
-  for (const double off : {0.0, 1e-12, -1e-12, 0.4 / 65536, -0.4 / 65536}) {
-    const Points near = from.array() + off;
-    CHECK(*points_of(near, *moves)->points == to);
-  }
-  to(5, 1) += 1e-9;
-  CHECK_FALSE(moves_of(from, {"snap", std::nullopt, std::make_shared<const Points>(to)}));
-  CHECK_FALSE(points_of(from.topRows(999), *moves));
 }
 
 TEST_CASE("a case of an older version opens to the same points") {
@@ -207,6 +160,41 @@ TEST_CASE("a checkpoint is never trusted over the lines before it") {
   other.points *= 1.1;
   REQUIRE(write_mesh_file(other, folder.template_path));
   CHECK(points() == played());
+}
+
+TEST_CASE("a checkpoint that holds what no case can hold is passed over") {
+  const CaseFolder folder;
+  auto session = folder.create();
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  REQUIRE(session.apply(SetRegion{{"cap", 2, {}}}));
+  REQUIRE(session.apply(PaintRegion{"cap", pole, 10, 0}));
+  const Document start = folder.document();
+  const std::string line = checkpoint_line(start, session.document(), 7).value();
+  REQUIRE(read_checkpoint(line, start, 7));
+  const auto without_shape = [](Json& document) { document["shapes"] = Json::array(); };
+  const std::vector<std::function<void(Json&)>> damages{
+      [](Json& document) { document["frame"] = 3; },
+      [](Json& document) { document["shapes"][0]["frame"] = 3; },
+      [](Json& document) { document["scheme"] = 9; },
+      [](Json& document) { document["events"] = 0; },
+      [](Json& document) { document["spacing"] = -1; },
+      [](Json& document) { document["landmark_fit"] = 3; },
+      [](Json& document) { document["stiffness_base"] = 0; },
+      [](Json& document) { document["regions"].clear(); },
+      [](Json& document) { document["regions"][0]["factor"] = -1; },
+      [](Json& document) {
+        document["of_vertex"] = packed(std::span<const std::uint8_t>(std::vector<std::uint8_t>{1}));
+        document["regions_of"] = 1;
+      },
+      [](Json& document) { document["shapes"][0]["placement"]["scale"] = 0; },
+      [](Json& document) { document["shapes"][0]["strokes"] = -1; },
+      without_shape};
+  for (std::size_t k = 0; k < damages.size(); ++k) {
+    CAPTURE(k);
+    Json damaged = Json::parse(line);
+    damages[k](damaged["checkpoint"]["document"]);
+    CHECK_FALSE(read_checkpoint(damaged.dump(), start, 7));
+  }
 }
 
 TEST_CASE("a checkpoint that finds no room is left out and the edit is made") {

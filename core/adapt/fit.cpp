@@ -59,6 +59,8 @@ class Fitting {
     const Points placed = shape_.placement.apply(reference_.points);
     shape_.mesh = {reference_.topology,
                    warp_to_boundary(reference_.topology, placed, shape_.placement.apply(own), there, trust_, search_)};
+    if (!shape_.mesh.points.allFinite() || !(shape_.placement.scale > 0))
+      return fail("", "the template cannot be laid on the surface: one of them is flat or has no size; check both");
     start_ = shape_.placement.inverse().apply(shape_.mesh.points);
     return show(0.1);
   }

@@ -37,7 +37,8 @@ struct FitResult {
 /// targets on the boundary in both directions and on the landmarks; at the end vertices on the boundary, spread as in
 /// the reference as far as that allows, no triangle turned and no faces that meet. Deviates from Eq. 2
 /// [Erdt 2009, §2.2]: where the boundary is not known the force has next to no weight and the shape decides.
-/// Errors: the placement given does not reach the boundary; cancelled.
+/// Errors: the placement given does not reach the boundary; a template or a boundary that is flat or has no size;
+/// cancelled.
 Result<FitResult> fit_to_boundary(const Template& reference, const Boundary& boundary, const FitOptions& options = {});
 
 }  // namespace homolog

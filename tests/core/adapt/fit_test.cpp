@@ -14,6 +14,7 @@
 #include "core/volume/volume_io.h"
 #include "tests/ball.h"
 #include "tests/real_data.h"
+#include "tests/refusal.h"
 #include "tests/shapes.h"
 
 using namespace homolog;
@@ -389,6 +390,20 @@ TEST_CASE("a real kidney that moves by a billionth of a millimetre moves its fit
     const Volume mask = read_volume(data / "kidney_masks" / (name + ".nii.gz")).value().volume;
     CHECK(moved_by_a_last_bit(*reference, mask, 3) < 1e-3);
   }
+}
+
+TEST_CASE("a surface or a template that is flat or has no size is named as the cause") {
+  const Mesh ball = icosphere(2, 20);
+  const auto sound = make_template({ball.points, ball.topology->triangles()}, "ball").value();
+  for (const double scale : {0.0, 1e200}) {
+    Mesh point = ball;
+    point.points *= scale;
+    const auto none = make_template({point.points, point.topology->triangles()}, "point").value();
+    CHECK(says(fit_to_boundary(*sound, mesh_boundary(point)), "is flat or has no size"));
+    CHECK(says(fit_to_boundary(*none, mesh_boundary(ball)), "is flat or has no size"));
+  }
+  const Mesh triangle = shapes::make_mesh({{0, 0, 0}, {10, 0, 0}, {0, 10, 0}}, {{0, 1, 2}});
+  CHECK(says(fit_to_boundary(*sound, mesh_boundary(triangle)), "is flat or has no size"));
 }
 
 TEST_CASE("a fit that is cancelled says so") {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "core/fit/mask_fit.h"
+#include "core/adapt/fit.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"
 #include "core/phantom/phantom.h"

@@ -1,15 +1,12 @@
-// A force of your own: every landmark is drawn to a cylinder, while the reference, turned ring by ring, keeps the
-// landmarks in their places. This is how `fit` works, with another force.
+// A force of your own: every vertex is drawn to a cylinder, while the reference, turned ring by ring, keeps the
+// vertices in their places. `fit` and `snap` work like this, with other forces.
 //
 //     example_own_force
 
-#include <cmath>
 #include <cstdio>
 
-#include "core/deform/local_rotations.h"
+#include "core/adapt/annealing.h"
 #include "core/mesh/icosphere.h"
-#include "core/mesh/mesh_quality.h"
-#include "core/solve/shape_solver.h"
 
 using namespace homolog;
 
@@ -27,6 +24,11 @@ Points targets_of(const Points& points) {
   return targets;
 }
 
+/// Every vertex pulls as hard as one whose place on a boundary is sure.
+Force to_cylinder(const Mesh& mesh, double) {
+  return {VertexScalars::Constant(mesh.points.rows(), 1 / least_weight), targets_of(mesh.points) / least_weight};
+}
+
 double mean_distance_mm(const Points& points) {
   return (targets_of(points) - points).rowwise().norm().mean();
 }
@@ -34,19 +36,15 @@ double mean_distance_mm(const Points& points) {
 }  // namespace
 
 int main() {
-  Mesh mesh = icosphere(3, 50);
-  const Points reference = mesh.points;
-  const double edge_mm = mean_edge_mm(*mesh.topology, reference), first_mm = mean_distance_mm(mesh.points);
+  const Mesh ball = icosphere(3, 50);
+  const double first_mm = mean_distance_mm(ball.points);
 
-  ShapeSolver solver(mesh.topology);
-  // From stiff to soft: large things move first, details last.
-  for (double length_mm = 40; length_mm > edge_mm; length_mm *= 0.7) {
-    const VertexScalars w = VertexScalars::Constant(reference.rows(), stiffness_from_length(length_mm, edge_mm));
-    if (const auto ready = solver.factorise(w); !ready) return 1;
-    const auto turned = fit_local_rotations(*mesh.topology, reference, mesh.points);
-    mesh.points =
-        solver.solve(Points(targets_of(mesh.points) + rotated_reference_force(*mesh.topology, w, reference, turned)));
-  }
-  std::printf("mean distance to the cylinder %.2f -> %.2f mm\n", first_mm, mean_distance_mm(mesh.points));
-  return mean_distance_mm(mesh.points) < 0.5 * first_mm ? 0 : 1;
+  const Similarity as_it_is;
+  Adapting shape{ball, ball.points, as_it_is, ball.points, VertexScalars::Ones(ball.points.rows()), {}};
+  ShapeSolver solver(ball.topology);
+  if (!anneal(shape, solver, {.steps = 8, .softest_edges = 1}, to_cylinder)) return 1;
+
+  const double last_mm = mean_distance_mm(shape.mesh.points);
+  std::printf("mean distance to the cylinder %.2f -> %.2f mm\n", first_mm, last_mm);
+  return last_mm < 0.5 * first_mm ? 0 : 1;
 }

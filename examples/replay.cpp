@@ -5,7 +5,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "core/case/case_file.h"
+#include "core/catalogue/catalogue.h"
+#include "core/session/case_file.h"
 
 using namespace homolog;
 

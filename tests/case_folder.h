@@ -5,7 +5,8 @@
 #include <fstream>
 
 #include "core/base/files.h"
-#include "core/case/case_file.h"
+#include "core/catalogue/catalogue.h"
+#include "core/session/case_file.h"
 #include "tests/shapes.h"
 #include "tests/temporary_folder.h"
 

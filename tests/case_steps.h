@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "core/case/checkpoint.h"
+#include "core/session/checkpoint.h"
 #include "tests/case_folder.h"
 
 namespace homolog {

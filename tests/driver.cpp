@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "core/case/case_file.h"
+#include "core/session/case_file.h"
 #include "tests/must.h"
 #include "tests/wait.h"
 

@@ -9,8 +9,9 @@
 
 #include "app/verbs/median.h"
 #include "app/verbs/memory.h"
-#include "core/case/case_file.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
+#include "core/session/case_file.h"
 
 namespace homolog {
 

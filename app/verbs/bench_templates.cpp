@@ -6,7 +6,7 @@
 
 #include "app/verbs/median.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/template/mask_template.h"
+#include "core/template_making/mask_template.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

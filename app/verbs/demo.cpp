@@ -5,11 +5,11 @@
 #include "app/verbs/verb.h"
 #include "core/base/files.h"
 #include "core/base/picture_io.h"
-#include "core/case/case_file.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
 #include "core/model/statismo.h"
+#include "core/session/case_file.h"
 #include "core/study/scripted_user.h"
 #include "core/volume/volume_io.h"
 

@@ -1,10 +1,10 @@
 #include "app/verbs/describe.h"
 
-#include "core/case/case_file.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/statismo.h"
+#include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

@@ -9,10 +9,11 @@
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
 #include "app/verbs/verb.h"
+#include "core/adapt/judge_fit.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/case/action_json.h"
-#include "core/fit/judge_fit.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mirror.h"
 #include "core/placement/likely_similarity.h"
@@ -348,8 +349,7 @@ void check(const Options& options) {
 void add_fit(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "fit", "Fits a template to label maps, surfaces or an image");
-  verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
-      ->required();
+  verb->add_option("TEMPLATE", options->template_source, template_sources())->required();
   auto* mask =
       verb->add_option("--mask", options->masks, "The label map to fit to. Several label maps go into a folder");
   verb->add_option("--mesh", options->meshes, "The surface to fit to. Several surfaces go into a folder")

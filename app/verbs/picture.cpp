@@ -9,11 +9,11 @@
 #include "app/pictures/pictures.h"
 #include "app/verbs/verb.h"
 #include "core/base/picture_io.h"
-#include "core/case/case_file.h"
 #include "core/mesh/mirror.h"
 #include "core/model/shape_files.h"
 #include "core/model/statismo.h"
 #include "core/model/study.h"
+#include "core/session/case_file.h"
 #include "render/offscreen.h"
 
 namespace homolog {

@@ -3,12 +3,14 @@
 
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
+#include "core/adapt/propagate.h"
+#include "core/assist/assist.h"
 #include "core/base/files.h"
-#include "core/case/case_file.h"
-#include "core/case/case_header.h"
+#include "core/case/action_line.h"
+#include "core/catalogue/catalogue.h"
 #include "core/model/study.h"
-#include "core/snap/propagate.h"
-#include "core/snap/snap_document.h"
+#include "core/session/case_file.h"
+#include "core/session/case_header.h"
 
 // The verb `propagate`: the mesh of one frame through a whole cine.
 
@@ -60,7 +62,7 @@ Result<std::string> case_lines(const PropagateVerb& verb, const Document& initia
 /// Every frame as a case of a study; those in doubt are still to do.
 Study study_of(const PropagateVerb& verb, const Propagation& propagation, const fs::path& case_path) {
   Study study;
-  study.template_file = fs::absolute(verb.mesh);
+  study.template_file = names_file(verb.mesh) ? fs::absolute(verb.mesh) : fs::path(verb.mesh);
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
     StudyCase one;
     one.name = frame_name(f);

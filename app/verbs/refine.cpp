@@ -1,13 +1,13 @@
-#include "core/fit/refine.h"
+#include "core/assist/assist.h"
 
 #include <chrono>
 #include <filesystem>
 
 #include "app/verbs/describe.h"
-#include "core/case/case_file.h"
 #include "core/deform/fold_guard.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/session/case_file.h"
 
 // The verb `refine`: moves the vertices of a case along the surface that its mesh has.
 
@@ -26,11 +26,11 @@ Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
   if (!read) return fail(read.error());
   EditSession& session = read->session;
   const auto start = std::chrono::steady_clock::now();
-  auto refined = refine(session.document(), &progress);
+  auto refined = refine_document(session.document(), &progress);
   if (!refined) return fail(verb.file.string(), refined.error().what);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Mesh before = session.document().mesh();
-  if (auto done = session.apply(std::move(refined->edit)); !done) return fail(verb.file.string(), done.error().what);
+  if (auto done = session.apply(std::move(refined->action)); !done) return fail(verb.file.string(), done.error().what);
   const Document& document = session.document();
   if (!verb.out.empty()) {
     auto written = write_mesh_file(to_mesh_file(document, document.frame), verb.out);

@@ -2,8 +2,8 @@
 #include <filesystem>
 
 #include "app/verbs/verb.h"
-#include "core/case/case_file.h"
 #include "core/deform/fold_guard.h"
+#include "core/session/case_file.h"
 
 namespace homolog {
 

@@ -3,8 +3,9 @@
 
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
-#include "core/case/case_file.h"
-#include "core/snap/snap_document.h"
+#include "core/assist/assist.h"
+#include "core/catalogue/catalogue.h"
+#include "core/session/case_file.h"
 
 // The verb `snap`: draws a mesh, or a case's mesh as one more edit of it, to the boundary that an image shows.
 

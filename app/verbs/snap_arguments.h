@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/verbs/verb.h"
-#include "core/snap/snap.h"
+#include "core/adapt/snap.h"
 
 namespace homolog {
 

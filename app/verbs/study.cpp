@@ -1,9 +1,10 @@
 #include "app/verbs/study.h"
 
 #include "app/verbs/read_image.h"
-#include "core/case/case_file.h"
+#include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
 #include "core/mesh/landmark_io.h"
+#include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {
@@ -62,8 +63,7 @@ Result<Report> study_user(const UserOptions& options, Progress& progress) {
 void add_user(CLI::App& study, CommandLine& asked) {
   auto options = std::make_shared<UserOptions>();
   CLI::App* verb = add_verb(study, "user", "A scripted user adapts a template to a label map and writes a case file");
-  verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
-      ->required();
+  verb->add_option("TEMPLATE", options->template_source, template_sources())->required();
   verb->add_option("--mask", options->mask, "The label map to adapt to")->required();
   add_target_options(*verb, options->target);
   verb->add_option("--landmarks", options->landmarks, "Named places on the organ that the scripted user is shown");

@@ -8,10 +8,11 @@
 #include "app/verbs/study_chart.h"
 #include "app/verbs/study_tables.h"
 #include "core/base/files.h"
-#include "core/case/case_file.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/landmark_io.h"
 #include "core/model/measures.h"
 #include "core/model/model_files.h"
+#include "core/session/case_file.h"
 
 // The verb `study schemes`: the claims measured [docs/method.md §6].
 
@@ -79,7 +80,7 @@ void share_landmarks(std::vector<Landmark> landmarks, std::size_t index, StudySu
 Result<StudySubject> read_subject(const Options& options, const Template& reference, std::size_t index,
                                   Progress& progress) {
   if (!options.phantoms.empty()) {
-    const auto organ = organ_from_name(options.template_source.substr(options.template_source.find(':') + 1));
+    const auto organ = built_in_organ(options.template_source);
     if (!organ) return fail(organ.error());
     return phantom_study_subject(*organ, options.phantoms[index]);
   }
@@ -268,7 +269,7 @@ Result<Report> study_schemes(const Options& options, Progress& progress) {
 void check(const Options& options) {
   const int kinds = !options.phantoms.empty() + !options.masks.empty() + !options.meshes.empty();
   if (kinds != 1) throw CLI::RequiredError("exactly one of --phantoms, --mask and --mesh");
-  if (!options.phantoms.empty() && !options.template_source.starts_with("built-in:"))
+  if (!options.phantoms.empty() && !is_built_in(options.template_source))
     throw CLI::ValidationError("--phantoms", "is for the built-in templates");
   if (!options.landmarks.empty() && options.landmarks.size() != options.subjects())
     throw CLI::ValidationError("--landmarks", "needs one file for each case, in their order");
@@ -280,8 +281,7 @@ void check(const Options& options) {
 void add_study_schemes(CLI::App& study, CommandLine& asked) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(study, "schemes", "Compares ways of working: every scheme on every case, as tables");
-  verb->add_option("TEMPLATE", options->template_source, "Template mesh, or built-in:kidney, built-in:vertebra …")
-      ->required();
+  verb->add_option("TEMPLATE", options->template_source, template_sources())->required();
   verb->add_option("--phantoms", options->phantoms, "Numbers of phantom subjects of the built-in template's organ")
       ->check(CLI::NonNegativeNumber)
       ->delimiter(',');

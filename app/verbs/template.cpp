@@ -7,8 +7,8 @@
 #include "app/verbs/verb.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_io.h"
-#include "core/template/mesh_template.h"
-#include "core/template/template_file.h"
+#include "core/template_making/mesh_template.h"
+#include "core/template_making/template_file.h"
 #include "core/volume/volume_io.h"
 
 // The verb `template`: makes a template from a label map or from an existing surface.

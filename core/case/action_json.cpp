@@ -3,9 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/json.h"
-
-#include "core/case/action_line.h"
 #include "core/case/actions/fields.h"
 
 namespace homolog {
@@ -57,21 +54,6 @@ Result<Action> action_from_json(const Json& line) {
 
 std::string dumped(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-std::string action_line(const Action& action, bool joined) {
-  Json json = to_json(action);
-  if (joined) json["joined"] = true;
-  return dumped(json);
-}
-
-Result<EditStep> parse_action(const std::string& line) {
-  const auto json = read_json<Json>(line);
-  if (!json) return fail(json.error());
-  auto action = action_from_json(*json);
-  if (!action) return fail(action.error());
-  const auto joined = json->find("joined");
-  return EditStep{std::move(*action), joined != json->end() && *joined == true};
 }
 
 Json to_json(const Similarity& placement) {

@@ -1,40 +1,14 @@
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "core/deform/stroke.h"
-#include "core/mesh/mesh_io.h"
-#include "core/mesh/surface_search.h"
-#include "core/mesh/topology.h"
+#include "core/template/template.h"
 #include "core/volume/volume.h"
-#include "core/volume/volume_io.h"
 
 namespace homolog {
-
-/// The mesh that every case of a study starts from, with its stiffness, regions and landmarks. Immutable.
-struct Template {
-  std::string source;  ///< path, or "built-in:kidney"
-  std::shared_ptr<const Topology> topology;
-  Points points;                                   ///< in the template's own frame, mm
-  VertexScalars stiffness;                         ///< factor_i of every vertex
-  double stiffness_base = default_stiffness_base;  ///< w_i = base × factor_i
-  Regions regions;
-  std::vector<Landmark> landmarks;            ///< named, in the template's own frame
-  std::vector<SurfacePoint> landmark_points;  ///< where on the surface each of them lies
-};
-
-/// The landmarks that both the template and `placed` name: where the template has them, and where they were placed. Row
-/// k of both is the same landmark.
-std::pair<Points, Points> matched_landmarks(const Template& reference, const std::map<std::string, Vec3>& placed);
-
-/// Where a landmark of the template lies on a mesh of the same numbering; and the same for all landmarks. `points`:
-/// n×3, mm.
-Vec3 carried_landmark(const Template& reference, std::size_t landmark, const Points& points);
-std::vector<Landmark> carried_landmarks(const Template& reference, const Points& points);
 
 /// How placed landmarks move the reference before the first stroke.
 enum class LandmarkFit {
@@ -68,7 +42,7 @@ Points unaided_points(const Shape& shape);
 
 /// Everything of a case that is saved, as a value: a copy is a few reference counts, and undo keeps copies.
 struct Document {
-  std::string volume_source;  ///< path, or "phantom:kidney:1"; empty without an image
+  std::string volume_source;  ///< path, or the name of a phantom [core/catalogue]; empty without an image
   std::shared_ptr<const Volume> volume;
   std::shared_ptr<const Template> reference;  ///< null until a template is loaded
   std::map<int, Shape> shapes;                ///< by frame; a static volume has frame 0 only
@@ -90,22 +64,11 @@ struct Document {
   Mesh mesh() const { return {reference->topology, *shape().points}; }
 };
 
-/// A template from what a file holds; factors default to 1. Errors: Topology::make's.
-Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source);
-/// The same template with other landmarks.
-std::shared_ptr<const Template> with_landmarks(const Template& reference, std::vector<Landmark> landmarks);
-MeshFile to_mesh_file(const Template& reference);
 /// The template of a case as it was painted: its own points, with the case's stiffness and regions.
 MeshFile painted_template(const Document& document);
 /// A shape of the case as a file holds it: its points, the case's stiffness, and the landmarks where they were placed
 /// in the image. `frame` must have a shape.
 MeshFile to_mesh_file(const Document& document, int frame);
-
-/// Reads a template file, or makes a built-in one ("built-in:kidney").
-Result<std::shared_ptr<const Template>> load_template(const std::string& source);
-
-/// Reads a volume (see read_volume), or makes a phantom's image ("phantom:kidney:1").
-Result<VolumeRead> load_volume(const std::string& source, const VolumeReadOptions& options = {});
 
 /// A case without edits: the template in the middle of the volume, upright, at its own size. Volume and template may be
 /// null. Never fails.

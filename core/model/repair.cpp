@@ -2,7 +2,8 @@
 
 #include "core/base/files.h"
 #include "core/base/text.h"
-#include "core/case/case_file.h"
+#include "core/catalogue/catalogue.h"
+#include "core/session/case_file.h"
 
 namespace homolog {
 

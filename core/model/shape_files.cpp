@@ -4,9 +4,9 @@
 
 #include "core/base/files.h"
 #include "core/base/text.h"
-#include "core/case/case_file.h"
 #include "core/mesh/mirror.h"
 #include "core/model/study.h"
+#include "core/session/case_file.h"
 
 namespace homolog {
 

@@ -8,6 +8,7 @@
 #include "core/base/json.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
+#include "core/catalogue/catalogue.h"
 
 namespace homolog {
 
@@ -20,18 +21,14 @@ constexpr int version = 1;
 constexpr std::size_t longest_case_name = 200;  // bytes: files are named by it
 constexpr std::array<const char*, 3> state_names{"to do", "in work", "done"};
 
-bool is_built_in(const fs::path& file) {
-  return file.string().rfind("built-in:", 0) == 0;
-}
-
 fs::path absolute_in(const fs::path& folder, const std::string& text) {
-  if (text.empty() || is_built_in(text)) return text;
+  if (!names_file(text)) return text;
   return (folder / text).lexically_normal();
 }
 
 /// Relative to the folder where that is possible, with slashes on every system.
 std::string relative_to(const fs::path& folder, const fs::path& file) {
-  if (file.empty() || is_built_in(file)) return file.string();
+  if (!names_file(file.string())) return file.string();
   const fs::path relative = absolute_path(file).lexically_relative(folder);
   return (relative.empty() ? file : relative).generic_string();
 }
@@ -131,7 +128,7 @@ std::vector<std::string> missing_files(const Study& study, const fs::path& path)
     warnings = {path.string() + ": none of its " + std::to_string(study.cases.size()) +
                 " cases is where it says (first " + excerpt(study.cases.front().file.string()) +
                 "); move the study's whole folder, not the file alone"};
-  if (!study.template_file.empty() && !is_built_in(study.template_file) && !fs::exists(study.template_file, ignored))
+  if (names_file(study.template_file.string()) && !fs::exists(study.template_file, ignored))
     warnings.push_back("template " + excerpt(study.template_file.string()) +
                        " is not there; put it back, or choose another");
   return warnings;

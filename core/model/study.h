@@ -28,7 +28,7 @@ struct StudyCase {
 /// The project file of a study, `*.study.json`: readable JSON, its paths relative to its own folder, so that the
 /// folder can be moved as a whole.
 struct Study {
-  std::filesystem::path template_file;  ///< or "built-in:kidney"; empty: none
+  std::filesystem::path template_file;  ///< or a built-in template's name; empty: none
   std::vector<StudyCase> cases;
   nlohmann::ordered_json other = nlohmann::ordered_json::object();
 

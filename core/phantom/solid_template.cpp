@@ -6,7 +6,7 @@
 #include "core/mesh/remesh.h"
 #include "core/mesh/voxelise.h"
 #include "core/phantom/imaging.h"
-#include "core/template/level_set.h"
+#include "core/template_making/level_set.h"
 
 namespace homolog::phantom {
 namespace {

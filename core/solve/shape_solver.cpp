@@ -18,7 +18,7 @@ Result<void> ShapeSolver::factorise(const VertexScalars& w, const VertexScalars&
   assert(w.size() == topology_->vertices() && (hold.size() == 0 || hold.size() == w.size()));
   for (Eigen::Index i = 0; i < w.size(); ++i) {
     if (!std::isfinite(w[i]) || w[i] <= 0) {
-      return fail("stiffness", "of landmark " + std::to_string(i) + " is not a positive number; paint it anew");
+      return fail("", "the stiffness of vertex " + std::to_string(i) + " is not a positive number; paint it anew");
     }
   }
   const auto& edges = topology_->edges();
@@ -30,7 +30,7 @@ Result<void> ShapeSolver::factorise(const VertexScalars& w, const VertexScalars&
   VertexScalars force = VertexScalars::Ones(w.size());
   if (hold.size() > 0) force += hold;
   if (!factor_->factorise(force, of_edges)) {
-    return fail("stiffness", "spans too many orders of magnitude to be solved; narrow its range");
+    return fail("", "the stiffness spans too many orders of magnitude to be solved; narrow its range");
   }
   w_ = w;
   hold_ = hold;

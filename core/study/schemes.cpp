@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/assist/assist.h"
 #include "core/deform/fold_guard.h"
-#include "core/fit/mask_fit.h"
-#include "core/fit/refine.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
@@ -79,12 +78,10 @@ Result<void> adapt_without_hand(EditSession& session, const Mesh& target, Adapta
         points_edit(document, projected(*document.shape().points, target), "projection", document.shape().placement);
   } else {
     FitOptions options;
-    options.placement = document.shape().placement;
-    options.landmarks = document.shape().landmarks;
     options.progress = progress;
-    auto fit = fit_to_boundary(*document.reference, mesh_boundary(target), options);
+    auto fit = fit_document(document, mesh_boundary(target), true, options);
     if (!fit) return fail(fit.error());
-    result = points_edit(document, fit->mesh.points, "fit", fit->placement);
+    result = std::move(fit->action);
   }
   auto done = session.apply(result);
   return done ? Result<void>{} : fail(done.error());
@@ -231,9 +228,9 @@ Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, 
   if (!pulled) return fail(pulled.error());
   run.pulls = pulled->pulls;
   if (scheme.refine) {
-    auto refinement = refine(session.document(), options.progress);
+    auto refinement = refine_document(session.document(), options.progress);
     if (!refinement) return fail(refinement.error());
-    if (auto done = session.apply(std::move(refinement->edit)); !done) return fail(done.error());
+    if (auto done = session.apply(std::move(refinement->action)); !done) return fail(done.error());
   }
   measure(session, subject, run);
   return run;

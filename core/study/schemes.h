@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/fit/boundary.h"
+#include "core/adapt/boundary/boundary.h"
 #include "core/phantom/phantom.h"
 #include "core/study/scripted_user.h"
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <optional>
 
+#include "core/adapt/boundary/find_placement.h"
 #include "core/deform/sigma_presets.h"
-#include "core/fit/find_placement.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/phantom/noise.h"
 #include "core/solve/shape_solver.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/case/session.h"
+#include "core/session/session.h"
 #include "core/study/sight.h"
 
 // A person at work, scripted: what each function does is committed to the session, and so to its journal.

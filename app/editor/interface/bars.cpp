@@ -5,7 +5,8 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/case/unsaved_cases.h"
+#include "core/catalogue/catalogue.h"
+#include "core/session/unsaved_cases.h"
 
 namespace homolog {
 
@@ -19,7 +20,7 @@ std::string case_title(const UiContext& ui) {
   const auto& file = ui.snapshot.file;
   if (!file.empty() && file.parent_path() != unsaved_folder()) return file.filename().string();
   const auto& document = ui.document();
-  if (document.volume_source.starts_with("phantom:")) return "Demo case";
+  if (is_phantom(document.volume_source)) return "Demo case";
   if (!document.volume_source.empty()) return std::filesystem::path(document.volume_source).filename().string();
   return "No image";
 }

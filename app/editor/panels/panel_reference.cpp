@@ -1,6 +1,7 @@
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/catalogue/catalogue.h"
 
 namespace homolog {
 
@@ -9,9 +10,9 @@ void draw_reference_section(const UiContext& ui, Outbox& out) {
   const auto& document = ui.document();
   if (document.reference) {
     const Template& reference = *document.reference;
-    const bool built_in = reference.source.starts_with("built-in:");
+    const auto built_in = built_in_organ(reference.source);
     figure(theme, "Template",
-           built_in ? reference.source.substr(9) + " (built in)"
+           built_in ? std::string(organ_name(*built_in)) + " (built in)"
                     : std::filesystem::path(reference.source).filename().string(),
            reference.source);
     figure(theme, "Vertices", format("%ld", static_cast<long>(reference.topology->vertices())));
@@ -24,16 +25,12 @@ void draw_reference_section(const UiContext& ui, Outbox& out) {
   }
   gap(theme, 0);
   const float third = (ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3;
-  struct BuiltIn {
-    const char* label;
-    const char* source;
-  };
-  static constexpr std::array<BuiltIn, 3> built_ins{
-      {{"Kidney", "built-in:kidney"}, {"Vertebra", "built-in:vertebra"}, {"Ventricle", "built-in:ventricle"}}};
+  static constexpr std::array<std::pair<const char*, Organ>, 3> built_ins{
+      {{"Kidney", Organ::kidney}, {"Vertebra", Organ::vertebra}, {"Ventricle", Organ::ventricle}}};
   for (std::size_t i = 0; i < built_ins.size(); ++i) {
     if (i > 0) ImGui::SameLine(0, theme.px(4));
-    if (button(theme, built_ins[i].label, "Start again with this built-in template", {}, third))
-      out.send(open_template(built_ins[i].source));
+    if (button(theme, built_ins[i].first, "Start again with this built-in template", {}, third))
+      out.send(open_template(built_in_source(built_ins[i].second)));
   }
   if (button(theme, "Load a template…", "PLY, VTK, VTP, OBJ or STL", {}, ImGui::GetContentRegionAvail().x))
     out.send(ShowFileDialog{FilePurpose::open_template, {}});

@@ -15,7 +15,7 @@
 #include "app/editor/work/quality_monitor.h"
 #include "app/editor/work/study_appearance.h"
 #include "app/editor/work/template_maker.h"
-#include "core/case/session_thread.h"
+#include "core/session/session_thread.h"
 
 namespace homolog {
 

@@ -10,10 +10,11 @@
 #include "core/base/files.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
-#include "core/case/unsaved_cases.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/model_files.h"
+#include "core/session/unsaved_cases.h"
 
 namespace homolog {
 
@@ -347,7 +348,7 @@ Result<fs::path> make_phantom_study(Organ organ, const fs::path& folder, Progres
   }
   if (fs::exists(path, error)) return path;
   add_cases(made, files);
-  made.study.template_file = "built-in:" + std::string(organ_name(organ));
+  made.study.template_file = built_in_source(organ);
   for (std::size_t k = 0; k < made.study.cases.size(); ++k) {
     made.study.cases[k].state = CaseState::done;
     if (cine) made.study.cases[k].group = 2 * k < made.study.cases.size() ? "first half" : "second half";

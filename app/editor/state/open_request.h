@@ -17,7 +17,7 @@ struct OpenRequest {
   std::string volume_source;  ///< beside a case: where its image lies now
   VolumeReadOptions volume_options;
   std::string other_source;     ///< a second volume: one of the two is the image, the other its label map
-  std::string template_source;  ///< path, or "built-in:kidney"
+  std::string template_source;  ///< path, or a built-in template's name
   std::filesystem::path labels;
   std::optional<std::pair<Organ, int>> demo;  ///< a phantom's subject, with its template placed
   std::shared_ptr<const Volume> beside;       ///< the image on the screen: a label map on its voxels is shown over it

@@ -3,10 +3,10 @@
 #include <memory>
 #include <optional>
 
-#include "core/snap/appearance.h"
-#include "core/snap/edge_search.h"
-#include "core/template/mask_template.h"
-#include "core/template/tube_template.h"
+#include "core/adapt/image/appearance.h"
+#include "core/adapt/image/edge_search.h"
+#include "core/template_making/mask_template.h"
+#include "core/template_making/tube_template.h"
 
 namespace homolog {
 

@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "app/editor/state/view_colours.h"
-#include "core/case/unsaved_cases.h"
+#include "core/session/unsaved_cases.h"
 
 namespace homolog {
 

@@ -15,7 +15,6 @@
 #include "app/editor/state/view_geometry.h"
 #include "core/case/action.h"
 #include "core/deform/sigma_presets.h"
-#include "core/snap/appearance.h"
 
 namespace homolog {
 

@@ -4,7 +4,7 @@
 
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/surface_search.h"
-#include "core/template/template_file.h"
+#include "core/template_making/template_file.h"
 
 namespace homolog {
 

@@ -10,7 +10,7 @@
 #include "app/editor/update/commands.h"
 #include "app/editor/work/build_study_model.h"
 #include "app/editor/work/worker.h"
-#include "core/case/session_thread.h"
+#include "core/session/session_thread.h"
 
 namespace homolog {
 

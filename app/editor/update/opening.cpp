@@ -1,6 +1,7 @@
 #include "app/editor/update/opening.h"
 
-#include "core/case/unsaved_cases.h"
+#include "core/catalogue/catalogue.h"
+#include "core/session/unsaved_cases.h"
 
 namespace homolog {
 
@@ -23,7 +24,7 @@ void start_document(Editing& editing, Document document) {
 
 /// Asks, where the template lies beside the image, and in it after half a turn.
 void offer_flip(EditorState& state, const Document& document) {
-  if (!document.volume || !document.reference || document.reference->source.starts_with("built-in:")) return;
+  if (!document.volume || !document.reference || is_built_in(document.reference->source)) return;
   const Box image = document.volume->geometry.bounds_mm();
   const Points& points = document.reference->points;
   if (image.intersects(bounds_of(points))) return;
@@ -57,7 +58,7 @@ void start_with(Editing& editing, Opened opened) {
     state.window_low = -160;
     state.window_high = 240;
   }
-  if (new_image && !source.starts_with("phantom:")) remember_recent(state.preferences, source);
+  if (new_image && !is_phantom(source)) remember_recent(state.preferences, source);
   if (opened.labels) editing.shown.show_labels(labels_of(opened));
   if (!demo) offer_flip(state, *editing.shown.snapshot().document);
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "app/editor/work/recovery.h"
-#include "core/case/unsaved_cases.h"
+#include "core/session/unsaved_cases.h"
 
 namespace homolog {
 

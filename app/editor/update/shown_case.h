@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/editor/state/state.h"
-#include "core/case/session_thread.h"
+#include "core/session/session_thread.h"
 
 namespace homolog {
 

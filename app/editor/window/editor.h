@@ -12,7 +12,7 @@ namespace homolog {
 /// What the editor opens with; with nothing it offers what was not saved, else shows the demo case.
 struct EditorOptions {
   std::vector<std::filesystem::path> files;  ///< a case, an image, a template
-  std::string template_source;               ///< path, or "built-in:kidney"; empty without one
+  std::string template_source;               ///< path, or a built-in template's name; empty without one
   std::optional<Organ> demo;                 ///< a phantom's image with its template
   std::filesystem::path log;                 ///< gets every command as a line; empty: none does
   std::filesystem::path replay;              ///< such a file, whose commands are done again; empty: none

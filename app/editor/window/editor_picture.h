@@ -7,7 +7,7 @@
 #include "app/editor/update/commands.h"
 #include "app/editor/widgets/drawn_items.h"
 #include "core/base/picture.h"
-#include "core/case/session.h"
+#include "core/session/session.h"
 
 namespace homolog {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
 #include "core/model/groups.h"

@@ -2,17 +2,17 @@
 
 #include <algorithm>
 
+#include "core/catalogue/catalogue.h"
 #include "core/placement/similarity_fit.h"
 
 namespace homolog {
 
 Result<Document> demo_document(Organ organ, int subject) {
-  const std::string name = organ_name(organ);
-  auto reference = load_template("built-in:" + name);
+  auto reference = load_template(built_in_source(organ));
   if (!reference) return fail(reference.error());
   PhantomSubject phantom = make_phantom(organ, subject);
   auto volume = std::make_shared<const Volume>(std::move(phantom.image));
-  Document document = new_document("phantom:" + name + ":" + std::to_string(subject), volume, *reference);
+  Document document = new_document(phantom_source(organ, subject), volume, *reference);
 
   const auto& landmarks = (*reference)->landmarks;
   std::vector<std::pair<Vec3, Vec3>> pairs;

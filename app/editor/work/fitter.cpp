@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "core/fit/judge_fit.h"
-#include "core/fit/refine.h"
+#include "core/adapt/judge_fit.h"
+#include "core/assist/assist.h"
 
 namespace homolog {
 
@@ -19,29 +19,26 @@ std::string as_sentence(std::string text) {
 }
 
 Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const FitSettings& settings,
-                      FitOptions options) {
+                      const FitOptions& options) {
   const Template& reference = *document.reference;
-  const Shape& shape = document.shape();
   const int frame = std::min(document.frame, labels.volume->frames - 1);
   auto boundary = label_boundary(*labels.volume, settings.label, frame, settings.closing_mm, reference.points.rows());
   if (!boundary) return fail(labels.name, boundary.error().what);
-  if (settings.as_placed) options.placement = shape.placement;
-  options.landmarks = shape.landmarks;
-  auto fit = fit_to_boundary(reference, *boundary, options);
+  auto fit = fit_document(document, *boundary, settings.as_placed, options);
   if (!fit) return fail(labels.name, fit.error().what);
-  FitJudgement judgement = judge_fit(reference, *boundary, options, *fit);
+  const FitJudgement judgement = judge_fit(reference, *boundary, options, fit->result);
   Fitted done;
   done.agreement = judgement.agreement;
   for (const std::string& warning : judgement.warnings) done.remarks.push_back(as_sentence(warning));
-  done.edit = points_edit(document, fit->mesh.points, "fit", fit->placement);
+  done.edit = std::move(fit->action);
   return done;
 }
 
 Result<Fitted> refined(const Document& document, Progress& progress) {
-  auto refinement = refine(document, &progress);
+  auto refinement = refine_document(document, &progress);
   if (!refinement) return fail(refinement.error());
   Fitted done;
-  done.edit = std::move(refinement->edit);
+  done.edit = std::move(refinement->action);
   const auto moved_mm = (*done.edit.points - *document.shape().points).rowwise().norm();
   const auto off = surface_distance({document.reference->topology, *done.edit.points}, document.mesh());
   char remark[200];
@@ -70,7 +67,7 @@ void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels lab
       }
       wake();
     };
-    return fitted(*document, labels, settings, std::move(options));
+    return fitted(*document, labels, settings, options);
   });
 }
 

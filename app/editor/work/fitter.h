@@ -9,8 +9,8 @@
 
 #include "app/editor/state/outcomes.h"
 #include "app/editor/work/worker.h"
+#include "core/adapt/fit.h"
 #include "core/case/action.h"
-#include "core/fit/mask_fit.h"
 #include "core/measure/compare.h"
 
 namespace homolog {

@@ -6,7 +6,7 @@
 
 #include "app/editor/state/study_model.h"
 #include "app/editor/work/worker.h"
-#include "core/case/session.h"
+#include "core/session/session.h"
 
 namespace homolog {
 

@@ -12,6 +12,7 @@
 #include "app/editor/work/demo.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
+#include "core/catalogue/catalogue.h"
 
 namespace homolog {
 

@@ -9,8 +9,8 @@
 
 #include "app/editor/state/open_request.h"
 #include "app/editor/work/worker.h"
-#include "core/case/case_file.h"
 #include "core/phantom/phantom.h"
+#include "core/session/case_file.h"
 
 namespace homolog {
 

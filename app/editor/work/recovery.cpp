@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/base/json.h"
-#include "core/case/unsaved_cases.h"
+#include "core/session/unsaved_cases.h"
 
 namespace homolog {
 

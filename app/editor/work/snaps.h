@@ -5,9 +5,9 @@
 #include <string>
 
 #include "app/editor/state/outcomes.h"
+#include "core/assist/assist.h"
 #include "core/base/progress.h"
-#include "core/case/session_thread.h"
-#include "core/snap/snap_document.h"
+#include "core/session/session_thread.h"
 
 namespace homolog {
 

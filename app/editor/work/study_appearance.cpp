@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "core/case/case_file.h"
+#include "core/session/case_file.h"
 
 namespace homolog {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "app/editor/work/worker.h"
+#include "core/adapt/image/appearance.h"
 #include "core/model/study.h"
-#include "core/snap/appearance.h"
 
 namespace homolog {
 

@@ -10,8 +10,8 @@
 #include "app/editor/work/mailbox.h"
 #include "app/editor/work/worker.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/template/mask_template.h"
-#include "core/template/tube_template.h"
+#include "core/template_making/mask_template.h"
+#include "core/template_making/tube_template.h"
 
 namespace homolog {
 

@@ -8,6 +8,7 @@
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/keys.h"
 #include "core/base/files.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"

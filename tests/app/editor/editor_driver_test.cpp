@@ -6,6 +6,7 @@
 
 #include "app/editor/update/controls.h"
 #include "core/base/files.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"

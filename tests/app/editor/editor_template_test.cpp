@@ -5,7 +5,6 @@
 #include "app/editor/scene/mesh_overlay.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/work/template_maker.h"
-#include "core/case/session.h"
 #include "core/mesh/label_map.h"
 #include "tests/ball.h"
 #include "tests/wait.h"

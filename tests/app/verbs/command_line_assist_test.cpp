@@ -303,6 +303,14 @@ TEST_CASE("propagate writes a mesh a frame with volumes and a study") {
   check_refused(run(folder, "propagate first.ply --image cine.nii.gz --frame 4 -o out"), "cine.nii.gz");
 }
 
+TEST_CASE("a study of a propagated cine names the built-in template that it started from") {
+  const TemporaryFolder folder;
+  REQUIRE(write_volume(ball_image(2), folder.path / "cine.nii.gz"));
+  REQUIRE(run(folder, "propagate built-in:kidney --image cine.nii.gz --frame 0 -o out").status == 0);
+  const auto study = Json::parse(read_whole_file(folder.path / "out" / "cine.study.json").value());
+  CHECK(study["template"] == "built-in:kidney");
+}
+
 namespace {
 
 /// The bytes of every file below a folder, by name.

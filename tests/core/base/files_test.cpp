@@ -13,8 +13,8 @@
 #include <iterator>
 #include <set>
 
-#include "core/case/case_file.h"
-#include "core/case/unsaved_cases.h"
+#include "core/session/case_file.h"
+#include "core/session/unsaved_cases.h"
 #include "tests/environment_variable.h"
 #include "tests/refusal.h"
 #include "tests/small_files.h"

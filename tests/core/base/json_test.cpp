@@ -2,10 +2,10 @@
 
 #include <doctest/doctest.h>
 
-#include "core/case/case_file.h"
 #include "core/mesh/landmark_io.h"
 #include "core/model/statismo.h"
 #include "core/model/study.h"
+#include "core/session/case_file.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"
 

@@ -2,7 +2,7 @@
 
 #include "core/case/action_json.h"
 #include "core/case/action_line.h"
-#include "core/case/line_kind.h"
+#include "core/session/line_kind.h"
 #include "tests/docs_page.h"
 #include "tests/must.h"
 

@@ -1,7 +1,9 @@
 #include <algorithm>
 
-#include "core/case/checkpoint.h"
+#include "core/case/action_line.h"
+#include "core/catalogue/catalogue.h"
 #include "core/phantom/phantom.h"
+#include "core/session/checkpoint.h"
 #include "tests/case_folder.h"
 #include "tests/must.h"
 

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "core/case/action_json.h"
-#include "core/case/session.h"
 #include "core/mesh/curvature.h"
 #include "tests/ball.h"
 #include "tests/refusal.h"

@@ -1,9 +1,9 @@
 #include "core/model/shape_files.h"
+#include "core/catalogue/catalogue.h"
 
 #include <doctest/doctest.h>
 
 #include "core/base/files.h"
-#include "core/case/case_file.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
@@ -12,6 +12,7 @@
 #include "core/model/repair.h"
 #include "core/model/study.h"
 #include "core/model/training_set.h"
+#include "core/session/case_file.h"
 #include "tests/temporary_folder.h"
 
 namespace fs = std::filesystem;

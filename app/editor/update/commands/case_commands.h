@@ -4,8 +4,8 @@
 
 #include "app/editor/state/state.h"
 #include "app/editor/update/commands/logged.h"
+#include "core/assist/assist.h"
 #include "core/case/action.h"
-#include "core/snap/snap_document.h"
 
 namespace homolog {
 

@@ -7,7 +7,7 @@
 #include "app/editor/update/editing.h"
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/quitting.h"
-#include "core/case/journal.h"
+#include "core/session/journal.h"
 
 namespace homolog {
 

@@ -7,10 +7,10 @@
 #include "app/editor/update/editing.h"
 #include "app/editor/update/imports.h"
 #include "core/base/picture_io.h"
-#include "core/case/unsaved_cases.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
-#include "core/template/template_file.h"
+#include "core/session/unsaved_cases.h"
+#include "core/template_making/template_file.h"
 
 namespace homolog {
 

@@ -33,7 +33,7 @@ struct OpenRequested {
   void run(Editing& editing) const;
 };
 OpenRequested open_case_file(const std::filesystem::path& file);
-/// A path, or "built-in:kidney".
+/// A path, or the name of a built-in template.
 OpenRequested open_template(const std::string& source);
 OpenRequested open_labels(const std::filesystem::path& file);
 OpenRequested open_phantom(Organ organ, int subject);

@@ -1,0 +1,63 @@
+#include "core/adapt/annealing.h"
+
+#include <cmath>
+
+#include "core/deform/local_rotations.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/placement/similarity_fit.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double stiffest_share = 0.3;  ///< of the mesh's diagonal: the length that stiffness carries a force at first
+constexpr double holding_weight = 1e4;  ///< of a held vertex against all that pulls at it; then it is set still
+
+/// Weighs held vertices so that their surroundings fade towards them and are not torn from them.
+void hold(const Adapting& shape, const VertexScalars& w, Force& force) {
+  for (const std::int32_t i : shape.held) {
+    double pulled = force.weights[i];
+    for (const std::int32_t j : shape.mesh.topology->one_ring(i)) pulled += w[i] + w[j];
+    force.weights[i] = holding_weight * pulled;
+    force.pulls.row(i) = force.weights[i] * shape.mesh.points.row(i);
+  }
+}
+
+/// Eq. 3 with these forces and a reference that turns with the shape.
+Result<void> solve(Adapting& shape, ShapeSolver& solver, double stiffness, Force force) {
+  const Topology& topology = *shape.mesh.topology;
+  const VertexScalars w = stiffness / least_weight * shape.factors;
+  hold(shape, w, force);
+  if (auto ready = solver.factorise(w, (force.weights.array() - 1).matrix()); !ready) return ready;
+  const auto rotations = fit_local_rotations(topology, shape.placed, shape.mesh.points);
+  Points solved = solver.solve(Points(force.pulls + rotated_reference_force(topology, w, shape.placed, rotations)));
+  for (const std::int32_t i : shape.held) solved.row(i) = shape.mesh.points.row(i);
+  shape.mesh.points = std::move(solved);
+  return {};
+}
+
+}  // namespace
+
+void Adapting::refit() {
+  placement = fit_similarity(rest, mesh.points, placement);
+  placed = placement.apply(rest);
+}
+
+Result<void> anneal(Adapting& shape, ShapeSolver& solver, const Annealing& annealing, const ForceSource& force,
+                    const AfterStep& after_step) {
+  const double edge_mm = mean_edge_mm(*shape.mesh.topology, shape.mesh.points);
+  const double first_mm = stiffest_share * bounds_of(shape.mesh.points).diagonal().norm();
+  const double last_mm = annealing.softest_edges * edge_mm;
+  for (int step = 0; step < annealing.steps; ++step) {
+    const double share = static_cast<double>(step) / (annealing.steps - 1);
+    const double length_mm = first_mm * std::pow(last_mm / first_mm, share);
+    const double stiffness = stiffness_from_length(length_mm, edge_mm);
+    if (auto done = solve(shape, solver, stiffness, force(shape.mesh, share)); !done) return done;
+    shape.refit();
+    if (!after_step) continue;
+    if (auto done = after_step(share); !done) return done;
+  }
+  return {};
+}
+
+}  // namespace homolog

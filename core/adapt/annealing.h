@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/adapt/force.h"
+#include "core/base/result.h"
+#include "core/solve/shape_solver.h"
+
+namespace homolog {
+
+/// A mesh that adapts, and the reference that it keeps to. All n×3.
+struct Adapting {
+  Mesh mesh;                       ///< P, LPS mm
+  Points rest;                     ///< the reference in a frame of its own
+  Similarity placement;            ///< from there to the mesh
+  Points placed;                   ///< R: `rest` under `placement`, LPS mm
+  VertexScalars factors;           ///< of the stiffness; their mean is 1
+  std::vector<std::int32_t> held;  ///< vertices that stay exactly where they are
+
+  /// Lays the reference anew on the mesh as it is now.
+  void refit();
+};
+
+/// How the stiffness falls: its length [stiffness_length_mm] goes from 0.3 of the mesh's diagonal, which moves the
+/// mesh as a whole, to `softest_edges` mean edges, which lets it follow the boundary.
+struct Annealing {
+  int steps;
+  double softest_edges;
+};
+
+/// The force on a mesh as it is now; `share`: 0 at the first step, 1 at the last.
+using ForceSource = std::function<Force(const Mesh& mesh, double share)>;
+/// Called after each step with its share; its error ends the annealing. May be empty.
+using AfterStep = std::function<Result<void>(double share)>;
+
+/// Draws a mesh to what `force` looks for: Eq. 3 solved again and again [Erdt 2009, §2.2] while the stiffness falls.
+/// After each step the reference is refitted by a similarity, and for each solve it is turned with the shape, one-ring
+/// by one-ring. Where a fit and a snap differ is their force and what they do afterwards. `solver`: of the mesh's
+/// topology; what it is factorised for is lost. Errors: `after_step`'s.
+Result<void> anneal(Adapting& shape, ShapeSolver& solver, const Annealing& annealing, const ForceSource& force,
+                    const AfterStep& after_step = {});
+
+}  // namespace homolog

@@ -1,0 +1,104 @@
+#include "core/adapt/boundary/boundary_search.h"
+
+#include <algorithm>
+
+#include "core/base/parallel.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double same_way = 0.4;  ///< cosine between normals of places that may be counterparts
+
+}  // namespace
+
+BoundarySearch::BoundarySearch(const Boundary& boundary, Eigen::Index vertices)
+    : boundary_(boundary), search_(boundary.surface), normals_(vertex_normals(boundary.surface)) {
+  const Mesh& surface = boundary.surface;
+  const Eigen::Index count = surface.points.rows();
+  VertexScalars area = VertexScalars::Zero(count);
+  for (Eigen::Index f = 0; f < surface.topology->triangles().rows(); ++f)
+    for (int k = 0; k < 3; ++k) area[surface.topology->triangles()(f, k)] += area_normal(surface, f).norm() / 6;
+  area_mm2_ = area.sum();
+  const Eigen::Index stride = 1 + count / vertices;
+  for (Eigen::Index v = 0; v < count; v += stride) {
+    const Vec3 position = surface.points.row(v);
+    if (boundary.shows(position))
+      samples_.push_back({position, normals_.row(v), static_cast<double>(stride) * area[v], {}});
+  }
+  likely_faces_.assign(static_cast<std::size_t>(vertices), 0);
+}
+
+Vec3 BoundarySearch::normal_at(const SurfacePoint& at) const {
+  return at.interpolate(*boundary_.surface.topology, normals_).transpose();
+}
+
+std::optional<BoundarySearch::Counterpart> BoundarySearch::counterpart(const Vec3& p, const Vec3& normal,
+                                                                       std::int32_t& likely_face) const {
+  if (!boundary_.shows(p)) return std::nullopt;
+  const auto nearest = search_.nearest(p, likely_face);
+  likely_face = nearest.at.face;
+  auto found = std::optional(nearest);
+  if (normal_at(nearest.at).dot(normal) < same_way) {
+    // Another sheet is nearer: the right one lies along the normal, if anywhere.
+    found.reset();
+    for (const Vec3& direction : {normal, Vec3(-normal)}) {
+      const auto hit = search_.first_hit(p, direction);
+      if (!hit || normal_at(hit->at).dot(normal) < same_way) continue;
+      const double away = (hit->position - p).norm();
+      if (!found || away < (found->position - p).norm()) found = hit;
+    }
+  }
+  if (!found || !boundary_.shows(found->position)) return std::nullopt;
+  return Counterpart{found->position, normal_at(found->at).stableNormalized()};
+}
+
+BoundaryPull BoundarySearch::nearest(const Mesh& mesh) {
+  BoundaryPull pull{mesh.points, VertexScalars::Zero(mesh.points.rows()), Points::Zero(mesh.points.rows(), 3)};
+  const Points normals = vertex_normals(mesh);
+  in_parallel(mesh.points.rows(), [&](Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index i = first; i < last; ++i) {
+      const auto there = counterpart(mesh.points.row(i), normals.row(i), likely_faces_[static_cast<std::size_t>(i)]);
+      if (!there) continue;
+      pull.targets.row(i) = there->position.transpose();
+      pull.normals.row(i) = there->normal.transpose();
+      pull.weights[i] = 1;
+    }
+  });
+  return pull;
+}
+
+BoundaryPull BoundarySearch::pull(const Mesh& mesh) {
+  BoundaryPull pull = nearest(mesh);
+  const Points normals = vertex_normals(mesh);
+  if (mesh_)
+    mesh_->refit(mesh.points);
+  else
+    mesh_.emplace(mesh);
+  in_parallel(samples_.size(), [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k)
+      samples_[k].on_mesh = mesh_->nearest(samples_[k].position, samples_[k].on_mesh.at.face);
+  });
+  Points sum = pull.weights.asDiagonal() * (pull.targets - mesh.points);
+  const double area_a_vertex = area_mm2_ / static_cast<double>(mesh.points.rows());
+  for (const Sample& sample : samples_) {
+    const auto& own = sample.on_mesh;
+    // Of normals that go on over edges: a sample that lies nearest to a corner is as near to several faces, and which
+    // of them is named hangs on rounding.
+    const Vec3 facing = own.at.interpolate(*mesh.topology, normals).transpose().stableNormalized();
+    if (facing.dot(sample.normal) < same_way) continue;
+    const auto corners = mesh.topology->triangles().row(own.at.face);
+    for (int c = 0; c < 3; ++c) {
+      const double weight = own.at.weights[c] * sample.area_mm2 / area_a_vertex;
+      sum.row(corners[c]) += weight * (sample.position - own.position).transpose();
+      pull.weights[corners[c]] += weight;
+    }
+  }
+  for (Eigen::Index i = 0; i < sum.rows(); ++i)
+    if (pull.weights[i] > 0) pull.targets.row(i) = mesh.points.row(i) + sum.row(i) / pull.weights[i];
+  pull.weights = pull.weights.cwiseMin(1);
+  return pull;
+}
+
+}  // namespace homolog

@@ -1,0 +1,81 @@
+#include "core/adapt/boundary/boundary_warp.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/statistics.h"
+#include "core/placement/landmark_warp.h"
+#include "core/placement/likely_similarity.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double reach_share = 0.3;  // of the bounding-box diagonal
+constexpr double boundary_noise_mm = 2;
+constexpr int rounds = 8;
+constexpr Eigen::Index most_samples = 260;
+/// One of few landmarks carries a large part of the organ with it, also where it is off: below this many, each is
+/// believed less.
+constexpr double enough_landmarks = 8;
+constexpr double least_trust = 1e-6;
+constexpr double outlying = 4;  // times the median distance: another part of the organ
+
+/// What is known of the displacement: at each place its length along one direction.
+struct Observations {
+  Points at, along;
+  Eigen::VectorXd offset_mm, noise_mm;
+
+  explicit Observations(Eigen::Index most) : at(most, 3), along(most, 3), offset_mm(most), noise_mm(most) {}
+  void add(const Eigen::RowVector3d& place, const Eigen::RowVector3d& direction, double offset, double noise) {
+    at.row(count_) = place;
+    along.row(count_) = direction;
+    offset_mm[count_] = offset;
+    noise_mm[count_++] = noise;
+  }
+  /// The displacement's mean at `points`, n×3.
+  Points regress(const Points& points, const WarpKernel& kernel) const {
+    const Points known = at.topRows(count_), ways = along.topRows(count_);
+    Eigen::MatrixXd covariance = kernel(known, known).cwiseProduct(ways * ways.transpose());
+    covariance.diagonal() += noise_mm.head(count_).cwiseAbs2();
+    const Eigen::VectorXd weights = covariance.llt().solve(offset_mm.head(count_));
+    return kernel(points, known) * (weights.asDiagonal() * ways);
+  }
+
+ private:
+  Eigen::Index count_ = 0;
+};
+
+}  // namespace
+
+Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed, const Points& from,
+                        const Points& to, const VertexScalars& trust, BoundarySearch& search) {
+  if (from.rows() < fewest_placing_landmarks) return placed;
+  const WarpKernel kernel(placed.colwise().mean(), reach_share * bounds_of(placed).diagonal().norm());
+  const Eigen::Index stride = std::max<Eigen::Index>(1, placed.rows() / most_samples);
+  const double few = std::max(1.0, enough_landmarks / static_cast<double>(from.rows()));
+  const double landmark_mm = landmark_noise_mm * std::pow(few, 1.5);
+  Points warped = placed;
+  for (int round = 0; round < rounds; ++round) {
+    const BoundaryPull there = search.nearest({topology, warped});
+    std::vector<double> distances;
+    for (Eigen::Index v = 0; v < placed.rows(); v += stride)
+      if (there.weights[v] > 0) distances.push_back((there.targets.row(v) - warped.row(v)).norm());
+    const double farthest = outlying * quantile(distances, 0.5);
+    Observations known(3 * from.rows() + std::ssize(distances));
+    for (Eigen::Index k = 0; k < from.rows(); ++k)
+      for (int axis = 0; axis < 3; ++axis)
+        known.add(from.row(k), Eigen::RowVector3d::Unit(axis), to(k, axis) - from(k, axis),
+                  landmark_mm / std::sqrt(std::max(least_trust, trust[k])));
+    for (Eigen::Index v = 0; v < placed.rows(); v += stride) {
+      if (there.weights[v] == 0 || (there.targets.row(v) - warped.row(v)).norm() > farthest) continue;
+      const Eigen::RowVector3d normal = there.normals.row(v);
+      known.add(placed.row(v), normal, (there.targets.row(v) - placed.row(v)).dot(normal), boundary_noise_mm);
+    }
+    warped = placed + known.regress(placed, kernel);
+  }
+  return without_folds(*topology, placed, warped - placed).points;
+}
+
+}  // namespace homolog

@@ -1,0 +1,153 @@
+#include "core/adapt/boundary/find_placement.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "core/mesh/mesh_quality.h"
+#include "core/mesh/mirror.h"
+#include "core/mesh/surface_search.h"
+#include "core/placement/similarity_fit.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double most_tilt = 60 * std::numbers::pi / 180;
+constexpr double nearly = 1e-3, at_rest = 1e-9;  // steps, as shares of the organ's size
+constexpr double everywhere = 2 * std::numbers::pi;
+constexpr double any_turn = std::numbers::pi;  ///< standard deviation: next to nothing is known
+
+/// Area-weighted moments of a surface.
+struct Moments {
+  Vec3 centre = Vec3::Zero();
+  Mat3 axes = Mat3::Identity();  ///< columns: a right-handed frame, the longest axis first
+  double size_mm = 0;            ///< root mean square distance from the centre
+};
+
+Moments moments_of(const Mesh& mesh) {
+  const Triangles& triangles = mesh.topology->triangles();
+  double area = 0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    const Vec3 a = mesh.points.row(triangles(f, 0)), b = mesh.points.row(triangles(f, 1)),
+               c = mesh.points.row(triangles(f, 2));
+    const double part = area_normal(mesh, f).norm() / 2;
+    const Vec3 middle = (a + b + c) / 3;
+    area += part;
+    first += part * middle;
+    second += part * middle * middle.transpose();
+  }
+  Moments moments;
+  moments.centre = first / area;
+  const Mat3 spread = second / area - moments.centre * moments.centre.transpose();
+  moments.size_mm = std::sqrt(spread.trace());
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(spread);
+  moments.axes = solver.eigenvectors().rowwise().reverse();
+  if (moments.axes.determinant() < 0) moments.axes.col(2) *= -1;
+  return moments;
+}
+
+/// The 24 proper rotations that carry the axes of a frame to axes.
+std::vector<Mat3> axis_turns() {
+  std::vector<Mat3> turns;
+  std::array<int, 3> order{0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      Mat3 turn = Mat3::Zero();
+      for (int k = 0; k < 3; ++k) turn(order[static_cast<std::size_t>(k)], k) = (signs >> k & 1) != 0 ? -1 : 1;
+      if (turn.determinant() > 0) turns.push_back(turn);
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
+  return turns;
+}
+
+double angle_of(const Eigen::Quaterniond& rotation) {
+  return Eigen::AngleAxisd(rotation).angle();
+}
+
+/// Rotations to start from, by what moments and patient axes know.
+std::vector<Eigen::Quaterniond> starts_of(const Moments& from, const Moments& to, Orientation orientation) {
+  std::vector<Eigen::Quaterniond> starts{Eigen::Quaterniond::Identity()}, turned;
+  for (const Mat3& turn : axis_turns()) turned.emplace_back(Mat3(to.axes * turn * from.axes.transpose()));
+  if (orientation == Orientation::any) {
+    starts.insert(starts.end(), turned.begin(), turned.end());
+    return starts;
+  }
+  const auto upright = *std::min_element(
+      turned.begin(), turned.end(), [](const auto& a, const auto& b) { return std::abs(a.w()) > std::abs(b.w()); });
+  if (angle_of(upright) < most_tilt) starts.push_back(upright);
+  return starts;
+}
+
+struct Start {
+  Similarity placement;
+  double farthest;  ///< that it may turn away from what is likely beforehand, radians
+};
+
+/// find_placement; `rest`: the last step, as a share of the organ's size.
+Placed placed(const Template& reference, const Boundary& boundary, const PlacementHints& hints, double rest) {
+  const ClosestPoints closest(reference, boundary);
+  const Moments from = moments_of({reference.topology, reference.points}), to = moments_of(boundary.surface);
+  const auto at = [&](const Eigen::Quaterniond& rotation) {
+    const double scale = to.size_mm / from.size_mm;
+    return Similarity{rotation, scale, to.centre - scale * (rotation * from.centre)};
+  };
+  const bool any = hints.orientation == Orientation::any && !hints.start;
+  const PlacementPrior prior{hints.start.value_or(at(Eigen::Quaterniond::Identity())),
+                             any ? any_turn : PlacementPrior{}.turn_rad};
+  // Without landmarks the best overlap alone is anatomically wrong too often.
+  const double farthest = any ? everywhere : most_tilt;
+  std::vector<Start> starts;
+  if (hints.start) {
+    starts.push_back({*hints.start, farthest});
+  } else {
+    for (const Eigen::Quaterniond& start : starts_of(from, to, hints.orientation))
+      starts.push_back({at(start), farthest});
+  }
+  KnownPlaces places;
+  if (auto [own, there] = matched_landmarks(reference, hints.landmarks); own.rows() >= fewest_placing_landmarks) {
+    places = {std::move(own), std::move(there)};
+    const Similarity likely =
+        likely_similarity(places.own, places.there, prior, bounds_of(reference.points).diagonal().norm());
+    if (likely.scale > 0) starts.push_back({likely, everywhere});
+  }
+  Placed best;
+  best.cost = std::numeric_limits<double>::infinity();
+  double farthest_of_best = 0;
+  for (const Start& start : starts) {
+    Placed found = closest.refined(start.placement, start.farthest, prior, places, nearly);
+    if (found.cost < best.cost) {
+      best = std::move(found);
+      farthest_of_best = start.farthest;
+    }
+  }
+  return closest.refined(best.placement, farthest_of_best, prior, places, rest);
+}
+
+}  // namespace
+
+Placed find_placement(const Template& reference, const Boundary& boundary, const PlacementHints& hints) {
+  return placed(reference, boundary, hints, at_rest);
+}
+
+bool looks_mirrored(const Template& reference, const Boundary& boundary, Orientation orientation) {
+  // Of femora, hips and phantom kidneys the template of the other side comes to 1.8 times and more of its mirror
+  // image's distance, that of the same side to half at most. Real kidneys are less sure: 0.9 to 2.2, and 0.3 to 1.4.
+  constexpr double clearly = 0.65;
+  constexpr double visible_share = 0.005;  // of the diagonal: below, a ball would look mirrored by its noise
+  const auto other = make_template(mirrored(to_mesh_file(reference)), reference.source);
+  if (!other) return false;
+  const auto distance_mm = [&](const Template& side) {
+    return placed(side, boundary, {{}, orientation, {}}, nearly).distance_mm;
+  };
+  const double own_mm = distance_mm(reference);
+  return own_mm > visible_share * bounds_of(boundary.surface.points).diagonal().norm() &&
+         distance_mm(**other) < clearly * own_mm;
+}
+
+}  // namespace homolog

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/adapt/boundary/boundary.h"
+#include "core/adapt/boundary/find_placement.h"
+#include "core/base/progress.h"
+#include "core/template/template.h"
+
+namespace homolog {
+
+struct FitOptions {
+  std::optional<Similarity> placement;    ///< where to start; found where absent
+  std::map<std::string, Vec3> landmarks;  ///< named places on the organ, LPS mm; others' names are left out
+  Orientation orientation = Orientation::patient;
+  Progress* progress = nullptr;
+  /// Called after each step with the shape so far, on the thread that fits.
+  std::function<void(const Points&)> show;
+};
+
+struct FitResult {
+  Similarity placement;              ///< of the template: the similarity nearest to the fitted shape
+  Mesh mesh;                         ///< in the template's numbering, LPS mm
+  std::vector<Landmark> landmarks;   ///< the template's, carried along on the surface
+  std::vector<std::int32_t> unseen;  ///< vertices beyond the scan's edge, where the shape follows the template
+  std::size_t turned_triangles = 0, self_intersections = 0;
+  std::size_t landmarks_used = 0;     ///< of those given: that pulled on the mesh
+  bool landmarks_place = false;       ///< three or more were used, so that they had a say in the placement too
+  std::vector<std::string> warnings;  ///< each a sentence
+};
+
+/// Adapts a template to a boundary without a hand: placed by a similarity, then annealed [annealing.h] with force
+/// targets on the boundary in both directions and on the landmarks; at the end vertices on the boundary, spread as in
+/// the reference as far as that allows, no triangle turned and no faces that meet. Deviates from Eq. 2
+/// [Erdt 2009, §2.2]: where the boundary is not known the force has next to no weight and the shape decides.
+/// Errors: the placement given does not reach the boundary; a template or a boundary that is flat or has no size;
+/// cancelled.
+Result<FitResult> fit_to_boundary(const Template& reference, const Boundary& boundary, const FitOptions& options = {});
+
+}  // namespace homolog

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "core/base/geometry.h"
+
+namespace homolog {
+
+/// Where a boundary draws the vertices of a mesh: force targets s_i of Eq. 2, and how far each is to be trusted.
+struct BoundaryPull {
+  Points targets;         ///< n×3, LPS mm; where nothing pulls, the vertex itself
+  VertexScalars weights;  ///< 0 (nothing is known here) … 1
+  Points normals;         ///< n×3, outward: the boundary's at the target; of BoundarySearch::nearest only
+};
+
+/// Weight of a force that is not known: the solver needs one. There the shape decides.
+inline constexpr double least_weight = 0.01;
+
+/// The forces of one solve of Eq. 3, in multiples of the least one.
+struct Force {
+  VertexScalars weights;  ///< n, each at least 1
+  Points pulls;           ///< n×3: weight × target
+};
+
+}  // namespace homolog

@@ -1,0 +1,45 @@
+#include "core/adapt/judge_fit.h"
+
+#include "core/mesh/mesh_faults.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double least_dice = 0.9, most_share = 0.04;
+
+bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
+  return agreement.dice < least_dice ||
+         agreement.hd95_mm > most_share * bounds_of(boundary.surface.points).diagonal().norm();
+}
+
+}  // namespace
+
+FitJudgement judge_fit(const Template& reference, const Boundary& boundary, const FitOptions& options,
+                       const FitResult& fit) {
+  FitJudgement judgement;
+  judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
+  judgement.mirrored = looks_mirrored(reference, boundary, options.orientation);
+  judgement.doubtful = judgement.mirrored || is_doubtful(judgement.agreement, boundary);
+  judgement.warnings = boundary.warnings;
+  judgement.warnings.insert(judgement.warnings.end(), fit.warnings.begin(), fit.warnings.end());
+  if (judgement.mirrored)
+    judgement.warnings.emplace_back(
+        "the organ looks like the template's mirror image; use the template of the other side (fit --mirror, or Mirror "
+        "left and right in the editor)");
+  const bool tangled = fit.turned_triangles + fit.self_intersections > 0;
+  if (!judgement.doubtful && !tangled) return judgement;
+  const MeshFaults faults = mesh_faults({reference.topology, reference.points});
+  if (faults.any())
+    judgement.warnings.push_back("the template itself has " + faults.words() +
+                                 ", so its fits have faults too; make it anew from a sound surface");
+  else if (judgement.doubtful && !judgement.mirrored)
+    judgement.warnings.emplace_back(
+        "the fit is poor; is this the template of another organ or side, or is the label the wrong one?");
+  else if (tangled)
+    judgement.warnings.emplace_back(
+        "some triangles are turned or pass through each other; the organ differs too much from the template there");
+  return judgement;
+}
+
+}  // namespace homolog

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/adapt/fit.h"
+#include "core/measure/compare.h"
+#include "core/template/template.h"
+
+namespace homolog {
+
+/// How good a fit is, and what a person should look at.
+struct FitJudgement {
+  Agreement agreement;    ///< of the fitted mesh with the boundary
+  bool doubtful = false;  ///< Dice below 0.9, a 95 % distance above 4 % of the boundary's diagonal, or mirrored
+  bool mirrored = false;  ///< the template's mirror image fits clearly better: see looks_mirrored
+  std::vector<std::string> warnings;  ///< the boundary's, the fit's and those of this; each a sentence
+};
+
+/// Judges what fit_to_boundary gave for this template, boundary and these options.
+FitJudgement judge_fit(const Template& reference, const Boundary& boundary, const FitOptions& options,
+                       const FitResult& fit);
+
+}  // namespace homolog

@@ -1,0 +1,135 @@
+#include "core/adapt/snap.h"
+
+#include <algorithm>
+
+#include "core/adapt/annealing.h"
+#include "core/adapt/untangle.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr int snap_steps = 12;
+constexpr double softest_edges = 1.5;
+constexpr double softest_edges_learned = 3;  ///< a case done before differs less: the shape is trusted more
+constexpr double last_reach_share = 0.3;     ///< of the reach at the last step
+constexpr double least_seen_share = 0.1;
+constexpr double doubtful_snap = 0.55;
+
+bool image_shows(const VolumeGeometry& image, const Vec3& p_mm) {
+  const Vec3 voxel = image.to_voxel(p_mm);
+  const Vec3 last(image.dims[0] - 0.5, image.dims[1] - 0.5, image.dims[2] - 0.5);
+  return (voxel.array() >= -0.5).all() && (voxel.array() <= last.array()).all();
+}
+
+/// Free vertices that the image does not show.
+std::vector<std::int32_t> unseen_vertices(const VolumeGeometry& image, const Points& points,
+                                          const VertexScalars& free) {
+  std::vector<std::int32_t> unseen;
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    if (free[i] > 0 && !image_shows(image, points.row(i))) unseen.push_back(static_cast<std::int32_t>(i));
+  return unseen;
+}
+
+class Snapping {
+ public:
+  Snapping(const Volume& image, int frame, const SnapStart& start, const SnapOptions& options)
+      : grid_(image.geometry),
+        start_(start),
+        options_(options),
+        edges_(image, frame, start.mesh, options.edges),
+        shape_{start.mesh, start.mesh.points, {}, start.mesh.points, start.stiffness / start.stiffness.mean(), {}} {
+    for (Eigen::Index i = 0; i < start.free.size(); ++i)
+      if (!(start.free[i] > 0)) shape_.held.push_back(static_cast<std::int32_t>(i));
+  }
+
+  Result<SnapResult> run() {
+    if (!edges_.sees_edges())
+      return fail("", "shows no edge around the mesh; place the mesh on the organ, or search farther");
+    ShapeSolver solver(shape_.mesh.topology);
+    const Annealing annealing{snap_steps, edges_.learned() ? softest_edges_learned : softest_edges};
+    const auto force = [this](const Mesh& mesh, double share) { return this->force(mesh, share); };
+    const auto after_step = [this](double share) { return report(share); };
+    if (auto done = anneal(shape_, solver, annealing, force, after_step); !done) return fail(done.error());
+    make_sound();
+    return finish();
+  }
+
+ private:
+  /// The pull of the image, and another one back to P⁰ where the image decides in part only.
+  Force force(const Mesh& mesh, double share_of_way) const {
+    const double reach_mm = edges_.reach_mm() * (1 + share_of_way * (last_reach_share - 1));
+    const BoundaryPull pull = edges_.find(mesh, reach_mm);
+    Force force{VertexScalars(pull.weights.size()), Points(pull.weights.size(), 3)};
+    for (Eigen::Index i = 0; i < force.weights.size(); ++i) {
+      const double share = options_.strength * start_.free[i];
+      const double towards = share * pull.weights[i], back = 1 - share;
+      force.weights[i] = std::max(towards + back, least_weight);
+      force.pulls.row(i) = towards * pull.targets.row(i) + back * start_.mesh.points.row(i) +
+                           (force.weights[i] - towards - back) * mesh.points.row(i);
+    }
+    force.weights /= least_weight;
+    force.pulls /= least_weight;
+    return force;
+  }
+
+  Result<void> report(double share_of_way) const {
+    if (options_.progress == nullptr) return {};
+    options_.progress->report(0.95 * share_of_way);
+    return options_.progress->cancelled() ? Result<void>(fail("", "the snap was cancelled")) : Result<void>{};
+  }
+
+  /// Frees faces that meet or turn; where some turn still, other than those that did at the start, the way there is
+  /// shortened.
+  void make_sound() {
+    Mesh& mesh = shape_.mesh;
+    untangle(mesh, shape_.placed, shape_.factors);
+    for (const std::int32_t i : shape_.held) mesh.points.row(i) = start_.mesh.points.row(i);
+    mesh.points = without_turning(*mesh.topology, start_.placed, start_.mesh.points, mesh.points);
+  }
+
+  SnapResult finish() const {
+    const Mesh& mesh = shape_.mesh;
+    SnapResult result;
+    result.points = mesh.points;
+    result.confidence = edges_.find(mesh, last_reach_share * edges_.reach_mm()).weights;
+    result.unseen = unseen_vertices(grid_, mesh.points, start_.free);
+    VertexScalars seen = start_.free;
+    for (const std::int32_t v : result.unseen) seen[v] = 0;
+    if (seen.sum() > 0) result.mean_confidence = seen.dot(result.confidence) / seen.sum();
+    result.moved_mm = start_.free.dot((mesh.points - start_.mesh.points).rowwise().norm()) / start_.free.sum();
+    result.doubtful = result.mean_confidence < doubtful_snap;
+    if (result.doubtful)
+      result.warnings.emplace_back(
+          "the image shows hardly any boundary where the mesh lies; check that this is the organ and that the mesh "
+          "lies on it");
+    if (!result.unseen.empty())
+      result.warnings.push_back(std::to_string(result.unseen.size()) +
+                                " vertices lie beyond the scan and follow the others");
+    return result;
+  }
+
+  const VolumeGeometry& grid_;
+  const SnapStart& start_;
+  const SnapOptions& options_;
+  EdgeSearch edges_;
+  Adapting shape_;  ///< its reference is P⁰
+};
+
+}  // namespace
+
+Result<SnapResult> snap(const Volume& image, int frame, const SnapStart& start, const SnapOptions& options) {
+  if (options.strength <= 0 || !start.free.any()) {
+    SnapResult still;
+    still.points = start.mesh.points;
+    still.confidence = VertexScalars::Zero(start.mesh.points.rows());
+    return still;
+  }
+  const auto unseen = unseen_vertices(image.geometry, start.mesh.points, start.free);
+  const auto free = static_cast<double>((start.free.array() > 0).count());
+  if (static_cast<double>(unseen.size()) > (1 - least_seen_share) * free)
+    return fail("", "does not show the place where the mesh lies; place the mesh on the organ first");
+  return Snapping(image, frame, start, options).run();
+}
+
+}  // namespace homolog

@@ -1,0 +1,87 @@
+#include "core/assist/assist.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include "core/adapt/refine.h"
+#include "core/deform/falloff.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr double least_falloff = 0.05;  ///< of the falloff: beyond it nothing moves
+
+/// Of the edited frame nearest to the shown one; null where there is none.
+std::shared_ptr<const Appearance> appearance_of_frames(const Document& document) {
+  int best = -1;
+  for (const auto& [frame, shape] : document.shapes) {
+    if (frame == document.frame || shape.strokes == 0) continue;
+    if (best < 0 || std::abs(frame - document.frame) < std::abs(best - document.frame)) best = frame;
+  }
+  if (best < 0) return nullptr;
+  auto appearance = std::make_shared<Appearance>();
+  const Mesh done{document.reference->topology, *document.shapes.at(best).points};
+  if (!appearance->learn(*document.volume, best, done)) return nullptr;
+  return appearance;
+}
+
+}  // namespace
+
+Result<FitEdit> fit_document(const Document& document, const Boundary& boundary, bool as_placed, FitOptions options) {
+  if (!document.reference || !document.has_shape()) return fail("", "There is no mesh to fit; load a template first.");
+  if (as_placed) options.placement = document.shape().placement;
+  options.landmarks = document.shape().landmarks;
+  auto fit = fit_to_boundary(*document.reference, boundary, options);
+  if (!fit) return fail(fit.error());
+  FitEdit edit;
+  edit.action = points_edit(document, fit->mesh.points, "fit", fit->placement);
+  edit.result = std::move(*fit);
+  return edit;
+}
+
+Result<SnapEdit> snap_document(const Document& document, const std::optional<SnapRegion>& region,
+                               const SnapOptions& options) {
+  if (!document.reference || !document.has_shape()) return fail("", "There is no mesh to snap; load a template first.");
+  if (!document.volume) return fail("", "There is no image to snap to; open one first.");
+  const Shape& shape = document.shape();
+  SnapStart start{document.mesh(), *shape.placed, *document.stiffness, VertexScalars::Ones(shape.points->rows())};
+  if (region) {
+    const Topology& topology = *document.reference->topology;
+    const SurfacePoint at = nearest_on_surface(topology, start.mesh.points, region->at).at;
+    start.free =
+        gaussian_falloff(topology, *shape.points, at, region->sigma_mm, mean_edge_mm(topology, *shape.points), false);
+    start.free = (start.free.array() < least_falloff).select(0, start.free);
+  }
+  if (shape.confirmed) start.free.array() *= (shape.confirmed->array() < 1).cast<double>();
+  SnapOptions learned = options;
+  if (options.edges.polarity == Polarity::automatic && options.edges.appearance == nullptr)
+    learned.edges.appearance = appearance_of_frames(document);
+  auto result = snap(*document.volume, document.frame, start, learned);
+  if (!result) return fail(result.error());
+  SnapEdit edit;
+  edit.action = points_edit(document, result->points, "snap");
+  edit.result = std::move(*result);
+  edit.result.points = *edit.action.points;
+  return edit;
+}
+
+Result<RefineEdit> refine_document(const Document& document, Progress* progress) {
+  if (!document.reference || !document.has_shape())
+    return fail("", "There is no mesh to refine; load a template first.");
+  const Shape& shape = document.shape();
+  RefineStart start{*shape.points,
+                    *shape.placed,
+                    shape.placement,
+                    shape.landmarks,
+                    document.stiffness_base * *document.stiffness,
+                    {}};
+  if (shape.confirmed) start.confirmed = *shape.confirmed;
+  const auto refined = refine(*document.reference, start, progress);
+  if (!refined) return fail(refined.error());
+  return RefineEdit{points_edit(document, refined->points, by_refinement), refined->warnings};
+}
+
+}  // namespace homolog

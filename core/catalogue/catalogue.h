@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/phantom/phantom.h"
+#include "core/template/template.h"
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+// Sources: what images and templates are called, in a case file, in a study, on the command line. A source is the path
+// of a file, or a name of something that Homolog makes itself. Such names are spelled here and nowhere else.
+
+/// "built-in:kidney": the built-in template of an organ.
+std::string built_in_source(Organ organ);
+/// "phantom:kidney:1": the image of a phantom.
+std::string phantom_source(Organ organ, int subject);
+
+bool is_built_in(const std::string& source);
+bool is_phantom(const std::string& source);
+/// Whether a source is the path of a file: neither empty nor one of the names above.
+bool names_file(const std::string& source);
+/// The organ that a built-in template is of. Errors: another source, no such organ.
+Result<Organ> built_in_organ(const std::string& source);
+/// What a template's source may be, for help texts.
+std::string template_sources();
+
+/// Reads a template file, or makes a built-in template.
+Result<std::shared_ptr<const Template>> load_template(const std::string& source);
+
+/// Reads a volume (see read_volume), or makes a phantom's image.
+Result<VolumeRead> load_volume(const std::string& source, const VolumeReadOptions& options = {});
+
+}  // namespace homolog

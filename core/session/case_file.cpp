@@ -1,0 +1,264 @@
+#include "core/session/case_file.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "core/base/json.h"
+#include "core/case/action_json.h"
+#include "core/case/action_line.h"
+#include "core/session/case_header.h"
+#include "core/session/checkpoint.h"
+#include "core/session/unsaved_cases.h"
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// What is wrong with a line, and a remedy where the error names none.
+Error in_line(const fs::path& path, std::size_t number, const Error& error) {
+  const std::string sentence = error.sentence();
+  const bool has_remedy = sentence.find("; ") != std::string::npos || sentence.ends_with('.');
+  const char* remedy = has_remedy ? "" : "; correct that line or take it out";
+  return {path.string(), "line " + std::to_string(number) + ": " + sentence + remedy};
+}
+
+/// A case file, looked through once.
+struct Scan {
+  struct Line {
+    LinePlace place;
+    LineKind kind;
+    std::uint32_t check = 0;  ///< of the lines before it
+  };
+  std::string header;
+  std::vector<Line> lines;  ///< behind the header
+  std::uint64_t begin = 0;  ///< of the first of them, in the file
+  std::uint64_t whole_bytes = 0;
+  std::uint32_t check = 0;  ///< of all lines
+  bool torn = false;
+};
+
+/// Whether a last line was being written when the machine died: it is no JSON and lacks its line feed, or holds zero
+/// bytes.
+bool is_torn(std::string_view line, bool ended) {
+  const bool suspicious = !ended || line.find('\0') != std::string_view::npos;
+  return suspicious && !line.empty() && !read_json<Json>(line);
+}
+
+/// Errors: an empty file, one whose first line is torn.
+Result<Scan> looked_through(const LineFile& file, Progress* progress) {
+  Scan scan;
+  std::uint64_t last = 0;
+  bool last_ended = true;
+  const auto visit = [&](std::string_view line, std::uint64_t at, bool ended) -> Result<void> {
+    if (progress != nullptr && progress->cancelled()) return fail(file.path().string(), "was not opened: cancelled");
+    last = at;
+    last_ended = ended;
+    scan.whole_bytes = at + line.size() + (ended ? 1 : 0);
+    if (scan.begin == 0) {
+      scan.header = line;
+      scan.begin = scan.whole_bytes;
+      return {};
+    }
+    scan.lines.push_back({{at - scan.begin, line.size()}, kind_of(line), scan.check});
+    scan.check = CaseLines::checked(CaseLines::checked(scan.check, line), ended ? "\n" : "");
+    return {};
+  };
+  if (auto read = file.for_each_line(visit); !read) return fail(read.error());
+  const auto line = file.read(last, scan.whole_bytes - last - (last_ended && scan.whole_bytes > 0 ? 1 : 0));
+  if (!line) return fail(line.error());
+  scan.torn = is_torn(*line, last_ended);
+  if (scan.begin == 0 || (scan.torn && scan.lines.empty()))
+    return fail(file.path().string(),
+                "is not a Homolog case: it is empty or its first line is torn; take a copy of it from before");
+  if (scan.torn) {
+    scan.whole_bytes = last;
+    scan.check = scan.lines.back().check;
+    scan.lines.pop_back();
+  }
+  return scan;
+}
+
+/// What the options force, whatever the file says.
+void override_settings(const ReplayOptions& options, Document& document) {
+  if (options.scheme) document.scheme = *options.scheme;
+  if (options.paper_events) document.paper_events = *options.paper_events;
+  if (options.spacing) document.spacing = *options.spacing;
+}
+
+void override_settings(const ReplayOptions& options, Action& action) {
+  if (auto* scheme = std::get_if<SetScheme>(&action)) {
+    scheme->scheme = options.scheme.value_or(scheme->scheme);
+    scheme->paper_events = options.paper_events.value_or(scheme->paper_events);
+  }
+  if (auto* spacing = std::get_if<SetSpacing>(&action)) spacing->strength = options.spacing.value_or(spacing->strength);
+}
+
+bool overrides(const ReplayOptions& options) {
+  return options.scheme || options.paper_events || options.spacing;
+}
+
+/// A session at the start of a case, with nothing done yet.
+Result<EditSession> session_at_start(const LineFile& file, const Scan& scan, const ReplayOptions& options,
+                                     std::vector<std::string>& warnings) {
+  const Json header = read_json<Json>(scan.header).value_or(Json());
+  auto document = read_header(header, file.path().parent_path(), options.volume_source, options.progress, warnings);
+  if (!document) {
+    Error error = document.error();
+    if (error.subject.empty()) error.subject = file.path().string();
+    return fail(std::move(error));
+  }
+  override_settings(options, *document);
+  EditSession session(std::move(*document), options.limits);
+  if (header.contains("placement") && session.document().has_shape()) {
+    const auto placement = similarity_from_json(header["placement"]);
+    if (!placement) return fail(in_line(file.path(), 1, placement.error()));
+    if (auto placed = session.start_at(*placement); !placed) return fail(in_line(file.path(), 1, placed.error()));
+  }
+  return session;
+}
+
+/// Brings a session to the last checkpoint that holds; gives how many lines need not be played then.
+std::size_t go_to_checkpoint(EditSession& session, const Scan& scan, const LineFile& file) {
+  std::optional<Document> found;
+  std::size_t k = scan.lines.size();
+  while (k > 0 && !found) {
+    const Scan::Line& line = scan.lines[--k];
+    if (line.kind.kind != LineKind::checkpoint) continue;
+    const auto text = file.read(scan.begin + line.place.at, line.place.bytes);
+    if (text) found = read_checkpoint(*text, session.initial_document(), line.check);
+  }
+  const auto end = scan.lines.begin() + static_cast<std::ptrdiff_t>(k) + 1;
+  const auto is_unknown = [](const Scan::Line& line) { return line.kind.kind == LineKind::unknown; };
+  if (!found || std::any_of(scan.lines.begin(), end, is_unknown)) return 0;
+  for (auto line = scan.lines.begin(); line != end; ++line)
+    if (!session.count(line->kind, line->place, line->check)) return 0;
+  session.go_on_from(std::make_shared<const Document>(std::move(*found)));
+  return k + 1;
+}
+
+Result<void> play(EditSession& session, const Scan& scan, std::size_t from, const LineFile& file, Progress* progress) {
+  for (std::size_t k = from; k < scan.lines.size(); ++k) {
+    if (progress != nullptr) {
+      progress->report(static_cast<double>(k - from) / static_cast<double>(scan.lines.size() - from));
+      if (progress->cancelled()) return fail(file.path().string(), "was not opened: cancelled");
+    }
+    const Scan::Line& line = scan.lines[k];
+    if (line.kind.kind == LineKind::empty || line.kind.kind == LineKind::checkpoint) continue;
+    const auto text = file.read(scan.begin + line.place.at, line.place.bytes);
+    if (!text) return fail(text.error());
+    auto step = parse_action(*text);
+    if (!step) return fail(in_line(file.path(), k + 2, step.error()));
+    if (auto done = session.replay(std::move(*step), line.place); !done)
+      return fail(in_line(file.path(), k + 2, done.error()));
+  }
+  return {};
+}
+
+/// Finds, before the image is read, which may take long, the lines that certainly cannot be played: those of no known
+/// kind, and short ones behind the last checkpoint whose values are wrong.
+Result<void> check_lines(const LineFile& file, const Scan& scan) {
+  constexpr std::size_t short_bytes = 1024;
+  bool checkpoint_behind = false;
+  std::optional<Error> first;
+  for (std::size_t k = scan.lines.size(); k-- > 0;) {
+    const Scan::Line& line = scan.lines[k];
+    checkpoint_behind = checkpoint_behind || line.kind.kind == LineKind::checkpoint;
+    const bool is_played = !checkpoint_behind && line.kind.kind != LineKind::empty;
+    if (line.kind.kind != LineKind::unknown && !(is_played && line.place.bytes <= short_bytes)) continue;
+    const auto text = file.read(scan.begin + line.place.at, line.place.bytes);
+    if (!text) return fail(text.error());
+    if (auto step = parse_action(*text); !step) first = in_line(file.path(), k + 2, step.error());
+  }
+  return first ? Result<void>(fail(std::move(*first))) : Result<void>();
+}
+
+Result<CaseRead> read_lines(const std::shared_ptr<const LineFile>& file, const ReplayOptions& options) {
+  const auto scan = looked_through(*file, options.progress);
+  if (!scan) return fail(scan.error());
+  if (auto checked = check_lines(*file, *scan); !checked) return fail(checked.error());
+  std::vector<std::string> warnings;
+  if (scan->torn) {
+    warnings.push_back(
+        file->path().string() +
+        ": the last line was torn when the machine stopped; it is dropped and everything before it restored");
+  }
+  auto session = session_at_start(*file, *scan, options, warnings);
+  if (!session) return fail(session.error());
+  std::size_t known = 0;
+  if (options.from_checkpoint && !overrides(options)) {
+    known = go_to_checkpoint(*session, *scan, *file);
+    if (known == 0) session = EditSession(session->initial_document(), options.limits);
+  }
+  std::function<void(Action&)> adjust;
+  if (overrides(options)) adjust = [options](Action& action) { override_settings(options, action); };
+  session->read_from(CaseLines(file, scan->begin, scan->whole_bytes, scan->check), std::move(adjust));
+  if (auto played = play(*session, *scan, known, *file, options.progress); !played) return fail(played.error());
+  return CaseRead{std::move(*session), std::move(warnings), scan->whole_bytes};
+}
+
+/// Writes the case as far as it got to `path`, and goes on there.
+Result<void> go_on_in(EditSession& session, const fs::path& path) {
+  const auto folder = path.parent_path();
+  const auto old = session.lines().first_line();
+  if (!old) return fail(old.error());
+  const Document& start = session.initial_document();
+  const auto header =
+      old->empty() ? Result<std::string>(case_header(start, folder)) : moved_header(*old, start, folder);
+  if (!header) return fail(path.string(), header.error().what);
+  const auto write = [&](std::ostream& out) -> Result<void> {
+    out << *header << '\n';
+    return session.lines().copy_to(out);
+  };
+  const Readers readers = folder == unsaved_folder() ? Readers::user_alone : Readers::as_usual;
+  auto journal = Journal::create(path, write, session.journal(), readers);
+  if (!journal) return fail(journal.error());
+  session.write_to(std::move(*journal), header->size() + 1);
+  return {};
+}
+
+}  // namespace
+
+Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
+  const auto file = LineFile::open(path);
+  return file ? read_lines(*file, options) : fail(file.error());
+}
+
+Result<CaseRead> open_case(const fs::path& path, Progress* progress, const std::string& volume_source,
+                           const HistoryLimits& limits) {
+  // Locked before it is read: what another program writes until then is read, and nobody writes afterwards.
+  auto journal = Journal::open(path);
+  if (!journal) return fail(journal.error());
+  ReplayOptions options;
+  options.progress = progress;
+  options.volume_source = volume_source;
+  options.limits = limits;
+  auto read = read_lines((*journal)->file(), options);
+  if (!read) return read;
+  if (auto cut = (*journal)->keep_first(read->whole_bytes); !cut) return fail(cut.error());
+  read->session.write_to(std::move(*journal), read->session.lines().begin());
+  if (volume_source.empty()) return read;
+  if (auto moved = go_on_in(read->session, path); !moved) return fail(moved.error());
+  return read;
+}
+
+Result<EditSession> create_case(Document initial, const fs::path& path, const HistoryLimits& limits) {
+  EditSession session(std::move(initial), limits);
+  if (auto begun = go_on_in(session, path); !begun) return fail(begun.error());
+  return session;
+}
+
+Result<void> save_case_as(EditSession& session, const fs::path& path) {
+  const Journal* journal = session.journal();
+  const fs::path old = journal != nullptr ? journal->path() : fs::path();
+  if (journal != nullptr && journal->is_at(path) && journal->unharmed()) return {};
+  if (auto moved = go_on_in(session, path); !moved) return moved;
+  std::error_code error;
+  if (!old.empty() && old.parent_path() == unsaved_folder()) fs::remove(old, error);
+  return {};
+}
+
+}  // namespace homolog

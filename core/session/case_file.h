@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/session/session.h"
+
+namespace homolog {
+
+/// Scheme options that override what a case file says, and how it is read.
+struct ReplayOptions {
+  std::optional<Scheme> scheme;
+  std::optional<int> paper_events;
+  std::optional<double> spacing;
+  std::string volume_source;  ///< where the image lies now; as the file says where empty
+  /// Begin at the last checkpoint that holds, which gives the same to the last bit; else every line is played. Options
+  /// that override the scheme play every line anyway.
+  bool from_checkpoint = true;
+  HistoryLimits limits;
+  Progress* progress = nullptr;
+};
+
+struct CaseRead {
+  EditSession session;
+  std::vector<std::string> warnings;  ///< a dropped torn last line
+  std::uint64_t whole_bytes = 0;      ///< up to and including the last whole line
+};
+
+/// Reads a case file, loads its volume and template, and plays its lines. Errors: a line that is no action (its number
+/// is named), read_header's.
+Result<CaseRead> read_case(const std::filesystem::path& path, const ReplayOptions& options = {});
+
+/// read_case, then opens the file's journal so that every further action is appended to it. `volume_source`: where the
+/// image lies now, which the file's first line says from then on; as it says where empty.
+/// Errors: read_case's, unwritable, open in another program.
+Result<CaseRead> open_case(const std::filesystem::path& path, Progress* progress = nullptr,
+                           const std::string& volume_source = {}, const HistoryLimits& limits = {});
+
+/// A new case whose journal is `path`; an existing file is replaced.
+Result<EditSession> create_case(Document initial, const std::filesystem::path& path, const HistoryLimits& limits = {});
+
+/// Copies the case so far to `path` (paths in its first line made relative to the new folder, every other line as it
+/// is) and goes on there. A journal in unsaved_folder() is removed then. Works also where the case's own file was
+/// deleted or replaced under it.
+Result<void> save_case_as(EditSession& session, const std::filesystem::path& path);
+
+}  // namespace homolog

@@ -1,0 +1,173 @@
+#include "core/session/case_header.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <string_view>
+
+#include "core/base/json.h"
+#include "core/base/text.h"
+#include "core/case/action_json.h"
+#include "core/catalogue/catalogue.h"
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int format_version = 1;
+constexpr const char* weighed_landmarks = "weighed";  ///< "landmarks" in the header: see Document::weighs_landmarks
+
+std::string relative_to(const fs::path& folder, const std::string& source) {
+  if (!names_file(source)) return source;
+  // Textual, as `resolved` is: following links here and not there would name another file.
+  std::error_code error;
+  const fs::path from = fs::absolute(folder.empty() ? fs::path(".") : folder, error);
+  const fs::path to = fs::absolute(source, error);
+  return error ? source : to.lexically_normal().lexically_proximate(from.lexically_normal()).generic_string();
+}
+
+std::string resolved(const fs::path& folder, const std::string& source) {
+  return names_file(source) ? (folder / source).lexically_normal().string() : source;
+}
+
+/// Refuses with both values where the header holds `key` and what was loaded differs.
+template <class Value>
+Result<void> check(const Json& header, const char* key, const Value& loaded, const std::string& of) {
+  if (!header.contains(key)) return {};
+  Value expected{};
+  try {
+    expected = header.at(key).get<Value>();
+  } catch (const Json::exception&) {
+    return fail("", std::string("line 1: \"") + key + "\" is of the wrong kind; correct it in a text editor");
+  }
+  if (expected == loaded) return {};
+  const Json both = {expected, loaded};
+  return fail("", "was made for " + of + " with " + key + " " + excerpt(both[0].dump()) + " but this one has " +
+                      both[1].dump() + "; put the original back or start a new case");
+}
+
+/// "128 × 128 × 90 voxels of 1.5 × 1.5 × 3 mm"
+std::string grid_in_words(const Json& voxels, const Json& spacing_mm) {
+  std::string words;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    words += (axis > 0 ? " × " : "") + std::to_string(voxels.at(axis).get<int>());
+  words += " voxels of ";
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%.4g", spacing_mm.at(axis).get<double>());
+    words += (axis > 0 ? " × " : "") + std::string(number);
+  }
+  return words + " mm";
+}
+
+/// Refuses an image on another grid than the case was made on.
+Result<void> check_grid(const Json& header, const Volume& volume, const std::string& source) {
+  const std::string here = geometry_hash(volume.geometry);
+  try {
+    if (header.value("geometry", here) == here) return {};
+    const VolumeGeometry& g = volume.geometry;
+    std::string made_on = "another grid", is;
+    if (header.contains("voxels") && header.contains("spacing_mm")) {
+      made_on = grid_in_words(header["voxels"], header["spacing_mm"]);
+      is = grid_in_words(g.dims, {g.spacing_mm[0], g.spacing_mm[1], g.spacing_mm[2]});
+      if (is == made_on) is = "as many, but lies elsewhere or otherwise turned";
+    }
+    return fail("", "was made on an image of " + made_on + " (geometry " +
+                        excerpt(header["geometry"].get<std::string>()) + "), and " + source + " has " +
+                        (is.empty() ? "" : is + " ") + "(geometry " + here +
+                        "); open it together with its own image, or start a new case");
+  } catch (const Json::exception&) {
+    return fail("",
+                "line 1: \"geometry\", \"voxels\" or \"spacing_mm\" is of the wrong kind; correct it in a text editor");
+  }
+}
+
+}  // namespace
+
+Result<Document> read_header(const Json& header, const fs::path& folder, const std::string& volume_now,
+                             Progress* progress, std::vector<std::string>& warnings) {
+  if (!header.is_object() || !header.contains("homolog")) {
+    return fail("", "is not a Homolog case: its first line is no header; open a .homolog file that Homolog wrote");
+  }
+  if (header["homolog"] != format_version) {
+    return fail("", "is of case format " + excerpt(header["homolog"].dump()) +
+                        "; this Homolog reads format 1, so open it with a newer one");
+  }
+  std::shared_ptr<const Volume> volume;
+  std::string volume_source, template_source;
+  VolumeReadOptions options;
+  options.progress = progress;
+  try {
+    volume_source = volume_now.empty() ? resolved(folder, header.value("volume", "")) : volume_now;
+    template_source = resolved(folder, header.value("template", ""));
+    options.series_uid = header.value("series", "");
+    if (const auto spacing = header.find("spacing_mm"); spacing != header.end() && spacing->size() == 3) {
+      options.stack_spacing_mm =
+          Vec3((*spacing)[0].get<double>(), (*spacing)[1].get<double>(), (*spacing)[2].get<double>());
+    }
+  } catch (const Json::exception&) {
+    return fail("", "line 1: a value is of the wrong kind; correct it in a text editor");
+  }
+  if (!volume_source.empty()) {
+    std::error_code ignored;
+    if (names_file(volume_source) && !fs::exists(volume_source, ignored))
+      return fail("", "its image " + excerpt(volume_source) +
+                          " does not exist; put it back, or open the case together with the image where it is now");
+    auto read = load_volume(volume_source, options);
+    if (!read) return fail(read.error());
+    warnings.insert(warnings.end(), read->warnings.begin(), read->warnings.end());
+    volume = std::make_shared<const Volume>(std::move(read->volume));
+    if (auto same = check_grid(header, *volume, volume_source); !same) return fail(same.error());
+    if (auto same = check(header, "series", volume->series_uid, "a volume"); !same) return fail(same.error());
+  }
+  std::shared_ptr<const Template> reference;
+  if (!template_source.empty()) {
+    auto loaded = load_template(template_source);
+    if (!loaded) return fail(loaded.error());
+    reference = *loaded;
+    const auto vertices = static_cast<std::int64_t>(reference->topology->vertices());
+    if (auto same = check(header, "vertices", vertices, "a template"); !same) return fail(same.error());
+    if (auto same = check(header, "connectivity", reference->topology->hash(), "a template"); !same) {
+      return fail(same.error());
+    }
+  }
+  Document document = new_document(volume_source, std::move(volume), std::move(reference));
+  // Homolog always wrote "connectivity"; without it the header was written by a person, and nothing is to be kept to.
+  const auto landmarks = header.find("landmarks");
+  document.weighs_landmarks =
+      landmarks != header.end() ? *landmarks == weighed_landmarks : !header.contains("connectivity");
+  return document;
+}
+
+std::string case_header(const Document& document, const fs::path& folder) {
+  Json header{{"homolog", format_version}};
+  if (!document.volume_source.empty()) header["volume"] = relative_to(folder, document.volume_source);
+  if (document.reference) header["template"] = relative_to(folder, document.reference->source);
+  if (document.has_shape()) header["placement"] = to_json(document.shape().placement);
+  if (document.weighs_landmarks) header["landmarks"] = weighed_landmarks;
+  if (document.reference) {
+    header["vertices"] = document.reference->topology->vertices();
+    header["connectivity"] = document.reference->topology->hash();
+  }
+  if (document.volume) {
+    const Volume& volume = *document.volume;
+    header["geometry"] = geometry_hash(volume.geometry);
+    header["voxels"] = volume.geometry.dims;
+    if (!volume.series_uid.empty()) header["series"] = volume.series_uid;
+    const Vec3& spacing = volume.geometry.spacing_mm;
+    header["spacing_mm"] = Json::array({spacing[0], spacing[1], spacing[2]});
+  }
+  return dumped(header);
+}
+
+Result<std::string> moved_header(const std::string& line, const Document& document, const fs::path& folder) {
+  Json header = read_json<Json>(line).value_or(Json());
+  if (!header.is_object()) return fail("", "has lost its first line; export the mesh instead");
+  if (!document.volume_source.empty()) header["volume"] = relative_to(folder, document.volume_source);
+  if (document.reference) header["template"] = relative_to(folder, document.reference->source);
+  return dumped(header);
+}
+
+}  // namespace homolog

@@ -1,0 +1,118 @@
+#include "core/session/history.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+namespace homolog {
+
+namespace {
+
+/// Calls `visit(address, bytes)` for every array of a document that is as long as its mesh.
+template <class Visit>
+void visit_arrays(const Document& document, const Visit& visit) {
+  const auto doubles = [&](const auto& array) {
+    if (array) visit(static_cast<const void*>(array.get()), static_cast<std::size_t>(array->size()) * sizeof(double));
+  };
+  doubles(document.stiffness);
+  if (document.regions) visit(document.regions.get(), document.regions->of_vertex.size());
+  if (document.reference) {
+    const Template& reference = *document.reference;
+    visit(&reference, static_cast<std::size_t>(reference.points.size() + reference.stiffness.size()) * sizeof(double));
+    constexpr std::size_t a_vertex = 200;  // of a topology's tables
+    visit(reference.topology.get(), a_vertex * static_cast<std::size_t>(reference.topology->vertices()));
+  }
+  for (const auto& [frame, shape] : document.shapes) {
+    doubles(shape.placed);
+    doubles(shape.reference);
+    doubles(shape.points);
+    doubles(shape.confirmed);
+    doubles(shape.decided);
+    doubles(shape.unaided);
+  }
+}
+
+/// What a document takes that another one does not hold already.
+std::size_t bytes_beside(const Document& document, const Document& other) {
+  std::vector<const void*> known;
+  visit_arrays(other, [&](const void* array, std::size_t) { known.push_back(array); });
+  std::size_t sum = 0;
+  visit_arrays(document, [&](const void* array, std::size_t bytes) {
+    if (std::find(known.begin(), known.end(), array) != known.end()) return;
+    known.push_back(array);  // an array may serve twice
+    sum += bytes;
+  });
+  return sum;
+}
+
+}  // namespace
+
+History::History(std::shared_ptr<const Document> start, std::size_t most_bytes)
+    : start_(std::move(start)), most_bytes_(most_bytes) {}
+
+std::optional<History::Way> History::undo() const {
+  std::size_t k = current_;
+  while (k > 0 && steps_[k - 1].look) --k;
+  if (k == 0) return std::nullopt;
+  const std::size_t last = --k;
+  while (k > 0 && steps_[k].joined) --k;
+  return Way{k, last};
+}
+
+std::optional<History::Way> History::redo() const {
+  std::size_t k = current_;
+  while (k < size() && steps_[k].look) ++k;
+  if (k == size()) return std::nullopt;
+  const std::size_t first = k++;
+  while (k < size() && steps_[k].joined) ++k;
+  return Way{k, first};
+}
+
+void History::reserve(std::size_t more) {
+  if (current_ + more > steps_.capacity()) steps_.reserve(std::max(current_ + more, 2 * steps_.capacity()));
+}
+
+void History::push(Step step) {
+  assert(steps_.capacity() > current_);
+  steps_.resize(current_);
+  if (step.joined && !steps_.empty()) steps_.back().after.reset();  // nobody can come to rest between the two
+  steps_.push_back(std::move(step));
+  ++current_;
+}
+
+void History::keep(std::size_t state, std::shared_ptr<const Document> document) {
+  if (state == 0) return;
+  std::size_t before = state - 1;
+  while (!kept(before)) --before;
+  bytes_at_most_ += bytes_beside(*document, *kept(before));
+  steps_[state - 1].after = std::move(document);
+  if (bytes_at_most_ > most_bytes_) thin_out();
+}
+
+std::size_t History::bytes() const {
+  std::size_t sum = 0;
+  const Document* before = start_.get();
+  for (const Step& step : steps_) {
+    if (!step.after) continue;
+    sum += bytes_beside(*step.after, *before);
+    before = step.after.get();
+  }
+  return sum;
+}
+
+void History::thin_out() {
+  constexpr std::size_t near = 32;
+  const auto thin = [this](std::size_t around) {
+    for (std::size_t state = 1; state <= size(); ++state) {
+      const std::size_t away = state > current_ ? state - current_ : current_ - state;
+      if (away > around && state % stride_ != 0) steps_[state - 1].after.reset();
+    }
+    bytes_at_most_ = bytes();
+    return bytes_at_most_ <= most_bytes_ / 4 * 3;  // so that it is not done again at once
+  };
+  bool fits = thin(near);
+  for (; !fits && stride_ < size(); fits = thin(near)) stride_ *= 2;
+  for (std::size_t around = near; !fits && around > 0; fits = thin(around)) around /= 2;
+}
+
+}  // namespace homolog

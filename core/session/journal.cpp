@@ -1,0 +1,140 @@
+#include "core/session/journal.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <string>
+#include <thread>
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr auto blink = std::chrono::milliseconds(10);
+
+/// Writes all of `bytes`; 0 or the errno.
+int write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return written < 0 ? errno : EIO;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+Error open_elsewhere(const fs::path& path) {
+  return {path.string(), "is open in another program; close it there, or open a copy"};
+}
+
+bool same_file(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Journal>> Journal::create(const fs::path& path, const Write& write, const Journal* mine,
+                                                 Readers readers) {
+  // A case that another program has open must not be replaced under it.
+  if (!(mine != nullptr && mine->is_at(path)) && in_use(path)) return fail(open_elsewhere(path));
+  if (auto written = write_whole_file(path, write, readers); !written) return fail(written.error());
+  return open(path);
+}
+
+Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_APPEND | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) {
+    return fail(path.string(), std::string("cannot be opened for writing (") + std::strerror(errno) +
+                                   "); make it writable or save the case elsewhere");
+  }
+  auto file = std::make_shared<const LineFile>(path, descriptor);
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode))
+    return fail(path.string(), "is no file that a case could be kept in; choose another name");
+  // Who only asks whether it is in use holds it for the blink of an eye.
+  for (int attempts = 5; ::flock(descriptor, LOCK_EX | LOCK_NB) != 0; std::this_thread::sleep_for(blink))
+    if (--attempts == 0) return fail(open_elsewhere(path));
+  return std::unique_ptr<Journal>(new Journal(std::move(file), static_cast<std::uint64_t>(status.st_size)));
+}
+
+Journal::~Journal() {
+  if (unsynced_) ::fsync(file_->descriptor());
+  ::flock(file_->descriptor(), LOCK_UN);  // the file may be read on
+}
+
+bool Journal::in_use(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool used = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0;
+  ::close(descriptor);
+  return used;
+}
+
+bool Journal::is_at(const fs::path& path) const {
+  struct stat here {
+  }, there{};
+  return ::fstat(file_->descriptor(), &here) == 0 && ::stat(path.c_str(), &there) == 0 && same_file(here, there);
+}
+
+Result<void> Journal::keep_first(std::uint64_t keep_bytes) {
+  if (bytes_ == keep_bytes) return {};  // a whole file is left alone, its time of change too
+  int error = ::ftruncate(file_->descriptor(), static_cast<off_t>(keep_bytes)) == 0 ? 0 : errno;
+  if (error == 0 && ::fsync(file_->descriptor()) != 0) error = errno;
+  if (error != 0)
+    return fail(path().string(),
+                std::string("cannot be written (") + std::strerror(error) + "); save the case elsewhere");
+  bytes_ = keep_bytes;
+  return {};
+}
+
+Result<void> Journal::unharmed() const {
+  const auto refused = [this](const std::string& what) {
+    return fail(path().string(), what + ", so the edit was not made; save the case elsewhere");
+  };
+  struct stat here {};
+  if (broken_ != nullptr) return refused(broken_);
+  if (!is_at(path())) return refused("was deleted, moved or replaced while it was open");
+  if (::fstat(file_->descriptor(), &here) != 0 || static_cast<std::uint64_t>(here.st_size) != bytes_)
+    return refused("was changed by another program while it was open");
+  return {};
+}
+
+Result<void> Journal::append(std::string_view lines, bool sync) {
+  if (auto fit = unharmed(); !fit) return fit;
+  const int descriptor = file_->descriptor();
+  int error = write_all(descriptor, lines);
+  if (error == 0 && sync && ::fsync(descriptor) != 0) error = errno;
+  if (error == 0) {
+    bytes_ += lines.size();
+    unsynced_ = !sync;
+    return {};
+  }
+  if (::ftruncate(descriptor, static_cast<off_t>(bytes_)) == 0)
+    ::fsync(descriptor);
+  else
+    broken_ = "ends in half a line that could not be taken back";
+  return fail(path().string(), std::string("could not be written (") + std::strerror(error) +
+                                   "), so the edit was not made; free some space or save the case elsewhere");
+}
+
+Result<void> Journal::sync() {
+  if (!unsynced_) return {};
+  if (::fsync(file_->descriptor()) == 0) {
+    unsynced_ = false;
+    return {};
+  }
+  // What the system held of the file may be gone: a second attempt would succeed without it.
+  broken_ = "could not be brought to the disk";
+  unsynced_ = false;
+  return fail(path().string(), std::string("could not be brought to the disk (") + std::strerror(errno) +
+                                   "), though its edits are shown; save the case elsewhere");
+}
+
+}  // namespace homolog

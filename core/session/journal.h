@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <ostream>
+#include <string_view>
+
+#include "core/base/files.h"
+#include "core/base/result.h"
+#include "core/session/line_file.h"
+
+namespace homolog {
+
+/// An append-only file of lines, locked against other programs while open. What is appended is on the disk, or it is
+/// refused and the file is as it was before.
+class Journal {
+ public:
+  using Write = std::function<Result<void>(std::ostream&)>;
+  /// Makes the file with what `write` gives (written whole, synced, renamed), or replaces one; then opens and locks it.
+  /// `mine`: a journal that is open here already; its file may be replaced. `readers`: who may read it. Errors:
+  /// unwritable, open in another program.
+  static Result<std::unique_ptr<Journal>> create(const std::filesystem::path& path, const Write& write,
+                                                 const Journal* mine = nullptr, Readers readers = Readers::as_usual);
+  /// Opens an existing file and locks it; nothing is written yet. Errors: absent, unwritable, locked by another program
+  /// (the sentence says so).
+  static Result<std::unique_ptr<Journal>> open(const std::filesystem::path& path);
+  /// Cuts off what follows the first `keep_bytes`: a torn line.
+  Result<void> keep_first(std::uint64_t keep_bytes);
+  /// Whether another program has the file open as its journal. Changes nothing.
+  static bool in_use(const std::filesystem::path& path);
+  ~Journal();
+  Journal(const Journal&) = delete;
+  Journal& operator=(const Journal&) = delete;
+
+  /// Appends whole lines. With `sync` they are on the disk when it returns; without, they are safe from all but a power
+  /// cut, and on the disk as soon as later ones are, or after sync(). Errors: a full disk; a file that was deleted,
+  /// replaced or changed by another program since; a journal in which an earlier attempt failed beyond repair. The
+  /// lines are not in the file then.
+  Result<void> append(std::string_view lines, bool sync = true);
+  /// Whether lines wait for sync().
+  bool unsynced() const { return unsynced_; }
+  /// Brings to the disk what was appended without. Errors: the disk fails; nothing more can be appended then.
+  Result<void> sync();
+  const std::filesystem::path& path() const { return file_->path(); }
+  /// For reading; lives on when the journal is closed.
+  const std::shared_ptr<const LineFile>& file() const { return file_; }
+  std::uint64_t bytes() const { return bytes_; }
+  /// Whether lines can be added: no error where the file is as this program left it.
+  Result<void> unharmed() const;
+  /// Whether `path` is this very file.
+  bool is_at(const std::filesystem::path& path) const;
+
+ private:
+  explicit Journal(std::shared_ptr<const LineFile> file, std::uint64_t bytes) : file_(std::move(file)), bytes_(bytes) {}
+  std::shared_ptr<const LineFile> file_;
+  std::uint64_t bytes_;
+  bool unsynced_ = false;
+  const char* broken_ = nullptr;  ///< why nothing can be appended any more; null: it can
+};
+
+}  // namespace homolog

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstdint>
+
+namespace homolog {
+
+/// Where a line lies among those of a case, without its line feed; counted from the end of the first line, so that it
+/// stays true when the case goes on in another file.
+struct LinePlace {
+  std::uint64_t at = 0, bytes = 0;
+};
+
+}  // namespace homolog

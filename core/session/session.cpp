@@ -1,0 +1,333 @@
+#include "core/session/session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+#include <utility>
+
+#include "core/case/action_line.h"
+#include "core/case/moved_points.h"
+#include "core/session/checkpoint.h"
+
+namespace homolog {
+
+namespace {
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// What is played again in about half a second.
+std::size_t steps_in_half_a_second(const Document& document) {
+  const auto vertices = document.reference ? document.reference->topology->vertices() : 1;
+  return static_cast<std::size_t>(std::clamp<Eigen::Index>(1'000'000 / vertices, 16, 512));
+}
+
+/// The action as its line gives it, so that what is kept is what a replay makes, to the last bit. A pull remembers
+/// where on the surface it ended, so that replaying it needs no cursor path.
+Result<void> resolve(const Document& document, Deformer& deformer, Action& action, int& solves) {
+  auto* stroke = std::get_if<Stroke>(&action);
+  if (stroke == nullptr || stroke->tool != Tool::pull || stroke->on) return {};
+  const auto followed = update(document, action, deformer, Pass::preview);
+  if (!followed) return fail(followed.error());
+  stroke->on = followed->report.on;
+  solves = followed->report.solves;
+  return {};
+}
+
+}  // namespace
+
+EditSession::EditSession(Document document, const HistoryLimits& limits)
+    : history_(std::make_shared<const Document>(std::move(document)), limits.bytes),
+      limits_(limits),
+      document_(history_.kept(0)) {
+  if (limits_.replayed_steps == 0) limits_.replayed_steps = steps_in_half_a_second(*document_);
+}
+
+Result<void> EditSession::start_at(const Similarity& placement) {
+  auto placed = update(document(), SetPlacement{placement}, deformer_, Pass::commit);
+  if (!placed) return fail(placed.error());
+  document_ = std::make_shared<const Document>(std::move(placed->document));
+  history_ = History(document_, limits_.bytes);
+  return {};
+}
+
+Result<Updated> EditSession::preview(const std::optional<Action>& action, const std::vector<Compute>& then) {
+  const auto start = std::chrono::steady_clock::now();
+  auto updated =
+      action ? update(document(), *action, deformer_, Pass::preview) : Result<Updated>(Updated{document(), {}});
+  if (!updated) return updated;
+  for (const Compute& compute : then)
+    if (auto followed = follow(updated->document, compute); !followed)
+      updated->report.message = followed.error().sentence();
+  updated->report.solver_ms = milliseconds_since(start);
+  return updated;
+}
+
+Result<void> EditSession::follow(Document& document, const Compute& compute) {
+  auto action = compute(document);
+  if (!action) return fail(action.error());
+  if (!*action) return {};
+  auto updated = update(document, **action, deformer_, Pass::preview);
+  if (!updated) return fail(updated.error());
+  document = std::move(updated->document);
+  return {};
+}
+
+Result<EditReport> EditSession::apply(Action action, bool joined) {
+  return perform(std::move(action), joined, std::nullopt);
+}
+
+Result<EditReport> EditSession::replay(EditStep step, const LinePlace& line) {
+  if (adjust_) adjust_(step.action);
+  deformer_.end_gesture();  // a pull follows the straight path, not what was followed before
+  return perform(std::move(step.action), step.joined, line);
+}
+
+/// `line`: where the action's line is; without one it is written.
+Result<EditReport> EditSession::perform(Action action, bool joined, const std::optional<LinePlace>& line) {
+  const bool travels = std::holds_alternative<Undo>(action) || std::holds_alternative<Redo>(action);
+  const auto* frame = std::get_if<SetFrame>(&action);
+  const bool looks = frame != nullptr && !frame->step;
+  const bool joins = std::exchange(joinable_, false) && joined;
+  auto report = travels ? travel(action, line) : looks ? look(*frame, line) : edit(std::move(action), joins, line);
+  joinable_ = report && !travels && !looks;
+  return report;
+}
+
+Result<EditReport> EditSession::travel(const Action& action, const std::optional<LinePlace>& line) {
+  const bool back = std::holds_alternative<Undo>(action);
+  const auto way = back ? history_.undo() : history_.redo();
+  if (!way) return fail("", back ? "There is nothing to undo." : "There is nothing to redo.");
+  auto there = state(way->to);
+  if (!there) return fail(there.error());
+  if (!line)
+    if (auto written = lines_.append(action_line(action) + '\n'); !written) return fail(written.error());
+  history_.go_to(way->to);
+  document_ = std::move(*there);
+  looks_.clear();
+  return EditReport{};
+}
+
+Result<EditReport> EditSession::look(const SetFrame& action, const std::optional<LinePlace>& line) {
+  auto updated = update(document(), action, deformer_, Pass::commit);
+  if (!updated) return fail(updated.error());
+  auto shown = std::make_shared<const Document>(std::move(updated->document));
+  Look look;
+  look.unwritten = action_line(action) + '\n';
+  look.line.bytes = look.unwritten.size() - 1;
+  looks_.reserve(looks_.size() + 1);
+  if (line) {
+    look = {{}, *line};
+  } else if (const auto at = lines_.append(look.unwritten, false)) {
+    look.line.at = *at;
+    look.unwritten.clear();
+  }
+  looks_.push_back(std::move(look));
+  document_ = std::move(shown);
+  return std::move(updated->report);
+}
+
+Result<EditReport> EditSession::edit(Action action, bool joined, const std::optional<LinePlace>& line) {
+  const auto start = std::chrono::steady_clock::now();
+  int solves = 0;
+  if (auto resolved = resolve(document(), deformer_, action, solves); !resolved) return fail(resolved.error());
+  if (const auto* set = std::get_if<SetPoints>(&action); set != nullptr && !line && document().has_shape())
+    if (auto moves = moves_of(*document().shape().points, *set)) action = std::move(*moves);
+  auto updated = update(document(), action, deformer_, Pass::commit);
+  if (!updated) return fail(updated.error());
+  updated->report.solves += solves;
+
+  // All that needs memory comes before the line is written: from then on the case is as the disk says.
+  const bool is_note = std::holds_alternative<Note>(action);
+  History::Step step;
+  step.name = action_name(action);
+  step.joined = joined;
+  step.stroke = std::holds_alternative<Stroke>(action);
+  step.after = std::make_shared<const Document>(std::move(updated->document));
+  history_.reserve(looks_.size() + 1);
+  if (line)
+    step.line = *line;
+  else if (auto written = write(action_line(action, joined), is_note, !joined))
+    step.line = *written;
+  else
+    return fail(written.error());
+  solves_ += updated->report.solves;
+  updated->report.solver_ms = milliseconds_since(start);
+  if (is_note) return std::move(updated->report);
+  add_steps(std::move(step));
+  tidy();
+  return std::move(updated->report);
+}
+
+/// Writes a line, and before it those of the looks that could not be written. A note needs none of them.
+Result<LinePlace> EditSession::write(const std::string& line, bool is_note, bool sync) {
+  std::string lines;
+  if (!is_note)
+    for (const Look& look : looks_) lines += look.unwritten;
+  const std::size_t before = lines.size();
+  lines += line;
+  lines += '\n';
+  const auto at = lines_.append(lines, sync);
+  if (!at) return fail(at.error());
+  std::uint64_t next = *at;
+  if (!is_note)
+    for (Look& look : looks_)
+      if (!look.unwritten.empty()) look.line.at = std::exchange(next, next + look.unwritten.size());
+  return LinePlace{*at + before, line.size()};
+}
+
+/// Needs no memory beyond what History::reserve took.
+void EditSession::add_steps(History::Step step) {
+  for (const Look& look : looks_) {
+    History::Step looked;
+    looked.line = look.line;
+    looked.look = true;
+    if (step.after && &look == &looks_.back()) looked.after = document_;
+    history_.push(std::move(looked));
+  }
+  looks_.clear();
+  if (step.after) document_ = step.after;
+  history_.push(std::move(step));
+}
+
+/// What may also be left undone: where memory is short a later edit does it.
+void EditSession::tidy() {
+  try {
+    history_.keep(history_.current(), document_);
+    write_checkpoint();
+  } catch (const std::bad_alloc&) {
+  }
+}
+
+void EditSession::write_checkpoint() {
+  if (journal() == nullptr || steps_to_checkpoint_ > 0 || steps_since_checkpoint() < limits_.replayed_steps) {
+    steps_to_checkpoint_ -= steps_to_checkpoint_ > 0 ? 1 : 0;
+    return;
+  }
+  steps_to_checkpoint_ = limits_.replayed_steps;  // where it fails, what it takes is not spent on every edit
+  const std::uint32_t check = lines_.check();
+  const auto text = checkpoint_line(history_.start(), document(), check);
+  if (!text) return;
+  const auto at = lines_.append(*text + '\n', false);
+  if (!at) return;
+  history_.step(history_.current() - 1).checkpoint = History::Checkpoint{{*at, text->size()}, check};
+  steps_to_checkpoint_ = 0;
+}
+
+std::size_t EditSession::steps_since_checkpoint() const {
+  std::size_t steps = 0;
+  while (steps < history_.current() && !history_.step(history_.current() - 1 - steps).checkpoint) ++steps;
+  return steps;
+}
+
+Result<EditStep> EditSession::read_step(std::size_t k) const {
+  const auto line = lines_.read(history_.step(k).line);
+  if (!line) return fail(line.error());
+  auto step = parse_action(*line);
+  if (step && adjust_) adjust_(step->action);
+  return step;
+}
+
+/// The nearest state at or before `state` that is kept, in memory or in a checkpoint; `state` becomes its number.
+std::shared_ptr<const Document> EditSession::nearest_state(std::size_t& state) {
+  for (;; --state) {
+    if (auto kept = history_.kept(state)) return kept;
+    const auto& checkpoint = history_.step(state - 1).checkpoint;
+    const auto line = checkpoint ? lines_.read(checkpoint->line) : std::string();
+    auto document = line ? read_checkpoint(*line, history_.start(), checkpoint ? checkpoint->lines_check : 0)
+                         : std::optional<Document>();
+    if (!document) continue;
+    auto read = std::make_shared<const Document>(std::move(*document));
+    history_.keep(state, read);
+    return read;
+  }
+}
+
+Result<std::shared_ptr<const Document>> EditSession::state(std::size_t wanted) {
+  std::size_t state = wanted;
+  auto document = nearest_state(state);
+  for (; state < wanted; ++state) {
+    auto step = read_step(state);
+    if (!step) return fail(step.error());
+    int solves = 0;
+    deformer_.end_gesture();
+    if (auto resolved = resolve(*document, deformer_, step->action, solves); !resolved) return fail(resolved.error());
+    auto updated = update(*document, step->action, deformer_, Pass::commit);
+    if (!updated) return fail(updated.error());
+    document = std::make_shared<const Document>(std::move(updated->document));
+    const bool passed_through = state + 1 < history_.size() && history_.step(state + 1).joined;
+    if (!passed_through) history_.keep(state + 1, document);
+  }
+  return document;
+}
+
+std::string EditSession::name(const std::optional<History::Way>& way) const {
+  if (!way) return "";
+  const std::string& known = history_.step(way->step).name;
+  if (!known.empty()) return known;
+  const auto step = read_step(way->step);
+  return step ? action_name(step->action) : "edit";
+}
+
+std::string EditSession::undo_name() const {
+  return name(history_.undo());
+}
+std::string EditSession::redo_name() const {
+  return name(history_.redo());
+}
+
+int EditSession::strokes() const {
+  int count = 0;
+  for (std::size_t k = 0; k < history_.current(); ++k) count += history_.step(k).stroke ? 1 : 0;
+  return count;
+}
+
+void EditSession::read_from(CaseLines lines, std::function<void(Action&)> adjust) {
+  lines_ = std::move(lines);
+  adjust_ = std::move(adjust);
+}
+
+bool EditSession::count(const LineKind& kind, const LinePlace& line, std::uint32_t lines_check) {
+  switch (kind.kind) {
+    case LineKind::empty:
+      return true;
+    case LineKind::note:
+      return joinable_ = true;
+    case LineKind::look:
+      looks_.push_back({{}, line});
+      joinable_ = false;
+      return true;
+    case LineKind::step: {
+      History::Step step;
+      step.line = line;
+      step.joined = kind.joined && joinable_;
+      step.stroke = kind.stroke;
+      history_.reserve(looks_.size() + 1);
+      add_steps(std::move(step));
+      return joinable_ = true;
+    }
+    case LineKind::undo:
+    case LineKind::redo: {
+      const auto way = kind.kind == LineKind::undo ? history_.undo() : history_.redo();
+      if (way) history_.go_to(way->to);
+      looks_.clear();
+      joinable_ = false;
+      return way.has_value();
+    }
+    case LineKind::checkpoint:
+      if (history_.current() > 0 && looks_.empty())
+        history_.step(history_.current() - 1).checkpoint = History::Checkpoint{line, lines_check};
+      return true;
+    case LineKind::unknown:
+      break;
+  }
+  return false;
+}
+
+void EditSession::go_on_from(std::shared_ptr<const Document> document) {
+  document_ = std::move(document);
+  history_.keep(history_.current(), document_);
+}
+
+}  // namespace homolog

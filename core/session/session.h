@@ -1,0 +1,116 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/case/action.h"
+#include "core/session/case_lines.h"
+#include "core/session/history.h"
+#include "core/session/line_kind.h"
+
+namespace homolog {
+
+/// Something that is computed from the document (a snap, the model's help) and becomes an action; none where there is
+/// nothing to do.
+using Compute = std::function<Result<std::optional<Action>>(const Document&)>;
+
+/// What a session may spend on its history.
+struct HistoryLimits {
+  std::size_t bytes = std::size_t{192} << 20;  ///< for states kept in memory
+  /// At most so many steps are played again to come to a state: a checkpoint is written to the file where more would
+  /// be. 0: what takes about half a second with this mesh.
+  std::size_t replayed_steps = 0;
+};
+
+/// A case being edited: the document, its history and its journal. Belongs to one thread.
+/// An action is computed, then written and synced to the journal, then shown as done.
+class EditSession {
+ public:
+  explicit EditSession(Document document, const HistoryLimits& limits = {});
+
+  const Document& document() const { return *document_; }
+  std::shared_ptr<const Document> shared_document() const { return document_; }
+  /// Moves the placement that a case starts from; nothing has been done yet.
+  Result<void> start_at(const Similarity& placement);
+  /// Applies an action (Undo and Redo too). `joined`: see EditStep; an action begins a step of its own all the same
+  /// where the one before it was refused, taken back, or a look at a frame. Computed points are rounded
+  /// [moved_points.h]. What is joined, and a look, is written at once but synced only with what follows, or by sync().
+  /// On error nothing has changed, in memory or on disk; where memory runs out (std::bad_alloc) neither.
+  Result<EditReport> apply(Action action, bool joined = false);
+  /// What the action would give, without doing it. Cheap during a drag, because the gesture is cached. Without an
+  /// action it starts from the document. Each of `then` carries on from the result before it; a refusal becomes a
+  /// message.
+  Result<Updated> preview(const std::optional<Action>& action, const std::vector<Compute>& then = {});
+
+  bool can_undo() const { return history_.undo().has_value(); }
+  bool can_redo() const { return history_.redo().has_value(); }
+  /// Name of what undo (redo) would take back (do again); empty where there is nothing.
+  std::string undo_name() const;
+  std::string redo_name() const;
+
+  const Document& initial_document() const { return history_.start(); }
+  int strokes() const;  ///< those left after undo
+  int solves() const { return solves_; }
+  std::size_t history_bytes() const { return history_.bytes(); }
+
+  // What keeps the case: every action is a line of it.
+
+  bool unsynced() const { return journal() != nullptr && journal()->unsynced(); }
+  Result<void> sync() { return unsynced() ? journal()->sync() : Result<void>{}; }
+
+  const CaseLines& lines() const { return lines_; }
+  Journal* journal() const { return lines_.journal(); }
+  /// From now on every action is appended to `journal`, which holds all lines so far behind a first line that ends at
+  /// `begin`.
+  void write_to(std::unique_ptr<Journal> journal, std::uint64_t begin) { lines_.write_to(std::move(journal), begin); }
+
+  // How a file is read: its lines one after the other, each played or (up to a checkpoint) only counted.
+
+  /// The lines that follow are there already. `adjust` changes every action before it is played.
+  void read_from(CaseLines lines, std::function<void(Action&)> adjust = {});
+  /// As apply, of a line that is there.
+  Result<EditReport> replay(EditStep step, const LinePlace& line);
+  /// Counts a line without playing it; `lines_check` is that of the lines before it. False where the line cannot follow
+  /// those before.
+  bool count(const LineKind& kind, const LinePlace& line, std::uint32_t lines_check);
+  /// The state that the lines counted so far lead to.
+  void go_on_from(std::shared_ptr<const Document> document);
+
+ private:
+  Result<void> follow(Document& document, const Compute& compute);
+  Result<EditReport> travel(const Action& action, const std::optional<LinePlace>& line);
+  Result<EditReport> look(const SetFrame& action, const std::optional<LinePlace>& line);
+  Result<EditReport> edit(Action action, bool joined, const std::optional<LinePlace>& line);
+  Result<EditReport> perform(Action action, bool joined, const std::optional<LinePlace>& line);
+  Result<LinePlace> write(const std::string& line, bool is_note, bool sync);
+  Result<EditStep> read_step(std::size_t step) const;
+  std::shared_ptr<const Document> nearest_state(std::size_t& state);
+  Result<std::shared_ptr<const Document>> state(std::size_t state);
+  std::string name(const std::optional<History::Way>& way) const;
+  void add_steps(History::Step step);
+  void tidy();
+  void write_checkpoint();
+  std::size_t steps_since_checkpoint() const;
+
+  History history_;
+  HistoryLimits limits_;
+  std::shared_ptr<const Document> document_;  ///< the present state, at the frame that is looked at
+  /// Looks at frames since the last step; they become part of the history with the next one.
+  struct Look {
+    std::string unwritten;  ///< its line, where it could not be written: the disk is full
+    LinePlace line;
+  };
+  std::vector<Look> looks_;
+  bool joinable_ = false;  ///< the last call of apply() made a step
+  Deformer deformer_;
+  CaseLines lines_;
+  std::size_t steps_to_checkpoint_ = 0;  ///< before which none is tried again
+  std::function<void(Action&)> adjust_;
+  int solves_ = 0;
+};
+
+}  // namespace homolog

@@ -1,0 +1,277 @@
+#include "core/session/session_thread.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <variant>
+
+#include "core/session/case_file.h"
+
+namespace homolog {
+
+/// The two mailboxes, and the thread between them. Everything above the line is shared under `mutex`; everything below
+/// belongs to the thread.
+struct SessionThread::Shared {
+  static constexpr auto touches_rest = std::chrono::milliseconds(100);
+  struct SaveAs {
+    std::filesystem::path path;
+  };
+  struct Computed {
+    Compute compute;
+    bool joined = false;
+  };
+  struct Preview {
+    std::optional<Action> action;
+    std::vector<Compute> then;
+  };
+  using Job = std::variant<EditStep, Computed, SaveAs>;
+
+  mutable std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<Job> jobs;                    ///< in: every one is done, in order
+  std::optional<Preview> next_preview;     ///< in: the latest wins
+  std::shared_ptr<const Snapshot> latest;  ///< out: the latest wins
+  bool stopping = false;
+  // ---
+  EditSession session;
+  std::function<void()> wake;
+  std::thread thread;
+
+  Shared(EditSession started, std::function<void()> woken) : session(std::move(started)), wake(std::move(woken)) {
+    Snapshot first;
+    describe(first);
+    first.shown = first.document;
+    latest = std::make_shared<const Snapshot>(std::move(first));
+  }
+
+  void describe(Snapshot& snapshot) {
+    snapshot.document = session.shared_document();
+    snapshot.can_undo = session.can_undo();
+    snapshot.can_redo = session.can_redo();
+    snapshot.undo_name = session.undo_name();
+    snapshot.redo_name = session.redo_name();
+    snapshot.file = session.journal() != nullptr ? session.journal()->path() : std::filesystem::path();
+  }
+
+  void publish(Snapshot snapshot) {
+    ++snapshot.revision;
+    {
+      const std::lock_guard lock(mutex);
+      latest = std::make_shared<const Snapshot>(std::move(snapshot));
+    }
+    if (wake) wake();
+  }
+
+  /// Every edit ends so, whether it was done, refused or nothing: what was previewed is over.
+  void end_edit(Snapshot& snapshot) {
+    describe(snapshot);
+    snapshot.shown = snapshot.document;
+    snapshot.preview.reset();
+    ++snapshot.committed;
+    ++snapshot.jobs_done;
+  }
+
+  void do_action(EditStep step) {
+    Snapshot snapshot = *latest;
+    auto report = session.apply(std::move(step.action), step.joined);
+    end_edit(snapshot);
+    snapshot.error = report ? "" : report.error().sentence();
+    if (report) {
+      snapshot.message = report->message;
+      snapshot.solver_ms = report->solver_ms;
+    }
+    publish(std::move(snapshot));
+  }
+
+  void do_computed(const Computed& computed) {
+    auto action = computed.compute(session.document());
+    if (action && *action) return do_action({std::move(**action), computed.joined});
+    Snapshot snapshot = *latest;
+    end_edit(snapshot);
+    snapshot.error = action ? "" : action.error().sentence();
+    publish(std::move(snapshot));
+  }
+
+  void do_save(const std::filesystem::path& path) {
+    Snapshot snapshot = *latest;
+    auto saved = save_case_as(session, path);
+    describe(snapshot);
+    ++snapshot.committed;
+    ++snapshot.jobs_done;
+    snapshot.error = saved ? "" : saved.error().sentence();
+    if (saved) snapshot.message = "Saved as " + path.string();
+    publish(std::move(snapshot));
+  }
+
+  void do_sync() {
+    const auto synced = session.sync();
+    if (synced) return;
+    Snapshot snapshot = *latest;
+    ++snapshot.committed;
+    snapshot.error = synced.error().sentence();
+    publish(std::move(snapshot));
+  }
+
+  void show_preview(const Preview& preview) {
+    Snapshot snapshot = *latest;
+    if (preview.action || !preview.then.empty()) {
+      auto updated = session.preview(preview.action, preview.then);
+      if (!updated) {
+        snapshot.message = updated.error().sentence();
+      } else {
+        snapshot.shown = std::make_shared<const Document>(std::move(updated->document));
+        snapshot.solver_ms = updated->report.solver_ms;
+        snapshot.message = updated->report.message;
+        snapshot.preview = std::move(updated->report);
+      }
+    } else {
+      snapshot.shown = snapshot.document;
+      snapshot.preview.reset();
+    }
+    publish(std::move(snapshot));
+  }
+
+  /// Says why a job came to nothing: what is thrown ends neither the thread nor the program. The session is as before,
+  /// or, where only showing what was done failed, as the disk says; either way it is shown so.
+  void tell(const std::exception_ptr& thrown, bool was_job) {
+    Snapshot snapshot = *latest;
+    const bool done = session.shared_document() != snapshot.document;
+    end_edit(snapshot);
+    if (!was_job) {
+      --snapshot.committed;
+      --snapshot.jobs_done;
+    }
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const std::bad_alloc&) {
+      snapshot.error = done ? "Memory is short: this was done, but hardly more will be; close other programs."
+                            : "Memory ran out, so this was not done; close other programs and try again.";
+    } catch (const std::exception& error) {
+      snapshot.error = std::string("This could not be done (") + error.what() + "); save the case and start again.";
+    }
+    publish(std::move(snapshot));
+  }
+
+  /// Until there is memory enough to say it.
+  void tell_in_the_end(const std::exception_ptr& thrown, bool was_job) {
+    constexpr auto a_while = std::chrono::milliseconds(50);
+    for (bool told = false; !told;) {
+      try {
+        tell(thrown, was_job);
+        told = true;
+      } catch (const std::bad_alloc&) {
+        std::this_thread::sleep_for(a_while);
+        const std::lock_guard lock(mutex);
+        if (stopping) return;
+      }
+    }
+  }
+
+  void run() {
+    for (;;) {
+      std::optional<Job> job;
+      std::optional<Preview> preview;
+      bool rests = false;
+      {
+        std::unique_lock lock(mutex);
+        const auto comes = [&] { return stopping || !jobs.empty() || next_preview; };
+        if (session.unsynced())
+          rests = !changed.wait_for(lock, touches_rest, comes);
+        else
+          changed.wait(lock, comes);
+        if (rests) {
+          // A brush stroke is over: its touches go to the disk together.
+        } else if (!jobs.empty()) {
+          job = std::move(jobs.front());
+          jobs.pop_front();
+        } else if (next_preview) {
+          preview = std::exchange(next_preview, std::nullopt);
+        } else {
+          return;  // stopping, and nothing is left to do
+        }
+      }
+      try {
+        if (job && std::holds_alternative<EditStep>(*job)) do_action(std::get<EditStep>(std::move(*job)));
+        if (job && std::holds_alternative<SaveAs>(*job)) do_save(std::get<SaveAs>(*job).path);
+        if (job && std::holds_alternative<Computed>(*job)) do_computed(std::get<Computed>(*job));
+        if (preview) show_preview(*preview);
+        if (rests) do_sync();
+      } catch (...) {
+        tell_in_the_end(std::current_exception(), job.has_value());
+      }
+    }
+  }
+
+  void post_edit(Job job) {
+    {
+      const std::lock_guard lock(mutex);
+      next_preview.reset();  // it belonged to the gesture that this edit ends
+      jobs.push_back(std::move(job));
+    }
+    changed.notify_one();
+  }
+
+  void stop() {
+    {
+      const std::lock_guard lock(mutex);
+      stopping = true;
+      next_preview.reset();
+    }
+    changed.notify_one();
+    if (thread.joinable()) thread.join();
+  }
+};
+
+SessionThread::SessionThread(EditSession session, std::function<void()> wake)
+    : shared_(std::make_unique<Shared>(std::move(session), std::move(wake))) {
+  shared_->thread = std::thread([shared = shared_.get()] { shared->run(); });
+}
+
+SessionThread::~SessionThread() {
+  if (shared_) shared_->stop();
+}
+
+void SessionThread::preview(std::optional<Action> action, std::vector<Compute> then) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->next_preview = Shared::Preview{std::move(action), std::move(then)};
+  }
+  shared_->changed.notify_one();
+}
+
+void SessionThread::apply(Action action, bool joined) {
+  ++posted_;
+  shared_->post_edit(EditStep{std::move(action), joined});
+}
+
+void SessionThread::apply_computed(Compute compute, bool joined) {
+  ++posted_;
+  shared_->post_edit(Shared::Computed{std::move(compute), joined});
+}
+
+void SessionThread::save_as(std::filesystem::path path) {
+  ++posted_;
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->jobs.emplace_back(Shared::SaveAs{std::move(path)});
+  }
+  shared_->changed.notify_one();
+}
+
+std::shared_ptr<const Snapshot> SessionThread::snapshot() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->latest;
+}
+
+EditSession SessionThread::finish() {
+  shared_->stop();
+  return std::move(shared_->session);
+}
+
+}  // namespace homolog

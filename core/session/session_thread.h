@@ -1,0 +1,62 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/session/session.h"
+
+namespace homolog {
+
+/// What the interface knows of the session at one moment; immutable once handed out.
+struct Snapshot {
+  std::shared_ptr<const Document> document;  ///< as committed (and on disk)
+  std::shared_ptr<const Document> shown;     ///< the running preview's document, else `document`
+  std::optional<EditReport> preview;         ///< of the running preview
+  std::uint64_t revision = 0;                ///< counts every change of this struct
+  std::uint64_t committed = 0;               ///< counts the actions done (or refused) so far
+  std::uint64_t jobs_done = 0;               ///< counts what was posted and is done (or refused): edits and savings
+  bool can_undo = false, can_redo = false;
+  std::string undo_name, redo_name;
+  double solver_ms = 0;        ///< time to compute the last job, from its arrival to the new points
+  std::string message;         ///< the last edit's sentence; empty where there is none
+  std::string error;           ///< the last action's refusal; empty after one that was done
+  std::filesystem::path file;  ///< the journal's path; empty without one
+};
+
+/// Runs an EditSession on a thread of its own, which alone owns the factorisation. The interface posts jobs and
+/// looks at snapshots; it never waits. Previews are absolute and the latest wins; actions queue and none is dropped.
+class SessionThread {
+ public:
+  /// `wake` is called from the session's thread after every new snapshot.
+  SessionThread(EditSession session, std::function<void()> wake);
+  /// Finishes the queued actions, then joins.
+  ~SessionThread();
+
+  /// Shows what `action` and `then` would give (see EditSession::preview), until the next call; neither ends the
+  /// preview.
+  void preview(std::optional<Action> action, std::vector<Compute> then = {});
+  /// Commits an action; `joined` as EditSession::apply takes it. Ends previews, as apply_computed does: one that waits
+  /// is dropped, one that is shown stays until the edit is done.
+  void apply(Action action, bool joined = false);
+  /// Commits what `compute` makes of the document, once everything posted before is done. It runs on this thread, which
+  /// takes no previews meanwhile. Does nothing where `compute` gives no action.
+  void apply_computed(Compute compute, bool joined = false);
+  /// Continues the journal under another name (Save As): the whole history so far is written there first.
+  void save_as(std::filesystem::path path);
+
+  std::shared_ptr<const Snapshot> snapshot() const;
+  /// Whether an edit that was posted is not done (or refused) yet.
+  bool busy() const { return snapshot()->jobs_done < posted_; }
+  /// Waits until everything posted so far is done, and returns the session (for tests and for closing).
+  EditSession finish();
+
+ private:
+  struct Shared;
+  std::unique_ptr<Shared> shared_;
+  std::uint64_t posted_ = 0;  ///< edits and savings
+};
+
+}  // namespace homolog

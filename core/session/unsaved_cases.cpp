@@ -1,0 +1,82 @@
+#include "core/session/unsaved_cases.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+
+#include "core/base/files.h"
+#include "core/session/case_file.h"
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* case_extension = ".homolog";
+
+}  // namespace
+
+fs::path unsaved_folder() {
+  if (const char* state = std::getenv("XDG_STATE_HOME"); state != nullptr && *state != '\0') {
+    return fs::path(state) / "homolog";
+  }
+  return home_folder() / ".local" / "state" / "homolog";
+}
+
+Result<fs::path> new_unsaved_path() {
+  const fs::path folder = unsaved_folder();
+  if (auto made = make_private_folder(folder); !made)
+    return fail(folder.string(), made.error().what + ", for instance by XDG_STATE_HOME");
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto stamp = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  return folder / ("unsaved-" + std::to_string(stamp) + "-" + std::to_string(::getpid()) + case_extension);
+}
+
+Result<EditSession> create_unsaved_case(Document initial) {
+  const auto path = new_unsaved_path();
+  if (!path) return fail(path.error());
+  return create_case(std::move(initial), *path);
+}
+
+std::optional<UnsavedCase> unsaved_case(const fs::path& journal) {
+  const auto file = LineFile::open(journal);
+  if (!file) return std::nullopt;
+  UnsavedCase found{journal, {}, false};
+  const auto read = (*file)->for_each_line([&](std::string_view line, std::uint64_t at, bool) -> Result<void> {
+    if (at == 0) {
+      found.header = line;
+      return {};
+    }
+    const LineKind::Kind kind = kind_of(line).kind;
+    found.edited = kind != LineKind::empty && kind != LineKind::look;
+    return found.edited ? fail("", "enough was read") : Result<void>();
+  });
+  return read || found.edited ? std::optional(std::move(found)) : std::nullopt;
+}
+
+std::vector<UnsavedCase> unsaved_cases() {
+  std::vector<UnsavedCase> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(unsaved_folder(), error), end; !error && entry != end; entry.increment(error)) {
+    const fs::path& path = entry->path();
+    if (path.extension() != case_extension || Journal::in_use(path)) continue;
+    if (auto one = unsaved_case(path)) found.push_back(std::move(*one));
+  }
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.journal > b.journal; });
+  return found;
+}
+
+std::size_t count_steps(const fs::path& journal) {
+  std::size_t steps = 0;
+  if (const auto file = LineFile::open(journal))
+    (void)(*file)->for_each_line([&](std::string_view line, std::uint64_t at, bool) -> Result<void> {
+      steps += at > 0 && kind_of(line).kind == LineKind::step ? 1 : 0;
+      return {};
+    });
+  return steps;
+}
+
+}  // namespace homolog

@@ -1,0 +1,62 @@
+#include "core/template/template.h"
+
+namespace homolog {
+
+Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source) {
+  auto topology = Topology::make(file.points.rows(), std::move(file.triangles));
+  if (!topology) return fail(source, topology.error().what);
+  Template made;
+  made.source = std::move(source);
+  made.topology = *topology;
+  made.stiffness = file.stiffness.value_or(VertexScalars::Ones(file.points.rows()));
+  made.points = std::move(file.points);
+  made.stiffness_base = file.stiffness_base;
+  made.regions = std::move(file.regions);
+  return with_landmarks(made, std::move(file.landmarks));
+}
+
+std::shared_ptr<const Template> with_landmarks(const Template& reference, std::vector<Landmark> landmarks) {
+  auto made = std::make_shared<Template>(reference);
+  made->landmarks = std::move(landmarks);
+  made->landmark_points.clear();
+  if (made->landmarks.empty()) return made;
+  const SurfaceSearch search({made->topology, made->points});
+  for (const Landmark& landmark : made->landmarks)
+    made->landmark_points.push_back(search.nearest(landmark.position).at);
+  return made;
+}
+
+MeshFile to_mesh_file(const Template& reference) {
+  MeshFile file;
+  file.points = reference.points;
+  file.triangles = reference.topology->triangles();
+  file.stiffness = reference.stiffness;
+  file.stiffness_base = reference.stiffness_base;
+  file.regions = reference.regions;
+  file.landmarks = reference.landmarks;
+  return file;
+}
+
+std::pair<Points, Points> matched_landmarks(const Template& reference, const std::map<std::string, Vec3>& placed) {
+  Points from(std::ssize(reference.landmarks), 3), to = from;
+  Eigen::Index count = 0;
+  for (const Landmark& own : reference.landmarks) {
+    const auto found = placed.find(own.name);
+    if (found == placed.end()) continue;
+    from.row(count) = own.position.transpose();
+    to.row(count++) = found->second.transpose();
+  }
+  return {from.topRows(count), to.topRows(count)};
+}
+
+Vec3 carried_landmark(const Template& reference, std::size_t landmark, const Points& points) {
+  return reference.landmark_points[landmark].interpolate(*reference.topology, points).transpose();
+}
+
+std::vector<Landmark> carried_landmarks(const Template& reference, const Points& points) {
+  std::vector<Landmark> carried = reference.landmarks;
+  for (std::size_t k = 0; k < carried.size(); ++k) carried[k].position = carried_landmark(reference, k, points);
+  return carried;
+}
+
+}  // namespace homolog

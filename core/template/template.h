@@ -1,0 +1,43 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/surface_search.h"
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+/// The mesh that every case of a study starts from, with its stiffness, regions and landmarks. Immutable.
+struct Template {
+  std::string source;  ///< path, or the name of a built-in template [core/catalogue]
+  std::shared_ptr<const Topology> topology;
+  Points points;                                   ///< in the template's own frame, mm
+  VertexScalars stiffness;                         ///< factor_i of every vertex
+  double stiffness_base = default_stiffness_base;  ///< w_i = base × factor_i
+  Regions regions;
+  std::vector<Landmark> landmarks;            ///< named, in the template's own frame
+  std::vector<SurfacePoint> landmark_points;  ///< where on the surface each of them lies
+};
+
+/// A template from what a file holds; factors default to 1. Errors: Topology::make's.
+Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source);
+/// The same template with other landmarks.
+std::shared_ptr<const Template> with_landmarks(const Template& reference, std::vector<Landmark> landmarks);
+MeshFile to_mesh_file(const Template& reference);
+
+/// The landmarks that both the template and `placed` name: where the template has them, and where they were placed. Row
+/// k of both is the same landmark.
+std::pair<Points, Points> matched_landmarks(const Template& reference, const std::map<std::string, Vec3>& placed);
+
+/// Where a landmark of the template lies on a mesh of the same numbering; and the same for all landmarks. `points`:
+/// n×3, mm.
+Vec3 carried_landmark(const Template& reference, std::size_t landmark, const Points& points);
+std::vector<Landmark> carried_landmarks(const Template& reference, const Points& points);
+
+}  // namespace homolog

@@ -1,0 +1,192 @@
+#include "core/template_making/label_region.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+
+#include "core/base/index.h"
+#include "core/mesh/isosurface.h"
+#include "core/mesh/surface_search.h"
+#include "core/mesh/voxelise.h"
+
+namespace homolog {
+namespace {
+
+constexpr double most_voxels = 16e6;
+
+/// Calls `visit(i, j, k)` for every voxel that has the label.
+template <class Visit>
+void for_each_voxel(const Volume& mask, int label, int frame, const LabelExtent& box, Visit visit) {
+  const auto& dims = mask.geometry.dims;
+  std::visit(
+      [&](const auto& voxels) {
+        for (int k = box.first[2]; k <= box.last[2]; ++k)
+          for (int j = box.first[1]; j <= box.last[1]; ++j) {
+            const std::size_t row =
+                ((index(frame) * index(dims[2]) + index(k)) * index(dims[1]) + index(j)) * index(dims[0]);
+            for (int i = box.first[0]; i <= box.last[0]; ++i)
+              if (has_label(voxels[row + index(i)], label)) visit(i, j, k);
+          }
+      },
+      mask.data);
+}
+
+/// A grid whose voxels are blocks of a label map's.
+struct Blocks {
+  std::array<int, 3> size{}, first{}, dims{};  ///< voxels a block; the voxel that the first block begins with; blocks
+  double count() const { return 1.0 * dims[0] * dims[1] * dims[2]; }
+  int holding(int voxel, std::size_t axis) const { return (voxel - first[axis]) / size[axis]; }
+};
+
+Blocks blocks_of(const VolumeGeometry& whole, const LabelExtent& extent, double spacing_mm, double margin_mm) {
+  Blocks blocks;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double voxel_mm = whole.spacing_mm[static_cast<Eigen::Index>(axis)];
+    const int size = blocks.size[axis] = std::max(1, static_cast<int>(spacing_mm / voxel_mm));
+    const int margin = std::max(2, static_cast<int>(std::ceil(margin_mm / (size * voxel_mm))));
+    blocks.first[axis] = extent.first[axis] - margin * size;
+    blocks.dims[axis] = (extent.last[axis] - extent.first[axis]) / size + 1 + 2 * margin;
+  }
+  return blocks;
+}
+
+/// Whether something inside lies in the plane `at` of an axis.
+bool reaches(const LabelRegion& region, std::size_t axis, int at) {
+  const auto& dims = region.grid.dims;
+  const std::size_t row = index(dims[0]), slice = row * index(dims[1]);
+  const std::array<std::size_t, 3> stride{1, row, slice};
+  const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+  for (std::size_t i = 0; i < index(dims[u]); ++i)
+    for (std::size_t j = 0; j < index(dims[v]); ++j)
+      if (region.inside[index(at) * stride[axis] + i * stride[u] + j * stride[v]] != 0) return true;
+  return false;
+}
+
+}  // namespace
+
+LabelExtent label_extent(const Volume& mask, int label, int frame) {
+  const auto& dims = mask.geometry.dims;
+  const Vec3& spacing = mask.geometry.spacing_mm;
+  LabelExtent whole, extent;
+  whole.last = {dims[0] - 1, dims[1] - 1, dims[2] - 1};
+  extent.first.fill(std::numeric_limits<int>::max());
+  extent.last.fill(-1);
+  const std::array<double, 3> face_mm2{spacing[1] * spacing[2], spacing[0] * spacing[2], spacing[0] * spacing[1]};
+  const std::array<std::ptrdiff_t, 3> stride{1, dims[0], static_cast<std::ptrdiff_t>(dims[0]) * dims[1]};
+  const auto frame_start = static_cast<std::ptrdiff_t>(index(frame) * mask.geometry.voxels());
+  std::visit(
+      [&](const auto& voxels) {
+        for_each_voxel(mask, label, frame, whole, [&](int i, int j, int k) {
+          const std::array<int, 3> at{i, j, k};
+          const std::ptrdiff_t v = frame_start + i + j * stride[1] + k * stride[2];
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            extent.first[axis] = std::min(extent.first[axis], at[axis]);
+            extent.last[axis] = std::max(extent.last[axis], at[axis]);
+            const auto same = [&](std::ptrdiff_t n) { return has_label(voxels[static_cast<std::size_t>(n)], label); };
+            if (at[axis] == 0 || !same(v - stride[axis])) extent.area_mm2 += face_mm2[axis];
+            if (at[axis] + 1 == dims[axis] || !same(v + stride[axis])) extent.area_mm2 += face_mm2[axis];
+          }
+        });
+      },
+      mask.data);
+  extent.area_mm2 *= 2.0 / 3.0;  // what faces of voxels show too much of, on average over all directions
+  return extent;
+}
+
+double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double edge_mm, double margin_mm) {
+  const Vec3& voxel_mm = mask.geometry.spacing_mm;
+  double volume_mm3 = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    volume_mm3 *=
+        (extent.last[axis] - extent.first[axis] + 1) * voxel_mm[static_cast<Eigen::Index>(axis)] + 2 * margin_mm;
+  return std::max({edge_mm / 3, 0.5 * voxel_mm.minCoeff(), std::cbrt(std::max(0.0, volume_mm3) / most_voxels)});
+}
+
+Result<LabelRegion> label_region(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
+                                 double margin_mm) {
+  if (extent.area_mm2 <= 0)
+    return fail("", "label " + std::to_string(label) + " does not occur in the label map; name one that does");
+  const VolumeGeometry& whole = mask.geometry;
+  Blocks blocks = blocks_of(whole, extent, spacing_mm, margin_mm);
+  while (blocks.count() > most_voxels) {
+    spacing_mm *= 1.25;
+    blocks = blocks_of(whole, extent, spacing_mm, margin_mm);
+  }
+  LabelRegion region;
+  region.grid.direction = whole.direction;
+  region.grid.dims = blocks.dims;
+  Vec3 origin;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    region.grid.spacing_mm[a] = blocks.size[axis] * whole.spacing_mm[a];
+    origin[a] = blocks.first[axis] + 0.5 * (blocks.size[axis] - 1);
+  }
+  region.grid.origin_mm = whole.to_mm(origin);
+
+  const std::size_t row = index(blocks.dims[0]), slice = row * index(blocks.dims[1]);
+  std::vector<std::uint16_t> count(region.grid.voxels(), 0);
+  for_each_voxel(mask, label, frame, extent, [&](int i, int j, int k) {
+    auto& n =
+        count[index(blocks.holding(i, 0)) + index(blocks.holding(j, 1)) * row + index(blocks.holding(k, 2)) * slice];
+    if (n < std::numeric_limits<std::uint16_t>::max()) ++n;
+  });
+  const int half = std::min((blocks.size[0] * blocks.size[1] * blocks.size[2] + 1) / 2, 65535);
+  region.inside.resize(count.size());
+  std::transform(count.begin(), count.end(), region.inside.begin(),
+                 [half](std::uint16_t n) { return static_cast<std::uint8_t>(n >= half); });
+  region.body = make_one_body(region.inside, region.grid.dims);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int last = whole.dims[axis] - 1;
+    region.touches[2 * axis] = extent.first[axis] == 0 && reaches(region, axis, blocks.holding(0, axis));
+    region.touches[2 * axis + 1] = extent.last[axis] == last && reaches(region, axis, blocks.holding(last, axis));
+  }
+  return region;
+}
+
+std::size_t voxels_off(const LabelRegion& region, const Mesh& mesh) {
+  const auto& dims = region.grid.dims;
+  const std::vector<std::uint8_t> covered = voxelise(mesh, region.grid);
+  const SurfaceSearch search(mesh);
+  const double far_mm = 2 * region.grid.spacing_mm.maxCoeff();
+  const auto at = [&](int i, int j, int k) {
+    return (index(k) * index(dims[1]) + index(j)) * index(dims[0]) + index(i);
+  };
+  // Whether the mesh holds a voxel at most two away along an axis: then it is near, and need not be searched for.
+  const auto near = [&](int i, int j, int k) {
+    for (int d = -2; d <= 2; ++d) {
+      if (i + d >= 0 && i + d < dims[0] && covered[at(i + d, j, k)] != 0) return true;
+      if (j + d >= 0 && j + d < dims[1] && covered[at(i, j + d, k)] != 0) return true;
+      if (k + d >= 0 && k + d < dims[2] && covered[at(i, j, k + d)] != 0) return true;
+    }
+    return false;
+  };
+  std::size_t off = 0;
+  for (int k = 0; k < dims[2]; ++k)
+    for (int j = 0; j < dims[1]; ++j)
+      for (int i = 0; i < dims[0]; ++i)
+        if (region.inside[at(i, j, k)] != 0 && !near(i, j, k))
+          off += search.nearest(region.grid.to_mm(Vec3(i, j, k))).distance_mm > far_mm;
+  return off;
+}
+
+Result<Mesh> boundary_of(const LabelRegion& region) {
+  Volume body;
+  body.geometry = region.grid;
+  body.data = region.inside;
+  return mask_surface(body, 1);
+}
+
+std::optional<std::string> several_parts(const LabelRegion& region, int label) {
+  const auto& islands = region.body.islands;
+  if (islands.empty() || 2 * islands.front() <= region.body.body) return std::nullopt;
+  const double voxel_ml = region.grid.voxel_volume_mm3() / 1000;
+  char sizes[64];
+  std::snprintf(sizes, sizeof sizes, "(%.1f and %.1f ml)", voxel_ml * static_cast<double>(region.body.body),
+                voxel_ml * static_cast<double>(islands.front()));
+  return "label " + std::to_string(label) + " has several parts of about one size " + sizes +
+         "; the largest was taken; give the others labels of their own to use them";
+}
+
+}  // namespace homolog

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/topology.h"
+#include "core/template_making/voxel_components.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+/// A label cut out of a label map with a margin around it: its largest part, cavities filled.
+struct LabelRegion {
+  VolumeGeometry grid;               ///< may reach beyond the label map's
+  std::vector<std::uint8_t> inside;  ///< 1 or 0 a voxel of `grid`
+  OneBody body;                      ///< counted in voxels of `grid`
+  std::array<bool, 6> touches{};     ///< the label map's first and last plane of i, j and k: that part is cut off there
+};
+
+/// An estimate of the surface area of a label in mm², from the faces between its voxels and others, and its box in
+/// voxels; area 0 where the label does not occur.
+struct LabelExtent {
+  std::array<int, 3> first{}, last{};
+  double area_mm2 = 0;
+};
+LabelExtent label_extent(const Volume& mask, int label, int frame);
+
+/// The voxel size in mm to work on for vertices `edge_mm` apart: a third of that, not below half a voxel, and so large
+/// that the label's box with `margin_mm` around it holds 16 million at most.
+double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double edge_mm, double margin_mm);
+
+/// `extent`: the label's own. `margin_mm`: left free on every side, at least two voxels. Where an axis has voxels
+/// smaller than half of `spacing_mm`, whole blocks of them are made one (inside where at least half are), larger ones
+/// where the grid would hold more than 16 million. Errors: the label does not occur.
+Result<LabelRegion> label_region(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
+                                 double margin_mm);
+
+/// How many voxels of a region lie outside of a mesh and farther from it than two voxels (of the region's grid, along
+/// its longest axis).
+std::size_t voxels_off(const LabelRegion& region, const Mesh& mesh);
+
+/// The boundary of a region's voxels, LPS mm. Errors: nothing is inside.
+Result<Mesh> boundary_of(const LabelRegion& region);
+
+/// The warning that the label has another part more than half as large as the one taken; none where it has not.
+std::optional<std::string> several_parts(const LabelRegion& region, int label);
+
+}  // namespace homolog

@@ -1,0 +1,248 @@
+#include "core/template_making/mask_template.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstdio>
+
+#include "core/base/parallel.h"
+#include "core/correspondence/colours.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/mesh/remesh.h"
+#include "core/template_making/label_region.h"
+
+namespace homolog {
+namespace {
+
+constexpr double auto_width_mm = 5;
+constexpr double widest_mm = 40;  ///< that is looked for where a number of tunnels is asked for
+
+std::string number(double value, int digits = 1) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+/// Which ways of the patient a label map's planes lie, for the warning that an organ is cut off.
+std::string sides_touched(const LabelRegion& region) {
+  static constexpr const char* names[3][2] = {{"right", "left"}, {"anterior", "posterior"}, {"inferior", "superior"}};
+  std::string text;
+  for (std::size_t side = 0; side < 6; ++side) {
+    if (!region.touches[side]) continue;
+    const Vec3 outward = region.grid.direction.col(static_cast<Eigen::Index>(side / 2)) * (side % 2 == 0 ? -1 : 1);
+    Eigen::Index axis = 0;
+    outward.cwiseAbs().maxCoeff(&axis);
+    text += (text.empty() ? "" : ", ") + std::string(names[axis][outward[axis] > 0 ? 1 : 0]);
+  }
+  return text;
+}
+
+class Making {
+ public:
+  Making(const Volume& mask, const MaskTemplateOptions& options, Progress* progress, const ShowStage& show)
+      : mask_(mask), options_(options), progress_(progress), show_(show) {}
+
+  Result<MaskTemplate> run() {
+    if (auto done = resample(); !done) return fail(done.error());
+    if (auto done = smooth(); !done) return fail(done.error());
+    if (auto done = cut(0.6); !done) return fail(done.error());
+    return remesh_surface();
+  }
+
+ private:
+  Result<void> resample() {
+    const LabelExtent extent = label_extent(mask_, options_.label, options_.frame);
+    edge_mm_ = spread_edge_mm(extent.area_mm2, options_.vertices);
+    const double ball_mm = options_.genus.kind == GenusRule::Kind::number ? widest_mm / 2 : fill_below_mm() / 2;
+    const double margin_mm = std::max(options_.closing_mm, ball_mm) + edge_mm_;
+    const double spacing_mm = worked_spacing_mm(mask_, extent, edge_mm_, margin_mm);
+    auto cut_out = label_region(mask_, options_.label, options_.frame, extent, spacing_mm, margin_mm);
+    if (!cut_out) return fail(cut_out.error());
+    region_ = std::move(*cut_out);
+
+    made_.resampled_mm = spacing_mm;
+    const double voxel_ml = region_.grid.voxel_volume_mm3() / 1000;
+    for (const std::size_t voxels : region_.body.islands)
+      made_.islands_ml.push_back(static_cast<double>(voxels) * voxel_ml);
+    made_.cavities = static_cast<int>(region_.body.cavities);
+    made_.cavities_ml = static_cast<double>(region_.body.cavity_voxels) * voxel_ml;
+    if (auto several = several_parts(region_, options_.label)) made_.warnings.push_back(std::move(*several));
+    if (const std::string sides = sides_touched(region_); !sides.empty())
+      made_.warnings.push_back("label " + std::to_string(options_.label) + " touches the edge of the label map (" +
+                               sides + "); the organ is closed flat there; use a map that holds the whole organ");
+    surface_ = resampled(signed_distance(region_.inside, region_.grid), spacing_mm);
+    auto target = boundary_of(region_);
+    if (!target) return fail(target.error());
+    target_ = std::move(*target);
+    return show(TemplateStage::resampled, 0.2);
+  }
+
+  Result<void> smooth() {
+    surface_ = closed_by(surface_, options_.closing_mm);
+    if (auto shown = show(TemplateStage::closed, 0.3); !shown) return shown;
+    const float deepest = *std::min_element(surface_.values().begin(), surface_.values().end());
+    surface_ = opened_by(surface_, options_.opening_mm);
+    if (!(*std::min_element(surface_.values().begin(), surface_.values().end()) < 0))
+      return fail("", "nothing of label " + std::to_string(options_.label) + " is left after the opening by " +
+                          number(options_.opening_mm) + " mm, since it is at most " + number(-2.0 * deepest) +
+                          " mm thick; use an opening radius below " + number(std::max(0.0, -1.0 * deepest)) + " mm");
+    if (auto shown = show(TemplateStage::opened, 0.4); !shown) return shown;
+    LevelSet smooth = smoothed(surface_, smoothing_ * edge_mm_);
+    make_one_body(smooth);
+    if (!(*std::min_element(smooth.values().begin(), smooth.values().end()) < 0))
+      return fail("", "label " + std::to_string(options_.label) + " is too thin for " +
+                          std::to_string(options_.vertices) + " vertices; ask for more");
+    surface_ = std::move(smooth);
+    return show(TemplateStage::smoothed, 0.5);
+  }
+
+  Result<void> cut(double fraction) {
+    const GenusRule& rule = options_.genus;
+    if (rule.kind == GenusRule::Kind::keep) return {};
+    const bool automatic = rule.kind == GenusRule::Kind::automatic;
+    TunnelLimits limits;
+    limits.keep = automatic ? 0 : rule.genus;
+    limits.fill_below_mm = automatic ? fill_below_mm() : widest_mm;
+    // A strand that is thinner than the mesh can show would be meshed badly, wherever it leads.
+    limits.sever_below_mm = automatic ? 1.5 * edge_mm_ : widest_mm;
+    limits.reach_mm = 0.5 * edge_mm_;
+    TunnelCut cut = cut_tunnels(surface_, limits);
+    if (!automatic && cut.genus != rule.genus)
+      return fail("", "label " + std::to_string(options_.label) + " has " + std::to_string(cut.genus_before) +
+                          (cut.genus < rule.genus ? " tunnels, fewer than --genus "
+                                                  : " tunnels, and cannot be brought to --genus ") +
+                          std::to_string(rule.genus) + "; use --genus keep or a smaller closing radius");
+    surface_ = std::move(cut.surface);
+    made_.tunnels.insert(made_.tunnels.end(), cut.tunnels.begin(), cut.tunnels.end());
+    return show(TemplateStage::tunnels_cut, fraction);
+  }
+
+  Result<MaskTemplate> remesh_surface() {
+    double from = 0.6;
+    for (int attempt = 0;; ++attempt) {
+      auto rough = surface_of(surface_);
+      if (!rough) return fail(rough.error());
+      const double to = (from + 0.9) / 2;  // most often the first attempt is the last
+      if (progress_) progress_->part(from, to);
+      const auto project = [this](const Vec3& p) { return surface_.onto_surface(p); };
+      made_.mesh = renumbered_from_top(remesh_to_count(*rough, options_.vertices, project, progress_));
+      if (progress_) progress_->part(0, 1);
+      if (progress_ && progress_->cancelled()) return cancelled();
+      const std::vector<Vec3> bad = badly_meshed(made_.mesh);
+      if (bad.empty() || attempt == most_attempts) break;
+      // Clefts and rims finer than a triangle: smoothed away there, and only there.
+      surface_ = smoothed_near(surface_, 0.5 * edge_mm_, bad, 2 * edge_mm_);
+      make_one_body(surface_);
+      if (auto done = cut(to); !done) return fail(done.error());
+      from = to;
+    }
+    const auto count = made_.mesh.points.rows();
+    if (std::abs(static_cast<double>(count) - options_.vertices) > 0.02 * options_.vertices)
+      return fail("", "label " + std::to_string(options_.label) + " cannot be meshed with " +
+                          std::to_string(options_.vertices) + " vertices; ask for " + std::to_string(count) +
+                          " or more");
+    if (show_) show_(TemplateStage::remeshed, made_.mesh);
+    if (progress_) progress_->report(0.9);
+    say_what_is_missed();
+    in_parallel(2, [this](int first, int last) {  // each way on a core of its own
+      for (int way = first; way < last; ++way)
+        (way == 0 ? made_.to_mask : made_.from_mask) =
+            way == 0 ? surface_distance(made_.mesh, target_) : surface_distance(target_, made_.mesh);
+    });
+    if (progress_ && progress_->cancelled()) return cancelled();
+    return std::move(made_);
+  }
+
+  void say_what_is_missed() {
+    constexpr double worth_saying = 0.005;
+    const auto voxels = static_cast<double>(std::count(region_.inside.begin(), region_.inside.end(), 1));
+    const auto missed = static_cast<double>(voxels_off(region_, made_.mesh));
+    made_.missed_ml = missed * region_.grid.voxel_volume_mm3() / 1000;
+    made_.missed_share = missed / voxels;
+    if (made_.missed_share < worth_saying) return;
+    made_.warnings.push_back(number(100 * made_.missed_share) + " % of label " + std::to_string(options_.label) + " (" +
+                             number(made_.missed_ml) +
+                             " ml) lies more than two voxels from the mesh: parts thinner than the opening of " +
+                             number(options_.opening_mm) + " mm or the edges of " + number(edge_mm_) +
+                             " mm; use a smaller opening radius or more vertices");
+  }
+
+  /// Two edges across, a tunnel is no more than a crease in the mesh; and the smoothing has widened it by about σ.
+  double fill_below_mm() const { return std::max(auto_width_mm, 2 * edge_mm_) + smoothing_ * edge_mm_; }
+
+  /// Where faces meet each other or have a small angle.
+  static std::vector<Vec3> badly_meshed(const Mesh& mesh) {
+    const Triangles& triangles = mesh.topology->triangles();
+    std::vector<Vec3> places;
+    const auto note = [&](Eigen::Index f) {
+      places.push_back(mesh.points(triangles.row(f), Eigen::all).colwise().mean().transpose());
+    };
+    for (const auto& pair : self_intersections(mesh)) {
+      note(pair[0]);
+      note(pair[1]);
+    }
+    for (Eigen::Index f = 0; f < triangles.rows(); ++f)
+      if (smallest_angle_deg(mesh, f) < least_angle_deg) note(f);
+    return places;
+  }
+
+  static tl::unexpected<Error> cancelled() { return fail("", "making the template was cancelled"); }
+
+  Result<void> show(TemplateStage stage, double fraction) {
+    if (progress_) {
+      progress_->report(fraction);
+      if (progress_->cancelled()) return cancelled();
+    }
+    if (show_)
+      if (const auto mesh = surface_of(surface_)) show_(stage, *mesh);
+    return {};
+  }
+
+  static constexpr int most_attempts = 4;
+  static constexpr double least_angle_deg = 28;
+  static constexpr double smoothing_ = 0.25;  ///< σ of the Gaussian in mean edges: what a triangle cannot show anyway
+
+  const Volume& mask_;
+  const MaskTemplateOptions& options_;
+  Progress* progress_;
+  const ShowStage& show_;
+  double edge_mm_ = 0;
+  LevelSet surface_;
+  LabelRegion region_;
+  Mesh target_;  ///< the boundary of the label's largest part, cavities filled
+  MaskTemplate made_;
+};
+
+}  // namespace
+
+const char* stage_name(TemplateStage stage) {
+  switch (stage) {
+    case TemplateStage::resampled:
+      return "Resampled";
+    case TemplateStage::closed:
+      return "Closed";
+    case TemplateStage::opened:
+      return "Opened";
+    case TemplateStage::smoothed:
+      return "Smoothed";
+    case TemplateStage::tunnels_cut:
+      return "Tunnels cut";
+    case TemplateStage::remeshed:
+      return "Vertices spread";
+  }
+  assert(false);
+  return "";
+}
+
+Result<MaskTemplate> make_mask_template(const Volume& mask, const MaskTemplateOptions& options, Progress* progress,
+                                        const ShowStage& show) {
+  return Making(mask, options, progress, show).run();
+}
+
+Mesh renumbered_from_top(const Mesh& mesh) {
+  Eigen::Index top = 0;
+  mesh.points.col(2).maxCoeff(&top);
+  return renumbered(mesh, top);
+}
+
+}  // namespace homolog

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/measure/compare.h"
+#include "core/template_making/tunnels.h"
+#include "core/volume/volume.h"
+
+namespace homolog {
+
+/// What becomes of tunnels through the organ.
+struct GenusRule {
+  enum class Kind {
+    automatic,  ///< tunnels narrower than 5 mm or than two edges are cut; a vertebral canal stays
+    keep,       ///< every tunnel stays
+    number      ///< the narrowest are cut until `genus` are left
+  };
+  Kind kind = Kind::automatic;
+  int genus = 0;
+};
+
+struct MaskTemplateOptions {
+  int label = 1;
+  int frame = 0;
+  int vertices = 2500;
+  double closing_mm = 1, opening_mm = 1;  ///< radii of the balls; 0: none
+  GenusRule genus;
+};
+
+/// The steps of the making, in turn.
+enum class TemplateStage { resampled, closed, opened, smoothed, tunnels_cut, remeshed };
+const char* stage_name(TemplateStage stage);
+/// Called after each step with its surface (LPS mm), on the thread that makes the template.
+using ShowStage = std::function<void(TemplateStage stage, const Mesh& surface)>;
+
+struct MaskTemplate {
+  Mesh mesh;                       ///< closed, one component, outward oriented, numbered breadth-first; LPS mm
+  SurfaceDistance to_mask;         ///< from the mesh to the boundary of the label's largest part, cavities filled
+  SurfaceDistance from_mask;       ///< and back, so that what the mesh misses is seen too
+  std::vector<CutTunnel> tunnels;  ///< that were cut
+  std::vector<double> islands_ml;  ///< parts left out, the largest first
+  int cavities = 0;                ///< filled
+  double cavities_ml = 0;
+  /// Of the label's largest part: what lies outside of the mesh and farther than two voxels from it, thin parts that
+  /// the mesh does not have.
+  double missed_ml = 0, missed_share = 0;
+  double resampled_mm = 0;            ///< voxel size that was worked on
+  std::vector<std::string> warnings;  ///< each a sentence
+};
+
+/// A reference mesh of a complex organ from a label of a label map [Erdt 2009, §2.1; method note §7]: signed distances
+/// resampled evenly, closed, opened, smoothed, tunnels cut, marching cubes, vertices spread evenly and projected back.
+/// The grids that are worked on hold about 16 million voxels at most. Errors: the label does not occur,
+/// vanishes in the opening, has fewer tunnels than asked for, or needs more vertices; cancelled.
+Result<MaskTemplate> make_mask_template(const Volume& mask, const MaskTemplateOptions& options,
+                                        Progress* progress = nullptr, const ShowStage& show = {});
+
+/// The same shape renumbered breadth-first from the vertex that lies farthest up (superior).
+Mesh renumbered_from_top(const Mesh& mesh);
+
+}  // namespace homolog

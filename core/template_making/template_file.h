@@ -1,0 +1,23 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/mesh/mesh_io.h"
+#include "core/template_making/mask_template.h"
+#include "core/template_making/tube_template.h"
+
+namespace homolog {
+
+/// What a template file holds of a mesh just made: uniform stiffness, the unit, and how it was made
+/// (`comment homolog.provenance {…}`).
+MeshFile template_file(const Mesh& mesh, const nlohmann::ordered_json& provenance);
+
+/// The source (a file's name) and the settings.
+nlohmann::ordered_json provenance_of(const std::string& source, const MaskTemplateOptions& options);
+nlohmann::ordered_json provenance_of(const std::string& source, const TubeTemplateOptions& options);
+
+/// "auto", "keep" or the number, as `--genus` takes it.
+std::string genus_text(const GenusRule& rule);
+
+}  // namespace homolog

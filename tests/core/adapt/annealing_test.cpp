@@ -1,0 +1,92 @@
+#include "core/adapt/annealing.h"
+
+#include <doctest/doctest.h>
+
+#include "tests/shapes.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr Annealing some_steps{.steps = 8, .softest_edges = 1};
+
+/// A ball that keeps to itself.
+Adapting ball_at_rest() {
+  const Mesh ball = icosphere(3, 20);
+  return {ball, ball.points, {}, ball.points, VertexScalars::Ones(ball.points.rows()), {}};
+}
+
+/// Pulls the vertices for which `pulled(i)` holds to `targets`, and next to nothing at the others.
+template <class Pulled>
+ForceSource to(const Points& targets, const Pulled& pulled) {
+  return [targets, pulled](const Mesh& mesh, double) {
+    Force force{VertexScalars::Ones(mesh.points.rows()), mesh.points};
+    for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
+      if (!pulled(i)) continue;
+      force.weights[i] = 1 / least_weight;
+      force.pulls.row(i) = force.weights[i] * targets.row(i);
+    }
+    return force;
+  };
+}
+
+void anneal_with(Adapting& shape, const ForceSource& force) {
+  ShapeSolver solver(shape.mesh.topology);
+  REQUIRE(anneal(shape, solver, some_steps, force));
+}
+
+}  // namespace
+
+TEST_CASE("a mesh goes to any force and its reference goes along") {
+  Adapting shape = ball_at_rest();
+  const Similarity away{Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3(1, 2, 2) / 3)), 1.1, Vec3(5, -3, 8)};
+  const Points targets = away.apply(shape.rest);
+  anneal_with(shape, to(targets, [](Eigen::Index) { return true; }));
+  CHECK((shape.mesh.points - targets).rowwise().norm().maxCoeff() < 0.2);
+  CHECK((shape.placed - shape.mesh.points).rowwise().norm().maxCoeff() < 0.2);
+  CHECK(shape.placement.rotation.angularDistance(away.rotation) < 0.02);
+}
+
+TEST_CASE("where no force is known the shape decides") {
+  Adapting shape = ball_at_rest();
+  const Points before = shape.rest, targets = before.rowwise() + Eigen::RowVector3d(10, 0, 0);
+  const auto upper = [&](Eigen::Index i) { return before(i, 2) > 0; };
+  anneal_with(shape, to(targets, upper));
+  CHECK((shape.mesh.points - targets).rowwise().norm().maxCoeff() < 3);
+  CHECK((shape.mesh.points - targets).rowwise().norm().mean() < 1);
+}
+
+TEST_CASE("held vertices stay to the last bit and their surroundings fade towards them") {
+  Adapting shape = ball_at_rest();
+  const Points before = shape.rest, targets = before.rowwise() + Eigen::RowVector3d(4, 0, 0);
+  for (Eigen::Index i = 0; i < before.rows(); ++i)
+    if (before(i, 0) < -15) shape.held.push_back(static_cast<std::int32_t>(i));
+  anneal_with(shape, to(targets, [](Eigen::Index) { return true; }));
+  const VertexScalars moved = (shape.mesh.points - before).rowwise().norm();
+  for (const std::int32_t i : shape.held) CHECK(moved[i] == 0);
+  for (Eigen::Index i = 0; i < before.rows(); ++i) {
+    if (before(i, 0) > 10) CHECK(moved[i] > 3);
+    for (const std::int32_t j : shape.mesh.topology->one_ring(i)) CHECK(std::abs(moved[i] - moved[j]) < 3);
+  }
+}
+
+TEST_CASE("the annealing goes from share 0 to share 1 and ends where a step says so") {
+  Adapting shape = ball_at_rest();
+  ShapeSolver solver(shape.mesh.topology);
+  std::vector<double> shares;
+  const ForceSource stay = to(shape.rest, [](Eigen::Index) { return true; });
+  REQUIRE(anneal(shape, solver, some_steps, stay, [&](double share) -> Result<void> {
+    shares.push_back(share);
+    return {};
+  }));
+  REQUIRE(shares.size() == 8);
+  CHECK(shares.front() == 0);
+  CHECK(shares.back() == 1);
+  const auto refused = anneal(shape, solver, some_steps, stay, [](double share) -> Result<void> {
+    return share > 0.5 ? Result<void>(fail("", "enough")) : Result<void>();
+  });
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().what == "enough");
+}
+
+}  // namespace homolog

@@ -1,0 +1,266 @@
+#include "core/session/checkpoint.h"
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <span>
+
+#include "core/base/json.h"
+#include "core/case/action_line.h"
+#include "core/case/packed.h"
+#include "core/session/line_kind.h"
+#include "tests/case_steps.h"
+#include "tests/small_files.h"
+
+namespace homolog {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr HistoryLimits often{.replayed_steps = 10};
+
+std::vector<std::string> lines_of(const fs::path& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+void write_lines(const fs::path& path, const std::vector<std::string>& lines) {
+  std::ofstream file(path, std::ios::binary);
+  for (const std::string& line : lines) file << line << '\n';
+}
+
+bool is_checkpoint(const std::string& line) {
+  return kind_of(line).kind == LineKind::checkpoint;
+}
+
+ReplayOptions every_line() {
+  ReplayOptions options;
+  options.from_checkpoint = false;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("computed points are rounded when they are made and are the same in the case and after a replay") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));  // no coordinate is on the grid
+  std::mt19937 random(1);
+  for (const double share : {1.0, 0.05}) {
+    const Points before = *session.document().shape().points;
+    const SetPoints edit = random_snap(session.document(), random, share);
+    const std::size_t bytes = folder.text().size();
+    REQUIRE(session.apply(edit));
+    const Points& after = *session.document().shape().points;
+    CHECK(after == *edit.points);
+    for (Eigen::Index k = 0; k < after.size(); ++k) {
+      const double at = after.data()[k] * 65536;
+      CHECK((after.data()[k] == before.data()[k] || at == std::round(at)));
+    }
+    // What moved by less than a millimetre takes about two bytes a coordinate; what did not, next to nothing.
+    const double moved = (after.array() != before.array()).cast<double>().sum();
+    CHECK(static_cast<double>(folder.text().size() - bytes) < 3.3 * moved + 500);
+    CHECK(*read_case(folder.case_path, every_line())->session.document().shape().points == after);
+  }
+}
+
+TEST_CASE("a case of an older version opens to the same points") {
+  const fs::path folder = fs::path(HOMOLOG_SOURCE_DIR) / "tests" / "older_case";
+  const auto read = read_case(folder / "ball.homolog");
+  REQUIRE(read);
+  const Points& points = *read->session.document().shape().points;
+  std::ifstream file(folder / "points.txt");
+  for (Eigen::Index k = 0; k < points.size(); ++k) {
+    double wanted = 0;
+    REQUIRE(static_cast<bool>(file >> wanted));
+    CHECK(std::abs(points.data()[k] - wanted) < 1e-6);  // that version stopped its rotations short of the last bits
+  }
+  CHECK(read->session.strokes() == 4);
+  CHECK(read->session.redo_name() == "stiffness");
+}
+
+TEST_CASE("a case goes on from its last checkpoint as if every line were played") {
+  const CaseFolder folder;
+  {
+    auto session = create_case(folder.document(), folder.case_path, often).value();
+    std::mt19937 random(5);
+    REQUIRE(session.apply(MirrorTemplate{}));
+    REQUIRE(session.apply(SetTemplateLandmark{"näme", pole}));
+    REQUIRE(session.apply(SetRegion{{"hilum", 2, {1, 2, 3}}}));
+    REQUIRE(session.apply(PaintRegion{"hilum", pole, 15, 0.5}));
+    work(session, random, 25);
+    REQUIRE(session.apply(points_edit(session.document(), 1.01 * *session.document().shape().points, by_model)));
+    REQUIRE(session.apply(SetSpacing{0.5}));
+    work(session, random, 25);
+    REQUIRE(session.apply(Undo{}));
+  }
+  const auto lines = lines_of(folder.case_path);
+  CHECK(std::count_if(lines.begin(), lines.end(), is_checkpoint) >= 3);
+  auto played = read_case(folder.case_path, every_line());
+  auto opened = open_case(folder.case_path, nullptr, {}, {.bytes = 0});
+  REQUIRE(played);
+  REQUIRE(opened);
+  CHECK(opened->session.solves() < played->session.solves() / 3);
+  CHECK(opened->session.strokes() == played->session.strokes());
+  CHECK(same_document(opened->session.document(), played->session.document()));
+  CHECK(opened->session.undo_name() == played->session.undo_name());
+  CHECK(opened->session.redo_name() == played->session.redo_name());
+  CHECK(same_states(all_states(opened->session), all_states(played->session)));
+}
+
+TEST_CASE("a checkpoint is never trusted over the lines before it") {
+  const CaseFolder folder;
+  Points kept;
+  {
+    auto session = create_case(folder.document(), folder.case_path, often).value();
+    std::mt19937 random(6);
+    work(session, random, 35);
+    kept = *session.document().shape().points;
+  }
+  const auto lines = lines_of(folder.case_path);
+  const auto points = [&] { return *read_case(folder.case_path).value().session.document().shape().points; };
+  const auto played = [&] {
+    return *read_case(folder.case_path, every_line()).value().session.document().shape().points;
+  };
+
+  // Without them.
+  auto changed = lines;
+  std::erase_if(changed, is_checkpoint);
+  write_lines(folder.case_path, changed);
+  CHECK(points() == kept);
+
+  // Another first step: all that follows is played.
+  changed = lines;
+  changed[1] = action_line(pull(-pole, -1.3 * pole));
+  write_lines(folder.case_path, changed);
+  CHECK(points() == played());
+  CHECK(points() != kept);
+
+  // Damaged ones, and some of another version.
+  for (const char* version : {"", "0.0.1"}) {
+    changed = lines;
+    for (std::string& line : changed) {
+      if (!is_checkpoint(line)) continue;
+      if (*version == '\0')
+        line[line.size() / 2] = '*';
+      else
+        line.replace(line.find("\"version\":\"") + 11, 1, "x");
+    }
+    write_lines(folder.case_path, changed);
+    CHECK(points() == kept);
+    CHECK(read_case(folder.case_path)->session.solves() == read_case(folder.case_path, every_line())->session.solves());
+  }
+
+  // Another template of the same faces.
+  write_lines(folder.case_path, lines);
+  MeshFile other = read_mesh_file(folder.template_path).value();
+  other.points *= 1.1;
+  REQUIRE(write_mesh_file(other, folder.template_path));
+  CHECK(points() == played());
+}
+
+TEST_CASE("a checkpoint that holds what no case can hold is passed over") {
+  const CaseFolder folder;
+  auto session = folder.create();
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  REQUIRE(session.apply(SetRegion{{"cap", 2, {}}}));
+  REQUIRE(session.apply(PaintRegion{"cap", pole, 10, 0}));
+  const Document start = folder.document();
+  const std::string line = checkpoint_line(start, session.document(), 7).value();
+  REQUIRE(read_checkpoint(line, start, 7));
+  const auto without_shape = [](Json& document) { document["shapes"] = Json::array(); };
+  const std::vector<std::function<void(Json&)>> damages{
+      [](Json& document) { document["frame"] = 3; },
+      [](Json& document) { document["shapes"][0]["frame"] = 3; },
+      [](Json& document) { document["scheme"] = 9; },
+      [](Json& document) { document["events"] = 0; },
+      [](Json& document) { document["spacing"] = -1; },
+      [](Json& document) { document["landmark_fit"] = 3; },
+      [](Json& document) { document["stiffness_base"] = 0; },
+      [](Json& document) { document["regions"].clear(); },
+      [](Json& document) { document["regions"][0]["factor"] = -1; },
+      [](Json& document) {
+        document["of_vertex"] = packed(std::span<const std::uint8_t>(std::vector<std::uint8_t>{1}));
+        document["regions_of"] = 1;
+      },
+      [](Json& document) { document["shapes"][0]["placement"]["scale"] = 0; },
+      [](Json& document) { document["shapes"][0]["strokes"] = -1; },
+      without_shape};
+  for (std::size_t k = 0; k < damages.size(); ++k) {
+    CAPTURE(k);
+    Json damaged = Json::parse(line);
+    damages[k](damaged["checkpoint"]["document"]);
+    CHECK_FALSE(read_checkpoint(damaged.dump(), start, 7));
+  }
+}
+
+TEST_CASE("a checkpoint that finds no room is left out and the edit is made") {
+  const CaseFolder folder;
+  auto session = create_case(folder.document(), folder.case_path, {.replayed_steps = 1}).value();
+  const std::string before = folder.text();
+  const auto done = [&] {
+    const SmallFilesOnly full(before.size() + 200);
+    return session.apply(SetStiffnessBase{5});
+  }();
+  CHECK(done);
+  CHECK(folder.text() == before + "{\"stiffness_base\":5.0}\n");
+  auto again = read_case(folder.case_path);
+  REQUIRE(again);
+  CHECK(again->session.document().stiffness_base == 5);
+}
+
+TEST_CASE("a day of work in small opens quickly and undoes to the first stroke") {
+  const CaseFolder folder;
+  const HistoryLimits limits{.bytes = 500'000, .replayed_steps = 15};
+  std::shared_ptr<const Document> end;
+  int snaps = 0;
+  {
+    auto session = create_case(folder.document(), folder.case_path, limits).value();
+    std::mt19937 random(7);
+    for (int k = 0; k < 100; ++k) {
+      const Vec3 at = random_place(random);
+      if (k % 5 < 2) {
+        REQUIRE(session.apply(random_snap(session.document(), random)));
+        ++snaps;
+      } else {
+        (void)session.apply(pull(at, 1.02 * at));
+      }
+    }
+    end = session.shared_document();
+  }
+  // A snap: 642 landmarks × 3 coordinates × 3.3 bytes; a stroke: 250; a checkpoint: 60 kB.
+  CHECK(fs::file_size(folder.case_path) < static_cast<std::uintmax_t>(snaps) * 6400 + 60 * 250 + 7 * 60'000);
+  auto opened = open_case(folder.case_path, nullptr, {}, limits);
+  REQUIRE(opened);
+  CHECK(opened->session.solves() <= 2 * 15);
+  CHECK(same_document(opened->session.document(), *end));
+  while (opened->session.can_undo()) {
+    REQUIRE(opened->session.apply(Undo{}));
+    REQUIRE(opened->session.history_bytes() <= limits.bytes);
+  }
+  CHECK(*opened->session.document().shape().points == folder.document().reference->points);
+}
+
+TEST_CASE("what a line is to the history is told from its keys") {
+  const auto kind = [](const char* line) { return kind_of(line).kind; };
+  CHECK(kind(R"({"tool":"pull","at":[0,0,40],"to":[0,0,45],"sigma_mm":1})") == LineKind::step);
+  CHECK(kind(R"( { "note" : "a \"quoted\" {brace", "x": [1, {"undo":true}] } )") == LineKind::note);
+  CHECK(kind(R"({"undo":true})") == LineKind::undo);
+  CHECK(kind(R"({"redo":true,"author":"x"})") == LineKind::redo);
+  CHECK(kind(R"({"frame":3})") == LineKind::step);
+  CHECK(kind(R"({"frame":3,"look":true})") == LineKind::look);
+  CHECK(kind(R"({"checkpoint":{"undo":true}})") == LineKind::checkpoint);
+  CHECK(kind("") == LineKind::empty);
+  CHECK(kind(" \r") == LineKind::empty);
+  for (const char* none : {"{", "[1]", "nonsense", R"({"wobble":1})", R"({"undo":true)", R"({"undo":true} x)",
+                           R"({"note":"open)", R"({"not\u0065":1})", R"({"note")"})
+    CHECK(kind(none) == LineKind::unknown);
+  CHECK(kind_of(R"({"stiffness":{"at":[0,0,1]},"joined":true})").joined);
+  CHECK_FALSE(kind_of(R"({"stiffness":{"at":[0,0,1],"joined":true}})").joined);
+  CHECK(kind_of(R"({"tool":"relax"})").stroke);
+}
+
+}  // namespace homolog

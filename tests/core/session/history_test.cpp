@@ -1,0 +1,165 @@
+#include "core/case/action_line.h"
+
+#include "tests/case_steps.h"
+#include "tests/failing_memory.h"
+
+namespace homolog {
+
+TEST_CASE("a session without memory for its history undoes and redoes to the last bit") {
+  const CaseFolder folder;
+  std::mt19937 random(1), same(1);
+  EditSession spacious = folder.create();
+  const HistoryLimits none{.bytes = 0, .replayed_steps = 16};
+  auto narrow = create_case(folder.document(), folder.folder.path / "narrow.homolog", none).value();
+  work(spacious, random, 50);
+  work(narrow, same, 50);
+  CHECK(same_document(spacious.document(), narrow.document()));
+  const auto wanted = all_states(spacious);
+  CHECK(wanted.size() > 20);
+  CHECK(same_states(all_states(narrow), wanted));
+  while (spacious.can_redo()) {
+    REQUIRE(spacious.apply(Redo{}));
+    REQUIRE(narrow.apply(Redo{}));
+    REQUIRE(spacious.redo_name() == narrow.redo_name());
+  }
+  CHECK(same_document(spacious.document(), narrow.document()));
+  // What was not saved yet has its lines in memory, and does the same.
+  EditSession unsaved(folder.document(), {.bytes = 100'000});
+  std::mt19937 again(1);
+  work(unsaved, again, 50);
+  CHECK(same_states(all_states(unsaved), wanted));
+}
+
+TEST_CASE("the history keeps to its memory however much is done") {
+  const CaseFolder folder;
+  constexpr std::size_t limit = 500'000;
+  EditSession session = create_case(folder.document(), folder.case_path, {.bytes = limit}).value();
+  std::mt19937 random(2);
+  const Points start = *session.document().shape().points;
+  for (int k = 0; k < 100; ++k) {  // 15 kB each, and as much again for what is known of it
+    REQUIRE(session.apply(random_snap(session.document(), random)));
+    REQUIRE(session.history_bytes() <= limit);
+  }
+  CHECK(session.history_bytes() > limit / 4);
+  while (session.can_undo()) {
+    REQUIRE(session.apply(Undo{}));
+    REQUIRE(session.history_bytes() <= limit);
+  }
+  CHECK(*session.document().shape().points == start);
+}
+
+TEST_CASE("the touches of a brush stroke are kept once") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  const auto bytes_before = session.history_bytes();
+  for (int k = 0; k < 100; ++k) REQUIRE(session.apply(PaintStiffness{Vec3(0, 0.1 * k, 40), 10, 20, 0.5}, k > 0));
+  const std::size_t a_state = sizeof(double) * static_cast<std::size_t>(session.document().stiffness->size());
+  CHECK(session.history_bytes() - bytes_before == a_state);
+  // They are written at once, and brought to the disk together.
+  CHECK(session.unsynced());
+  REQUIRE(session.sync());
+  CHECK_FALSE(session.unsynced());
+  CHECK(read_case(folder.case_path)->session.undo_name() == session.undo_name());
+  REQUIRE(session.apply(Undo{}));
+  CHECK_FALSE(session.can_undo());
+}
+
+TEST_CASE("to look at a frame is no step and keeps what can be done again") {
+  const CaseFolder folder;
+  EditSession session(cine_document(folder, 5));
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  const Points pulled = *session.document().shape().points;
+  REQUIRE(session.apply(SetFrame{3}));
+  CHECK(session.document().frame == 3);
+  CHECK(session.undo_name() == "pull");
+  REQUIRE(session.apply(Stroke{.tool = Tool::grab, .at = pole, .to = 1.2 * pole, .sigma_mm = 10}));
+  REQUIRE(session.apply(Undo{}));
+  // Back at where it was done, and looking elsewhere changes nothing of that.
+  CHECK(session.document().frame == 3);
+  REQUIRE(session.apply(SetFrame{1}));
+  REQUIRE(session.apply(SetFrame{4}));
+  CHECK(session.document().frame == 4);
+  CHECK(session.redo_name() == "grab");
+  REQUIRE(session.apply(Redo{}));
+  CHECK(session.document().frame == 3);
+  CHECK(session.document().shape().points->col(2).maxCoeff() > 47);
+  REQUIRE(session.apply(Undo{}));
+  REQUIRE(session.apply(Undo{}));
+  CHECK(session.document().frame == 0);
+  CHECK_FALSE(session.can_undo());
+  REQUIRE(session.apply(Redo{}));
+  CHECK(session.document().frame == 0);
+  CHECK(*session.document().shape().points == pulled);
+  // What is looked at last is where the next stroke goes, also without memory for it.
+  REQUIRE(session.apply(SetFrame{2}));
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  CHECK(session.document().shapes.at(2).strokes == 1);
+  CHECK_FALSE(session.can_redo());
+}
+
+TEST_CASE("looks replay from the file as they were and steps of older files stay steps") {
+  const CaseFolder folder;
+  const auto write = [&](const std::string& text) { std::ofstream(folder.case_path) << text; };
+  { const EditSession begun = folder.create(); }
+  const std::string header = folder.text();
+  const std::string stroke = action_line(pull(pole, 1.1 * pole)) + '\n';
+  write(header + stroke + "{\"frame\":0}\n{\"undo\":true}\n");
+  CHECK(read_case(folder.case_path)->session.strokes() == 1);
+  write(header + stroke + "{\"frame\":0,\"look\":true}\n{\"undo\":true}\n");
+  CHECK(read_case(folder.case_path)->session.strokes() == 0);
+  CHECK(action_line(SetFrame{2}) == R"({"frame":2,"look":true})");
+}
+
+TEST_CASE("a look that cannot be written is done and written with the next edit") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  const std::string before = folder.text();
+  const fs::path away = folder.folder.path / "away";
+  fs::rename(folder.case_path, away);  // the journal takes nothing meanwhile
+  REQUIRE(session.apply(SetFrame{0}));
+  CHECK_FALSE(session.apply(SetStiffnessBase{5}));
+  fs::rename(away, folder.case_path);
+  CHECK(folder.text() == before);
+  REQUIRE(session.apply(SetStiffnessBase{5}));
+  CHECK(folder.text() == before + "{\"frame\":0,\"look\":true}\n{\"stiffness_base\":5.0}\n");
+}
+
+TEST_CASE("where memory runs out the case is as the disk says") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  const std::string long_name(2000, 'n');
+  const std::vector<Action> actions{SetStiffnessBase{5},
+                                    PlaceLandmark{long_name, pole},
+                                    PaintStiffness{pole, 15, 30, 0.5},
+                                    Note{long_name},
+                                    pull(pole, 1.1 * pole),
+                                    random_snap(session.document(), *std::make_unique<std::mt19937>(3)),
+                                    SetFrame{0},
+                                    Undo{},
+                                    Redo{}};
+  int ran_out = 0;
+  for (const Action& action : actions) {
+    for (int allocations = 0;; ++allocations) {
+      const auto before = session.shared_document();
+      const std::string undo = session.undo_name(), redo = session.redo_name(), text = folder.text();
+      Action copy = action;
+      try {
+        const test::MemoryEndsAfter end(allocations);
+        const auto done = session.apply(std::move(copy));
+        if (done) break;
+      } catch (const std::bad_alloc&) {
+      }
+      ++ran_out;
+      REQUIRE((session.shared_document() == before));
+      REQUIRE(folder.text() == text);
+      REQUIRE(session.undo_name() == undo);
+      REQUIRE(session.redo_name() == redo);
+    }
+    const auto read = read_case(folder.case_path);
+    REQUIRE(read);
+    CHECK(same_document(read->session.document(), session.document()));
+  }
+  CHECK(ran_out > 30);
+}
+
+}  // namespace homolog

@@ -1,0 +1,147 @@
+#include "core/session/journal.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <random>
+
+#include "core/session/unsaved_cases.h"
+#include "tests/case_folder.h"
+#include "tests/environment_variable.h"
+#include "tests/refusal.h"
+#include "tests/small_files.h"
+
+namespace homolog {
+
+TEST_CASE("half a line that cannot be taken back is the last one that a journal gets") {
+  // A file in memory that may grow but not shrink, so that no rollback succeeds.
+  const int file = ::memfd_create("journal", MFD_ALLOW_SEALING);
+  REQUIRE(file >= 0);
+  REQUIRE(::write(file, "{}\n", 3) == 3);
+  REQUIRE(::fcntl(file, F_ADD_SEALS, F_SEAL_SHRINK) == 0);
+  const fs::path path = "/proc/self/fd/" + std::to_string(file);
+  auto journal = Journal::open(path);
+  REQUIRE(journal);
+  Result<void> too_long, later;
+  {
+    const SmallFilesOnly full(10);
+    too_long = (*journal)->append("{\"note\":\"too long\"}\n");
+    later = (*journal)->append("{}\n");  // there would be room for it
+  }
+  CHECK_FALSE(too_long);
+  CHECK(says(later, "half a line"));
+  char bytes[64] = {};
+  CHECK(::pread(file, bytes, sizeof bytes, 0) == 10);
+  CHECK(std::string(bytes) == "{}\n{\"note\"");
+  ::close(file);
+}
+
+TEST_CASE("a case file that is deleted under the session is noticed and nothing is lost") {
+  const CaseFolder folder;
+  const fs::path saved = folder.folder.path / "saved.homolog";
+  EditSession session = folder.create();
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  const Points kept = *session.document().shape().points;
+  fs::remove(folder.case_path);
+  CHECK(says(session.apply(pull(-pole, -1.1 * pole)), "ball.homolog: was deleted"));
+  CHECK(*session.document().shape().points == kept);
+  REQUIRE(save_case_as(session, saved));
+  REQUIRE(session.apply(pull(-pole, -1.1 * pole)));
+  const auto read = read_case(saved);
+  REQUIRE(read);
+  CHECK(read->session.strokes() == 2);
+  CHECK(*read->session.document().shape().points == *session.document().shape().points);
+}
+
+TEST_CASE("a case file that is replaced or changed under the session is noticed") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  const fs::path other = folder.folder.path / "other";
+  fs::copy_file(folder.case_path, other);
+  fs::rename(other, folder.case_path);
+  CHECK(says(session.apply(pull(-pole, -1.1 * pole)), "replaced"));
+  REQUIRE(save_case_as(session, folder.case_path));  // under its own name it is replaced in turn
+  REQUIRE(session.apply(pull(-pole, -1.1 * pole)));
+  CHECK(read_case(folder.case_path)->session.strokes() == 2);
+  folder.append("{\"note\":\"from a script\"}\n");
+  CHECK(says(session.apply(Undo{}), "changed by another program"));
+  CHECK(session.strokes() == 2);
+}
+
+TEST_CASE("a case that is only read keeps its lines when it goes on elsewhere") {
+  const CaseFolder folder;
+  { REQUIRE(folder.create().apply(pull(pole, 1.1 * pole))); }
+  folder.append("{\"note\":\"x\",\"author\":\"someone\"}");  // without a line feed
+  auto read = read_case(folder.case_path);
+  REQUIRE(read);
+  REQUIRE(read->session.apply(pull(-pole, -1.1 * pole)));
+  REQUIRE(read->session.apply(Undo{}));
+  const fs::path saved = folder.folder.path / "saved.homolog";
+  REQUIRE(save_case_as(read->session, saved));
+  REQUIRE(read->session.apply(Redo{}));
+  CHECK(read_whole_file(saved)->find("\"author\":\"someone\"}\n{\"tool\"") != std::string::npos);
+  CHECK(read_case(saved)->session.strokes() == 2);
+  CHECK(read_case(folder.case_path)->session.strokes() == 1);
+}
+
+TEST_CASE("many unsaved cases are listed without reading them through") {
+  const CaseFolder folder;
+  const EnvironmentVariable state("XDG_STATE_HOME", folder.folder.path);
+  const fs::path first = new_unsaved_path().value();
+  CHECK(fs::status(first.parent_path()).permissions() == fs::perms::owner_all);
+  const auto name = [&](int k) { return first.parent_path() / ("unsaved-" + std::to_string(1000 + k) + ".homolog"); };
+  for (int k = 0; k < 200; ++k)
+    std::ofstream(name(k)) << "{\"homolog\":1,\"volume\":\"" << k << ".nii\"}\n"
+                           << (k % 2 == 0 ? "{\"frame\":1,\"look\":true}\n"
+                                          : "{\"stiffness_base\":5}\n{\"undo\":true}\n");
+  std::ofstream(name(200)) << "{\"homolog\":1}\n{\"of a newer version\":1}\n";
+  std::ofstream(name(201)) << "{\"homolog\":1}\n{\"tool\":\"pu";
+  REQUIRE(::mkfifo(name(202).c_str(), 0600) == 0);
+  // 100 GB, of which only the first step is read.
+  std::ofstream(name(203)) << "{\"homolog\":1}\n{\"stiffness_base\":5}\n";
+  fs::resize_file(name(203), std::uintmax_t{100} << 30);
+  const auto found = unsaved_cases();
+  REQUIRE(found.size() == 203);
+  CHECK(found.front().journal == name(203));
+  for (const UnsavedCase& one : found) {
+    const int number = std::stoi(one.journal.stem().string().substr(8)) - 1000;
+    CHECK(one.edited == (number >= 200 || number % 2 == 1));
+  }
+  CHECK(found.back().header == "{\"homolog\":1,\"volume\":\"0.nii\"}");
+  CHECK(count_steps(name(1)) == 1);
+}
+
+TEST_CASE("a long file is read line by line whatever its pieces are") {
+  const CaseFolder folder;
+  const fs::path path = folder.folder.path / "lines";
+  std::string text;
+  std::vector<std::string> lines;
+  std::mt19937 random(1);
+  for (int k = 0; k < 300; ++k) {
+    lines.emplace_back(random() % (k % 50 == 0 ? 300000 : 2000), static_cast<char>('a' + k % 26));
+    text += lines.back() + (k < 299 ? "\n" : "");
+  }
+  write_bytes(path, text);
+  const auto file = LineFile::open(path).value();
+  std::size_t k = 0;
+  bool same = true, last_ended = true;
+  REQUIRE(file->for_each_line([&](std::string_view line, std::uint64_t at, bool ended) -> Result<void> {
+    same = same && k < lines.size() && line == lines[k] && file->read(at, line.size()).value() == line;
+    ++k;
+    last_ended = ended;
+    return {};
+  }));
+  CHECK(same);
+  CHECK(k == lines.size());
+  CHECK_FALSE(last_ended);
+  CHECK_FALSE(LineFile::open(folder.folder.path / "none"));
+  CHECK_FALSE(LineFile::open(folder.folder.path));
+  REQUIRE(::mkfifo((folder.folder.path / "pipe").c_str(), 0600) == 0);
+  CHECK_FALSE(LineFile::open(folder.folder.path / "pipe"));
+  CHECK_FALSE(Journal::open(folder.folder.path / "pipe"));
+}
+
+}  // namespace homolog

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int most_untangle_rounds = 10;
 constexpr int rotation_rounds = 5;
-constexpr double holding_weight = 1e-4;  ///< of the force that keeps a freed vertex where it is
+constexpr double untangling_weight = 1e-4;  ///< of the force that keeps a freed vertex where it is
 
 std::set<std::int32_t> tangled_vertices(const Mesh& mesh, const Points& reference) {
   std::set<std::int32_t> faces;
@@ -44,10 +44,10 @@ bool untangle(Mesh& mesh, const Points& reference, const VertexScalars& factors)
   for (int round = 0; round < most_untangle_rounds && !tangled.empty(); ++round) {
     freed.insert(tangled.begin(), tangled.end());
     freed = grown(topology, freed);
-    VertexScalars weights = VertexScalars::Constant(mesh.points.rows(), 1 / holding_weight);
+    VertexScalars weights = VertexScalars::Constant(mesh.points.rows(), 1 / untangling_weight);
     for (const std::int32_t v : freed) weights[v] = 1;
     // Soft against the forces around the patch, stiff against those within.
-    const VertexScalars w = factors / holding_weight * 1e-2;
+    const VertexScalars w = factors / untangling_weight * 1e-2;
     if (!solver.factorise(w, (weights.array() - 1).matrix())) return false;
     // First without rotations, which the tangle has spoilt; then as the reference has it, turned with the shape.
     const Points held = weights.asDiagonal() * mesh.points;

@@ -168,10 +168,7 @@ std::vector<RunningWork> Drawing::running_work() const {
   const auto show = [&](const char* kind, const std::string& verb, const std::optional<RunningJob>& job, Command cancel,
                         const char* tip) {
     if (job && job->seconds > shown_after_seconds)
-      running.push_back({kind,
-                         verb + std::filesystem::path(job->subject).filename().string(),
-                         tip,
-                         std::move(cancel),
+      running.push_back({kind, verb + std::filesystem::path(job->subject).filename().string(), tip, std::move(cancel),
                          job->fraction});
   };
   show("opening", "Opening ", work_.opener.running(), CancelOpening{}, "What is open stays as it is");

@@ -108,7 +108,7 @@ TEST_CASE("a refined mesh of which not all triangles could be compared is not ca
   reference.points = tube.points;
   reference.stiffness = VertexScalars::Ones(tube.points.rows());
   const Document document = new_document("", nullptr, std::make_shared<const Template>(std::move(reference)));
-  const Refinement refined = test::must(refine(document));
+  const RefineEdit refined = test::must(refine_document(document));
   REQUIRE(refined.warnings.size() == 1);
   CHECK(refined.warnings.front().starts_with("So many triangles lie close to each other"));
 }

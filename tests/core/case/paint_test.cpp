@@ -6,6 +6,7 @@
 
 #include "core/case/action_json.h"
 #include "core/mesh/curvature.h"
+#include "core/session/session.h"
 #include "tests/ball.h"
 #include "tests/refusal.h"
 #include "tests/shapes.h"

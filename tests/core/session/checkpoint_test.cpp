@@ -16,7 +16,7 @@ namespace homolog {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr HistoryLimits often{.replayed_steps = 10};
 
@@ -171,27 +171,27 @@ TEST_CASE("a checkpoint that holds what no case can hold is passed over") {
   const Document start = folder.document();
   const std::string line = checkpoint_line(start, session.document(), 7).value();
   REQUIRE(read_checkpoint(line, start, 7));
-  const auto without_shape = [](Json& document) { document["shapes"] = Json::array(); };
-  const std::vector<std::function<void(Json&)>> damages{
-      [](Json& document) { document["frame"] = 3; },
-      [](Json& document) { document["shapes"][0]["frame"] = 3; },
-      [](Json& document) { document["scheme"] = 9; },
-      [](Json& document) { document["events"] = 0; },
-      [](Json& document) { document["spacing"] = -1; },
-      [](Json& document) { document["landmark_fit"] = 3; },
-      [](Json& document) { document["stiffness_base"] = 0; },
-      [](Json& document) { document["regions"].clear(); },
-      [](Json& document) { document["regions"][0]["factor"] = -1; },
-      [](Json& document) {
+  const auto without_shape = [](OrderedJson& document) { document["shapes"] = OrderedJson::array(); };
+  const std::vector<std::function<void(OrderedJson&)>> damages{
+      [](OrderedJson& document) { document["frame"] = 3; },
+      [](OrderedJson& document) { document["shapes"][0]["frame"] = 3; },
+      [](OrderedJson& document) { document["scheme"] = 9; },
+      [](OrderedJson& document) { document["events"] = 0; },
+      [](OrderedJson& document) { document["spacing"] = -1; },
+      [](OrderedJson& document) { document["landmark_fit"] = 3; },
+      [](OrderedJson& document) { document["stiffness_base"] = 0; },
+      [](OrderedJson& document) { document["regions"].clear(); },
+      [](OrderedJson& document) { document["regions"][0]["factor"] = -1; },
+      [](OrderedJson& document) {
         document["of_vertex"] = packed(std::span<const std::uint8_t>(std::vector<std::uint8_t>{1}));
         document["regions_of"] = 1;
       },
-      [](Json& document) { document["shapes"][0]["placement"]["scale"] = 0; },
-      [](Json& document) { document["shapes"][0]["strokes"] = -1; },
+      [](OrderedJson& document) { document["shapes"][0]["placement"]["scale"] = 0; },
+      [](OrderedJson& document) { document["shapes"][0]["strokes"] = -1; },
       without_shape};
   for (std::size_t k = 0; k < damages.size(); ++k) {
     CAPTURE(k);
-    Json damaged = Json::parse(line);
+    OrderedJson damaged = OrderedJson::parse(line);
     damages[k](damaged["checkpoint"]["document"]);
     CHECK_FALSE(read_checkpoint(damaged.dump(), start, 7));
   }

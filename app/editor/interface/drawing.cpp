@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "app/editor/interface/view_overlay.h"
-#include "app/editor/update/opening.h"
-#include "app/editor/update/results.h"
+#include "app/editor/update/results/opening.h"
+#include "app/editor/update/results/results.h"
 #include "app/editor/widgets/plots.h"
 
 namespace homolog {

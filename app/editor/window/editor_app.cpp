@@ -5,8 +5,8 @@
 #include <iterator>
 #include <thread>
 
-#include "app/editor/update/opening.h"
-#include "app/editor/update/results.h"
+#include "app/editor/update/results/opening.h"
+#include "app/editor/update/results/results.h"
 #include "core/base/guarded.h"
 
 namespace homolog {
@@ -87,7 +87,7 @@ bool EditorApp::update(double seconds) {
 }
 
 std::optional<double> EditorApp::next_move_seconds(double now) const {
-  if (drawing_.draws_on() && !state_.playing) return 0;
+  if (!to_replay_.empty() || (drawing_.draws_on() && !state_.playing)) return 0;
   return homolog::next_move_seconds(state_, work_, now);
 }
 

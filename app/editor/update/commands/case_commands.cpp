@@ -1,8 +1,8 @@
 #include "app/editor/update/commands/case_commands.h"
 
-#include "app/editor/update/assistance.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
+#include "app/editor/update/results/assistance.h"
 #include "core/case/action_json.h"
 
 namespace homolog {

@@ -6,7 +6,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/file_purposes.h"
-#include "app/editor/update/quitting.h"
+#include "app/editor/update/results/quitting.h"
 #include "core/session/journal.h"
 
 namespace homolog {

@@ -5,7 +5,7 @@
 
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
-#include "app/editor/update/imports.h"
+#include "app/editor/update/results/imports.h"
 #include "core/base/picture_io.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"

@@ -5,7 +5,7 @@
 #include "app/editor/state/gallery.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
-#include "app/editor/update/imports.h"
+#include "app/editor/update/results/imports.h"
 #include "core/model/statismo.h"
 
 namespace homolog {

@@ -4,7 +4,7 @@
 
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
-#include "app/editor/update/imports.h"
+#include "app/editor/update/results/imports.h"
 
 namespace homolog {
 

@@ -1,4 +1,4 @@
-#include "app/editor/update/opening.h"
+#include "app/editor/update/results/opening.h"
 
 #include "core/catalogue/catalogue.h"
 #include "core/session/unsaved_cases.h"

@@ -1,4 +1,4 @@
-#include "app/editor/update/imports.h"
+#include "app/editor/update/results/imports.h"
 
 #include <cmath>
 

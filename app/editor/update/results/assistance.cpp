@@ -1,4 +1,4 @@
-#include "app/editor/update/assistance.h"
+#include "app/editor/update/results/assistance.h"
 
 #include <utility>
 

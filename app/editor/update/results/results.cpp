@@ -1,10 +1,10 @@
-#include "app/editor/update/results.h"
+#include "app/editor/update/results/results.h"
 
 #include <algorithm>
 
-#include "app/editor/update/assistance.h"
-#include "app/editor/update/opening.h"
-#include "app/editor/update/quitting.h"
+#include "app/editor/update/results/assistance.h"
+#include "app/editor/update/results/opening.h"
+#include "app/editor/update/results/quitting.h"
 
 namespace homolog {
 

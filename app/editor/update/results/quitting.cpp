@@ -1,4 +1,4 @@
-#include "app/editor/update/quitting.h"
+#include "app/editor/update/results/quitting.h"
 
 namespace homolog {
 

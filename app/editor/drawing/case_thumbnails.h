@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "app/editor/state/models_state.h"
+#include "app/editor/state/models/models_state.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"
 

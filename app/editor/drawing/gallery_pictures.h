@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/editor/state/gallery.h"
+#include "app/editor/state/models/gallery.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"
 

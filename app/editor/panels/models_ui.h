@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/editor/panels/ui_context.h"
-#include "app/editor/state/gallery.h"
+#include "app/editor/state/models/gallery.h"
 
 namespace homolog {
 

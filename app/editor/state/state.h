@@ -9,7 +9,7 @@
 #include "app/editor/state/dialogs.h"
 #include "app/editor/state/drag.h"
 #include "app/editor/state/layout.h"
-#include "app/editor/state/models_state.h"
+#include "app/editor/state/models/models_state.h"
 #include "app/editor/state/outcomes.h"
 #include "app/editor/state/settings.h"
 #include "app/editor/state/view_geometry.h"

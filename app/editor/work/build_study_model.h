@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/state/study_model.h"
+#include "app/editor/state/models/study_model.h"
 #include "core/base/progress.h"
 
 namespace homolog {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "app/editor/state/study_model.h"
+#include "app/editor/state/models/study_model.h"
 #include "app/editor/work/worker.h"
 #include "core/session/session.h"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "app/editor/state/gallery.h"
+#include "app/editor/state/models/gallery.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/work/build_study_model.h"
 #include "core/mesh/icosphere.h"

@@ -7,7 +7,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "app/editor/state/models_state.h"
+#include "app/editor/state/models/models_state.h"
 #include "app/editor/work/opener.h"
 #include "app/editor/work/quality_monitor.h"
 #include "core/mesh/icosphere.h"

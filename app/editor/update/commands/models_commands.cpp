@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "app/editor/state/gallery.h"
+#include "app/editor/state/models/gallery.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/imports.h"

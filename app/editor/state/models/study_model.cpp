@@ -1,4 +1,4 @@
-#include "app/editor/state/study_model.h"
+#include "app/editor/state/models/study_model.h"
 
 #include <algorithm>
 

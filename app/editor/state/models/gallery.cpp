@@ -1,4 +1,4 @@
-#include "app/editor/state/gallery.h"
+#include "app/editor/state/models/gallery.h"
 
 #include <algorithm>
 #include <cmath>

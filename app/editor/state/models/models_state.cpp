@@ -1,4 +1,4 @@
-#include "app/editor/state/models_state.h"
+#include "app/editor/state/models/models_state.h"
 
 #include <algorithm>
 #include <cctype>

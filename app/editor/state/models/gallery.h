@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "app/editor/state/layout.h"
-#include "app/editor/state/models_state.h"
+#include "app/editor/state/models/models_state.h"
 
 namespace homolog {
 

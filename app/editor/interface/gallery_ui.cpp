@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "app/editor/drawing/gallery_pictures.h"
+#include "app/editor/interface/side_buttons.h"
 #include "app/editor/panels/models_ui.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
@@ -90,16 +91,8 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   if (state.model)
     text_at(draw, {rect.x + theme.px(24) + title, text_y}, palette::dim,
             format("%zu shapes, %td vertices", state.model->names.size(), state.model->landmarks()));
-  static constexpr std::array<LookFrom, 6> directions{LookFrom::anterior, LookFrom::posterior, LookFrom::left,
-                                                      LookFrom::right,    LookFrom::superior,  LookFrom::inferior};
-  static constexpr std::array<const char*, 6> letters{"A", "P", "L", "R", "S", "I"};
-  static constexpr std::array<const char*, 6> names{"anterior", "posterior", "left", "right", "superior", "inferior"};
-  for (std::size_t i = 0; i < directions.size(); ++i) {
-    ImGui::SetCursorPos({rect.width - theme.px(24) * static_cast<float>(8 - i), theme.px(2)});
-    if (icon_button(theme, letters[i], names[i],
-                    format("Look from %s (Shift+%s), as the first shape lies", names[i], letters[i]), {}, false, 24))
-      out.send(LookFromSideInGallery{directions[i]});
-  }
+  draw_side_buttons<LookFromSideInGallery>(ui, rect.width - 8 * theme.px(24), theme.px(2), theme.px(24),
+                                           ", as the first shape lies", out);
   ImGui::SetCursorPos({rect.width - theme.px(28), theme.px(2)});
   if (icon_button(theme, icon::fit, "fit", "All shapes in view (F)", {}, false, 24)) out.send(FitGallery{});
 }

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "app/editor/interface/side_buttons.h"
 #include "app/editor/interface/view_overlay.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/drawn_items.h"
@@ -37,18 +38,8 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
   if (icon_button(theme, whole ? icon::unfit : icon::fit, "maximise",
                   whole ? "All four views (double-click)" : "This view alone (double-click)", {}, false, 24))
     out.send(MaximiseView{whole ? std::nullopt : std::optional(kind)});
-  if (kind == ViewKind::space && rect.width > theme.px(260)) {
-    static constexpr std::array<LookFrom, 6> directions{LookFrom::anterior, LookFrom::posterior, LookFrom::left,
-                                                        LookFrom::right,    LookFrom::superior,  LookFrom::inferior};
-    static constexpr std::array<const char*, 6> letters{"A", "P", "L", "R", "S", "I"};
-    static constexpr std::array<const char*, 6> names{"anterior", "posterior", "left", "right", "superior", "inferior"};
-    for (std::size_t i = 0; i < directions.size(); ++i) {
-      ImGui::SetCursorPos({rect.width - side * static_cast<float>(8 - i) - theme.px(4), top});
-      if (icon_button(theme, letters[i], names[i], format("Look from %s (Shift+%s)", names[i], letters[i]), {}, false,
-                      24))
-        out.send(LookFromSide{directions[i]});
-    }
-  }
+  if (kind == ViewKind::space && rect.width > theme.px(260))
+    draw_side_buttons<LookFromSide>(ui, rect.width - 8 * side - theme.px(4), top, side, "", out);
   end_region();
 }
 

@@ -119,12 +119,6 @@ void follow_layout(EditorState& state, const Layout& layout) {
   }
 }
 
-void look_from(EditorState& state, LookFrom from) {
-  const Camera3D camera = camera_from(from, Box());
-  state.camera.to_eye = camera.to_eye;
-  state.camera.up = camera.up;
-}
-
 void scroll_slice(EditorState& state, ViewKind kind, const Document& document, double steps) {
   state.scrolled += steps;
   const double whole_steps = std::trunc(state.scrolled);

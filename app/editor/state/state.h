@@ -197,8 +197,6 @@ void fit_views(EditorState& state, const Document& document, const Layout& layou
 /// Slices show as much of the image after their view has grown or shrunk: maximised, or with the window.
 void follow_layout(EditorState& state, const Layout& layout);
 
-/// Turns the 3D view to a standard direction; what it looks at, and from how far, stays.
-void look_from(EditorState& state, LookFrom from);
 /// The cross-hair goes along the view's normal by whole slices, from the slice that is shown to the next acquired one;
 /// what a touchpad gives of a step is kept for later.
 void scroll_slice(EditorState& state, ViewKind kind, const Document& document, double steps);

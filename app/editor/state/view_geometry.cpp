@@ -127,6 +127,12 @@ Camera3D camera_from(LookFrom from, const Box& box_mm) {
   return camera;
 }
 
+void look_from(Camera3D& camera, LookFrom from) {
+  const Camera3D there = camera_from(from, Box());
+  camera.to_eye = there.to_eye;
+  camera.up = there.up;
+}
+
 void look_from_outside(Camera3D& camera, const Vec3& normal) {
   if (normal.norm() < 0.5) return;
   camera.to_eye = normal.normalized();

@@ -52,7 +52,13 @@ double scale_bar_mm(double mm_per_px, double longest_px);
 
 /// Standard directions to look from.
 enum class LookFrom { anterior, posterior, left, right, superior, inferior };
+inline constexpr std::array<const char*, 6> side_names{"anterior", "posterior", "left",
+                                                       "right",    "superior",  "inferior"};
+/// Of the key, with Shift, and of the button.
+inline constexpr std::array<char, 6> side_letters{'A', 'P', 'L', 'R', 'S', 'I'};
 Camera3D camera_from(LookFrom from, const Box& box_mm);
+/// Turns the camera about its target to that side; its distance stays.
+void look_from(Camera3D& camera, LookFrom from);
 /// Turned about its target as a trackball by a movement of the mouse.
 Camera3D turned(const Camera3D& camera, double right_px, double down_px);
 /// Turns the camera so that it looks straight onto a surface with this normal; a zero normal turns nothing.

@@ -2,7 +2,11 @@
 
 #include <cerrno>
 #include <cstring>
+#include <sstream>
+#include <string_view>
+#include <utility>
 
+#include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/case/action_json.h"
 #include "core/case/actions/fields.h"
@@ -68,11 +72,11 @@ Result<Command> command_of_line(const std::string& line) {
 }
 
 Result<std::vector<Command>> read_log(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) return fail(path.string(), std::string("cannot be read: ") + std::strerror(errno));
+  auto content = read_whole_file(path);
+  if (!content) return fail(content.error());
   std::vector<Command> commands;
-  std::string line;
-  while (std::getline(file, line)) {
+  std::istringstream lines(std::move(*content));
+  for (std::string line; std::getline(lines, line);) {
     auto command = command_of_line(line);
     if (!command)
       return fail(path.string(), "line " + std::to_string(commands.size() + 1) +
@@ -86,10 +90,10 @@ Result<void> CommandLog::write_to(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !read_log(path))
     return fail(path.string(), "is there already and is no log of commands; give another name");
+  path_ = path;
   file_.open(path, std::ios::trunc);
   if (!file_) return fail(path.string(), std::string("cannot be written: ") + std::strerror(errno));
-  for (const std::string& line : lines_) file_ << line << '\n';
-  file_.flush();
+  for (const std::string& line : lines_) write(line);
   return {};
 }
 
@@ -99,8 +103,15 @@ void CommandLog::was_given(const Command& command) {
 }
 
 void CommandLog::add(std::string line) {
-  if (file_.is_open()) (file_ << line << '\n').flush();
+  if (file_.is_open()) write(line);
   lines_.push_back(std::move(line));
+}
+
+void CommandLog::write(const std::string& line) {
+  if ((file_ << line << '\n').flush()) return;
+  fault_ = path_.string() + ": the log ends here, because no more could be written (" + std::strerror(errno) +
+           "); free some space and start again with --log.";
+  file_.close();
 }
 
 }  // namespace homolog

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "app/editor/update/commands.h"
@@ -34,12 +34,17 @@ class CommandLog {
   void is_done(const Command& command) { add(log_line(command)); }
 
   const std::vector<std::string>& lines() const { return lines_; }
+  /// Why the file does not get the lines any more, once; empty while it does.
+  std::string take_fault() { return std::exchange(fault_, {}); }
 
  private:
   void add(std::string line);
+  void write(const std::string& line);
 
   std::vector<std::string> lines_;
+  std::filesystem::path path_;
   std::ofstream file_;
+  std::string fault_;
 };
 
 }  // namespace homolog

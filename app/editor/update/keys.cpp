@@ -48,20 +48,13 @@ Given toggle_part(const KeyMoment& now) {
 }
 
 LookFrom side_of(int code) {
-  switch (code) {
-    case 'P':
-      return LookFrom::posterior;
-    case 'L':
-      return LookFrom::left;
-    case 'R':
-      return LookFrom::right;
-    case 'S':
-      return LookFrom::superior;
-    case 'I':
-      return LookFrom::inferior;
-    default:
-      return LookFrom::anterior;
-  }
+  return static_cast<LookFrom>(std::find(side_letters.begin(), side_letters.end(), code) - side_letters.begin());
+}
+
+std::vector<KeyChord> side_chords() {
+  std::vector<KeyChord> chords;
+  for (const char letter : side_letters) chords.push_back({letter, false, true});
+  return chords;
 }
 
 Given scroll(const KeyMoment& now) {
@@ -77,9 +70,6 @@ Given snap_here(const KeyMoment& now) {
   if (hover && hover->on_mesh) snap.region = SnapRegion{*hover->on_mesh, now.state.sigma_mm()};
   return snap;
 }
-
-const std::vector<KeyChord> sides{{'A', false, true}, {'P', false, true}, {'L', false, true},
-                                  {'R', false, true}, {'S', false, true}, {'I', false, true}};
 
 std::vector<KeyRow> rows_of_case() {
   return {
@@ -115,7 +105,7 @@ std::vector<KeyRow> rows_of_case() {
       {"F", "everything in view", {{'F'}}, [](const KeyMoment&) -> Given { return FitViews{}; }},
       {"O", "outlines", {{'O'}}, toggle_part<&ShownParts::outline>},
       {"X", "cross-hair", {{'X'}}, toggle_part<&ShownParts::crosshair>},
-      {"Shift+A P L R S I", "look from that side", sides,
+      {"Shift+A P L R S I", "look from that side", side_chords(),
        [](const KeyMoment& now) -> Given { return LookFromSide{side_of(now.code)}; }},
       {"Escape", "cancels a drag", {{key::escape}}, [](const KeyMoment&) -> Given { return Escape{}; }},
       {"Ctrl+Z",
@@ -152,7 +142,7 @@ std::vector<KeyRow> rows_of_models() {
          return one != nullptr ? Given(OpenCaseOfStudy{one->name, models.pinned}) : std::nullopt;
        }},
       {"F", "all shapes in view", {{'F'}}, [](const KeyMoment&) -> Given { return FitGallery{}; }},
-      {"Shift+A P L R S I", "look from that side", sides,
+      {"Shift+A P L R S I", "look from that side", side_chords(),
        [](const KeyMoment& now) -> Given { return LookFromSideInGallery{side_of(now.code)}; }},
       {"Escape", "unmarks the vertex", {{key::escape}}, [](const KeyMoment&) -> Given { return PinVertex{}; }},
       {"Ctrl+O",

@@ -59,6 +59,7 @@ void EditorApp::run_commands() {
       took_all_ = false;
       run(command, editing_);
     }
+  if (std::string fault = log_.take_fault(); !fault.empty()) add_notice(state_, std::move(fault));
 }
 
 void EditorApp::replay(std::vector<Command> commands) {

@@ -53,6 +53,11 @@ void Fields::read(const Json& from, const char*, std::vector<std::string>& to) {
   to = from.get<std::vector<std::string>>();
 }
 
+void Fields::read(const Json& from, const char*, std::vector<std::filesystem::path>& to) {
+  const auto paths = from.get<std::vector<std::string>>();
+  to.assign(paths.begin(), paths.end());
+}
+
 void Fields::read(const Json& from, const char*, Json& to) {
   to = from;
 }
@@ -81,6 +86,12 @@ void Fields::read(const Json& from, const char* key, Eigen::Quaterniond& to) {
 
 Fields::Json Fields::written(const std::filesystem::path& value) {
   return value.string();
+}
+
+Fields::Json Fields::written(const std::vector<std::filesystem::path>& value) {
+  Json paths = Json::array();
+  for (const auto& path : value) paths.push_back(path.string());
+  return paths;
 }
 
 Fields::Json Fields::written(const Vec3& value) {

@@ -111,6 +111,7 @@ class Fields {
   static void read(const Json& from, const char* key, std::string& to);
   static void read(const Json& from, const char* key, std::filesystem::path& to);
   static void read(const Json& from, const char* key, std::vector<std::string>& to);
+  static void read(const Json& from, const char* key, std::vector<std::filesystem::path>& to);
   static void read(const Json& from, const char* key, Json& to);
   static void read(const Json& from, const char* key, std::vector<double>& to);
   static void read(const Json& from, const char* key, Vec3& to);
@@ -120,6 +121,7 @@ class Fields {
     return value;
   }
   static Json written(const std::filesystem::path& value);
+  static Json written(const std::vector<std::filesystem::path>& value);
   static Json written(const Vec3& value);
   static Json written(const Eigen::Quaterniond& value);
 

@@ -151,6 +151,22 @@ TEST_CASE("a line of the log that is no command is refused by its number") {
   CHECK(over.write_to(folder.path / "new.log"));
 }
 
+TEST_CASE("a log is read from a file only, and says once when the disk is full") {
+  CHECK_FALSE(read_log("/dev/zero"));
+  const TemporaryFolder folder;
+  CommandLog log;
+  REQUIRE(log.write_to(folder.path / "session.log"));
+  log.is_done(ChooseTool{MouseTool::slide});
+  CHECK(log.take_fault().empty());
+  {
+    const SmallFiles full(100);
+    for (int k = 0; k < 10; ++k) log.is_done(ChooseTool{MouseTool::slide});
+  }
+  CHECK(log.take_fault().find("session.log: the log ends here") != std::string::npos);
+  CHECK(log.take_fault().empty());
+  CHECK(log.lines().size() == 11);
+}
+
 TEST_CASE("every purpose of a file has a row and every key is in the page on editing") {
   std::set<std::string> names;
   for (int purpose = 0; purpose <= static_cast<int>(FilePurpose::export_shapes); ++purpose) {

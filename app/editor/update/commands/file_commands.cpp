@@ -40,10 +40,7 @@ bool nothing_to_save(Editing& editing) {
 }  // namespace
 
 void OpenFiles::spell(Fields& line) {
-  std::vector<std::string> names;
-  for (const auto& path : paths) names.push_back(path.string());
-  line.member("paths", names);
-  if (line.reads()) paths.assign(names.begin(), names.end());
+  line.member("paths", paths);
 }
 void OpenFiles::run(Editing& editing) const {
   if (editing.state.models.shown) {

@@ -103,10 +103,7 @@ void CancelEvaluation::run(Editing& editing) const {
 }
 
 void AddCases::spell(Fields& line) {
-  std::vector<std::string> names;
-  for (const auto& path : paths) names.push_back(path.string());
-  line.member("paths", names);
-  if (line.reads()) paths.assign(names.begin(), names.end());
+  line.member("paths", paths);
 }
 void AddCases::run(Editing& editing) const {
   ModelsState& models = editing.state.models;
@@ -210,9 +207,7 @@ void LookFromSideInGallery::spell(Fields& line) {
   spell_choice(line, "side", side_names, side);
 }
 void LookFromSideInGallery::run(EditorState& state) const {
-  const Camera3D camera = camera_from(side, Box());
-  state.models.camera.to_eye = camera.to_eye;
-  state.models.camera.up = camera.up;
+  look_from(state.models.camera, side);
 }
 
 void FitGallery::run(EditorState& state) const {

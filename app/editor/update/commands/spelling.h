@@ -55,7 +55,6 @@ inline void spell_template(Fields& line, TemplateSettings& settings) {
 
 // What values are called in the log.
 inline constexpr std::array view_names{"axial", "sagittal", "coronal", "3D"};
-inline constexpr std::array side_names{"anterior", "posterior", "left", "right", "superior", "inferior"};
 inline constexpr std::array organ_names{"kidney", "vertebra", "ventricle"};
 
 }  // namespace homolog

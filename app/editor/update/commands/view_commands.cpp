@@ -16,7 +16,7 @@ void LookFromSide::spell(Fields& line) {
   spell_choice(line, "side", side_names, side);
 }
 void LookFromSide::run(EditorState& state) const {
-  look_from(state, side);
+  look_from(state.camera, side);
 }
 
 void MaximiseView::spell(Fields& line) {

@@ -13,13 +13,13 @@
 using namespace homolog;
 
 int main(int count, char** arguments) {
-  const auto reference = make_template(built_in_template(Organ::kidney), "built-in:kidney");
+  const auto the_template = make_template(built_in_template(Organ::kidney), "built-in:kidney");
   const MeshFile truth = phantom_truth(Organ::kidney, 2).front();
   const auto surface = Topology::make(truth.points.rows(), truth.triangles);
-  if (!reference || !surface) return 1;
+  if (!the_template || !surface) return 1;
 
   const Boundary boundary = mesh_boundary({*surface, truth.points});
-  const auto fitted = fit_to_boundary(**reference, boundary);
+  const auto fitted = fit_to_boundary(**the_template, boundary);
   if (!fitted) {
     std::fprintf(stderr, "%s\n", fitted.error().sentence().c_str());
     return 1;

@@ -13,9 +13,9 @@ using namespace homolog;
 namespace {
 
 Result<void> run(const std::filesystem::path& file) {
-  const auto reference = load_template("built-in:kidney");
-  if (!reference) return fail(reference.error());
-  auto session = create_case(new_document("", nullptr, *reference), file);
+  const auto the_template = load_template("built-in:kidney");
+  if (!the_template) return fail(the_template.error());
+  auto session = create_case(new_document("", nullptr, *the_template), file);
   if (!session) return fail(session.error());
 
   // A stroke names the surface point that is taken hold of and where it is dragged to, in LPS mm. Each is on the disk

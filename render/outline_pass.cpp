@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/outline.h"
+#include "render/outlines.h"
 #include "render/shaders.h"
 
 namespace homolog {
@@ -29,7 +29,9 @@ std::array<float, 4> colour_at(const EdgeCrossing& crossing, const MeshLayer& me
 
 std::vector<LineInstance> outline_lines(const MeshLayer& mesh, const SliceView& view) {
   std::vector<LineInstance> lines;
-  for (const OutlineSegment& segment : intersect_plane(*mesh.topology, *mesh.points, view.centre, view.normal())) {
+  Outlines once;
+  Outlines& outlines = mesh.outlines ? *mesh.outlines : once;
+  for (const OutlineSegment& segment : *outlines.of(mesh.topology, mesh.points, view.centre, view.normal())) {
     lines.push_back({to_floats(segment.from.point), to_floats(segment.to.point), colour_at(segment.from, mesh),
                      colour_at(segment.to, mesh), mesh.outline_px});
   }

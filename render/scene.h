@@ -11,6 +11,7 @@
 #include "core/correspondence/colours.h"
 #include "core/mesh/topology.h"
 #include "core/volume/volume.h"
+#include "render/outlines.h"
 
 namespace homolog {
 
@@ -40,8 +41,9 @@ struct MeshLayer {
   std::uint64_t points_revision = 0;
   std::shared_ptr<const std::vector<Rgb>> colours;  ///< one a vertex; null is kMeshColour
   std::uint64_t colours_revision = 0;
-  bool outline = true;   ///< its intersection with slice planes, exact, anti-aliased
-  float outline_px = 2;  ///< times the content scale
+  bool outline = true;                 ///< its intersection with slice planes, exact, anti-aliased
+  std::shared_ptr<Outlines> outlines;  ///< where outlines are looked up; null: they are worked out each time
+  float outline_px = 2;                ///< times the content scale
   float outline_opacity = 1;
   bool surface = true;  ///< shaded in the 3D view; below opacity 1 drawn after all else
   float surface_opacity = 1;

@@ -19,11 +19,12 @@ struct Desk {
   Document document = demo();
   EditorState state;
   Layout layout = make_layout(1280, 800, 1, {});
+  mutable ShownMesh mesh;
   Outbox out;
   double seconds = 0;
 
   Desk() { show_document(state, document, layout); }
-  ControlsContext context() const { return {layout, document, true, false}; }
+  ControlsContext context() const { return {layout, document, mesh, true, false}; }
 
   template <class What>
   void send(What what, double x, double y, bool shift = false, bool ctrl = false) {
@@ -50,7 +51,7 @@ struct Desk {
   }
   /// A px on the outline in a slice view: sideways from the cross-hair.
   Eigen::Vector2d on_outline(ViewKind kind) {
-    const ViewMap map = view_map(state, context(), kind);
+    const ViewMap map = view_map(state, layout, document, kind);
     const Eigen::Vector2d start = *map.to_px(state.crosshair_mm);
     for (double x = start.x(); x > layout.image(kind).x; x -= 1) {
       update_hover(state, context(), x, start.y());

@@ -24,13 +24,13 @@ struct Colouring {
   std::vector<std::int32_t> glyphs;
   double glyph_radius_mm = 1;
 
-  Colouring(const Mesh& mesh, double spacing_mm) : hues(landmark_hues(*mesh.topology)) {
+  Colouring(const Mesh& mesh, double spacing_mm) : hues(vertex_hues(*mesh.topology)) {
     std::vector<Rgb> colours;
     colours.reserve(hues.size());
     for (const float hue : hues) colours.push_back(hsv_to_rgb(hue, 0.4f, 1));
     surface = std::make_shared<const std::vector<Rgb>>(std::move(colours));
     const double spacing = spacing_mm > 0 ? spacing_mm : bounds_of(mesh.points).diagonal().norm() / 12;
-    glyphs = glyph_landmarks(mesh, spacing);
+    glyphs = glyph_vertices(mesh, spacing);
     glyph_radius_mm = 0.15 * spacing;
   }
 
@@ -224,7 +224,7 @@ Result<MadePicture> modes_picture(const ShapeModel& model, int modes, const Mont
 }
 
 Result<MadePicture> case_picture(const Document& document, const MontageOptions& options) {
-  if (!document.reference || !document.has_shape()) return fail("", "has no mesh to show");
+  if (!document.the_template || !document.has_shape()) return fail("", "has no mesh to show");
   auto studio = Studio::make(options);
   if (!studio) return fail(studio.error());
   const Mesh mesh = document.mesh();

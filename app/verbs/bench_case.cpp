@@ -93,13 +93,13 @@ Result<Json> case_figures(Progress& progress) {
   const double before_mb = memory_mb("VmRSS:");
   forget_peak_memory();
   if (auto written = write_mesh(icosphere(5, radius_mm), source); !written) return fail(written.error());
-  auto reference = load_template(source.string());
-  if (!reference) return fail(reference.error());
-  auto session = create_case(new_document("", nullptr, *reference), file);
+  auto the_template = load_template(source.string());
+  if (!the_template) return fail(the_template.error());
+  auto session = create_case(new_document("", nullptr, *the_template), file);
   if (!session) return fail(session.error());
   auto done = work(std::move(*session), progress);
   if (!done) return done;
-  Json figures{{"vertices", (*reference)->points.rows()}, {"gestures", gestures}};
+  Json figures{{"vertices", (*the_template)->points.rows()}, {"gestures", gestures}};
   figures.update(*done);
   figures["work_peak_mb"] = memory_mb("VmHWM:") - before_mb;
   figures["file_mb"] = static_cast<double>(fs::file_size(file, error)) / 1e6;

@@ -67,7 +67,7 @@ Json hundred_shapes() {
   (void)specificity_mean(components, modes, 1000, 1);
   const auto mean = Clock::now();
   return {{"shapes", 100},
-          {"vertices", components.landmarks()},
+          {"vertices", components.vertices()},
           {"modes", modes.front()},
           {"align_ms", milliseconds(aligned - start)},
           {"components_ms", milliseconds(analysed - aligned)},
@@ -86,7 +86,7 @@ Json thousand_shapes() {
   align(shapes, Alignment::similarity);
   const PrincipalComponents components = principal_components(std::move(shapes));
   const ShapeModel model = make_model(components, 0.95, nullptr, {});
-  return {{"shapes", 1000},         {"vertices", components.landmarks()},
+  return {{"shapes", 1000},         {"vertices", components.vertices()},
           {"modes", model.modes()}, {"model_ms", milliseconds(Clock::now() - start)},
           {"data_mb", data_mb},     {"peak_mb", memory_mb("VmHWM:") - before_mb}};
 }

@@ -92,7 +92,7 @@ Json gallery_frame_ms(Renderer& renderer, Framebuffer& framebuffer) {
   }
   Progress progress;
   ModelsState state;
-  take_model(state, build_study_model(request, progress).model);
+  show_model(state, build_study_model(request, progress).model);
   fs::remove_all(folder, ignored);
   if (!state.model) return "no model to be had";
   state.turning = true;
@@ -126,9 +126,9 @@ Json picture_figures() {
   scene.image.window_low = -100;
   scene.image.window_high = 300;
   MeshLayer layer;
-  layer.topology = document->reference->topology;
+  layer.topology = document->the_template->topology;
   std::vector<Rgb> colours;
-  for (const float hue : landmark_hues(*layer.topology)) colours.push_back(hsv_to_rgb(hue, 0.4f, 1));
+  for (const float hue : vertex_hues(*layer.topology)) colours.push_back(hsv_to_rgb(hue, 0.4f, 1));
   layer.colours = std::make_shared<const std::vector<Rgb>>(std::move(colours));
   const Vec3 centre = scene.image.volume->geometry.bounds_mm().center();
   Points points = document->shape().points->rowwise() - bounds_of(*document->shape().points).center().transpose();

@@ -5,12 +5,12 @@
 #include "app/verbs/verb.h"
 #include "core/base/files.h"
 #include "core/base/picture_io.h"
+#include "core/experiment/scripted_user.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
 #include "core/model/statismo.h"
 #include "core/session/case_file.h"
-#include "core/study/scripted_user.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {
@@ -79,7 +79,7 @@ class HeadlessDemo {
 
   Result<void> export_mesh(EditSession& session, const Volume& truth) {
     const Document& document = session.document();
-    if (auto done = write_mesh_file(to_mesh_file(*document.reference), written("template.ply")); !done) return done;
+    if (auto done = write_mesh_file(to_mesh_file(*document.the_template), written("template.ply")); !done) return done;
     if (auto done = write_mesh_file(to_mesh_file(document, document.frame), written("kidney.ply")); !done) return done;
     const Volume labels = label_map(document.mesh(), truth.geometry);
     report_.values["volume_ml"] = static_cast<double>(labels_of(labels)[1]) * truth.geometry.voxel_volume_mm3() / 1000;
@@ -92,7 +92,7 @@ class HeadlessDemo {
     if (!picture) return fail(picture.error());
     if (auto done = write_picture(picture->picture, written("case.png")); !done) return done;
     options.height_px = options.width_px / 2;
-    const Mesh before{session.document().reference->topology, *session.document().shape().placed};
+    const Mesh before{session.document().the_template->topology, *session.document().shape().placed};
     picture = correspondence_picture({before, session.document().mesh()}, options);
     if (!picture) return fail(picture.error());
     return write_picture(picture->picture, written("correspondence.png"));
@@ -111,7 +111,7 @@ class HeadlessDemo {
     }
     align(shapes, Alignment::similarity);
     const ShapeModel model =
-        make_model(principal_components(std::move(shapes)), 0.95, session.document().reference->topology, names);
+        make_model(principal_components(std::move(shapes)), 0.95, session.document().the_template->topology, names);
     if (auto done = write_model(model, written("model.h5.json")); !done) return done;
     report_.values["model"] = {{"shapes", others + 1}, {"modes", model.modes()}};
     const auto picture = modes_picture(model, 2, {});

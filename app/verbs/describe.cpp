@@ -22,8 +22,8 @@ Result<Report> describe_case(const std::filesystem::path& path, Progress* progre
   Json& values = report.values;
   values["kind"] = "case";
   values["volume"] = document.volume_source;
-  values["template"] = document.reference ? document.reference->source : "";
-  values["vertices"] = document.reference ? document.reference->topology->vertices() : 0;
+  values["template"] = document.the_template ? document.the_template->source : "";
+  values["vertices"] = document.the_template ? document.the_template->topology->vertices() : 0;
   values["strokes"] = read->session.strokes();
   values["frame"] = document.frame;
   Json frames = Json::array();

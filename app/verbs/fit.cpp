@@ -44,14 +44,14 @@ struct Options {
 
 /// What all cases of a run share, read once.
 struct Shared {
-  std::shared_ptr<const Template> reference;
+  std::shared_ptr<const Template> the_template;
   FitOptions fit;
 };
 
-Result<std::shared_ptr<const Template>> reference_of(const Options& options) {
-  auto reference = load_template(options.template_source);
-  if (!reference || !options.mirror) return reference;
-  return make_template(mirrored(to_mesh_file(**reference)), options.template_source);
+Result<std::shared_ptr<const Template>> template_of(const Options& options) {
+  auto the_template = load_template(options.template_source);
+  if (!the_template || !options.mirror) return the_template;
+  return make_template(mirrored(to_mesh_file(**the_template)), options.template_source);
 }
 
 Result<Similarity> read_placement(const fs::path& path) {
@@ -66,9 +66,9 @@ Result<Similarity> read_placement(const fs::path& path) {
 }
 
 Result<Shared> shared_of(const Options& options) {
-  auto reference = reference_of(options);
-  if (!reference) return fail(reference.error());
-  Shared shared{*reference, {}};
+  auto the_template = template_of(options);
+  if (!the_template) return fail(the_template.error());
+  Shared shared{*the_template, {}};
   shared.fit.orientation = options.orientation == "any" ? Orientation::any : Orientation::patient;
   if (!options.placement.empty()) {
     auto placement = read_placement(options.placement);
@@ -145,7 +145,7 @@ std::vector<std::string> take_coincident(std::map<std::string, Vec3>& places) {
 
 /// Errors, where one case is fitted: no points, names that the template lacks, several points at one place. Among
 /// several cases these are warnings.
-Result<CaseLandmarks> landmarks_of(const Options& options, const Template& reference, const fs::path& path) {
+Result<CaseLandmarks> landmarks_of(const Options& options, const Template& the_template, const fs::path& path) {
   CaseLandmarks landmarks;
   if (options.landmarks.empty()) return landmarks;
   const bool several = options.cases().size() > 1;
@@ -165,7 +165,7 @@ Result<CaseLandmarks> landmarks_of(const Options& options, const Template& refer
     return landmarks;
   }
   std::vector<std::string> known, unknown;
-  for (const Landmark& landmark : reference.landmarks) known.push_back(landmark.name);
+  for (const Landmark& landmark : the_template.landmarks) known.push_back(landmark.name);
   for (const Landmark& landmark : *read) {
     if (std::find(known.begin(), known.end(), landmark.name) == known.end())
       unknown.push_back(landmark.name);
@@ -185,8 +185,8 @@ Result<CaseLandmarks> landmarks_of(const Options& options, const Template& refer
   return landmarks;
 }
 
-MeshFile fitted_file(const Template& reference, const FitResult& fit) {
-  MeshFile file = to_mesh_file(reference);
+MeshFile fitted_file(const Template& the_template, const FitResult& fit) {
+  MeshFile file = to_mesh_file(the_template);
   file.points = fit.mesh.points;
   file.landmarks = fit.landmarks;
   if (!fit.unseen.empty()) file.comments.push_back("homolog.unseen " + Json(fit.unseen).dump());
@@ -212,18 +212,19 @@ Report report_of(const Target& target, const FitResult& fit, const FitJudgement&
 
 Result<Report> fit_case(const Options& options, const Shared& shared, const fs::path& path, const fs::path& out,
                         Progress& progress) {
-  auto target = read_target(options, path, shared.reference->points.rows(), progress);
+  auto target = read_target(options, path, shared.the_template->points.rows(), progress);
   if (!target) return fail(target.error());
-  auto landmarks = landmarks_of(options, *shared.reference, path);
+  auto landmarks = landmarks_of(options, *shared.the_template, path);
   if (!landmarks) return fail(landmarks.error());
   FitOptions fitting = shared.fit;
   fitting.landmarks = std::move(landmarks->places);
   fitting.progress = &progress;
-  const auto fit = fit_to_boundary(*shared.reference, target->boundary, fitting);
+  const auto fit = fit_to_boundary(*shared.the_template, target->boundary, fitting);
   if (!fit) return fail(path.string(), fit.error().what);
   const double seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
-  if (auto written = write_mesh_file(fitted_file(*shared.reference, *fit), out); !written) return fail(written.error());
-  const FitJudgement judgement = judge_fit(*shared.reference, target->boundary, fitting, *fit);
+  if (auto written = write_mesh_file(fitted_file(*shared.the_template, *fit), out); !written)
+    return fail(written.error());
+  const FitJudgement judgement = judge_fit(*shared.the_template, target->boundary, fitting, *fit);
   Report report = report_of(*target, *fit, judgement, options.snap.frame, seconds);
   report.warnings = std::move(landmarks->warnings);
   report.warnings.insert(report.warnings.end(), judgement.warnings.begin(), judgement.warnings.end());
@@ -234,32 +235,32 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
 /// Where the template starts in an image: as the placement says, or on three named places.
 Result<Similarity> start_in_image(const Shared& shared, const CaseLandmarks& landmarks) {
   if (shared.fit.placement) return *shared.fit.placement;
-  const auto [from, to] = matched_landmarks(*shared.reference, landmarks.places);
+  const auto [from, to] = matched_landmarks(*shared.the_template, landmarks.places);
   if (from.rows() < fewest_placing_landmarks)
     return fail("", "needs --placement, or --landmarks with at least three of the template's landmarks");
   const Similarity placement =
-      likely_similarity(from, to, PlacementPrior{}, bounds_of(shared.reference->points).diagonal().norm());
+      likely_similarity(from, to, PlacementPrior{}, bounds_of(shared.the_template->points).diagonal().norm());
   if (!(placement.scale > 0))
     return fail("", "cannot be placed: the landmarks contradict each other; check their places and names");
   return placement;
 }
 
 Result<Report> fit_image(const Options& options, const Shared& shared, Progress& progress) {
-  const auto landmarks = landmarks_of(options, *shared.reference, options.image);
+  const auto landmarks = landmarks_of(options, *shared.the_template, options.image);
   if (!landmarks) return fail(landmarks.error());
   const auto placement = start_in_image(shared, *landmarks);
   if (!placement) return fail(options.image.string(), placement.error().what);
   auto image = read_image(options.image, options.snap.frame, progress);
   if (!image) return fail(image.error());
-  const Template& reference = *shared.reference;
-  auto snapping = snap_options(options.snap, reference.points.rows(), progress);
+  const Template& the_template = *shared.the_template;
+  auto snapping = snap_options(options.snap, the_template.points.rows(), progress);
   if (!snapping) return fail(snapping.error());
   snapping->progress = &progress;
 
   const auto started = Clock::now();
-  Mesh mesh{reference.topology, placement->apply(reference.points)};
+  Mesh mesh{the_template.topology, placement->apply(the_template.points)};
   const Points placed = mesh.points;
-  const SnapStart start{mesh, placed, reference.stiffness, VertexScalars::Ones(mesh.points.rows())};
+  const SnapStart start{mesh, placed, the_template.stiffness, VertexScalars::Ones(mesh.points.rows())};
   const auto snapped = snap(image->volume, options.snap.frame, start, *snapping);
   if (!snapped) return fail(options.image.string(), snapped.error().what);
   const double seconds = std::chrono::duration<double>(Clock::now() - started).count();
@@ -267,10 +268,11 @@ Result<Report> fit_image(const Options& options, const Shared& shared, Progress&
   FitResult fit;
   fit.mesh = mesh;
   fit.unseen = snapped->unseen;
-  fit.landmarks = carried_landmarks(reference, mesh.points);
-  if (auto written = write_mesh_file(fitted_file(reference, fit), options.out); !written) return fail(written.error());
+  fit.landmarks = carried_landmarks(the_template, mesh.points);
+  if (auto written = write_mesh_file(fitted_file(the_template, fit), options.out); !written)
+    return fail(written.error());
   Report report = snap_report(*snapped, mesh, placed, options.image);
-  report.values["placement"] = to_json(fit_similarity(reference.points, mesh.points, *placement));
+  report.values["placement"] = to_json(nearest_similarity(the_template.points, mesh.points, *placement));
   report.values["landmarks_used"] = shared.fit.placement ? 0 : landmarks->places.size();
   report.values["seconds"] = seconds;
   report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());

@@ -96,7 +96,7 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
     report.warnings.emplace_back("two shapes give a model of a single mode; give more for one that describes an organ");
   const Eigen::VectorXd variances = components.variances();
   report.values = {{"shapes", components.shapes()},
-                   {"vertices", components.landmarks()},
+                   {"vertices", components.vertices()},
                    {"modes", model.modes()},
                    {"variances", std::vector<double>(variances.begin(), variances.end())},
                    {"explained", cumulative(variances)}};

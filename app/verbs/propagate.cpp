@@ -97,10 +97,10 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
   if (!made) return fail(made.error());
   const auto lines = case_lines(verb, initial, propagation);
   if (!lines) return fail(lines.error());
-  MeshFile file = to_mesh_file(*initial.reference);
+  MeshFile file = to_mesh_file(*initial.the_template);
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
     file.points = propagation.frames[f].points;
-    file.landmarks = carried_landmarks(*initial.reference, file.points);
+    file.landmarks = carried_landmarks(*initial.the_template, file.points);
     if (auto written = write_mesh_file(file, verb.out / (frame_name(f) + ".ply")); !written) return written;
   }
   const double frame_seconds = initial.volume->frame_seconds;
@@ -145,19 +145,19 @@ Report report_of(const PropagateVerb& verb, const Propagation& propagation) {
 }
 
 Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
-  auto reference = load_template(verb.mesh);
-  if (!reference) return fail(reference.error());
+  auto the_template = load_template(verb.mesh);
+  if (!the_template) return fail(the_template.error());
   auto image = read_image(verb.image, verb.frame, progress);
   if (!image) return fail(image.error());
   PropagateOptions options = verb.options;
   options.progress = &progress;
   const auto start = std::chrono::steady_clock::now();
-  auto propagation = propagate(image->volume, verb.frame, {(*reference)->topology, (*reference)->points},
-                               (*reference)->stiffness, options);
+  auto propagation = propagate(image->volume, verb.frame, {(*the_template)->topology, (*the_template)->points},
+                               (*the_template)->stiffness, options);
   if (!propagation) return fail(verb.image.string(), propagation.error().what);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Document initial =
-      new_document(verb.image.string(), std::make_shared<const Volume>(std::move(image->volume)), *reference);
+      new_document(verb.image.string(), std::make_shared<const Volume>(std::move(image->volume)), *the_template);
   if (auto written = write_all(verb, initial, *propagation); !written) return fail(written.error());
   Report report = report_of(verb, *propagation);
   report.values["seconds"] = seconds;

@@ -24,7 +24,7 @@ ReplayOptions replay_options(const ReplayVerb& verb, Progress& progress) {
   if (verb.scheme == "anchored") options.scheme = Scheme::anchored;
   if (verb.scheme == "paper") options.scheme = Scheme::paper;
   if (verb.scheme == "raw") options.scheme = Scheme::raw;
-  if (verb.spacing >= 0) options.spacing = verb.spacing;
+  if (verb.spacing >= 0) options.even_spacing = verb.spacing;
   if (verb.events > 0) options.paper_events = verb.events;
   options.from_checkpoint = false;  // what is asked for is what the lines give
   options.progress = &progress;
@@ -44,7 +44,7 @@ Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
   }
   const MeshFile mesh = to_mesh_file(document, frame);
   if (auto written = write_mesh_file(mesh, verb.out); !written) return fail(written.error());
-  const auto turned = turned_triangles(*document.reference->topology, *found->second.placed, mesh.points);
+  const auto turned = turned_triangles(*document.the_template->topology, *found->second.placed, mesh.points);
   return Report{{{"strokes", read->session.strokes()},
                  {"turned_triangles", turned.size()},
                  {"solves", read->session.solves()},

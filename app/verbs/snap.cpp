@@ -48,13 +48,13 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   auto session = opened(verb, progress);
   if (!session) return fail(session.error());
   const Document& before = session->document();
-  if (!before.reference || !before.has_shape())
+  if (!before.the_template || !before.has_shape())
     return fail(verb.source.string(), "has no mesh in the frame it shows; start it in the editor");
   auto options = snap_options(verb.snap, before.shape().points->rows(), progress);
   if (!options) return fail(options.error());
   options->progress = &progress;
-  std::optional<SnapRegion> region;
-  if (!verb.at.empty()) region = SnapRegion{Vec3(verb.at[0], verb.at[1], verb.at[2]), verb.sigma_mm};
+  std::optional<SnapArea> region;
+  if (!verb.at.empty()) region = SnapArea{Vec3(verb.at[0], verb.at[1], verb.at[2]), verb.sigma_mm};
 
   const auto start = std::chrono::steady_clock::now();
   auto snapped = snap_document(before, region, *options);
@@ -67,7 +67,7 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   const Document& after = session->document();
   if (!verb.out.empty()) {
     MeshFile file = to_mesh_file(after, after.frame);
-    if (!verb.of_case()) file.landmarks = carried_landmarks(*after.reference, *after.shape().points);
+    if (!verb.of_case()) file.landmarks = carried_landmarks(*after.the_template, *after.shape().points);
     if (auto written = write_mesh_file(file, verb.out); !written) return fail(written.error());
   }
   Report report = snap_report(snapped->result, after.mesh(), *after.shape().placed, image);

@@ -29,7 +29,7 @@ Result<void> solve(Adapting& shape, ShapeSolver& solver, double stiffness, Force
   const VertexScalars w = stiffness / least_weight * shape.factors;
   hold(shape, w, force);
   if (auto ready = solver.factorise(w, (force.weights.array() - 1).matrix()); !ready) return ready;
-  const auto rotations = fit_local_rotations(topology, shape.placed, shape.mesh.points);
+  const auto rotations = local_rotations(topology, shape.placed, shape.mesh.points);
   Points solved = solver.solve(Points(force.pulls + rotated_reference_force(topology, w, shape.placed, rotations)));
   for (const std::int32_t i : shape.held) solved.row(i) = shape.mesh.points.row(i);
   shape.mesh.points = std::move(solved);
@@ -39,7 +39,7 @@ Result<void> solve(Adapting& shape, ShapeSolver& solver, double stiffness, Force
 }  // namespace
 
 void Adapting::refit() {
-  placement = fit_similarity(rest, mesh.points, placement);
+  placement = nearest_similarity(rest, mesh.points, placement);
   placed = placement.apply(rest);
 }
 

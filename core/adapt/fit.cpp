@@ -27,13 +27,13 @@ constexpr double trusted = 0.5;         ///< a landmark below is called a blunde
 
 class Fitting {
  public:
-  Fitting(const Template& reference, const Boundary& boundary, const FitOptions& options)
-      : reference_(reference),
+  Fitting(const Template& the_template, const Boundary& boundary, const FitOptions& options)
+      : reference_(the_template),
         boundary_(boundary),
         options_(options),
-        search_(boundary, reference.points.rows()),
-        solver_(reference.topology) {
-    shape_.factors = reference.stiffness / reference.stiffness.mean();
+        search_(boundary, the_template.points.rows()),
+        solver_(the_template.topology) {
+    shape_.factors = the_template.stiffness / the_template.stiffness.mean();
   }
 
   Result<FitResult> run() {
@@ -98,7 +98,7 @@ class Fitting {
     const double stiffness = stiffness_from_length(easing_edges * edge_mm, edge_mm);
     if (auto ready = solver_.factorise(VertexScalars::Constant(shape_.factors.size(), stiffness)); !ready) return ready;
     const Points smooth = solver_.solve(start_);
-    shape_.rest = fit_similarity(smooth, start_, {}).apply(smooth);
+    shape_.rest = nearest_similarity(smooth, start_, {}).apply(smooth);
     return {};
   }
 
@@ -152,7 +152,7 @@ class Fitting {
   FitResult finish() {
     Mesh& mesh = shape_.mesh;
     FitResult result;
-    result.placement = fit_similarity(reference_.points, mesh.points, shape_.placement);
+    result.placement = nearest_similarity(reference_.points, mesh.points, shape_.placement);
     result.turned_triangles =
         turned_triangles(*mesh.topology, result.placement.apply(reference_.points), mesh.points).size();
     result.self_intersections = self_intersections(mesh).size();
@@ -186,8 +186,8 @@ class Fitting {
 
 }  // namespace
 
-Result<FitResult> fit_to_boundary(const Template& reference, const Boundary& boundary, const FitOptions& options) {
-  return Fitting(reference, boundary, options).run();
+Result<FitResult> fit_to_boundary(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
+  return Fitting(the_template, boundary, options).run();
 }
 
 }  // namespace homolog

@@ -39,6 +39,7 @@ struct FitResult {
 /// [Erdt 2009, §2.2]: where the boundary is not known the force has next to no weight and the shape decides.
 /// Errors: the placement given does not reach the boundary; a template or a boundary that is flat or has no size;
 /// cancelled.
-Result<FitResult> fit_to_boundary(const Template& reference, const Boundary& boundary, const FitOptions& options = {});
+Result<FitResult> fit_to_boundary(const Template& the_template, const Boundary& boundary,
+                                  const FitOptions& options = {});
 
 }  // namespace homolog

@@ -15,11 +15,11 @@ bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
 
 }  // namespace
 
-FitJudgement judge_fit(const Template& reference, const Boundary& boundary, const FitOptions& options,
+FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, const FitOptions& options,
                        const FitResult& fit) {
   FitJudgement judgement;
   judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
-  judgement.mirrored = looks_mirrored(reference, boundary, options.orientation);
+  judgement.mirrored = looks_mirrored(the_template, boundary, options.orientation);
   judgement.doubtful = judgement.mirrored || is_doubtful(judgement.agreement, boundary);
   judgement.warnings = boundary.warnings;
   judgement.warnings.insert(judgement.warnings.end(), fit.warnings.begin(), fit.warnings.end());
@@ -29,7 +29,7 @@ FitJudgement judge_fit(const Template& reference, const Boundary& boundary, cons
         "left and right in the editor)");
   const bool tangled = fit.turned_triangles + fit.self_intersections > 0;
   if (!judgement.doubtful && !tangled) return judgement;
-  const MeshFaults faults = mesh_faults({reference.topology, reference.points});
+  const MeshFaults faults = mesh_faults({the_template.topology, the_template.points});
   if (faults.any())
     judgement.warnings.push_back("the template itself has " + faults.words() +
                                  ", so its fits have faults too; make it anew from a sound surface");

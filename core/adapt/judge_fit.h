@@ -18,7 +18,7 @@ struct FitJudgement {
 };
 
 /// Judges what fit_to_boundary gave for this template, boundary and these options.
-FitJudgement judge_fit(const Template& reference, const Boundary& boundary, const FitOptions& options,
+FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, const FitOptions& options,
                        const FitResult& fit);
 
 }  // namespace homolog

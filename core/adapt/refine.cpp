@@ -42,13 +42,13 @@ std::vector<std::string> warnings_of(const Mesh& refined, const Points& placed) 
 
 }  // namespace
 
-Result<RefineResult> refine(const Template& reference, const RefineStart& start, Progress* progress) {
-  const Mesh mesh{reference.topology, start.points};
+Result<RefineResult> refine(const Template& the_template, const RefineStart& start, Progress* progress) {
+  const Mesh mesh{the_template.topology, start.points};
   FitOptions fitting;
-  fitting.placement = fit_similarity(reference.points, mesh.points, start.placement);
+  fitting.placement = nearest_similarity(the_template.points, mesh.points, start.placement);
   fitting.landmarks = start.landmarks;
   fitting.progress = progress;
-  auto fit = fit_to_boundary(reference, {mesh, {}, {}}, fitting);
+  auto fit = fit_to_boundary(the_template, {mesh, {}, {}}, fitting);
   if (!fit) return fail(fit.error());
   Mesh refined = std::move(fit->mesh);
   if (start.confirmed.size() > 0) {
@@ -56,7 +56,7 @@ Result<RefineResult> refine(const Template& reference, const RefineStart& start,
     if (!kept) return fail(kept.error());
     refined.points = std::move(*kept);
   }
-  refined.points = on_boundary_loops(mesh, refined.points);
+  refined.points = on_rims(mesh, refined.points);
   refined.points = without_turning(*mesh.topology, start.placed, mesh.points, refined.points);
   return RefineResult{refined.points, warnings_of(refined, start.placed)};
 }

@@ -30,6 +30,6 @@ struct RefineResult {
 /// the whole surface and a few landmarks do. The surface itself stays, apart from what its triangles cut off (some
 /// hundredths of a mm on average, more at a sharp edge), and so do the rims of an open mesh. Confirmed vertices stay
 /// where they are. Errors: fit_to_boundary's.
-Result<RefineResult> refine(const Template& reference, const RefineStart& start, Progress* progress = nullptr);
+Result<RefineResult> refine(const Template& the_template, const RefineStart& start, Progress* progress = nullptr);
 
 }  // namespace homolog

@@ -54,9 +54,8 @@ bool untangle(Mesh& mesh, const Points& reference, const VertexScalars& factors)
     const auto upright = std::vector<Mat3>(static_cast<std::size_t>(mesh.points.rows()), Mat3::Identity());
     mesh.points = solver.solve(Points(held + rotated_reference_force(topology, w, reference, upright)));
     for (int k = 0; k < rotation_rounds; ++k)
-      mesh.points =
-          solver.solve(Points(held + rotated_reference_force(topology, w, reference,
-                                                             fit_local_rotations(topology, reference, mesh.points))));
+      mesh.points = solver.solve(Points(
+          held + rotated_reference_force(topology, w, reference, local_rotations(topology, reference, mesh.points))));
     tangled = tangled_vertices(mesh, reference);
   }
   return tangled.empty();

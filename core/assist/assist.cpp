@@ -23,7 +23,7 @@ std::shared_ptr<const Appearance> appearance_of_frames(const Document& document)
   }
   if (best < 0) return nullptr;
   auto appearance = std::make_shared<Appearance>();
-  const Mesh done{document.reference->topology, *document.shapes.at(best).points};
+  const Mesh done{document.the_template->topology, *document.shapes.at(best).points};
   if (!appearance->learn(*document.volume, best, done)) return nullptr;
   return appearance;
 }
@@ -31,10 +31,11 @@ std::shared_ptr<const Appearance> appearance_of_frames(const Document& document)
 }  // namespace
 
 Result<FitEdit> fit_document(const Document& document, const Boundary& boundary, bool as_placed, FitOptions options) {
-  if (!document.reference || !document.has_shape()) return fail("", "There is no mesh to fit; load a template first.");
+  if (!document.the_template || !document.has_shape())
+    return fail("", "There is no mesh to fit; load a template first.");
   if (as_placed) options.placement = document.shape().placement;
   options.landmarks = document.shape().landmarks;
-  auto fit = fit_to_boundary(*document.reference, boundary, options);
+  auto fit = fit_to_boundary(*document.the_template, boundary, options);
   if (!fit) return fail(fit.error());
   FitEdit edit;
   edit.action = points_edit(document, fit->mesh.points, "fit", fit->placement);
@@ -42,14 +43,15 @@ Result<FitEdit> fit_document(const Document& document, const Boundary& boundary,
   return edit;
 }
 
-Result<SnapEdit> snap_document(const Document& document, const std::optional<SnapRegion>& region,
+Result<SnapEdit> snap_document(const Document& document, const std::optional<SnapArea>& region,
                                const SnapOptions& options) {
-  if (!document.reference || !document.has_shape()) return fail("", "There is no mesh to snap; load a template first.");
+  if (!document.the_template || !document.has_shape())
+    return fail("", "There is no mesh to snap; load a template first.");
   if (!document.volume) return fail("", "There is no image to snap to; open one first.");
   const Shape& shape = document.shape();
   SnapStart start{document.mesh(), *shape.placed, *document.stiffness, VertexScalars::Ones(shape.points->rows())};
   if (region) {
-    const Topology& topology = *document.reference->topology;
+    const Topology& topology = *document.the_template->topology;
     const SurfacePoint at = nearest_on_surface(topology, start.mesh.points, region->at).at;
     start.free =
         gaussian_falloff(topology, *shape.points, at, region->sigma_mm, mean_edge_mm(topology, *shape.points), false);
@@ -69,7 +71,7 @@ Result<SnapEdit> snap_document(const Document& document, const std::optional<Sna
 }
 
 Result<RefineEdit> refine_document(const Document& document, Progress* progress) {
-  if (!document.reference || !document.has_shape())
+  if (!document.the_template || !document.has_shape())
     return fail("", "There is no mesh to refine; load a template first.");
   const Shape& shape = document.shape();
   RefineStart start{*shape.points,
@@ -79,7 +81,7 @@ Result<RefineEdit> refine_document(const Document& document, Progress* progress)
                     document.stiffness_base * *document.stiffness,
                     {}};
   if (shape.confirmed) start.confirmed = *shape.confirmed;
-  const auto refined = refine(*document.reference, start, progress);
+  const auto refined = refine(*document.the_template, start, progress);
   if (!refined) return fail(refined.error());
   return RefineEdit{points_edit(document, refined->points, by_refinement), refined->warnings};
 }

@@ -23,7 +23,7 @@ struct FitEdit {
 Result<FitEdit> fit_document(const Document& document, const Boundary& boundary, bool as_placed, FitOptions options);
 
 /// The part of a mesh that a snap moves: around a surface point, with the falloff of the tools.
-struct SnapRegion {
+struct SnapArea {
   Vec3 at = Vec3::Zero();
   double sigma_mm = 10;
 };
@@ -36,7 +36,7 @@ struct SnapEdit {
 /// Snaps the mesh [snap.h], or the part of it in `region`, to its image; confirmed vertices stay. With automatic
 /// polarity and no appearance given, what the boundary looks like is learned from the nearest edited frame of a cine.
 /// Errors: no mesh, no image, and those of snap().
-Result<SnapEdit> snap_document(const Document& document, const std::optional<SnapRegion>& region,
+Result<SnapEdit> snap_document(const Document& document, const std::optional<SnapArea>& region,
                                const SnapOptions& options);
 
 struct RefineEdit {

@@ -23,7 +23,7 @@ namespace homolog {
 /// whose key a line has reads the line.
 using Action = std::variant<Stroke, SetPoints, MovePoints, SetPlacement, PaintStiffness, SmoothStiffness, PaintRegion,
                             FillRegion, SetRegion, RenameRegion, RemoveRegion, SetStiffnessFactors, SetTemplateLandmark,
-                            SetStiffnessBase, Confirm, SetScheme, SetSpacing, PlaceLandmark, SetLandmarkFit,
+                            SetStiffnessBase, Confirm, SetScheme, SetEvenSpacing, PlaceLandmark, SetLandmarkPull,
                             MirrorTemplate, SetFrame, StartFrameFrom, Note, Undo, Redo>;
 
 /// Calls `visit(action_kind(A))` for every action A, in the order of the list.

@@ -3,7 +3,7 @@
 namespace homolog {
 
 MeshFile painted_template(const Document& document) {
-  MeshFile file = to_mesh_file(*document.reference);
+  MeshFile file = to_mesh_file(*document.the_template);
   file.stiffness = *document.stiffness;
   file.stiffness_base = document.stiffness_base;
   file.regions = *document.regions;
@@ -19,7 +19,7 @@ MeshFile to_mesh_file(const Document& document, int frame) {
   return file;
 }
 
-VertexScalars known_landmarks(const Shape& shape) {
+VertexScalars known_vertices(const Shape& shape) {
   constexpr double followed = 0.6;  // below it a stroke carried a vertex along and did not decide its place
   VertexScalars known = VertexScalars::Zero(shape.points->rows());
   if (shape.decided) known = (shape.decided->array() >= followed).cast<double>();
@@ -29,18 +29,18 @@ VertexScalars known_landmarks(const Shape& shape) {
 
 Points unaided_points(const Shape& shape) {
   if (!shape.unaided) return *shape.points;
-  const VertexScalars known = known_landmarks(shape);
+  const VertexScalars known = known_vertices(shape);
   return *shape.unaided + known.asDiagonal() * (*shape.points - *shape.unaided);
 }
 
 Document new_document(std::string volume_source, std::shared_ptr<const Volume> volume,
-                      std::shared_ptr<const Template> reference) {
+                      std::shared_ptr<const Template> the_template) {
   Document document;
   document.volume_source = std::move(volume_source);
   document.volume = std::move(volume);
-  document.reference = std::move(reference);
-  if (!document.reference) return document;
-  const Template& placed = *document.reference;
+  document.the_template = std::move(the_template);
+  if (!document.the_template) return document;
+  const Template& placed = *document.the_template;
   document.stiffness = std::make_shared<const VertexScalars>(placed.stiffness);
   document.regions = std::make_shared<const Regions>(placed.regions);
   document.stiffness_base = placed.stiffness_base;

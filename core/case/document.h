@@ -11,7 +11,7 @@
 namespace homolog {
 
 /// How placed landmarks move the reference before the first stroke.
-enum class LandmarkFit {
+enum class LandmarkPull {
   off,         ///< landmarks move nothing
   similarity,  ///< closed-form similarity
   warp         ///< similarity; from the fourth landmark on a smooth warp after it
@@ -34,7 +34,7 @@ struct Shape {
 /// How far the place of each vertex is known, 0 … 1: as far as it is confirmed, and 1 where `decided` is at least 0.6.
 /// `decided` is how far strokes have carried the vertex, and 1 where a fit or a snap moved it. What a shape model did
 /// does not count.
-VertexScalars known_landmarks(const Shape& shape);
+VertexScalars known_vertices(const Shape& shape);
 
 /// The shape without the help of a shape model, n×3, LPS mm: known vertices where they are, the others where the edits
 /// alone leave them. Help always starts from here, so it does not add up from edit to edit.
@@ -44,24 +44,24 @@ Points unaided_points(const Shape& shape);
 struct Document {
   std::string volume_source;  ///< path, or the name of a phantom [core/catalogue]; empty without an image
   std::shared_ptr<const Volume> volume;
-  std::shared_ptr<const Template> reference;  ///< null until a template is loaded
-  std::map<int, Shape> shapes;                ///< by frame; a static volume has frame 0 only
+  std::shared_ptr<const Template> the_template;  ///< null until a template is loaded
+  std::map<int, Shape> shapes;                   ///< by frame; a static volume has frame 0 only
   int frame = 0;
 
   std::shared_ptr<const VertexScalars> stiffness;  ///< factor_i, the template's until painted
   std::shared_ptr<const Regions> regions;          ///< the template's until painted
   double stiffness_base = default_stiffness_base;
   Scheme scheme = Scheme::anchored;
-  int paper_events = 1;  ///< mouse events a stroke counts for in the scheme `paper`
-  double spacing = 0;    ///< strength 0…1 of keeping vertices evenly spread along with an edit
-  LandmarkFit landmark_fit = LandmarkFit::warp;
+  int paper_events = 1;     ///< mouse events a stroke counts for in the scheme `paper`
+  double even_spacing = 0;  ///< strength 0…1 of keeping vertices evenly spread along with an edit
+  LandmarkPull landmark_pull = LandmarkPull::warp;
   /// Landmarks place by how well they determine each rotation (likely_similarity). False in cases begun before that
   /// was so: there the closed form alone places, so that they replay to the same points.
   bool weighs_landmarks = true;
 
   bool has_shape() const { return shapes.contains(frame); }
   const Shape& shape() const { return shapes.at(frame); }
-  Mesh mesh() const { return {reference->topology, *shape().points}; }
+  Mesh mesh() const { return {the_template->topology, *shape().points}; }
 };
 
 /// The template of a case as it was painted: its own points, with the case's stiffness and regions.
@@ -73,6 +73,6 @@ MeshFile to_mesh_file(const Document& document, int frame);
 /// A case without edits: the template in the middle of the volume, upright, at its own size. Volume and template may be
 /// null. Never fails.
 Document new_document(std::string volume_source, std::shared_ptr<const Volume> volume,
-                      std::shared_ptr<const Template> reference);
+                      std::shared_ptr<const Template> the_template);
 
 }  // namespace homolog

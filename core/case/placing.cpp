@@ -17,8 +17,8 @@ bool usable(const Similarity& s) {
 }
 
 /// Warps a shape that is as before any edit. Gives a sentence where the warp could not be followed.
-std::string warp(const Template& reference, const Points& from, const Points& to, Shape& shape) {
-  WarpedReference warped = warp_to_landmarks(*reference.topology, *shape.placed, shape.placement.apply(from), to);
+std::string warp(const Template& the_template, const Points& from, const Points& to, Shape& shape) {
+  WarpedReference warped = warp_to_landmarks(*the_template.topology, *shape.placed, shape.placement.apply(from), to);
   if (warped.share > 0) shape.points = shape.reference = std::make_shared<const Points>(std::move(warped.points));
   return warped.folds ? "The landmarks would fold the mesh, so the mesh does not quite meet them. Check that each is "
                         "in its place."
@@ -32,33 +32,33 @@ Result<void> check_placement(const Similarity& placement) {
   return fail("placement", "is not a rotation, a positive scale and a translation");
 }
 
-void start_anew(const Template& reference, Shape& shape) {
-  shape.placed = std::make_shared<const Points>(shape.placement.apply(reference.points));
+void start_anew(const Template& the_template, Shape& shape) {
+  shape.placed = std::make_shared<const Points>(shape.placement.apply(the_template.points));
   shape.points = shape.reference = shape.placed;
   shape.decided.reset();
   shape.unaided.reset();
   shape.strokes = 0;
 }
 
-Result<EditReport> follow_landmarks(const Template& reference, LandmarkFit fit, bool weighs, Shape& shape) {
+Result<EditReport> carry_to_landmarks(const Template& the_template, LandmarkPull fit, bool weighs, Shape& shape) {
   EditReport report;
-  if (fit == LandmarkFit::off) return report;
+  if (fit == LandmarkPull::off) return report;
   if (shape.strokes > 0) {
     report.message =
         "After the first stroke landmarks no longer move the mesh. Bring the mesh to them with Slide or Grab.";
     return report;
   }
-  const auto [from, to] = matched_landmarks(reference, shape.landmarks);
+  const auto [from, to] = matched_landmarks(the_template, shape.landmarks);
   if (from.rows() == 0) return report;
   const Similarity placement =
-      weighs ? likely_similarity(from, to, {shape.before_landmarks}, bounds_of(reference.points).diagonal().norm())
-             : fit_similarity(from, to, shape.placement);
+      weighs ? likely_similarity(from, to, {shape.before_landmarks}, bounds_of(the_template.points).diagonal().norm())
+             : nearest_similarity(from, to, shape.placement);
   if (!usable(placement) || placement.scale < 1e-3) {
     return fail("landmarks", "contradict each other, so that the template would shrink to nothing; check their places");
   }
   shape.placement = placement;
-  start_anew(reference, shape);
-  if (fit == LandmarkFit::warp) report.message = warp(reference, from, to, shape);
+  start_anew(the_template, shape);
+  if (fit == LandmarkPull::warp) report.message = warp(the_template, from, to, shape);
   return report;
 }
 

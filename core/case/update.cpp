@@ -7,7 +7,7 @@ namespace homolog {
 namespace {
 
 Result<void> check_mesh(const Document& document) {
-  if (document.reference == nullptr) return fail("", "There is no template yet; load one first.");
+  if (document.the_template == nullptr) return fail("", "There is no template yet; load one first.");
   if (!document.has_shape()) return fail("", "This frame has no mesh yet; start it from another frame.");
   return {};
 }

@@ -85,7 +85,7 @@ Mesh renumbered(const Mesh& mesh, Eigen::Index first) {
   return result;
 }
 
-std::vector<float> landmark_hues(const Topology& topology) {
+std::vector<float> vertex_hues(const Topology& topology) {
   const auto number = indices_are_local(topology) ? indices_of(topology) : breadth_first_rank(topology);
   std::vector<float> hues(number.size());
   for (std::size_t i = 0; i < hues.size(); ++i)
@@ -101,7 +101,7 @@ Rgb hsv_to_rgb(float hue, float saturation, float value) {
   return {channel(5), channel(3), channel(1)};
 }
 
-std::vector<std::int32_t> glyph_landmarks(const Mesh& mesh, double spacing_mm) {
+std::vector<std::int32_t> glyph_vertices(const Mesh& mesh, double spacing_mm) {
   std::vector<std::int32_t> order = indices_of(*mesh.topology);
   const VertexScalars curvature = gaussian_curvature(mesh);
   std::stable_sort(order.begin(), order.end(),

@@ -22,13 +22,13 @@ Mesh renumbered(const Mesh& mesh, Eigen::Index first);
 bool indices_are_local(const Topology& topology);
 
 /// Hue of every vertex, 0…1: its index / n where indices are local, else its breadth-first rank / n.
-std::vector<float> landmark_hues(const Topology& topology);
+std::vector<float> vertex_hues(const Topology& topology);
 
 /// HSV to RGB; surfaces use saturation 0.4, glyphs 1.0, both value 1.0 [Erdt 2009, §3.1].
 Rgb hsv_to_rgb(float hue, float saturation, float value);
 
 /// Vertices to show as glyphs: by decreasing Gaussian curvature of `mesh`, each farther than `spacing_mm` from all
 /// chosen before [Erdt 2009, §3.1].
-std::vector<std::int32_t> glyph_landmarks(const Mesh& mesh, double spacing_mm);
+std::vector<std::int32_t> glyph_vertices(const Mesh& mesh, double spacing_mm);
 
 }  // namespace homolog

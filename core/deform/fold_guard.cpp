@@ -42,7 +42,7 @@ Points carried_normals(const Topology& topology, const Points& reference, const 
 }  // namespace
 
 std::vector<std::int32_t> turned_triangles(const Topology& topology, const Points& reference, const Points& points) {
-  const Points carried = carried_normals(topology, reference, fit_local_rotations(topology, reference, points));
+  const Points carried = carried_normals(topology, reference, local_rotations(topology, reference, points));
   std::vector<std::int32_t> turned;
   for (Eigen::Index f = 0; f < carried.rows(); ++f) {
     if (carried.row(f).dot(face_normal(points, topology.triangles().row(f))) < 0) {
@@ -54,7 +54,7 @@ std::vector<std::int32_t> turned_triangles(const Topology& topology, const Point
 
 FoldGuard::FoldGuard(const Topology& topology, const Points& reference, const Points& start)
     : topology_(topology), reference_(reference), start_(start) {
-  carried_ = carried_normals(topology, reference, fit_local_rotations(topology, reference, start));
+  carried_ = carried_normals(topology, reference, local_rotations(topology, reference, start));
   const Triangles& triangles = topology.triangles();
   floor_.resize(triangles.rows());
   for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
@@ -122,7 +122,7 @@ double FoldGuard::accepted_step(double longest, const std::function<Points(doubl
 }
 
 bool FoldGuard::accepts(const Points& points) const {
-  const Points carried = carried_normals(topology_, reference_, fit_local_rotations(topology_, reference_, points));
+  const Points carried = carried_normals(topology_, reference_, local_rotations(topology_, reference_, points));
   const Triangles& triangles = topology_.triangles();
   for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
     const auto t = triangles.row(f);

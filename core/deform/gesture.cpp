@@ -38,7 +38,7 @@ Gesture::Gesture(const StrokeStart& start, const ShapeSolver& solver, Tool tool,
 bool Gesture::continues(const StrokeStart& start, const Stroke& stroke) const {
   return start.topology == start_.topology && start.points == start_.points && start.reference == start_.reference &&
          start.confirmed == start_.confirmed && start.scheme == start_.scheme &&
-         start.paper_events == start_.paper_events && start.spacing == start_.spacing &&
+         start.paper_events == start_.paper_events && start.even_spacing == start_.even_spacing &&
          start.stiffness == start_.stiffness && start.stiffness_base == start_.stiffness_base && stroke.tool == tool_ &&
          stroke.at == at_ && stroke.through_space == through_space_;
 }
@@ -106,7 +106,7 @@ Result<StrokeOutcome> Gesture::move(const Stroke& stroke, Pass pass) {
     if (pass == Pass::commit) step = guard_.accepted_step(step, at);
     outcome.points = at(step);
     outcome.stopped_by_guard = step < 1;
-    if (start_.spacing > 0) keep_spacing(d, outcome);
+    if (start_.even_spacing > 0) keep_evenly_spaced(d, outcome);
   }
   if (start_.confirmed) {
     for (Eigen::Index i = 0; i < outcome.points.rows(); ++i) {
@@ -142,13 +142,13 @@ void Gesture::slide(const Vec3& d, StrokeOutcome& outcome) const {
   outcome.points = at(step);
 }
 
-void Gesture::keep_spacing(const Vec3& d, StrokeOutcome& outcome) const {
+void Gesture::keep_evenly_spaced(const Vec3& d, StrokeOutcome& outcome) const {
   const Topology& topology = *start_.topology;
   Points offset = tangential({start_.topology, outcome.points},
                              relaxation_offset(topology, solver_, *start_.reference, outcome.points));
   ++outcome.solves;
   // Nothing far away moves, and a click moves nothing.
-  const double reach = start_.spacing * std::min(1.0, d.norm() / edge_mm_);
+  const double reach = start_.even_spacing * std::min(1.0, d.norm() / edge_mm_);
   offset = (reach * response_->array()).matrix().asDiagonal() * offset;
   const Points unspaced = outcome.points;
   const auto at = [&](double step) { return Points(unspaced + step * offset); };

@@ -22,7 +22,7 @@ struct StrokeStart {
   std::shared_ptr<const VertexScalars> confirmed;  ///< 0 free … 1 held; null for all free
   Scheme scheme = Scheme::anchored;
   int paper_events = 1;
-  double spacing = 0;
+  double even_spacing = 0;
 };
 
 struct StrokeOutcome {
@@ -58,7 +58,7 @@ class Gesture {
   void aim(const SurfacePoint& centre, double sigma_mm, Pass pass, StrokeOutcome& outcome);
   Points paper_points(const Vec3& d, double sigma_mm, StrokeOutcome& outcome) const;
   void slide(const Vec3& d, StrokeOutcome& outcome) const;
-  void keep_spacing(const Vec3& d, StrokeOutcome& outcome) const;
+  void keep_evenly_spaced(const Vec3& d, StrokeOutcome& outcome) const;
 
   StrokeStart start_;
   const ShapeSolver& solver_;

@@ -27,7 +27,7 @@ bool climb_to_rotation(const Mat3& a, Eigen::Quaterniond& q) {
 
 }  // namespace
 
-std::vector<Mat3> fit_local_rotations(const Topology& topology, const Points& reference, const Points& points) {
+std::vector<Mat3> local_rotations(const Topology& topology, const Points& reference, const Points& points) {
   std::vector<Mat3> rotations(static_cast<std::size_t>(topology.vertices()));
   in_parallel(topology.vertices(), [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {

@@ -8,7 +8,7 @@ namespace homolog {
 Points relaxation_offset(const Topology& topology, const ShapeSolver& solver, const Points& reference,
                          const Points& points) {
   Points target = points + rotated_reference_force(topology, solver.weights(), reference,
-                                                   fit_local_rotations(topology, reference, points));
+                                                   local_rotations(topology, reference, points));
   if (solver.hold().size() > 0) target += solver.hold().asDiagonal() * points;
   return solver.solve(target) - points;
 }

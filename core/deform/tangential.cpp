@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/nearest_on_segment.h"
 #include "core/deform/surface_walk.h"
 #include "core/mesh/mesh_quality.h"
 
@@ -14,10 +15,7 @@ Vec3 nearest_on_loop(const std::vector<std::int32_t>& loop, const Points& points
   Vec3 best = points.row(loop.front());
   for (std::size_t k = 0; k < loop.size(); ++k) {
     const Vec3 a = points.row(loop[k]), b = points.row(loop[(k + 1) % loop.size()]);
-    const Vec3 along = b - a;
-    const double length2 = along.squaredNorm();
-    const double t = length2 > 0 ? std::clamp(along.dot(x - a) / length2, 0.0, 1.0) : 0;
-    const Vec3 candidate = a + t * along;
+    const Vec3 candidate = a + nearest_on_segment(x, a, b) * (b - a);
     if ((candidate - x).squaredNorm() < (best - x).squaredNorm()) best = candidate;
   }
   return best;
@@ -34,7 +32,7 @@ Points tangential(const Mesh& mesh, const Points& offset) {
     const Eigen::RowVector3d n = normals.row(i);
     along.row(i) -= along.row(i).dot(n) * n;
   }
-  for (const auto& loop : topology.boundary_loops()) {
+  for (const auto& loop : topology.rims()) {
     for (std::size_t k = 0; k < loop.size(); ++k) {
       const auto before = loop[(k + loop.size() - 1) % loop.size()], after = loop[(k + 1) % loop.size()];
       const Eigen::RowVector3d direction = (points.row(after) - points.row(before)).stableNormalized();
@@ -44,9 +42,9 @@ Points tangential(const Mesh& mesh, const Points& offset) {
   return along;
 }
 
-Points on_boundary_loops(const Mesh& mesh, const Points& points) {
+Points on_rims(const Mesh& mesh, const Points& points) {
   Points brought = points;
-  for (const auto& loop : mesh.topology->boundary_loops())
+  for (const auto& loop : mesh.topology->rims())
     for (const std::int32_t i : loop)
       if (points.row(i) != mesh.points.row(i))
         brought.row(i) = nearest_on_loop(loop, mesh.points, points.row(i).transpose()).transpose();
@@ -58,15 +56,15 @@ Points slid_along_surface(const Mesh& mesh, const Points& offset) {
   const Points& points = mesh.points;
   Points slid = points;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    if (topology.on_boundary(i) || offset.row(i).squaredNorm() < 1e-18) continue;
+    if (topology.on_rim(i) || offset.row(i).squaredNorm() < 1e-18) continue;
     SurfacePoint from;
     from.face = topology.faces_of(i).front();
     slid.row(i) = walk_to_nearest(topology, points, from, (points.row(i) + offset.row(i)).transpose()).position;
   }
-  for (const auto& loop : topology.boundary_loops())
+  for (const auto& loop : topology.rims())
     for (const std::int32_t i : loop)
       if (offset.row(i).squaredNorm() >= 1e-18) slid.row(i) += offset.row(i);
-  return on_boundary_loops(mesh, slid);
+  return on_rims(mesh, slid);
 }
 
 }  // namespace homolog

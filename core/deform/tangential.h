@@ -8,7 +8,7 @@ namespace homolog {
 Points tangential(const Mesh& mesh, const Points& offset);
 
 /// The boundary vertices of `points` brought to the nearest place of the loop of `mesh` that they belong to.
-Points on_boundary_loops(const Mesh& mesh, const Points& points);
+Points on_rims(const Mesh& mesh, const Points& points);
 
 /// The vertices moved by `offset`, then brought back onto the mesh's surface by a local search from each vertex (so
 /// that it never jumps to another sheet); boundary vertices stay on their boundary loop.

@@ -11,7 +11,7 @@ VertexScalars gaussian_curvature(const Mesh& mesh) {
   const Triangles& triangles = mesh.topology->triangles();
   VertexScalars curvature(mesh.points.rows()), area = VertexScalars::Zero(mesh.points.rows());
   for (Eigen::Index i = 0; i < curvature.size(); ++i)
-    curvature[i] = (mesh.topology->on_boundary(i) ? 1 : 2) * std::numbers::pi;
+    curvature[i] = (mesh.topology->on_rim(i) ? 1 : 2) * std::numbers::pi;
   for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
     for (int k = 0; k < 3; ++k) {
       const Vec3 at = mesh.points.row(triangles(f, k));
@@ -45,7 +45,7 @@ VertexScalars mean_curvature(const Mesh& mesh) {
   }
   VertexScalars curvature = (area.array() > 0).select(3 * sum.array() / area.array(), 0.0);
   for (Eigen::Index i = 0; i < curvature.size(); ++i)
-    if (topology.on_boundary(i)) curvature[i] = 0;
+    if (topology.on_rim(i)) curvature[i] = 0;
   return curvature;
 }
 

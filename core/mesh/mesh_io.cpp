@@ -58,7 +58,7 @@ Result<void> check(const MeshFile& mesh, bool needs_faces) {
 Result<void> check_seams(const Mesh& mesh) {
   std::vector<Eigen::Index> open;
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
-    if (mesh.topology->on_boundary(i)) open.push_back(i);
+    if (mesh.topology->on_rim(i)) open.push_back(i);
   const auto place = [&](Eigen::Index i) {
     return std::array{mesh.points(i, 0), mesh.points(i, 1), mesh.points(i, 2)};
   };

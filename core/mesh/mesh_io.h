@@ -40,13 +40,13 @@ struct MeshFile {
   bool may_be_cut = false;                      ///< `.particles` without a line break at the end: points may be missing
 };
 
-/// Reads PLY (ASCII and both binary orders), VTK legacy (ASCII and binary), VTP, OBJ, STL or `.particles`, chosen by
-/// extension. Order and count are kept; polygons are split into triangle fans. Errors: absent, truncated, not of
-/// its kind, a count that the file's size belies, NaN or infinite coordinates, an index out of range.
+/// Reads a mesh of one of the formats in formats/, chosen by extension; of PLY and VTK text and binary alike. Order and
+/// count are kept; polygons are split into triangle fans. Errors: absent, truncated, not of its kind, a count that the
+/// file's size belies, NaN or infinite coordinates, an index out of range.
 Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 
-/// Writes PLY (binary, double coordinates), VTK legacy, VTP, OBJ, STL or `.particles` by extension, tagged SPACE=LPS
-/// where the format can, whole or not at all. Landmarks, stiffness, regions and comments are kept by PLY only.
+/// Writes the format of the extension (binary, with double coordinates where it can), tagged SPACE=LPS where the format
+/// can, whole or not at all. Landmarks, stiffness, regions and comments are kept by PLY only.
 Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& path);
 
 /// Whether the name ends as one of the formats that read_mesh_file takes does.

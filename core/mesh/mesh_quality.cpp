@@ -125,7 +125,7 @@ double enclosed_volume_ml(const Mesh& mesh) {
   double six_volumes = 0;
   for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f)
     six_volumes += area_normal(mesh, f).dot(corner(mesh, f, 0) - apex);
-  for (const auto& loop : mesh.topology->boundary_loops()) {
+  for (const auto& loop : mesh.topology->rims()) {
     const Vec3 centre = centre_of(loop, mesh.points);
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Vec3 a = mesh.points.row(loop[(i + 1) % loop.size()]), b = mesh.points.row(loop[i]);
@@ -136,7 +136,7 @@ double enclosed_volume_ml(const Mesh& mesh) {
 }
 
 Mesh capped(const Mesh& mesh) {
-  const auto& loops = mesh.topology->boundary_loops();
+  const auto& loops = mesh.topology->rims();
   if (loops.empty()) return mesh;
   const Eigen::Index vertices = mesh.points.rows(), faces = mesh.topology->triangles().rows();
   Eigen::Index rim = 0;

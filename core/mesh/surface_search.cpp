@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/nearest_on_segment.h"
+
 namespace homolog {
 namespace {
 
@@ -37,18 +39,12 @@ double squared_distance(const Box& box, const Vec3& p) {
   return (box.min() - p).cwiseMax(p - box.max()).cwiseMax(0).squaredNorm();  // unlike Eigen's, without branches
 }
 
-/// Weight of `b` at the point of segment (a, b) nearest to `p`.
-double nearest_in_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const double length2 = (b - a).squaredNorm();
-  return length2 > 0 ? std::clamp((p - a).dot(b - a) / length2, 0.0, 1.0) : 0.0;
-}
-
 Vec3 nearest_on_edges(const Vec3& p, const std::array<Vec3, 3>& corners) {
   Vec3 best = Vec3::Zero();
   double best2 = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3 &a = corners[k], &b = corners[(k + 1) % 3];
-    const double t = nearest_in_segment(p, a, b);
+    const double t = nearest_on_segment(p, a, b);
     const double distance2 = (a + t * (b - a) - p).squaredNorm();
     if (distance2 >= best2) continue;
     best2 = distance2;

@@ -173,20 +173,20 @@ void Topology::gather_rings() {
 }
 
 void Topology::trace_boundary() {
-  on_boundary_.assign(static_cast<std::size_t>(vertices_), 0);
+  on_rim_.assign(static_cast<std::size_t>(vertices_), 0);
   std::vector<std::int32_t> after(static_cast<std::size_t>(vertices_), -1);  // one fan a vertex: one way on
   for (Eigen::Index f = 0; f < triangles_.rows(); ++f) {
     for (int k = 0; k < 3; ++k) {
       if (neighbours(f)[static_cast<std::size_t>(k)] >= 0) continue;
       after[index(triangles_(f, k))] = triangles_(f, (k + 1) % 3);
-      on_boundary_[index(triangles_(f, k))] = 1;
+      on_rim_[index(triangles_(f, k))] = 1;
     }
   }
   for (std::int32_t v = 0; v < vertices_; ++v) {
     if (after[index(v)] < 0) continue;
     std::vector<std::int32_t> loop;
     for (std::int32_t w = v; after[index(w)] >= 0; w = std::exchange(after[index(w)], -1)) loop.push_back(w);
-    boundary_loops_.push_back(std::move(loop));
+    rims_.push_back(std::move(loop));
   }
 }
 
@@ -212,7 +212,7 @@ void Topology::number_components() {
 
 int Topology::genus() const {
   const auto euler = vertices_ - static_cast<Eigen::Index>(edges_.size()) + triangles_.rows() +
-                     static_cast<Eigen::Index>(boundary_loops_.size());
+                     static_cast<Eigen::Index>(rims_.size());
   return static_cast<int>((2 * components_ - euler) / 2);
 }
 

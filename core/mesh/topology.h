@@ -43,9 +43,9 @@ class Topology {
     return neighbours_[static_cast<std::size_t>(face)];
   }
   /// Each boundary loop as vertices in the direction of its faces' edges; empty for a closed mesh.
-  const std::vector<std::vector<std::int32_t>>& boundary_loops() const { return boundary_loops_; }
-  bool closed() const { return boundary_loops_.empty(); }
-  bool on_boundary(Eigen::Index vertex) const { return on_boundary_[static_cast<std::size_t>(vertex)] != 0; }
+  const std::vector<std::vector<std::int32_t>>& rims() const { return rims_; }
+  bool closed() const { return rims_.empty(); }
+  bool on_rim(Eigen::Index vertex) const { return on_rim_[static_cast<std::size_t>(vertex)] != 0; }
   /// Connected component (sheet) of each vertex, numbered from 0 by first vertex.
   const std::vector<std::int32_t>& component() const { return component_; }
   int components() const { return components_; }
@@ -77,8 +77,8 @@ class Topology {
   std::vector<std::size_t> ring_start_, face_start_;
   std::vector<std::int32_t> ring_, faces_;
   std::vector<std::array<std::int32_t, 3>> neighbours_;
-  std::vector<std::vector<std::int32_t>> boundary_loops_;
-  std::vector<char> on_boundary_;
+  std::vector<std::vector<std::int32_t>> rims_;
+  std::vector<char> on_rim_;
   std::vector<std::int32_t> component_;
   int components_ = 0;
   std::string hash_;

@@ -81,7 +81,7 @@ Result<Completion> completed(const ShapeModel& posed, const Points& shape, const
   if (mean.rows() != shape.rows())
     return fail("model", "has " + std::to_string(mean.rows()) + " vertices where the shape has " +
                              std::to_string(shape.rows()) + "; both must come from one template");
-  const Similarity pose = fit_similarity(mean, shape, Similarity{});
+  const Similarity pose = nearest_similarity(mean, shape, Similarity{});
   std::vector<Eigen::Index> landmarks;
   for (Eigen::Index i = 0; i < known.size(); ++i)
     if (known[i] > 0) landmarks.push_back(i);

@@ -73,7 +73,7 @@ Result<Evaluation> evaluate_model(const PrincipalComponents& components,
   const auto& [modes, samples, seed] = options;
   Evaluation evaluation;
   evaluation.shapes = components.shapes();
-  evaluation.landmarks = components.landmarks();
+  evaluation.vertices = components.vertices();
   evaluation.total_variance_mm2 = components.variances().sum();
   evaluation.modes = modes;
   const Measures shares = compactness(components);
@@ -111,7 +111,7 @@ Result<Evaluation> evaluate_model(const PrincipalComponents& components,
 }
 
 Json to_json(const Evaluation& evaluation) {
-  Json values = {{"shapes", evaluation.shapes}, {"vertices", evaluation.landmarks}};
+  Json values = {{"shapes", evaluation.shapes}, {"vertices", evaluation.vertices}};
   values["total_variance_mm2"] = evaluation.total_variance_mm2;
   add_measures(evaluation.at_every, values);
   values["modes"] = evaluation.modes;

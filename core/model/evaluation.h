@@ -20,7 +20,7 @@ struct EvaluationOptions {
 
 /// The measures of a training set by name, as `homolog evaluate` reports them; see docs/models.md.
 struct Evaluation {
-  Eigen::Index shapes = 0, landmarks = 0;
+  Eigen::Index shapes = 0, vertices = 0;
   double total_variance_mm2 = 0;
   std::vector<int> modes;                                  ///< of the entries of at_modes and shapeworks
   std::vector<std::pair<std::string, Measures>> at_every;  ///< at m = 1…M−2

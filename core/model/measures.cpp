@@ -14,7 +14,7 @@ namespace homolog {
 
 namespace {
 
-constexpr Eigen::Index block_landmarks = 512, block_samples = 32;
+constexpr Eigen::Index block_vertices = 512, block_samples = 32;
 
 Eigen::Index mode_counts(const PrincipalComponents& components) {
   return std::max<Eigen::Index>(0, components.shapes() - 2);
@@ -107,9 +107,9 @@ class NearestShape {
     double best = std::numeric_limits<double>::infinity();
     for (const auto& [bound, j] : bounds) {
       if (bound > best) break;
-      best = std::min(best, sum_of_norms(sample, components_.centred.col(j).data(), components_.landmarks()));
+      best = std::min(best, sum_of_norms(sample, components_.centred.col(j).data(), components_.vertices()));
     }
-    return best / static_cast<double>(components_.landmarks());
+    return best / static_cast<double>(components_.vertices());
   }
 
   const PrincipalComponents& components_;
@@ -145,7 +145,7 @@ Measures generalisation_rms(const PrincipalComponents& components) {
   in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index i = first; i < last; ++i) {
       const Eigen::VectorXd squares = LeaveOneOut(components, i).squared_errors(counts);
-      distances.col(i) = (squares.tail(counts) / static_cast<double>(components.landmarks())).cwiseSqrt();
+      distances.col(i) = (squares.tail(counts) / static_cast<double>(components.vertices())).cwiseSqrt();
     }
   });
   return measured_rows(distances);
@@ -167,7 +167,7 @@ Measures specificity_rms(const PrincipalComponents& components, Eigen::Index sam
       for (Eigen::Index m = 0; m < counts; ++m) {
         if (m < known) along += (scores.col(m).array() - b(m, k)).square().matrix();
         const double nearest = (along + squared_rest.col(std::min(m + 1, known))).minCoeff();
-        distances(m, k) = std::sqrt(nearest / static_cast<double>(components.landmarks()));
+        distances(m, k) = std::sqrt(nearest / static_cast<double>(components.vertices()));
       }
     }
   });
@@ -176,7 +176,7 @@ Measures specificity_rms(const PrincipalComponents& components, Eigen::Index sam
 
 Result<Measures> generalisation_mean(const PrincipalComponents& components, const std::vector<int>& modes,
                                      Progress* progress) {
-  const Eigen::Index landmarks = components.landmarks();
+  const Eigen::Index vertices = components.vertices();
   Measures measures;
   for (const int m : modes) {
     if (progress != nullptr && progress->cancelled()) return fail(stopped());
@@ -185,13 +185,13 @@ Result<Measures> generalisation_mean(const PrincipalComponents& components, cons
     in_parallel(components.shapes(), [&](Eigen::Index first, Eigen::Index last) {
       Eigen::VectorXd sums = Eigen::VectorXd::Zero(last - first);
       Eigen::MatrixXd errors;
-      for (Eigen::Index v = 0; v < landmarks; v += block_landmarks) {
-        const Eigen::Index rows = 3 * std::min(block_landmarks, landmarks - v);
+      for (Eigen::Index v = 0; v < vertices; v += block_vertices) {
+        const Eigen::Index rows = 3 * std::min(block_vertices, vertices - v);
         errors.noalias() = components.centred.middleRows(3 * v, rows) * combinations.middleCols(first, last - first);
         for (Eigen::Index i = 0; i < errors.cols(); ++i)
           sums[i] += errors.col(i).reshaped(3, rows / 3).colwise().norm().sum();
       }
-      distances.segment(first, last - first) = sums / static_cast<double>(landmarks);
+      distances.segment(first, last - first) = sums / static_cast<double>(vertices);
     });
     measures.push_back(measured(distances));
     if (progress != nullptr) progress->report(static_cast<double>(measures.size()) / static_cast<double>(modes.size()));

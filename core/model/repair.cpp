@@ -29,10 +29,11 @@ Result<fs::path> make_repair_case(const MeshFile& shape, const std::shared_ptr<c
     stem = name + "-" + std::to_string(number);
   const fs::path mesh = folder / (stem + "-imported.ply");
   if (auto written = write_mesh_file(imported, mesh); !written) return fail(written.error());
-  auto reference = load_template(mesh.string());
-  if (!reference) return fail(reference.error());
+  auto the_template = load_template(mesh.string());
+  if (!the_template) return fail(the_template.error());
   const fs::path file = folder / (stem + ".homolog");
-  if (auto session = create_case(new_document("", nullptr, *reference), file); !session) return fail(session.error());
+  if (auto session = create_case(new_document("", nullptr, *the_template), file); !session)
+    return fail(session.error());
   return file;
 }
 

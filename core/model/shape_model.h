@@ -19,7 +19,7 @@ struct PrincipalComponents {
   Eigen::MatrixXd vectors;  ///< M×r, their unit eigenvectors
 
   Eigen::Index shapes() const { return centred.cols(); }
-  Eigen::Index landmarks() const { return centred.rows() / 3; }
+  Eigen::Index vertices() const { return centred.rows() / 3; }
   /// λ of the covariance with 1/(M−1), mm²; all M − 1 of them, 0 beyond the rank.
   Eigen::VectorXd variances() const;
   /// r×M, the coefficients b of every shape, mm.

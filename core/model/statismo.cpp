@@ -99,21 +99,21 @@ HdfTree tree_of(const ShapeModel& model) {
   return tree;
 }
 
-Error unfit(const std::string& what) {
+Error shrink(const std::string& what) {
   return {"", what + "; export the model again"};
 }
 
 /// A dataset of floats as a matrix. Errors: absent, or not of this size (−1: any).
 Result<FloatMatrix> matrix_at(const HdfTree& tree, const std::string& path, Eigen::Index rows, Eigen::Index columns) {
   const Floats* values = tree.floats(path);
-  if (values == nullptr) return fail(unfit("holds no " + path + " and so is no shape model that is known here"));
+  if (values == nullptr) return fail(shrink("holds no " + path + " and so is no shape model that is known here"));
   const auto& dims = tree.datasets.at(path).dims;
   const Eigen::Index r = dims.empty() ? 1 : static_cast<Eigen::Index>(dims[0]);
   const Eigen::Index c = dims.size() < 2 ? 1 : static_cast<Eigen::Index>(dims[1]);
   if (dims.size() > 2 || r * c != std::ssize(*values) || (rows >= 0 && r != rows) || (columns >= 0 && c != columns))
-    return fail(unfit(path + " does not fit the other parts of the model"));
+    return fail(shrink(path + " does not fit the other parts of the model"));
   const FloatMatrix matrix = Eigen::Map<const FloatMatrix>(values->data(), r, c);
-  if (!matrix.allFinite()) return fail(unfit(path + " holds a number that is not finite"));
+  if (!matrix.allFinite()) return fail(shrink(path + " holds a number that is not finite"));
   return matrix;
 }
 
@@ -126,7 +126,7 @@ Result<std::shared_ptr<const Topology>> topology_of(const HdfTree& tree, Eigen::
   const auto* cells = tree.integers("/representer/cells");
   if (cells == nullptr || tree.datasets.at("/representer/cells").dims.size() != 2 ||
       tree.datasets.at("/representer/cells").dims[0] != 3)
-    return fail(unfit("/representer/cells is not 3 × the number of triangles"));
+    return fail(shrink("/representer/cells is not 3 × the number of triangles"));
   const Eigen::Index count = std::ssize(*cells) / 3;
   const Triangles triangles =
       Eigen::Map<const Eigen::Matrix<std::int32_t, 3, Eigen::Dynamic, Eigen::RowMajor>>(cells->data(), 3, count)
@@ -159,7 +159,7 @@ void read_training(const HdfTree& tree, ShapeModel& model) {
 Result<ShapeModel> model_of(const HdfTree& tree) {
   const auto mean = matrix_at(tree, "/model/mean", -1, 1);
   if (!mean) return fail(mean.error());
-  if (mean->size() == 0 || mean->size() % 3 != 0) return fail(unfit("/model/mean is not made of points in space"));
+  if (mean->size() == 0 || mean->size() % 3 != 0) return fail(shrink("/model/mean is not made of points in space"));
   const auto variances = matrix_at(tree, "/model/pcaVariance", -1, 1);
   if (!variances) return fail(variances.error());
   const auto basis = matrix_at(tree, "/model/pcaBasis", mean->rows(), variances->rows());
@@ -167,7 +167,7 @@ Result<ShapeModel> model_of(const HdfTree& tree) {
   const auto scaled = basis_is_scaled(tree);
   if (!scaled) return fail(scaled.error());
   if (variances->size() > 0 && variances->minCoeff() < 0)
-    return fail(unfit("/model/pcaVariance holds a negative number"));
+    return fail(shrink("/model/pcaVariance holds a negative number"));
   auto topology = topology_of(tree, mean->rows() / 3);
   if (!topology) return fail(topology.error());
   ShapeModel model;

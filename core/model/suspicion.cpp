@@ -46,10 +46,10 @@ struct TableFences {
 /// n×M: how far every vertex of every shape lies from where the model of the others puts it.
 Eigen::MatrixXd deviations_mm(const PrincipalComponents& components, Eigen::Index modes) {
   const Eigen::MatrixXd combinations = left_out_errors(components, modes);
-  Eigen::MatrixXd deviations(components.landmarks(), components.shapes());
+  Eigen::MatrixXd deviations(components.vertices(), components.shapes());
   constexpr Eigen::Index block = 256;
   in_parallel(
-      components.landmarks(),
+      components.vertices(),
       [&](Eigen::Index first, Eigen::Index last) {
         Eigen::MatrixXd errors;
         for (Eigen::Index v = first; v < last; v += block) {
@@ -101,21 +101,24 @@ Fences fences_of(std::vector<double> values) {
   return {sorted_quantile(values, 0.5), upper_quartile + 1.5 * range, upper_quartile + 3 * range};
 }
 
-std::vector<DoubtfulShape> shapes_by_distance(const PrincipalComponents& components) {
+std::vector<SuspiciousShape> shapes_by_distance(const PrincipalComponents& components) {
   const Eigen::VectorXd distances_mm =
-      components.centred.colwise().norm() / std::sqrt(static_cast<double>(components.landmarks()));
+      components.centred.colwise().norm() / std::sqrt(static_cast<double>(components.vertices()));
   const Fences fences = fences_of(list_of(distances_mm));
-  std::vector<DoubtfulShape> list;
+  std::vector<SuspiciousShape> list;
   for (Eigen::Index i = 0; i < components.shapes(); ++i) {
     const double d = distances_mm[i];
-    list.push_back({i, d, d > fences.outer ? Doubt::far_outside : d > fences.upper ? Doubt::outside : Doubt::none});
+    list.push_back({i, d,
+                    d > fences.outer   ? Suspicion::far_outside
+                    : d > fences.upper ? Suspicion::outside
+                                       : Suspicion::none});
   }
-  sort_by(list, [](const DoubtfulShape& shape) { return shape.distance_mm; });
+  sort_by(list, [](const SuspiciousShape& shape) { return shape.distance_mm; });
   return list;
 }
 
-std::vector<DoubtfulLandmark> doubtful_landmarks(const PrincipalComponents& components,
-                                                 const std::shared_ptr<const Topology>& topology, Eigen::Index modes) {
+std::vector<SuspiciousVertex> suspicious_vertices(const PrincipalComponents& components,
+                                                  const std::shared_ptr<const Topology>& topology, Eigen::Index modes) {
   const Eigen::MatrixXd deviations = deviations_mm(components, modes);
   const TableFences fences(deviations);
   const auto worst_of_its_ring = [&](Eigen::Index v, Eigen::Index i) {
@@ -123,18 +126,18 @@ std::vector<DoubtfulLandmark> doubtful_landmarks(const PrincipalComponents& comp
     const auto ring = topology->one_ring(v);
     return std::none_of(ring.begin(), ring.end(), [&](std::int32_t w) { return deviations(w, i) > deviations(v, i); });
   };
-  std::vector<DoubtfulLandmark> list;
+  std::vector<SuspiciousVertex> list;
   for (Eigen::Index i = 0; i < deviations.cols(); ++i) {
     for (Eigen::Index v = 0; v < deviations.rows(); ++v) {
       if (fences.beyond(deviations(v, i), v, i) && worst_of_its_ring(v, i))
         list.push_back({i, v, deviations(v, i), fences.of_place[static_cast<std::size_t>(v)].median});
     }
   }
-  sort_by(list, [](const DoubtfulLandmark& landmark) { return landmark.deviation_mm; });
+  sort_by(list, [](const SuspiciousVertex& one) { return one.deviation_mm; });
   return list;
 }
 
-std::vector<DoubtfulTriangle> doubtful_triangles(const PrincipalComponents& components, const Topology& topology) {
+std::vector<SuspiciousTriangle> suspicious_triangles(const PrincipalComponents& components, const Topology& topology) {
   const Triangles& triangles = topology.triangles();
   Eigen::MatrixXd stretches(triangles.rows(), components.shapes());
   in_parallel(triangles.rows(), [&](Eigen::Index first, Eigen::Index last) {
@@ -153,7 +156,7 @@ std::vector<DoubtfulTriangle> doubtful_triangles(const PrincipalComponents& comp
     }
   });
   const TableFences fences(stretches);
-  std::vector<DoubtfulTriangle> list;
+  std::vector<SuspiciousTriangle> list;
   for (Eigen::Index i = 0; i < stretches.cols(); ++i) {
     for (Eigen::Index t = 0; t < stretches.rows(); ++t) {
       if (!fences.beyond(stretches(t, i), t, i)) continue;
@@ -164,7 +167,7 @@ std::vector<DoubtfulTriangle> doubtful_triangles(const PrincipalComponents& comp
       if (worst) list.push_back({i, t, stretches(t, i), fences.of_place[static_cast<std::size_t>(t)].median});
     }
   }
-  sort_by(list, [](const DoubtfulTriangle& triangle) { return triangle.stretch; });
+  sort_by(list, [](const SuspiciousTriangle& triangle) { return triangle.stretch; });
   return list;
 }
 

@@ -14,22 +14,22 @@ struct Fences {
 };
 Fences fences_of(std::vector<double> values);
 
-enum class Doubt {
+enum class Suspicion {
   none,
   outside,     ///< beyond the upper fence
   far_outside  ///< beyond the outer fence
 };
 
-struct DoubtfulShape {
+struct SuspiciousShape {
   Eigen::Index shape = 0;
   double distance_mm = 0;  ///< Procrustes distance: root mean square over the vertices to the mean shape
-  Doubt doubt = Doubt::none;
+  Suspicion suspicion = Suspicion::none;
 };
 /// All shapes, the farthest from the mean first.
-std::vector<DoubtfulShape> shapes_by_distance(const PrincipalComponents& components);
+std::vector<SuspiciousShape> shapes_by_distance(const PrincipalComponents& components);
 
-struct DoubtfulLandmark {
-  Eigen::Index shape = 0, landmark = 0;
+struct SuspiciousVertex {
+  Eigen::Index shape = 0, vertex = 0;
   double deviation_mm = 0;  ///< from where the model of all other shapes puts it
   double usual_mm = 0;      ///< median of the same over all shapes
 };
@@ -37,16 +37,16 @@ struct DoubtfulLandmark {
 /// others. A vertex is listed where its deviation is beyond the outer fence twice: among all shapes at this vertex, and
 /// among all vertices of this shape. Of neighbours only the worst is listed (where a topology is given). The largest
 /// deviation comes first.
-std::vector<DoubtfulLandmark> doubtful_landmarks(const PrincipalComponents& components,
-                                                 const std::shared_ptr<const Topology>& topology, Eigen::Index modes);
+std::vector<SuspiciousVertex> suspicious_vertices(const PrincipalComponents& components,
+                                                  const std::shared_ptr<const Topology>& topology, Eigen::Index modes);
 
-struct DoubtfulTriangle {
+struct SuspiciousTriangle {
   Eigen::Index shape = 0, triangle = 0;
   double stretch = 1;  ///< by how much its worst direction is longer or shorter than in the mean shape, ≥ 1
   double usual = 1;    ///< median of the same over all shapes
 };
 /// Triangles whose stretch is beyond the outer fence of all shapes' stretches of that triangle and of all triangles' in
 /// that shape. Of triangles side by side only the worst is listed. The largest stretch first.
-std::vector<DoubtfulTriangle> doubtful_triangles(const PrincipalComponents& components, const Topology& topology);
+std::vector<SuspiciousTriangle> suspicious_triangles(const PrincipalComponents& components, const Topology& topology);
 
 }  // namespace homolog

@@ -30,7 +30,7 @@ MainLine main_line(const Points& points) {
 
 }  // namespace
 
-Similarity fit_similarity(const Points& from, const Points& to, const Similarity& current) {
+Similarity nearest_similarity(const Points& from, const Points& to, const Similarity& current) {
   assert(from.rows() == to.rows());
   if (from.rows() == 0) return current;
   const Vec3 from_centre = from.colwise().mean(), to_centre = to.colwise().mean();

@@ -86,7 +86,7 @@ Result<Scan> looked_through(const LineFile& file, Progress* progress) {
 void override_settings(const ReplayOptions& options, Document& document) {
   if (options.scheme) document.scheme = *options.scheme;
   if (options.paper_events) document.paper_events = *options.paper_events;
-  if (options.spacing) document.spacing = *options.spacing;
+  if (options.even_spacing) document.even_spacing = *options.even_spacing;
 }
 
 void override_settings(const ReplayOptions& options, Action& action) {
@@ -94,11 +94,12 @@ void override_settings(const ReplayOptions& options, Action& action) {
     scheme->scheme = options.scheme.value_or(scheme->scheme);
     scheme->paper_events = options.paper_events.value_or(scheme->paper_events);
   }
-  if (auto* spacing = std::get_if<SetSpacing>(&action)) spacing->strength = options.spacing.value_or(spacing->strength);
+  if (auto* spacing = std::get_if<SetEvenSpacing>(&action))
+    spacing->strength = options.even_spacing.value_or(spacing->strength);
 }
 
 bool overrides(const ReplayOptions& options) {
-  return options.scheme || options.paper_events || options.spacing;
+  return options.scheme || options.paper_events || options.even_spacing;
 }
 
 /// A session at the start of a case, with nothing done yet.

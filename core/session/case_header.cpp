@@ -122,18 +122,18 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const s
     if (auto same = check_grid(header, *volume, volume_source); !same) return fail(same.error());
     if (auto same = check(header, "series", volume->series_uid, "a volume"); !same) return fail(same.error());
   }
-  std::shared_ptr<const Template> reference;
+  std::shared_ptr<const Template> the_template;
   if (!template_source.empty()) {
     auto loaded = load_template(template_source);
     if (!loaded) return fail(loaded.error());
-    reference = *loaded;
-    const auto vertices = static_cast<std::int64_t>(reference->topology->vertices());
+    the_template = *loaded;
+    const auto vertices = static_cast<std::int64_t>(the_template->topology->vertices());
     if (auto same = check(header, "vertices", vertices, "a template"); !same) return fail(same.error());
-    if (auto same = check(header, "connectivity", reference->topology->hash(), "a template"); !same) {
+    if (auto same = check(header, "connectivity", the_template->topology->hash(), "a template"); !same) {
       return fail(same.error());
     }
   }
-  Document document = new_document(volume_source, std::move(volume), std::move(reference));
+  Document document = new_document(volume_source, std::move(volume), std::move(the_template));
   // Homolog always wrote "connectivity"; without it the header was written by a person, and nothing is to be kept to.
   const auto landmarks = header.find("landmarks");
   document.weighs_landmarks =
@@ -144,12 +144,12 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const s
 std::string case_header(const Document& document, const fs::path& folder) {
   Json header{{"homolog", format_version}};
   if (!document.volume_source.empty()) header["volume"] = relative_to(folder, document.volume_source);
-  if (document.reference) header["template"] = relative_to(folder, document.reference->source);
+  if (document.the_template) header["template"] = relative_to(folder, document.the_template->source);
   if (document.has_shape()) header["placement"] = to_json(document.shape().placement);
   if (document.weighs_landmarks) header["landmarks"] = weighed_landmarks;
-  if (document.reference) {
-    header["vertices"] = document.reference->topology->vertices();
-    header["connectivity"] = document.reference->topology->hash();
+  if (document.the_template) {
+    header["vertices"] = document.the_template->topology->vertices();
+    header["connectivity"] = document.the_template->topology->hash();
   }
   if (document.volume) {
     const Volume& volume = *document.volume;
@@ -166,7 +166,7 @@ Result<std::string> moved_header(const std::string& line, const Document& docume
   Json header = read_json<Json>(line).value_or(Json());
   if (!header.is_object()) return fail("", "has lost its first line; export the mesh instead");
   if (!document.volume_source.empty()) header["volume"] = relative_to(folder, document.volume_source);
-  if (document.reference) header["template"] = relative_to(folder, document.reference->source);
+  if (document.the_template) header["template"] = relative_to(folder, document.the_template->source);
   return dumped(header);
 }
 

@@ -92,8 +92,8 @@ Json json_of(const Shape& shape) {
   return json;
 }
 
-Shape shape_of(const Json& json, const Template& reference) {
-  const Eigen::Index n = reference.points.rows();
+Shape shape_of(const Json& json, const Template& the_template) {
+  const Eigen::Index n = the_template.points.rows();
   const auto points = [&](const char* key, std::shared_ptr<const Points> otherwise) {
     return json.contains(key) ? unpacked_array<Points>(json.at(key), n, 3) : std::move(otherwise);
   };
@@ -105,7 +105,7 @@ Shape shape_of(const Json& json, const Template& reference) {
   Shape shape;
   shape.placement = *placement;
   for (const auto& [name, at] : json.at("landmarks").items()) shape.landmarks[name] = *unpacked_array<Vec3>(at, 3, 1);
-  shape.placed = std::make_shared<const Points>(shape.placement.apply(reference.points));
+  shape.placed = std::make_shared<const Points>(shape.placement.apply(the_template.points));
   shape.reference = points("reference", shape.placed);
   shape.points = points("points", shape.reference);
   shape.confirmed = scalars("confirmed");
@@ -125,7 +125,7 @@ Json json_of(const Document& start, const Document& document) {
     shapes.back()["frame"] = frame;
   }
   return {{"frame", document.frame},
-          {"template", template_changes(*start.reference, *document.reference)},
+          {"template", template_changes(*start.the_template, *document.the_template)},
           {"stiffness", packed_array(*document.stiffness)},
           {"stiffness_base", document.stiffness_base},
           {"regions", std::move(regions)},
@@ -133,15 +133,15 @@ Json json_of(const Document& start, const Document& document) {
           {"regions_of", document.regions->of_vertex.size()},
           {"scheme", static_cast<int>(document.scheme)},
           {"events", document.paper_events},
-          {"spacing", document.spacing},
-          {"landmark_fit", static_cast<int>(document.landmark_fit)},
+          {"spacing", document.even_spacing},
+          {"landmark_fit", static_cast<int>(document.landmark_pull)},
           {"shapes", std::move(shapes)}};
 }
 
 Document document_of(const Json& json, const Document& start) {
   Document document = start;
   document.frame = json.at("frame").get<int>();
-  document.reference = changed_template(start.reference, json.at("template"));
+  document.the_template = changed_template(start.the_template, json.at("template"));
   document.stiffness = unpacked_array<VertexScalars>(json.at("stiffness"), start.stiffness->size(), 1);
   document.stiffness_base = json.at("stiffness_base").get<double>();
   auto regions = std::make_shared<Regions>();
@@ -157,11 +157,11 @@ Document document_of(const Json& json, const Document& start) {
   document.regions = std::move(regions);
   document.scheme = static_cast<Scheme>(json.at("scheme").get<int>());
   document.paper_events = json.at("events").get<int>();
-  document.spacing = json.at("spacing").get<double>();
-  document.landmark_fit = static_cast<LandmarkFit>(json.at("landmark_fit").get<int>());
+  document.even_spacing = json.at("spacing").get<double>();
+  document.landmark_pull = static_cast<LandmarkPull>(json.at("landmark_fit").get<int>());
   document.shapes.clear();
   for (const Json& shape : json.at("shapes"))
-    document.shapes.emplace(shape.at("frame").get<int>(), shape_of(shape, *document.reference));
+    document.shapes.emplace(shape.at("frame").get<int>(), shape_of(shape, *document.the_template));
   return document;
 }
 
@@ -191,8 +191,8 @@ bool is_sound(const Document& document) {
          document.stiffness->allFinite() && (document.stiffness->array() > 0).all() &&
          is_sound(*document.regions, document.stiffness->size()) && document.scheme >= Scheme::anchored &&
          document.scheme <= Scheme::raw && document.paper_events >= 1 && document.paper_events <= 1000 &&
-         document.spacing >= 0 && document.spacing <= 1 && document.landmark_fit >= LandmarkFit::off &&
-         document.landmark_fit <= LandmarkFit::warp &&
+         document.even_spacing >= 0 && document.even_spacing <= 1 && document.landmark_pull >= LandmarkPull::off &&
+         document.landmark_pull <= LandmarkPull::warp &&
          std::all_of(document.shapes.begin(), document.shapes.end(),
                      [&](const auto& one) { return frame_exists(one.first) && is_sound(one.second); });
 }
@@ -204,24 +204,25 @@ std::uint32_t start_check(const Document& start) {
                             static_cast<std::size_t>(array.size()) * sizeof(*array.data()));
   };
   const int frames = start.volume ? start.volume->frames : 1;
-  std::uint32_t check = CaseLines::checked(0, bytes_of(start.reference->points));
-  check = CaseLines::checked(check, bytes_of(start.reference->topology->triangles()));
+  std::uint32_t check = CaseLines::checked(0, bytes_of(start.the_template->points));
+  check = CaseLines::checked(check, bytes_of(start.the_template->topology->triangles()));
   return CaseLines::checked(check, json_of(start, start).dump() + std::to_string(frames));
 }
 
 }  // namespace
 
 bool same_document(const Document& a, const Document& b) {
-  return a.volume == b.volume && a.frame == b.frame && (!a.reference) == (!b.reference) &&
-         (!a.reference || same_template(*a.reference, *b.reference)) && same_values(a.stiffness, b.stiffness) &&
-         same_values(a.regions, b.regions) && a.stiffness_base == b.stiffness_base && a.scheme == b.scheme &&
-         a.paper_events == b.paper_events && a.spacing == b.spacing && a.landmark_fit == b.landmark_fit &&
+  return a.volume == b.volume && a.frame == b.frame && (!a.the_template) == (!b.the_template) &&
+         (!a.the_template || same_template(*a.the_template, *b.the_template)) &&
+         same_values(a.stiffness, b.stiffness) && same_values(a.regions, b.regions) &&
+         a.stiffness_base == b.stiffness_base && a.scheme == b.scheme && a.paper_events == b.paper_events &&
+         a.even_spacing == b.even_spacing && a.landmark_pull == b.landmark_pull &&
          std::equal(a.shapes.begin(), a.shapes.end(), b.shapes.begin(), b.shapes.end(),
                     [](const auto& x, const auto& y) { return x.first == y.first && same_shape(x.second, y.second); });
 }
 
 std::optional<std::string> checkpoint_line(const Document& start, const Document& document, std::uint32_t lines_check) {
-  if (!start.reference || !start.has_shape() || !document.reference) return std::nullopt;
+  if (!start.the_template || !start.has_shape() || !document.the_template) return std::nullopt;
   std::string line;
   try {
     const Json checkpoint{{"version", HOMOLOG_VERSION},
@@ -238,7 +239,7 @@ std::optional<std::string> checkpoint_line(const Document& start, const Document
 }
 
 std::optional<Document> read_checkpoint(const std::string& line, const Document& start, std::uint32_t lines_check) {
-  if (!start.reference || !start.has_shape()) return std::nullopt;
+  if (!start.the_template || !start.has_shape()) return std::nullopt;
   const auto json = read_json<Json>(line);
   if (!json) return std::nullopt;
   try {

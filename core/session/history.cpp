@@ -16,11 +16,12 @@ void visit_arrays(const Document& document, const Visit& visit) {
   };
   doubles(document.stiffness);
   if (document.regions) visit(document.regions.get(), document.regions->of_vertex.size());
-  if (document.reference) {
-    const Template& reference = *document.reference;
-    visit(&reference, static_cast<std::size_t>(reference.points.size() + reference.stiffness.size()) * sizeof(double));
+  if (document.the_template) {
+    const Template& the_template = *document.the_template;
+    visit(&the_template,
+          static_cast<std::size_t>(the_template.points.size() + the_template.stiffness.size()) * sizeof(double));
     constexpr std::size_t a_vertex = 200;  // of a topology's tables
-    visit(reference.topology.get(), a_vertex * static_cast<std::size_t>(reference.topology->vertices()));
+    visit(the_template.topology.get(), a_vertex * static_cast<std::size_t>(the_template.topology->vertices()));
   }
   for (const auto& [frame, shape] : document.shapes) {
     doubles(shape.placed);

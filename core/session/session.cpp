@@ -19,7 +19,7 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 
 /// What is played again in about half a second.
 std::size_t steps_in_half_a_second(const Document& document) {
-  const auto vertices = document.reference ? document.reference->topology->vertices() : 1;
+  const auto vertices = document.the_template ? document.the_template->topology->vertices() : 1;
   return static_cast<std::size_t>(std::clamp<Eigen::Index>(1'000'000 / vertices, 16, 512));
 }
 

@@ -26,7 +26,7 @@ SparseCholesky::SparseCholesky(std::shared_ptr<const EliminationPlan> plan)
       factor_(std::make_unique_for_overwrite<double[]>(plan_->factor_numbers())) {}
 
 /// Takes over the front's entries of A; whether any differs.
-bool SparseCholesky::take_entries(int f, const VertexScalars& diagonal, const VertexScalars& weights) {
+bool SparseCholesky::takes_entries(int f, const VertexScalars& diagonal, const VertexScalars& weights) {
   const Front& front = plan_->fronts()[f];
   const std::vector<int>& start = plan_->entry_start();
   bool changed = false;
@@ -72,7 +72,7 @@ bool SparseCholesky::factorise_stale(const VertexScalars& diagonal, const Vertex
   std::vector<char> stale(plan_->fronts().size());
   for (int f = 0; f < static_cast<int>(stale.size()); ++f) {
     const Front& front = plan_->fronts()[f];
-    if (!take_entries(f, diagonal, weights) && !stale[f]) continue;
+    if (!takes_entries(f, diagonal, weights) && !stale[f]) continue;
     assemble(f);
     auto* const panel = reinterpret_cast<Lanes*>(panel_.get());
     auto* const update = reinterpret_cast<Lanes*>(updates_.get() + front.update);

@@ -36,7 +36,7 @@ class SparseCholesky {
   struct alignas(32) FourRows {
     double rows[4];
   };
-  bool take_entries(int front, const VertexScalars& diagonal, const VertexScalars& weights);
+  bool takes_entries(int front, const VertexScalars& diagonal, const VertexScalars& weights);
   void assemble(int front);
   bool factorise_stale(const VertexScalars& diagonal, const VertexScalars& weights);
   void substitute(FourRows* x) const;

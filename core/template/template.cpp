@@ -15,8 +15,8 @@ Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string
   return with_landmarks(made, std::move(file.landmarks));
 }
 
-std::shared_ptr<const Template> with_landmarks(const Template& reference, std::vector<Landmark> landmarks) {
-  auto made = std::make_shared<Template>(reference);
+std::shared_ptr<const Template> with_landmarks(const Template& the_template, std::vector<Landmark> landmarks) {
+  auto made = std::make_shared<Template>(the_template);
   made->landmarks = std::move(landmarks);
   made->landmark_points.clear();
   if (made->landmarks.empty()) return made;
@@ -26,21 +26,21 @@ std::shared_ptr<const Template> with_landmarks(const Template& reference, std::v
   return made;
 }
 
-MeshFile to_mesh_file(const Template& reference) {
+MeshFile to_mesh_file(const Template& the_template) {
   MeshFile file;
-  file.points = reference.points;
-  file.triangles = reference.topology->triangles();
-  file.stiffness = reference.stiffness;
-  file.stiffness_base = reference.stiffness_base;
-  file.regions = reference.regions;
-  file.landmarks = reference.landmarks;
+  file.points = the_template.points;
+  file.triangles = the_template.topology->triangles();
+  file.stiffness = the_template.stiffness;
+  file.stiffness_base = the_template.stiffness_base;
+  file.regions = the_template.regions;
+  file.landmarks = the_template.landmarks;
   return file;
 }
 
-std::pair<Points, Points> matched_landmarks(const Template& reference, const std::map<std::string, Vec3>& placed) {
-  Points from(std::ssize(reference.landmarks), 3), to = from;
+std::pair<Points, Points> matched_landmarks(const Template& the_template, const std::map<std::string, Vec3>& placed) {
+  Points from(std::ssize(the_template.landmarks), 3), to = from;
   Eigen::Index count = 0;
-  for (const Landmark& own : reference.landmarks) {
+  for (const Landmark& own : the_template.landmarks) {
     const auto found = placed.find(own.name);
     if (found == placed.end()) continue;
     from.row(count) = own.position.transpose();
@@ -49,13 +49,13 @@ std::pair<Points, Points> matched_landmarks(const Template& reference, const std
   return {from.topRows(count), to.topRows(count)};
 }
 
-Vec3 carried_landmark(const Template& reference, std::size_t landmark, const Points& points) {
-  return reference.landmark_points[landmark].interpolate(*reference.topology, points).transpose();
+Vec3 carried_landmark(const Template& the_template, std::size_t landmark, const Points& points) {
+  return the_template.landmark_points[landmark].interpolate(*the_template.topology, points).transpose();
 }
 
-std::vector<Landmark> carried_landmarks(const Template& reference, const Points& points) {
-  std::vector<Landmark> carried = reference.landmarks;
-  for (std::size_t k = 0; k < carried.size(); ++k) carried[k].position = carried_landmark(reference, k, points);
+std::vector<Landmark> carried_landmarks(const Template& the_template, const Points& points) {
+  std::vector<Landmark> carried = the_template.landmarks;
+  for (std::size_t k = 0; k < carried.size(); ++k) carried[k].position = carried_landmark(the_template, k, points);
   return carried;
 }
 

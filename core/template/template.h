@@ -28,16 +28,16 @@ struct Template {
 /// A template from what a file holds; factors default to 1. Errors: Topology::make's.
 Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source);
 /// The same template with other landmarks.
-std::shared_ptr<const Template> with_landmarks(const Template& reference, std::vector<Landmark> landmarks);
-MeshFile to_mesh_file(const Template& reference);
+std::shared_ptr<const Template> with_landmarks(const Template& the_template, std::vector<Landmark> landmarks);
+MeshFile to_mesh_file(const Template& the_template);
 
 /// The landmarks that both the template and `placed` name: where the template has them, and where they were placed. Row
 /// k of both is the same landmark.
-std::pair<Points, Points> matched_landmarks(const Template& reference, const std::map<std::string, Vec3>& placed);
+std::pair<Points, Points> matched_landmarks(const Template& the_template, const std::map<std::string, Vec3>& placed);
 
 /// Where a landmark of the template lies on a mesh of the same numbering; and the same for all landmarks. `points`:
 /// n×3, mm.
-Vec3 carried_landmark(const Template& reference, std::size_t landmark, const Points& points);
-std::vector<Landmark> carried_landmarks(const Template& reference, const Points& points);
+Vec3 carried_landmark(const Template& the_template, std::size_t landmark, const Points& points);
+std::vector<Landmark> carried_landmarks(const Template& the_template, const Points& points);
 
 }  // namespace homolog

@@ -9,7 +9,7 @@
 #include "core/correspondence/colours.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/remesh.h"
-#include "core/template_making/label_region.h"
+#include "core/template_making/label_body.h"
 
 namespace homolog {
 namespace {
@@ -24,7 +24,7 @@ std::string number(double value, int digits = 1) {
 }
 
 /// Which ways of the patient a label map's planes lie, for the warning that an organ is cut off.
-std::string sides_touched(const LabelRegion& region) {
+std::string sides_touched(const LabelBody& region) {
   static constexpr const char* names[3][2] = {{"right", "left"}, {"anterior", "posterior"}, {"inferior", "superior"}};
   std::string text;
   for (std::size_t side = 0; side < 6; ++side) {
@@ -56,7 +56,7 @@ class Making {
     const double ball_mm = options_.genus.kind == GenusRule::Kind::number ? widest_mm / 2 : fill_below_mm() / 2;
     const double margin_mm = std::max(options_.closing_mm, ball_mm) + edge_mm_;
     const double spacing_mm = worked_spacing_mm(mask_, extent, edge_mm_, margin_mm);
-    auto cut_out = label_region(mask_, options_.label, options_.frame, extent, spacing_mm, margin_mm);
+    auto cut_out = label_body(mask_, options_.label, options_.frame, extent, spacing_mm, margin_mm);
     if (!cut_out) return fail(cut_out.error());
     region_ = std::move(*cut_out);
 
@@ -208,7 +208,7 @@ class Making {
   const ShowStage& show_;
   double edge_mm_ = 0;
   LevelSet surface_;
-  LabelRegion region_;
+  LabelBody region_;
   Mesh target_;  ///< the boundary of the label's largest part, cavities filled
   MaskTemplate made_;
 };

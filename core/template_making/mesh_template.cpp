@@ -59,7 +59,7 @@ Result<Mesh> cleaned(const MeshFile& surface, std::vector<std::string>& warnings
     warnings.push_back("the surface has " + std::to_string(parts) + " parts; the largest was taken");
   Mesh mesh = largest_part({*topology, std::move(points)});
   if (!mesh.topology->closed()) {
-    warnings.push_back("the surface has " + std::to_string(mesh.topology->boundary_loops().size()) +
+    warnings.push_back("the surface has " + std::to_string(mesh.topology->rims().size()) +
                        " holes; they were closed flat");
     mesh = capped(mesh);
   }

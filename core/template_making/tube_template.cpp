@@ -56,7 +56,7 @@ struct Body {
 Result<Body> body_of(const Volume& united, int label) {
   const Vec3& voxel_mm = united.geometry.spacing_mm;
   const LabelExtent extent = label_extent(united, 1, 0);
-  const auto region = label_region(united, 1, 0, extent, voxel_mm.minCoeff(), 4 * voxel_mm.minCoeff());
+  const auto region = label_body(united, 1, 0, extent, voxel_mm.minCoeff(), 4 * voxel_mm.minCoeff());
   if (!region) return fail(region.error());
   Body body;
   // A part of a slice's thickness, in which thick slices would show as rings.

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/measure/compare.h"
-#include "core/template_making/label_region.h"
+#include "core/template_making/label_body.h"
 
 namespace homolog {
 

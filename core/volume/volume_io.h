@@ -30,9 +30,8 @@ struct VolumeRead {
   std::vector<std::string> warnings;
 };
 
-/// Reads a DICOM series folder or file (frames of a cine included), NIfTI-1/2 (.nii, .nii.gz, .hdr/.img and gzipped
-/// pairs; 4-D as frames), NRRD (.nrrd, .nhdr; also bzip2, also frames), MetaImage (.mha, .mhd) or a PNG/TIFF stack (a
-/// folder in the order of its names, or the pages of one TIFF). Geometry is LPS mm; stored values are rescaled to
+/// Reads a volume of one of the formats in formats/, frames of a cine included: a file, a DICOM series' folder, or a
+/// folder of pictures in the order of their names. Geometry is LPS mm; stored values are rescaled to
 /// intensities. Errors: absent, truncated, not an image of these kinds, several series and none chosen, a missing slice
 /// or uneven ones, vector or 5-D data, sheared axes, more voxels than memory holds, cancelled (within a fraction of a
 /// second). Never returns a volume with voxels missing.

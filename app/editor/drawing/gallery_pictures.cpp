@@ -63,9 +63,9 @@ void GalleryPictures::prepare(const ModelsState& state) {
   prepared_spacing_mm_ = state.glyph_spacing_mm;
   glyphs_.clear();
   if (model.topology) {
-    glyphs_ = glyph_landmarks(model.mean, state.glyph_spacing_mm);
+    glyphs_ = glyph_vertices(model.mean, state.glyph_spacing_mm);
   } else {
-    for (Eigen::Index i = 0; i < model.landmarks(); ++i) glyphs_.push_back(static_cast<std::int32_t>(i));
+    for (Eigen::Index i = 0; i < model.vertices(); ++i) glyphs_.push_back(static_cast<std::int32_t>(i));
   }
 }
 

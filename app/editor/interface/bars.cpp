@@ -84,7 +84,7 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
   ImGui::SetCursorPos({bar.width - toggles - theme.px(8), theme.px(8)});
   draw_show_toggles(ui, out);
   same_line(ui, 12);
-  if (icon_button(theme, icon::fit, "fit", "Everything in view (F)", {}, false, 28)) out.send(FitViews{});
+  if (icon_button(theme, icon::enlarge, "fit", "Everything in view (F)", {}, false, 28)) out.send(ShowAll{});
   same_line(ui, 2);
   if (icon_button(theme, icon::keys, "keys", "Keys and mouse (F1)", {}, false, 28)) out.send(ShowKeys{});
   same_line(ui, 2);

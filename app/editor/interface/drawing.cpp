@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "app/editor/interface/view_overlay.h"
+#include "app/editor/interface/view_marks.h"
 #include "app/editor/update/results/opening.h"
 #include "app/editor/update/results/results.h"
 #include "app/editor/widgets/plots.h"
@@ -38,7 +38,7 @@ void Drawing::draw(int width_px, int height_px, double frames_per_second) {
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
                         {state_.maximised, state_.preferences.panel_open, state_.models.shown});
   if (!state_.models.shown && std::exchange(state_.fit_views_wanted, false)) {
-    fit_views(state_, shown_.document(), layout_);
+    show_all(state_, shown_.document(), layout_);
     if (const auto frame = Models::show_repair(state_, shown_.snapshot())) out_.send(ShowFrame{*frame});
   }
   follow_layout(state_, layout_);
@@ -138,7 +138,7 @@ void Drawing::draw_view_picture(const PictureOptions& options) {
   ImGui::GetIO().DisplaySize = {width, height};
   ImGui::NewFrame();
   const UiContext ui = ui_context(state, 0);
-  draw_view_overlay(ui, kind, *ImGui::GetBackgroundDrawList());
+  draw_view_marks(ui, kind, *ImGui::GetBackgroundDrawList());
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
@@ -159,7 +159,12 @@ Result<Picture> Drawing::plots(const PictureOptions& options) {
 }
 
 SceneBuilder::Input Drawing::scene_input(const EditorState& state) const {
-  return {state, shown_.displayed(), shown_.snapshot().preview, shown_.labels().volume, shown_making(state, work_)};
+  return {state,
+          shown_.displayed(),
+          shown_.snapshot().preview,
+          shown_.labels().volume,
+          shown_making(state, work_),
+          shown_.mesh().outlines()};
 }
 
 std::vector<RunningWork> Drawing::running_work() const {

@@ -4,9 +4,11 @@
 #include "app/editor/drawing/gallery_pictures.h"
 #include "app/editor/interface/side_buttons.h"
 #include "app/editor/panels/models_ui.h"
+#include "app/editor/state/file_extensions.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/base/listed.h"
 
 namespace homolog {
 
@@ -33,12 +35,12 @@ std::string cut(ImFont* font, std::string text, float width_px) {
 
 /// A ring at a vertex; faint where the shape's other side hides it.
 void draw_marker(ImDrawList& draw, const Theme& theme, const ModelsState& state, const RectPx& cell,
-                 const Points& points, Eigen::Index landmark, bool lit) {
+                 const Points& points, Eigen::Index vertex, bool lit) {
   const Camera3D camera = cell_camera(state, points);
-  const Eigen::Vector2d px = cell_px(camera, cell, points.row(landmark));
+  const Eigen::Vector2d px = cell_px(camera, cell, points.row(vertex));
   const ImVec2 at{static_cast<float>(px.x()), static_cast<float>(px.y())};
-  const bool seen = faces_viewer(camera, {state.model->topology, points}, landmark);
-  const ImU32 colour = to_im(hsv_to_rgb((*state.model->hues)[static_cast<std::size_t>(landmark)], 1, 1));
+  const bool seen = faces_viewer(camera, {state.model->topology, points}, vertex);
+  const ImU32 colour = to_im(hsv_to_rgb((*state.model->hues)[static_cast<std::size_t>(vertex)], 1, 1));
   const float radius = theme.px(lit ? 6 : 5), alpha = seen ? 1.0f : 0.35f;
   draw.AddCircleFilled(at, radius, with_alpha(colour, alpha));
   draw.AddCircle(at, radius, with_alpha(IM_COL32_BLACK, 0.8f * alpha), 0, theme.scale * 3);
@@ -46,14 +48,14 @@ void draw_marker(ImDrawList& draw, const Theme& theme, const ModelsState& state,
 }
 
 /// The vertex that is shown in all cells: the hovered one, else the pinned one.
-std::optional<Eigen::Index> marked_landmark(const ModelsState& state) {
+std::optional<Eigen::Index> marked_vertex(const ModelsState& state) {
   return state.hover ? std::optional(state.hover->vertex) : state.pinned;
 }
 
 ImU32 name_colour(const StudyModel& model, std::size_t shape, bool pointed) {
-  for (const DoubtfulShape& one : model.doubtful_shapes)
+  for (const SuspiciousShape& one : model.suspicious_shapes)
     if (one.shape == static_cast<Eigen::Index>(shape))
-      return one.doubt == Doubt::far_outside ? palette::bad : palette::amber;
+      return one.suspicion == Suspicion::far_outside ? palette::bad : palette::amber;
   return with_alpha(palette::text, pointed ? 1.0f : 0.75f);
 }
 
@@ -65,8 +67,8 @@ void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, s
   const ImVec2 low{cell.x, cell.y}, high{cell.x + cell.width, cell.y + cell.height};
   draw.PushClipRect(low, high, true);
   const bool pointed = state.hover && state.hover->shape == k;
-  if (const auto landmark = marked_landmark(state))
-    draw_marker(draw, theme, state, cell, *model.shapes[k], *landmark, pointed);
+  if (const auto vertex = marked_vertex(state))
+    draw_marker(draw, theme, state, cell, *model.shapes[k], *vertex, pointed);
   if (cell.width >= theme.px(56)) {
     const float room = cell.width - theme.px(8);
     shadowed(draw, theme.small, {low.x + theme.px(4), low.y + theme.px(2)}, name_colour(model, k, pointed),
@@ -76,7 +78,7 @@ void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, s
   if (state.selected == model.names[k]) draw.AddRect(low, high, palette::accent, 0, 0, std::max(theme.scale, 1.0f));
 }
 
-std::string place_text(const StudyModel& model, const GalleryPlace& place) {
+std::string place_text(const StudyModel& model, const GalleryVertex& place) {
   const Vec3 apart = model.shapes[place.shape]->row(place.vertex) - model.mean.points.row(place.vertex);
   return format("%s, vertex %td: %.2f mm from the mean", model.names[place.shape].c_str(), place.vertex, apart.norm());
 }
@@ -90,11 +92,11 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   const float title = theme.strong->CalcTextSizeA(theme.strong->FontSize, 1e6f, 0, "Correspondence").x;
   if (state.model)
     text_at(draw, {rect.x + theme.px(24) + title, text_y}, palette::dim,
-            format("%zu shapes, %td vertices", state.model->names.size(), state.model->landmarks()));
+            format("%zu shapes, %td vertices", state.model->names.size(), state.model->vertices()));
   draw_side_buttons<LookFromSideInGallery>(ui, rect.width - 8 * theme.px(24), theme.px(2), theme.px(24),
                                            ", as the first shape lies", out);
   ImGui::SetCursorPos({rect.width - theme.px(28), theme.px(2)});
-  if (icon_button(theme, icon::fit, "fit", "All shapes in view (F)", {}, false, 24)) out.send(FitGallery{});
+  if (icon_button(theme, icon::enlarge, "fit", "All shapes in view (F)", {}, false, 24)) out.send(ShowAllShapes{});
 }
 
 void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
@@ -157,7 +159,7 @@ void draw_cells(const UiContext& ui, const RectPx& room, Outbox& out) {
   const bool moved_far = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0).x != 0 && state.turning;
   const bool hovered = ImGui::IsItemHovered() && !state.turning;
   const auto place =
-      hovered ? place_at(state, grid, io.MousePos.x, io.MousePos.y, ui.theme.scale) : std::optional<GalleryPlace>();
+      hovered ? vertex_at(state, grid, io.MousePos.x, io.MousePos.y, ui.theme.scale) : std::optional<GalleryVertex>();
   if (place != state.hover && !state.turning) out.send(PointAtVertex{place});
   if (cells.doubled) {
     out.send(PinVertex{place, true});
@@ -197,8 +199,8 @@ void draw_start(const UiContext& ui, const RectPx& room, Outbox& out) {
     explanation(theme,
                 "A model is made of shapes in correspondence: meshes of one template, from this editor or elsewhere.");
     gap(theme, 4);
-    if (button(theme, std::string(icon::plus) + "  Add meshes\xe2\x80\xa6", "PLY, VTK, VTP, OBJ, .particles or cases",
-               {}, ImGui::GetContentRegionAvail().x, true))
+    if (button(theme, std::string(icon::plus) + "  Add meshes\xe2\x80\xa6",
+               "Cases, or meshes: " + listed(shape_extensions(), " or "), {}, ImGui::GetContentRegionAvail().x, true))
       out.send(ShowFileDialog{FilePurpose::add_shapes, {}});
     if (button(theme, std::string(icon::open) + "  Open a study\xe2\x80\xa6", "A .study.json file (Ctrl+O)", {},
                ImGui::GetContentRegionAvail().x))
@@ -271,11 +273,11 @@ void draw_model_view(const UiContext& ui, const ModelsLayout& layout, Outbox& ou
     ImGui::SetCursorPos({0, 0});
     area(theme, "shape", {layout.model.width, layout.model.height}, {}, {false, false, true});
     steer(ui, std::min(layout.model.width, layout.model.height), out);
-    const auto landmark = marked_landmark(state);
-    if (landmark && !state.animated_mode) {
+    const auto vertex = marked_vertex(state);
+    if (vertex && !state.animated_mode) {
       const Points points =
           state.show_difference ? state.model->mean.points : shape_of(state.model->model, shown_coefficients(state));
-      draw_marker(*ImGui::GetWindowDrawList(), theme, state, layout.model, points, *landmark, false);
+      draw_marker(*ImGui::GetWindowDrawList(), theme, state, layout.model, points, *vertex, false);
     }
     if (state.show_difference) draw_difference_legend(ui, layout.model);
   }

@@ -38,7 +38,7 @@ std::string default_hint(const UiContext& ui) {
       return "Drag from one point to another.";
     case MouseTool::template_landmark:
       return ui.state.template_landmark.empty()
-                 ? "Type the landmark's name first (Reference)."
+                 ? "Type the landmark's name first (Template)."
                  : "Click the point of the mesh that is \"" + ui.state.template_landmark + "\".";
     case MouseTool::stiffness:
     case MouseTool::confirm:

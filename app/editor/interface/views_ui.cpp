@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "app/editor/interface/side_buttons.h"
-#include "app/editor/interface/view_overlay.h"
+#include "app/editor/interface/view_marks.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
@@ -35,7 +35,7 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
   const float side = theme.px(24), top = theme.px(2);
   ImGui::SetCursorPos({rect.width - side - theme.px(4), top});
   const bool whole = ui.state.maximised == kind;
-  if (icon_button(theme, whole ? icon::unfit : icon::fit, "maximise",
+  if (icon_button(theme, whole ? icon::shrink : icon::enlarge, "maximise",
                   whole ? "All four views (double-click)" : "This view alone (double-click)", {}, false, 24))
     out.send(MaximiseView{whole ? std::nullopt : std::optional(kind)});
   if (kind == ViewKind::space && rect.width > theme.px(260))
@@ -67,7 +67,7 @@ ImGuiMouseCursor pointer_shape(const EditorState& state) {
   if (const auto* place = std::get_if<PlaceDrag>(&drag))
     return place->part == PlacePart::knob ? ImGuiMouseCursor_ResizeNWSE : ImGuiMouseCursor_ResizeAll;
   if (std::holds_alternative<RulerDrag>(drag)) return ImGuiMouseCursor_Arrow;
-  const bool of_view = std::holds_alternative<PanDrag>(drag) || std::holds_alternative<WindowDrag>(drag) ||
+  const bool of_view = std::holds_alternative<PanDrag>(drag) || std::holds_alternative<WindowLevelDrag>(drag) ||
                        std::holds_alternative<TurnDrag>(drag);
   return of_view ? ImGuiMouseCursor_ResizeAll : ImGuiMouseCursor_Hand;
 }
@@ -83,7 +83,7 @@ void draw_views(const UiContext& ui, Outbox& out) {
     const ImVec2 low{rect.x, rect.y}, high{rect.x + rect.width, rect.y + rect.height};
     draw.PushClipRect(low, high);
     enter_part(parts[index_of(kind)]);
-    draw_view_overlay(ui, kind, draw);
+    draw_view_marks(ui, kind, draw);
     leave_part();
     draw.PopClipRect();
     const bool under_pointer = ui.state.hover && ui.state.hover->view == kind;

@@ -3,9 +3,11 @@
 
 #include "app/editor/drawing/case_thumbnails.h"
 #include "app/editor/panels/models_ui.h"
+#include "app/editor/state/file_extensions.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/base/listed.h"
 
 namespace homolog {
 
@@ -73,7 +75,7 @@ void draw_buttons(const UiContext& ui, Outbox& out) {
   draw_study_menu(ui, out);
   ImGui::SameLine(0, theme.px(8));
   if (button(theme, std::string(icon::plus) + "  Meshes\xe2\x80\xa6",
-             "Add meshes (PLY, VTK, VTP, OBJ), .particles or case files. Or drop them on the window", {}, width))
+             "Add cases or meshes (" + listed(shape_extensions(), ", ") + "). Or drop them on the window", {}, width))
     out.send(ShowFileDialog{FilePurpose::add_shapes, {}});
   ImGui::SameLine(0, theme.px(8));
   if (icon_button(theme, icon::next, "next", "Next case that is not done (N)",
@@ -116,8 +118,8 @@ Columns columns_in(const Theme& theme, float width_px) {
 }
 
 ImU32 distance_colour(const StudyModel& model, std::ptrdiff_t shape) {
-  for (const DoubtfulShape& one : model.doubtful_shapes)
-    if (one.shape == shape) return one.doubt == Doubt::far_outside ? palette::bad : palette::amber;
+  for (const SuspiciousShape& one : model.suspicious_shapes)
+    if (one.shape == shape) return one.suspicion == Suspicion::far_outside ? palette::bad : palette::amber;
   return palette::dim;
 }
 

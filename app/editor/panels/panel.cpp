@@ -25,19 +25,22 @@ void CaseNumber::settle(bool changed, bool released, const std::function<Action(
 }
 
 void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,
-                   std::span<const bool> open, Command (*open_section)(std::size_t, bool), Outbox& out) {
+                   Outbox& out) {
   const Theme& theme = ui.theme;
   begin_region(name, rect, palette::surface);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(12), 0});
   ImGui::BeginChild("sections", {0, 0}, false, ImGuiWindowFlags_AlwaysUseWindowPadding);
-  for (std::size_t i = 0; i < sections.size(); ++i) {
+  const auto& sections_open = ui.state.preferences.sections_open;
+  for (const PanelSection& one : sections) {
+    const auto chosen = sections_open.find(one.title);
+    const bool open = chosen == sections_open.end() ? one.open_at_first : chosen->second;
     bool toggled = false;
-    const bool shown = section(theme, sections[i].title, open[i], toggled);
-    if (toggled) out.send(open_section(i, !open[i]));
+    const bool shown = section(theme, one.title, open, toggled);
+    if (toggled) out.send(OpenSection{one.title, !open});
     if (!shown) continue;
     {
-      const Part part(sections[i].title);
-      sections[i].draw(ui, out);
+      const Part part(one.title);
+      one.draw(ui, out);
     }
     gap(theme, 8);
   }
@@ -46,15 +49,23 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
   end_region();
 }
 
+// The sections of the side panel, each in the file panel_*.cpp of its name.
+void draw_case_section(const UiContext& ui, Outbox& out);
+void draw_template_section(const UiContext& ui, Outbox& out);
+void draw_place_section(const UiContext& ui, Outbox& out);
+void draw_deform_section(const UiContext& ui, Outbox& out);
+void draw_correspondence_section(const UiContext& ui, Outbox& out);
+void draw_export_section(const UiContext& ui, Outbox& out);
+
 void draw_side_panel(const UiContext& ui, Outbox& out) {
-  static constexpr std::array<PanelSection, 6> sections{{{"Case", draw_case_section},
-                                                         {"Reference", draw_reference_section},
-                                                         {"Place", draw_place_section},
-                                                         {"Deform", draw_deform_section},
-                                                         {"Correspondence", draw_correspondence_section},
-                                                         {"Export", draw_export_section}}};
-  const auto open_section = [](std::size_t section, bool open) -> Command { return OpenSection{section, open}; };
-  draw_sections(ui, "side panel", ui.layout.panel, sections, ui.state.preferences.sections_open, open_section, out);
+  // In the order of the work.
+  static constexpr std::array<PanelSection, 6> sections{{{"Case", draw_case_section, true},
+                                                         {"Template", draw_template_section, false},
+                                                         {place_section, draw_place_section, false},
+                                                         {"Deform", draw_deform_section, true},
+                                                         {"Correspondence", draw_correspondence_section, true},
+                                                         {"Export", draw_export_section, false}}};
+  draw_sections(ui, "side panel", ui.layout.panel, sections, out);
 }
 
 }  // namespace homolog

@@ -75,9 +75,9 @@ void draw_frames(const UiContext& ui, Outbox& out) {
   const auto from_here = document.shapes.lower_bound(frame);
   const bool any_before = from_here != document.shapes.begin();
   const int before = any_before ? std::prev(from_here)->first : 0;
-  const std::string refusal = !document.reference ? ui.needs_shape()
-                              : any_before        ? ""
-                                                  : "No frame before this one has a mesh.";
+  const std::string refusal = !document.the_template ? ui.needs_shape()
+                              : any_before           ? ""
+                                                     : "No frame before this one has a mesh.";
   if (button(theme, "Start from previous", format("Give this frame a copy of the mesh of frame %d", before), refusal))
     out.apply(StartFrameFrom{before});
 }

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "app/editor/panels/ui_context.h"
-#include "app/editor/scene/mesh_overlay.h"
+#include "app/editor/scene/mesh_colouring.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
@@ -31,9 +31,9 @@ void draw_names(const Theme& theme, const Legend& legend) {
 
 }  // namespace
 
-void draw_overlay_legend(const UiContext& ui) {
+void draw_colouring_legend(const UiContext& ui) {
   const Theme& theme = ui.theme;
-  const Legend legend = overlay_legend(ui.document(), shown_overlay(ui.state));
+  const Legend legend = colouring_legend(ui.document(), shown_colouring(ui.state));
   if (!legend.names.empty()) return draw_names(theme, legend);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, bar = theme.px(6), height = theme.px(26);
@@ -67,11 +67,11 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
     return;
   }
   static const std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Parts", "Shape", "Known"};
-  const bool snapped = shown_overlay(ui.state) == Overlay::confidence;
-  int overlay = static_cast<int>(snapped ? ui.state.overlay : shown_overlay(ui.state));
-  const bool brush = !snapped && shown_overlay(ui.state) != ui.state.overlay;
+  const bool snapped = shown_colouring(ui.state) == Colouring::confidence;
+  int colouring = static_cast<int>(snapped ? ui.state.colouring : shown_colouring(ui.state));
+  const bool brush = !snapped && shown_colouring(ui.state) != ui.state.colouring;
   if (choice(
-          theme, "overlay", names, overlay,
+          theme, "overlay", names, colouring,
           {"Each vertex in its own hue, the same in all cases", "Edges: blue shorter than on the template, red longer",
            "How far each vertex has moved since the template was placed (and warped)",
            "Stiffness factor: dark soft, bright stiff; confirmed vertices white",
@@ -80,8 +80,8 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
           brush     ? "While you hold a brush, the mesh shows what the brush paints."
           : snapped ? "The confidence of the snap is shown until the mesh changes (Deform, Show confidence)."
                     : ""))
-    out.send(ChooseOverlay{static_cast<Overlay>(overlay)});
-  draw_overlay_legend(ui);
+    out.send(ChooseColouring{static_cast<Colouring>(colouring)});
+  draw_colouring_legend(ui);
   if (ui.state.preferences.show.glyphs) {
     double spacing_mm = ui.state.glyph_spacing_mm;
     bool released = false;

@@ -49,7 +49,7 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
   const bool regions = brush.paints == BrushPaints::region || brush.paints == BrushPaints::fill;
   if (regions) {
     const auto& list = ui.document().regions->list;
-    if (list.empty()) explanation(theme, "Add a region first (Reference, Regions).");
+    if (list.empty()) explanation(theme, "Add a region first (Template, Regions).");
     std::vector<std::string> names{"No region (factor 1)"};
     int chosen = 0;
     for (const Region& region : list) {
@@ -138,14 +138,14 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   case_slider(ui, out, "Stiffness", committed.stiffness_base, {0.1, 200, "%.1f", "", true},
               "Stiffness w of the whole surface. The stiffer, the wider an edit spreads",
               [](double value) { return SetStiffnessBase{value}; });
-  const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().reference);
+  const double edge_mm = mean_edge_mm(*document.the_template->topology, *document.shape().reference);
   figure(theme, "An edit spreads over", format("%.1f mm", stiffness_length_mm(document.stiffness_base, edge_mm)),
          "The stiffness as a length: mean edge of the mesh \xc3\x97 \xe2\x88\x9a(3w)");
-  case_slider(ui, out, "Even spacing", 100 * committed.spacing, {0, 100, "%.0f", "%", false},
+  case_slider(ui, out, "Even spacing", 100 * committed.even_spacing, {0, 100, "%.0f", "%", false},
               "How strongly an edit keeps vertices evenly spread",
-              [](double value) { return SetSpacing{value / 100}; });
+              [](double value) { return SetEvenSpacing{value / 100}; });
   bool through = ui.state.through_space;
-  const bool sheets = document.reference->topology->components() > 1;
+  const bool sheets = document.the_template->topology->components() > 1;
   if (toggle(theme, "Through space", through, "A stroke also moves other sheets of the mesh that lie near",
              sheets ? "" : "This mesh has one sheet only."))
     out.send(MoveThroughSpace{through});

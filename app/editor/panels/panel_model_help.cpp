@@ -10,7 +10,7 @@ namespace {
 std::string help_refusal(const UiContext& ui) {
   const auto& model = ui.state.models.model;
   if (!model) return "Open a study (Tab). The model of its cases then helps with this one.";
-  if (model->landmarks() != ui.document().reference->topology->vertices())
+  if (model->vertices() != ui.document().the_template->topology->vertices())
     return "The study's shapes come from another template.";
   return {};
 }
@@ -28,7 +28,7 @@ void draw_model_help(const UiContext& ui, Outbox& out) {
              released, help_refusal(ui));
   if (changed || released) out.send(BlendModel{percent / 100, released});
   if (ui.state.model_help <= 0 || !ui.has_shape()) return;
-  const double share = known_landmarks(ui.committed_shape()).mean();
+  const double share = known_vertices(ui.committed_shape()).mean();
   explanation(theme, format("%.0f %% of the vertices are known and stay (Correspondence, Known).", 100 * share));
 }
 

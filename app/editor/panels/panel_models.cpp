@@ -217,10 +217,10 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
 }
 
 void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out) {
-  static constexpr std::array<PanelSection, 3> sections{
-      {{"Model", draw_model_section}, {"Measures", draw_measures_section}, {"Suspicion", draw_suspicion_section}}};
-  const auto open_section = [](std::size_t section, bool open) -> Command { return OpenModelsSection{section, open}; };
-  draw_sections(ui, "models panel", rect, sections, ui.state.models.sections_open, open_section, out);
+  static constexpr std::array<PanelSection, 3> sections{{{"Model", draw_model_section, true},
+                                                         {"Measures", draw_measures_section, true},
+                                                         {"Suspicion", draw_suspicion_section, true}}};
+  draw_sections(ui, "models panel", rect, sections, out);
 }
 
 }  // namespace homolog

@@ -100,7 +100,7 @@ class PlacementNumbers {
 
 void draw_landmark_list(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const auto& landmarks = ui.document().reference->landmarks;
+  const auto& landmarks = ui.document().the_template->landmarks;
   const auto& placed = ui.document().shape().landmarks;
   for (const Landmark& landmark : landmarks) {
     const Part part(landmark.name, "landmark");
@@ -132,7 +132,7 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
 
 void draw_landmarks(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const auto& landmarks = ui.document().reference->landmarks;
+  const auto& landmarks = ui.document().the_template->landmarks;
   if (landmarks.empty()) {
     explanation(theme, "This template has no named landmarks; place it with the tool Place (M).");
     return;
@@ -152,11 +152,11 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
   if (button(theme, "Export…", "Saves the placed landmarks for 3D Slicer (.mrk.json) or scalismo (.json)",
              ui.document().shape().landmarks.empty() ? "None is placed yet." : "", half))
     ask(FilePurpose::export_landmarks, case_name(ui.snapshot.file, ui.document()) + "-landmarks.mrk.json");
-  int fit = static_cast<int>(ui.document().landmark_fit);
+  int fit = static_cast<int>(ui.document().landmark_pull);
   if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,
              {"Landmarks do not move the template", "Landmarks move, turn and scale the template",
               "As Similarity; from the fourth landmark on also a smooth warp"}))
-    out.apply(SetLandmarkFit{static_cast<LandmarkFit>(fit)});
+    out.apply(SetLandmarkPull{static_cast<LandmarkPull>(fit)});
 }
 
 }  // namespace

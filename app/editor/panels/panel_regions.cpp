@@ -6,7 +6,7 @@
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
-// Regions and landmarks of the template, in the section Reference.
+// Regions and landmarks of the template, in the section Template.
 
 namespace homolog {
 
@@ -164,7 +164,7 @@ void draw_regions(const UiContext& ui, Outbox& out) {
 
 void draw_template_landmarks(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const auto& landmarks = ui.document().reference->landmarks;
+  const auto& landmarks = ui.document().the_template->landmarks;
   caption(theme, format("Landmarks of the template: %zu", landmarks.size()).c_str());
   const bool naming = ui.state.tool == MouseTool::template_landmark;
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(4), theme.px(2)});

@@ -79,7 +79,7 @@ void draw_snap(const UiContext& ui, Outbox& out) {
   if (draw_snap_settings(ui, snap)) out.send(SetSnap{snap});
   if (ui.state.confidence && ui.state.snapped) {
     draw_last_snap(ui);
-    if (shown_overlay(ui.state) == Overlay::confidence) draw_overlay_legend(ui);
+    if (shown_colouring(ui.state) == Colouring::confidence) draw_colouring_legend(ui);
   }
   rule(theme);
 }

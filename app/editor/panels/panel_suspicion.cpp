@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t most_rows = 30;  ///< of a kind; the worst come first
 
 /// One thing to look at; its place is looked at in the gallery, and its case opened there by a double click.
-void draw_entry(const UiContext& ui, int id, const GalleryPlace& place, const std::string& text,
+void draw_entry(const UiContext& ui, int id, const GalleryVertex& place, const std::string& text,
                 const std::string& value, const std::string& tip, ImU32 colour, bool has_place, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
@@ -53,25 +53,25 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
   const auto name = [&](Eigen::Index shape) { return model.names[static_cast<std::size_t>(shape)]; };
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
   int id = 0;
-  draw_caption(theme, "Cases far from the mean", model.doubtful_shapes.size());
-  for (const DoubtfulShape& one : model.doubtful_shapes)
+  draw_caption(theme, "Cases far from the mean", model.suspicious_shapes.size());
+  for (const SuspiciousShape& one : model.suspicious_shapes)
     draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), 0}, name(one.shape), format("%.2f mm", one.distance_mm),
-               one.doubt == Doubt::far_outside
+               one.suspicion == Suspicion::far_outside
                    ? "Beyond the outer fence: 3 interquartile ranges above the upper quartile"
                    : "Beyond the fence: 1.5 interquartile ranges above the upper quartile",
-               one.doubt == Doubt::far_outside ? palette::bad : palette::amber, false, out);
-  draw_caption(theme, "Vertices in unexpected places", model.doubtful_landmarks.size());
-  for (std::size_t k = 0; k < std::min(most_rows, model.doubtful_landmarks.size()); ++k) {
-    const DoubtfulLandmark& one = model.doubtful_landmarks[k];
-    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), one.landmark},
-               name(one.shape) + format(", %td", one.landmark), format("%.2f mm", one.deviation_mm),
+               one.suspicion == Suspicion::far_outside ? palette::bad : palette::amber, false, out);
+  draw_caption(theme, "Vertices in unexpected places", model.suspicious_vertices.size());
+  for (std::size_t k = 0; k < std::min(most_rows, model.suspicious_vertices.size()); ++k) {
+    const SuspiciousVertex& one = model.suspicious_vertices[k];
+    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), one.vertex},
+               name(one.shape) + format(", %td", one.vertex), format("%.2f mm", one.deviation_mm),
                format("Vertex %td lies %.2f mm from where the model of the other shapes puts it. Usual are %.2f mm.",
-                      one.landmark, one.deviation_mm, one.usual_mm),
+                      one.vertex, one.deviation_mm, one.usual_mm),
                palette::amber, true, out);
   }
-  draw_caption(theme, "Stretched or shrunk triangles", model.doubtful_triangles.size());
-  for (std::size_t k = 0; k < std::min(most_rows, model.doubtful_triangles.size()); ++k) {
-    const DoubtfulTriangle& one = model.doubtful_triangles[k];
+  draw_caption(theme, "Stretched or shrunk triangles", model.suspicious_triangles.size());
+  for (std::size_t k = 0; k < std::min(most_rows, model.suspicious_triangles.size()); ++k) {
+    const SuspiciousTriangle& one = model.suspicious_triangles[k];
     const Eigen::Index corner = model.topology->triangles()(one.triangle, 0);
     draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), corner},
                name(one.shape) + format(", triangle %td", one.triangle), format("%.2f\xc3\x97", one.stretch),

@@ -59,8 +59,8 @@ struct UiContext {
   /// Why a control that needs a mesh is disabled; empty where there is one.
   std::string needs_shape() const {
     if (has_shape()) return {};
-    return document().reference ? "This frame has no mesh yet. Start from previous (Case) copies one."
-                                : "There is no mesh yet. Load a template first (Reference).";
+    return document().the_template ? "This frame has no mesh yet. Start from previous (Case) copies one."
+                                   : "There is no mesh yet. Load a template first (Template).";
   }
   std::string needs_volume() const { return document().volume ? std::string() : "Open an image first."; }
 };
@@ -93,7 +93,7 @@ void draw_notices(const UiContext& ui, Outbox& out);
 /// In the section Deform: snapping to the image.
 void draw_snap(const UiContext& ui, Outbox& out);
 
-/// In the section Reference: regions and landmarks of the template, and the making of one from a label map.
+/// In the section Template: regions and landmarks of the template, and the making of one from a label map.
 void draw_regions(const UiContext& ui, Outbox& out);
 void draw_template_landmarks(const UiContext& ui, Outbox& out);
 void draw_template_making(const UiContext& ui, Outbox& out);
@@ -111,21 +111,14 @@ void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality
 struct PanelSection {
   const char* title;
   void (*draw)(const UiContext&, Outbox&);
+  bool open_at_first;  ///< until the user folds or unfolds it
 };
-/// A panel of sections in `rect`; `open`: which are, and `open_section` is the command that unfolds or folds one.
+/// A panel of sections in `rect`.
 void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,
-                   std::span<const bool> open, Command (*open_section)(std::size_t, bool), Outbox& out);
-
-// Sections of the side panel, in the order of the work.
-void draw_case_section(const UiContext& ui, Outbox& out);
-void draw_reference_section(const UiContext& ui, Outbox& out);
-void draw_place_section(const UiContext& ui, Outbox& out);
-void draw_deform_section(const UiContext& ui, Outbox& out);
-void draw_correspondence_section(const UiContext& ui, Outbox& out);
-void draw_export_section(const UiContext& ui, Outbox& out);
+                   Outbox& out);
 
 /// What the overlay's colours mean, as a bar with figures.
-void draw_overlay_legend(const UiContext& ui);
+void draw_colouring_legend(const UiContext& ui);
 
 /// The whole window, inside an ImGui frame.
 void draw_interface(const UiContext& ui, Outbox& out);

@@ -2,24 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
-
-#include "render/outline.h"
 
 namespace homolog {
 
 namespace {
 
 constexpr double handle_reach_units = 9, landmark_reach_units = 10;
-
-Eigen::Vector2d nearest_on_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-                                   double& share) {
-  const Eigen::Vector2d along = b - a;
-  const double length2 = along.squaredNorm();
-  share = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0;
-  return a + share * along;
-}
 
 }  // namespace
 
@@ -66,46 +55,6 @@ double ViewMap::mm_per_px(const Vec3& at) const {
   const double at_target = camera_mm_per_px(camera_, std::min(rect_.width, rect_.height));
   const double depth = camera_.distance_mm + into_screen().dot(at - camera_.target);
   return at_target * depth / camera_.distance_mm;
-}
-
-std::optional<Vec3> nearest_on_outline(const Topology& topology, const Points& points, const SliceView& slice,
-                                       const Vec3& p_mm, double radius_mm) {
-  const auto flat = [&](const Vec3& p) {
-    return Eigen::Vector2d(slice.right.dot(p - slice.centre), slice.down.dot(p - slice.centre));
-  };
-  const Eigen::Vector2d wanted = flat(p_mm);
-  std::optional<Vec3> nearest;
-  double smallest = radius_mm;
-  for (const OutlineSegment& segment : intersect_plane(topology, points, slice.centre, slice.normal())) {
-    double share = 0;
-    const double distance =
-        (nearest_on_segment(wanted, flat(segment.from.point), flat(segment.to.point), share) - wanted).norm();
-    if (distance > smallest) continue;
-    smallest = distance;
-    nearest = segment.from.point + share * (segment.to.point - segment.from.point);
-  }
-  return nearest;
-}
-
-std::optional<Vec3> first_on_surface(const Topology& topology, const Points& points, const Ray& ray) {
-  // [Möller & Trumbore 1997]
-  double first = std::numeric_limits<double>::infinity();
-  for (Eigen::Index face = 0; face < topology.triangles().rows(); ++face) {
-    const auto t = topology.triangles().row(face);
-    const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
-    const Vec3 p = ray.direction.cross(c - a);
-    const double determinant = (b - a).dot(p);
-    if (determinant == 0) continue;
-    const double u = (ray.from - a).dot(p) / determinant;
-    if (u < 0 || u > 1) continue;
-    const Vec3 q = (ray.from - a).cross(b - a);
-    const double v = ray.direction.dot(q) / determinant;
-    if (v < 0 || u + v > 1) continue;
-    const double along = (c - a).dot(q) / determinant;
-    if (along >= 0) first = std::min(first, along);
-  }
-  if (!std::isfinite(first)) return std::nullopt;
-  return ray.from + first * ray.direction;
 }
 
 bool hidden_by_planes(const std::vector<PlaneInSpace>& planes, const VolumeGeometry& image, const Ray& ray,

@@ -42,12 +42,6 @@ class ViewMap {
   Camera3D camera_;
 };
 
-/// The outline point of the mesh nearest to `p_mm` (on the slice), where it is nearer than `radius_mm`.
-std::optional<Vec3> nearest_on_outline(const Topology& topology, const Points& points, const SliceView& slice,
-                                       const Vec3& p_mm, double radius_mm);
-/// First point of the mesh along a ray.
-std::optional<Vec3> first_on_surface(const Topology& topology, const Points& points, const Ray& ray);
-
 /// Whether the image on a slice plane hides a point that the ray meets.
 bool hidden_by_planes(const std::vector<PlaneInSpace>& planes, const VolumeGeometry& image, const Ray& ray,
                       const Vec3& p_mm);

@@ -1,6 +1,6 @@
 #include "app/editor/scene/scene_builder.h"
 
-#include "app/editor/scene/mesh_overlay.h"
+#include "app/editor/scene/mesh_colouring.h"
 
 namespace homolog {
 
@@ -19,9 +19,9 @@ void SceneBuilder::update(const Input& input) {
     ++points_revision_;
     ++colours_revision_;
   }
-  if (document.reference != reference_) {
-    reference_ = document.reference;
-    hues_ = reference_ ? landmark_hues(*reference_->topology) : std::vector<float>();
+  if (document.the_template != reference_) {
+    reference_ = document.the_template;
+    hues_ = reference_ ? vertex_hues(*reference_->topology) : std::vector<float>();
     points_.reset();
     colours_.reset();
     glyphs_.clear();
@@ -44,18 +44,18 @@ void SceneBuilder::update_mesh(const Input& input) {
     points_ = document.shape().points;
     ++points_revision_;
   }
-  const Overlay overlay = shown_overlay(input.state);
-  const bool follows_shape = overlay == Overlay::edge_stretch || overlay == Overlay::moved ||
-                             overlay == Overlay::quality || overlay == Overlay::known;
+  const Colouring colouring = shown_colouring(input.state);
+  const bool follows_shape = colouring == Colouring::edge_stretch || colouring == Colouring::moved ||
+                             colouring == Colouring::quality || colouring == Colouring::known;
   // Frames may share their points but differ in what these are compared with, and in which of them are decided.
   const Shape& shape = document.shape();
   const bool other_shape =
       moved || decided_ != shape.decided || placed_ != shape.placed || compared_ != shape.reference;
-  const bool same = colours_ && overlay_ == overlay && response_ == response && stopped_ == stopped &&
+  const bool same = colours_ && colouring_ == colouring && response_ == response && stopped_ == stopped &&
                     stiffness_ == document.stiffness && regions_ == document.regions && confirmed_ == shape.confirmed &&
                     confidence_ == input.state.confidence && !(other_shape && follows_shape);
   if (same) return;
-  overlay_ = overlay;
+  colouring_ = colouring;
   response_ = response;
   stopped_ = stopped;
   stiffness_ = document.stiffness;
@@ -65,18 +65,18 @@ void SceneBuilder::update_mesh(const Input& input) {
   placed_ = shape.placed;
   compared_ = shape.reference;
   confidence_ = input.state.confidence;
-  auto outline = overlay_colours(document, overlay_, hues_, 1, confidence_.get());
+  auto outline = mesh_colours(document, colouring_, hues_, 1, confidence_.get());
   if (response) outline = tinted(std::move(outline), *response, stopped);
   outline_colours_ = std::make_shared<const std::vector<Rgb>>(std::move(outline));
   colours_ =
-      std::make_shared<const std::vector<Rgb>>(overlay_colours(document, overlay_, hues_, 0.4f, confidence_.get()));
+      std::make_shared<const std::vector<Rgb>>(mesh_colours(document, colouring_, hues_, 0.4f, confidence_.get()));
   ++colours_revision_;
 }
 
 void SceneBuilder::update_glyphs(const Input& input) {
   if (!input.state.preferences.show.glyphs || glyph_spacing_mm_ == input.state.glyph_spacing_mm) return;
   glyph_spacing_mm_ = input.state.glyph_spacing_mm;
-  glyphs_ = glyph_landmarks({reference_->topology, reference_->points}, glyph_spacing_mm_);
+  glyphs_ = glyph_vertices({reference_->topology, reference_->points}, glyph_spacing_mm_);
 }
 
 GlyphLayer SceneBuilder::glyph_layer(const Input& input) const {
@@ -103,6 +103,7 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.topology = making_->topology;
     mesh.points = making_points_;
     mesh.points_revision = points_revision_;
+    mesh.outlines = input.outlines;
     mesh.outline = mesh.surface = true;
     mesh.wireframe = show.wireframe || making_->points.rows() < wireframe_below;
     scene.meshes.push_back(std::move(mesh));
@@ -111,6 +112,7 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.topology = reference_->topology;
     mesh.points = points_;
     mesh.points_revision = points_revision_;
+    mesh.outlines = input.outlines;
     mesh.colours = kind == ViewKind::space ? colours_ : outline_colours_;
     mesh.colours_revision = colours_revision_;
     mesh.outline = show.outline;

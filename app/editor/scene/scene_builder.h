@@ -20,6 +20,7 @@ class SceneBuilder {
     const std::optional<EditReport>& preview;
     std::shared_ptr<const Volume> labels;
     std::shared_ptr<const Mesh> making;  ///< a template being made, shown in place of the case's mesh; null: none
+    std::shared_ptr<Outlines> outlines;  ///< shared with who points at them; null: none are kept
   };
 
   /// Takes in a new moment; cheap where nothing changed.
@@ -43,7 +44,7 @@ class SceneBuilder {
   std::shared_ptr<const VertexScalars> response_, stiffness_, confirmed_, decided_, confidence_;
   std::shared_ptr<const Points> placed_, compared_;  ///< the shape's `placed` and `reference`
   std::shared_ptr<const Regions> regions_;
-  Overlay overlay_ = Overlay::landmark_hue;
+  Colouring colouring_ = Colouring::vertex_hue;
   bool stopped_ = false;
   std::shared_ptr<const Mesh> making_;
   std::shared_ptr<const Points> making_points_;

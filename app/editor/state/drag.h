@@ -20,7 +20,7 @@ struct PanDrag {
   double x_px = 0, y_px = 0;
   Vec3 start_mm = Vec3::Zero();  ///< centre of the view (target of the camera) when it started
 };
-struct WindowDrag {
+struct WindowLevelDrag {
   double x_px = 0, y_px = 0, low = 0, high = 1;
 };
 struct TurnDrag {
@@ -56,6 +56,7 @@ struct RulerDrag {
   ViewKind view = ViewKind::axial;
 };
 
-using Drag = std::variant<PanDrag, WindowDrag, TurnDrag, StrokeDrag, PlaceDrag, LandmarkDrag, BrushDrag, RulerDrag>;
+using Drag =
+    std::variant<PanDrag, WindowLevelDrag, TurnDrag, StrokeDrag, PlaceDrag, LandmarkDrag, BrushDrag, RulerDrag>;
 
 }  // namespace homolog

@@ -10,6 +10,11 @@ const std::vector<std::string>& mesh_extensions() {
   return all;
 }
 
+const std::vector<std::string>& shape_extensions() {
+  static const std::vector<std::string> all = mesh_format_extensions(&MeshFormat::keeps_numbers);
+  return all;
+}
+
 const std::vector<std::string>& volume_extensions() {
   static const std::vector<std::string> all = volume_format_endings(&VolumeFormat::endings);
   return all;

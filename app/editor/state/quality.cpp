@@ -10,7 +10,7 @@
 namespace homolog {
 
 QualityFigures quality_figures(const Document& document) {
-  const Topology& topology = *document.reference->topology;
+  const Topology& topology = *document.the_template->topology;
   const Shape& shape = document.shape();
   const Points& p = *shape.points;
   const Points& placed = *shape.placed;

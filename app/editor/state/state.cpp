@@ -10,12 +10,12 @@
 
 namespace homolog {
 
-Overlay shown_overlay(const EditorState& state) {
+Colouring shown_colouring(const EditorState& state) {
   const bool paints = state.tool == MouseTool::stiffness;
-  if (!paints && state.confidence && state.snap.show_confidence) return Overlay::confidence;
+  if (!paints && state.confidence && state.snap.show_confidence) return Colouring::confidence;
   const bool regions = state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill;
-  if (paints && regions) return Overlay::regions;
-  return paints || state.tool == MouseTool::confirm ? Overlay::stiffness : state.overlay;
+  if (paints && regions) return Colouring::regions;
+  return paints || state.tool == MouseTool::confirm ? Colouring::stiffness : state.colouring;
 }
 
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry) {
@@ -78,7 +78,7 @@ void show_document(EditorState& state, const Document& document, const Layout& l
     state.crosshair_mm = geometry_of(document).bounds_mm().center();
   }
   settle_crosshair(state, document);
-  fit_views(state, document, layout);
+  show_all(state, document, layout);
 }
 
 void look_at_mesh(EditorState& state, const Points& points) {
@@ -87,7 +87,7 @@ void look_at_mesh(EditorState& state, const Points& points) {
   state.camera.distance_mm = std::min(state.camera.distance_mm, 2.5 * box.diagonal().norm());
 }
 
-void fit_views(EditorState& state, const Document& document, const Layout& layout) {
+void show_all(EditorState& state, const Document& document, const Layout& layout) {
   const VolumeGeometry geometry = geometry_of(document);
   const Box box = geometry.bounds_mm();
   const Vec3 reach = box.sizes() / 2;
@@ -157,8 +157,8 @@ std::string case_name(const std::filesystem::path& file, const Document& documen
 
 std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document) {
   std::vector<Landmark> known;
-  if (!document.reference) return known;
-  const auto& names = document.reference->landmarks;
+  if (!document.the_template) return known;
+  const auto& names = document.the_template->landmarks;
   std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(known), [&](const Landmark& landmark) {
     return std::any_of(names.begin(), names.end(), [&](const Landmark& n) { return n.name == landmark.name; });
   });
@@ -166,8 +166,8 @@ std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmar
 }
 
 std::string next_unplaced_landmark(const Document& document, const std::string& after) {
-  if (!document.reference || !document.has_shape()) return {};
-  const auto& landmarks = document.reference->landmarks;
+  if (!document.the_template || !document.has_shape()) return {};
+  const auto& landmarks = document.the_template->landmarks;
   const auto& placed = document.shape().landmarks;
   std::size_t start = 0;
   for (std::size_t i = 0; i < landmarks.size(); ++i)

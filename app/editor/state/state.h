@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,7 +23,7 @@ namespace homolog {
 enum class MouseTool { pull, grab, slide, relax, place, landmark, stiffness, confirm, ruler, template_landmark };
 
 /// What the colours of the mesh mean.
-enum class Overlay { landmark_hue, edge_stretch, moved, stiffness, regions, quality, known, confidence };
+enum class Colouring { vertex_hue, edge_stretch, moved, stiffness, regions, quality, known, confidence };
 
 /// Where a slice view looks within its plane; the plane itself goes through the cross-hair.
 struct SlicePan {
@@ -103,14 +104,14 @@ struct Hints {
   bool operator==(const Hints&) const = default;
 };
 
-/// Of Preferences::sections_open: the section Place.
-inline constexpr std::size_t place_section = 2;
+/// The title of the section that the tools of placing unfold.
+inline constexpr const char* place_section = "Place";
 
 /// What is kept between runs.
 struct Preferences {
   int window_width = 1280, window_height = 800;
   bool panel_open = true;
-  std::array<bool, 6> sections_open{true, false, false, true, true, false};  ///< Case … Export
+  std::map<std::string, bool> sections_open;  ///< by title; those never folded or unfolded are not in it
   bool radiological = true;
   bool linear = true;
   ShownParts show;
@@ -155,7 +156,7 @@ struct EditorState {
   SnapSettings snap;
   std::optional<SnapFound> snapped;                 ///< the last snap
   std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
-  Overlay overlay = Overlay::landmark_hue;
+  Colouring colouring = Colouring::vertex_hue;
   double glyph_spacing_mm = 12;
 
   std::optional<Hover> hover;
@@ -180,7 +181,7 @@ struct EditorState {
 };
 
 /// What colours the mesh: while a brush is in hand, what it paints.
-Overlay shown_overlay(const EditorState& state);
+Colouring shown_colouring(const EditorState& state);
 
 /// The plane of a slice view.
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry);
@@ -193,7 +194,7 @@ std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document&
 void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image = false);
 /// Brings the cross-hair and the 3D view to a mesh; the slices show as much as before.
 void look_at_mesh(EditorState& state, const Points& points);
-void fit_views(EditorState& state, const Document& document, const Layout& layout);
+void show_all(EditorState& state, const Document& document, const Layout& layout);
 /// Slices show as much of the image after their view has grown or shrunk: maximised, or with the window.
 void follow_layout(EditorState& state, const Layout& layout);
 

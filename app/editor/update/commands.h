@@ -31,8 +31,8 @@ using Command = std::variant<
     ChooseTool, ChooseSigma, SetSigma, SetRelaxStrength, MoveThroughSpace, SetBrush, BrushRegion, ChooseLandmark,
     NameTemplateLandmark, TypeRegion, NameRegion, ChangeNumber, SetSnap, SnapWithStrokes, SetFit, SetTemplate, Escape,
     // what is seen
-    LookFromSide, MaximiseView, ShowParts, ShowPanel, ScrollSlices, OpenSection, FitViews, SetWindow, InterpolateImage,
-    ShowRadiological, ShowOwnPlanes, SetLabelOpacity, ChooseOverlay, SpaceGlyphs, SeekFrame, LookAt, ShowModels,
+    LookFromSide, MaximiseView, ShowParts, ShowPanel, ScrollSlices, OpenSection, ShowAll, SetWindow, InterpolateImage,
+    ShowRadiological, ShowOwnPlanes, SetLabelOpacity, ChooseColouring, SpaceGlyphs, SeekFrame, LookAt, ShowModels,
     SetPicture,
     // dialogs
     ShowFileDialog, ShowKeys, CloseDialog, DismissNotice, EnterFolder, MoveInFiles, SelectFile, TypeFileName,
@@ -42,10 +42,9 @@ using Command = std::variant<
     OpenStudy, NewStudy, SaveStudyAs, SetStudyTemplate, OpenPhantomStudy, CancelStudyFile, ExportModel,
     ExportEvaluation, ExportPlots, ChooseShapesFolder, ExportShapes, StartEvaluation, CancelEvaluation, AddCases,
     OpenCaseOfStudy, SelectCase, SelectNextCase, RemoveCase, SetCaseState, CycleCaseState, TypeCaseText, SetCaseText,
-    FlipCases, AddFrames, FilterCases, SortCases, LookFromSideInGallery, FitGallery, TurnGallery, PanGallery,
+    FlipCases, AddFrames, FilterCases, SortCases, LookFromSideInGallery, ShowAllShapes, TurnGallery, PanGallery,
     LetGoOfGallery, ZoomGallery, PointAtVertex, PinVertex, ShowGalleryGlyphs, SpaceGalleryGlyphs, ShowMean, ShowSample,
-    ShowSelectedShape, SetMode, AnimateMode, ShowAllModes, ShowDifference, CompareGroup, ChooseAlignment,
-    OpenModelsSection>;
+    ShowSelectedShape, SetMode, AnimateMode, ShowAllModes, ShowDifference, CompareGroup, ChooseAlignment>;
 
 /// Commands in the order they were given.
 class Outbox {

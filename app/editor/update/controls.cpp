@@ -23,10 +23,12 @@ void turn_wheel(EditorState& state, const InputEvent& event, double steps, const
     state.camera.distance_mm = std::clamp(state.camera.distance_mm * std::pow(wheel_zoom, -steps), 5.0, 20000.0);
   } else if (event.ctrl) {
     // The point under the pointer stays where it is.
-    const Vec3 before = view_map(state, context, kind).on_facing_plane(event.x_px, event.y_px, state.crosshair_mm);
+    const Vec3 before = view_map(state, context.layout, context.document, kind)
+                            .on_facing_plane(event.x_px, event.y_px, state.crosshair_mm);
     SlicePan& pan = state.slices[index_of(kind)];
     pan.mm_per_px = std::clamp(pan.mm_per_px * std::pow(wheel_zoom, -steps), 0.005, 20.0);
-    const Vec3 after = view_map(state, context, kind).on_facing_plane(event.x_px, event.y_px, state.crosshair_mm);
+    const Vec3 after = view_map(state, context.layout, context.document, kind)
+                           .on_facing_plane(event.x_px, event.y_px, state.crosshair_mm);
     pan.centre_mm += before - after;
   } else {
     scroll_slice(state, kind, context.document, steps);
@@ -44,12 +46,21 @@ bool is_double_click(EditorState& state, const InputEvent& event) {
   return second;
 }
 
+/// Whether an event acts on what lies under the pointer now: a press that begins something, and a drag that follows the
+/// mesh. Other drags move or turn the view.
+bool points(const EditorState& state, const InputEvent& event) {
+  if (std::holds_alternative<MousePress>(event.what)) return !state.drag && !event.over_panel && !state.dialog;
+  return std::holds_alternative<MouseMove>(event.what) && state.drag &&
+         (std::holds_alternative<LandmarkDrag>(*state.drag) || std::holds_alternative<BrushDrag>(*state.drag) ||
+          std::holds_alternative<RulerDrag>(*state.drag));
+}
+
 }  // namespace
 
-ViewMap view_map(const EditorState& state, const ControlsContext& context, ViewKind kind) {
-  const RectPx& rect = context.layout.image(kind);
+ViewMap view_map(const EditorState& state, const Layout& layout, const Document& document, ViewKind kind) {
+  const RectPx& rect = layout.image(kind);
   if (kind == ViewKind::space) return {rect, state.camera};
-  return {rect, slice_view(state, kind, geometry_of(context.document))};
+  return {rect, slice_view(state, kind, geometry_of(document))};
 }
 
 void update_hover(EditorState& state, const ControlsContext& context, double x_px, double y_px) {
@@ -62,18 +73,17 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
   hover.view = *kind;
   hover.x_px = x_px;
   hover.y_px = y_px;
-  const ViewMap map = view_map(state, context, *kind);
+  const ViewMap map = view_map(state, context.layout, context.document, *kind);
   if (map.is_slice()) hover.p_mm = map.on_facing_plane(x_px, y_px, state.crosshair_mm);
   if (context.document.has_shape()) {
     const Points& points = *context.document.shape().points;
-    const Topology& topology = *context.document.reference->topology;
     const float scale = context.layout.scale;
     const double reach_mm = pick_reach_units * scale * map.mm_per_px(state.crosshair_mm);
     if (map.is_slice()) {
-      hover.on_mesh = nearest_on_outline(topology, points, map.slice(), *hover.p_mm, reach_mm);
+      hover.on_mesh = context.mesh.nearest_on_outline(context.document, map.slice(), *hover.p_mm, reach_mm);
     } else {
       const Ray ray = map.ray(x_px, y_px);
-      hover.on_mesh = first_on_surface(topology, points, ray);
+      hover.on_mesh = context.mesh.first_on_surface(context.document, ray);
       const bool hidden = hover.on_mesh && hidden_by_planes(shown_planes(state, context.document),
                                                             geometry_of(context.document), ray, *hover.on_mesh);
       if (hidden) hover.on_mesh.reset();
@@ -90,18 +100,23 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
 }
 
 void handle_event(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
+  const double last_x_px = state.hover ? state.hover->x_px : event.x_px;
+  const double last_y_px = state.hover ? state.hover->y_px : event.y_px;
+  // What the pointer is over is looked up once: before a press or a drag that needs it, else after what the event did.
+  const bool pointed = points(state, event);
+  if (pointed) update_hover(state, context, event.x_px, event.y_px);
+
   if (const auto* pressed = std::get_if<KeyPress>(&event.what)) {
     press_key(state, event, pressed->key, context, out);
   } else if (const auto* press = std::get_if<MousePress>(&event.what)) {
-    if (state.drag || event.over_panel || state.dialog) return;
-    update_hover(state, context, event.x_px, event.y_px);
-    if (!state.hover) return;
-    if (press->button == MouseButton::left && is_double_click(state, event)) {
-      const ViewKind kind = state.hover->view;
-      state.maximised = state.maximised ? std::nullopt : std::optional(kind);
+    if (!pointed || !state.hover) return;
+    if (press->button != MouseButton::left || !is_double_click(state, event)) {
+      start_drag(state, event, press->button, context, out);
       return;
     }
-    start_drag(state, event, press->button, context, out);
+    const ViewKind kind = state.hover->view;
+    state.maximised = state.maximised ? std::nullopt : std::optional(kind);
+    return;
   } else if (const auto* release = std::get_if<MouseRelease>(&event.what)) {
     if (state.drag && release->button == state.drag_button) finish_drag(state, context, out);
   } else if (const auto* wheel = std::get_if<Wheel>(&event.what)) {
@@ -113,9 +128,9 @@ void handle_event(EditorState& state, const InputEvent& event, const ControlsCon
     state.hover.reset();
     return;
   }
+  if (!pointed) update_hover(state, context, event.x_px, event.y_px);
   // A key that is let go with Shift held comes as a movement to where the pointer is already.
-  const bool moved = state.hover && (state.hover->x_px != event.x_px || state.hover->y_px != event.y_px);
-  update_hover(state, context, event.x_px, event.y_px);
+  const bool moved = last_x_px != event.x_px || last_y_px != event.y_px;
   const bool moves_crosshair = std::holds_alternative<MouseMove>(event.what) && moved && event.shift && !state.drag;
   if (moves_crosshair && state.hover && state.hover->p_mm) {
     state.crosshair_mm = *state.hover->p_mm;

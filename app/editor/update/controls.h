@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "app/editor/picking/picking.h"
+#include "app/editor/picking/shown_mesh.h"
 #include "app/editor/state/key_codes.h"
 #include "app/editor/state/state.h"
 #include "app/editor/update/commands.h"
@@ -36,6 +37,7 @@ struct InputEvent {
 struct ControlsContext {
   const Layout& layout;
   const Document& document;  ///< as shown
+  ShownMesh& mesh;           ///< of the document
   bool can_undo = false, can_redo = false;
 };
 
@@ -43,7 +45,7 @@ struct ControlsContext {
 void handle_event(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out);
 
 /// How the view that is `kind` maps mm to px now.
-ViewMap view_map(const EditorState& state, const ControlsContext& context, ViewKind kind);
+ViewMap view_map(const EditorState& state, const Layout& layout, const Document& document, ViewKind kind);
 /// Pointer and what it is over, anew: after a scroll, or when the mesh moved beneath it.
 void update_hover(EditorState& state, const ControlsContext& context, double x_px, double y_px);
 

@@ -11,7 +11,7 @@ namespace {
 
 void start_left_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
   const Hover& hover = *state.hover;
-  const ViewMap map = view_map(state, context, hover.view);
+  const ViewMap map = view_map(state, context.layout, context.document, hover.view);
   const bool in_space = hover.view == ViewKind::space;
   // What is taken hold of belongs to the frame that is shown.
   const auto stay_at_frame = [&] {
@@ -109,13 +109,13 @@ void start_drag(EditorState& state, const InputEvent& event, MouseButton button,
       if (in_space)
         state.drag = TurnDrag{event.x_px, event.y_px, state.camera};
       else
-        state.drag = WindowDrag{event.x_px, event.y_px, state.window_low, state.window_high};
+        state.drag = WindowLevelDrag{event.x_px, event.y_px, state.window_low, state.window_high};
       return;
   }
 }
 
 void move_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
-  const auto map_of = [&](ViewKind kind) { return view_map(state, context, kind); };
+  const auto map_of = [&](ViewKind kind) { return view_map(state, context.layout, context.document, kind); };
   const double scale = context.layout.scale;
   if (auto* pan = std::get_if<PanDrag>(&*state.drag)) {
     const ViewMap map = map_of(pan->view);
@@ -124,7 +124,7 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
         map.on_facing_plane(event.x_px, event.y_px, anchor) - map.on_facing_plane(pan->x_px, pan->y_px, anchor);
     (pan->view == ViewKind::space ? state.camera.target : state.slices[index_of(pan->view)].centre_mm) =
         pan->start_mm - moved;
-  } else if (auto* window = std::get_if<WindowDrag>(&*state.drag)) {
+  } else if (auto* window = std::get_if<WindowLevelDrag>(&*state.drag)) {
     // Sideways widens, upwards brightens, by shares of the width: the same feel for CT and MR.
     const double width = window->high - window->low, centre = (window->high + window->low) / 2;
     const double new_width = width * std::exp((event.x_px - window->x_px) / (200 * scale));
@@ -143,7 +143,6 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
     place->now = dragged_placement(*place, map_of(place->view), event.x_px, event.y_px);
     out.preview(SetPlacement{place->now});
   } else if (auto* landmark = std::get_if<LandmarkDrag>(&*state.drag)) {
-    update_hover(state, context, event.x_px, event.y_px);
     if (state.hover && state.hover->view == landmark->view && state.hover->p_mm) {
       const Vec3 to = *state.hover->p_mm + landmark->from_pointer;
       landmark->moved = landmark->moved || to != landmark->to;
@@ -151,7 +150,6 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
       out.preview(drag_action(state));
     }
   } else if (auto* brush = std::get_if<BrushDrag>(&*state.drag)) {
-    update_hover(state, context, event.x_px, event.y_px);
     const bool fills = state.tool == MouseTool::stiffness && state.brush.paints == BrushPaints::fill;
     const double step_mm = fills ? std::numeric_limits<double>::infinity() : state.brush.radius_mm / 2;
     if (state.hover && state.hover->on_mesh && (*state.hover->on_mesh - brush->last_at).norm() >= step_mm) {
@@ -160,7 +158,6 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
     }
   } else if (auto* ruler = std::get_if<RulerDrag>(&*state.drag)) {
     // In space both ends lie on the surface: a length across the screen would be too short.
-    update_hover(state, context, event.x_px, event.y_px);
     if (state.hover && state.hover->view == ruler->view && state.hover->p_mm) state.ruler->to = *state.hover->p_mm;
   }
 }
@@ -196,7 +193,7 @@ void finish_drag(EditorState& state, const ControlsContext& context, Outbox& out
 
 void cancel_drag(EditorState& state, Outbox& out) {
   if (drag_action(state)) out.preview(std::nullopt);
-  if (const auto* window = std::get_if<WindowDrag>(&*state.drag)) {
+  if (const auto* window = std::get_if<WindowLevelDrag>(&*state.drag)) {
     state.window_low = window->low;
     state.window_high = window->high;
   } else if (const auto* turn = std::get_if<TurnDrag>(&*state.drag)) {

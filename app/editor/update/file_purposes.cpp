@@ -41,7 +41,7 @@ const std::vector<FilePurposeKind>& file_purposes() {
   static const Extensions& volumes = volume_extensions();
   static const Extensions openable = joined(joined({case_extension}, volumes), meshes);
   static const Extensions exported = mesh_format_extensions();
-  static const Extensions shapes = joined(mesh_format_extensions(&MeshFormat::keeps_numbers), {case_extension});
+  static const Extensions shapes = joined(shape_extensions(), {case_extension});
   static const Extensions templates = mesh_format_extensions(&MeshFormat::keeps_template);
   static const Extensions landmarks{".mrk.json", ".json"};
   static const std::vector<FilePurposeKind> all{

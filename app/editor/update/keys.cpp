@@ -67,7 +67,7 @@ Given scroll(const KeyMoment& now) {
 Given snap_here(const KeyMoment& now) {
   const auto& hover = now.state.hover;
   SnapMesh snap;
-  if (hover && hover->on_mesh) snap.region = SnapRegion{*hover->on_mesh, now.state.sigma_mm()};
+  if (hover && hover->on_mesh) snap.region = SnapArea{*hover->on_mesh, now.state.sigma_mm()};
   return snap;
 }
 
@@ -102,7 +102,7 @@ std::vector<KeyRow> rows_of_case() {
          const auto& volume = now.context.document.volume;
          return volume && volume->frames > 1 ? Given(PlayFrames{!now.state.playing}) : std::nullopt;
        }},
-      {"F", "everything in view", {{'F'}}, [](const KeyMoment&) -> Given { return FitViews{}; }},
+      {"F", "everything in view", {{'F'}}, [](const KeyMoment&) -> Given { return ShowAll{}; }},
       {"O", "outlines", {{'O'}}, toggle_part<&ShownParts::outline>},
       {"X", "cross-hair", {{'X'}}, toggle_part<&ShownParts::crosshair>},
       {"Shift+A P L R S I", "look from that side", side_chords(),
@@ -141,7 +141,7 @@ std::vector<KeyRow> rows_of_models() {
          const StudyCase* one = find_case(models.study, models.selected);
          return one != nullptr ? Given(OpenCaseOfStudy{one->name, models.pinned}) : std::nullopt;
        }},
-      {"F", "all shapes in view", {{'F'}}, [](const KeyMoment&) -> Given { return FitGallery{}; }},
+      {"F", "all shapes in view", {{'F'}}, [](const KeyMoment&) -> Given { return ShowAllShapes{}; }},
       {"Shift+A P L R S I", "look from that side", side_chords(),
        [](const KeyMoment& now) -> Given { return LookFromSideInGallery{side_of(now.code)}; }},
       {"Escape", "unmarks the vertex", {{key::escape}}, [](const KeyMoment&) -> Given { return PinVertex{}; }},

@@ -40,7 +40,7 @@ fs::path new_study_file() {
   }
 }
 
-void Models::take_study(EditorState& state, StudyRead read, const fs::path& path) {
+void Models::show_study(EditorState& state, StudyRead read, const fs::path& path) {
   if (!unwritten_.empty())
     return add_notice(state, path.filename().string() + " was not opened, because " + unwritten_.filename().string() +
                                  " could not be written, and what changed in it would be lost. Save that study as "
@@ -53,7 +53,7 @@ void Models::take_study(EditorState& state, StudyRead read, const fs::path& path
   });
   told_.clear();
   tell_once(state, read.warnings, true);
-  show_study(state.models, std::move(read.study), absolute_path(path));
+  homolog::show_study(state.models, std::move(read.study), absolute_path(path));
   written_revision_ = state.models.study_revision;
 }
 
@@ -63,7 +63,7 @@ Result<Models::FileDone> Models::read_of(const fs::path& path, const Progress& p
   if (progress.cancelled()) return FileDone();
   const auto study = std::make_shared<StudyRead>(std::move(*read));
   return FileDone{
-      {}, {}, [this, path, study](EditorState& state, Outbox&) { take_study(state, std::move(*study), path); }};
+      {}, {}, [this, path, study](EditorState& state, Outbox&) { show_study(state, std::move(*study), path); }};
 }
 
 void Models::open_study(const ModelsState& models, const fs::path& path) {
@@ -229,7 +229,7 @@ std::optional<int> Models::show_repair(EditorState& state, const Snapshot& snaps
   if (shape == document.shapes.end()) return std::nullopt;
   const Points& points = *shape->second.points;
   if (repair->vertex && *repair->vertex < points.rows()) {
-    const Mesh mesh{document.reference->topology, points};
+    const Mesh mesh{document.the_template->topology, points};
     state.crosshair_mm = state.camera.target = points.row(*repair->vertex);
     look_from_outside(state.camera, vertex_normals(mesh).row(*repair->vertex));
     state.tool = MouseTool::slide;
@@ -248,11 +248,11 @@ void Models::build(EditorState& state, const Snapshot& snapshot) {
                  [request = std::move(request)](Progress& progress) { return build_study_model(request, progress); });
 }
 
-void Models::take_built(EditorState& state, StudyModelBuilt built) {
+void Models::show_built(EditorState& state, StudyModelBuilt built) {
   state.models.files = std::move(built.known);
   state.models.shapes = std::move(built.shapes);
   state.models.mirrored = std::move(built.mirrored);
-  take_model(state.models, std::move(built.model));
+  show_model(state.models, std::move(built.model));
   state.models.model_error = std::move(built.error);
   // Where nothing can be read the window says so itself.
   if (state.models.model || state.models.model_error.empty() || !state.models.shapes.empty())
@@ -297,7 +297,7 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
   if (models.shown && stale) build(state, snapshot);
   if (auto built = builder_.take()) {
     if (*built)
-      take_built(state, std::move(**built));
+      show_built(state, std::move(**built));
     else
       models.model_error = built->error().sentence();
     changed = true;

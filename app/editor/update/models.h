@@ -60,7 +60,7 @@ class Models {
     Evaluation evaluation;
   };
   void build(EditorState& state, const Snapshot& snapshot);
-  void take_built(EditorState& state, StudyModelBuilt built);
+  void show_built(EditorState& state, StudyModelBuilt built);
   /// Shows the sentences that were not shown yet; of many only the first, and how many more there are.
   void tell_once(EditorState& state, const std::vector<std::string>& sentences, bool error);
   /// What work on files leaves to do here, on the window's thread.
@@ -76,7 +76,7 @@ class Models {
   void write_study_file(const ModelsState& models);
   void queue_writing(const ModelsState& models, const std::filesystem::path& path, Then then);
   Result<FileDone> read_of(const std::filesystem::path& path, const Progress& progress);
-  void take_study(EditorState& state, StudyRead read, const std::filesystem::path& path);
+  void show_study(EditorState& state, StudyRead read, const std::filesystem::path& path);
   void repair_case(const StudyCase& one, const OpenCaseOfStudy& command, EditorState& state);
   /// Puts the case that was made of a mesh into the study in the mesh's place, and opens it.
   static void take_repair_case(const OpenCaseOfStudy& command, const std::filesystem::path& mesh_file,

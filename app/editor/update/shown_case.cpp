@@ -43,7 +43,7 @@ void remember_case(EditorState& state, const Snapshot& snapshot) {
 void ShownCase::start(EditSession session) {
   const auto volume_before = displayed_ ? displayed_->volume : nullptr;
   close();
-  loaded_template_ = session.initial_document().reference;
+  loaded_template_ = session.initial_document().the_template;
   session_ = std::make_unique<SessionThread>(std::move(session), wake_);
   ++number_;
   snapshot_ = session_->snapshot();
@@ -57,7 +57,7 @@ void ShownCase::close() {
   remove_without_edits(snapshot_->file);
 }
 
-bool ShownCase::take_snapshot(EditorState& state) {
+bool ShownCase::update_snapshot(EditorState& state) {
   const auto latest = session_->snapshot();
   const bool changed = latest != snapshot_, done = latest->committed != snapshot_->committed;
   const bool renamed = latest->file != snapshot_->file;

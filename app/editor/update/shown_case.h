@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/picking/shown_mesh.h"
 #include "app/editor/state/state.h"
 #include "core/session/session_thread.h"
 
@@ -40,6 +41,8 @@ class ShownCase {
   /// What is shown: with the preview, at the frame that plays.
   const Document& document() const { return *displayed_; }
   const std::shared_ptr<const Document>& displayed() const { return displayed_; }
+  /// The mesh of `document`, for pointing and drawing.
+  ShownMesh& mesh() const { return mesh_; }
   /// Counts the cases that were on the screen.
   std::uint64_t number() const { return number_; }
   /// As its file holds it: the case may have mirrored it.
@@ -47,7 +50,7 @@ class ShownCase {
 
   /// Takes in what the session did. What of the state spoke of what is gone by now is let go. True where the shown
   /// mesh moved.
-  bool take_snapshot(EditorState& state);
+  bool update_snapshot(EditorState& state);
   /// Whether the session has nothing more to do, and all of it was taken in.
   bool at_rest() const { return !session_->busy() && snapshot_ == session_->snapshot(); }
 
@@ -66,6 +69,7 @@ class ShownCase {
   std::shared_ptr<const Document> tried_to_keep_;  ///< the last for which a journal was asked
   std::shared_ptr<const Template> loaded_template_;
   ShownLabels labels_;
+  mutable ShownMesh mesh_;  ///< what is remembered of `displayed_`
 };
 
 /// Puts the case's file among the recent ones, where it is one of its own.

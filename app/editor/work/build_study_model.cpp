@@ -104,39 +104,39 @@ Result<TrainingSetRead> training_set(Gathered& gathered, StudyModelBuilt& built)
 }
 
 /// The template's faces, for shapes that are points alone. Null without a template, or where its vertex count differs.
-std::shared_ptr<const Topology> template_faces(const fs::path& file, Eigen::Index landmarks, StudyModelBuilt& built) {
+std::shared_ptr<const Topology> template_faces(const fs::path& file, Eigen::Index vertices, StudyModelBuilt& built) {
   if (file.empty()) return nullptr;
-  const auto reference = load_template(file.string());
-  if (!reference) {
-    built.warnings.push_back(reference.error().sentence());
+  const auto the_template = load_template(file.string());
+  if (!the_template) {
+    built.warnings.push_back(the_template.error().sentence());
     return nullptr;
   }
-  const Eigen::Index count = (*reference)->points.rows();
-  if (count == landmarks) return (*reference)->topology;
+  const Eigen::Index count = (*the_template)->points.rows();
+  if (count == vertices) return (*the_template)->topology;
   built.warnings.push_back(file.string() + ": has " + std::to_string(count) + " vertices where the shapes have " +
-                           std::to_string(landmarks) + ", so they stay without faces; choose another template");
+                           std::to_string(vertices) + ", so they stay without faces; choose another template");
   return nullptr;
 }
 
 std::vector<float> hues_of(const StudyModel& model) {
-  if (model.topology) return landmark_hues(*model.topology);
+  if (model.topology) return vertex_hues(*model.topology);
   std::vector<float> hues;
-  for (Eigen::Index i = 0; i < model.landmarks(); ++i)
-    hues.push_back(static_cast<float>(i) / static_cast<float>(model.landmarks()));
+  for (Eigen::Index i = 0; i < model.vertices(); ++i)
+    hues.push_back(static_cast<float>(i) / static_cast<float>(model.vertices()));
   return hues;
 }
 
 void find_doubts(StudyModel& model) {
   const PrincipalComponents& components = *model.components;
   model.distances_mm.resize(model.names.size());
-  for (const DoubtfulShape& shape : shapes_by_distance(components)) {
+  for (const SuspiciousShape& shape : shapes_by_distance(components)) {
     model.distances_mm[static_cast<std::size_t>(shape.shape)] = shape.distance_mm;
-    if (shape.doubt != Doubt::none) model.doubtful_shapes.push_back(shape);
+    if (shape.suspicion != Suspicion::none) model.suspicious_shapes.push_back(shape);
   }
   if (components.shapes() < 4) return;  // fewer have no fences
   const Eigen::Index modes = std::clamp<Eigen::Index>(model.model.modes(), 1, components.shapes() - 2);
-  model.doubtful_landmarks = doubtful_landmarks(components, model.topology, modes);
-  if (model.topology) model.doubtful_triangles = doubtful_triangles(components, *model.topology);
+  model.suspicious_vertices = suspicious_vertices(components, model.topology, modes);
+  if (model.topology) model.suspicious_triangles = suspicious_triangles(components, *model.topology);
 }
 
 }  // namespace

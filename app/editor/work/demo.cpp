@@ -8,13 +8,13 @@
 namespace homolog {
 
 Result<Document> demo_document(Organ organ, int subject) {
-  auto reference = load_template(built_in_source(organ));
-  if (!reference) return fail(reference.error());
+  auto the_template = load_template(built_in_source(organ));
+  if (!the_template) return fail(the_template.error());
   PhantomSubject phantom = make_phantom(organ, subject);
   auto volume = std::make_shared<const Volume>(std::move(phantom.image));
-  Document document = new_document(phantom_source(organ, subject), volume, *reference);
+  Document document = new_document(phantom_source(organ, subject), volume, *the_template);
 
-  const auto& landmarks = (*reference)->landmarks;
+  const auto& landmarks = (*the_template)->landmarks;
   std::vector<std::pair<Vec3, Vec3>> pairs;
   for (const Landmark& from : landmarks) {
     const auto to = std::find_if(phantom.landmarks.begin(), phantom.landmarks.end(),
@@ -27,8 +27,8 @@ Result<Document> demo_document(Organ organ, int subject) {
     to.row(static_cast<Eigen::Index>(i)) = pairs[i].second;
   }
   Shape& shape = document.shapes.at(0);
-  shape.placement = shape.before_landmarks = fit_similarity(from, to, shape.placement);
-  shape.placed = std::make_shared<const Points>(shape.placement.apply((*reference)->points));
+  shape.placement = shape.before_landmarks = nearest_similarity(from, to, shape.placement);
+  shape.placed = std::make_shared<const Points>(shape.placement.apply((*the_template)->points));
   shape.reference = shape.points = shape.placed;
   return document;
 }

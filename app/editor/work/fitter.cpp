@@ -20,13 +20,14 @@ std::string as_sentence(std::string text) {
 
 Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const FitSettings& settings,
                       const FitOptions& options) {
-  const Template& reference = *document.reference;
+  const Template& the_template = *document.the_template;
   const int frame = std::min(document.frame, labels.volume->frames - 1);
-  auto boundary = label_boundary(*labels.volume, settings.label, frame, settings.closing_mm, reference.points.rows());
+  auto boundary =
+      label_boundary(*labels.volume, settings.label, frame, settings.closing_mm, the_template.points.rows());
   if (!boundary) return fail(labels.name, boundary.error().what);
   auto fit = fit_document(document, *boundary, settings.as_placed, options);
   if (!fit) return fail(labels.name, fit.error().what);
-  const FitJudgement judgement = judge_fit(reference, *boundary, options, fit->result);
+  const FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
   Fitted done;
   done.agreement = judgement.agreement;
   for (const std::string& warning : judgement.warnings) done.remarks.push_back(as_sentence(warning));
@@ -40,7 +41,7 @@ Result<Fitted> refined(const Document& document, Progress& progress) {
   Fitted done;
   done.edit = std::move(refinement->action);
   const auto moved_mm = (*done.edit.points - *document.shape().points).rowwise().norm();
-  const auto off = surface_distance({document.reference->topology, *done.edit.points}, document.mesh());
+  const auto off = surface_distance({document.the_template->topology, *done.edit.points}, document.mesh());
   char remark[200];
   std::snprintf(
       remark, sizeof remark,

@@ -16,7 +16,7 @@ constexpr double share_kept = 0.99;
 Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_out) {
   const Eigen::Index count = std::ssize(study.shapes) - (left_out < 0 ? 0 : 1);
   if (count < 2) return fail("", "The model needs at least two other cases of this template.");
-  ShapeMatrix shapes(3 * study.landmarks(), count);
+  ShapeMatrix shapes(3 * study.vertices(), count);
   Eigen::Index column = 0;
   for (std::ptrdiff_t k = 0; k < std::ssize(study.shapes); ++k) {
     if (k == left_out) continue;
@@ -34,12 +34,13 @@ struct ModelHelp::Completer {
   std::optional<ShapeSolver> solver;
 
   Result<std::optional<Action>> complete(const Document& document, double strength) {
-    if (!document.reference || !document.has_shape()) return std::optional<Action>();
-    if (!solver || solver->topology() != document.reference->topology) solver.emplace(document.reference->topology);
+    if (!document.the_template || !document.has_shape()) return std::optional<Action>();
+    if (!solver || solver->topology() != document.the_template->topology)
+      solver.emplace(document.the_template->topology);
     const Shape& shape = document.shape();
     const VertexScalars stiffness = document.stiffness_base * *document.stiffness;
     auto done =
-        completed(model, unaided_points(shape), known_landmarks(shape), known_noise_mm, strength, stiffness, *solver);
+        completed(model, unaided_points(shape), known_vertices(shape), known_noise_mm, strength, stiffness, *solver);
     if (!done) return fail(done.error());
     return std::optional<Action>(points_edit(document, done->points, by_model));
   }

@@ -51,7 +51,7 @@ bool is_label_map_on(const Volume& volume, const Volume& image) {
 Error second_image(const std::string& path, const std::string& why) {
   return {path, "is a second image" + why +
                     "; open one at a time, a series of slices as the folder that holds them, and a label map by "
-                    "Reference → Open a label map…"};
+                    "Template → Open a label map…"};
 }
 
 void take_labels(Opened& opened, Volume labels) {
@@ -164,9 +164,9 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     if (!opened.volume) return {};  // a label map, or something is to be asked first
   }
   if (!request.template_source.empty()) {
-    auto reference = load_template(request.template_source);
-    if (!reference) return fail(reference.error());
-    opened.reference = std::move(*reference);
+    auto the_template = load_template(request.template_source);
+    if (!the_template) return fail(the_template.error());
+    opened.the_template = std::move(*the_template);
   }
   if (!request.labels.empty() && !opened.labels) {
     VolumeReadOptions options;

@@ -23,7 +23,7 @@ struct Opened {
   std::optional<CaseRead> opened_case;
   std::optional<Document> demo;
   std::shared_ptr<const Volume> volume;
-  std::shared_ptr<const Template> reference;
+  std::shared_ptr<const Template> the_template;
   std::shared_ptr<const Volume> labels;
   std::vector<int> label_values;  ///< those that `labels` holds, without 0
   std::vector<std::string> warnings;

@@ -29,12 +29,12 @@ bool moves_boundary(Tool tool) {
   return tool == Tool::pull || tool == Tool::grab;
 }
 
-SnapRegion snap_region(const Document& document, const Stroke& stroke) {
-  const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().points);
+SnapArea snap_region(const Document& document, const Stroke& stroke) {
+  const double edge_mm = mean_edge_mm(*document.the_template->topology, *document.shape().points);
   return {stroke.to, std::hypot(stroke.sigma_mm, stiffness_length_mm(document.stiffness_base, edge_mm))};
 }
 
-Compute snap_compute(const SnapRegion& region, const SnapSettings& settings) {
+Compute snap_compute(const SnapArea& region, const SnapSettings& settings) {
   return [region, options = options_of(settings)](const Document& document) -> Result<std::optional<Action>> {
     auto edit = snap_document(document, region, options);
     return edit ? std::optional<Action>(std::move(edit->action)) : std::nullopt;
@@ -71,7 +71,7 @@ std::optional<SnapFound> Snaps::take() {
   return std::exchange(box_->found, std::nullopt);
 }
 
-void Snaps::start(SessionThread& session, std::optional<SnapRegion> region, const SnapSettings& settings, bool joined) {
+void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const SnapSettings& settings, bool joined) {
   using Clock = std::chrono::steady_clock;
   cancel();
   box_ = std::make_shared<Box>();

@@ -14,16 +14,15 @@ namespace homolog {
 /// Whether a tool carries the surface to another place, which a snap and the model's help carry on from.
 bool moves_boundary(Tool tool);
 /// What a stroke moves: its falloff, spread by the stiffness.
-SnapRegion snap_region(const Document& document, const Stroke& stroke);
+SnapArea snap_region(const Document& document, const Stroke& stroke);
 /// A snap as the settings say. Where it fails, the mesh stays as it is and there is no error.
-Compute snap_compute(const SnapRegion& region, const SnapSettings& settings);
+Compute snap_compute(const SnapArea& region, const SnapSettings& settings);
 
 /// Snaps the case's mesh to its image on the session's thread, each snap one edit. The latest wins: one that still
 /// runs is given up.
 class Snaps {
  public:
-  void start(SessionThread& session, std::optional<SnapRegion> region, const SnapSettings& settings,
-             bool joined = false);
+  void start(SessionThread& session, std::optional<SnapArea> region, const SnapSettings& settings, bool joined = false);
   void cancel();
   bool busy() const;
   /// What the latest snap found, once.

@@ -16,7 +16,7 @@ Result<void> learn_case(const StudyCase& one, const Document& document, Eigen::I
   if (!document.volume || shape == document.shapes.end())
     return fail(one.name, "has no image with a mesh on it to learn from");
   if (shape->second.points->rows() != vertices) return fail(one.name, "is of another template");
-  return appearance.learn(*document.volume, shape->first, {document.reference->topology, *shape->second.points});
+  return appearance.learn(*document.volume, shape->first, {document.the_template->topology, *shape->second.points});
 }
 
 }  // namespace

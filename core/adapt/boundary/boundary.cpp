@@ -5,7 +5,7 @@
 
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/remesh.h"
-#include "core/template_making/label_region.h"
+#include "core/template_making/label_body.h"
 #include "core/template_making/level_set.h"
 #include "core/template_making/voxel_components.h"
 
@@ -14,7 +14,7 @@ namespace homolog {
 namespace {
 
 /// Where the label's largest part lies at the first or last plane of the label map in an axis.
-std::vector<ScanEdge> edges_of(const LabelRegion& region, const VolumeGeometry& whole) {
+std::vector<ScanEdge> edges_of(const LabelBody& region, const VolumeGeometry& whole) {
   std::vector<ScanEdge> edges;
   for (std::size_t side = 0; side < 6; ++side) {
     if (!region.touches[side]) continue;
@@ -56,7 +56,7 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double
   const LabelExtent extent = label_extent(mask, label, frame);
   const double edge_mm = spread_edge_mm(extent.area_mm2, vertices), margin_mm = closing_mm + edge_mm;
   const double spacing_mm = worked_spacing_mm(mask, extent, edge_mm, margin_mm);
-  const auto region = label_region(mask, label, frame, extent, spacing_mm, margin_mm);
+  const auto region = label_body(mask, label, frame, extent, spacing_mm, margin_mm);
   if (!region) return fail(region.error());
 
   LevelSet surface = resampled(signed_distance(region->inside, region->grid), spacing_mm);

@@ -50,13 +50,13 @@ struct ClosestPoints::System {
   }
 };
 
-ClosestPoints::ClosestPoints(const Template& reference, const Boundary& boundary)
-    : boundary_(boundary), on_boundary_(boundary.surface), on_template_({reference.topology, reference.points}) {
+ClosestPoints::ClosestPoints(const Template& the_template, const Boundary& boundary)
+    : boundary_(boundary), on_boundary_(boundary.surface), on_template_({the_template.topology, the_template.points}) {
   const auto sampled = [](const Points& points, std::vector<Vec3>& samples) {
     const Eigen::Index stride = 1 + points.rows() / surface_samples;
     for (Eigen::Index i = 0; i < points.rows(); i += stride) samples.push_back(points.row(i));
   };
-  sampled(reference.points, own_);
+  sampled(the_template.points, own_);
   sampled(boundary.surface.points, there_);
   std::erase_if(there_, [&](const Vec3& p) { return !boundary.shows(p); });
   diagonal_mm_ = bounds_of(boundary.surface.points).diagonal().norm();

@@ -27,7 +27,7 @@ struct Placed {
 class ClosestPoints {
  public:
   /// Both outlive this.
-  ClosestPoints(const Template& reference, const Boundary& boundary);
+  ClosestPoints(const Template& the_template, const Boundary& boundary);
 
   /// The likeliest placement near `start`, by Gauss-Newton steps until one is shorter than `rest` times the organ's
   /// size; it ends before one that would turn it away from the prior's rotation by more than `most_turn` (radians). A

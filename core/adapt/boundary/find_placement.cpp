@@ -90,9 +90,9 @@ struct Start {
 };
 
 /// find_placement; `rest`: the last step, as a share of the organ's size.
-Placed placed(const Template& reference, const Boundary& boundary, const PlacementHints& hints, double rest) {
-  const ClosestPoints closest(reference, boundary);
-  const Moments from = moments_of({reference.topology, reference.points}), to = moments_of(boundary.surface);
+Placed placed(const Template& the_template, const Boundary& boundary, const PlacementHints& hints, double rest) {
+  const ClosestPoints closest(the_template, boundary);
+  const Moments from = moments_of({the_template.topology, the_template.points}), to = moments_of(boundary.surface);
   const auto at = [&](const Eigen::Quaterniond& rotation) {
     const double scale = to.size_mm / from.size_mm;
     return Similarity{rotation, scale, to.centre - scale * (rotation * from.centre)};
@@ -110,10 +110,10 @@ Placed placed(const Template& reference, const Boundary& boundary, const Placeme
       starts.push_back({at(start), farthest});
   }
   KnownPlaces places;
-  if (auto [own, there] = matched_landmarks(reference, hints.landmarks); own.rows() >= fewest_placing_landmarks) {
+  if (auto [own, there] = matched_landmarks(the_template, hints.landmarks); own.rows() >= fewest_placing_landmarks) {
     places = {std::move(own), std::move(there)};
     const Similarity likely =
-        likely_similarity(places.own, places.there, prior, bounds_of(reference.points).diagonal().norm());
+        likely_similarity(places.own, places.there, prior, bounds_of(the_template.points).diagonal().norm());
     if (likely.scale > 0) starts.push_back({likely, everywhere});
   }
   Placed best;
@@ -131,21 +131,21 @@ Placed placed(const Template& reference, const Boundary& boundary, const Placeme
 
 }  // namespace
 
-Placed find_placement(const Template& reference, const Boundary& boundary, const PlacementHints& hints) {
-  return placed(reference, boundary, hints, at_rest);
+Placed find_placement(const Template& the_template, const Boundary& boundary, const PlacementHints& hints) {
+  return placed(the_template, boundary, hints, at_rest);
 }
 
-bool looks_mirrored(const Template& reference, const Boundary& boundary, Orientation orientation) {
+bool looks_mirrored(const Template& the_template, const Boundary& boundary, Orientation orientation) {
   // Of femora, hips and phantom kidneys the template of the other side comes to 1.8 times and more of its mirror
   // image's distance, that of the same side to half at most. Real kidneys are less sure: 0.9 to 2.2, and 0.3 to 1.4.
   constexpr double clearly = 0.65;
   constexpr double visible_share = 0.005;  // of the diagonal: below, a ball would look mirrored by its noise
-  const auto other = make_template(mirrored(to_mesh_file(reference)), reference.source);
+  const auto other = make_template(mirrored(to_mesh_file(the_template)), the_template.source);
   if (!other) return false;
   const auto distance_mm = [&](const Template& side) {
     return placed(side, boundary, {{}, orientation, {}}, nearly).distance_mm;
   };
-  const double own_mm = distance_mm(reference);
+  const double own_mm = distance_mm(the_template);
   return own_mm > visible_share * bounds_of(boundary.surface.points).diagonal().norm() &&
          distance_mm(**other) < clearly * own_mm;
 }

@@ -28,11 +28,11 @@ struct PlacementHints {
 /// rotation of the patient's axes, of the moments' axes (whose order and signs the patient's axes decide) and of the
 /// landmarks. So landmarks decide of the rotation what they determine well; the surface and the patient's axes decide
 /// the rest. A landmark that contradicts the surface and the others is not trusted. Never a reflection.
-Placed find_placement(const Template& reference, const Boundary& boundary, const PlacementHints& hints = {});
+Placed find_placement(const Template& the_template, const Boundary& boundary, const PlacementHints& hints = {});
 
 /// Whether the mirrored template, placed by a similarity alone, lies clearly nearer to the boundary than the template:
 /// the organ of the other side. Organs that are their own mirror images never look mirrored.
-bool looks_mirrored(const Template& reference, const Boundary& boundary,
+bool looks_mirrored(const Template& the_template, const Boundary& boundary,
                     Orientation orientation = Orientation::patient);
 
 }  // namespace homolog

@@ -23,10 +23,10 @@ Result<EditReport> apply_frame(const SetFrame& action, Edit& edit) {
     return fail("frame", std::to_string(action.frame) + " does not exist; the volume has frames 0 to " +
                              std::to_string(frames - 1));
   edit.after.frame = action.frame;
-  if (before.reference && !edit.after.has_shape()) {
+  if (before.the_template && !edit.after.has_shape()) {
     Shape shape;
     shape.placement = shape.before_landmarks = before.has_shape() ? before.shape().placement : Similarity{};
-    start_anew(*before.reference, shape);
+    start_anew(*before.the_template, shape);
     edit.after.shapes.emplace(action.frame, std::move(shape));
   }
   return EditReport{};

@@ -11,8 +11,8 @@ namespace homolog {
 
 namespace {
 
-constexpr Names<LandmarkFit, 3> fit_names{
-    {{"off", LandmarkFit::off}, {"similarity", LandmarkFit::similarity}, {"warp", LandmarkFit::warp}}};
+constexpr Names<LandmarkPull, 3> fit_names{
+    {{"off", LandmarkPull::off}, {"similarity", LandmarkPull::similarity}, {"warp", LandmarkPull::warp}}};
 
 Result<void> check_landmark(const std::string& name, const std::optional<Vec3>& at) {
   if (name.empty() || (at && !at->allFinite())) return fail("landmark", "needs a name and a finite position");
@@ -26,25 +26,25 @@ Result<EditReport> apply_landmark(const PlaceLandmark& action, Edit& edit) {
     shape.landmarks.insert_or_assign(action.name, *action.at);
   else
     shape.landmarks.erase(action.name);
-  return follow_landmarks(*edit.before.reference, edit.before.landmark_fit, edit.before.weighs_landmarks, shape);
+  return carry_to_landmarks(*edit.before.the_template, edit.before.landmark_pull, edit.before.weighs_landmarks, shape);
 }
 
-Result<EditReport> apply_landmark_fit(const SetLandmarkFit& action, Edit& edit) {
-  edit.after.landmark_fit = action.fit;
+Result<EditReport> apply_landmark_pull(const SetLandmarkPull& action, Edit& edit) {
+  edit.after.landmark_pull = action.fit;
   Shape& shape = edit.shape();
-  if (shape.strokes == 0) start_anew(*edit.before.reference, shape);
-  return follow_landmarks(*edit.before.reference, action.fit, edit.before.weighs_landmarks, shape);
+  if (shape.strokes == 0) start_anew(*edit.before.the_template, shape);
+  return carry_to_landmarks(*edit.before.the_template, action.fit, edit.before.weighs_landmarks, shape);
 }
 
 Result<EditReport> apply_template_landmark(const SetTemplateLandmark& action, Edit& edit) {
   if (auto usable = check_landmark(action.name, action.at); !usable) return fail(usable.error());
-  const Template& reference = *edit.before.reference;
-  MeshFile file = to_mesh_file(reference);
+  const Template& the_template = *edit.before.the_template;
+  MeshFile file = to_mesh_file(the_template);
   const auto known = std::find_if(file.landmarks.begin(), file.landmarks.end(),
                                   [&](const Landmark& landmark) { return landmark.name == action.name; });
   if (action.at) {
-    const SurfacePoint on = nearest_on_surface(*reference.topology, *edit.before.shape().points, *action.at).at;
-    const Vec3 position = on.interpolate(*reference.topology, reference.points).transpose();
+    const SurfacePoint on = nearest_on_surface(*the_template.topology, *edit.before.shape().points, *action.at).at;
+    const Vec3 position = on.interpolate(*the_template.topology, the_template.points).transpose();
     if (known != file.landmarks.end())
       known->position = position;
     else
@@ -54,7 +54,7 @@ Result<EditReport> apply_template_landmark(const SetTemplateLandmark& action, Ed
       return fail("landmark", "\"" + excerpt(action.name) + "\" is none of the template's");
     file.landmarks.erase(known);
   }
-  edit.after.reference = with_landmarks(reference, std::move(file.landmarks));
+  edit.after.the_template = with_landmarks(the_template, std::move(file.landmarks));
   return EditReport{};
 }
 
@@ -79,14 +79,14 @@ const ActionKind<PlaceLandmark>& action_kind(const PlaceLandmark&) {
   return kind;
 }
 
-const ActionKind<SetLandmarkFit>& action_kind(const SetLandmarkFit&) {
-  static constexpr ActionKind<SetLandmarkFit> kind{
+const ActionKind<SetLandmarkPull>& action_kind(const SetLandmarkPull&) {
+  static constexpr ActionKind<SetLandmarkPull> kind{
       .key = "landmark_fit",
       .example = R"({"landmark_fit":"warp"})",
       .meaning = "how landmarks carry the template before the first stroke: `off`, `similarity` or `warp`",
-      .name = [](const SetLandmarkFit&) -> std::string { return "landmark fit"; },
-      .spell = [](Fields& line, SetLandmarkFit& action) { line.member("landmark_fit", fit_names, action.fit); },
-      .apply = apply_landmark_fit};
+      .name = [](const SetLandmarkPull&) -> std::string { return "landmark fit"; },
+      .spell = [](Fields& line, SetLandmarkPull& action) { line.member("landmark_fit", fit_names, action.fit); },
+      .apply = apply_landmark_pull};
   return kind;
 }
 

@@ -15,11 +15,11 @@ struct PlaceLandmark {
 };
 const ActionKind<PlaceLandmark>& action_kind(const PlaceLandmark&);
 
-struct SetLandmarkFit {
-  LandmarkFit fit = LandmarkFit::warp;
-  bool operator==(const SetLandmarkFit&) const = default;
+struct SetLandmarkPull {
+  LandmarkPull fit = LandmarkPull::warp;
+  bool operator==(const SetLandmarkPull&) const = default;
 };
-const ActionKind<SetLandmarkFit>& action_kind(const SetLandmarkFit&);
+const ActionKind<SetLandmarkPull>& action_kind(const SetLandmarkPull&);
 
 /// Names the point of the template's surface that lies nearest to `at` on the mesh as it is now, moves that landmark,
 /// or (without a position) takes it away.

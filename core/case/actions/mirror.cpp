@@ -10,13 +10,13 @@ namespace {
 
 Result<EditReport> apply_mirror(const MirrorTemplate&, Edit& edit) {
   const Document& before = edit.before;
-  auto made = make_template(mirrored(to_mesh_file(*before.reference)), before.reference->source);
+  auto made = make_template(mirrored(to_mesh_file(*before.the_template)), before.the_template->source);
   if (!made) return fail(made.error());
-  edit.after.reference = *made;
+  edit.after.the_template = *made;
   for (auto& [frame, shape] : edit.after.shapes) {
     shape.confirmed.reset();
     start_anew(**made, shape);
-    if (auto report = follow_landmarks(**made, before.landmark_fit, before.weighs_landmarks, shape); !report)
+    if (auto report = carry_to_landmarks(**made, before.landmark_pull, before.weighs_landmarks, shape); !report)
       return fail(report.error());
   }
   return EditReport{};

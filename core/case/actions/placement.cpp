@@ -8,7 +8,7 @@ namespace homolog {
 namespace {
 
 /// R and P move along with the placement.
-void move_placement(const Template& reference, const Similarity& placement, Shape& shape) {
+void move_placement(const Template& the_template, const Similarity& placement, Shape& shape) {
   const auto moved = [move = placement.after(shape.placement.inverse())](const Points& points) {
     return std::make_shared<const Points>(move.apply(points));
   };
@@ -16,7 +16,7 @@ void move_placement(const Template& reference, const Similarity& placement, Shap
   const bool edited = shape.points != shape.reference;
   if (shape.unaided) shape.unaided = moved(*shape.unaided);
   shape.placement = shape.before_landmarks = placement;
-  shape.placed = std::make_shared<const Points>(placement.apply(reference.points));
+  shape.placed = std::make_shared<const Points>(placement.apply(the_template.points));
   shape.reference = warped ? moved(*shape.reference) : shape.placed;
   shape.points = edited ? moved(*shape.points) : shape.reference;
 }
@@ -32,7 +32,7 @@ const ActionKind<SetPlacement>& action_kind(const SetPlacement&) {
       .spell = [](Fields& line, SetPlacement& action) { line.member("placement", action.placement); },
       .apply = [](const SetPlacement& action, Edit& edit) -> Result<EditReport> {
         if (auto usable = check_placement(action.placement); !usable) return fail(usable.error());
-        move_placement(*edit.before.reference, action.placement, edit.shape());
+        move_placement(*edit.before.the_template, action.placement, edit.shape());
         return EditReport{};
       }};
   return kind;

@@ -55,10 +55,10 @@ std::shared_ptr<const Points> unaided_by(const SetPoints& action, const Shape& s
 }
 
 Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
-  const Template& reference = *edit.before.reference;
-  if (!action.points || action.points->rows() != reference.points.rows()) {
+  const Template& the_template = *edit.before.the_template;
+  if (!action.points || action.points->rows() != the_template.points.rows()) {
     return fail("points", std::to_string(action.points ? action.points->rows() : 0) + " were given for " +
-                              std::to_string(reference.points.rows()) + " vertices");
+                              std::to_string(the_template.points.rows()) + " vertices");
   }
   if (!action.points->allFinite()) return fail("points", "hold a coordinate that is no finite number");
   if (action.placement)
@@ -66,7 +66,7 @@ Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
   Shape& shape = edit.shape();
   if (action.placement) {
     shape.placement = shape.before_landmarks = *action.placement;
-    shape.reference = shape.placed = std::make_shared<const Points>(action.placement->apply(reference.points));
+    shape.reference = shape.placed = std::make_shared<const Points>(action.placement->apply(the_template.points));
   }
   shape.unaided = unaided_by(action, shape);
   if (action.by != by_model && action.by != by_refinement) {

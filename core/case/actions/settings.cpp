@@ -35,17 +35,17 @@ const ActionKind<SetScheme>& action_kind(const SetScheme&) {
   return kind;
 }
 
-const ActionKind<SetSpacing>& action_kind(const SetSpacing&) {
-  static constexpr ActionKind<SetSpacing> kind{
+const ActionKind<SetEvenSpacing>& action_kind(const SetEvenSpacing&) {
+  static constexpr ActionKind<SetEvenSpacing> kind{
       .key = "spacing",
       .example = R"({"spacing":0.5})",
       .meaning = "strength of keeping vertices evenly spread along with an edit, 0…1",
       .needs_mesh = false,
-      .name = [](const SetSpacing&) -> std::string { return "even spacing"; },
-      .spell = [](Fields& line, SetSpacing& action) { line.member("spacing", action.strength); },
-      .apply = [](const SetSpacing& action, Edit& edit) -> Result<EditReport> {
+      .name = [](const SetEvenSpacing&) -> std::string { return "even spacing"; },
+      .spell = [](Fields& line, SetEvenSpacing& action) { line.member("spacing", action.strength); },
+      .apply = [](const SetEvenSpacing& action, Edit& edit) -> Result<EditReport> {
         if (!(action.strength >= 0 && action.strength <= 1)) return fail("spacing", "must be between 0 and 1");
-        edit.after.spacing = action.strength;
+        edit.after.even_spacing = action.strength;
         return EditReport{};
       }};
   return kind;

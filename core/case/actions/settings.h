@@ -13,10 +13,10 @@ struct SetScheme {
 const ActionKind<SetScheme>& action_kind(const SetScheme&);
 
 /// How strongly the strokes after it keep vertices evenly spread, 0…1.
-struct SetSpacing {
+struct SetEvenSpacing {
   double strength = 0;
-  bool operator==(const SetSpacing&) const = default;
+  bool operator==(const SetEvenSpacing&) const = default;
 };
-const ActionKind<SetSpacing>& action_kind(const SetSpacing&);
+const ActionKind<SetEvenSpacing>& action_kind(const SetEvenSpacing&);
 
 }  // namespace homolog

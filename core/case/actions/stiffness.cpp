@@ -40,7 +40,7 @@ Result<EditReport> apply_smoothing(const SmoothStiffness& action, Edit& edit) {
   if (auto usable = check_brush(action.at, action.radius_mm, 0); !usable) return fail(usable.error());
   if (!(action.strength >= 0 && action.strength <= 1)) return fail("strength", "must be between 0 and 1");
   const VertexScalars& before = *edit.before.stiffness;
-  const Topology& topology = *edit.before.reference->topology;
+  const Topology& topology = *edit.before.the_template->topology;
   auto factors = std::make_shared<VertexScalars>(before);
   const int touched =
       brush(*edit.before.shape().points, action.at, action.radius_mm, 0.5, [&](Eigen::Index i, double b) {

@@ -29,9 +29,9 @@ void spell_stroke(Fields& line, Stroke& stroke) {
 Result<EditReport> apply_stroke(const Stroke& stroke, Edit& edit) {
   const Document& before = edit.before;
   const Shape& shape = before.shape();
-  const StrokeStart start{before.reference->topology, shape.placed,          shape.reference, shape.points,
-                          before.stiffness,           before.stiffness_base, shape.confirmed, before.scheme,
-                          before.paper_events,        before.spacing};
+  const StrokeStart start{
+      before.the_template->topology, shape.placed,    shape.reference, shape.points,        before.stiffness,
+      before.stiffness_base,         shape.confirmed, before.scheme,   before.paper_events, before.even_spacing};
   auto outcome = edit.deformer.stroke(start, stroke, edit.pass);
   if (!outcome) return fail(outcome.error());
   EditReport report;

@@ -16,6 +16,7 @@
 #include "core/volume/volume_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"
+#include "tests/small_files.h"
 
 // Commands: each has a line, and the lines of a session lead to its case again.
 
@@ -87,11 +88,11 @@ TEST_CASE("the commands of a session lead to the same case again") {
   {
     Driver driver(ball.document);
     REQUIRE(driver.app().log().write_to(log));
-    driver.click("side panel/Reference");
+    driver.click("side panel/Template");
     driver.type_into("new region", "pole");
-    driver.click("Reference/Add");
+    driver.click("Template/Add");
     driver.settle();
-    driver.click("side panel/Reference");
+    driver.click("side panel/Template");
     driver.click("side panel/Place");
     open_by_dialog(driver, "Place/Import…", ball.landmarks);
     driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("north"); });
@@ -159,7 +160,7 @@ TEST_CASE("a log is read from a file only, and says once when the disk is full")
   log.is_done(ChooseTool{MouseTool::slide});
   CHECK(log.take_fault().empty());
   {
-    const SmallFiles full(100);
+    const SmallFilesOnly full(100);
     for (int k = 0; k < 10; ++k) log.is_done(ChooseTool{MouseTool::slide});
   }
   CHECK(log.take_fault().find("session.log: the log ends here") != std::string::npos);

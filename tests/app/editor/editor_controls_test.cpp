@@ -107,7 +107,8 @@ TEST_CASE("the touches of one brush stroke are one step and the next stroke is a
 TEST_CASE("Ctrl with the wheel keeps the point under the pointer") {
   Desk desk;
   const auto under = [&] {
-    return view_map(desk.state, desk.context(), ViewKind::sagittal).on_facing_plane(650, 200, desk.state.crosshair_mm);
+    return view_map(desk.state, desk.layout, desk.document, ViewKind::sagittal)
+        .on_facing_plane(650, 200, desk.state.crosshair_mm);
   };
   const Vec3 before = under();
   desk.send(Wheel{3}, 650, 200, false, true);
@@ -235,7 +236,7 @@ TEST_CASE("the ruler in the 3D view measures between points of the surface") {
 
 TEST_CASE("the knob of the placement follows the pointer in any slice") {
   Desk desk;
-  const ViewMap map = view_map(desk.state, desk.context(), ViewKind::axial);
+  const ViewMap map = view_map(desk.state, desk.layout, desk.document, ViewKind::axial);
   PlaceDrag drag;
   drag.part = PlacePart::knob;
   drag.centre_mm = desk.state.crosshair_mm + 30 * map.into_screen();

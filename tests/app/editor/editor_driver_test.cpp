@@ -57,11 +57,11 @@ void choose(Driver& driver, const fs::path& file) {
   driver.press(key::enter);
 }
 
-/// The section Reference open, with a region.
+/// The section Template open, with a region.
 void add_region(Driver& driver, const std::string& name) {
-  driver.click("side panel/Reference");
+  driver.click("side panel/Template");
   driver.type_into("new region", name);
-  driver.click("Reference/Add");
+  driver.click("Template/Add");
   driver.wait_until("the region is in the case", [&] { return region_named(driver.document(), name) != nullptr; });
 }
 
@@ -83,7 +83,7 @@ TEST_CASE("a region's factor stays as it was typed or dragged") {
   driver.press(key::tab);
   driver.wait_until("5 is in the case", [&] { return factor_of(driver, "hilum") == 5; });
   driver.type_into("hilum/factor", "3");
-  driver.click("Reference/Import…");  // clicked away: the dialog opens over it
+  driver.click("Template/Import…");  // clicked away: the dialog opens over it
   driver.press(key::escape);
   driver.wait_until("3 is in the case", [&] { return factor_of(driver, "hilum") == 3; });
 
@@ -101,7 +101,7 @@ TEST_CASE("a region's factor stays as it was typed or dragged") {
 TEST_CASE("Enter takes a region's name and another one after a double click") {
   const Ball ball;
   Driver driver(ball.document());
-  driver.click("side panel/Reference");
+  driver.click("side panel/Template");
   driver.type_into("new region", "hilum");
   driver.press(key::enter);
   driver.wait_until("the region is in the case", [&] { return region_named(driver.document(), "hilum") != nullptr; });
@@ -164,10 +164,10 @@ TEST_CASE("landmark files are read beside the window and taken into the case tha
                     [&] { return driver.shows("1 of 2 names are not landmarks of the template"); });
   driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("north"); });
 
-  driver.click("side panel/Reference");
-  driver.click("Reference/Import…");
+  driver.click("side panel/Template");
+  driver.click("Template/Import…");
   choose(driver, on_template);
-  driver.wait_until("the template has it", [&] { return driver.document().reference->landmarks.size() == 3; });
+  driver.wait_until("the template has it", [&] { return driver.document().the_template->landmarks.size() == 3; });
   CHECK(driver.shows("far (360 mm)"));
 
   // Asked for before another case was opened.
@@ -300,7 +300,7 @@ TEST_CASE("a template that was made is written like any other file and then used
   driver.wait_until("a fault is said", [&] { return driver.shows(driver.folder().string() + ": "); });
   driver.app().send(UseMadeTemplate{file});
   driver.wait_until("it is said that the file is written", [&] { return driver.shows("Written: " + file.string()); });
-  driver.wait_until("the case has it", [&] { return driver.document().reference->source == file.string(); });
+  driver.wait_until("the case has it", [&] { return driver.document().the_template->source == file.string(); });
   CHECK(driver.document().shape().points->rows() == 500);
 }
 
@@ -327,7 +327,7 @@ TEST_CASE("an image and its label map are opened together") {
   driver.wait_until("that is said", [&] { return driver.shows("labels.nii is shown as a label map"); });
   driver.settle();
   CHECK(driver.document().volume_source == image.string());
-  driver.click("side panel/Reference");
+  driver.click("side panel/Template");
   CHECK(driver.has("Make the template"));
 }
 

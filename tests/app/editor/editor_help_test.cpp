@@ -26,8 +26,8 @@ std::shared_ptr<const Volume> labels() {
   return std::make_shared<const Volume>(label_map(organ, grid, 2));
 }
 
-std::shared_ptr<const Document> case_of(const std::shared_ptr<const Template>& reference) {
-  return std::make_shared<const Document>(new_document("", nullptr, reference));
+std::shared_ptr<const Document> case_of(const std::shared_ptr<const Template>& the_template) {
+  return std::make_shared<const Document>(new_document("", nullptr, the_template));
 }
 
 FitSettings settings() {
@@ -135,14 +135,14 @@ TEST_CASE("the model completes what strokes leave open and leaves alone what is 
   pull.sigma_mm = 8;
   const Document plain = test::must(session.preview(pull)).document;
   const Document completed = test::must(session.preview(pull, {help.completion(1)})).document;
-  const VertexScalars known = known_landmarks(plain.shape());
+  const VertexScalars known = known_vertices(plain.shape());
   CHECK(known.maxCoeff() == 1);
   CHECK(known.mean() < 0.5);
   const VertexScalars moved = (*completed.shape().points - *plain.shape().points).rowwise().norm();
   for (Eigen::Index i = 0; i < known.size(); ++i)
     if (known[i] >= 1) CHECK(moved[i] == 0);
   CHECK(moved.maxCoeff() > 0.01);
-  CHECK(known_landmarks(completed.shape()) == known);
+  CHECK(known_vertices(completed.shape()) == known);
 }
 
 TEST_CASE("the model's help does not add up and can be taken back") {

@@ -43,7 +43,7 @@ struct Balls {
   }
   /// With the model in it.
   ModelsState& modelled() {
-    take_model(state, build().model);
+    show_model(state, build().model);
     REQUIRE(state.model);
     return state;
   }
@@ -214,13 +214,13 @@ TEST_CASE("a landmark that is looked at is in the middle of every cell and faces
     CHECK(std::abs(px.x() - cell.x - cell.width / 2) < 1);
     CHECK(std::abs(px.y() - cell.y - cell.height / 2) < 1);
     CHECK(faces_viewer(state.camera, {state.model->topology, points}, 17));
-    const auto found = place_at(state, grid, px.x(), px.y(), 1);
+    const auto found = vertex_at(state, grid, px.x(), px.y(), 1);
     REQUIRE(found);
-    CHECK(*found == GalleryPlace{k, 17});
+    CHECK(*found == GalleryVertex{k, 17});
   }
   unpin(state);
   CHECK_FALSE(state.pinned);
-  fit_gallery(state);
+  show_all_shapes(state);
   CHECK(state.camera.distance_mm == doctest::Approx(distance_mm));
 }
 
@@ -242,8 +242,9 @@ TEST_CASE("Tab exchanges case and models and in the models the tools' keys do no
   Outbox out;
   const Document document = new_document({}, nullptr, nullptr);
   const Layout layout = make_layout(1280, 800, 1, {});
+  ShownMesh mesh;
   const auto press = [&](int key) {
-    const ControlsContext context{layout, document, false, false};
+    const ControlsContext context{layout, document, mesh, false, false};
     press_key(state, {KeyPress{key}, 0, 0, false, false, false, 0, true}, key, context, out);
     for (const Command& command : out.take()) run_on_state(command, state, context, out);
   };

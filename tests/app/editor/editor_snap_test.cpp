@@ -107,7 +107,7 @@ TEST_CASE("what the boundary looks like is learned from the cases of a study tha
   const TemporaryFolder folder;
   const Mesh ball = icosphere(3, 24);
   REQUIRE(write_mesh(ball, folder.path / "ball.ply"));
-  const auto reference = load_template((folder.path / "ball.ply").string()).value();
+  const auto the_template = load_template((folder.path / "ball.ply").string()).value();
   Study study;
   for (const int number : {2, 3, 4}) {
     StudyCase one;
@@ -116,8 +116,8 @@ TEST_CASE("what the boundary looks like is learned from the cases of a study tha
     one.state = number == 4 ? CaseState::to_do : CaseState::done;
     // The second is done but has no image.
     Document begun =
-        number == 3 ? new_document("", nullptr, reference) : ball_on_image(24, folder.path / (one.name + ".nrrd"));
-    REQUIRE(create_case(new_document(begun.volume_source, begun.volume, reference), one.file));
+        number == 3 ? new_document("", nullptr, the_template) : ball_on_image(24, folder.path / (one.name + ".nrrd"));
+    REQUIRE(create_case(new_document(begun.volume_source, begun.volume, the_template), one.file));
     study.cases.push_back(std::move(one));
   }
   const auto cases = cases_to_learn(study, {});

@@ -76,7 +76,7 @@ TEST_CASE("a case is opened alone or with its image") {
 }
 
 TEST_CASE("landmarks of a file are taken by the template's names") {
-  const std::string name = demo().reference->landmarks.front().name;
+  const std::string name = demo().the_template->landmarks.front().name;
   const auto known = landmarks_of_template({{"elsewhere", Vec3::Zero()}, {name, Vec3::Ones()}}, demo());
   REQUIRE(known.size() == 1);
   CHECK(known[0].name == name);
@@ -84,11 +84,11 @@ TEST_CASE("landmarks of a file are taken by the template's names") {
 
 TEST_CASE("what a brush paints is shown while it is in hand") {
   EditorState state;
-  state.overlay = Overlay::moved;
+  state.colouring = Colouring::moved;
   state.tool = MouseTool::confirm;
-  CHECK(shown_overlay(state) == Overlay::stiffness);
+  CHECK(shown_colouring(state) == Colouring::stiffness);
   state.tool = MouseTool::pull;
-  CHECK(shown_overlay(state) == Overlay::moved);
+  CHECK(shown_colouring(state) == Colouring::moved);
 }
 
 TEST_CASE("reach presets grow with the mesh") {

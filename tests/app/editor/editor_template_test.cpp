@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-#include "app/editor/scene/mesh_overlay.h"
+#include "app/editor/scene/mesh_colouring.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/work/template_maker.h"
 #include "core/mesh/label_map.h"
@@ -45,14 +45,14 @@ TEST_CASE("the stiffness brush makes the action of what it paints and Alt revers
         document.stiffness_base * state.brush.stiffness_factor);
   state.brush.paints = BrushPaints::region;
   CHECK(std::get<PaintRegion>(*brush_action(state, document, at)).name == "hilum");
-  CHECK(shown_overlay(state) == Overlay::regions);
+  CHECK(shown_colouring(state) == Colouring::regions);
   state.drag = BrushDrag{ViewKind::space, at, true};
   CHECK(std::get<PaintRegion>(*brush_action(state, document, at)).name.empty());
   state.brush.paints = BrushPaints::fill;
   CHECK(std::get<FillRegion>(*brush_action(state, document, at)).name.empty());
   state.brush.paints = BrushPaints::smooth;
   CHECK(std::holds_alternative<SmoothStiffness>(*brush_action(state, document, at)));
-  CHECK(shown_overlay(state) == Overlay::stiffness);
+  CHECK(shown_colouring(state) == Colouring::stiffness);
 }
 
 TEST_CASE("regions colour the mesh as they say") {
@@ -60,7 +60,7 @@ TEST_CASE("regions colour the mesh as they say") {
   REQUIRE(session.apply(SetRegion{{"hilum", 1, {255, 0, 0}}}));
   REQUIRE(session.apply(PaintRegion{"hilum", {0, 0, 20}, 10, 0}));
   const Document& document = session.document();
-  const auto colours = overlay_colours(document, Overlay::regions, {}, 1);
+  const auto colours = mesh_colours(document, Colouring::regions, {}, 1);
   for (std::size_t i = 0; i < colours.size(); ++i)
     CHECK((colours[i] == Rgb{1, 0, 0}) == (document.regions->of_vertex[i] == 1));
 }

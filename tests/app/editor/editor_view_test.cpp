@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "app/editor/picking/picking.h"
+#include "app/editor/picking/shown_mesh.h"
 #include "app/editor/state/layout.h"
 #include "app/editor/state/view_geometry.h"
 #include "core/mesh/icosphere.h"
@@ -14,6 +15,17 @@ const Mat3 patient = Mat3::Identity();
 
 bool overlap(const RectPx& a, const RectPx& b) {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
+
+/// With this mesh, placed as it is.
+Document document_of(const Mesh& mesh) {
+  Template own;
+  own.topology = mesh.topology;
+  own.points = mesh.points;
+  Document document;
+  document.the_template = std::make_shared<const Template>(std::move(own));
+  document.shapes[0].points = std::make_shared<const Points>(mesh.points);
+  return document;
 }
 
 }  // namespace
@@ -108,9 +120,10 @@ TEST_CASE("turning the camera keeps its distance and its axes at right angles") 
 }
 
 TEST_CASE("the first point of a sphere along a ray is the near one and a plane before it hides it") {
-  const Mesh sphere = icosphere(3, 10);
+  ShownMesh mesh;
+  Document sphere = document_of(icosphere(3, 10));
   const Ray ray{Vec3(0, -100, 0), Vec3(0, 2, 0)};
-  const auto hit = first_on_surface(*sphere.topology, sphere.points, ray);
+  const auto hit = mesh.first_on_surface(sphere, ray);
   REQUIRE(hit);
   CHECK(hit->y() == doctest::Approx(-10).epsilon(0.02));
   VolumeGeometry image;
@@ -123,15 +136,36 @@ TEST_CASE("the first point of a sphere along a ray is the near one and a plane b
   CHECK_FALSE(hidden_by_planes(plane_at(0), image, ray, *hit));
   CHECK_FALSE(hidden_by_planes(plane_at(-60), image, ray, *hit));
   CHECK_FALSE(hidden_by_planes({}, image, ray, *hit));
+
+  sphere.shapes.at(0).points = std::make_shared<const Points>(2 * *sphere.shape().points);
+  CHECK(mesh.first_on_surface(sphere, ray)->y() == doctest::Approx(-20).epsilon(0.02));
 }
 
 TEST_CASE("the nearest outline point of a sphere is found within reach only") {
-  const Mesh sphere = icosphere(3, 10);
+  const ShownMesh mesh;
+  const Document sphere = document_of(icosphere(3, 10));
   const SliceView slice = test::axial(Vec3::Zero(), 1);
-  const auto near = nearest_on_outline(*sphere.topology, sphere.points, slice, Vec3(12, 0, 0), 3);
+  const auto near = mesh.nearest_on_outline(sphere, slice, Vec3(12, 0, 0), 3);
   REQUIRE(near);
   CHECK(near->x() == doctest::Approx(10).epsilon(0.02));
-  CHECK_FALSE(nearest_on_outline(*sphere.topology, sphere.points, slice, Vec3(14, 0, 0), 3));
+  CHECK_FALSE(mesh.nearest_on_outline(sphere, slice, Vec3(14, 0, 0), 3));
+}
+
+TEST_CASE("an outline is worked out once for a mesh and a plane, and anew for another") {
+  Outlines outlines;
+  const Mesh sphere = icosphere(3, 10);
+  const auto points = std::make_shared<const Points>(sphere.points);
+  const auto outline_at = [&](const std::shared_ptr<const Points>& mesh_points, double z) {
+    return outlines.of(sphere.topology, mesh_points, Vec3(0, 0, z), Vec3(0, 0, 1));
+  };
+  const auto first = outline_at(points, 1);
+  CHECK(outline_at(points, 1) == first);
+  CHECK(outline_at(points, 2) != first);
+  CHECK(outline_at(std::make_shared<const Points>(*points), 1) != first);
+  CHECK(outline_at(points, 1) == first);
+  CHECK(first->size() == intersect_plane(*sphere.topology, *points, Vec3(0, 0, 1), Vec3(0, 0, 1)).size());
+  for (double z = 3; z < 9; z += 0.5) outline_at(points, z);
+  CHECK(outline_at(points, 1) != first);  // what was not asked for is let go in time
 }
 
 TEST_CASE("dragging the knob scales and dragging the ring turns about the middle of the mesh") {

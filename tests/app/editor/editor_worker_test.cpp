@@ -165,7 +165,7 @@ TEST_CASE("the opener reads what is asked for last and says why it cannot") {
   };
   const auto read = opened(file.string());
   REQUIRE(read);
-  CHECK(read->reference->points.rows() == icosphere(3).points.rows());
+  CHECK(read->the_template->points.rows() == icosphere(3).points.rows());
   CHECK_FALSE(opener.take());
   const auto absent = opened((folder.path / "absent.ply").string());
   REQUIRE_FALSE(absent);
@@ -229,7 +229,7 @@ TEST_CASE("of an image and its label map each is known in either order") {
       CHECK(both.label_values == std::vector{label});
     }
   const auto refusal = [&](const std::vector<fs::path>& files) { return opened(files).error().sentence(); };
-  const std::string remedy = "a label map by Reference → Open a label map…";
+  const std::string remedy = "a label map by Template → Open a label map…";
   for (const auto& [second, why] : {std::pair(other_ct, "no label map on the voxels of ct.nii"),
                                     std::pair(away, "no label map on the voxels of ct.nii")}) {
     CHECK(refusal({ct, second}).starts_with(second.string() + ": is a second image, and " + why));

@@ -13,12 +13,13 @@ TEST_CASE("the overlay known follows the frame also where two frames share their
       std::make_shared<const VertexScalars>(VertexScalars::Ones(document.shape().points->rows()));
   document.shapes.emplace(1, std::move(begun));
   EditorState state;
-  state.overlay = Overlay::known;
+  state.colouring = Colouring::known;
   const std::optional<EditReport> no_preview;
   SceneBuilder builder;
   const auto colours_of = [&](int frame) {
     document.frame = frame;
-    const SceneBuilder::Input input{state, std::make_shared<const Document>(document), no_preview, nullptr, nullptr};
+    const SceneBuilder::Input input{state,  std::make_shared<const Document>(document), no_preview, nullptr, nullptr,
+                                    nullptr};
     builder.update(input);
     return *builder.scene(input, ViewKind::space).meshes.front().colours;
   };

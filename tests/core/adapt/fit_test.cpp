@@ -56,10 +56,10 @@ std::map<std::string, Vec3> landmarks_of(const MeshFile& file, const std::vector
 }
 
 /// How far the fit moves, at its farthest vertex, when the label map moves by 1e-9 mm.
-double moved_by_a_last_bit(const Template& reference, Volume mask, double closing_mm) {
+double moved_by_a_last_bit(const Template& the_template, Volume mask, double closing_mm) {
   const auto fitted = [&] {
-    const Boundary boundary = label_boundary(mask, 1, 0, closing_mm, reference.points.rows()).value();
-    return fit_to_boundary(reference, boundary).value().mesh.points;
+    const Boundary boundary = label_boundary(mask, 1, 0, closing_mm, the_template.points.rows()).value();
+    return fit_to_boundary(the_template, boundary).value().mesh.points;
   };
   const Points before = fitted();
   mask.geometry.origin_mm += Vec3(1e-9, -1e-9, 1e-9);
@@ -72,33 +72,33 @@ const Similarity elsewhere{Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3(1, 2, 
 }  // namespace
 
 TEST_CASE("the organ of the other side looks mirrored and the own side does not") {
-  const auto reference = built_in(Organ::kidney);
-  Mesh organ{reference->topology, phantom_truth(Organ::kidney, 3).front().points};
-  CHECK_FALSE(looks_mirrored(*reference, mesh_boundary(organ)));
+  const auto the_template = built_in(Organ::kidney);
+  Mesh organ{the_template->topology, phantom_truth(Organ::kidney, 3).front().points};
+  CHECK_FALSE(looks_mirrored(*the_template, mesh_boundary(organ)));
   const MeshFile other = mirrored({organ.points, organ.topology->triangles()});
   organ = {Topology::make(other.points.rows(), other.triangles).value(), other.points};
-  CHECK(looks_mirrored(*reference, mesh_boundary(organ)));
+  CHECK(looks_mirrored(*the_template, mesh_boundary(organ)));
 }
 
 TEST_CASE("an organ that is its own mirror image never looks mirrored") {
   const Mesh ball = icosphere(3, 20);
-  const auto reference = ball_template(20);
-  CHECK_FALSE(looks_mirrored(*reference, mesh_boundary(ball)));
+  const auto the_template = ball_template(20);
+  CHECK_FALSE(looks_mirrored(*the_template, mesh_boundary(ball)));
   Mesh egg = ball;
   egg.points.col(1) *= 1.3;
-  CHECK_FALSE(looks_mirrored(*reference, mesh_boundary(egg)));
+  CHECK_FALSE(looks_mirrored(*the_template, mesh_boundary(egg)));
 }
 
 TEST_CASE("femora of the other side look mirrored and those of the same side do not") {
   const auto data = real_data();
   if (data.empty()) return;
   for (const char* own : {"fem_z009_R", "fem_z013_L"}) {
-    const auto reference = load_template((data / "bones" / (std::string(own) + ".ply")).string()).value();
+    const auto the_template = load_template((data / "bones" / (std::string(own) + ".ply")).string()).value();
     for (const char* other : {"fem_z009_R", "fem_z013_L", "fem_z050_L", "fem_z066_R"}) {
       CAPTURE(own);
       CAPTURE(other);
       const Boundary boundary = mesh_boundary(read_mesh(data / "bones" / (std::string(other) + ".ply")).value());
-      CHECK(looks_mirrored(*reference, boundary) == (own[9] != other[9]));
+      CHECK(looks_mirrored(*the_template, boundary) == (own[9] != other[9]));
     }
   }
 }
@@ -120,17 +120,17 @@ TEST_CASE("a template with faults is named as the cause and the organ is not") {
 }
 
 TEST_CASE("landmarks that are not used are said") {
-  const auto reference = built_in(Organ::kidney);
+  const auto the_template = built_in(Organ::kidney);
   const MeshFile truth = phantom_truth(Organ::kidney, 4).front();
-  const Boundary boundary = boundary_of({reference->topology, truth.points}, 2.5);
+  const Boundary boundary = boundary_of({the_template->topology, truth.points}, 2.5);
   FitOptions two;
   two.landmarks = landmarks_of(truth, {"hilum", "superior pole"});
-  const FitResult pulled = fit_to_boundary(*reference, boundary, two).value();
+  const FitResult pulled = fit_to_boundary(*the_template, boundary, two).value();
   CHECK(pulled.landmarks_used == 2);
   CHECK_FALSE(pulled.landmarks_place);
   REQUIRE(pulled.warnings.size() == 1);
   CHECK(pulled.warnings[0].find("did not help to place it") != std::string::npos);
-  const FitResult free = fit_to_boundary(*reference, boundary, {}).value();
+  const FitResult free = fit_to_boundary(*the_template, boundary, {}).value();
   for (std::size_t k = 0; k < pulled.landmarks.size(); ++k) {
     const auto there = two.landmarks.find(pulled.landmarks[k].name);
     if (there == two.landmarks.end()) continue;
@@ -142,13 +142,13 @@ TEST_CASE("landmarks that are not used are said") {
   FitOptions at_one_place;
   for (const char* name : {"hilum", "superior pole", "inferior pole"})
     at_one_place.landmarks[name] = landmarks_of(truth, {"hilum"}).at("hilum");
-  const FitResult confused = fit_to_boundary(*reference, boundary, at_one_place).value();
+  const FitResult confused = fit_to_boundary(*the_template, boundary, at_one_place).value();
   CHECK(confused.landmarks_used < 3);
   CHECK_FALSE(confused.landmarks_place);
   FitOptions blunder;
   blunder.landmarks = landmarks_of(truth, {"hilum", "superior pole", "inferior pole", "lateral convexity"});
   blunder.landmarks.at("hilum").y() -= 45;
-  const FitResult aside = fit_to_boundary(*reference, boundary, blunder).value();
+  const FitResult aside = fit_to_boundary(*the_template, boundary, blunder).value();
   check_sound(aside);
   CHECK(aside.landmarks_used == 3);
   CHECK(aside.landmarks_place);
@@ -159,15 +159,16 @@ TEST_CASE("landmarks that are not used are said") {
 
 TEST_CASE("a template fitted to its own label map hardly moves") {
   for (const Organ organ : {Organ::kidney, Organ::vertebra}) {
-    const auto reference = built_in(organ);
-    const auto fit = fit_to_boundary(*reference, boundary_of({reference->topology, reference->points})).value();
+    const auto the_template = built_in(organ);
+    const auto fit =
+        fit_to_boundary(*the_template, boundary_of({the_template->topology, the_template->points})).value();
     check_sound(fit);
-    CHECK(mean_distance(fit.mesh.points, reference->points) < 0.4);
+    CHECK(mean_distance(fit.mesh.points, the_template->points) < 0.4);
     CHECK(fit.unseen.empty());
-    REQUIRE(fit.landmarks.size() == reference->landmarks.size());
+    REQUIRE(fit.landmarks.size() == the_template->landmarks.size());
     for (std::size_t k = 0; k < fit.landmarks.size(); ++k) {
-      CHECK(fit.landmarks[k].name == reference->landmarks[k].name);
-      CHECK((fit.landmarks[k].position - reference->landmarks[k].position).norm() < 2);
+      CHECK(fit.landmarks[k].name == the_template->landmarks[k].name);
+      CHECK((fit.landmarks[k].position - the_template->landmarks[k].position).norm() < 2);
     }
   }
 }
@@ -179,9 +180,9 @@ TEST_CASE("a pocket that the template has and the case has not is opened") {
     const double angle = std::acos(std::clamp(ball.points(i, 2) / 20, -1.0, 1.0));
     pocketed.points.row(i) *= 1 - 0.7 * std::exp(-std::pow(angle / 0.4, 4));
   }
-  const auto reference = make_template(pocketed, "pocketed").value();
+  const auto the_template = make_template(pocketed, "pocketed").value();
   const Boundary boundary = boundary_of(ball);
-  const auto fit = fit_to_boundary(*reference, boundary).value();
+  const auto fit = fit_to_boundary(*the_template, boundary).value();
   check_sound(fit);
   const Agreement agreement = compare_meshes(fit.mesh, boundary.surface);
   CHECK(agreement.assd_mm < 0.15);
@@ -189,20 +190,20 @@ TEST_CASE("a pocket that the template has and the case has not is opened") {
 }
 
 TEST_CASE("three landmarks near a line leave the spin to the surface and the patient's axes") {
-  const auto reference = built_in(Organ::kidney);
+  const auto the_template = built_in(Organ::kidney);
   for (const int subject : {2, 3}) {
     CAPTURE(subject);
     const MeshFile truth = phantom_truth(Organ::kidney, subject).front();
-    const Boundary boundary = boundary_of({reference->topology, truth.points});
+    const Boundary boundary = boundary_of({the_template->topology, truth.points});
     const auto off_mm = [&](const FitOptions& options) {
-      return mean_distance(fit_to_boundary(*reference, boundary, options).value().mesh.points, truth.points);
+      return mean_distance(fit_to_boundary(*the_template, boundary, options).value().mesh.points, truth.points);
     };
     CHECK(off_mm({{}, landmarks_of(truth, {"hilum", "superior pole", "inferior pole"})}) < off_mm({}) + 0.1);
   }
 }
 
 TEST_CASE("no three or four landmarks place worse than none") {
-  const auto reference = built_in(Organ::kidney);
+  const auto the_template = built_in(Organ::kidney);
   const std::vector<std::vector<std::string>> sets{{"hilum", "superior pole", "inferior pole"},
                                                    {"superior pole", "inferior pole", "lateral convexity"},
                                                    {"hilum", "anterior lip", "inferior hilar notch"},
@@ -212,10 +213,10 @@ TEST_CASE("no three or four landmarks place worse than none") {
   for (const int subject : {1, 5, 7, 9, 12}) {
     CAPTURE(subject);
     const MeshFile truth = phantom_truth(Organ::kidney, subject).front();
-    const Boundary boundary = boundary_of({reference->topology, truth.points}, 2.5);
+    const Boundary boundary = boundary_of({the_template->topology, truth.points}, 2.5);
     const auto off_mm = [&](const std::map<std::string, Vec3>& landmarks) {
-      const Similarity placed = find_placement(*reference, boundary, {landmarks, {}, {}}).placement;
-      return mean_distance(placed.apply(reference->points), truth.points);
+      const Similarity placed = find_placement(*the_template, boundary, {landmarks, {}, {}}).placement;
+      return mean_distance(placed.apply(the_template->points), truth.points);
     };
     const double alone_mm = off_mm({});
     for (const auto& names : sets) CHECK(off_mm(landmarks_of(truth, names)) < alone_mm + 0.2);
@@ -223,15 +224,15 @@ TEST_CASE("no three or four landmarks place worse than none") {
 }
 
 TEST_CASE("a landmark that is none is not trusted") {
-  const auto reference = built_in(Organ::kidney);
+  const auto the_template = built_in(Organ::kidney);
   const MeshFile truth = phantom_truth(Organ::kidney, 4).front();
-  const Boundary boundary = boundary_of({reference->topology, truth.points}, 2.5);
+  const Boundary boundary = boundary_of({the_template->topology, truth.points}, 2.5);
   for (const auto& [name, off_mm] : {std::pair("inferior pole", 60.0), std::pair("hilum", -45.0)}) {
     auto landmarks = landmarks_of(truth, {"hilum", "superior pole", "inferior pole", "lateral convexity"});
     landmarks.at(name).y() += off_mm;
-    const Placed found = find_placement(*reference, boundary, {landmarks, {}, {}});
-    CHECK(mean_distance(found.placement.apply(reference->points), truth.points) < 4);
-    const auto [own, there] = matched_landmarks(*reference, landmarks);
+    const Placed found = find_placement(*the_template, boundary, {landmarks, {}, {}});
+    CHECK(mean_distance(found.placement.apply(the_template->points), truth.points) < 4);
+    const auto [own, there] = matched_landmarks(*the_template, landmarks);
     REQUIRE(found.trust.size() == own.rows());
     for (Eigen::Index k = 0; k < own.rows(); ++k) {
       const bool wrong = Vec3(there.row(k)) == landmarks.at(name);
@@ -241,15 +242,15 @@ TEST_CASE("a landmark that is none is not trusted") {
 }
 
 TEST_CASE("named landmarks bring the vertices between them to their places too") {
-  const auto reference = built_in(Organ::kidney);
+  const auto the_template = built_in(Organ::kidney);
   double alone_mm = 0, helped_mm = 0;
   for (const int subject : {1, 2, 3}) {
     const MeshFile truth = phantom_truth(Organ::kidney, subject).front();
-    const Boundary boundary = boundary_of({reference->topology, truth.points});
+    const Boundary boundary = boundary_of({the_template->topology, truth.points});
     FitOptions options;
-    alone_mm += mean_distance(fit_to_boundary(*reference, boundary, options).value().mesh.points, truth.points) / 3;
+    alone_mm += mean_distance(fit_to_boundary(*the_template, boundary, options).value().mesh.points, truth.points) / 3;
     for (const Landmark& landmark : truth.landmarks) options.landmarks[landmark.name] = landmark.position;
-    const FitResult helped = fit_to_boundary(*reference, boundary, options).value();
+    const FitResult helped = fit_to_boundary(*the_template, boundary, options).value();
     check_sound(helped);
     helped_mm += mean_distance(helped.mesh.points, truth.points) / 3;
   }
@@ -259,9 +260,9 @@ TEST_CASE("named landmarks bring the vertices between them to their places too")
 
 TEST_CASE("a turned and larger organ is found where it lies") {
   for (const Organ organ : {Organ::kidney, Organ::vertebra}) {
-    const auto reference = built_in(organ);
-    const Mesh there{reference->topology, elsewhere.apply(reference->points)};
-    const auto fit = fit_to_boundary(*reference, boundary_of(there)).value();
+    const auto the_template = built_in(organ);
+    const Mesh there{the_template->topology, elsewhere.apply(the_template->points)};
+    const auto fit = fit_to_boundary(*the_template, boundary_of(there)).value();
     check_sound(fit);
     CHECK(fit.placement.rotation.angularDistance(elsewhere.rotation) < 3 * std::numbers::pi / 180);
     CHECK(fit.placement.scale == doctest::Approx(1.2).epsilon(0.02));
@@ -271,59 +272,59 @@ TEST_CASE("a turned and larger organ is found where it lies") {
 
 TEST_CASE("a fit meets the label map and comes nearer to the true landmarks than placing alone") {
   for (const Organ organ : {Organ::kidney, Organ::vertebra}) {
-    const auto reference = built_in(organ);
+    const auto the_template = built_in(organ);
     for (const int number : {1, 3}) {
       CAPTURE(number);
-      const Mesh truth{reference->topology, phantom_truth(organ, number).front().points};
+      const Mesh truth{the_template->topology, phantom_truth(organ, number).front().points};
       const Boundary boundary = boundary_of(truth);
-      const auto fit = fit_to_boundary(*reference, boundary).value();
+      const auto fit = fit_to_boundary(*the_template, boundary).value();
       check_sound(fit);
       const Agreement agreement = compare_meshes(fit.mesh, truth);
       CHECK(agreement.assd_mm < 0.3);
       CHECK(agreement.hd95_mm < 1);
       CHECK(agreement.dice > 0.97);
-      const Similarity placed = find_placement(*reference, boundary).placement;
+      const Similarity placed = find_placement(*the_template, boundary).placement;
       CHECK(mean_distance(fit.mesh.points, truth.points) <
-            mean_distance(placed.apply(reference->points), truth.points));
+            mean_distance(placed.apply(the_template->points), truth.points));
     }
   }
 }
 
 TEST_CASE("named landmarks decide the placement where patient axes are wrong") {
-  const auto reference = built_in(Organ::kidney);
+  const auto the_template = built_in(Organ::kidney);
   const Similarity fallen{Eigen::Quaterniond(Eigen::AngleAxisd(2, Vec3::UnitX())), 1, Vec3(10, 20, 30)};
-  const Mesh there{reference->topology, fallen.apply(reference->points)};
+  const Mesh there{the_template->topology, fallen.apply(the_template->points)};
   FitOptions options;
-  for (const Landmark& landmark : reference->landmarks)
+  for (const Landmark& landmark : the_template->landmarks)
     options.landmarks[landmark.name] = fallen.apply(landmark.position);
   REQUIRE(options.landmarks.size() >= 3);
   const Boundary boundary = boundary_of(there, 2);
-  CHECK(mean_distance(fit_to_boundary(*reference, boundary, options).value().mesh.points, there.points) < 1);
-  CHECK(mean_distance(fit_to_boundary(*reference, boundary).value().mesh.points, there.points) > 5);
+  CHECK(mean_distance(fit_to_boundary(*the_template, boundary, options).value().mesh.points, there.points) < 1);
+  CHECK(mean_distance(fit_to_boundary(*the_template, boundary).value().mesh.points, there.points) > 5);
 }
 
 TEST_CASE("every rotation is tried on request") {
-  const auto reference = built_in(Organ::vertebra);
+  const auto the_template = built_in(Organ::vertebra);
   const Similarity fallen{Eigen::Quaterniond(Eigen::AngleAxisd(2, Vec3::UnitX())), 1, Vec3(10, 20, 30)};
-  const Mesh there{reference->topology, fallen.apply(reference->points)};
-  const auto found = find_placement(*reference, boundary_of(there, 2), {{}, Orientation::any, {}});
+  const Mesh there{the_template->topology, fallen.apply(the_template->points)};
+  const auto found = find_placement(*the_template, boundary_of(there, 2), {{}, Orientation::any, {}});
   CHECK(found.placement.rotation.angularDistance(fallen.rotation) < 0.1);
 }
 
 TEST_CASE("an organ cut off by the scan keeps the template's shape beyond") {
-  const auto reference = built_in(Organ::kidney);
-  VolumeGeometry grid = grid_around(reference->points, 1.25);
+  const auto the_template = built_in(Organ::kidney);
+  VolumeGeometry grid = grid_around(the_template->points, 1.25);
   const int missing = grid.dims[2] / 4;
   grid.origin_mm.z() += missing * 1.25;
   grid.dims[2] -= missing;
   const double edge_mm = grid.origin_mm.z() - 0.625;
-  const Mesh whole{reference->topology, reference->points};
+  const Mesh whole{the_template->topology, the_template->points};
   const Boundary boundary = label_boundary(label_map(whole, grid), 1, 0, 0, whole.points.rows()).value();
   REQUIRE(boundary.scan_edges.size() == 1);
   CHECK(boundary.scan_edges[0].outward == -Vec3::UnitZ());
   CHECK(boundary.scan_edges[0].offset_mm == doctest::Approx(-edge_mm));
   CHECK(boundary.warnings.size() == 1);
-  const auto fit = fit_to_boundary(*reference, boundary).value();
+  const auto fit = fit_to_boundary(*the_template, boundary).value();
   check_sound(fit);
   REQUIRE(!fit.unseen.empty());
   for (const std::int32_t i : fit.unseen) CHECK((fit.mesh.points.row(i) - whole.points.row(i)).norm() < 4);
@@ -349,9 +350,9 @@ TEST_CASE("a pocket behind a neck that the closing ball cannot pass is filled") 
 }
 
 TEST_CASE("the template of another organ gives no wild mesh") {
-  const auto reference = built_in(Organ::vertebra);
+  const auto the_template = built_in(Organ::vertebra);
   const Mesh kidney{built_in(Organ::kidney)->topology, built_in(Organ::kidney)->points};
-  const auto fit = fit_to_boundary(*reference, boundary_of(kidney, 2)).value();
+  const auto fit = fit_to_boundary(*the_template, boundary_of(kidney, 2)).value();
   REQUIRE(fit.mesh.points.allFinite());
   Box near = bounds_of(kidney.points);
   near.extend(Vec3(near.min() - Vec3::Constant(20))).extend(Vec3(near.max() + Vec3::Constant(20)));
@@ -360,35 +361,35 @@ TEST_CASE("the template of another organ gives no wild mesh") {
 }
 
 TEST_CASE("a label that does not occur and a placement elsewhere are refused") {
-  const auto reference = built_in(Organ::kidney);
-  const Mesh there{reference->topology, reference->points};
+  const auto the_template = built_in(Organ::kidney);
+  const Mesh there{the_template->topology, the_template->points};
   const Volume mask = label_map(there, grid_around(there.points, 3));
   const auto absent = label_boundary(mask, 2, 0, 0, 2500);
   REQUIRE(!absent);
   CHECK(absent.error().what.find("label 2") != std::string::npos);
   FitOptions options;
   options.placement = Similarity{Eigen::Quaterniond::Identity(), 1, Vec3(1000, 0, 0)};
-  CHECK(!fit_to_boundary(*reference, boundary_of(there, 3), options));
+  CHECK(!fit_to_boundary(*the_template, boundary_of(there, 3), options));
 }
 
 TEST_CASE("a phantom that moves by a billionth of a millimetre moves its fit as little") {
-  const auto reference = built_in(Organ::vertebra);
+  const auto the_template = built_in(Organ::vertebra);
   for (const int subject : {3, 5}) {
     CAPTURE(subject);
     const Points truth = phantom_truth(Organ::vertebra, subject).front().points;
-    const Volume mask = label_map({reference->topology, truth}, grid_around(truth, 2.5));
-    CHECK(moved_by_a_last_bit(*reference, mask, 0) < 1e-3);
+    const Volume mask = label_map({the_template->topology, truth}, grid_around(truth, 2.5));
+    CHECK(moved_by_a_last_bit(*the_template, mask, 0) < 1e-3);
   }
 }
 
 TEST_CASE("a real kidney that moves by a billionth of a millimetre moves its fit as little") {
   const auto data = real_data();
   if (data.empty()) return;
-  const auto reference = built_in(Organ::kidney);
+  const auto the_template = built_in(Organ::kidney);
   for (const std::string name : {"case_00036_right_healthy_thick", "case_00078_right_healthy_thin"}) {
     CAPTURE(name);
     const Volume mask = read_volume(data / "kidney_masks" / (name + ".nii.gz")).value().volume;
-    CHECK(moved_by_a_last_bit(*reference, mask, 3) < 1e-3);
+    CHECK(moved_by_a_last_bit(*the_template, mask, 3) < 1e-3);
   }
 }
 
@@ -407,12 +408,13 @@ TEST_CASE("a surface or a template that is flat or has no size is named as the c
 }
 
 TEST_CASE("a fit that is cancelled says so") {
-  const auto reference = built_in(Organ::kidney);
+  const auto the_template = built_in(Organ::kidney);
   Progress progress;
   progress.cancel();
   FitOptions options;
   options.progress = &progress;
-  const auto fit = fit_to_boundary(*reference, boundary_of({reference->topology, reference->points}, 3), options);
+  const auto fit =
+      fit_to_boundary(*the_template, boundary_of({the_template->topology, the_template->points}, 3), options);
   REQUIRE(!fit);
   CHECK(fit.error().what == "the fit was cancelled");
 }

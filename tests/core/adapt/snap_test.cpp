@@ -7,13 +7,13 @@
 #include "core/case/action_line.h"
 #include "core/catalogue/catalogue.h"
 #include "core/deform/fold_guard.h"
+#include "core/experiment/scripted_user.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/phantom/phantom.h"
 #include "core/session/case_file.h"
 #include "core/session/session.h"
 #include "core/solve/elimination_plan.h"
-#include "core/study/scripted_user.h"
 #include "core/volume/volume_io.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
@@ -182,7 +182,7 @@ TEST_CASE("a snap of a region leaves the rest where it was") {
   const Blob blob;
   const Mesh truth = blob_mesh(blob.radii_mm);
   const Document document = document_on(blob_image({blob}), {truth.topology, 1.1 * truth.points});
-  const auto edit = snap_document(document, SnapRegion{Vec3(0, 0, 38), 8}, {}).value();
+  const auto edit = snap_document(document, SnapArea{Vec3(0, 0, 38), 8}, {}).value();
   const Points& before = *document.shape().points;
   for (Eigen::Index i = 0; i < before.rows(); ++i)
     if (before(i, 2) < 0) CHECK(edit.result.points.row(i) == before.row(i));
@@ -310,9 +310,9 @@ TEST_CASE("five gestures lay the built-in kidney on one in a CT of 3 mm voxels")
       std::make_shared<const Volume>(read_volume(folder / "ct/totalseg_example_ct_3mm.nii.gz").value().volume);
   const Volume labels = read_volume(folder / "ct/totalseg_example_ct_3mm_label.nii.gz").value().volume;
   constexpr int kidney_right = 1;
-  const auto reference = load_template("built-in:kidney").value();
-  const Mesh target = label_boundary(labels, kidney_right, 0, 0, reference->points.rows()).value().surface;
-  EditSession session(new_document("ct", image, reference));
+  const auto the_template = load_template("built-in:kidney").value();
+  const Mesh target = label_boundary(labels, kidney_right, 0, 0, the_template->points.rows()).value().surface;
+  EditSession session(new_document("ct", image, the_template));
   REQUIRE(place_on(session, target));
   const auto snap_within = [&](double reach_mm) {
     SnapOptions options;
@@ -335,7 +335,7 @@ TEST_CASE("pulls and snaps and a refinement and a propagation of one template ma
   pull.to = pull.at + Vec3(0, 0, 2);
   REQUIRE(session.preview(pull));
   REQUIRE(session.apply(pull));
-  const auto snapped = snap_document(session.document(), SnapRegion{pull.to, 10}, {});
+  const auto snapped = snap_document(session.document(), SnapArea{pull.to, 10}, {});
   REQUIRE(snapped);
   REQUIRE(session.apply(snapped->action));
   REQUIRE(snap_document(session.document(), std::nullopt, {}));

@@ -19,13 +19,13 @@ namespace {
 /// The kidney of subject 2 as a case: its surface is right, but landmarks have flowed along it by some mm. Those that
 /// have names are placed in the image.
 EditSession flowed_kidney() {
-  const auto reference = test::must(load_template("built-in:kidney"));
+  const auto the_template = test::must(load_template("built-in:kidney"));
   const MeshFile truth = phantom_truth(Organ::kidney, 2).front();
-  EditSession session(new_document("", nullptr, reference));
-  test::must(session.apply(SetLandmarkFit{LandmarkFit::similarity}));
+  EditSession session(new_document("", nullptr, the_template));
+  test::must(session.apply(SetLandmarkPull{LandmarkPull::similarity}));
   for (const Landmark& landmark : truth.landmarks)
     test::must(session.apply(PlaceLandmark{landmark.name, landmark.position}));
-  const SurfaceSearch surface({reference->topology, truth.points});
+  const SurfaceSearch surface({the_template->topology, truth.points});
   const Box box = bounds_of(truth.points);
   Points flowed = truth.points;
   for (Eigen::Index i = 0; i < flowed.rows(); ++i) {
@@ -52,11 +52,11 @@ TEST_CASE("landmarks that flowed along a surface come back and the surface stays
   const Mesh before = session.document().mesh();
   const double error_before_mm = error_mm(before.points);
   CHECK(error_before_mm > 2.5);
-  const VertexScalars known = known_landmarks(session.document().shape());
+  const VertexScalars known = known_vertices(session.document().shape());
   test::must(session.apply(test::must(refine_document(session.document())).action));
   CHECK(error_mm(points_now(session)) < 0.75 * error_before_mm);
   CHECK(compare_meshes(session.document().mesh(), before).assd_mm < 0.05);
-  CHECK(known_landmarks(session.document().shape()) == known);
+  CHECK(known_vertices(session.document().shape()) == known);
   CHECK(session.undo_name() == "refine");
   test::must(session.apply(Undo{}));
   CHECK(points_now(session) == before.points);
@@ -78,21 +78,21 @@ TEST_CASE("confirmed landmarks stay while the others are refined") {
   CHECK(confirmed.sum() > 50);
   CHECK(moved > 500);
   const Document& document = session.document();
-  CHECK(surface_distance({document.reference->topology, after}, document.mesh()).mean_mm < 0.05);
-  CHECK(turned_triangles(*document.reference->topology, *document.shape().placed, after).empty());
+  CHECK(surface_distance({document.the_template->topology, after}, document.mesh()).mean_mm < 0.05);
+  CHECK(turned_triangles(*document.the_template->topology, *document.shape().placed, after).empty());
 }
 
 TEST_CASE("the rim of an open mesh stays where it is") {
-  const auto reference = test::must(load_template("built-in:ventricle"));
+  const auto the_template = test::must(load_template("built-in:ventricle"));
   const MeshFile truth = phantom_truth(Organ::ventricle, 1).front();
-  EditSession session(new_document("", nullptr, reference));
+  EditSession session(new_document("", nullptr, the_template));
   test::must(session.apply(points_edit(session.document(), truth.points, "test")));
   const Mesh before = session.document().mesh();
   const Points after = *test::must(refine_document(session.document())).action.points;
   CHECK((after - before.points).rowwise().norm().maxCoeff() > 0.5);
-  REQUIRE(!reference->topology->boundary_loops().empty());
-  CHECK((on_boundary_loops(before, after) - after).cwiseAbs().maxCoeff() < 1e-5);
-  CHECK(surface_distance(before, {reference->topology, after}).mean_mm < 0.05);
+  REQUIRE(!the_template->topology->rims().empty());
+  CHECK((on_rims(before, after) - after).cwiseAbs().maxCoeff() < 1e-5);
+  CHECK(surface_distance(before, {the_template->topology, after}).mean_mm < 0.05);
 }
 
 TEST_CASE("a refined mesh of which not all triangles could be compared is not called sound") {
@@ -102,12 +102,12 @@ TEST_CASE("a refined mesh of which not all triangles could be compared is not ca
   tube.points = tube.points * along.transpose();
   REQUIRE(find_self_intersections(tube).pairs.empty());
   REQUIRE_FALSE(find_self_intersections(tube).all);
-  Template reference;
-  reference.source = "tube";
-  reference.topology = tube.topology;
-  reference.points = tube.points;
-  reference.stiffness = VertexScalars::Ones(tube.points.rows());
-  const Document document = new_document("", nullptr, std::make_shared<const Template>(std::move(reference)));
+  Template the_template;
+  the_template.source = "tube";
+  the_template.topology = tube.topology;
+  the_template.points = tube.points;
+  the_template.stiffness = VertexScalars::Ones(tube.points.rows());
+  const Document document = new_document("", nullptr, std::make_shared<const Template>(std::move(the_template)));
   const RefineEdit refined = test::must(refine_document(document));
   REQUIRE(refined.warnings.size() == 1);
   CHECK(refined.warnings.front().starts_with("So many triangles lie close to each other"));

@@ -27,14 +27,14 @@ std::vector<Action> some_of_every_kind() {
       PlaceLandmark{"front", Vec3(-3, -41, 1)},
       PlaceLandmark{"east", std::nullopt},
       PlaceLandmark{"east", Vec3(45, 2, 0)},
-      SetLandmarkFit{LandmarkFit::similarity},
-      SetLandmarkFit{LandmarkFit::warp},
+      SetLandmarkPull{LandmarkPull::similarity},
+      SetLandmarkPull{LandmarkPull::warp},
       SetStiffnessBase{7.5},
       PaintStiffness{Vec3(0, 0, 40), 15, 30, 0.5},
       pull(pole, Vec3(4, 1, 52)),
       Stroke{Tool::grab, Vec3(40, 0, 0), Vec3(46, 3, 1), 8, {}, true, 1},
       Stroke{Tool::slide, Vec3(0, 40, 0), Vec3(3, 40, 2), 8, {}, false, 1},
-      SetSpacing{0.5},
+      SetEvenSpacing{0.5},
       pull(Vec3(0, 40, 0), Vec3(0, 48, 3)),
       Stroke{Tool::relax, Vec3(0, 44, 0), Vec3(0, 44, 0), 12, {}, false, 0.7},
       Confirm{Vec3(0, 0, -40), 12, true},
@@ -91,7 +91,7 @@ TEST_CASE("landmarks near a line place without spinning and in any order alike")
   const MeshFile truth = phantom_truth(Organ::kidney, 3).front();
   const auto placed = [&](std::vector<std::string> names) {
     EditSession session(new_document("", nullptr, kidney));
-    test::must(session.apply(SetLandmarkFit{LandmarkFit::similarity}));
+    test::must(session.apply(SetLandmarkPull{LandmarkPull::similarity}));
     for (const std::string& name : names)
       for (const Landmark& landmark : truth.landmarks)
         if (landmark.name == name) test::must(session.apply(PlaceLandmark{name, landmark.position}));
@@ -175,7 +175,7 @@ TEST_CASE("points that were found are taken as they are and lines with other cou
   const auto found = found_points(1.2);
   REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found}));
   CHECK(*session.document().shape().points == *found);
-  CHECK(*session.document().shape().reference == session.document().reference->points);
+  CHECK(*session.document().shape().reference == session.document().the_template->points);
   CHECK(session.undo_name() == "fit");
   CHECK(!session.apply(SetPoints{"fit", std::nullopt, std::make_shared<const Points>(Points::Zero(5, 3))}));
   Points broken = *found;
@@ -221,7 +221,7 @@ TEST_CASE("what strokes and fits decide is known until it is undone and what a m
   cine.data = std::vector<std::int16_t>(16);
   document.volume = std::make_shared<const Volume>(std::move(cine));
   EditSession session(std::move(document));
-  const auto known = [&] { return known_landmarks(session.document().shape()); };
+  const auto known = [&] { return known_vertices(session.document().shape()); };
   CHECK(known().isZero());
   REQUIRE(session.apply(SetPoints{by_model, std::nullopt, found_points(1.1)}));
   CHECK(known().isZero());

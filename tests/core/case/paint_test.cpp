@@ -160,18 +160,18 @@ TEST_CASE("a template landmark is a point of the surface that follows the mesh")
   REQUIRE(session.apply(SetPlacement{Similarity{Eigen::Quaterniond::Identity(), 2, {5, 6, 7}}}));
   REQUIRE(session.apply(SetTemplateLandmark{"top", Vec3(5.7, 6.3, 60)}));
   const Document& document = session.document();
-  REQUIRE(document.reference->landmarks.size() == 1);
-  const Vec3 position = document.reference->landmarks[0].position;
+  REQUIRE(document.the_template->landmarks.size() == 1);
+  const Vec3 position = document.the_template->landmarks[0].position;
   CHECK(position.norm() == doctest::Approx(20).epsilon(0.03));
   CHECK(position.z() > 19);
-  const SurfacePoint on = document.reference->landmark_points[0];
-  const Vec3 carried = on.interpolate(*document.reference->topology, *document.shape().points).transpose();
+  const SurfacePoint on = document.the_template->landmark_points[0];
+  const Vec3 carried = on.interpolate(*document.the_template->topology, *document.shape().points).transpose();
   CHECK((carried - document.shape().placement.apply(position)).norm() < 1e-9);
   REQUIRE(session.apply(SetTemplateLandmark{"top", std::nullopt}));
-  CHECK(session.document().reference->landmarks.empty());
+  CHECK(session.document().the_template->landmarks.empty());
   CHECK_FALSE(session.apply(SetTemplateLandmark{"top", std::nullopt}));
   REQUIRE(session.apply(Undo{}));
-  CHECK(session.document().reference->landmarks.size() == 1);
+  CHECK(session.document().the_template->landmarks.size() == 1);
 }
 
 TEST_CASE("every painting action reads back from its line") {
@@ -204,7 +204,7 @@ TEST_CASE("a template file keeps stiffness and regions and landmarks and other a
   REQUIRE(back);
   CHECK(back->regions == *session.document().regions);
   CHECK((*back->stiffness - *session.document().stiffness).cwiseAbs().maxCoeff() < 1e-6);
-  CHECK(back->landmarks == session.document().reference->landmarks);
+  CHECK(back->landmarks == session.document().the_template->landmarks);
   CHECK(back->arrays.empty());
   const auto again = make_template(*back, "again");
   REQUIRE(again);

@@ -53,9 +53,9 @@ TEST_CASE("grids keep their index as hue and shuffled meshes take a breadth-firs
   CHECK(indices_are_local(*shapes::torus(60, 20).topology));
   const Topology mixed = shuffled(*icosphere(4).topology);
   CHECK(!indices_are_local(mixed));
-  const auto grid_hues = landmark_hues(*shapes::open_cylinder(30, 24).topology);
+  const auto grid_hues = vertex_hues(*shapes::open_cylinder(30, 24).topology);
   CHECK(grid_hues[100] == doctest::Approx(100.0 / 720));
-  const auto hues = landmark_hues(mixed);
+  const auto hues = vertex_hues(mixed);
   double largest = 0;
   for (const auto& [a, b] : mixed.edges())
     largest = std::max(
@@ -98,7 +98,7 @@ TEST_CASE("glyphs start at the sharpest vertex and keep their distance and leave
   Mesh mesh = icosphere(4, 10);
   mesh.points.row(77) *= 1.5;
   constexpr double spacing_mm = 3;
-  const auto glyphs = glyph_landmarks(mesh, spacing_mm);
+  const auto glyphs = glyph_vertices(mesh, spacing_mm);
   REQUIRE(!glyphs.empty());
   CHECK(glyphs[0] == 77);
   for (std::size_t a = 0; a < glyphs.size(); ++a)
@@ -107,5 +107,5 @@ TEST_CASE("glyphs start at the sharpest vertex and keep their distance and leave
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
     CHECK(std::any_of(glyphs.begin(), glyphs.end(),
                       [&](std::int32_t g) { return (mesh.points.row(i) - mesh.points.row(g)).norm() <= spacing_mm; }));
-  CHECK(glyph_landmarks(mesh, 0).size() == 2562);
+  CHECK(glyph_vertices(mesh, 0).size() == 2562);
 }

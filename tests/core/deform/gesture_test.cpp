@@ -248,10 +248,10 @@ TEST_CASE("sliding moves landmarks along the surface and leaves the surface") {
 
 TEST_CASE("boundary vertices of an open mesh slide along their boundary") {
   const Mesh tube = shapes::open_cylinder(12, 32, 20, 40);
-  const std::int32_t rim = tube.topology->boundary_loops().front().front();
+  const std::int32_t rim = tube.topology->rims().front().front();
   const Vec3 at = tube.points.row(rim);
   const auto outcome = made(start_of(tube), drag(Tool::slide, at, at + Vec3(2, 4, 5), 6));
-  for (const std::int32_t i : tube.topology->boundary_loops().front()) {
+  for (const std::int32_t i : tube.topology->rims().front()) {
     CHECK(outcome.points(i, 2) == doctest::Approx(tube.points(i, 2)));
   }
   CHECK((outcome.points.row(rim) - tube.points.row(rim)).norm() > 0.5);
@@ -260,12 +260,12 @@ TEST_CASE("boundary vertices of an open mesh slide along their boundary") {
 TEST_CASE("spacing moves landmarks tangentially near the edit only and a click moves nothing") {
   StrokeStart start = start_of(big_ball);
   start.points = share(made(start, drag(Tool::grab, big_pole, big_pole + Vec3(4, 0, 12), 5)).points);
-  start.spacing = 1;
+  start.even_spacing = 1;
   const Vec3 at = SurfaceSearch({big_ball.topology, *start.points}).nearest(Vec3(0, 0, 60)).position;
   const auto click = made(start, drag(Tool::grab, at, at));
   CHECK(largest_difference(click.points, *start.points) < 1e-9);
   const auto outcome = made(start, drag(Tool::grab, at, at + Vec3(0, 0, 2)));
-  start.spacing = 0;
+  start.even_spacing = 0;
   const auto without = made(start, drag(Tool::grab, at, at + Vec3(0, 0, 2)));
   CHECK(largest_difference(outcome.points, without.points) > 0.05);
   const auto far = big_ball.topology->triangles()(SurfaceSearch(big_ball).nearest(Vec3(0, 0, -40)).at.face, 0);

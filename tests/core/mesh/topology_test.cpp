@@ -49,7 +49,7 @@ void check_against_faces(const Topology& topology) {
     const auto& ring = rings[static_cast<std::size_t>(v)];
     CHECK(std::equal(ring.begin(), ring.end(), topology.one_ring(v).begin(), topology.one_ring(v).end()));
     for (const std::int32_t f : topology.faces_of(v)) CHECK((t.row(f).array() == v).any());
-    CHECK(topology.faces_of(v).size() == ring.size() - (topology.on_boundary(v) ? 1 : 0));
+    CHECK(topology.faces_of(v).size() == ring.size() - (topology.on_rim(v) ? 1 : 0));
   }
 }
 
@@ -77,13 +77,13 @@ TEST_CASE("closed shapes have the genus and the components that they are made wi
 
 TEST_CASE("an open tube has two boundary loops that run with its faces") {
   const Mesh tube = shapes::open_cylinder(3, 6);
-  const auto& loops = tube.topology->boundary_loops();
+  const auto& loops = tube.topology->rims();
   REQUIRE(loops.size() == 2);
   CHECK(tube.topology->genus() == 0);
   CHECK(loops[0] == std::vector<std::int32_t>{0, 1, 2, 3, 4, 5});
   CHECK(loops[1] == std::vector<std::int32_t>{12, 17, 16, 15, 14, 13});
-  CHECK(tube.topology->on_boundary(0));
-  CHECK(!tube.topology->on_boundary(7));
+  CHECK(tube.topology->on_rim(0));
+  CHECK(!tube.topology->on_rim(7));
 }
 
 TEST_CASE("the hash tells numberings apart and nothing else") {

@@ -41,12 +41,12 @@ TEST_CASE("fences are those of the quartiles") {
 TEST_CASE("a cohort in order raises no doubt about landmarks or triangles") {
   const Mesh ball = icosphere(3, 40);
   const PrincipalComponents components = cohort(ball, [](int, Points&) {});
-  CHECK(doubtful_landmarks(components, ball.topology, 3).size() < 3);
-  CHECK(doubtful_triangles(components, *ball.topology).size() < 3);
+  CHECK(suspicious_vertices(components, ball.topology, 3).size() < 3);
+  CHECK(suspicious_triangles(components, *ball.topology).size() < 3);
   const auto shapes = shapes_by_distance(components);
   REQUIRE(shapes.size() == 20);
   for (std::size_t k = 1; k < shapes.size(); ++k) CHECK(shapes[k].distance_mm <= shapes[k - 1].distance_mm);
-  CHECK(shapes.front().doubt != Doubt::far_outside);
+  CHECK(shapes.front().suspicion != Suspicion::far_outside);
   CHECK(shapes.front().distance_mm ==
         doctest::Approx((points_of(components.centred, shapes.front().shape)).rowwise().norm().norm() /
                         std::sqrt(static_cast<double>(ball.points.rows()))));
@@ -58,7 +58,7 @@ TEST_CASE("a shape far from all others heads the list beyond the outer fence") {
       cohort(ball, [](int k, Points& points) { points.col(2) *= k == 13 ? 1.6 : 1; });
   const auto shapes = shapes_by_distance(components);
   CHECK(shapes.front().shape == 13);
-  CHECK(shapes.front().doubt == Doubt::far_outside);
+  CHECK(shapes.front().suspicion == Suspicion::far_outside);
 }
 
 TEST_CASE("a landmark that slid along the surface is found in its shape") {
@@ -66,14 +66,14 @@ TEST_CASE("a landmark that slid along the surface is found in its shape") {
   const PrincipalComponents components = cohort(ball, [&](int k, Points& points) {
     if (k == 7) points.row(100) += 0.6 * (points.row(ball.topology->one_ring(100)[0]) - points.row(100));
   });
-  const auto landmarks = doubtful_landmarks(components, ball.topology, 3);
+  const auto landmarks = suspicious_vertices(components, ball.topology, 3);
   REQUIRE(!landmarks.empty());
   CHECK(landmarks.front().shape == 7);
-  CHECK(landmarks.front().landmark == 100);
+  CHECK(landmarks.front().vertex == 100);
   const double moved = 0.6 * (ball.points.row(ball.topology->one_ring(100)[0]) - ball.points.row(100)).norm();
   CHECK(landmarks.front().deviation_mm == doctest::Approx(moved).epsilon(0.1));
   CHECK(landmarks.front().usual_mm < 0.1 * moved);
-  const auto triangles = doubtful_triangles(components, *ball.topology);
+  const auto triangles = suspicious_triangles(components, *ball.topology);
   REQUIRE(!triangles.empty());
   CHECK(triangles.front().shape == 7);
   const auto faces = ball.topology->faces_of(100);
@@ -91,11 +91,11 @@ TEST_CASE("of a swapped region one landmark is listed at its worst place") {
       points.row(v) += near * Eigen::RowVector3d(6, 0, 0);
     }
   });
-  const auto landmarks = doubtful_landmarks(components, ball.topology, 3);
+  const auto landmarks = suspicious_vertices(components, ball.topology, 3);
   CHECK(landmarks.size() < 4);
   REQUIRE(!landmarks.empty());
   CHECK(landmarks.front().shape == 3);
-  CHECK((ball.points.row(landmarks.front().landmark) - ball.points.row(0)).norm() < 6);
+  CHECK((ball.points.row(landmarks.front().vertex) - ball.points.row(0)).norm() < 6);
 }
 
 TEST_CASE("a triangle that collapsed to nothing is finite and leads the list") {
@@ -103,7 +103,7 @@ TEST_CASE("a triangle that collapsed to nothing is finite and leads the list") {
   const PrincipalComponents components = cohort(ball, [&](int k, Points& points) {
     if (k == 5) points.row(ball.topology->triangles()(9, 0)) = points.row(ball.topology->triangles()(9, 1));
   });
-  const auto triangles = doubtful_triangles(components, *ball.topology);
+  const auto triangles = suspicious_triangles(components, *ball.topology);
   REQUIRE(!triangles.empty());
   CHECK(triangles.front().shape == 5);
   CHECK(std::isfinite(triangles.front().stretch));

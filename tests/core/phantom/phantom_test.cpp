@@ -85,8 +85,8 @@ TEST_CASE("templates of kidney and vertebra are closed and even and of the right
 
 TEST_CASE("the template of the ventricle is a ring by sector tube that is open at the base") {
   const Mesh mesh = mesh_of(built_in_template(Organ::ventricle));
-  REQUIRE(mesh.topology->boundary_loops().size() == 1);
-  const auto& base = mesh.topology->boundary_loops().front();
+  REQUIRE(mesh.topology->rims().size() == 1);
+  const auto& base = mesh.topology->rims().front();
   const std::set<std::int32_t> first_ring(base.begin(), base.end());
   CHECK(*first_ring.begin() == 0);
   CHECK(*first_ring.rbegin() == static_cast<std::int32_t>(base.size()) - 1);

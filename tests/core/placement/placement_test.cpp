@@ -31,7 +31,7 @@ TEST_CASE("a similarity composes with its inverse to the identity") {
 
 TEST_CASE("three or more landmarks recover the similarity exactly") {
   for (const Eigen::Index n : {3, 4, 5}) {
-    const Similarity fitted = fit_similarity(corners.topRows(n), moved.apply(corners.topRows(n).eval()), {});
+    const Similarity fitted = nearest_similarity(corners.topRows(n), moved.apply(corners.topRows(n).eval()), {});
     CHECK(largest_difference(fitted.apply(corners), moved.apply(corners)) < 1e-9);
   }
 }
@@ -39,7 +39,7 @@ TEST_CASE("three or more landmarks recover the similarity exactly") {
 TEST_CASE("mirrored landmarks never make a reflection") {
   Points mirrored = corners;
   mirrored.col(0) *= -1;
-  const Similarity fitted = fit_similarity(corners, mirrored, {});
+  const Similarity fitted = nearest_similarity(corners, mirrored, {});
   CHECK(fitted.scale > 0);
   // No proper rotation reaches a mirror image; the best one found is no worse than many others.
   const auto off = [&](const Similarity& s) { return (s.apply(corners) - mirrored).squaredNorm(); };
@@ -55,7 +55,7 @@ TEST_CASE("mirrored landmarks never make a reflection") {
 }
 
 TEST_CASE("one landmark translates only") {
-  const Similarity fitted = fit_similarity(corners.topRows(1), rows({{1, 2, 3}}), moved);
+  const Similarity fitted = nearest_similarity(corners.topRows(1), rows({{1, 2, 3}}), moved);
   CHECK(fitted.rotation.isApprox(moved.rotation));
   CHECK(fitted.scale == moved.scale);
   CHECK((fitted.apply(Vec3(corners.row(0))) - Vec3(1, 2, 3)).norm() < 1e-12);
@@ -63,7 +63,7 @@ TEST_CASE("one landmark translates only") {
 
 TEST_CASE("two landmarks scale and turn by the smallest rotation") {
   const Points from = rows({{0, 0, 50}, {0, 0, -50}}), to = rows({{0, 60, 0}, {0, -60, 0}});
-  const Similarity fitted = fit_similarity(from, to, {});
+  const Similarity fitted = nearest_similarity(from, to, {});
   CHECK(largest_difference(fitted.apply(from), to) < 1e-9);
   CHECK(fitted.scale == doctest::Approx(1.2));
   CHECK((fitted.rotation * Vec3::UnitX() - Vec3::UnitX()).norm() < 1e-9);  // no spin about the line
@@ -72,7 +72,7 @@ TEST_CASE("two landmarks scale and turn by the smallest rotation") {
 TEST_CASE("collinear landmarks leave the spin as it is") {
   const Points from = rows({{0, 0, 50}, {0, 0, 0}, {0, 0, -50}});
   const Similarity spun{Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Vec3::UnitZ())), 1, Vec3::Zero()};
-  const Similarity fitted = fit_similarity(from, Points(from.rowwise() + Eigen::RowVector3d(5, 5, 5)), spun);
+  const Similarity fitted = nearest_similarity(from, Points(from.rowwise() + Eigen::RowVector3d(5, 5, 5)), spun);
   CHECK(fitted.rotation.angularDistance(spun.rotation) < 1e-9);
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("landmarks decide of a rotation what they determine well and nothing e
   // Nearly on a line, the middle one 6 mm off: the closed form spins by half a turn.
   Points clicked = prior.around.apply(line);
   clicked.row(1) -= 6 * (prior.around.rotation * Vec3::UnitX()).transpose();
-  CHECK(fit_similarity(line, clicked, prior.around).rotation.angularDistance(prior.around.rotation) > 2);
+  CHECK(nearest_similarity(line, clicked, prior.around).rotation.angularDistance(prior.around.rotation) > 2);
   CHECK(likely_similarity(line, clicked, prior, diagonal_mm).rotation.angularDistance(prior.around.rotation) <
         1 * degree);
 }

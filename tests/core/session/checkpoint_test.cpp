@@ -93,7 +93,7 @@ TEST_CASE("a case goes on from its last checkpoint as if every line were played"
     REQUIRE(session.apply(PaintRegion{"hilum", pole, 15, 0.5}));
     work(session, random, 25);
     REQUIRE(session.apply(points_edit(session.document(), 1.01 * *session.document().shape().points, by_model)));
-    REQUIRE(session.apply(SetSpacing{0.5}));
+    REQUIRE(session.apply(SetEvenSpacing{0.5}));
     work(session, random, 25);
     REQUIRE(session.apply(Undo{}));
   }
@@ -241,7 +241,7 @@ TEST_CASE("a day of work in small opens quickly and undoes to the first stroke")
     REQUIRE(opened->session.apply(Undo{}));
     REQUIRE(opened->session.history_bytes() <= limits.bytes);
   }
-  CHECK(*opened->session.document().shape().points == folder.document().reference->points);
+  CHECK(*opened->session.document().shape().points == folder.document().the_template->points);
 }
 
 TEST_CASE("what a line is to the history is told from its keys") {

@@ -114,7 +114,7 @@ TEST_CASE("local rotations of a turned shape are that rotation and cancel in the
   const Solved s;
   const Mat3 turn = Eigen::AngleAxisd(2.5, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   const Points turned = s.mesh.points * turn.transpose();
-  for (const Mat3& r : fit_local_rotations(*s.mesh.topology, s.mesh.points, turned)) {
+  for (const Mat3& r : local_rotations(*s.mesh.topology, s.mesh.points, turned)) {
     CHECK((r - turn).cwiseAbs().maxCoeff() < 1e-6);
   }
   const std::vector<Mat3> none(s.w.size(), Mat3::Identity());
@@ -128,7 +128,7 @@ TEST_CASE("local rotations agree with the singular value decomposition and are n
   for (const bool reflected : {false, true}) {
     Points bent = mesh.points + random_points(mesh.points.rows(), 3, 5);
     if (reflected) bent.col(0) *= -1;
-    const auto rotations = fit_local_rotations(*mesh.topology, mesh.points, bent);
+    const auto rotations = local_rotations(*mesh.topology, mesh.points, bent);
     for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
       Mat3 covariance = Mat3::Zero();
       for (const std::int32_t j : mesh.topology->one_ring(i)) {

@@ -236,7 +236,7 @@ TEST_CASE("a label larger than the grids hold is worked on in blocks") {
   const LabelExtent extent = label_extent(mask, 1, 0);
   const double spacing_mm = worked_spacing_mm(mask, extent, 1, 2);
   CHECK(304 * 304 * 304 / std::pow(spacing_mm, 3) == doctest::Approx(16e6));
-  const auto region = label_region(mask, 1, 0, extent, spacing_mm, 2).value();
+  const auto region = label_body(mask, 1, 0, extent, spacing_mm, 2).value();
   CHECK(region.grid.voxels() <= 16'000'000);
   CHECK(region.grid.spacing_mm == Vec3::Constant(2));
   CHECK(std::all_of(region.touches.begin(), region.touches.end(), [](bool touched) { return touched; }));
@@ -268,7 +268,7 @@ TEST_CASE("a tube template is a grid of rings perpendicular to its axis") {
   const auto made = make_tube_template(mask, options);
   REQUIRE(made);
   CHECK(made->mesh.points.rows() == 12 * 20 + 1);
-  CHECK(made->mesh.topology->boundary_loops().size() == 1);
+  CHECK(made->mesh.topology->rims().size() == 1);
   CHECK(made->axis.dot(-tilt.col(2)) > 0.99);  // towards the narrow end
   for (int ring = 0; ring < 12; ++ring) {
     const auto heights = (made->mesh.points.middleRows(ring * 20, 20) * made->axis).eval();

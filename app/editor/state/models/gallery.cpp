@@ -93,21 +93,21 @@ bool faces_viewer(const Camera3D& camera, const Mesh& shape, Eigen::Index vertex
   return normal.dot(camera.to_eye) > 0;
 }
 
-std::optional<GalleryPlace> place_at(const ModelsState& state, const GalleryGrid& grid, double x_px, double y_px,
-                                     float scale) {
+std::optional<GalleryVertex> vertex_at(const ModelsState& state, const GalleryGrid& grid, double x_px, double y_px,
+                                       float scale) {
   const auto shape = grid.shape_at(x_px, y_px);
   if (!state.model || !shape) return std::nullopt;
   const Points& points = *state.model->shapes[*shape];
   const RectPx cell = grid.cell(*shape);
   const Camera3D camera = cell_camera(state, points);
   const double reach_px = 6 * static_cast<double>(scale);
-  std::optional<GalleryPlace> found;
+  std::optional<GalleryVertex> found;
   double nearest_mm = 0;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const Vec3 px = camera_point_px(camera, target_of(cell), points.row(i));
     if (std::hypot(px.x() + cell.x - x_px, px.y() + cell.y - y_px) > reach_px) continue;
     if (found && px.z() >= nearest_mm) continue;
-    found = GalleryPlace{*shape, i};
+    found = GalleryVertex{*shape, i};
     nearest_mm = px.z();
   }
   return found;

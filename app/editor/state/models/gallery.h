@@ -32,8 +32,8 @@ Eigen::Vector2d cell_px(const Camera3D& camera, const RectPx& cell, const Vec3& 
 /// Whether the surface at a vertex faces the viewer.
 bool faces_viewer(const Camera3D& camera, const Mesh& shape, Eigen::Index vertex);
 /// The vertex under the pointer: the nearest to the eye of those within reach.
-std::optional<GalleryPlace> place_at(const ModelsState& state, const GalleryGrid& grid, double x_px, double y_px,
-                                     float scale);
+std::optional<GalleryVertex> vertex_at(const ModelsState& state, const GalleryGrid& grid, double x_px, double y_px,
+                                       float scale);
 
 /// Moves what all cells look at along with the pointer; a cell is `side_px` wide or high, whichever is less.
 void pan_gallery(ModelsState& state, double right_px, double down_px, double side_px);

@@ -212,12 +212,11 @@ void show_study(ModelsState& state, Study study, fs::path file) {
   fresh.shapes_revision = state.shapes_revision + 1;
   fresh.study_revision = state.study_revision;
   fresh.glyphs = state.glyphs;
-  fresh.sections_open = state.sections_open;
   state = std::move(fresh);
 }
 
-void take_model(ModelsState& state, std::shared_ptr<const StudyModel> model) {
-  const bool other_landmarks = !model || !state.model || state.model->landmarks() != model->landmarks();
+void show_model(ModelsState& state, std::shared_ptr<const StudyModel> model) {
+  const bool other_landmarks = !model || !state.model || state.model->vertices() != model->vertices();
   state.model = std::move(model);
   state.evaluation.reset();
   state.hover.reset();
@@ -239,10 +238,10 @@ void take_model(ModelsState& state, std::shared_ptr<const StudyModel> model) {
   if (!other_landmarks) return;
   state.glyph_spacing_mm = std::clamp(state.model->radius_mm / 6, 1.0, 60.0);
   set_to_mean(state);
-  fit_gallery(state);
+  show_all_shapes(state);
 }
 
-void fit_gallery(ModelsState& state) {
+void show_all_shapes(ModelsState& state) {
   unpin(state);
   constexpr double left_px = 40, up_px = 25, room = 1.02;
   state.camera = turned(camera_from(LookFrom::anterior, Box()), -left_px, up_px);
@@ -252,7 +251,7 @@ void fit_gallery(ModelsState& state) {
   state.camera.distance_mm = room * radius_mm / std::tan(15 * std::numbers::pi / 180);
 }
 
-void pin_vertex(ModelsState& state, const GalleryPlace& place, bool focus) {
+void pin_vertex(ModelsState& state, const GalleryVertex& place, bool focus) {
   if (!state.model || place.shape >= state.model->names.size()) return;
   state.pinned = place.vertex;
   state.selected = state.model->names[place.shape];

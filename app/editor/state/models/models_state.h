@@ -16,10 +16,10 @@ namespace homolog {
 enum class CaseColumn { study, name, group, state, distance };
 
 /// A vertex of one of the gallery's shapes.
-struct GalleryPlace {
+struct GalleryVertex {
   std::size_t shape = 0;  ///< in the model
   Eigen::Index vertex = 0;
-  bool operator==(const GalleryPlace&) const = default;
+  bool operator==(const GalleryVertex&) const = default;
 };
 
 /// A case that is to be shown at a vertex as soon as it is open.
@@ -64,7 +64,7 @@ struct ModelsState {
   bool turning = false;
   bool glyphs = true;
   double glyph_spacing_mm = 12;
-  std::optional<GalleryPlace> hover;
+  std::optional<GalleryVertex> hover;
   std::optional<Eigen::Index> pinned;  ///< vertex that is marked in all shapes
   bool focused = false;                ///< every cell looks at the pinned vertex
 
@@ -84,7 +84,6 @@ struct ModelsState {
   bool exporting = false;
   double exporting_fraction = 0;
 
-  std::array<bool, 3> sections_open{true, true, true};  ///< Model, Measures, Suspicion
   std::optional<RepairPlace> repair;
 };
 
@@ -120,12 +119,12 @@ void select_next_case(ModelsState& state);
 /// Takes another study in hand: nothing of the one before stays.
 void show_study(ModelsState& state, Study study, std::filesystem::path file);
 /// Takes a model in: keeps the camera where one was shown, the coefficients where they fit.
-void take_model(ModelsState& state, std::shared_ptr<const StudyModel> model);
+void show_model(ModelsState& state, std::shared_ptr<const StudyModel> model);
 
 /// Looks at all shapes, from the front.
-void fit_gallery(ModelsState& state);
+void show_all_shapes(ModelsState& state);
 /// Marks a vertex in all shapes; `focus` turns it to the viewer, in the middle of every cell.
-void pin_vertex(ModelsState& state, const GalleryPlace& place, bool focus);
+void pin_vertex(ModelsState& state, const GalleryVertex& place, bool focus);
 void unpin(ModelsState& state);
 
 /// b of the model's shape that is shown: deviations · √λ.

@@ -29,11 +29,11 @@ struct StudyModel {
   Vec3 centre_mm = Vec3::Zero();                   ///< of all shapes; the origin where they were aligned
   double radius_mm = 1;                            ///< of what all shapes reach around it
 
-  std::vector<DoubtfulShape> doubtful_shapes;  ///< those beyond the fences
-  std::vector<DoubtfulLandmark> doubtful_landmarks;
-  std::vector<DoubtfulTriangle> doubtful_triangles;
+  std::vector<SuspiciousShape> suspicious_shapes;  ///< those beyond the fences
+  std::vector<SuspiciousVertex> suspicious_vertices;
+  std::vector<SuspiciousTriangle> suspicious_triangles;
 
-  Eigen::Index landmarks() const { return mean.points.rows(); }
+  Eigen::Index vertices() const { return mean.points.rows(); }
   /// −1 where the case has no shape in the model.
   std::ptrdiff_t index_of(const std::string& name) const;
   /// Groups that at least two shapes belong to, in the order of their first.

@@ -46,7 +46,7 @@ void SnapMesh::spell(Fields& line) {
   if (region) at = region->at;
   line.optional("at", at);
   line.optional("sigma_mm", sigma_mm, region.has_value());
-  if (line.reads() && at) region = SnapRegion{*at, sigma_mm};
+  if (line.reads() && at) region = SnapArea{*at, sigma_mm};
   line.member("joined", joined);
 }
 void SnapMesh::run(Editing& editing) const {

@@ -32,7 +32,7 @@ struct ApplyEdit {
 /// Snaps the mesh, or a part of it, to the image, as the settings say.
 struct SnapMesh {
   static constexpr const char* key = "snap";
-  std::optional<SnapRegion> region;
+  std::optional<SnapArea> region;
   bool joined = false;  ///< undone together with the edit before it
   void spell(Fields& line);
   void run(Editing& editing) const;

@@ -32,7 +32,7 @@ void no_mesh_to_export(Editing& editing) {
 /// Says so where there is nothing to save.
 bool nothing_to_save(Editing& editing) {
   const Document& document = editing.shown.document();
-  if (document.volume || document.reference) return false;
+  if (document.volume || document.the_template) return false;
   add_notice(editing.state, "Nothing is open that could be saved; open an image or a template.");
   return true;
 }
@@ -172,7 +172,7 @@ void ExportTemplate::run(Editing& editing) const {
 }
 
 void ExportTemplateLandmarks::run(Editing& editing) const {
-  write_beside(editing, path, [landmarks = as_done(editing).reference->landmarks](const auto& to, Progress&) {
+  write_beside(editing, path, [landmarks = as_done(editing).the_template->landmarks](const auto& to, Progress&) {
     return write_landmarks(landmarks, to);
   });
 }

@@ -16,7 +16,7 @@ constexpr std::array state_names{"to do", "in work", "done"};
 constexpr std::array column_names{"study", "name", "group", "state", "distance"};
 constexpr std::array alignment_names{"similarity", "rigid", "none"};
 
-void spell_place(Fields& line, std::optional<GalleryPlace>& place) {
+void spell_place(Fields& line, std::optional<GalleryVertex>& place) {
   bool any = place.has_value();
   line.member("any", any);
   if (!any) return;
@@ -210,8 +210,8 @@ void LookFromSideInGallery::run(EditorState& state) const {
   look_from(state.models.camera, side);
 }
 
-void FitGallery::run(EditorState& state) const {
-  fit_gallery(state.models);
+void ShowAllShapes::run(EditorState& state) const {
+  show_all_shapes(state.models);
 }
 
 void TurnGallery::spell(Fields& line) {
@@ -337,14 +337,6 @@ void ChooseAlignment::spell(Fields& line) {
 }
 void ChooseAlignment::run(EditorState& state) const {
   state.models.alignment = alignment;
-}
-
-void OpenModelsSection::spell(Fields& line) {
-  line.member("section", section);
-  line.member("open", open);
-}
-void OpenModelsSection::run(EditorState& state) const {
-  if (section < state.models.sections_open.size()) state.models.sections_open[section] = open;
 }
 
 }  // namespace homolog

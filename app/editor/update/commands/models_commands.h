@@ -179,7 +179,7 @@ struct LookFromSideInGallery {
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
-struct FitGallery {
+struct ShowAllShapes {
   static constexpr const char* key = "fit gallery";
   void run(EditorState& state) const;
 };
@@ -210,14 +210,14 @@ struct ZoomGallery {
 struct PointAtVertex {
   static constexpr const char* key = "point at vertex";
   static constexpr Logged logged = Logged::never;
-  std::optional<GalleryPlace> place;
+  std::optional<GalleryVertex> place;
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
 /// Marks a vertex in all shapes; none: unmarks.
 struct PinVertex {
   static constexpr const char* key = "pin vertex";
-  std::optional<GalleryPlace> place;
+  std::optional<GalleryVertex> place;
   bool focus = false;  ///< every cell looks at it
   void spell(Fields& line);
   void run(EditorState& state) const;
@@ -286,14 +286,6 @@ struct CompareGroup {
 struct ChooseAlignment {
   static constexpr const char* key = "choose alignment";
   Alignment alignment = Alignment::similarity;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// Unfolds or folds a section of the Models panel.
-struct OpenModelsSection {
-  static constexpr const char* key = "open models section";
-  std::size_t section = 0;
-  bool open = true;
   void spell(Fields& line);
   void run(EditorState& state) const;
 };

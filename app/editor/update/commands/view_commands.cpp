@@ -7,8 +7,8 @@ namespace homolog {
 
 namespace {
 
-constexpr std::array overlay_names{"landmark hue", "edge stretch", "moved", "stiffness",
-                                   "regions",      "quality",      "known", "confidence"};
+constexpr std::array colouring_names{"landmark hue", "edge stretch", "moved", "stiffness",
+                                     "regions",      "quality",      "known", "confidence"};
 
 }  // namespace
 
@@ -59,11 +59,11 @@ void OpenSection::spell(Fields& line) {
   line.member("open", open);
 }
 void OpenSection::run(EditorState& state) const {
-  if (section < state.preferences.sections_open.size()) state.preferences.sections_open[section] = open;
+  state.preferences.sections_open[section] = open;
 }
 
-void FitViews::run(EditorState& state, const ControlsContext& context, Outbox&) const {
-  fit_views(state, context.document, context.layout);
+void ShowAll::run(EditorState& state, const ControlsContext& context, Outbox&) const {
+  show_all(state, context.document, context.layout);
 }
 
 void SetWindow::spell(Fields& line) {
@@ -104,11 +104,11 @@ void SetLabelOpacity::run(EditorState& state) const {
   state.label_opacity = static_cast<float>(opacity);
 }
 
-void ChooseOverlay::spell(Fields& line) {
-  spell_choice(line, "overlay", overlay_names, overlay);
+void ChooseColouring::spell(Fields& line) {
+  spell_choice(line, "colouring", colouring_names, colouring);
 }
-void ChooseOverlay::run(EditorState& state) const {
-  state.overlay = overlay;
+void ChooseColouring::run(EditorState& state) const {
+  state.colouring = colouring;
 }
 
 void SpaceGlyphs::spell(Fields& line) {

@@ -48,15 +48,15 @@ struct ScrollSlices {
   void spell(Fields& line);
   void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
 };
-/// Unfolds or folds a section of the side panel.
+/// Unfolds or folds the section of that title, in the panel of either mode.
 struct OpenSection {
   static constexpr const char* key = "open section";
-  std::size_t section = 0;
+  std::string section;
   bool open = true;
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
-struct FitViews {
+struct ShowAll {
   static constexpr const char* key = "fit views";
   void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
 };
@@ -92,9 +92,9 @@ struct SetLabelOpacity {
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
-struct ChooseOverlay {
-  static constexpr const char* key = "choose overlay";
-  Overlay overlay = Overlay::landmark_hue;
+struct ChooseColouring {
+  static constexpr const char* key = "choose colouring";
+  Colouring colouring = Colouring::vertex_hue;
   void spell(Fields& line);
   void run(EditorState& state) const;
 };

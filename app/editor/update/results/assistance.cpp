@@ -50,7 +50,7 @@ void cancel_fit(Editing& editing) {
   editing.shown.session().preview(std::nullopt);
 }
 
-void follow_fit(Editing& editing) {
+void update_fit(Editing& editing) {
   Fitter& fitter = editing.work.fitter;
   SessionThread& session = editing.shown.session();
   if (fitter.document() && fitter.document() != editing.shown.snapshot().document) {
@@ -69,17 +69,17 @@ void follow_fit(Editing& editing) {
   }
 }
 
-void follow_learning(Editing& editing) {
+void update_learning(Editing& editing) {
   EditorState& state = editing.state;
   StudyAppearance& appearance = editing.work.study_appearance;
   for (const std::string& sentence : appearance.update()) add_notice(state, sentence, false);
   const Snapshot& snapshot = editing.shown.snapshot();
-  const auto& reference = snapshot.document->reference;
+  const auto& the_template = snapshot.document->the_template;
   auto cases = cases_to_learn(state.models.study, snapshot.file);
-  if (!state.snap.learn || !reference || cases.empty())
+  if (!state.snap.learn || !the_template || cases.empty())
     appearance.forget();
   else
-    appearance.ask(std::move(cases), reference->topology->vertices());
+    appearance.ask(std::move(cases), the_template->topology->vertices());
   state.snap.learned = appearance.learned().appearance;
 }
 
@@ -102,7 +102,7 @@ void blend_model(Editing& editing, const BlendModel& command) {
     session.preview(std::nullopt, {std::move(complete)});
 }
 
-void follow_model_help(Editing& editing) {
+void update_model_help(Editing& editing) {
   EditorState& state = editing.state;
   Work& work = editing.work;
   if (const auto error = work.model_help.update()) {
@@ -113,7 +113,7 @@ void follow_model_help(Editing& editing) {
   if (state.model_help <= 0) return;
   const Document& document = *editing.shown.snapshot().document;
   if (!state.models.model || !document.has_shape() ||
-      state.models.model->landmarks() != document.reference->topology->vertices()) {
+      state.models.model->vertices() != document.the_template->topology->vertices()) {
     state.model_help = 0;
     return;
   }
@@ -121,7 +121,7 @@ void follow_model_help(Editing& editing) {
   if (work.blend_wanted && !work.model_help.busy()) blend_model(editing, BlendModel(*work.blend_wanted));
 }
 
-bool take_snap(Editing& editing) {
+bool show_snap(Editing& editing) {
   EditorState& state = editing.state;
   if (auto found = editing.work.snaps.take()) {
     if (!found->warning.empty()) add_notice(state, found->warning, false);

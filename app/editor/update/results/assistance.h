@@ -14,14 +14,14 @@ std::vector<Compute> assistance(const Editing& editing, const Action& action);
 void cancel_fit(Editing& editing);
 /// Shows how far the fit (or refinement) is, and takes it in when it is done; gives it up where the case was edited
 /// meanwhile.
-void follow_fit(Editing& editing);
+void update_fit(Editing& editing);
 
 /// Shows, or commits, the shape with as much of the study's model in it; once that is computed, where it is not yet.
 void blend_model(Editing& editing, const BlendModel& command);
-void follow_model_help(Editing& editing);
+void update_model_help(Editing& editing);
 /// Learns what the boundary looks like from the study's cases that are done, where snaps are to go by that.
-void follow_learning(Editing& editing);
+void update_learning(Editing& editing);
 /// Takes in what a snap found; true where there is something new to draw.
-bool take_snap(Editing& editing);
+bool show_snap(Editing& editing);
 
 }  // namespace homolog

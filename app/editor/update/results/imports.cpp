@@ -37,11 +37,11 @@ struct OnTemplate {
   std::string away;  ///< "apex (34 mm), base (40 mm)": what lies off the surface
 };
 
-Result<OnTemplate> landmarks_on(const std::filesystem::path& path, const Template& reference) {
+Result<OnTemplate> landmarks_on(const std::filesystem::path& path, const Template& the_template) {
   constexpr double most_mm = 10;
   const auto read = read_landmarks(path);
   if (!read) return fail(read.error());
-  const SurfaceSearch search({reference.topology, reference.points});
+  const SurfaceSearch search({the_template.topology, the_template.points});
   OnTemplate found;
   for (const Landmark& landmark : *read) {
     const auto nearest = search.nearest(landmark.position);
@@ -105,7 +105,7 @@ void import_landmarks(Editing& editing, const std::filesystem::path& path) {
 }
 
 void import_stiffness(Editing& editing, const std::filesystem::path& path) {
-  const auto topology = editing.shown.snapshot().document->reference->topology;
+  const auto topology = editing.shown.snapshot().document->the_template->topology;
   read_for_case(
       editing, ImportStiffness{{path}}, [topology](const auto& file) { return stiffness_in(file, *topology); },
       [](Editing& then, const VertexScalars& factors) {
@@ -116,14 +116,14 @@ void import_stiffness(Editing& editing, const std::filesystem::path& path) {
 void import_template_landmarks(Editing& editing, const std::filesystem::path& path) {
   read_for_case(
       editing, ImportTemplateLandmarks{{path}},
-      [reference = editing.shown.snapshot().document->reference](const auto& file) {
-        return landmarks_on(file, *reference);
+      [the_template = editing.shown.snapshot().document->the_template](const auto& file) {
+        return landmarks_on(file, *the_template);
       },
       [name = path.filename().string()](Editing& then, const OnTemplate& found) {
         const Document& document = *then.shown.snapshot().document;
         bool joined = false;
         for (const auto& [landmark, at] : found.landmarks) {
-          const Vec3 on_mesh = at.interpolate(*document.reference->topology, *document.shape().points).transpose();
+          const Vec3 on_mesh = at.interpolate(*document.the_template->topology, *document.shape().points).transpose();
           then.shown.session().apply(SetTemplateLandmark{landmark, on_mesh}, std::exchange(joined, true));
         }
         if (!found.away.empty())

@@ -24,15 +24,15 @@ void start_document(Editing& editing, Document document) {
 
 /// Asks, where the template lies beside the image, and in it after half a turn.
 void offer_flip(EditorState& state, const Document& document) {
-  if (!document.volume || !document.reference || is_built_in(document.reference->source)) return;
+  if (!document.volume || !document.the_template || is_built_in(document.the_template->source)) return;
   const Box image = document.volume->geometry.bounds_mm();
-  const Points& points = document.reference->points;
+  const Points& points = document.the_template->points;
   if (image.intersects(bounds_of(points))) return;
   // To negate x and y is half a turn about z.
   const Similarity flip{Eigen::Quaterniond(0, 0, 0, 1), 1, Vec3::Zero()};
   const Box flipped = bounds_of(Points(points * Vec3(-1, -1, 1).asDiagonal()));
   if (!image.intersects(flipped)) return;
-  const std::string name = std::filesystem::path(document.reference->source).filename().string();
+  const std::string name = std::filesystem::path(document.the_template->source).filename().string();
   state.dialog = FlipDialog{name, flip, flipped};
 }
 
@@ -48,10 +48,10 @@ void start_with(Editing& editing, Opened opened) {
   const auto volume = new_image ? opened.volume : now.volume;
   const std::string source = new_image ? opened.request.volume_source : now.volume_source;
   // A case's first line names the template's file, so a mirrored one is loaded as it is there and mirrored again.
-  const auto reference = opened.reference ? opened.reference : editing.shown.loaded_template();
-  const bool mirrored = !opened.reference && reference && reference->points != now.reference->points;
+  const auto the_template = opened.the_template ? opened.the_template : editing.shown.loaded_template();
+  const bool mirrored = !opened.the_template && the_template && the_template->points != now.the_template->points;
   const bool demo = opened.demo.has_value();
-  start_document(editing, opened.demo ? std::move(*opened.demo) : new_document(source, volume, reference));
+  start_document(editing, opened.demo ? std::move(*opened.demo) : new_document(source, volume, the_template));
   if (mirrored && !demo) editing.shown.session().apply(MirrorTemplate{});
   if (demo && editing.shown.document().volume->modality == "CT") {
     // Soft tissue: what the demo is about.
@@ -88,7 +88,7 @@ void show_repair(Editing& editing) {
     editing.shown.session().apply(SetFrame{*frame});
 }
 
-void take_opened(Editing& editing, Opened opened) {
+void show_opened(Editing& editing, Opened opened) {
   EditorState& state = editing.state;
   for (auto& warning : opened.warnings) add_notice(state, std::move(warning), false);
   if (opened.needs_spacing) {

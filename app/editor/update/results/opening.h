@@ -8,7 +8,7 @@ namespace homolog {
 
 /// Shows a case, whose journal is the caller's matter.
 void start_session(Editing& editing, EditSession session);
-void take_opened(Editing& editing, Opened opened);
+void show_opened(Editing& editing, Opened opened);
 /// Goes to the place that the case was opened for, where it was for one.
 void show_repair(Editing& editing);
 

@@ -10,10 +10,10 @@ void quit_when_written(Editing& editing, bool without_study) {
     const std::string name = std::filesystem::path(file->subject).filename().string();
     add_notice(state, "Homolog closes as soon as " + name + " is written.", false);
   }
-  follow_quit(editing);
+  update_quit(editing);
 }
 
-void follow_quit(Editing& editing) {
+void update_quit(Editing& editing) {
   EditorState& state = editing.state;
   Models& models = editing.work.models;
   if (state.quitting == Quitting::no || editing.work.exports.busy()) return;

@@ -101,20 +101,20 @@ bool take_results(Editing& editing, double seconds) {
   const Snapshot* const before = &editing.shown.snapshot();
   if (auto opened = work.opener.take()) {
     if (*opened)
-      take_opened(editing, std::move(**opened));
+      show_opened(editing, std::move(**opened));
     else
       add_notice(state, opened->error().sentence());
   }
   take_imports(editing);
   play(state, editing.shown.document(), seconds);
-  if (editing.shown.take_snapshot(state)) work.quality.post(editing.shown.displayed());
+  if (editing.shown.update_snapshot(state)) work.quality.post(editing.shown.displayed());
   bool changed = take_written(editing);
-  follow_fit(editing);
-  follow_model_help(editing);
-  follow_learning(editing);
-  changed |= take_snap(editing);
+  update_fit(editing);
+  update_model_help(editing);
+  update_learning(editing);
+  changed |= show_snap(editing);
   changed |= work.models.update(state, editing.shown.snapshot(), seconds, editing.out);
-  follow_quit(editing);
+  update_quit(editing);
   changed |= work.quality.update();
   changed |= take_stage(editing);
   changed |= take_recovery(editing);

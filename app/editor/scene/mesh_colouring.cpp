@@ -1,4 +1,4 @@
-#include "app/editor/scene/mesh_overlay.h"
+#include "app/editor/scene/mesh_colouring.h"
 
 #include <algorithm>
 #include <array>
@@ -79,7 +79,7 @@ Rgb region_colour(const Regions& regions, std::size_t vertex) {
 
 /// Quality of the worst triangle around every vertex.
 VertexScalars worst_triangle(const Document& document) {
-  const Topology& topology = *document.reference->topology;
+  const Topology& topology = *document.the_template->topology;
   const Points& p = *document.shape().points;
   VertexScalars worst = VertexScalars::Ones(p.rows());
   for (Eigen::Index face = 0; face < topology.triangles().rows(); ++face) {
@@ -103,9 +103,9 @@ VertexScalars moved_mm(const Document& document) {
 }
 
 VertexScalars edge_stretch(const Document& document) {
-  const Topology& topology = *document.reference->topology;
+  const Topology& topology = *document.the_template->topology;
   const Points& p = *document.shape().points;
-  const Points& r = document.reference->points;
+  const Points& r = document.the_template->points;
   const double scale = document.shape().placement.scale;
   VertexScalars sum = VertexScalars::Zero(p.rows()), count = VertexScalars::Zero(p.rows());
   for (const auto& [i, j] : topology.edges()) {
@@ -120,26 +120,26 @@ VertexScalars edge_stretch(const Document& document) {
   return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
-std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, const std::vector<float>& hues,
-                                 float saturation, const VertexScalars* confidence) {
+std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, const std::vector<float>& hues,
+                              float saturation, const VertexScalars* confidence) {
   const auto n = static_cast<std::size_t>(document.shape().points->rows());
   std::vector<Rgb> colours(n);
   const auto colour_by = [&](const VertexScalars& values, const std::vector<Rgb>& scale, auto share) {
     for (std::size_t i = 0; i < n; ++i) colours[i] = on_scale(scale, share(values[static_cast<Eigen::Index>(i)]));
   };
-  switch (overlay) {
-    case Overlay::landmark_hue:
+  switch (colouring) {
+    case Colouring::vertex_hue:
       for (std::size_t i = 0; i < n; ++i) colours[i] = hsv_to_rgb(hues[i], saturation, 1);
       break;
-    case Overlay::edge_stretch:
+    case Colouring::edge_stretch:
       colour_by(edge_stretch(document), diverging(),
                 [](double ratio) { return 0.5 + std::log2(std::max(ratio, 1e-6)) / (2 * stretch_octaves); });
       break;
-    case Overlay::moved:
+    case Colouring::moved:
       colour_by(moved_mm(document), rising(),
                 [most = moved_scale_mm(document)](double distance) { return distance / most; });
       break;
-    case Overlay::stiffness: {
+    case Colouring::stiffness: {
       const double most = stiffness_scale(document);
       colour_by(*document.stiffness, rising(), [most](double factor) { return factor / most; });
       for (std::size_t i = 0; i < n; ++i)
@@ -147,11 +147,11 @@ std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, cons
           colours[i] = mix(colours[i], {1, 1, 1}, (*document.shape().confirmed)[static_cast<Eigen::Index>(i)]);
       break;
     }
-    case Overlay::regions:
+    case Colouring::regions:
       for (std::size_t i = 0; i < n; ++i) colours[i] = region_colour(*document.regions, i);
       break;
-    case Overlay::known: {
-      const VertexScalars known = known_landmarks(document.shape());
+    case Colouring::known: {
+      const VertexScalars known = known_vertices(document.shape());
       const auto& held = document.shape().confirmed;
       for (std::size_t i = 0; i < n; ++i) {
         const auto v = static_cast<Eigen::Index>(i);
@@ -159,10 +159,10 @@ std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, cons
       }
       break;
     }
-    case Overlay::confidence:
+    case Colouring::confidence:
       if (confidence != nullptr) colour_by(*confidence, confidence_scale(), [](double sure) { return sure; });
       break;
-    case Overlay::quality:
+    case Colouring::quality:
       colour_by(worst_triangle(document), quality_scale(), [](double quality) { return quality; });
       break;
   }
@@ -178,21 +178,21 @@ std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response,
   return colours;
 }
 
-Legend overlay_legend(const Document& document, Overlay overlay) {
-  switch (overlay) {
-    case Overlay::landmark_hue: {
+Legend colouring_legend(const Document& document, Colouring colouring) {
+  switch (colouring) {
+    case Colouring::vertex_hue: {
       Legend legend{
-          "0", "", figure_text("%.0f", static_cast<double>(document.reference->topology->vertices() - 1)), {}, {}};
+          "0", "", figure_text("%.0f", static_cast<double>(document.the_template->topology->vertices() - 1)), {}, {}};
       for (int i = 0; i <= 12; ++i) legend.colours.push_back(hsv_to_rgb(static_cast<float>(i) / 12.5f, 0.4f, 1));
       return legend;
     }
-    case Overlay::edge_stretch:
+    case Colouring::edge_stretch:
       return {"0.5\xc3\x97", "1\xc3\x97", "2\xc3\x97", diverging(), {}};
-    case Overlay::moved:
+    case Colouring::moved:
       return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(document)), rising(), {}};
-    case Overlay::stiffness:
+    case Colouring::stiffness:
       return {"0", "", figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising(), {}};
-    case Overlay::regions: {
+    case Colouring::regions: {
       Legend legend{"", "", "", {no_region}, {"no region"}};
       for (const Region& region : document.regions->list) {
         legend.colours.push_back(rgb_of(region.colour));
@@ -200,12 +200,12 @@ Legend overlay_legend(const Document& document, Overlay overlay) {
       }
       return legend;
     }
-    case Overlay::known:
+    case Colouring::known:
       return {
           "", "", "", {{1, 1, 1}, decided, left_open}, {"confirmed", "decided by hand, fit or snap", "not known yet"}};
-    case Overlay::confidence:
+    case Colouring::confidence:
       return {"no edge seen", "", "clear edge", confidence_scale()};
-    case Overlay::quality:
+    case Colouring::quality:
       return {"flat", "", "equilateral", quality_scale(), {}};
   }
   return {};

@@ -4,9 +4,9 @@
 #include <optional>
 
 #include "app/verbs/case_pool.h"
-#include "app/verbs/study.h"
-#include "app/verbs/study_chart.h"
-#include "app/verbs/study_tables.h"
+#include "app/verbs/experiment.h"
+#include "app/verbs/experiment_chart.h"
+#include "app/verbs/experiment_tables.h"
 #include "core/base/files.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/landmark_io.h"
@@ -27,7 +27,7 @@ constexpr int fewest_for_model = 4;
 constexpr Eigen::Index model_modes = 3, model_samples = 1000;
 constexpr std::uint64_t model_seed = 1;
 
-struct Options {
+struct SchemesOptions {
   std::string template_source;
   std::vector<int> phantoms;
   std::vector<fs::path> masks, meshes, landmarks;
@@ -45,18 +45,18 @@ struct Options {
 
 /// What all runs share.
 struct Plan {
-  std::shared_ptr<const Template> reference;
+  std::shared_ptr<const Template> the_template;
   std::vector<std::string> names;  ///< of the subjects
-  std::vector<StudySubject> subjects;
+  std::vector<ExperimentSubject> subjects;
   std::vector<WorkingScheme> schemes;
 };
 
 /// The template, its landmarks and stiffness as asked for. Where cases are written it lies beside them, since a changed
 /// one is not what its file says.
-Result<std::shared_ptr<const Template>> reference_of(const Options& options) {
-  auto reference = load_template(options.template_source);
-  if (!reference) return reference;
-  MeshFile file = to_mesh_file(**reference);
+Result<std::shared_ptr<const Template>> template_of_runs(const SchemesOptions& options) {
+  auto the_template = load_template(options.template_source);
+  if (!the_template) return the_template;
+  MeshFile file = to_mesh_file(**the_template);
   if (!options.template_landmarks.empty()) {
     auto landmarks = read_landmarks(options.template_landmarks);
     if (!landmarks) return fail(landmarks.error());
@@ -72,26 +72,26 @@ Result<std::shared_ptr<const Template>> reference_of(const Options& options) {
 }
 
 /// Every other landmark is shown, in every other case the others, so that the error is measured at all of them.
-void share_landmarks(std::vector<Landmark> landmarks, std::size_t index, StudySubject& subject) {
+void share_landmarks(std::vector<Landmark> landmarks, std::size_t index, ExperimentSubject& subject) {
   for (std::size_t k = 0; k < landmarks.size(); ++k)
     ((k + index) % 2 == 0 ? subject.shown : subject.hidden).push_back(std::move(landmarks[k]));
 }
 
-Result<StudySubject> read_subject(const Options& options, const Template& reference, std::size_t index,
-                                  Progress& progress) {
+Result<ExperimentSubject> read_subject(const SchemesOptions& options, const Template& the_template, std::size_t index,
+                                       Progress& progress) {
   if (!options.phantoms.empty()) {
     const auto organ = built_in_organ(options.template_source);
     if (!organ) return fail(organ.error());
-    return phantom_study_subject(*organ, options.phantoms[index]);
+    return phantom_experiment_subject(*organ, options.phantoms[index]);
   }
   const fs::path& path = options.files()[index];
-  Result<StudySubject> subject = StudySubject{};
+  Result<ExperimentSubject> subject = ExperimentSubject{};
   if (options.masks.empty()) {
     const auto mesh = read_mesh(path);
     if (!mesh) return fail(mesh.error());
     subject->target = mesh_boundary(*mesh).surface;
   } else {
-    subject = mask_subject(path, options.target, reference, progress);
+    subject = mask_subject(path, options.target, the_template, progress);
   }
   if (!subject || options.landmarks.empty()) return subject;
   auto landmarks = read_landmarks(options.landmarks[index]);
@@ -100,7 +100,7 @@ Result<StudySubject> read_subject(const Options& options, const Template& refere
   return subject;
 }
 
-std::vector<std::string> subject_names(const Options& options) {
+std::vector<std::string> subject_names(const SchemesOptions& options) {
   std::vector<std::string> files;
   for (const int number : options.phantoms) files.push_back("phantom-" + std::to_string(number));
   for (const fs::path& path : options.phantoms.empty() ? options.files() : std::vector<fs::path>{})
@@ -109,17 +109,17 @@ std::vector<std::string> subject_names(const Options& options) {
 }
 
 /// Reads all subjects; one that cannot be read is left out with a warning.
-Result<Plan> plan_of(const Options& options, Report& report, Progress& progress) {
+Result<Plan> plan_of(const SchemesOptions& options, Report& report, Progress& progress) {
   Plan plan;
-  auto reference = reference_of(options);
-  if (!reference) return fail(reference.error());
-  plan.reference = *reference;
+  auto the_template = template_of_runs(options);
+  if (!the_template) return fail(the_template.error());
+  plan.the_template = *the_template;
   const std::vector<std::string> names = subject_names(options);
-  std::vector<StudySubject> read(options.subjects());
+  std::vector<ExperimentSubject> read(options.subjects());
   const auto results = run_cases(
       read.size(),
       [&](std::size_t i, Progress& own) -> Result<Report> {
-        auto subject = read_subject(options, *plan.reference, i, own);
+        auto subject = read_subject(options, *plan.the_template, i, own);
         if (!subject) return fail(subject.error());
         read[i] = std::move(*subject);
         return Report{};
@@ -138,7 +138,7 @@ Result<Plan> plan_of(const Options& options, Report& report, Progress& progress)
   for (const std::string& name : options.schemes.empty() ? compared_schemes(with_features) : options.schemes) {
     auto scheme = working_scheme(name);
     if (!scheme) return fail(scheme.error());
-    if (scheme->features != FeatureUse::none && !with_features)
+    if (scheme->features != LandmarkUse::none && !with_features)
       return fail(name, "needs landmarks to show; give a file for each case by --landmarks");
     plan.schemes.push_back(std::move(*scheme));
   }
@@ -181,7 +181,7 @@ Tables tables_of(const Plan& plan, const std::vector<Result<Report>>& results, c
     std::vector<Points> shapes;
     for (std::size_t i = 0; i < plan.subjects.size(); ++i) {
       const std::size_t job = s * plan.subjects.size() + i;
-      const StudySubject& subject = plan.subjects[i];
+      const ExperimentSubject& subject = plan.subjects[i];
       if (!results[job]) {
         report.warnings.push_back(subject.name + ", " + plan.schemes[s].name + ": " + results[job].error().sentence());
         continue;
@@ -199,11 +199,11 @@ Tables tables_of(const Plan& plan, const std::vector<Result<Report>>& results, c
   }
   for (const auto& [name, dice] : best_dice)
     if (dice < doubtful_dice)
-      report.warnings.push_back(name + ": no scheme comes near; is " + plan.reference->source +
+      report.warnings.push_back(name + ": no scheme comes near; is " + plan.the_template->source +
                                 " the template of another organ or side, or the label a wrong one?");
   if (plan.subjects.front().truth) {
     std::vector<Points> truth;
-    for (const StudySubject& subject : plan.subjects) truth.push_back(*subject.truth);
+    for (const ExperimentSubject& subject : plan.subjects) truth.push_back(*subject.truth);
     Json row{{"scheme", "truth"}};
     row.update(model_figures(matrix_of(truth)));
     tables.schemes.push_back(std::move(row));
@@ -226,7 +226,7 @@ Result<void> write_tables(const Tables& tables, const fs::path& folder, Json& pa
   return {};
 }
 
-Result<Report> study_schemes(const Options& options, Progress& progress) {
+Result<Report> study_schemes(const SchemesOptions& options, Progress& progress) {
   Report report;
   std::optional<Result<ResultFolder>> folder;
   if (!options.out.empty()) folder.emplace(ResultFolder::make(options.out));
@@ -238,9 +238,9 @@ Result<Report> study_schemes(const Options& options, Progress& progress) {
       runs.size(),
       [&](std::size_t job, Progress& own) -> Result<Report> {
         const std::size_t i = job % plan->subjects.size();
-        const StudySubject& subject = plan->subjects[i];
+        const ExperimentSubject& subject = plan->subjects[i];
         const WorkingScheme& scheme = plan->schemes[job / plan->subjects.size()];
-        EditSession session(new_document("", nullptr, plan->reference));
+        EditSession session(new_document("", nullptr, plan->the_template));
         auto run = run_scheme(session, subject, scheme, {options.seed + i, options.most_pulls, &own});
         if (!run) return fail(run.error());
         if (options.cases) {
@@ -266,7 +266,7 @@ Result<Report> study_schemes(const Options& options, Progress& progress) {
   return report;
 }
 
-void check(const Options& options) {
+void check_schemes(const SchemesOptions& options) {
   const int kinds = !options.phantoms.empty() + !options.masks.empty() + !options.meshes.empty();
   if (kinds != 1) throw CLI::RequiredError("exactly one of --phantoms, --mask and --mesh");
   if (!options.phantoms.empty() && !is_built_in(options.template_source))
@@ -279,7 +279,7 @@ void check(const Options& options) {
 }  // namespace
 
 void add_study_schemes(CLI::App& study, CommandLine& asked) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SchemesOptions>();
   CLI::App* verb = add_verb(study, "schemes", "Compares ways of working: every scheme on every case, as tables");
   verb->add_option("TEMPLATE", options->template_source, template_sources())->required();
   verb->add_option("--phantoms", options->phantoms, "Numbers of phantom subjects of the built-in template's organ")
@@ -302,7 +302,7 @@ void add_study_schemes(CLI::App& study, CommandLine& asked) {
   verb->add_option("-o,--output", options->out, "Folder for runs.csv, schemes.csv, schemes.md and landmarks.svg");
   verb->add_flag("--cases", options->cases, "Write a case file of every run there too");
   verb->callback([options, &asked] {
-    check(*options);
+    check_schemes(*options);
     asked.run = [options](Progress& progress) { return study_schemes(*options, progress); };
   });
 }

@@ -14,7 +14,7 @@
 namespace homolog {
 
 /// A label cut out of a label map with a margin around it: its largest part, cavities filled.
-struct LabelRegion {
+struct LabelBody {
   VolumeGeometry grid;               ///< may reach beyond the label map's
   std::vector<std::uint8_t> inside;  ///< 1 or 0 a voxel of `grid`
   OneBody body;                      ///< counted in voxels of `grid`
@@ -36,17 +36,17 @@ double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double e
 /// `extent`: the label's own. `margin_mm`: left free on every side, at least two voxels. Where an axis has voxels
 /// smaller than half of `spacing_mm`, whole blocks of them are made one (inside where at least half are), larger ones
 /// where the grid would hold more than 16 million. Errors: the label does not occur.
-Result<LabelRegion> label_region(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
-                                 double margin_mm);
+Result<LabelBody> label_body(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
+                             double margin_mm);
 
 /// How many voxels of a region lie outside of a mesh and farther from it than two voxels (of the region's grid, along
 /// its longest axis).
-std::size_t voxels_off(const LabelRegion& region, const Mesh& mesh);
+std::size_t voxels_off(const LabelBody& region, const Mesh& mesh);
 
 /// The boundary of a region's voxels, LPS mm. Errors: nothing is inside.
-Result<Mesh> boundary_of(const LabelRegion& region);
+Result<Mesh> boundary_of(const LabelBody& region);
 
 /// The warning that the label has another part more than half as large as the one taken; none where it has not.
-std::optional<std::string> several_parts(const LabelRegion& region, int label);
+std::optional<std::string> several_parts(const LabelBody& region, int label);
 
 }  // namespace homolog

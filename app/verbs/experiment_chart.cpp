@@ -1,4 +1,4 @@
-#include "app/verbs/study_chart.h"
+#include "app/verbs/experiment_chart.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/study/schemes.h"
+#include "core/experiment/schemes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,27 +18,27 @@ constexpr double near_mm = 1, near_dice = 0.95;
 constexpr std::string_view refined = "+refine";  // at the end of a scheme's name
 
 /// Mean distance from where landmarks or vertices are known to belong.
-std::optional<double> landmark_error(const Document& document, const StudySubject& subject) {
+std::optional<double> landmark_error(const Document& document, const ExperimentSubject& subject) {
   const Points& points = *document.shape().points;
   if (subject.truth) return (points - *subject.truth).rowwise().norm().mean();
-  const Template& reference = *document.reference;
+  const Template& the_template = *document.the_template;
   double sum = 0;
   int known = 0;
   for (const Landmark& landmark : subject.hidden) {
-    for (std::size_t k = 0; k < reference.landmarks.size(); ++k) {
-      if (reference.landmarks[k].name != landmark.name) continue;
-      sum += (carried_landmark(reference, k, points) - landmark.position).norm();
+    for (std::size_t k = 0; k < the_template.landmarks.size(); ++k) {
+      if (the_template.landmarks[k].name != landmark.name) continue;
+      sum += (carried_landmark(the_template, k, points) - landmark.position).norm();
       ++known;
     }
   }
   return known > 0 ? std::optional(sum / known) : std::nullopt;
 }
 
-double edge_spread(const Topology& topology, const Points& reference, const Points& points) {
+double edge_spread(const Topology& topology, const Points& the_template, const Points& points) {
   Eigen::ArrayXd ratios(static_cast<Eigen::Index>(topology.edges().size()));
   Eigen::Index k = 0;
   for (const auto& [a, b] : topology.edges())
-    ratios[k++] = (points.row(a) - points.row(b)).norm() / (reference.row(a) - reference.row(b)).norm();
+    ratios[k++] = (points.row(a) - points.row(b)).norm() / (the_template.row(a) - the_template.row(b)).norm();
   return std::sqrt((ratios - ratios.mean()).square().mean()) / ratios.mean();
 }
 
@@ -48,16 +48,16 @@ Agreement agreement_with(const EditSession& session, const Mesh& target) {
 
 Result<void> set_up(EditSession& session, const WorkingScheme& scheme) {
   if (auto done = session.apply(SetScheme{scheme.scheme, scheme.paper_events}); !done) return fail(done.error());
-  if (auto done = session.apply(SetSpacing{scheme.spacing}); !done) return fail(done.error());
+  if (auto done = session.apply(SetEvenSpacing{scheme.even_spacing}); !done) return fail(done.error());
   return {};
 }
 
-Result<int> use_features(EditSession& session, const std::vector<Landmark>& features, FeatureUse use) {
-  if (use == FeatureUse::none) return 0;
-  if (use == FeatureUse::grab) return grab_features(session, features);
-  const auto clicked = click_features(session, features);
-  if (!clicked || use == FeatureUse::warp) return clicked;
-  if (auto held = hold_features(session, features); !held) return fail(held.error());
+Result<int> show_landmarks(EditSession& session, const std::vector<Landmark>& features, LandmarkUse use) {
+  if (use == LandmarkUse::none) return 0;
+  if (use == LandmarkUse::grab) return grab_landmarks(session, features);
+  const auto clicked = click_landmarks(session, features);
+  if (!clicked || use == LandmarkUse::warp) return clicked;
+  if (auto held = confirm_landmarks(session, features); !held) return fail(held.error());
   return 2 * *clicked;
 }
 
@@ -87,14 +87,14 @@ Result<void> adapt_without_hand(EditSession& session, const Mesh& target, Adapta
   return done ? Result<void>{} : fail(done.error());
 }
 
-void measure(const EditSession& session, const StudySubject& subject, SchemeRun& run) {
+void measure(const EditSession& session, const ExperimentSubject& subject, SchemeRun& run) {
   const Document& document = session.document();
   const Agreement agreement = agreement_with(session, subject.target);
   run.assd = agreement.assd_mm;
   run.hd95 = agreement.hd95_mm;
   run.dice = agreement.dice;
   run.landmarks = landmark_error(document, subject);
-  const Topology& topology = *document.reference->topology;
+  const Topology& topology = *document.the_template->topology;
   const Shape& shape = document.shape();
   run.points = *shape.points;
   run.edge_spread = edge_spread(topology, *shape.placed, run.points);
@@ -125,7 +125,7 @@ Result<WorkingScheme> working_scheme(const std::string& name) {
     made.scheme = Scheme::paper;
     made.paper_events = moving == "paper-1" ? 1 : 10;
   } else if (moving == "spacing")
-    made.spacing = 1;
+    made.even_spacing = 1;
   else
     known = moving == "anchored";
   if (made.adaptation == Adaptation::projection)
@@ -133,11 +133,11 @@ Result<WorkingScheme> working_scheme(const std::string& name) {
   else if (made.adaptation == Adaptation::fit && features != "+warp")
     known = features.empty();
   else if (features == "+grab")
-    made.features = FeatureUse::grab;
+    made.features = LandmarkUse::grab;
   else if (features == "+warp")
-    made.features = FeatureUse::warp;
+    made.features = LandmarkUse::warp;
   else if (features == "+hold")
-    made.features = FeatureUse::hold;
+    made.features = LandmarkUse::hold;
   else
     known = known && features.empty();
   if (made.refine) known = known && made.adaptation == Adaptation::pulls;
@@ -172,7 +172,7 @@ std::string pulling_scheme(bool with_features) {
   return with_features ? "anchored+warp" : "anchored";
 }
 
-StudySubject phantom_study_subject(Organ organ, int number) {
+ExperimentSubject phantom_experiment_subject(Organ organ, int number) {
   const MeshFile made = phantom_truth(organ, number).front();
   const Mesh truth{Topology::make(made.points.rows(), made.triangles).value(), made.points};
   VolumeGeometry grid;
@@ -180,7 +180,7 @@ StudySubject phantom_study_subject(Organ organ, int number) {
   grid.origin_mm = box.min() - Vec3::Constant(4);
   for (int axis = 0; axis < 3; ++axis)
     grid.dims[static_cast<std::size_t>(axis)] = static_cast<int>(std::ceil(box.sizes()[axis])) + 9;
-  StudySubject subject;
+  ExperimentSubject subject;
   subject.name = std::string(organ_name(organ)) + "-" + std::to_string(number);
   subject.target = mask_surface(label_map(truth, grid), 1).value();
   subject.visible_mm = grid.spacing_mm.maxCoeff();
@@ -189,7 +189,7 @@ StudySubject phantom_study_subject(Organ organ, int number) {
   return subject;
 }
 
-Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, const WorkingScheme& scheme,
+Result<SchemeRun> run_scheme(EditSession& session, const ExperimentSubject& subject, const WorkingScheme& scheme,
                              const SchemeRunOptions& options) {
   SchemeRun run;
   if (auto done = set_up(session, scheme); !done) return fail(done.error());
@@ -199,7 +199,7 @@ Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, 
   run.assd_placed = agreement_with(session, subject.target).assd_mm;
   run.landmarks_placed = landmark_error(session.document(), subject);
 
-  const auto strokes = use_features(session, subject.shown, scheme.features);
+  const auto strokes = show_landmarks(session, subject.shown, scheme.features);
   if (!strokes) return fail(strokes.error());
   run.feature_strokes = *strokes;
   run.landmarks_after_features = landmark_error(session.document(), subject);

@@ -4,7 +4,7 @@
 
 #include "app/verbs/verb.h"
 #include "core/case/document.h"
-#include "core/study/schemes.h"
+#include "core/experiment/schemes.h"
 
 // What the verbs of `study` share.
 
@@ -18,8 +18,8 @@ struct TargetOptions {
 void add_target_options(CLI::App& verb, TargetOptions& options);
 
 /// A label map as the organ to adapt `reference` to, without landmarks. Errors: the reader's, the label's.
-Result<StudySubject> mask_subject(const std::filesystem::path& path, const TargetOptions& options,
-                                  const Template& reference, Progress& progress);
+Result<ExperimentSubject> mask_subject(const std::filesystem::path& path, const TargetOptions& options,
+                                       const Template& the_template, Progress& progress);
 
 /// The figures of a run by name, lengths in mm; null where there is none.
 Json json_of(const SchemeRun& run);

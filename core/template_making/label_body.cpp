@@ -1,4 +1,4 @@
-#include "core/template_making/label_region.h"
+#include "core/template_making/label_body.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +53,7 @@ Blocks blocks_of(const VolumeGeometry& whole, const LabelExtent& extent, double 
 }
 
 /// Whether something inside lies in the plane `at` of an axis.
-bool reaches(const LabelRegion& region, std::size_t axis, int at) {
+bool reaches(const LabelBody& region, std::size_t axis, int at) {
   const auto& dims = region.grid.dims;
   const std::size_t row = index(dims[0]), slice = row * index(dims[1]);
   const std::array<std::size_t, 3> stride{1, row, slice};
@@ -104,8 +104,8 @@ double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double e
   return std::max({edge_mm / 3, 0.5 * voxel_mm.minCoeff(), std::cbrt(std::max(0.0, volume_mm3) / most_voxels)});
 }
 
-Result<LabelRegion> label_region(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
-                                 double margin_mm) {
+Result<LabelBody> label_body(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
+                             double margin_mm) {
   if (extent.area_mm2 <= 0)
     return fail("", "label " + std::to_string(label) + " does not occur in the label map; name one that does");
   const VolumeGeometry& whole = mask.geometry;
@@ -114,7 +114,7 @@ Result<LabelRegion> label_region(const Volume& mask, int label, int frame, const
     spacing_mm *= 1.25;
     blocks = blocks_of(whole, extent, spacing_mm, margin_mm);
   }
-  LabelRegion region;
+  LabelBody region;
   region.grid.direction = whole.direction;
   region.grid.dims = blocks.dims;
   Vec3 origin;
@@ -145,7 +145,7 @@ Result<LabelRegion> label_region(const Volume& mask, int label, int frame, const
   return region;
 }
 
-std::size_t voxels_off(const LabelRegion& region, const Mesh& mesh) {
+std::size_t voxels_off(const LabelBody& region, const Mesh& mesh) {
   const auto& dims = region.grid.dims;
   const std::vector<std::uint8_t> covered = voxelise(mesh, region.grid);
   const SurfaceSearch search(mesh);
@@ -171,14 +171,14 @@ std::size_t voxels_off(const LabelRegion& region, const Mesh& mesh) {
   return off;
 }
 
-Result<Mesh> boundary_of(const LabelRegion& region) {
+Result<Mesh> boundary_of(const LabelBody& region) {
   Volume body;
   body.geometry = region.grid;
   body.data = region.inside;
   return mask_surface(body, 1);
 }
 
-std::optional<std::string> several_parts(const LabelRegion& region, int label) {
+std::optional<std::string> several_parts(const LabelBody& region, int label) {
   const auto& islands = region.body.islands;
   if (islands.empty() || 2 * islands.front() <= region.body.body) return std::nullopt;
   const double voxel_ml = region.grid.voxel_volume_mm3() / 1000;

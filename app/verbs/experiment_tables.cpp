@@ -1,4 +1,4 @@
-#include "app/verbs/study_tables.h"
+#include "app/verbs/experiment_tables.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/base/progress.h"
+#include "core/experiment/sight.h"
 #include "core/session/session.h"
-#include "core/study/sight.h"
 
 // A person at work, scripted: what each function does is committed to the session, and so to its journal.
 // Deterministic. Errors of all: the session's.
@@ -23,14 +23,14 @@ Result<void> disturb_placement(EditSession& session, std::uint64_t seed);
 
 /// Grabs the template's landmarks that `features` name and drags them to their places with the largest σ, three rounds,
 /// since each drag moves its neighbours too. Gives the number of strokes.
-Result<int> grab_features(EditSession& session, const std::vector<Landmark>& features);
+Result<int> grab_landmarks(EditSession& session, const std::vector<Landmark>& features);
 
 /// Clicks `features` in the image, so that the landmark warp carries the template along; gives their number.
-Result<int> click_features(EditSession& session, const std::vector<Landmark>& features);
+Result<int> click_landmarks(EditSession& session, const std::vector<Landmark>& features);
 
 /// Confirms a small region around each of `features` (5 % of the template's diagonal), so that later strokes leave them
 /// where they are.
-Result<void> hold_features(EditSession& session, const std::vector<Landmark>& features);
+Result<void> confirm_landmarks(EditSession& session, const std::vector<Landmark>& features);
 
 /// How boundary pulls are done.
 struct PullingOptions {

@@ -9,10 +9,10 @@
 
 namespace homolog {
 
-/// Colour of every vertex for an overlay; `hues` are the template's vertex hues, shown at `saturation`; `confidence`
-/// is that of the last snap, which its overlay needs.
-std::vector<Rgb> overlay_colours(const Document& document, Overlay overlay, const std::vector<float>& hues,
-                                 float saturation, const VertexScalars* confidence = nullptr);
+/// Colour of every vertex for a colouring; `hues` are the template's vertex hues, shown at `saturation`; `confidence`
+/// is that of the last snap, which its colouring needs.
+std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, const std::vector<float>& hues,
+                              float saturation, const VertexScalars* confidence = nullptr);
 /// Brightened towards white where a gesture takes the surface along (`response`, 0…1), greyed where it does not.
 std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response, bool stopped);
 
@@ -22,12 +22,12 @@ VertexScalars edge_stretch(const Document& document);
 /// Distance of every vertex from the shape's reference, mm.
 VertexScalars moved_mm(const Document& document);
 
-/// The figures at the ends and in the middle of an overlay's scale, as its legend shows them, and the colours there.
+/// The figures at the ends and in the middle of a colouring's scale, as its legend shows them, and the colours there.
 struct Legend {
   std::string low, middle, high;
   std::vector<Rgb> colours;        ///< evenly spaced from low to high, or one a name
   std::vector<std::string> names;  ///< of single colours, where there is no scale
 };
-Legend overlay_legend(const Document& document, Overlay overlay);
+Legend colouring_legend(const Document& document, Colouring colouring);
 
 }  // namespace homolog

@@ -5,9 +5,9 @@
 
 #include "core/case/action_line.h"
 #include "core/deform/sigma_presets.h"
+#include "core/experiment/schemes.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/study/schemes.h"
 #include "tests/refusal.h"
 #include "tests/shapes.h"
 
@@ -27,27 +27,27 @@ std::shared_ptr<const Template> ball_template() {
 }
 
 /// The ball stretched along x and dented on top, with its landmarks.
-StudySubject stretched_ball() {
-  const auto reference = ball_template();
-  StudySubject subject;
-  Points points = reference->points;
+ExperimentSubject stretched_ball() {
+  const auto the_template = ball_template();
+  ExperimentSubject subject;
+  Points points = the_template->points;
   points.col(0) *= 1.25;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
     points(i, 2) -= 4 * std::exp(-(Vec3(points.row(i)) - Vec3(0, 0, 20)).squaredNorm() / 128);
-  subject.target = {reference->topology, points};
+  subject.target = {the_template->topology, points};
   subject.visible_mm = 0.5;
   subject.truth = points;
-  subject.shown = reference->landmarks;
+  subject.shown = the_template->landmarks;
   for (std::size_t k = 0; k < subject.shown.size(); ++k)
-    subject.shown[k].position = reference->landmark_points[k].interpolate(*reference->topology, points);
+    subject.shown[k].position = the_template->landmark_points[k].interpolate(*the_template->topology, points);
   return subject;
 }
 
-EditSession new_session(const std::shared_ptr<const Template>& reference = ball_template()) {
-  return EditSession(new_document("", nullptr, reference));
+EditSession new_session(const std::shared_ptr<const Template>& the_template = ball_template()) {
+  return EditSession(new_document("", nullptr, the_template));
 }
 
-SchemeRun run_of(const StudySubject& subject, const std::string& scheme, std::optional<std::uint64_t> seed = {}) {
+SchemeRun run_of(const ExperimentSubject& subject, const std::string& scheme, std::optional<std::uint64_t> seed = {}) {
   EditSession session = new_session();
   return run_scheme(session, subject, working_scheme(scheme).value(), {seed, 30, nullptr}).value();
 }
@@ -82,7 +82,7 @@ TEST_CASE("an open mesh is looked at with its openings closed") {
   const auto seen = beyond.look(tube.points);
   CHECK(largest_mm(seen) == doctest::Approx(5).epsilon(0.01));
   for (const Deviation& d : seen)
-    if (d.distance_mm > 4) CHECK(tube.topology->on_boundary(d.vertex));
+    if (d.distance_mm > 4) CHECK(tube.topology->on_rim(d.vertex));
   CHECK(mean_mm(beyond.look(longer.points)) < 1e-9);
 }
 
@@ -98,12 +98,13 @@ TEST_CASE("a placement is disturbed by its seed alone") {
 }
 
 TEST_CASE("features that are grabbed come near their places") {
-  const StudySubject subject = stretched_ball();
+  const ExperimentSubject subject = stretched_ball();
   EditSession session = new_session();
-  CHECK(grab_features(session, subject.shown).value() == 18);
-  const Template& reference = *session.document().reference;
+  CHECK(grab_landmarks(session, subject.shown).value() == 18);
+  const Template& the_template = *session.document().the_template;
   for (std::size_t k = 0; k < subject.shown.size(); ++k) {
-    const Vec3 here = reference.landmark_points[k].interpolate(*reference.topology, *session.document().shape().points);
+    const Vec3 here =
+        the_template.landmark_points[k].interpolate(*the_template.topology, *session.document().shape().points);
     CHECK((here - subject.shown[k].position).norm() < 1);
   }
 }
@@ -123,9 +124,9 @@ std::vector<double> stroke_sigmas_mm(const EditSession& session) {
 }  // namespace
 
 TEST_CASE("the scripted user strokes with the presets of the editor") {
-  const StudySubject subject = stretched_ball();
+  const ExperimentSubject subject = stretched_ball();
   EditSession session = new_session();
-  REQUIRE(grab_features(session, subject.shown));
+  REQUIRE(grab_landmarks(session, subject.shown));
   const auto presets_mm = default_sigmas_mm(*session.document().shape().reference);
   for (const double sigma_mm : stroke_sigmas_mm(session)) CHECK(sigma_mm == presets_mm[2]);
   const std::size_t grabs = stroke_sigmas_mm(session).size();
@@ -139,10 +140,10 @@ TEST_CASE("the scripted user strokes with the presets of the editor") {
 }
 
 TEST_CASE("features that are held stay where they were clicked") {
-  const StudySubject subject = stretched_ball();
+  const ExperimentSubject subject = stretched_ball();
   EditSession session = new_session();
-  REQUIRE(click_features(session, subject.shown));
-  REQUIRE(hold_features(session, subject.shown));
+  REQUIRE(click_landmarks(session, subject.shown));
+  REQUIRE(confirm_landmarks(session, subject.shown));
   const auto held = session.document().shape().confirmed;
   REQUIRE(held);
   CHECK(held->sum() >= 6);
@@ -156,7 +157,7 @@ TEST_CASE("features that are held stay where they were clicked") {
 }
 
 TEST_CASE("the scripted user brings a template onto its target by every way of anchored working") {
-  const StudySubject subject = stretched_ball();
+  const ExperimentSubject subject = stretched_ball();
   for (const char* scheme : {"anchored", "anchored+grab", "anchored+warp", "anchored+hold", "spacing+warp"}) {
     CAPTURE(scheme);
     const SchemeRun run = run_of(subject, scheme, 1);
@@ -170,7 +171,7 @@ TEST_CASE("the scripted user brings a template onto its target by every way of a
 }
 
 TEST_CASE("the same seed gives the same run and another one another") {
-  const StudySubject subject = stretched_ball();
+  const ExperimentSubject subject = stretched_ball();
   const SchemeRun once = run_of(subject, "anchored", 5), again = run_of(subject, "anchored", 5);
   CHECK(once.points == again.points);
   CHECK(once.pulls == again.pulls);
@@ -178,7 +179,7 @@ TEST_CASE("the same seed gives the same run and another one another") {
 }
 
 TEST_CASE("landmarks that are not shown are where the error is measured") {
-  StudySubject subject = stretched_ball();
+  ExperimentSubject subject = stretched_ball();
   const double everywhere = *run_of(subject, "anchored+warp").landmarks;
   subject.truth.reset();
   CHECK(!run_of(subject, "anchored").landmarks);
@@ -191,10 +192,10 @@ TEST_CASE("landmarks that are not shown are where the error is measured") {
 }
 
 TEST_CASE("with landmarks shown the default ends nearer to the truth of a phantom than the paper's scheme") {
-  const StudySubject subject = phantom_study_subject(Organ::vertebra, 2);
-  const auto reference = make_template(built_in_template(Organ::vertebra), "built-in:vertebra").value();
+  const ExperimentSubject subject = phantom_experiment_subject(Organ::vertebra, 2);
+  const auto the_template = make_template(built_in_template(Organ::vertebra), "built-in:vertebra").value();
   const auto run = [&](const std::string& scheme) {
-    EditSession session = new_session(reference);
+    EditSession session = new_session(the_template);
     return run_scheme(session, subject, working_scheme(scheme).value(), {1, 10, nullptr}).value();
   };
   const SchemeRun ours = run(default_scheme(true)), paper = run("paper-10+grab");
@@ -211,10 +212,10 @@ TEST_CASE("names of schemes say all of them and others are refused") {
     CHECK(std::count(names.begin(), names.end(), default_scheme(with_features)) == 1);
   }
   CHECK(working_scheme("paper-10+grab").value().paper_events == 10);
-  CHECK(working_scheme("paper-10+grab").value().features == FeatureUse::grab);
+  CHECK(working_scheme("paper-10+grab").value().features == LandmarkUse::grab);
   CHECK(working_scheme("fit+warp").value().adaptation == Adaptation::fit);
   CHECK(working_scheme("projection").value().adaptation == Adaptation::projection);
-  CHECK(working_scheme("anchored+warp+refine").value().features == FeatureUse::warp);
+  CHECK(working_scheme("anchored+warp+refine").value().features == LandmarkUse::warp);
   CHECK(working_scheme("anchored+refine").value().refine);
   for (const char* wrong : {"", "anchored+", "anchored+magic", "paper", "raw+warp+hold", "fit+grab", "projection+warp",
                             "fit+refine", "anchored+refine+warp"})

@@ -1,4 +1,4 @@
-#include "app/verbs/study.h"
+#include "app/verbs/experiment.h"
 
 #include "app/verbs/read_image.h"
 #include "core/catalogue/catalogue.h"
@@ -21,8 +21,8 @@ struct UserOptions {
   bool mirror = false;
 };
 
-Result<StudySubject> subject_of(const UserOptions& options, const Template& reference, Progress& progress) {
-  auto subject = mask_subject(options.mask, options.target, reference, progress);
+Result<ExperimentSubject> subject_of(const UserOptions& options, const Template& the_template, Progress& progress) {
+  auto subject = mask_subject(options.mask, options.target, the_template, progress);
   if (!subject || options.landmarks.empty()) return subject;
   auto landmarks = read_landmarks(options.landmarks);
   if (!landmarks) return fail(landmarks.error());
@@ -34,9 +34,9 @@ Result<Report> study_user(const UserOptions& options, Progress& progress) {
   const auto scheme =
       working_scheme(options.scheme.empty() ? pulling_scheme(!options.landmarks.empty()) : options.scheme);
   if (!scheme) return fail(scheme.error());
-  auto reference = load_template(options.template_source);
-  if (!reference) return fail(reference.error());
-  const auto subject = subject_of(options, **reference, progress);
+  auto the_template = load_template(options.template_source);
+  if (!the_template) return fail(the_template.error());
+  const auto subject = subject_of(options, **the_template, progress);
   if (!subject) return fail(subject.error());
   std::shared_ptr<const Volume> image;
   if (!options.image.empty()) {
@@ -45,7 +45,7 @@ Result<Report> study_user(const UserOptions& options, Progress& progress) {
     image = std::make_shared<const Volume>(std::move(read->volume));
   }
   // In memory, so that the case appears whole or not at all.
-  EditSession session(new_document(options.image.string(), image, *reference));
+  EditSession session(new_document(options.image.string(), image, *the_template));
   if (options.mirror) {
     if (auto mirrored = session.apply(MirrorTemplate{}); !mirrored) return fail(mirrored.error());
   }
@@ -91,13 +91,13 @@ void add_target_options(CLI::App& verb, TargetOptions& options) {
       ->capture_default_str();
 }
 
-Result<StudySubject> mask_subject(const fs::path& path, const TargetOptions& options, const Template& reference,
-                                  Progress& progress) {
+Result<ExperimentSubject> mask_subject(const fs::path& path, const TargetOptions& options, const Template& the_template,
+                                       Progress& progress) {
   auto mask = read_mask(path, options.label, 0, progress);
   if (!mask) return fail(mask.error());
-  auto boundary = label_boundary(mask->volume, mask->label, 0, options.closing_mm, reference.points.rows());
+  auto boundary = label_boundary(mask->volume, mask->label, 0, options.closing_mm, the_template.points.rows());
   if (!boundary) return fail(path.string(), boundary.error().what);
-  StudySubject subject;
+  ExperimentSubject subject;
   subject.target = std::move(boundary->surface);
   subject.visible_mm = mask->volume.geometry.spacing_mm.maxCoeff();
   return subject;

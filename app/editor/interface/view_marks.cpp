@@ -1,4 +1,4 @@
-#include "app/editor/interface/view_overlay.h"
+#include "app/editor/interface/view_marks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -122,21 +122,21 @@ float landmark_alpha(const UiContext& ui, const ViewMap& map, const Vec3& p_mm, 
 /// The template's landmarks where the mesh has carried them: small rings, named while landmarks are in hand.
 void draw_template_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw, NameTags& tags) {
   if (ui.making_shown) return;
-  const Template& reference = *ui.document().reference;
+  const Template& the_template = *ui.document().the_template;
   const Points& points = *ui.document().shape().points;
   const bool named = ui.state.tool == MouseTool::template_landmark || ui.state.tool == MouseTool::landmark;
   const Vec3 to_eye = ui.state.camera.to_eye;
-  for (std::size_t l = 0; l < reference.landmarks.size(); ++l) {
-    const Vec3 p_mm = carried_landmark(reference, l, points);
+  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
+    const Vec3 p_mm = carried_landmark(the_template, l, points);
     const auto px = map.to_px(p_mm);
     if (!px) continue;
     float alpha = 0.8f * landmark_alpha(ui, map, p_mm, *px);
-    const auto t = reference.topology->triangles().row(reference.landmark_points[l].face);
+    const auto t = the_template.topology->triangles().row(the_template.landmark_points[l].face);
     const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
     if (!map.is_slice() && (b - a).cross(c - a).dot(to_eye) < 0) alpha *= 0.25f;  // on the far side
     if (alpha == 0) continue;
     draw.AddCircle(to_im(*px), ui.theme.px(4), with_alpha(palette::text, alpha), 0, ui.theme.px(1.5f));
-    if (named && alpha > 0.3f) tags.put(to_im(*px), reference.landmarks[l].name, alpha);
+    if (named && alpha > 0.3f) tags.put(to_im(*px), the_template.landmarks[l].name, alpha);
   }
 }
 
@@ -284,9 +284,8 @@ void draw_empty_state(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
 
 }  // namespace
 
-void draw_view_overlay(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
-  const ControlsContext context{ui.layout, ui.document(), false, false};
-  const ViewMap map = view_map(ui.state, context, kind);
+void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
+  const ViewMap map = view_map(ui.state, ui.layout, ui.document(), kind);
   const auto& show = ui.state.preferences.show;
   const bool nothing = !ui.document().volume && !ui.has_shape();
   if (nothing) return draw_empty_state(ui, kind, draw);

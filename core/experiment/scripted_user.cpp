@@ -1,4 +1,4 @@
-#include "core/study/scripted_user.h"
+#include "core/experiment/scripted_user.h"
 
 #include <algorithm>
 #include <array>
@@ -29,7 +29,7 @@ constexpr double hold_fraction = 0.05;
 
 double widening_mm(const Document& document) {
   if (document.scheme == Scheme::raw) return 0;
-  const double edge_mm = mean_edge_mm(*document.reference->topology, *document.shape().points);
+  const double edge_mm = mean_edge_mm(*document.the_template->topology, *document.shape().points);
   return widening_share * stiffness_length_mm(document.stiffness_base * document.stiffness->mean(), edge_mm);
 }
 
@@ -172,16 +172,16 @@ Result<bool> pull_once(EditSession& session, Sight& sight, const std::vector<Dev
 
 /// Where a landmark of the template lies on the mesh as it is.
 std::optional<Vec3> on_mesh(const Document& document, const std::string& name) {
-  const Template& reference = *document.reference;
-  for (std::size_t k = 0; k < reference.landmarks.size(); ++k)
-    if (reference.landmarks[k].name == name) return carried_landmark(reference, k, *document.shape().points);
+  const Template& the_template = *document.the_template;
+  for (std::size_t k = 0; k < the_template.landmarks.size(); ++k)
+    if (the_template.landmarks[k].name == name) return carried_landmark(the_template, k, *document.shape().points);
   return std::nullopt;
 }
 
 }  // namespace
 
 Result<void> place_on(EditSession& session, const Mesh& target) {
-  const auto found = find_placement(*session.document().reference, mesh_boundary(target));
+  const auto found = find_placement(*session.document().the_template, mesh_boundary(target));
   auto done = session.apply(SetPlacement{found.placement});
   return done ? Result<void>{} : fail(done.error());
 }
@@ -201,7 +201,7 @@ Result<void> disturb_placement(EditSession& session, std::uint64_t seed) {
   return done ? Result<void>{} : fail(done.error());
 }
 
-Result<int> grab_features(EditSession& session, const std::vector<Landmark>& features) {
+Result<int> grab_landmarks(EditSession& session, const std::vector<Landmark>& features) {
   int strokes = 0;
   for (int round = 0; round < feature_rounds; ++round) {
     for (const Landmark& feature : features) {
@@ -219,13 +219,13 @@ Result<int> grab_features(EditSession& session, const std::vector<Landmark>& fea
   return strokes;
 }
 
-Result<int> click_features(EditSession& session, const std::vector<Landmark>& features) {
+Result<int> click_landmarks(EditSession& session, const std::vector<Landmark>& features) {
   for (const Landmark& feature : features)
     if (auto done = session.apply(PlaceLandmark{feature.name, feature.position}); !done) return fail(done.error());
   return static_cast<int>(features.size());
 }
 
-Result<void> hold_features(EditSession& session, const std::vector<Landmark>& features) {
+Result<void> confirm_landmarks(EditSession& session, const std::vector<Landmark>& features) {
   const double radius_mm = hold_fraction * diagonal_mm(session);
   for (const Landmark& feature : features)
     if (auto done = session.apply(Confirm{feature.position, radius_mm, true}); !done) return fail(done.error());
@@ -233,7 +233,7 @@ Result<void> hold_features(EditSession& session, const std::vector<Landmark>& fe
 }
 
 Result<PullingResult> pull_to_target(EditSession& session, const Mesh& target, const PullingOptions& options) {
-  Sight sight(target, session.document().reference->topology);
+  Sight sight(target, session.document().the_template->topology);
   PullingResult result;
   std::vector<Deviation> seen = sight.look(*session.document().shape().points);
   while (result.pulls < options.most_pulls) {

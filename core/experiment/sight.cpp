@@ -1,4 +1,4 @@
-#include "core/study/sight.h"
+#include "core/experiment/sight.h"
 
 #include "core/mesh/mesh_quality.h"
 
@@ -33,7 +33,7 @@ Sight::Sight(const Mesh& target, std::shared_ptr<const Topology> topology)
 }
 
 Points Sight::with_cap_centres(const Points& points) const {
-  const auto& loops = topology_->boundary_loops();
+  const auto& loops = topology_->rims();
   Points all(points.rows() + static_cast<Eigen::Index>(loops.size()), 3);
   all.topRows(points.rows()) = points;
   for (std::size_t k = 0; k < loops.size(); ++k)

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "core/adapt/boundary/boundary.h"
+#include "core/experiment/scripted_user.h"
 #include "core/phantom/phantom.h"
-#include "core/study/scripted_user.h"
 
 namespace homolog {
 
 /// What is done with the landmarks shown before the boundary is pulled.
-enum class FeatureUse {
+enum class LandmarkUse {
   none,
   grab,  ///< each dragged to its place with a large σ
   warp,  ///< clicked: similarity and landmark warp
@@ -32,8 +32,8 @@ struct WorkingScheme {
   Adaptation adaptation = Adaptation::pulls;
   Scheme scheme = Scheme::anchored;
   int paper_events = 1;
-  double spacing = 0;
-  FeatureUse features = FeatureUse::none;
+  double even_spacing = 0;
+  LandmarkUse features = LandmarkUse::none;
   bool refine = false;  ///< at the end vertices are moved along the surface
 };
 
@@ -48,7 +48,7 @@ std::string default_scheme(bool with_features);
 std::string pulling_scheme(bool with_features);
 
 /// An organ to adapt a template to. All LPS mm.
-struct StudySubject {
+struct ExperimentSubject {
   std::string name;
   Mesh target;            ///< closed
   double visible_mm = 1;  ///< a voxel
@@ -58,7 +58,7 @@ struct StudySubject {
 };
 
 /// A phantom: its label map on a 1 mm grid as target, all its landmarks shown, every vertex known.
-StudySubject phantom_study_subject(Organ organ, int number);
+ExperimentSubject phantom_experiment_subject(Organ organ, int number);
 
 /// What a run came to. Lengths in mm; landmark errors are means, absent where nothing is known.
 struct SchemeRun {
@@ -81,7 +81,7 @@ struct SchemeRunOptions {
 /// One scheme at work: placement, features, pulls of the scripted user [docs/method.md §6], or an adaptation without a
 /// hand. `session` is new and has the template. Openings of the mesh are capped flat for surface distances and Dice.
 /// Errors: the session's; cancelled.
-Result<SchemeRun> run_scheme(EditSession& session, const StudySubject& subject, const WorkingScheme& scheme,
+Result<SchemeRun> run_scheme(EditSession& session, const ExperimentSubject& subject, const WorkingScheme& scheme,
                              const SchemeRunOptions& options);
 
 }  // namespace homolog

@@ -6,6 +6,6 @@ namespace homolog {
 
 /// What lies over a view's picture: letters, scale bar, cross-hair, handles, ring and figures of a drag, landmarks,
 /// ruler, hints.
-void draw_view_overlay(const UiContext& ui, ViewKind kind, ImDrawList& draw);
+void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw);
 
 }  // namespace homolog

@@ -1,0 +1,182 @@
+#include <algorithm>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/widgets.h"
+
+// The making of a template from the label map that is shown, in the section Template.
+
+namespace homolog {
+
+namespace {
+
+void whole_number(const Theme& theme, const char* label, int& value, const SliderRange& range, const char* tip,
+                  bool& changed) {
+  bool released = false;
+  double number = value;
+  if (slider(theme, label, number, range, tip, released)) {
+    value = static_cast<int>(number + 0.5);
+    changed = true;
+  }
+}
+
+void draw_organ_settings(const Theme& theme, MaskTemplateOptions& options, bool& changed) {
+  bool released = false;
+  whole_number(theme, "Vertices", options.vertices, {500, 40000, "%.0f", "", true},
+               "How many vertices the template gets", changed);
+  changed |= slider(theme, "Closing", options.closing_mm, {0, 10, "%.1f", "mm", false},
+                    "Radius. Clefts narrower than twice the radius are filled", released);
+  changed |= slider(theme, "Opening", options.opening_mm, {0, 10, "%.1f", "mm", false},
+                    "Radius. Spurs thinner than twice the radius are removed", released);
+  int rule = options.genus.kind == GenusRule::Kind::automatic ? 0
+             : options.genus.kind == GenusRule::Kind::keep    ? 1
+             : options.genus.genus == 0                       ? 2
+                                                              : 3;
+  if (choice(theme, "tunnels", {"Auto", "Keep", "None", "One"}, rule,
+             {"Cuts tunnels narrower than 5 mm. A vertebral canal stays", "Every tunnel stays", "Cuts all tunnels",
+              "Cuts all tunnels but the widest: for a vertebra"})) {
+    options.genus = rule == 0   ? GenusRule{}
+                    : rule == 1 ? GenusRule{GenusRule::Kind::keep, 0}
+                                : GenusRule{GenusRule::Kind::number, rule == 2 ? 0 : 1};
+    changed = true;
+  }
+}
+
+void draw_tube_settings(const UiContext& ui, TemplateSettings& settings, bool& changed) {
+  const Theme& theme = ui.theme;
+  whole_number(theme, "Rings", settings.tube_options.rings, {6, 100, "%.0f", "", false}, "From the base to the apex",
+               changed);
+  whole_number(theme, "Sectors", settings.tube_options.sectors, {12, 128, "%.0f", "", false}, "Vertices of a ring",
+               changed);
+  const std::string no_ruler = ui.state.ruler ? "" : "Draw the ruler (D) from the base to the apex first.";
+  bool by_ruler = settings.axis_by_ruler;
+  if (toggle(theme, "Axis by the ruler", by_ruler,
+             "Takes the ruler, from the base to the apex, as the axis. Off takes the label's main axis", no_ruler)) {
+    settings.axis_by_ruler = by_ruler;
+    changed = true;
+  }
+  changed |= toggle(theme, "Close the base", settings.tube_options.capped, "Closes the base flat. Off leaves it open");
+  bool wall = settings.outer_label != 0;
+  const auto other =
+      std::find_if(ui.label_values.begin(), ui.label_values.end(), [&](int value) { return value != settings.label; });
+  const bool has_other = other != ui.label_values.end();
+  if (toggle(theme, "Add the outer sheet", wall,
+             has_other ? "A second sheet around label " + std::to_string(*other) + " (epicardium)" : std::string(),
+             has_other ? std::string() : "The label map holds one label only.")) {
+    settings.outer_label = wall ? *other : 0;
+    changed = true;
+  }
+}
+
+void draw_stages(const UiContext& ui, const TemplateMaking& making, Outbox& out) {
+  const Theme& theme = ui.theme;
+  caption(theme, "Stages (click to look at one)");
+  for (std::size_t i = 0; i < making.stages.size(); ++i) {
+    const auto& stage = making.stages[i];
+    const bool shown = ui.state.shown_stage ? *ui.state.shown_stage == i : i + 1 == making.stages.size();
+    const std::string name = format("%zu  %s", i + 1, stage.name.c_str());
+    const std::string time = format("%.2f s", stage.seconds);
+    const float room = ImGui::GetContentRegionAvail().x, time_width = ImGui::CalcTextSize(time.c_str()).x;
+    if (list_row(theme, name, shown, {room - time_width - theme.px(4), theme.px(24)}).clicked)
+      out.send(ShowTemplateStage{i});
+    ImGui::SameLine(0, theme.px(4));
+    ImGui::AlignTextToFramePadding();
+    text_line(time, palette::faint);
+  }
+}
+
+void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out) {
+  const Theme& theme = ui.theme;
+  draw_quality_report(theme, *making.mesh, making.quality);
+  figure(theme, "Template to label", format("%.2f mm, at most %.1f", making.to_mask.mean_mm, making.to_mask.max_mm),
+         "Mean and largest distance from the template's surface to the label's");
+  figure(theme, "Label to template", format("%.2f mm, at most %.1f", making.from_mask.mean_mm, making.from_mask.max_mm),
+         "Mean and largest distance from the label's surface to the template's: also sees clefts that the template "
+         "does not follow");
+  for (const std::string& remark : making.remarks) explanation(theme, remark);
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
+  if (button(theme, "Save and use…", "Saves the template and starts the case again with it", {}, half, true))
+    out.send(
+        ShowFileDialog{FilePurpose::use_made_template, making.source.substr(0, making.source.find('.')) + "-template"});
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "Back", "The template made before this one",
+             ui.template_maker.can_undo() ? "" : "No template was made before this one.", half))
+    out.send(UndoTemplate{});
+}
+
+}  // namespace
+
+bool label_choice(const UiContext& ui, int& label) {
+  const auto& known = ui.label_values;
+  if (known.empty()) return false;
+  auto now = std::find(known.begin(), known.end(), label);
+  const bool absent = now == known.end();
+  if (absent) now = known.begin();
+  label = *now;
+  if (known.size() < 2) return absent;
+  std::vector<std::string> names;
+  for (const int value : known) names.push_back(format("Label %d", value));
+  int chosen = static_cast<int>(now - known.begin());
+  const bool changed = combo(ui.theme, "label", names, chosen);
+  label = known[static_cast<std::size_t>(chosen)];
+  return absent || changed;
+}
+
+void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality) {
+  figure(theme, "Vertices", format("%ld", static_cast<long>(mesh.points.rows())));
+  figure(theme, "Surface", format("%s, genus %d", mesh.topology->closed() ? "closed" : "open", mesh.topology->genus()),
+         "Openings count as closed flat. Genus is the number of tunnels");
+  figure(theme, "Edges", format("%.2f mm \xc2\xb1 %.0f %%", quality.edge_mean, 100 * quality.edge_cv),
+         format("Mean length and its standard deviation; %.2f to %.2f mm", quality.edge_min, quality.edge_max));
+  figure(theme, "Smallest angle", format("%.1f\xc2\xb0", quality.min_angle_deg),
+         "In a triangle of equal sides it is 60\xc2\xb0", quality.min_angle_deg < 20 ? palette::amber : palette::text);
+  figure(theme, "Six neighbours", format("%.0f %%", 100 * quality.regular_share),
+         "Share of the vertices that have six neighbours");
+  figure(theme, "Self-intersections", format("%zu%s", quality.self_intersections, quality.all_intersections ? "" : "+"),
+         "Pairs of triangles that pass through each other",
+         quality.self_intersections > 0 ? palette::amber : palette::text);
+}
+
+void draw_template_making(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  caption(theme, "From a label map");
+  if (!ui.labels) {
+    if (button(theme, "Open a label map…", "A template is made from one of its labels", {},
+               ImGui::GetContentRegionAvail().x))
+      out.send(ShowFileDialog{FilePurpose::open_labels, {}});
+    return;
+  }
+  TemplateSettings settings = ui.state.template_settings;
+  bool changed = label_choice(ui, settings.label);
+  int kind = settings.tube ? 1 : 0;
+  if (choice(theme, "template kind", {"Organ", "Tube"}, kind,
+             {"For any shape: vertices are spread evenly over the surface",
+              "For a ventricle: rings and sectors along the main axis"})) {
+    settings.tube = kind == 1;
+    changed = true;
+  }
+  if (settings.tube)
+    draw_tube_settings(ui, settings, changed);
+  else
+    draw_organ_settings(theme, settings.mask, changed);
+  if (changed) out.send(SetTemplate{settings});
+
+  const float width = ImGui::GetContentRegionAvail().x;
+  const auto making = ui.template_maker.latest();
+  if (ui.template_maker.busy()) {
+    progress_bar(theme, ui.template_maker.fraction());
+    if (button(theme, "Cancel", "Stops after this stage", {}, width)) out.send(CancelTemplate{});
+  } else if (button(theme, "Make the template", "You see each stage in the views",
+                    settings.label == 0 ? "The label map is empty." : "", width, !making || !making->mesh)) {
+    out.send(MakeTemplate{settings, settings.axis_by_ruler ? ui.state.ruler : std::nullopt});
+  }
+  if (!making) return;
+  if (!making->stages.empty()) draw_stages(ui, *making, out);
+  if (!making->error.empty()) explanation(theme, making->error);
+  if (making->mesh) draw_result(ui, *making, out);
+  if (!making->stages.empty() && button(theme, "Close", "Goes back to the case's mesh",
+                                        ui.template_maker.busy() ? "The template is being made." : "", width))
+    out.send(CloseTemplateMaking{});
+}
+
+}  // namespace homolog

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/case/document.h"
+#include "core/mesh/surface_search.h"
+#include "render/outlines.h"
+
+namespace homolog {
+
+/// What is asked of the mesh on the screen, whoever asks and how often, worked out once: its outline in each slice (for
+/// the pointer and for drawing alike), and what a ray meets. Belongs to the window's thread.
+class ShownMesh {
+ public:
+  /// The point of the document's mesh that is nearest to `p_mm` on the outline in a slice, where it is nearer than
+  /// `radius_mm`.
+  std::optional<Vec3> nearest_on_outline(const Document& document, const SliceView& slice, const Vec3& p_mm,
+                                         double radius_mm) const;
+  /// The first point of the document's mesh along a ray.
+  std::optional<Vec3> first_on_surface(const Document& document, const Ray& ray);
+
+  /// Shared with the scenes that are drawn.
+  const std::shared_ptr<Outlines>& outlines() const { return outlines_; }
+
+ private:
+  std::shared_ptr<Outlines> outlines_ = std::make_shared<Outlines>();
+  std::optional<SurfaceSearch> surface_;
+  std::shared_ptr<const Topology> topology_;  ///< of `surface_`
+  std::shared_ptr<const Points> points_;      ///< of `surface_`
+};
+
+}  // namespace homolog

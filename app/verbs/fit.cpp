@@ -134,11 +134,11 @@ std::string quoted(const std::vector<std::string>& names) {
 /// names.
 std::vector<std::string> take_coincident(std::map<std::string, Vec3>& places) {
   std::vector<std::string> coincident;
-  for (const auto& [name, place] : places)
+  for (const auto& one : places)
     if (std::any_of(places.begin(), places.end(), [&](const auto& other) {
-          return other.first != name && (other.second - place).norm() < one_place_mm;
+          return other.first != one.first && (other.second - one.second).norm() < one_place_mm;
         }))
-      coincident.push_back(name);
+      coincident.push_back(one.first);
   for (const std::string& name : coincident) places.erase(name);
   return coincident;
 }

@@ -1,6 +1,7 @@
 #include "core/base/files.h"
 
 #include <fcntl.h>
+#include <linux/limits.h>
 #include <pwd.h>
 #include <sys/file.h>
 #include <sys/random.h>

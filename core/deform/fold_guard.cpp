@@ -115,10 +115,9 @@ double FoldGuard::largest_step(const Vec3& d) {
 }
 
 double FoldGuard::accepted_step(double longest, const std::function<Points(double)>& at) const {
-  for (double step = longest; step > 1e-3; step /= 2) {
-    if (accepts(at(step))) return step;
-  }
-  return 0;
+  double step = longest;
+  while (step > 1e-3 && !accepts(at(step))) step /= 2;
+  return step > 1e-3 ? step : 0;
 }
 
 bool FoldGuard::accepts(const Points& points) const {

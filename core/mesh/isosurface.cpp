@@ -139,7 +139,7 @@ Result<Mesh> marched(const VolumeGeometry& grid, FillSlice fill_slice, Crossing 
 
 Result<Mesh> mask_surface(const Volume& mask, int label, int frame) {
   assert(frame >= 0 && frame < mask.frames);
-  const auto [size_i, size_j, size_k] = mask.geometry.dims;
+  const int size_i = mask.geometry.dims[0], size_j = mask.geometry.dims[1], size_k = mask.geometry.dims[2];
   bool occurs = false;
   const auto fill_slice = [&](int k, Slice& slice) {
     const std::size_t start = (index(frame) * index(size_k) + index(k)) * index(size_j) * index(size_i);

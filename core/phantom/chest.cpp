@@ -18,7 +18,8 @@ double chest(const Vec3& p, double blur_mm, std::uint64_t seed) {
   voxel.paint(ellipsoid(p - Vec3(62, 18, -112), Vec3(48, 52, 56)) + 4 * coarse, 120 + 90 * coarse);  // stomach
   const double skin = elliptic_cylinder(p.x() + 50, p.y() - 15, 172, 104);
   voxel.paint(-26 - skin, 82 + 12 * fine);
-  for (double level = -76; level < 100; level += 38) {
+  for (int k = 0; k < 5; ++k) {
+    const double level = -76 + 38 * k;
     const double rib = elliptic_cylinder(skin + 21, p.z() - level - 0.25 * p.x() + 0.4 * p.y(), 4, 7);
     voxel.paint(rib, 30);
     voxel.paint(rib + 1.2, 125);

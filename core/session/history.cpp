@@ -51,8 +51,8 @@ std::size_t bytes_beside(const Document& document, const Document& other) {
 History::History(std::shared_ptr<const Document> start, std::size_t most_bytes)
     : start_(std::move(start)), most_bytes_(most_bytes) {}
 
-std::optional<History::Way> History::undo() const {
-  std::size_t k = current_;
+std::optional<History::Way> History::undo(std::size_t from) const {
+  std::size_t k = from;
   while (k > 0 && steps_[k - 1].look) --k;
   if (k == 0) return std::nullopt;
   const std::size_t last = --k;
@@ -60,8 +60,8 @@ std::optional<History::Way> History::undo() const {
   return Way{k, last};
 }
 
-std::optional<History::Way> History::redo() const {
-  std::size_t k = current_;
+std::optional<History::Way> History::redo(std::size_t from) const {
+  std::size_t k = from;
   while (k < size() && steps_[k].look) ++k;
   if (k == size()) return std::nullopt;
   const std::size_t first = k++;

@@ -45,8 +45,11 @@ class History {
   struct Way {
     std::size_t to, step;
   };
-  std::optional<Way> undo() const;
-  std::optional<Way> redo() const;
+  std::optional<Way> undo() const { return undo(current_); }
+  std::optional<Way> redo() const { return redo(current_); }
+  /// The same from any state.
+  std::optional<Way> undo(std::size_t from) const;
+  std::optional<Way> redo(std::size_t from) const;
 
   /// Makes room for one more step with the looks before it: `push` throws nothing then.
   void reserve(std::size_t more);

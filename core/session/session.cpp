@@ -103,10 +103,12 @@ Result<EditReport> EditSession::travel(const Action& action, const std::optional
   if (!there) return fail(there.error());
   if (!line)
     if (auto written = lines_.append(action_line(action) + '\n'); !written) return fail(written.error());
+  EditReport report;
+  report.message = (back ? "Undone: " : "Redone: ") + name(way) + ".";
   history_.go_to(way->to);
   document_ = std::move(*there);
   looks_.clear();
-  return EditReport{};
+  return report;
 }
 
 Result<EditReport> EditSession::look(const SetFrame& action, const std::optional<LinePlace>& line) {
@@ -270,11 +272,16 @@ std::string EditSession::name(const std::optional<History::Way>& way) const {
   return step ? action_name(step->action) : "edit";
 }
 
-std::string EditSession::undo_name() const {
-  return name(history_.undo());
+std::vector<std::string> EditSession::undo_names(std::size_t most) const {
+  std::vector<std::string> names;
+  for (auto way = history_.undo(); way && names.size() < most; way = history_.undo(way->to)) names.push_back(name(way));
+  return names;
 }
-std::string EditSession::redo_name() const {
-  return name(history_.redo());
+
+std::vector<std::string> EditSession::redo_names(std::size_t most) const {
+  std::vector<std::string> names;
+  for (auto way = history_.redo(); way && names.size() < most; way = history_.redo(way->to)) names.push_back(name(way));
+  return names;
 }
 
 int EditSession::strokes() const {

@@ -49,8 +49,11 @@ class EditSession {
   bool can_undo() const { return history_.undo().has_value(); }
   bool can_redo() const { return history_.redo().has_value(); }
   /// Name of what undo (redo) would take back (do again); empty where there is nothing.
-  std::string undo_name() const;
-  std::string redo_name() const;
+  std::string undo_name() const { return name(history_.undo()); }
+  std::string redo_name() const { return name(history_.redo()); }
+  /// The same of at most `most` steps back (on), the nearest first.
+  std::vector<std::string> undo_names(std::size_t most) const;
+  std::vector<std::string> redo_names(std::size_t most) const;
 
   const Document& initial_document() const { return history_.start(); }
   int strokes() const;  ///< those left after undo

@@ -15,6 +15,13 @@
 
 namespace homolog {
 
+namespace {
+
+/// Of steps that a list of the history shows.
+constexpr std::size_t most_names = 15;
+
+}  // namespace
+
 /// The two mailboxes, and the thread between them. Everything above the line is shared under `mutex`; everything below
 /// belongs to the thread.
 struct SessionThread::Shared {
@@ -54,8 +61,8 @@ struct SessionThread::Shared {
     snapshot.document = session.shared_document();
     snapshot.can_undo = session.can_undo();
     snapshot.can_redo = session.can_redo();
-    snapshot.undo_name = session.undo_name();
-    snapshot.redo_name = session.redo_name();
+    snapshot.undo_names = session.undo_names(most_names);
+    snapshot.redo_names = session.redo_names(most_names);
     snapshot.file = session.journal() != nullptr ? session.journal()->path() : std::filesystem::path();
   }
 

@@ -19,7 +19,8 @@ struct Snapshot {
   std::uint64_t committed = 0;               ///< counts the actions done (or refused) so far
   std::uint64_t jobs_done = 0;               ///< counts what was posted and is done (or refused): edits and savings
   bool can_undo = false, can_redo = false;
-  std::string undo_name, redo_name;
+  /// What undo (redo) would take back (do again), the nearest step first; of a long history the nearest only.
+  std::vector<std::string> undo_names, redo_names;
   double solver_ms = 0;        ///< time to compute the last job, from its arrival to the new points
   std::string message;         ///< the last edit's sentence; empty where there is none
   std::string error;           ///< the last action's refusal; empty after one that was done

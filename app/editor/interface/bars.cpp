@@ -50,12 +50,50 @@ void draw_show_toggles(const UiContext& ui, Outbox& out) {
   }
 }
 
+/// The steps that can be done again, the last of them first, and those that can be taken back: a click goes there.
+void draw_history_menu(const UiContext& ui, Outbox& out) {
+  if (!begin_menu(ui.theme, "history")) return;
+  const auto& undo = ui.snapshot.undo_names;
+  const auto& redo = ui.snapshot.redo_names;
+  const int back = static_cast<int>(undo.size()), on = static_cast<int>(redo.size());
+  const auto item = [&](const std::string& text, int steps, const char* tip) {
+    ImGui::PushID(steps);
+    if (menu_item(ui.theme, text.c_str(), nullptr, tip)) out.send(GoInHistory{steps});
+    ImGui::PopID();
+  };
+  for (int k = on; k > 0; --k)
+    item("Redo: " + redo[static_cast<std::size_t>(k) - 1], k, "Does this again, and what came before it");
+  if (on > 0 && back > 0) menu_line();
+  for (int k = 1; k <= back; ++k)
+    item("Undo: " + undo[static_cast<std::size_t>(k) - 1], -k, "Takes this back, and what came after it");
+  end_menu(ui.theme);
+}
+
+void draw_history_buttons(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const auto& undo = ui.snapshot.undo_names;
+  const auto& redo = ui.snapshot.redo_names;
+  if (icon_button(theme, icon::undo, "undo", undo.empty() ? "Undo (Ctrl+Z)" : "Undo: " + undo.front() + " (Ctrl+Z)",
+                  undo.empty() ? "Nothing to undo." : "", false, 28))
+    out.apply(Undo{});
+  same_line(ui, 2);
+  if (icon_button(theme, icon::redo, "redo",
+                  redo.empty() ? "Redo (Ctrl+Shift+Z)" : "Redo: " + redo.front() + " (Ctrl+Shift+Z)",
+                  redo.empty() ? "Nothing to redo." : "", false, 28))
+    out.apply(Redo{});
+  same_line(ui, 2);
+  if (icon_button(theme, icon::down_angle, "history", "The last steps: choose the one to go back to",
+                  undo.empty() && redo.empty() ? "Nothing was done yet." : "", false, 28))
+    open_menu("history");
+  ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, ImGui::GetItemRectMax().y + theme.px(4)});
+  draw_history_menu(ui, out);
+}
+
 }  // namespace
 
 void draw_top_bar(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   begin_region("top bar", ui.layout.top_bar, palette::surface, theme.px(8));
-  const auto& snapshot = ui.snapshot;
   draw_mode_switch(ui, out);
   same_line(ui, 12);
   if (icon_button(theme, icon::open, "open", "Open an image, a case or a template (Ctrl+O)", {}, false, 28))
@@ -63,17 +101,11 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
   same_line(ui, 2);
   if (icon_button(theme, icon::save, "save", "Save the case (Ctrl+S)", {}, false, 28)) out.send(SaveCase{});
   same_line(ui, 12);
-  if (icon_button(theme, icon::undo, "undo", "Undo " + snapshot.undo_name + " (Ctrl+Z)",
-                  snapshot.can_undo ? "" : "Nothing to undo.", false, 28))
-    out.apply(Undo{});
-  same_line(ui, 2);
-  if (icon_button(theme, icon::redo, "redo", "Redo " + snapshot.redo_name + " (Ctrl+Shift+Z)",
-                  snapshot.can_redo ? "" : "Nothing to redo.", false, 28))
-    out.apply(Redo{});
+  draw_history_buttons(ui, out);
 
   const RectPx& bar = ui.layout.top_bar;
   const float toggles = 6 * theme.px(30) + 3 * theme.px(30) + theme.px(16);
-  const float beside = std::max(toggles, theme.px(290));  // the switch and the file buttons
+  const float beside = std::max(toggles, theme.px(320));  // the switch and the file buttons
   ImGui::PushFont(theme.strong);
   const std::string title = shortened(case_title(ui), bar.width - 2 * (beside + theme.px(16)));
   const ImVec2 size = ImGui::CalcTextSize(title.c_str());

@@ -218,11 +218,15 @@ void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map
 /// What a press would do: the point that would be taken hold of, with σ or the brush around it.
 void draw_hover(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const Hover& hover = *ui.state.hover;
-  if (!hover.on_mesh) return;
   const MouseTool tool = ui.state.tool;
-  const bool brush = tool == MouseTool::stiffness || tool == MouseTool::confirm;
-  if (!brush && !stroke_tool(tool)) return;
-  const double radius_mm = brush ? ui.state.brush.radius_mm : ui.state.sigma_mm();
+  if (is_brush(tool) && map.is_slice()) {
+    // The circle paints what it covers, wherever its middle is.
+    draw_ring(draw, map, *hover.p_mm, ui.state.brush.radius_mm, with_alpha(palette::text, hover.on_mesh ? 0.6f : 0.2f));
+    return;
+  }
+  if (!hover.on_mesh) return;
+  if (!is_brush(tool) && !stroke_tool(tool)) return;
+  const double radius_mm = is_brush(tool) ? ui.state.brush.radius_mm : ui.state.sigma_mm();
   draw_ring(draw, map, *hover.on_mesh, radius_mm, with_alpha(palette::text, 0.35f));
   if (const auto px = map.to_px(*hover.on_mesh)) {
     draw.AddCircleFilled(to_im(*px), ui.theme.px(4), palette::text);

@@ -66,20 +66,26 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
     explanation(theme, "This section shows, also while you drag, whether the mesh keeps its correspondence.");
     return;
   }
-  static const std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Parts", "Shape", "Known"};
-  const bool snapped = shown_colouring(ui.state) == Colouring::confidence;
-  int colouring = static_cast<int>(snapped ? ui.state.colouring : shown_colouring(ui.state));
-  const bool brush = !snapped && shown_colouring(ui.state) != ui.state.colouring;
-  if (choice(
-          theme, "overlay", names, colouring,
-          {"Each vertex in its own hue, the same in all cases", "Edges: blue shorter than on the template, red longer",
-           "How far each vertex has moved since the template was placed (and warped)",
-           "Stiffness factor: dark soft, bright stiff; confirmed vertices white",
-           "Regions of the template in their colours", "Shape of the triangles: red thin or turned",
-           "What is confirmed, what a stroke, a fit or a snap has decided, and what is not known yet"},
-          brush     ? "While you hold a brush, the mesh shows what the brush paints."
-          : snapped ? "The confidence of the snap is shown until the mesh changes (Deform, Show confidence)."
-                    : ""))
+  std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Parts", "Shape", "Known"};
+  std::vector<std::string> tips{
+      "Each vertex in its own hue, the same in all cases",
+      "Edges: blue shorter than on the template, red longer",
+      "How far each vertex has moved since the template was placed (and warped)",
+      "Stiffness factor: dark soft, bright stiff; confirmed vertices white",
+      "Regions of the template in their colours",
+      "Shape of the triangles: red thin or turned",
+      "What is confirmed, what a stroke, a fit or a snap has decided, and what is not known yet"};
+  const Colouring shown = shown_colouring(ui.state);
+  if (ui.state.confidence) {
+    names.emplace_back("Edges");
+    tips.emplace_back(
+        "Confidence of the last snap: how clear the image's edge is at each vertex, not how right the mesh "
+        "is. Confirmed vertices white");
+  }
+  const bool brush = ui.state.tool == MouseTool::confirm || ui.state.tool == MouseTool::stiffness;
+  int colouring = static_cast<int>(shown);
+  if (choice(theme, "overlay", names, colouring, tips,
+             brush ? "While you hold a brush, the mesh shows what the brush paints." : ""))
     out.send(ChooseColouring{static_cast<Colouring>(colouring)});
   draw_colouring_legend(ui);
   if (ui.state.preferences.show.glyphs) {

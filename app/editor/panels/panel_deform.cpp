@@ -35,6 +35,25 @@ void case_slider(const UiContext& ui, Outbox& out, const char* label, double com
   number.settle(changed, released, action_for, out);
 }
 
+/// Which region the brush paints: the first one until another is chosen. True where that changed.
+bool draw_region_to_paint(const UiContext& ui, BrushSettings& brush) {
+  const auto& list = ui.document().regions->list;
+  if (list.empty()) {
+    explanation(ui.theme, "Add a region first (Template, Regions).");
+    return false;
+  }
+  std::vector<std::string> names;
+  for (const Region& region : list) names.push_back(region.name);
+  names.emplace_back("Erase (no region, factor 1)");
+  const int erase = static_cast<int>(list.size());
+  const auto found = std::find(names.begin(), names.end() - 1, brush.region);
+  int chosen = brush.erases ? erase : found == names.end() - 1 ? 0 : static_cast<int>(found - names.begin());
+  if (!combo(ui.theme, "region", names, chosen)) return false;
+  brush.erases = chosen == erase;
+  if (!brush.erases) brush.region = names[static_cast<std::size_t>(chosen)];
+  return true;
+}
+
 /// What a touch of the stiffness brush does; true where that changed.
 bool draw_paints(const UiContext& ui, BrushSettings& brush) {
   const Theme& theme = ui.theme;
@@ -46,21 +65,8 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
     brush.paints = static_cast<BrushPaints>(paints);
     changed = true;
   }
-  const bool regions = brush.paints == BrushPaints::region || brush.paints == BrushPaints::fill;
-  if (regions) {
-    const auto& list = ui.document().regions->list;
-    if (list.empty()) explanation(theme, "Add a region first (Template, Regions).");
-    std::vector<std::string> names{"No region (factor 1)"};
-    int chosen = 0;
-    for (const Region& region : list) {
-      if (region.name == brush.region) chosen = static_cast<int>(names.size());
-      names.push_back(region.name);
-    }
-    if (combo(theme, "region", names, chosen)) {
-      brush.region = chosen == 0 ? std::string() : names[static_cast<std::size_t>(chosen)];
-      changed = true;
-    }
-  }
+  if (brush.paints == BrushPaints::region || brush.paints == BrushPaints::fill)
+    changed |= draw_region_to_paint(ui, brush);
   if (brush.paints == BrushPaints::factor)
     changed |= slider(theme, "Paints factor", brush.stiffness_factor, {0.1, 50, "%.1f", "\xc3\x97", true},
                       "Stiffness relative to the base; Alt paints 1", released);

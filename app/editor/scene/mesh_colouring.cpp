@@ -127,6 +127,11 @@ std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, con
   const auto colour_by = [&](const VertexScalars& values, const std::vector<Rgb>& scale, auto share) {
     for (std::size_t i = 0; i < n; ++i) colours[i] = on_scale(scale, share(values[static_cast<Eigen::Index>(i)]));
   };
+  const auto whiten_confirmed = [&] {
+    const auto& confirmed = document.shape().confirmed;
+    for (std::size_t i = 0; confirmed && i < n; ++i)
+      colours[i] = mix(colours[i], {1, 1, 1}, (*confirmed)[static_cast<Eigen::Index>(i)]);
+  };
   switch (colouring) {
     case Colouring::vertex_hue:
       for (std::size_t i = 0; i < n; ++i) colours[i] = hsv_to_rgb(hues[i], saturation, 1);
@@ -142,9 +147,7 @@ std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, con
     case Colouring::stiffness: {
       const double most = stiffness_scale(document);
       colour_by(*document.stiffness, rising(), [most](double factor) { return factor / most; });
-      for (std::size_t i = 0; i < n; ++i)
-        if (document.shape().confirmed)
-          colours[i] = mix(colours[i], {1, 1, 1}, (*document.shape().confirmed)[static_cast<Eigen::Index>(i)]);
+      whiten_confirmed();
       break;
     }
     case Colouring::regions:
@@ -152,15 +155,13 @@ std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, con
       break;
     case Colouring::known: {
       const VertexScalars known = known_vertices(document.shape());
-      const auto& held = document.shape().confirmed;
-      for (std::size_t i = 0; i < n; ++i) {
-        const auto v = static_cast<Eigen::Index>(i);
-        colours[i] = mix(mix(left_open, decided, known[v]), {1, 1, 1}, held ? (*held)[v] : 0);
-      }
+      for (std::size_t i = 0; i < n; ++i) colours[i] = mix(left_open, decided, known[static_cast<Eigen::Index>(i)]);
+      whiten_confirmed();
       break;
     }
     case Colouring::confidence:
       if (confidence != nullptr) colour_by(*confidence, confidence_scale(), [](double sure) { return sure; });
+      whiten_confirmed();
       break;
     case Colouring::quality:
       colour_by(worst_triangle(document), quality_scale(), [](double quality) { return quality; });

@@ -46,11 +46,13 @@ struct LandmarkDrag {
   Vec3 from_pointer = Vec3::Zero();  ///< of a landmark that was placed before: where it was taken hold of
   bool moved = true;                 ///< false until such a one has left its place
 };
-/// Puts dabs of a brush along the surface; every dab is an action.
+/// Puts dabs of a brush along the pointer's path, evenly, however many events tell of it; every dab is an action.
 struct BrushDrag {
   ViewKind view = ViewKind::axial;
-  Vec3 last_at = Vec3::Zero();
-  bool reversed = false;  ///< Alt: frees where the brush holds
+  double x_px = 0, y_px = 0;  ///< where the path has come to
+  double to_next_px = 0;      ///< along the path, until the next dab
+  bool painted = false;       ///< a dab met the mesh
+  bool reversed = false;      ///< Alt: frees where the brush holds
 };
 struct RulerDrag {
   ViewKind view = ViewKind::axial;

@@ -10,12 +10,19 @@
 
 namespace homolog {
 
+bool is_brush(MouseTool tool) {
+  return tool == MouseTool::stiffness || tool == MouseTool::confirm;
+}
+
+bool paints_regions(const EditorState& state) {
+  return state.tool == MouseTool::stiffness &&
+         (state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill);
+}
+
 Colouring shown_colouring(const EditorState& state) {
-  const bool paints = state.tool == MouseTool::stiffness;
-  if (!paints && state.confidence && state.snap.show_confidence) return Colouring::confidence;
-  const bool regions = state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill;
-  if (paints && regions) return Colouring::regions;
-  return paints || state.tool == MouseTool::confirm ? Colouring::stiffness : state.colouring;
+  if (state.tool == MouseTool::confirm) return Colouring::known;
+  if (state.tool == MouseTool::stiffness) return paints_regions(state) ? Colouring::regions : Colouring::stiffness;
+  return state.shows_confidence && state.confidence ? Colouring::confidence : state.colouring;
 }
 
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry) {

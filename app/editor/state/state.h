@@ -45,7 +45,8 @@ enum class BrushPaints { factor, region, smooth, fill };
 struct BrushSettings {
   double radius_mm = 10;
   BrushPaints paints = BrushPaints::factor;
-  std::string region;  ///< that is painted or filled; empty: none
+  std::string region;   ///< that is painted or filled; the first one where there is none of that name
+  bool erases = false;  ///< takes vertices out of their region instead
   FillRegion::By fill_by = FillRegion::By::region;
   double fill_tolerance_per_mm = FillRegion{}.tolerance_per_mm;
   double stiffness_factor = 5;  ///< painted by the stiffness brush, relative to the base
@@ -156,7 +157,8 @@ struct EditorState {
   SnapSettings snap;
   std::optional<SnapFound> snapped;                 ///< the last snap
   std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
-  Colouring colouring = Colouring::vertex_hue;
+  Colouring colouring = Colouring::vertex_hue;      ///< that was chosen; never confidence
+  bool shows_confidence = true;                     ///< instead of it, while there is one
   double glyph_spacing_mm = 12;
 
   std::optional<Hover> hover;
@@ -180,7 +182,12 @@ struct EditorState {
   double sigma_mm() const { return sigma_presets_mm[sigma_preset]; }
 };
 
-/// What colours the mesh: while a brush is in hand, what it paints.
+/// Tools that paint within a circle.
+bool is_brush(MouseTool tool);
+/// Whether the brush in hand paints regions, or fills them.
+bool paints_regions(const EditorState& state);
+/// What colours the mesh: while a brush is in hand, what it paints; after a snap its confidence, until another is
+/// chosen.
 Colouring shown_colouring(const EditorState& state);
 
 /// The plane of a slice view.

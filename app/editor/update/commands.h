@@ -19,8 +19,8 @@ namespace homolog {
 /// does.
 using Command = std::variant<
     // edits of the case
-    PreviewEdit, ApplyEdit, SnapMesh, CancelSnap, StartFit, RefineLandmarks, CancelFit, BlendModel, CompleteByModel,
-    ShowFrame, PlayFrames,
+    PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineLandmarks, CancelFit, BlendModel,
+    CompleteByModel, ShowFrame, PlayFrames,
     // files
     OpenFiles, OpenRequested, CloseLabels, CancelOpening, CancelReading, CancelWriting, SaveCase, SaveCaseAs,
     ExportMesh, ExportLabelMap, ExportLandmarks, ExportTemplate, ExportTemplateLandmarks, ExportPicture,

@@ -63,6 +63,18 @@ ViewMap view_map(const EditorState& state, const Layout& layout, const Document&
   return {rect, slice_view(state, kind, geometry_of(document))};
 }
 
+std::optional<Vec3> mesh_at(const EditorState& state, const ControlsContext& context, const ViewMap& map, double x_px,
+                            double y_px, double reach_mm) {
+  if (map.is_slice())
+    return context.mesh.nearest_on_outline(context.document, map.slice(),
+                                           map.on_facing_plane(x_px, y_px, state.crosshair_mm), reach_mm);
+  const Ray ray = map.ray(x_px, y_px);
+  const auto hit = context.mesh.first_on_surface(context.document, ray);
+  const bool hidden =
+      hit && hidden_by_planes(shown_planes(state, context.document), geometry_of(context.document), ray, *hit);
+  return hidden ? std::nullopt : hit;
+}
+
 void update_hover(EditorState& state, const ControlsContext& context, double x_px, double y_px) {
   const auto kind = context.layout.view_at(x_px, y_px);
   if (!kind) {
@@ -78,17 +90,10 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
   if (context.document.has_shape()) {
     const Points& points = *context.document.shape().points;
     const float scale = context.layout.scale;
-    const double reach_mm = pick_reach_units * scale * map.mm_per_px(state.crosshair_mm);
-    if (map.is_slice()) {
-      hover.on_mesh = context.mesh.nearest_on_outline(context.document, map.slice(), *hover.p_mm, reach_mm);
-    } else {
-      const Ray ray = map.ray(x_px, y_px);
-      hover.on_mesh = context.mesh.first_on_surface(context.document, ray);
-      const bool hidden = hover.on_mesh && hidden_by_planes(shown_planes(state, context.document),
-                                                            geometry_of(context.document), ray, *hover.on_mesh);
-      if (hidden) hover.on_mesh.reset();
-      hover.p_mm = hover.on_mesh;
-    }
+    const double pick_mm = pick_reach_units * scale * map.mm_per_px(state.crosshair_mm);
+    const double reach_mm = is_brush(state.tool) ? std::max(pick_mm, state.brush.radius_mm) : pick_mm;
+    hover.on_mesh = mesh_at(state, context, map, x_px, y_px, reach_mm);
+    if (!map.is_slice()) hover.p_mm = hover.on_mesh;
     const double slice_reach_mm =
         0.75 * slice_step_mm(geometry_of(context.document), map.into_screen()) + landmark_radius_mm;
     hover.landmark =

@@ -9,6 +9,41 @@ namespace homolog {
 
 namespace {
 
+/// Where a dab goes whose circle is drawn at a px; nullopt where it covers nothing of the mesh.
+std::optional<Vec3> dab_at(const EditorState& state, const ControlsContext& context, const ViewMap& map, double x_px,
+                           double y_px) {
+  const auto on_mesh = mesh_at(state, context, map, x_px, y_px, state.brush.radius_mm);
+  const bool fills = state.tool == MouseTool::stiffness && state.brush.paints == BrushPaints::fill;
+  if (!on_mesh || fills || !map.is_slice()) return on_mesh;
+  return map.on_facing_plane(x_px, y_px, state.crosshair_mm);
+}
+
+/// Dabs half a radius apart along the pointer's path to a px. Their places do not depend on how many events told of the
+/// path: they are counted along it, in fractions of a px that are exact.
+void paint_to(EditorState& state, const ControlsContext& context, double x_px, double y_px, Outbox& out) {
+  constexpr double parts_of_px = 256;
+  auto& drag = std::get<BrushDrag>(*state.drag);
+  const ViewMap map = view_map(state, context.layout, context.document, drag.view);
+  const bool fills = state.tool == MouseTool::stiffness && state.brush.paints == BrushPaints::fill;
+  const Eigen::Vector2d from(drag.x_px, drag.y_px), to(x_px, y_px);
+  const double length_px = (to - from).norm();
+  double along_px = drag.to_next_px;
+  for (; along_px <= length_px && !(fills && drag.painted);) {
+    const Eigen::Vector2d exact = length_px > 0 ? Eigen::Vector2d(from + along_px / length_px * (to - from)) : from;
+    const Eigen::Vector2d px = (exact * parts_of_px).array().round() / parts_of_px;
+    const auto at = dab_at(state, context, map, px.x(), px.y());
+    if (at) {
+      out.apply(*brush_action(state, context.document, *at), drag.painted);
+      drag.painted = true;
+    }
+    const double step_mm = state.brush.radius_mm / 2;
+    along_px += std::max(1.0, step_mm / map.mm_per_px(at ? *at : state.crosshair_mm));
+  }
+  drag.to_next_px = along_px - length_px;
+  drag.x_px = x_px;
+  drag.y_px = y_px;
+}
+
 void start_left_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
   const Hover& hover = *state.hover;
   const ViewMap map = view_map(state, context.layout, context.document, hover.view);
@@ -53,10 +88,12 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
       out.preview(drag_action(state));
       return;
     }
-  } else if ((state.tool == MouseTool::stiffness || state.tool == MouseTool::confirm) && hover.on_mesh) {
+  } else if (is_brush(state.tool) && context.document.has_shape() && (hover.on_mesh || !in_space)) {
+    if (paints_regions(state) && context.document.regions->list.empty())
+      return add_notice(state, "There is no region to paint yet. Add one first (Template, Regions).");
     stay_at_frame();
-    state.drag = BrushDrag{hover.view, *hover.on_mesh, event.alt};
-    out.apply(*brush_action(state, context.document, *hover.on_mesh));
+    state.drag = BrushDrag{hover.view, event.x_px, event.y_px, 0, false, event.alt};
+    paint_to(state, context, event.x_px, event.y_px, out);
     return;
   } else if (state.tool == MouseTool::template_landmark && hover.on_mesh) {
     if (!state.template_landmark.empty()) out.apply(SetTemplateLandmark{state.template_landmark, *hover.on_mesh});
@@ -76,7 +113,11 @@ std::optional<Action> brush_action(const EditorState& state, const Document& doc
   const bool reversed = drag != nullptr && drag->reversed;
   const BrushSettings& brush = state.brush;
   if (state.tool == MouseTool::stiffness) {
-    const std::string region = reversed ? std::string() : brush.region;
+    const auto& regions = document.regions->list;
+    const bool known =
+        std::any_of(regions.begin(), regions.end(), [&](const Region& one) { return one.name == brush.region; });
+    const std::string chosen = known || regions.empty() ? brush.region : regions.front().name;
+    const std::string region = reversed || brush.erases ? std::string() : chosen;
     switch (brush.paints) {
       case BrushPaints::factor:
         return PaintStiffness{at, brush.radius_mm, document.stiffness_base * (reversed ? 1 : brush.stiffness_factor),
@@ -149,13 +190,8 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
       landmark->to = to;
       out.preview(drag_action(state));
     }
-  } else if (auto* brush = std::get_if<BrushDrag>(&*state.drag)) {
-    const bool fills = state.tool == MouseTool::stiffness && state.brush.paints == BrushPaints::fill;
-    const double step_mm = fills ? std::numeric_limits<double>::infinity() : state.brush.radius_mm / 2;
-    if (state.hover && state.hover->on_mesh && (*state.hover->on_mesh - brush->last_at).norm() >= step_mm) {
-      brush->last_at = *state.hover->on_mesh;
-      out.apply(*brush_action(state, context.document, brush->last_at), true);
-    }
+  } else if (std::holds_alternative<BrushDrag>(*state.drag)) {
+    paint_to(state, context, event.x_px, event.y_px, out);
   } else if (auto* ruler = std::get_if<RulerDrag>(&*state.drag)) {
     // In space both ends lie on the surface: a length across the screen would be too short.
     if (state.hover && state.hover->view == ruler->view && state.hover->p_mm) state.ruler->to = *state.hover->p_mm;

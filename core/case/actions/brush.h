@@ -29,10 +29,11 @@ int brush(const Points& points, const Vec3& at, double radius_mm, double soft, c
   return touched;
 }
 
+inline constexpr const char* nothing_covered = "No vertex lies within the circle; make the brush larger.";
 /// What is said after so many vertices were painted.
 inline EditReport painted(std::ptrdiff_t vertices) {
   EditReport report;
-  if (vertices > 0) report.message = std::to_string(vertices) + " vertices painted.";
+  report.message = vertices > 0 ? std::to_string(vertices) + " vertices painted." : nothing_covered;
   return report;
 }
 

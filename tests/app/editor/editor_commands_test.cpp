@@ -84,7 +84,7 @@ TEST_CASE("the commands of a session lead to the same case again") {
   const BallAndLabel ball;
   const fs::path log = ball.folder.path / "session.log";
   Document before;
-  std::string undo_name;
+  std::vector<std::string> undo_names;
   {
     Driver driver(ball.document);
     REQUIRE(driver.app().log().write_to(log));
@@ -111,7 +111,7 @@ TEST_CASE("the commands of a session lead to the same case again") {
     driver.click("top bar/undo");
     driver.settle();
     before = driver.document();
-    undo_name = driver.app().snapshot().undo_name;
+    undo_names = driver.app().snapshot().undo_names;
   }
   Driver again(ball.document);
   again.app().replay(test::must(read_log(log)));
@@ -119,8 +119,36 @@ TEST_CASE("the commands of a session lead to the same case again") {
   CHECK(bool(*again.document().shape().points == *before.shape().points));
   CHECK(again.document().shape().landmarks == before.shape().landmarks);
   CHECK(again.document().regions->list.size() == before.regions->list.size());
-  CHECK(again.app().snapshot().undo_name == undo_name);
+  CHECK(again.app().snapshot().undo_names == undo_names);
   CHECK(again.app().snapshot().can_redo);
+}
+
+TEST_CASE("the history lists the steps by name and a click goes there") {
+  const BallAndLabel ball;
+  Driver driver(ball.document);
+  const Vec3 pole = driver.document().shape().points->row(5);
+  const Points before = *driver.document().shape().points;
+  driver.app().send(ApplyEdit{Stroke{Tool::pull, pole, 1.1 * pole, 12}});
+  driver.settle();
+  const Points pulled = *driver.document().shape().points;
+  driver.app().send(ApplyEdit{Confirm{pole, 10, true}});
+  driver.app().send(ApplyEdit{SetStiffnessBase{3}});
+  driver.settle();
+  driver.click("top bar/history");
+  driver.click("history/Undo: confirm");
+  driver.wait_until("two steps are taken back", [&] { return driver.app().snapshot().redo_names.size() == 2; });
+  CHECK(bool(*driver.document().shape().points == pulled));
+  CHECK(driver.document().shape().confirmed == nullptr);
+  driver.settle();
+  CHECK(driver.shows("Undone: confirm."));
+  driver.click("top bar/history");
+  driver.click("history/Undo: pull");
+  driver.wait_until("nothing is left to undo", [&] { return !driver.app().snapshot().can_undo; });
+  CHECK(bool(*driver.document().shape().points == before));
+  driver.click("top bar/history");
+  driver.click("history/Redo: stiffness");
+  driver.wait_until("all is done again", [&] { return !driver.app().snapshot().can_redo; });
+  CHECK(driver.document().stiffness_base == 3);
 }
 
 TEST_CASE("every command has a key of its own and its line reads back as it was") {

@@ -104,6 +104,79 @@ TEST_CASE("the touches of one brush stroke are one step and the next stroke is a
   }
 }
 
+TEST_CASE("a brush that begins beside the outline paints what its circle covers") {
+  for (const MouseTool tool : {MouseTool::stiffness, MouseTool::confirm}) {
+    Desk desk;
+    desk.state.tool = tool;
+    desk.state.brush.radius_mm = 10;
+    const Eigen::Vector2d on_outline = desk.on_outline(ViewKind::axial);
+    const ViewMap map = view_map(desk.state, desk.layout, desk.document, ViewKind::axial);
+    const double mm = 1 / map.mm_per_px(desk.state.crosshair_mm);
+    desk.send(MousePress{}, on_outline.x() - 6 * mm, on_outline.y());
+    desk.send(MouseRelease{}, on_outline.x() - 6 * mm, on_outline.y());
+    const auto dabs = desk.sent<ApplyEdit>();
+    REQUIRE(dabs.size() == 1);
+    const Action& action = dabs.front().action;
+    const Vec3 at = tool == MouseTool::confirm ? std::get<Confirm>(action).at : std::get<PaintStiffness>(action).at;
+    const Vec3 pointer = map.on_facing_plane(on_outline.x() - 6 * mm, on_outline.y(), desk.state.crosshair_mm);
+    CHECK((at - pointer).norm() < 0.01);
+
+    // A stroke that begins farther away paints as soon as its circle comes to the mesh.
+    desk.send(MousePress{}, on_outline.x() - 20 * mm, on_outline.y());
+    CHECK(desk.sent<ApplyEdit>().empty());
+    desk.send(MouseMove{}, on_outline.x(), on_outline.y());
+    desk.send(MouseRelease{}, on_outline.x(), on_outline.y());
+    const auto later = desk.sent<ApplyEdit>();
+    REQUIRE(!later.empty());
+    CHECK_FALSE(later.front().joined);
+  }
+}
+
+TEST_CASE("the dabs of a stroke do not depend on how many events tell of it") {
+  const auto dabs = [](double x_px, double y_px, int events, double bend_px) {
+    Desk desk;
+    desk.state.tool = MouseTool::confirm;
+    desk.state.brush.radius_mm = 12;
+    const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+    desk.send(MousePress{}, at.x(), at.y());
+    for (int k = 1; k <= events; ++k) {
+      const double t = static_cast<double>(k) / events;
+      desk.send(MouseMove{}, at.x() + t * x_px, at.y() + t * y_px + bend_px * std::sin(3.14159265358979 * t));
+    }
+    std::vector<Vec3> places;
+    for (const ApplyEdit& dab : desk.sent<ApplyEdit>()) places.push_back(std::get<Confirm>(dab.action).at);
+    return places;
+  };
+  const auto few = dabs(64, 32, 60, 0), many = dabs(64, 32, 1000, 0);
+  REQUIRE(few.size() > 3);
+  CHECK(bool(few == many));
+  const auto few_bent = dabs(60, 0, 60, 20), many_bent = dabs(60, 0, 1000, 20);
+  REQUIRE(few_bent.size() == many_bent.size());
+  for (std::size_t k = 0; k < few_bent.size(); ++k) CHECK((few_bent[k] - many_bent[k]).norm() < 0.01);
+}
+
+TEST_CASE("without a region to paint the brush says so and with one it paints the first") {
+  Desk desk;
+  desk.state.tool = MouseTool::stiffness;
+  desk.state.brush.paints = BrushPaints::region;
+  desk.document.regions = std::make_shared<const Regions>();
+  const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
+  const auto dab = [&] {
+    desk.send(MousePress{}, at.x(), at.y());
+    desk.send(MouseRelease{}, at.x(), at.y());
+    return desk.sent<ApplyEdit>();
+  };
+  CHECK(dab().empty());
+  REQUIRE(desk.state.notices.size() == 1);
+  CHECK(desk.state.notices.front().text.find("Add one first") != std::string::npos);
+  auto regions = std::make_shared<Regions>(*desk.document.regions);
+  regions->list.push_back({"hilum", 2, {255, 0, 0}});
+  desk.document.regions = regions;
+  const auto painted = dab();
+  REQUIRE(painted.size() == 1);
+  CHECK(std::get<PaintRegion>(painted.front().action).name == "hilum");
+}
+
 TEST_CASE("Ctrl with the wheel keeps the point under the pointer") {
   Desk desk;
   const auto under = [&] {

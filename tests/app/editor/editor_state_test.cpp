@@ -86,9 +86,27 @@ TEST_CASE("what a brush paints is shown while it is in hand") {
   EditorState state;
   state.colouring = Colouring::moved;
   state.tool = MouseTool::confirm;
+  CHECK(shown_colouring(state) == Colouring::known);
+  state.tool = MouseTool::stiffness;
   CHECK(shown_colouring(state) == Colouring::stiffness);
   state.tool = MouseTool::pull;
   CHECK(shown_colouring(state) == Colouring::moved);
+}
+
+TEST_CASE("after a snap its confidence is shown until another colouring or a brush is chosen") {
+  EditorState state;
+  state.colouring = Colouring::moved;
+  state.confidence = std::make_shared<const VertexScalars>(VertexScalars::Ones(3));
+  CHECK(shown_colouring(state) == Colouring::confidence);
+  state.tool = MouseTool::confirm;
+  CHECK(shown_colouring(state) == Colouring::known);
+  state.tool = MouseTool::pull;
+  ChooseColouring{Colouring::quality}.run(state);
+  CHECK(shown_colouring(state) == Colouring::quality);
+  ChooseColouring{Colouring::confidence}.run(state);
+  CHECK(shown_colouring(state) == Colouring::confidence);
+  state.confidence.reset();
+  CHECK(shown_colouring(state) == Colouring::quality);
 }
 
 TEST_CASE("reach presets grow with the mesh") {

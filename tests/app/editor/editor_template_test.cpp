@@ -46,7 +46,7 @@ TEST_CASE("the stiffness brush makes the action of what it paints and Alt revers
   state.brush.paints = BrushPaints::region;
   CHECK(std::get<PaintRegion>(*brush_action(state, document, at)).name == "hilum");
   CHECK(shown_colouring(state) == Colouring::regions);
-  state.drag = BrushDrag{ViewKind::space, at, true};
+  state.drag = BrushDrag{ViewKind::space, 0, 0, 0, true, true};
   CHECK(std::get<PaintRegion>(*brush_action(state, document, at)).name.empty());
   state.brush.paints = BrushPaints::fill;
   CHECK(std::get<FillRegion>(*brush_action(state, document, at)).name.empty());

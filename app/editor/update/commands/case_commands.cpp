@@ -40,6 +40,14 @@ void ApplyEdit::run(Editing& editing) const {
   editing.shown.session().apply(action, joined);
 }
 
+void GoInHistory::spell(Fields& line) {
+  line.member("steps", steps);
+}
+void GoInHistory::run(Editing& editing) const {
+  stop_playing(editing);
+  for (int k = 0; k < std::abs(steps); ++k) editing.shown.session().apply(steps < 0 ? Action(Undo{}) : Action(Redo{}));
+}
+
 void SnapMesh::spell(Fields& line) {
   std::optional<Vec3> at;
   double sigma_mm = region ? region->sigma_mm : 0;

@@ -29,6 +29,13 @@ struct ApplyEdit {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
+/// Takes back so many steps, or does them again where it is above 0.
+struct GoInHistory {
+  static constexpr const char* key = "go in history";
+  int steps = 0;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
 /// Snaps the mesh, or a part of it, to the image, as the settings say.
 struct SnapMesh {
   static constexpr const char* key = "snap";

@@ -60,6 +60,7 @@ void SetBrush::spell(Fields& line) {
   line.member("radius_mm", brush.radius_mm);
   spell_choice(line, "paints", paint_names, brush.paints);
   line.member("region", brush.region);
+  line.member("erases", brush.erases);
   spell_choice(line, "fill_by", fill_names, brush.fill_by);
   line.member("fill_tolerance_per_mm", brush.fill_tolerance_per_mm);
   line.member("stiffness_factor", brush.stiffness_factor);
@@ -76,6 +77,7 @@ void BrushRegion::spell(Fields& line) {
 void BrushRegion::run(EditorState& state) const {
   state.tool = MouseTool::stiffness;
   state.brush.region = region;
+  state.brush.erases = region.empty();
   if (state.brush.paints != BrushPaints::fill) state.brush.paints = BrushPaints::region;
 }
 
@@ -141,6 +143,7 @@ void SetSnap::spell(Fields& line) {
   line.member("learn", snap.learn);
 }
 void SetSnap::run(EditorState& state) const {
+  if (snap.show_confidence != state.snap.show_confidence) state.shows_confidence = snap.show_confidence;
   auto learned = std::move(state.snap.learned);
   state.snap = snap;
   state.snap.learned = std::move(learned);

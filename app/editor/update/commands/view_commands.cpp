@@ -108,7 +108,8 @@ void ChooseColouring::spell(Fields& line) {
   spell_choice(line, "colouring", colouring_names, colouring);
 }
 void ChooseColouring::run(EditorState& state) const {
-  state.colouring = colouring;
+  state.shows_confidence = colouring == Colouring::confidence;
+  if (!state.shows_confidence) state.colouring = colouring;
 }
 
 void SpaceGlyphs::spell(Fields& line) {

@@ -126,6 +126,7 @@ bool show_snap(Editing& editing) {
   if (auto found = editing.work.snaps.take()) {
     if (!found->warning.empty()) add_notice(state, found->warning, false);
     state.snapped = std::move(found);
+    state.shows_confidence = state.snap.show_confidence;
   }
   const Document& document = editing.shown.document();
   const bool shown = state.snapped && document.has_shape() && state.snapped->is_of(*document.shape().points);

@@ -203,7 +203,10 @@ void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map
   if (const auto px = map.to_px(held)) draw.AddCircleFilled(to_im(*px), ui.theme.px(3), colour);
   if (!ui.state.hover || !drag.moved) return;
   const double moved_mm = ui.snapshot.preview ? ui.snapshot.preview->moved_mm : 0;
-  const std::string text = format("%.1f mm%s", moved_mm, stopped ? "  stopped" : "");
+  const auto& figures = ui.quality.latest();
+  const bool cuts = figures && figures->intersecting > ui.state.intersecting_at_rest;
+  const std::string text =
+      format("%.1f mm%s%s", moved_mm, stopped ? "  stopped" : "", cuts ? "  passes through the opposite wall" : "");
   const std::string sigma = format("\xcf\x83 %.1f mm", drag.stroke.sigma_mm);
   const ImVec2 a = text_size(ui.theme.strong, text), b = text_size(ui.theme.small, sigma);
   const ImVec2 at{static_cast<float>(ui.state.hover->x_px) + ui.theme.px(20),
@@ -213,6 +216,38 @@ void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map
                      IM_COL32(0x1A, 0x1C, 0x1F, 205), ui.theme.px(4));
   text_at(draw, ui.theme.strong, at, colour, text);
   text_at(draw, ui.theme.small, {at.x, at.y + a.y}, palette::dim, sigma);
+}
+
+/// The finding that is looked at: its triangles, a ring, and what it is.
+void draw_finding(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  const ShownFinding& shown = *ui.state.finding;
+  const Points& points = *ui.document().shape().points;
+  const auto& triangles = ui.document().the_template->topology->triangles();
+  if (shown.finding.vertex >= points.rows()) return;
+  const Vec3 at = points.row(shown.finding.vertex);
+  const double off_mm = map.is_slice() ? std::abs(map.into_screen().dot(at - map.slice().centre)) : 0;
+  const float alpha = off_mm <= slice_step_mm(geometry_of(ui.document()), map.into_screen()) ? 1.0f : 0.35f;
+  const ImU32 colour = with_alpha(palette::amber, alpha);
+  constexpr std::size_t most_faces = 200;
+  for (std::size_t k = 0; !map.is_slice() && k < std::min(most_faces, shown.finding.faces.size()); ++k) {
+    if (shown.finding.faces[k] >= triangles.rows()) continue;
+    const auto corners = triangles.row(shown.finding.faces[k]);
+    const auto a = map.to_px(points.row(corners[0])), b = map.to_px(points.row(corners[1])),
+               c = map.to_px(points.row(corners[2]));
+    if (a && b && c) draw.AddTriangle(to_im(*a), to_im(*b), to_im(*c), colour, ui.theme.px(1.5f));
+  }
+  const auto px = map.to_px(at);
+  if (!px) return;
+  draw.AddCircle(to_im(*px), ui.theme.px(14), IM_COL32(0, 0, 0, 160), 0, ui.theme.px(4));
+  draw.AddCircle(to_im(*px), ui.theme.px(14), colour, 0, ui.theme.px(2));
+  if (map.is_slice()) return;
+  const std::string text = finding_words(shown.finding.kind) +
+                           (shown.of > 1 ? format(", %zu of %zu (J: next)", shown.number, shown.of) : "");
+  const float width = text_size(ui.theme.strong, text).x, margin = ui.theme.px(8);
+  const float left = map.rect().x + margin, right = map.rect().x + map.rect().width - margin - width;
+  shadowed_text(draw, ui.theme.strong,
+                {std::max(left, std::min(to_im(*px).x - width / 2, right)), to_im(*px).y + ui.theme.px(20)},
+                palette::text, text);
 }
 
 /// What a press would do: the point that would be taken hold of, with σ or the brush around it.
@@ -298,6 +333,7 @@ void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   if (ui.has_shape()) {
     draw_landmarks(ui, map, draw);
     if (ui.state.tool == MouseTool::place) draw_placement_handles(ui, map, draw);
+    if (ui.state.finding) draw_finding(ui, map, draw);
   }
   const auto* stroke = ui.state.drag ? std::get_if<StrokeDrag>(&*ui.state.drag) : nullptr;
   if (stroke != nullptr && stroke->view == kind) draw_stroke(ui, *stroke, map, draw);

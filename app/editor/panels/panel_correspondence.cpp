@@ -105,15 +105,25 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
          "Mean edge length and its standard deviation");
   figure(theme, "Six neighbours", format("%.0f %%", 100 * q.regular_share),
          "Share of the vertices that have six neighbours");
-  figure(theme, "Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg), {},
-         q.min_angle_deg < 10 ? palette::amber : palette::text);
+  const auto faults = [&](const char* label, const std::string& value, const char* tip, FindingKind kind, bool any,
+                          ImU32 bad) {
+    if (!any)
+      figure(theme, label, value, tip, palette::good);
+    else if (figure_link(theme, label, value, std::string(tip) + ". A click goes to the next of them", bad))
+      out.send(ShowFinding{kind});
+  };
+  faults("Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg),
+         "Of all triangles; below 10\xc2\xb0 they count as thin", FindingKind::thin, q.min_angle_deg < thin_below_deg,
+         palette::amber);
   figure(theme, "Moved", format("%.1f mm, at most %.1f mm", q.moved_mean_mm, q.moved_max_mm),
          "Mean and largest distance of a vertex from where the placement (with its warp) put it");
-  figure(theme, "Turned triangles", format("%zu", q.turned),
-         "Triangles whose normal is more than 90° from the template's, turned along with the surface around them",
-         q.turned > 0 ? palette::bad : palette::good);
-  figure(theme, "Intersecting pairs", format("%zu%s", q.intersecting, q.all_intersecting ? "" : "+"),
-         "Pairs of triangles that pass through each other", q.intersecting > 0 ? palette::bad : palette::good);
+  faults(
+      "Turned triangles", format("%zu", q.turned),
+      "Triangles whose normal is more than 90\xc2\xb0 from the template's, turned along with the surface around them",
+      FindingKind::turned, q.turned > 0, palette::bad);
+  faults("Intersecting pairs", format("%zu%s", q.intersecting, q.all_intersecting ? "" : "+"),
+         "Pairs of triangles that pass through each other", FindingKind::intersecting, q.intersecting > 0,
+         palette::bad);
   draw_refinement(ui, out);
 }
 

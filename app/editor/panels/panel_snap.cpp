@@ -48,13 +48,20 @@ bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
   return changed;
 }
 
-void draw_last_snap(const UiContext& ui) {
+void draw_last_snap(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const SnapFound& found = *ui.state.snapped;
   figure(theme, "Confidence", format("%.0f %%", 100 * found.mean_confidence),
          "How clear the edges are that the mesh lies on, not how right the mesh is. 100 %: as clear as usual in this "
          "image",
          found.doubtful ? palette::amber : palette::good);
+  if (!ui.state.unclear_edges.empty() &&
+      figure_link(
+          theme, "No clear edge", format("%zu places", ui.state.unclear_edges.size()),
+          "Where the image showed the snap no clear boundary: look whether the mesh is right there. A click goes to "
+          "the next of them",
+          palette::amber))
+    out.send(ShowFinding{FindingKind::unclear});
   figure(theme, "Moved", format("%.1f mm in %.2f s", found.moved_mm, found.seconds),
          "Mean distance that the vertices moved, and how long it took");
 }
@@ -78,7 +85,7 @@ void draw_snap(const UiContext& ui, Outbox& out) {
   SnapSettings snap = ui.state.snap;
   if (draw_snap_settings(ui, snap)) out.send(SetSnap{snap});
   if (ui.state.confidence && ui.state.snapped) {
-    draw_last_snap(ui);
+    draw_last_snap(ui, out);
     if (shown_colouring(ui.state) == Colouring::confidence) draw_colouring_legend(ui);
   }
   rule(theme);

@@ -6,6 +6,7 @@
 #include "core/case/document.h"
 #include "core/mesh/surface_search.h"
 #include "render/outlines.h"
+#include "render/renderer.h"
 
 namespace homolog {
 

@@ -9,6 +9,28 @@
 
 namespace homolog {
 
+namespace {
+
+std::vector<Finding> findings(const Mesh& mesh, const QualityFigures& figures,
+                              const std::vector<std::int32_t>& turned) {
+  std::vector<Finding> all;
+  const auto add = [&](FindingKind kind, const std::vector<FacePair>& pairs) {
+    const auto found = findings_of(kind, mesh, pairs);
+    all.insert(all.end(), found.begin(), found.end());
+  };
+  if (figures.intersecting > 0) add(FindingKind::intersecting, self_intersections(mesh));
+  std::vector<FacePair> faces;
+  for (const std::int32_t face : turned) faces.push_back({face, face});
+  add(FindingKind::turned, faces);
+  faces.clear();
+  for (std::int32_t face = 0; face < mesh.topology->triangles().rows(); ++face)
+    if (smallest_angle_deg(mesh, face) < thin_below_deg) faces.push_back({face, face});
+  add(FindingKind::thin, faces);
+  return all;
+}
+
+}  // namespace
+
 QualityFigures quality_figures(const Document& document) {
   const Topology& topology = *document.the_template->topology;
   const Shape& shape = document.shape();
@@ -43,7 +65,9 @@ QualityFigures quality_figures(const Document& document) {
   figures.intersecting = quality.self_intersections;
   figures.all_intersecting = quality.all_intersections;
   figures.volume_ml = quality.volume_ml;
-  figures.turned = turned_triangles(topology, placed, p).size();
+  const auto turned = turned_triangles(topology, placed, p);
+  figures.turned = turned.size();
+  figures.findings = findings(mesh, figures, turned);
   return figures;
 }
 

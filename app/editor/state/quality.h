@@ -3,7 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <vector>
 
+#include "app/editor/state/findings.h"
 #include "core/case/document.h"
 
 namespace homolog {
@@ -20,6 +22,7 @@ struct QualityFigures {
   bool all_intersecting = true;  ///< false: at least so many
   double moved_mean_mm = 0, moved_max_mm = 0;
   double volume_ml = 0;
+  std::vector<Finding> findings;  ///< what `turned`, `intersecting` and `min_angle_deg` are about, kind by kind
   bool operator==(const QualityFigures&) const = default;
 };
 QualityFigures quality_figures(const Document& document);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "app/editor/state/view_colours.h"
+#include "core/mesh/mesh_quality.h"
 #include "core/session/unsaved_cases.h"
 
 namespace homolog {
@@ -114,6 +115,15 @@ void show_all(EditorState& state, const Document& document, const Layout& layout
   constexpr double left_px = 70, up_px = 45;
   state.camera = turned(camera_from(LookFrom::anterior, target), -left_px, up_px);
   state.camera.distance_mm *= 1.5;
+}
+
+void look_closely(EditorState& state, const Mesh& mesh, std::int32_t vertex) {
+  constexpr double near_mm = 150;
+  const Vec3 at = mesh.points.row(vertex);
+  state.crosshair_mm = state.camera.target = at;
+  state.camera.distance_mm = std::min(state.camera.distance_mm, near_mm);
+  look_from_outside(state.camera, vertex_normals(mesh).row(vertex));
+  for (SlicePan& pan : state.slices) pan.centre_mm = at;
 }
 
 void follow_layout(EditorState& state, const Layout& layout) {

@@ -9,6 +9,7 @@
 
 #include "app/editor/state/dialogs.h"
 #include "app/editor/state/drag.h"
+#include "app/editor/state/findings.h"
 #include "app/editor/state/layout.h"
 #include "app/editor/state/models/models_state.h"
 #include "app/editor/state/outcomes.h"
@@ -160,6 +161,9 @@ struct EditorState {
   Colouring colouring = Colouring::vertex_hue;      ///< that was chosen; never confidence
   bool shows_confidence = true;                     ///< instead of it, while there is one
   double glyph_spacing_mm = 12;
+  std::vector<Finding> unclear_edges;    ///< of `confidence`
+  std::optional<ShownFinding> finding;   ///< that is looked at
+  std::size_t intersecting_at_rest = 0;  ///< pairs of faces, before a drag
 
   std::optional<Hover> hover;
   LastPress last_press;
@@ -199,6 +203,9 @@ std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document&
 /// Shows a case from the start: cross-hair in the middle of the mesh (or volume), everything in view, σ presets from
 /// the size of the placed reference; window from the volume, or as it was on the same image.
 void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image = false);
+/// Brings the cross-hair, the middle of every slice view and the 3D view close to a point of the mesh, seen from
+/// outside.
+void look_closely(EditorState& state, const Mesh& mesh, std::int32_t vertex);
 /// Brings the cross-hair and the 3D view to a mesh; the slices show as much as before.
 void look_at_mesh(EditorState& state, const Points& points);
 void show_all(EditorState& state, const Document& document, const Layout& layout);

@@ -32,8 +32,8 @@ using Command = std::variant<
     NameTemplateLandmark, TypeRegion, NameRegion, ChangeNumber, SetSnap, SnapWithStrokes, SetFit, SetTemplate, Escape,
     // what is seen
     LookFromSide, MaximiseView, ShowParts, ShowPanel, ScrollSlices, OpenSection, ShowAll, SetWindow, InterpolateImage,
-    ShowRadiological, ShowOwnPlanes, SetLabelOpacity, ChooseColouring, SpaceGlyphs, SeekFrame, LookAt, ShowModels,
-    SetPicture,
+    ShowRadiological, ShowOwnPlanes, SetLabelOpacity, ChooseColouring, SpaceGlyphs, SeekFrame, LookAt, ShowFinding,
+    ShowModels, SetPicture,
     // dialogs
     ShowFileDialog, ShowKeys, CloseDialog, DismissNotice, EnterFolder, MoveInFiles, SelectFile, TypeFileName,
     ShowAllFiles, AcceptFile, AcceptReplacement, ChooseOtherName, SetStackSpacing, AskToDiscard, ShowRecovery,

@@ -86,6 +86,13 @@ std::vector<KeyRow> rows_of_case() {
        "\xcf\x83 small, medium, large",
        {{'1'}, {'2'}, {'3'}},
        [](const KeyMoment& now) -> Given { return ChooseSigma{static_cast<std::size_t>(now.code - '1')}; }},
+      {"J", "the next place to look at", {{'J'}}, [](const KeyMoment&) -> Given { return ShowFinding{}; }},
+      {"Shift+J",
+       "the last place to look at",
+       {{'J', false, true}},
+       [](const KeyMoment&) -> Given {
+         return ShowFinding{std::nullopt, true};
+       }},
       {"N", "snap here", {{'N'}}, snap_here},
       {"Shift+N",
        "snap while dragging",

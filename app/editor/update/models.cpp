@@ -230,8 +230,9 @@ std::optional<int> Models::show_repair(EditorState& state, const Snapshot& snaps
   const Points& points = *shape->second.points;
   if (repair->vertex && *repair->vertex < points.rows()) {
     const Mesh mesh{document.the_template->topology, points};
-    state.crosshair_mm = state.camera.target = points.row(*repair->vertex);
-    look_from_outside(state.camera, vertex_normals(mesh).row(*repair->vertex));
+    const auto vertex = static_cast<std::int32_t>(*repair->vertex);
+    look_closely(state, mesh, vertex);
+    state.finding = ShownFinding{{FindingKind::suspicious, vertex, {}, 1}, 1, 1};
     state.tool = MouseTool::slide;
   }
   return frame == document.frame ? std::nullopt : std::optional(frame);

@@ -313,6 +313,23 @@ void figure(const Theme& theme, const char* label, const std::string& value, con
   text_in(at, end, colour, shortened(value, room), 1);
 }
 
+bool figure_link(const Theme& theme, const char* label, const std::string& value, const std::string& tip,
+                 ImU32 colour) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 size{available(), theme.px(20)};
+  const ImVec2 end{at.x + size.x, at.y + size.y};
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, theme.px(2)});
+  const AreaState link = area(theme, label, size, tip);
+  ImGui::PopStyleVar();
+  if (link.hovered) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
+  text_in(at, end, link.hovered ? palette::text : palette::dim, label, 0);
+  const std::string shown = shortened(value, size.x - ImGui::CalcTextSize(label).x - theme.px(8));
+  text_in(at, end, colour, shown, 1);
+  const float y = std::floor(end.y - theme.px(2));
+  ImGui::GetWindowDrawList()->AddLine({end.x - ImGui::CalcTextSize(shown.c_str()).x, y}, {end.x, y}, colour);
+  return link.clicked;
+}
+
 void explanation(const Theme& theme, const std::string& text) {
   ImGui::PushFont(theme.small);
   text_lines(text, palette::dim);

@@ -93,6 +93,8 @@ void end_menu(const Theme& theme);
 /// "Label        12.3 mm" with the value at the right edge.
 void figure(const Theme& theme, const char* label, const std::string& value, const std::string& tip = {},
             ImU32 colour = palette::text);
+/// A figure that leads somewhere: underlined, true where it was clicked.
+bool figure_link(const Theme& theme, const char* label, const std::string& value, const std::string& tip, ImU32 colour);
 /// A paragraph in dim text.
 void explanation(const Theme& theme, const std::string& text);
 void caption(const Theme& theme, const char* text);

@@ -151,6 +151,29 @@ TEST_CASE("the history lists the steps by name and a click goes there") {
   CHECK(driver.document().stiffness_base == 3);
 }
 
+TEST_CASE("a click on a fault's figure goes to the fault and the mark goes when it is mended") {
+  const BallAndLabel ball;
+  Driver driver(ball.document);
+  const Vec3 pole = driver.document().shape().points->row(5);
+  auto points = std::make_shared<Points>(*driver.document().shape().points);
+  points->row(5) = -1.3 * pole.transpose();
+  SetPoints broken;
+  broken.points = points;
+  driver.app().send(ApplyEdit{broken});
+  driver.settle();
+  driver.wait_until("the fault is measured", [&] { return driver.has("Correspondence/Intersecting pairs"); });
+  driver.click("Correspondence/Intersecting pairs");
+  driver.settle();
+  REQUIRE(driver.app().state().finding);
+  CHECK(driver.app().state().finding->finding.kind == FindingKind::intersecting);
+  CHECK((driver.app().state().crosshair_mm - driver.app().state().camera.target).norm() == 0);
+  driver.press('J');
+  driver.settle();
+  CHECK(driver.app().state().finding);
+  driver.click("top bar/undo");
+  driver.wait_until("the mark is gone", [&] { return !driver.app().state().finding.has_value(); });
+}
+
 TEST_CASE("every command has a key of its own and its line reads back as it was") {
   std::set<std::string> keys;
   for (const Command& command : one_of_each()) {

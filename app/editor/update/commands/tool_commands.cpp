@@ -179,6 +179,8 @@ void Escape::run(EditorState& state, const ControlsContext&, Outbox& out) const 
     cancel_drag(state, out);
   else if (state.ruler)
     state.ruler.reset();
+  else if (state.finding)
+    state.finding.reset();
   else
     state.maximised.reset();
 }

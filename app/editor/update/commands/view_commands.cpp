@@ -1,12 +1,16 @@
 #include "app/editor/update/commands/view_commands.h"
 
+#include <algorithm>
+
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/controls.h"
+#include "app/editor/update/editing.h"
 
 namespace homolog {
 
 namespace {
 
+constexpr std::array finding_names{"intersecting", "turned", "thin", "unclear", "suspicious"};
 constexpr std::array colouring_names{"landmark hue", "edge stretch", "moved", "stiffness",
                                      "regions",      "quality",      "known", "confidence"};
 
@@ -132,6 +136,33 @@ void LookAt::spell(Fields& line) {
 }
 void LookAt::run(EditorState& state) const {
   state.crosshair_mm = state.camera.target = point_mm;
+}
+
+void ShowFinding::spell(Fields& line) {
+  spell_choice_or_null(line, "kind", finding_names, kind);
+  line.member("back", back);
+}
+void ShowFinding::run(Editing& editing) const {
+  EditorState& state = editing.state;
+  const Document& document = editing.shown.document();
+  if (!document.has_shape()) return;
+  std::vector<Finding> all;
+  const auto& figures = editing.work.quality.latest();
+  if (figures) all = figures->findings;
+  all.insert(all.end(), state.unclear_edges.begin(), state.unclear_edges.end());
+  if (kind) std::erase_if(all, [&](const Finding& one) { return one.kind != *kind; });
+  if (all.empty()) return add_notice(state, "There is nothing to look at: no triangle is turned, thin or cut.", false);
+  const auto now = state.finding ? std::find(all.begin(), all.end(), state.finding->finding) : all.end();
+  const std::size_t count = all.size(), at = static_cast<std::size_t>(now - all.begin());
+  const std::size_t next = now == all.end() ? (back ? count - 1 : 0) : (at + (back ? count - 1 : 1)) % count;
+  ShownFinding shown{all[next], 0, 0};
+  for (std::size_t k = 0; k < count; ++k) {
+    if (all[k].kind != shown.finding.kind) continue;
+    ++shown.of;
+    if (k <= next) ++shown.number;
+  }
+  state.finding = std::move(shown);
+  look_closely(state, document.mesh(), state.finding->finding.vertex);
 }
 
 void ShowModels::spell(Fields& line) {

@@ -10,6 +10,7 @@ namespace homolog {
 class Fields;
 class Outbox;
 struct ControlsContext;
+struct Editing;
 
 // What is seen, and from where.
 
@@ -118,6 +119,14 @@ struct LookAt {
   Vec3 point_mm = Vec3::Zero();
   void spell(Fields& line);
   void run(EditorState& state) const;
+};
+/// Goes to the next (or the last) finding of a kind, or of all kinds; see findings_shown.
+struct ShowFinding {
+  static constexpr const char* key = "show finding";
+  std::optional<FindingKind> kind;
+  bool back = false;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
 };
 /// Shows the study and its model, or the case.
 struct ShowModels {

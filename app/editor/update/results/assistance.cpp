@@ -133,6 +133,10 @@ bool show_snap(Editing& editing) {
   auto confidence = shown ? state.snapped->confidence : nullptr;
   const bool changed = confidence != state.confidence;
   state.confidence = std::move(confidence);
+  if (changed) {
+    const Mesh mesh = document.has_shape() ? document.mesh() : Mesh();
+    state.unclear_edges = state.confidence ? unclear_edges(mesh, *state.confidence) : std::vector<Finding>();
+  }
   return changed;
 }
 

@@ -92,6 +92,22 @@ void play(EditorState& state, const Document& document, double seconds) {
   state.shown_frame = (shown_frame(state, document) + 1) % volume.frames;
 }
 
+/// What is looked at goes with the mesh until it is mended.
+bool update_quality(Editing& editing) {
+  EditorState& state = editing.state;
+  if (!editing.work.quality.update()) return false;
+  const auto& figures = editing.work.quality.latest();
+  if (!state.drag && figures) state.intersecting_at_rest = figures->intersecting;
+  if (!state.finding || state.finding->finding.faces.empty() || !figures) return true;
+  const auto& marked = state.finding->finding;
+  const bool there = std::any_of(figures->findings.begin(), figures->findings.end(), [&](const Finding& one) {
+    return one.kind == marked.kind && std::find_first_of(one.faces.begin(), one.faces.end(), marked.faces.begin(),
+                                                         marked.faces.end()) != one.faces.end();
+  });
+  if (!there) state.finding.reset();
+  return true;
+}
+
 }  // namespace
 
 bool take_results(Editing& editing, double seconds) {
@@ -115,7 +131,7 @@ bool take_results(Editing& editing, double seconds) {
   changed |= show_snap(editing);
   changed |= work.models.update(state, editing.shown.snapshot(), seconds, editing.out);
   update_quit(editing);
-  changed |= work.quality.update();
+  changed |= update_quality(editing);
   changed |= take_stage(editing);
   changed |= take_recovery(editing);
   forget_old_news(state, seconds);

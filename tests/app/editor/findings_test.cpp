@@ -1,0 +1,66 @@
+#include "app/editor/state/findings.h"
+
+#include "app/editor/state/quality.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_quality.h"
+#include "tests/desk.h"
+
+namespace homolog {
+
+TEST_CASE("a wall that is pushed through the opposite one is one finding and a click goes to its middle") {
+  Mesh ball = icosphere(3, 20);
+  std::int32_t pole = 0;
+  for (std::int32_t v = 0; v < ball.points.rows(); ++v)
+    if (ball.points(v, 2) > ball.points(pole, 2)) pole = v;
+  ball.points(pole, 2) = -30;
+  std::vector<FacePair> pairs = self_intersections(ball);
+  REQUIRE(!pairs.empty());
+  const auto found = findings_of(FindingKind::intersecting, ball, pairs);
+  REQUIRE(found.size() == 1);
+  CHECK(found.front().count > 3);
+  CHECK((ball.points.row(found.front().vertex).head<2>()).norm() < 10);
+}
+
+TEST_CASE("findings apart are told apart and the thinnest triangle comes first") {
+  Mesh ball = icosphere(3, 20);
+  const auto neighbour_of = [&](std::int32_t v) { return ball.topology->one_ring(v).front(); };
+  const std::int32_t near = 0, far = static_cast<std::int32_t>(ball.points.rows() - 1);
+  const auto squeeze = [&](std::int32_t v, double share) {
+    const std::int32_t to = neighbour_of(v);
+    ball.points.row(v) += share * (ball.points.row(to) - ball.points.row(v));
+  };
+  squeeze(near, 0.9);
+  squeeze(far, 0.98);
+  std::vector<FacePair> thin;
+  for (std::int32_t face = 0; face < ball.topology->triangles().rows(); ++face)
+    if (smallest_angle_deg(ball, face) < thin_below_deg) thin.push_back({face, face});
+  const auto found = findings_of(FindingKind::thin, ball, thin);
+  REQUIRE(found.size() == 2);
+  CHECK((ball.points.row(found[0].vertex) - ball.points.row(far)).norm() < 5);
+  CHECK((ball.points.row(found[1].vertex) - ball.points.row(near)).norm() < 5);
+}
+
+TEST_CASE("vertices without a clear edge are grouped and large groups come first") {
+  const Mesh ball = icosphere(3, 20);
+  VertexScalars confidence = VertexScalars::Ones(ball.points.rows());
+  confidence[0] = 0;
+  for (Eigen::Index v = 0; v < ball.points.rows(); ++v)
+    if (ball.points(v, 2) < -15) confidence[v] = 0.1;
+  const auto found = unclear_edges(ball, confidence);
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].count > found[1].count);
+  CHECK(ball.points(found[0].vertex, 2) < -15);
+  CHECK(found[1].vertex == 0);
+}
+
+TEST_CASE("looking closely brings all views to the place") {
+  Desk desk;
+  const Mesh mesh = desk.document.mesh();
+  look_closely(desk.state, mesh, 7);
+  const Vec3 at = mesh.points.row(7);
+  CHECK(desk.state.crosshair_mm == at);
+  CHECK(desk.state.camera.target == at);
+  for (const SlicePan& pan : desk.state.slices) CHECK(pan.centre_mm == at);
+}
+
+}  // namespace homolog

@@ -134,6 +134,7 @@ void Drawing::draw_view_picture(const PictureOptions& options) {
   // Letters, scale bar, landmarks and ruler: without them nobody can tell the sides of a slice.
   layout_.images[index_of(kind)] = {0, 0, width, height};
   state.preferences.hints = {true, true, true};
+  state.guide.reset();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::GetIO().DisplaySize = {width, height};
   ImGui::NewFrame();

@@ -1,11 +1,9 @@
-#include "app/editor/panels/ui_context.h"
+#include "app/editor/interface/cards.h"
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
-
-namespace {
 
 void begin_card(const UiContext& ui, const char* id, float& bottom_px, ImU32 edge) {
   const Theme& theme = ui.theme;
@@ -29,6 +27,8 @@ void end_card(const UiContext& ui, float& bottom_px) {
   leave_part();
   ImGui::End();
 }
+
+namespace {
 
 void dismiss_notice(std::size_t index, Outbox& out) {
   out.send(DismissNotice{index});
@@ -82,6 +82,7 @@ void draw_notices(const UiContext& ui, Outbox& out) {
   float bottom_px = ui.layout.status_line.y - ui.theme.px(16);
   for (std::size_t i = ui.state.notices.size(); i > 0; --i) draw_notice(ui, i - 1, bottom_px, out);
   for (const RunningWork& work : ui.running) draw_work(ui, work, bottom_px, out);
+  draw_guide(ui, bottom_px, out);
 }
 
 }  // namespace homolog

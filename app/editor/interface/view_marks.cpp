@@ -287,9 +287,24 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
                   palette::text, format("%.1f mm", ruler.length_mm()));
 }
 
+/// From the outline to where the guide's pull should bring it.
+void draw_guide_arrow(const UiContext& ui, const GuideStep& step, const ViewMap& map, ImDrawList& draw) {
+  const auto from = map.to_px(pulled_from(step, ui.document().mesh())), to = map.to_px(step.to_mm);
+  if (!from || !to) return;
+  const Eigen::Vector2d way = *to - *from;
+  const double length = way.norm(), head = ui.theme.px(9);
+  draw.AddCircle(to_im(*to), ui.theme.px(7), palette::accent, 0, ui.theme.px(2));
+  if (length < head) return;
+  const Eigen::Vector2d along = way / length, across(-along.y(), along.x());
+  const Eigen::Vector2d tip = *to - ui.theme.px(7) * along, neck = tip - head * along;
+  draw.AddLine(to_im(*from), to_im(neck), palette::accent, ui.theme.px(2.5f));
+  draw.AddTriangleFilled(to_im(tip), to_im(Eigen::Vector2d(neck + 0.6 * head * across)),
+                         to_im(Eigen::Vector2d(neck - 0.6 * head * across)), palette::accent);
+}
+
 void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const Hints& hints = ui.state.preferences.hints;
-  if (!ui.has_shape() || ui.state.drag) return;
+  if (!ui.has_shape() || ui.state.drag || (ui.state.guide && ui.state.guide->shown)) return;
   std::string text;
   if (kind == ViewKind::axial && !hints.dragged)
     text = "Drag the coloured outline to the organ's edge";
@@ -334,6 +349,9 @@ void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
     draw_landmarks(ui, map, draw);
     if (ui.state.tool == MouseTool::place) draw_placement_handles(ui, map, draw);
     if (ui.state.finding) draw_finding(ui, map, draw);
+    const auto& guide = ui.state.guide;
+    if (guide && guide->shown && guide->at < guide->steps.size() && guide->steps[guide->at].view == kind)
+      draw_guide_arrow(ui, guide->steps[guide->at], map, draw);
   }
   const auto* stroke = ui.state.drag ? std::get_if<StrokeDrag>(&*ui.state.drag) : nullptr;
   if (stroke != nullptr && stroke->view == kind) draw_stroke(ui, *stroke, map, draw);

@@ -103,9 +103,11 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
              half))
     out.send(SaveCase{true});
   if (button(theme, "Unsaved cases…",
-             "Cases that were open when the program ended without saving. Recover or delete them", {},
-             ImGui::GetContentRegionAvail().x))
+             "Cases that were open when the program ended without saving. Recover or delete them", {}, half))
     out.send(ShowRecovery{});
+  ImGui::SameLine();
+  if (button(theme, "First steps…", "The first case and its guide: five pulls that fit a kidney", {}, half))
+    out.send(ShowGuide{true});
   if (!document.volume) return;
   bool linear = ui.state.preferences.linear;
   if (toggle(theme, "Smooth voxels", linear, "Interpolates between voxels. Off shows the voxels as they are"))

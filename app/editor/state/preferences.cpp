@@ -31,6 +31,7 @@ void each_entry(Value& p, Visit visit) {
   visit("hint_dragged", p.hints.dragged);
   visit("hint_scrolled", p.hints.scrolled);
   visit("hint_turned", p.hints.turned_camera);
+  visit("guide_done", p.guide_done);
 }
 
 }  // namespace

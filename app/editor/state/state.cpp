@@ -117,6 +117,12 @@ void show_all(EditorState& state, const Document& document, const Layout& layout
   state.camera.distance_mm *= 1.5;
 }
 
+void look_at_step(EditorState& state) {
+  if (!state.guide || !state.guide->shown || state.guide->at >= state.guide->steps.size()) return;
+  state.crosshair_mm = state.guide->steps[state.guide->at].to_mm;
+  state.hover.reset();
+}
+
 void look_closely(EditorState& state, const Mesh& mesh, std::int32_t vertex) {
   constexpr double near_mm = 150;
   const Vec3 at = mesh.points.row(vertex);

@@ -10,6 +10,7 @@
 #include "app/editor/state/dialogs.h"
 #include "app/editor/state/drag.h"
 #include "app/editor/state/findings.h"
+#include "app/editor/state/guide.h"
 #include "app/editor/state/layout.h"
 #include "app/editor/state/models/models_state.h"
 #include "app/editor/state/outcomes.h"
@@ -118,6 +119,7 @@ struct Preferences {
   bool linear = true;
   ShownParts show;
   Hints hints;
+  bool guide_done = false;                    ///< the guide to the first case was followed or closed
   std::vector<std::filesystem::path> recent;  ///< newest first
   std::filesystem::path folder;               ///< last used in the file dialog
   bool operator==(const Preferences&) const = default;
@@ -178,6 +180,8 @@ struct EditorState {
   double next_frame_seconds = 0;  ///< of a cine that plays, by the window's clock
   Quitting quitting = Quitting::no;
 
+  std::optional<Guide> guide;  ///< to the first case, while that is open
+
   std::optional<Dialog> dialog;
   std::vector<Notice> notices;
 
@@ -203,6 +207,8 @@ std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document&
 /// Shows a case from the start: cross-hair in the middle of the mesh (or volume), everything in view, σ presets from
 /// the size of the placed reference; window from the volume, or as it was on the same image.
 void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image = false);
+/// Brings the slices to the guide's step, where there is one to do.
+void look_at_step(EditorState& state);
 /// Brings the cross-hair, the middle of every slice view and the 3D view close to a point of the mesh, seen from
 /// outside.
 void look_closely(EditorState& state, const Mesh& mesh, std::int32_t vertex);

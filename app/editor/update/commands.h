@@ -33,7 +33,7 @@ using Command = std::variant<
     // what is seen
     LookFromSide, MaximiseView, ShowParts, ShowPanel, ScrollSlices, OpenSection, ShowAll, SetWindow, InterpolateImage,
     ShowRadiological, ShowOwnPlanes, SetLabelOpacity, ChooseColouring, SpaceGlyphs, SeekFrame, LookAt, ShowFinding,
-    ShowModels, SetPicture,
+    MoveInGuide, ShowGuide, ShowModels, SetPicture,
     // dialogs
     ShowFileDialog, ShowKeys, CloseDialog, DismissNotice, EnterFolder, MoveInFiles, SelectFile, TypeFileName,
     ShowAllFiles, AcceptFile, AcceptReplacement, ChooseOtherName, SetStackSpacing, AskToDiscard, ShowRecovery,

@@ -33,4 +33,22 @@ Result<Document> demo_document(Organ organ, int subject) {
   return document;
 }
 
+Result<FirstCase> first_case() {
+  auto demo = demo_document(Organ::kidney, 1);
+  if (!demo) return fail(demo.error());
+  FirstCase first{std::move(*demo), {}};
+  Shape& shape = first.document.shapes.at(0);
+  // Smaller, turned and aside, as a template lies that was only put near the organ.
+  const Vec3 centre = bounds_of(*shape.placed).center();
+  Similarity off;
+  off.scale = 0.82;
+  off.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.14, Vec3::UnitY()));
+  off.translation = centre - off.scale * (off.rotation * centre) + Vec3(1, 1, -2);
+  shape.placement = shape.before_landmarks = off.after(shape.placement);
+  shape.placed = std::make_shared<const Points>(shape.placement.apply(first.document.the_template->points));
+  shape.reference = shape.points = shape.placed;
+  first.guide = guide_to(first.document.mesh(), phantom_truth(Organ::kidney, 1).front().points);
+  return first;
+}
+
 }  // namespace homolog

@@ -138,6 +138,13 @@ Result<void> open_volume(Opened& opened, Progress& progress) {
 Result<void> open_parts(Opened& opened, Progress& progress) {
   OpenRequest& request = opened.request;
   if (request.demo) {
+    if (request.demo->first == Organ::kidney && request.demo->second == 1) {
+      auto first = first_case();
+      if (!first) return fail(first.error());
+      opened.demo = std::move(first->document);
+      opened.guide = std::move(first->guide);
+      return {};
+    }
     auto demo = demo_document(request.demo->first, request.demo->second);
     if (!demo) return fail(demo.error());
     opened.demo = std::move(*demo);

@@ -22,6 +22,7 @@ struct Opened {
   OpenRequest request;
   std::optional<CaseRead> opened_case;
   std::optional<Document> demo;
+  std::optional<Guide> guide;  ///< of the first case
   std::shared_ptr<const Volume> volume;
   std::shared_ptr<const Template> the_template;
   std::shared_ptr<const Volume> labels;

@@ -1,6 +1,7 @@
 #include "app/editor/state/findings.h"
 
 #include "app/editor/state/quality.h"
+#include "core/measure/compare.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "tests/desk.h"
@@ -51,6 +52,24 @@ TEST_CASE("vertices without a clear edge are grouped and large groups come first
   CHECK(found[0].count > found[1].count);
   CHECK(ball.points(found[0].vertex, 2) < -15);
   CHECK(found[1].vertex == 0);
+}
+
+TEST_CASE("five pulls along the guide's arrows bring the first case to its boundary") {
+  FirstCase first = test::must(first_case());
+  REQUIRE(first.guide.steps.size() == 5);
+  const Mesh truth{first.document.the_template->topology, phantom_truth(Organ::kidney, 1).front().points};
+  EditSession session(first.document);
+  const double before_mm = surface_distance(session.document().mesh(), truth).mean_mm;
+  const double sigma_mm = default_sigmas_mm(*session.document().shape().reference).back();
+  for (const GuideStep& step : first.guide.steps) {
+    CHECK(step.far_mm > 3);  // to be seen
+    const Vec3 at = pulled_from(step, session.document().mesh());
+    test::must(session.apply(Stroke{Tool::pull, at, step.to_mm, sigma_mm}));
+    CHECK(is_done(step, session.document().mesh()));
+  }
+  const double after_mm = surface_distance(session.document().mesh(), truth).mean_mm;
+  CAPTURE(after_mm);
+  CHECK(after_mm < 0.5 * before_mm);
 }
 
 TEST_CASE("looking closely brings all views to the place") {

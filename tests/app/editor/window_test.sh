@@ -64,7 +64,7 @@ case=$(case_file)
 eventually "four views with an image" shows_images
 
 axial=440x320+52+76
-drag 214,265 203,262
+drag 287,541 281,517  # as the guide says
 eventually "the drag is in the case" in_case 1 '"tool":"pull"'
 
 before=$(view $axial)
@@ -73,8 +73,8 @@ eventually "the wheel shows another slice" differs $axial "$before"
 xdotool click --repeat 4 --delay 30 5
 
 xdotool key 1
-drag 262,311 262,318
-eventually "a smaller reach after the key 1" in_case 1 '"sigma_mm":4\(\.0\)\?[,}]'
+drag 260,682 263,698
+eventually "a smaller reach after the key 1" in_case 1 '"sigma_mm":3\.'
 
 xdotool key ctrl+z
 eventually "undo is in the case" in_case 1 '"undo"'

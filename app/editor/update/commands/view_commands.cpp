@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/editor/update/commands/file_commands.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/update/editing.h"
@@ -163,6 +164,31 @@ void ShowFinding::run(Editing& editing) const {
   }
   state.finding = std::move(shown);
   look_closely(state, document.mesh(), state.finding->finding.vertex);
+}
+
+void MoveInGuide::spell(Fields& line) {
+  line.member("steps", steps);
+}
+void MoveInGuide::run(EditorState& state) const {
+  if (!state.guide) return;
+  const auto last = static_cast<int>(state.guide->steps.size());
+  state.guide->at = static_cast<std::size_t>(std::clamp(static_cast<int>(state.guide->at) + steps, 0, last));
+  look_at_step(state);
+}
+
+void ShowGuide::spell(Fields& line) {
+  line.member("shown", shown);
+}
+void ShowGuide::run(Editing& editing) const {
+  EditorState& state = editing.state;
+  state.preferences.guide_done = !shown;
+  if (!state.guide) {
+    if (shown) editing.out.send(open_phantom(Organ::kidney, 1));
+    return;
+  }
+  state.guide->shown = shown;
+  state.guide->at = 0;
+  look_at_step(state);
 }
 
 void ShowModels::spell(Fields& line) {

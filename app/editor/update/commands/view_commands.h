@@ -128,6 +128,20 @@ struct ShowFinding {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
+/// The guide to the first case: so many pulls on, or back.
+struct MoveInGuide {
+  static constexpr const char* key = "move in guide";
+  int steps = 1;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Shows the guide from its beginning, with the first case where that is not open; or closes it.
+struct ShowGuide {
+  static constexpr const char* key = "show guide";
+  bool shown = true;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
 /// Shows the study and its model, or the case.
 struct ShowModels {
   static constexpr const char* key = "show models";

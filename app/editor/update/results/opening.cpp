@@ -58,6 +58,11 @@ void start_with(Editing& editing, Opened opened) {
     state.window_low = -160;
     state.window_high = 240;
   }
+  if (opened.guide) {
+    state.guide = std::move(*opened.guide);
+    state.guide->shown = !state.preferences.guide_done;
+    look_at_step(state);
+  }
   if (new_image && !is_phantom(source)) remember_recent(state.preferences, source);
   if (opened.labels) editing.shown.show_labels(labels_of(opened));
   if (!demo) offer_flip(state, *editing.shown.snapshot().document);
@@ -71,6 +76,8 @@ void start_session(Editing& editing, EditSession session) {
   const auto before = shown.displayed();
   const std::string source_before = before && before->volume ? before->volume_source : std::string();
   editing.work.snaps.cancel();
+  state.guide.reset();
+  state.finding.reset();
   shown.start(std::move(session));
   const Document& document = shown.document();
   show_document(state, document, editing.layout, !source_before.empty() && document.volume_source == source_before);

@@ -92,6 +92,18 @@ void play(EditorState& state, const Document& document, double seconds) {
   state.shown_frame = (shown_frame(state, document) + 1) % volume.frames;
 }
 
+/// The guide goes on where its pull is done.
+void follow_guide(Editing& editing) {
+  EditorState& state = editing.state;
+  const Document& document = *editing.shown.snapshot().document;
+  if (!state.guide || !state.guide->shown || state.drag || !document.has_shape()) return;
+  Guide& guide = *state.guide;
+  if (guide.at >= guide.steps.size() || !is_done(guide.steps[guide.at], document.mesh())) return;
+  ++guide.at;
+  if (guide.at == guide.steps.size()) state.preferences.guide_done = true;
+  look_at_step(state);
+}
+
 /// What is looked at goes with the mesh until it is mended.
 bool update_quality(Editing& editing) {
   EditorState& state = editing.state;
@@ -123,7 +135,10 @@ bool take_results(Editing& editing, double seconds) {
   }
   take_imports(editing);
   play(state, editing.shown.document(), seconds);
-  if (editing.shown.update_snapshot(state)) work.quality.post(editing.shown.displayed());
+  if (editing.shown.update_snapshot(state)) {
+    work.quality.post(editing.shown.displayed());
+    follow_guide(editing);
+  }
   bool changed = take_written(editing);
   update_fit(editing);
   update_model_help(editing);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int allowed_steps = 40;
 constexpr double first_noise_share = 0.05;  ///< of the extent
-constexpr double last_noise_edges = 0.15;
+constexpr double last_noise_edges = 0.4;    ///< about what a model of ten shapes leaves of a new one
 
 }  // namespace
 

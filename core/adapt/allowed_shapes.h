@@ -35,7 +35,7 @@ struct AllowedFit {
 std::shared_ptr<const Template> mean_template(const Template& the_template, const AllowedShapes& allowed);
 
 /// Brings the allowed shape that is nearest to what `force` looks for there, beginning with the mean under `placement`:
-/// forces, shape and pose in turn, while the noise falls from 5 % of the extent to 0.15 mean edges. Errors:
+/// forces, shape and pose in turn, while the noise falls from 5 % of the extent to 0.4 mean edges. Errors:
 /// `after_step`'s.
 Result<AllowedFit> fit_allowed(const AllowedShapes& allowed, const std::shared_ptr<const Topology>& topology,
                                Similarity placement, const ForceSource& force, const AfterStep& after_step = {});

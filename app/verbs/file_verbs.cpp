@@ -6,6 +6,8 @@
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
+#include "core/model/observers.h"
+#include "core/model/shape_files.h"
 #include "core/phantom/phantom_files.h"
 #include "core/volume/volume_io.h"
 
@@ -180,6 +182,23 @@ Json describe(const Agreement& agreement) {
   return values;
 }
 
+/// A mesh, or that of a case as it is.
+Result<MeshFile> read_shape(const fs::path& path) {
+  if (!is_case_file(path)) return read_mesh_file(path);
+  auto shapes = read_shapes_of(path);
+  if (!shapes) return fail(shapes.error());
+  const auto shape = shapes->shape({}, path.string());
+  if (!shape) return fail(shape.error());
+  return **shape;
+}
+
+Result<Mesh> surface_of(const MeshFile& file, const fs::path& path) {
+  if (!is_case_file(path)) return read_mesh(path);  // that checks more
+  auto faces = Topology::make(file.points.rows(), file.triangles);
+  if (!faces) return fail(path.string(), faces.error().what);
+  return Mesh{*faces, file.points};
+}
+
 }  // namespace
 
 void add_compare(CLI::App& app, CommandLine& asked) {
@@ -189,19 +208,26 @@ void add_compare(CLI::App& app, CommandLine& asked) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "compare", "How well a mesh agrees with a mask or another mesh");
-  verb->add_option("MESH", options->mesh, "The mesh")->required();
+  verb->add_option("MESH", options->mesh, "The mesh, or a case for its mesh")->required();
   auto* mask_option = verb->add_option("--mask", options->mask, "A label map to compare with");
   verb->add_option("--label", options->label, "Which label of the mask")
       ->check(CLI::PositiveNumber)
       ->needs(mask_option);
-  verb->add_option("--mesh", options->other, "Another mesh to compare with")->excludes(mask_option);
+  verb->add_option("--mesh", options->other, "Another mesh or case to compare with")->excludes(mask_option);
   const auto compare = [options](Progress& progress) -> Result<Report> {
-    auto mesh = read_mesh(options->mesh);
+    const auto file = read_shape(options->mesh);
+    if (!file) return fail(file.error());
+    auto mesh = surface_of(*file, options->mesh);
     if (!mesh) return fail(mesh.error());
     if (!options->other.empty()) {
-      auto other = read_mesh(options->other);
+      const auto other_file = read_shape(options->other);
+      if (!other_file) return fail(other_file.error());
+      auto other = surface_of(*other_file, options->other);
       if (!other) return fail(other.error());
-      return Report{describe(compare_meshes(*mesh, *other)), {}};
+      Report report{describe(compare_meshes(*mesh, *other)), {}};
+      if (const auto landmarks = landmark_distances_mm(*file, *other_file); !landmarks.empty())
+        report.values["landmarks_mm"] = landmarks;
+      return report;
     }
     auto mask = read_volume(options->mask, read_options("", {}, progress));
     if (!mask) return fail(mask.error());

@@ -16,6 +16,8 @@
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mirror.h"
+#include "core/model/model_prior.h"
+#include "core/model/statismo.h"
 #include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
 
@@ -32,7 +34,8 @@ constexpr double one_place_mm = 1e-3;  ///< landmarks nearer to each other were 
 struct Options {
   std::string template_source, orientation = "patient";
   std::vector<fs::path> masks, meshes;
-  fs::path image, out, placement, landmarks;
+  fs::path image, out, placement, landmarks, model;
+  double beyond = 1;
   SnapArguments snap;  ///< for an image
   int label = 0;
   double closing_mm = 1;
@@ -75,6 +78,13 @@ Result<Shared> shared_of(const Options& options) {
     if (!placement) return fail(placement.error());
     shared.fit.placement = *placement;
   }
+  if (options.model.empty()) return shared;
+  const auto model = read_model(options.model);
+  if (!model) return fail(model.error());
+  auto allowed = allowed_by(*model, **the_template);
+  if (!allowed) return fail(options.model.string(), allowed.error().what);
+  allowed->beyond = options.beyond;
+  shared.fit.allowed = std::make_shared<const AllowedShapes>(std::move(*allowed));
   return shared;
 }
 
@@ -193,6 +203,13 @@ MeshFile fitted_file(const Template& the_template, const FitResult& fit) {
   return file;
 }
 
+/// What the model alone came to, and how far the mesh lies beyond it.
+Json described_allowed(const Points& allowed, const Mesh& mesh, const Mesh& boundary) {
+  const auto beyond_mm = (mesh.points - allowed).rowwise().norm();
+  return {{"assd_mm", mean_surface_distance_mm({mesh.topology, allowed}, boundary)},
+          {"beyond_mm", {{"mean", beyond_mm.mean()}, {"max", beyond_mm.maxCoeff()}}}};
+}
+
 Report report_of(const Target& target, const FitResult& fit, const FitJudgement& judgement, int frame, double seconds) {
   const Agreement& agreement = judgement.agreement;
   Report report;
@@ -207,6 +224,8 @@ Report report_of(const Target& target, const FitResult& fit, const FitJudgement&
                             {"landmarks_place", fit.landmarks_place},
                             {"placement", to_json(fit.placement)},
                             {"seconds", seconds}});
+  if (fit.allowed.size() > 0)
+    report.values["model"] = described_allowed(fit.allowed, fit.mesh, target.boundary.surface);
   return report;
 }
 
@@ -259,6 +278,13 @@ Result<Report> fit_image(const Options& options, const Shared& shared, Progress&
 
   const auto started = Clock::now();
   Mesh mesh{the_template.topology, placement->apply(the_template.points)};
+  if (shared.fit.allowed) {
+    auto allowed = snap_allowed(image->volume, options.snap.frame, *shared.fit.allowed, the_template.topology,
+                                *placement, *snapping);
+    if (!allowed) return fail(options.image.string(), allowed.error().what);
+    mesh.points = std::move(allowed->points);
+    snapping->strength *= options.beyond;
+  }
   const Points placed = mesh.points;
   const SnapStart start{mesh, placed, the_template.stiffness, VertexScalars::Ones(mesh.points.rows())};
   const auto snapped = snap(image->volume, options.snap.frame, start, *snapping);
@@ -274,6 +300,10 @@ Result<Report> fit_image(const Options& options, const Shared& shared, Progress&
   Report report = snap_report(*snapped, mesh, placed, options.image);
   report.values["placement"] = to_json(nearest_similarity(the_template.points, mesh.points, *placement));
   report.values["landmarks_used"] = shared.fit.placement ? 0 : landmarks->places.size();
+  if (shared.fit.allowed) {
+    const auto beyond_mm = (mesh.points - placed).rowwise().norm();
+    report.values["model"] = {{"beyond_mm", {{"mean", beyond_mm.mean()}, {"max", beyond_mm.maxCoeff()}}}};
+  }
   report.values["seconds"] = seconds;
   report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
   return report;
@@ -373,6 +403,14 @@ void add_fit(CLI::App& app, CommandLine& asked) {
   verb->add_option("--orientation", options->orientation,
                    "patient: rotations near the patient's axes; any: all rotations")
       ->check(CLI::IsMember({"patient", "any"}))
+      ->capture_default_str();
+  auto* model = verb->add_option("--model", options->model,
+                                 "A shape model (.h5, .h5.json) of the template's numbering: first the shape that it "
+                                 "allows nearest to the target, then beyond it");
+  verb->add_option("--beyond", options->beyond,
+                   "How far beyond the model's shape: 0 stays with it, 1 goes all the way to the target")
+      ->check(CLI::Range(0.0, 1.0))
+      ->needs(model)
       ->capture_default_str();
   add_snap_arguments(*verb, options->snap);
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");

@@ -50,7 +50,10 @@ Result<std::string> case_lines(const PropagateVerb& verb, const Document& initia
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
     PropagatedFrame& frame = propagation.frames[f];
     if (auto done = apply(SetFrame{static_cast<int>(f)}); !done) return fail(done.error());
-    if (auto done = apply(points_edit(session.document(), frame.points, "propagate")); !done) return fail(done.error());
+    const bool given = static_cast<int>(f) == verb.frame;
+    SetPoints edit = points_edit(session.document(), frame.points, given ? "start of the cine" : by_propagation);
+    edit.doubt = frame.doubt;
+    if (auto done = apply(std::move(edit)); !done) return fail(done.error());
     frame.points = *session.document().shape().points;
     if (frame.doubt.empty()) continue;
     if (auto done = apply(Note{"frame " + std::to_string(f) + " " + frame.doubt}); !done) return fail(done.error());

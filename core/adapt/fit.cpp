@@ -38,12 +38,41 @@ class Fitting {
 
   Result<FitResult> run() {
     if (auto placed = place(); !placed) return fail(placed.error());
+    if (options_.allowed) return among_allowed();
     if (auto done = adapt(); !done) return fail(done.error());
     if (auto done = settle(); !done) return fail(done.error());
     return finish();
   }
 
  private:
+  /// First the nearest of the allowed shapes; what follows keeps to that.
+  Result<FitResult> among_allowed() {
+    const auto forces = [this](const Mesh& mesh, double) {
+      shape_.mesh = mesh;
+      return force(mesh);
+    };
+    const auto after_step = [this](double share) { return show(0.1 + 0.4 * share); };
+    const auto found = fit_allowed(*options_.allowed, reference_.topology, shape_.placement, forces, after_step);
+    if (!found) return fail(found.error());
+    shape_.mesh.points = found->points;
+    shape_.placement = found->placement;
+    shape_.rest = start_ = found->shape;
+    shape_.refit();
+    const double beyond = options_.allowed->beyond;
+    if (beyond > 0) {
+      if (auto done = anneal_to_boundary(); !done) return fail(done.error());
+      if (auto done = settle(); !done) return fail(done.error());
+    }
+    if (beyond < 1) {
+      shape_.mesh.points = found->points + beyond * (shape_.mesh.points - found->points);
+      shape_.refit();
+      if (beyond > 0) untangle(shape_.mesh, shape_.placed, shape_.factors);
+    }
+    FitResult result = finish();
+    result.allowed = found->points;
+    return result;
+  }
+
   Result<void> place() {
     const auto [own, there] = matched_landmarks(reference_, options_.landmarks);
     if (options_.placement) {
@@ -57,6 +86,10 @@ class Fitting {
     trust_ = found.trust.size() == own.rows() ? found.trust : VertexScalars::Ones(own.rows());
     say_of_landmarks((shape_.placement.apply(own) - there).rowwise().norm());
     const Points placed = shape_.placement.apply(reference_.points);
+    if (options_.allowed) {
+      shape_.mesh = {reference_.topology, placed};
+      return show(0.1);
+    }
     shape_.mesh = {reference_.topology,
                    warp_to_boundary(reference_.topology, placed, shape_.placement.apply(own), there, trust_, search_)};
     if (!shape_.mesh.points.allFinite() || !(shape_.placement.scale > 0))
@@ -86,6 +119,10 @@ class Fitting {
   Result<void> adapt() {
     if (auto done = ease(); !done) return done;
     shape_.refit();
+    return anneal_to_boundary();
+  }
+
+  Result<void> anneal_to_boundary() {
     return anneal(
         shape_, solver_, annealing, [this](const Mesh& mesh, double) { return force(mesh); },
         [this](double share) { return show(0.1 + 0.7 * share); });
@@ -187,7 +224,11 @@ class Fitting {
 }  // namespace
 
 Result<FitResult> fit_to_boundary(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
-  return Fitting(the_template, boundary, options).run();
+  if (!options.allowed) return Fitting(the_template, boundary, options).run();
+  const auto mean = mean_template(the_template, *options.allowed);
+  auto fit = Fitting(*mean, boundary, options).run();
+  if (fit) fit->placement = nearest_similarity(the_template.points, fit->mesh.points, fit->placement);
+  return fit;
 }
 
 }  // namespace homolog

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/adapt/allowed_shapes.h"
 #include "core/adapt/boundary/boundary.h"
 #include "core/adapt/boundary/find_placement.h"
 #include "core/base/progress.h"
@@ -17,6 +18,7 @@ struct FitOptions {
   std::optional<Similarity> placement;    ///< where to start; found where absent
   std::map<std::string, Vec3> landmarks;  ///< named places on the organ, LPS mm; others' names are left out
   Orientation orientation = Orientation::patient;
+  std::shared_ptr<const AllowedShapes> allowed;  ///< shapes to look among first; null: any
   Progress* progress = nullptr;
   /// Called after each step with the shape so far, on the thread that fits.
   std::function<void(const Points&)> show;
@@ -25,6 +27,7 @@ struct FitOptions {
 struct FitResult {
   Similarity placement;              ///< of the template: the similarity nearest to the fitted shape
   Mesh mesh;                         ///< in the template's numbering, LPS mm
+  Points allowed;                    ///< the nearest of the allowed shapes (n×3); empty where any was allowed
   std::vector<Landmark> landmarks;   ///< the template's, carried along on the surface
   std::vector<std::int32_t> unseen;  ///< vertices beyond the scan's edge, where the shape follows the template
   std::size_t turned_triangles = 0, self_intersections = 0;
@@ -37,6 +40,8 @@ struct FitResult {
 /// targets on the boundary in both directions and on the landmarks; at the end vertices on the boundary, spread as in
 /// the reference as far as that allows, no triangle turned and no faces that meet. Deviates from Eq. 2
 /// [Erdt 2009, §2.2]: where the boundary is not known the force has next to no weight and the shape decides.
+/// With `allowed` shapes the nearest of them comes first [fit_allowed] and is the reference of what follows; the result
+/// lies on the way from there to the boundary, as far as `beyond` says.
 /// Errors: the placement given does not reach the boundary; a template or a boundary that is flat or has no size;
 /// cancelled.
 Result<FitResult> fit_to_boundary(const Template& the_template, const Boundary& boundary,

@@ -61,46 +61,87 @@ bool is_cycle(const Volume& cine, const Mesh& mesh) {
   return end <= quantile(changes, rough_change) || end - noise <= closed_share * (farthest - noise);
 }
 
+/// From one known frame to the next, or to the end of the cine.
+struct Stretch {
+  int from = 0, to = 0;  ///< both known; the same where one known frame has the whole cycle
+  int steps = 0;         ///< from the one to the other
+  bool meets = true;     ///< both ways are gone; else only the one in `direction`
+  int direction = 1;     ///< of one that does not meet: on from `from`, or back
+};
+
 class Propagating {
  public:
   Propagating(const Volume& cine, int frame, const Mesh& mesh, const VertexScalars& stiffness,
               const PropagateOptions& options)
-      : cine_(cine), given_(frame), mesh_(mesh), stiffness_(stiffness), options_(options) {}
+      : cine_(cine), mesh_(mesh), stiffness_(stiffness), options_(options), known_(options.known) {
+    known_[frame] = mesh.points;
+  }
 
   Result<Propagation> run() {
-    auto appearance = std::make_shared<Appearance>();
-    if (auto learned = appearance->learn(cine_, given_, mesh_); !learned) return fail(learned.error());
-    appearance_ = std::move(appearance);
-    result_.given = given_;
+    if (auto learned = learn(); !learned) return fail(learned.error());
+    for (const auto& [frame, points] : known_) result_.known.push_back(frame);
     result_.cycle = is_cycle(cine_, mesh_);
-    const std::array<int, 2> steps{result_.cycle ? cine_.frames - 1 : cine_.frames - 1 - given_,
-                                   result_.cycle ? cine_.frames - 1 : given_};
-    all_steps_ = steps[0] + steps[1];
-    std::array<Result<std::vector<Arrival>>, 2> ways;
-    in_parallel(std::size_t{2}, [&](std::size_t first, std::size_t last) {
-      for (std::size_t way = first; way < last; ++way) ways[way] = walk(way == 0 ? 1 : -1, steps[way]);
+    const std::vector<Stretch> stretches = stretches_between();
+    // Each stretch forwards and backwards.
+    std::vector<Result<std::vector<Arrival>>> ways(2 * stretches.size());
+    for (const Stretch& one : stretches) all_steps_ += one.meets ? 2 * (one.steps - 1) : one.steps;
+    in_parallel(ways.size(), [&](std::size_t first, std::size_t last) {
+      for (std::size_t way = first; way < last; ++way) ways[way] = walk(stretches[way / 2], way % 2 == 0 ? 1 : -1);
     });
     for (const auto& way : ways)
       if (!way) return fail(way.error());
-    meet(*ways[0], *ways[1]);
+    result_.frames.resize(static_cast<std::size_t>(cine_.frames));
+    lost_.assign(result_.frames.size(), true);
+    for (std::size_t k = 0; k < stretches.size(); ++k) meet(stretches[k], *ways[2 * k], *ways[2 * k + 1]);
+    for (const auto& [frame, points] : known_) {
+      result_.frames[static_cast<std::size_t>(frame)] = {points, 0, 1, std::nullopt, ""};
+      lost_[static_cast<std::size_t>(frame)] = false;
+    }
     fill_lost();
     judge();
     return std::move(result_);
   }
 
  private:
-  int frame_at(int steps) const { return ((given_ + steps) % cine_.frames + cine_.frames) % cine_.frames; }
+  int wrapped(int frame) const { return (frame % cine_.frames + cine_.frames) % cine_.frames; }
 
-  Result<std::vector<Arrival>> walk(int direction, int steps) {
+  /// What the boundary looks like in each known frame.
+  Result<void> learn() {
+    for (const auto& [frame, points] : known_) {
+      auto appearance = std::make_shared<Appearance>();
+      if (auto learned = appearance->learn(cine_, frame, {mesh_.topology, points}); !learned) return learned;
+      appearances_[frame] = std::move(appearance);
+    }
+    return {};
+  }
+
+  std::vector<Stretch> stretches_between() const {
+    std::vector<Stretch> stretches;
+    const int first = known_.begin()->first, last = known_.rbegin()->first;
+    for (auto here = known_.begin(), next = std::next(here); next != known_.end(); ++here, ++next)
+      stretches.push_back({here->first, next->first, next->first - here->first});
+    if (result_.cycle) {
+      stretches.push_back({last, first, first + cine_.frames - last});
+    } else {
+      stretches.push_back({last, last, cine_.frames - 1 - last, false, 1});
+      stretches.push_back({first, first, first, false, -1});
+    }
+    return stretches;
+  }
+
+  Result<std::vector<Arrival>> walk(const Stretch& stretch, int direction) {
     std::vector<Arrival> arrivals;
+    if (!stretch.meets && direction != stretch.direction) return arrivals;
+    const int from = direction > 0 ? stretch.from : stretch.to;
     SnapOptions snapping;
     snapping.edges.reach_mm = options_.reach_mm;
-    snapping.edges.appearance = appearance_;
+    snapping.edges.appearance = appearances_.at(from);
     const VertexScalars all = VertexScalars::Ones(mesh_.points.rows());
-    Points current = mesh_.points;
+    Points current = known_.at(from);
+    const int steps = stretch.meets ? stretch.steps - 1 : stretch.steps;
     for (int k = 1; k <= steps; ++k) {
       const SnapStart start{{mesh_.topology, current}, current, stiffness_, all};
-      auto snapped = snap(cine_, frame_at(direction * k), start, snapping);
+      auto snapped = snap(cine_, wrapped(from + direction * k), start, snapping);
       if (!snapped) return fail(snapped.error());
       Arrival arrival{std::move(snapped->points), snapped->mean_confidence, false};
       arrival.lost = arrival.confidence < lost_confidence;
@@ -114,34 +155,29 @@ class Propagating {
     return arrivals;
   }
 
-  /// Both ways into one mesh a frame.
-  void meet(const std::vector<Arrival>& forwards, const std::vector<Arrival>& backwards) {
-    result_.frames.resize(static_cast<std::size_t>(cine_.frames));
-    lost_.assign(result_.frames.size(), true);
-    const auto take = [&](const std::vector<Arrival>& way, int direction, const std::vector<Arrival>& other) {
-      for (std::size_t k = 0; k < way.size(); ++k) {
-        const auto f = static_cast<std::size_t>(frame_at(direction * static_cast<int>(k + 1)));
-        PropagatedFrame& frame = result_.frames[f];
-        // The other way came here in the rest of the cycle.
-        const Arrival* against = result_.cycle ? &other[other.size() - 1 - k] : nullptr;
-        if (way[k].lost) continue;
-        lost_[f] = false;
-        if (against == nullptr || against->lost) {
-          frame.points = way[k].points;
-          frame.confidence = way[k].confidence;
-          continue;
-        }
-        const double share = static_cast<double>(k + 1) / cine_.frames;
-        frame.points = (1 - share) * way[k].points + share * against->points;
-        frame.confidence = (1 - share) * way[k].confidence + share * against->confidence;
-        frame.disagreement_mm = mean_vertex_distance(way[k].points, against->points);
+  /// Both ways through a stretch into one mesh a frame.
+  void meet(const Stretch& stretch, const std::vector<Arrival>& forwards, const std::vector<Arrival>& backwards) {
+    const std::size_t between = std::max(forwards.size(), backwards.size());
+    for (std::size_t k = 0; k < between; ++k) {
+      const bool on = stretch.meets || stretch.direction > 0;
+      const auto f = static_cast<std::size_t>(wrapped(stretch.from + (on ? 1 : -1) * static_cast<int>(k + 1)));
+      const Arrival* a = forwards.empty() ? nullptr : &forwards[k];
+      const Arrival* b = backwards.empty() ? nullptr : &backwards[stretch.meets ? between - 1 - k : k];
+      if (a != nullptr && a->lost) a = nullptr;
+      if (b != nullptr && b->lost) b = nullptr;
+      if (a == nullptr && b == nullptr) continue;
+      lost_[f] = false;
+      PropagatedFrame& frame = result_.frames[f];
+      if (a == nullptr || b == nullptr) {
+        frame.points = (a != nullptr ? a : b)->points;
+        frame.confidence = (a != nullptr ? a : b)->confidence;
+        continue;
       }
-    };
-    take(forwards, 1, backwards);
-    take(backwards, -1, forwards);
-    auto& given = result_.frames[static_cast<std::size_t>(given_)];
-    given = {mesh_.points, 0, 1, std::nullopt, ""};
-    lost_[static_cast<std::size_t>(given_)] = false;
+      const double share = static_cast<double>(stretch.steps - 1 - static_cast<int>(k)) / stretch.steps;
+      frame.points = (1 - share) * b->points + share * a->points;
+      frame.confidence = (1 - share) * b->confidence + share * a->confidence;
+      frame.disagreement_mm = mean_vertex_distance(b->points, a->points);
+    }
   }
 
   /// Frames that no way could follow lie between the nearest ones that were.
@@ -183,7 +219,7 @@ class Propagating {
     const double most_mm = std::max(least_doubtful_mm, doubtful_edges * mean_edge_mm(*mesh_.topology, mesh_.points));
     for (std::size_t f = 0; f < result_.frames.size(); ++f) {
       auto& frame = result_.frames[f];
-      if (!frame.doubt.empty() || static_cast<int>(f) == given_) continue;
+      if (!frame.doubt.empty() || known_.contains(static_cast<int>(f))) continue;
       if (frame.confidence < doubtful_frame * usual)
         frame.doubt = "shows less of the boundary than other frames";
       else if (frame.disagreement_mm && *frame.disagreement_mm > most_mm)
@@ -203,23 +239,21 @@ class Propagating {
   }
 
   void measure() {
-    result_.end_diastole = result_.end_systole = given_;
-    const auto volume = [&](int f) { return result_.frames[static_cast<std::size_t>(f)].volume_ml; };
-    for (int f = 0; f < cine_.frames; ++f) {
-      if (!result_.frames[static_cast<std::size_t>(f)].doubt.empty()) continue;
-      if (volume(f) > volume(result_.end_diastole)) result_.end_diastole = f;
-      if (volume(f) < volume(result_.end_systole)) result_.end_systole = f;
-    }
-    const double largest = volume(result_.end_diastole);
-    result_.ejection_fraction = largest > 0 ? (largest - volume(result_.end_systole)) / largest : 0;
+    std::map<int, double> volumes;
+    for (std::size_t f = 0; f < result_.frames.size(); ++f)
+      if (result_.frames[f].doubt.empty()) volumes[static_cast<int>(f)] = result_.frames[f].volume_ml;
+    const Ejection ejection = *ejection_of(volumes);  // known frames are in no doubt
+    result_.end_diastole = ejection.end_diastole;
+    result_.end_systole = ejection.end_systole;
+    result_.ejection_fraction = ejection.fraction;
   }
 
   const Volume& cine_;
-  int given_;
   const Mesh& mesh_;
   const VertexScalars& stiffness_;
   const PropagateOptions& options_;
-  std::shared_ptr<const Appearance> appearance_;
+  std::map<int, Points> known_;
+  std::map<int, std::shared_ptr<const Appearance>> appearances_;
   std::atomic<int> done_ = 0;
   int all_steps_ = 0;
   Propagation result_;
@@ -228,11 +262,25 @@ class Propagating {
 
 }  // namespace
 
+std::optional<Ejection> ejection_of(const std::map<int, double>& volumes_ml) {
+  if (volumes_ml.empty()) return std::nullopt;
+  const auto smaller = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const auto largest = std::max_element(volumes_ml.begin(), volumes_ml.end(), smaller);
+  const auto smallest = std::min_element(volumes_ml.begin(), volumes_ml.end(), smaller);
+  return Ejection{largest->first, smallest->first,
+                  largest->second > 0 ? (largest->second - smallest->second) / largest->second : 0};
+}
+
 Result<Propagation> propagate(const Volume& cine, int frame, const Mesh& mesh, const VertexScalars& stiffness,
                               const PropagateOptions& options) {
   if (cine.frames < 2) return fail("", "has one frame only; give a cine");
   if (frame < 0 || frame >= cine.frames)
     return fail("", "has " + std::to_string(cine.frames) + " frames, counted from 0; choose one of them");
+  for (const auto& [known, points] : options.known) {
+    if (known < 0 || known >= cine.frames) return fail("", "has no frame " + std::to_string(known));
+    if (points.rows() != mesh.points.rows())
+      return fail("", "has a mesh of another template in frame " + std::to_string(known));
+  }
   return Propagating(cine, frame, mesh, stiffness, options).run();
 }
 

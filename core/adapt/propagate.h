@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,7 +13,8 @@
 namespace homolog {
 
 struct PropagateOptions {
-  double reach_mm = 6;  ///< how far the boundary may move from one frame to the next
+  double reach_mm = 6;          ///< how far the boundary may move from one frame to the next
+  std::map<int, Points> known;  ///< meshes of further frames that are right (n×3, LPS mm): they stay as they are
   Progress* progress = nullptr;
 };
 
@@ -21,25 +23,33 @@ struct PropagatedFrame {
   Points points;
   double volume_ml = 0;
   double confidence = 0;  ///< 0…1: how similar the image along the boundary is to that of the given frame
-  /// Mean distance between the vertices that came forwards and those that came backwards through a whole cycle; a
-  /// cine that is no closed cycle has none.
+  /// Mean distance between the vertices that came forwards and those that came backwards, from one known frame to the
+  /// next or round a whole cycle; beyond the last known frame of a cine that is no closed cycle there is none.
   std::optional<double> disagreement_mm;
   std::string doubt;  ///< why a person has to look at it, as a sentence; empty where the frame is not in doubt
 };
 
+/// How far a volume curve goes down.
+struct Ejection {
+  int end_diastole = 0, end_systole = 0;  ///< frames of the largest and the smallest volume
+  double fraction = 0;                    ///< (largest − smallest) / largest
+};
+/// Of these volumes by frame; none where there are none.
+std::optional<Ejection> ejection_of(const std::map<int, double>& volumes_ml);
+
 struct Propagation {
   std::vector<PropagatedFrame> frames;
-  int given = 0;                          ///< the frame the mesh is from
+  std::vector<int> known;                 ///< the frames whose meshes were given
   bool cycle = false;                     ///< the last frame leads on to the first
   int end_diastole = 0, end_systole = 0;  ///< frames of the largest and the smallest volume, doubtful ones left out
   double ejection_fraction = 0;           ///< (largest − smallest) / largest
 };
 
 /// Carries the mesh of one frame through all frames of a cine, in both directions: each frame starts from the one
-/// before and snaps to where the image looks along the normals as it does in the given frame. Around a closed cycle
-/// both ways meet in every frame and are blended, the shorter way counting more. A frame that shows nothing of the
-/// kind gets the mean of its neighbours and a doubt. Errors: one frame only; the mesh lies outside the image;
-/// cancelled.
+/// before and snaps to where the image looks along the normals as it does in the known frame that it came from. Between
+/// two known frames, and around a closed cycle, both ways meet in every frame and are blended, the shorter way counting
+/// more. A frame that shows nothing of the kind gets the mean of its neighbours and a doubt. Known frames stay as they
+/// are. Errors: one frame only; a mesh lies outside the image, or has another number of vertices; cancelled.
 Result<Propagation> propagate(const Volume& cine, int frame, const Mesh& mesh, const VertexScalars& stiffness,
                               const PropagateOptions& options = {});
 

@@ -16,6 +16,9 @@ constexpr double last_reach_share = 0.3;     ///< of the reach at the last step
 constexpr double least_seen_share = 0.1;
 constexpr double doubtful_snap = 0.55;
 
+constexpr const char* no_edge = "shows no edge around the mesh; place the mesh on the organ, or search farther";
+constexpr const char* not_there = "does not show the place where the mesh lies; place the mesh on the organ first";
+
 bool image_shows(const VolumeGeometry& image, const Vec3& p_mm) {
   const Vec3 voxel = image.to_voxel(p_mm);
   const Vec3 last(image.dims[0] - 0.5, image.dims[1] - 0.5, image.dims[2] - 0.5);
@@ -44,8 +47,7 @@ class Snapping {
   }
 
   Result<SnapResult> run() {
-    if (!edges_.sees_edges())
-      return fail("", "shows no edge around the mesh; place the mesh on the organ, or search farther");
+    if (!edges_.sees_edges()) return fail("", no_edge);
     ShapeSolver solver(shape_.mesh.topology);
     const Annealing annealing{snap_steps, edges_.learned() ? softest_edges_learned : softest_edges};
     const auto force = [this](const Mesh& mesh, double share) { return this->force(mesh, share); };
@@ -118,6 +120,30 @@ class Snapping {
 
 }  // namespace
 
+Result<AllowedFit> snap_allowed(const Volume& image, int frame, const AllowedShapes& allowed,
+                                const std::shared_ptr<const Topology>& topology, const Similarity& placement,
+                                const SnapOptions& options) {
+  const Mesh start{topology, placement.apply(allowed.mean)};
+  const auto n = static_cast<double>(start.points.rows());
+  const VertexScalars all = VertexScalars::Ones(start.points.rows());
+  if (static_cast<double>(unseen_vertices(image.geometry, start.points, all).size()) > (1 - least_seen_share) * n)
+    return fail("", not_there);
+  EdgeSearch edges(image, frame, start, options.edges);
+  if (!edges.sees_edges()) return fail("", no_edge);
+  const auto force = [&](const Mesh& mesh, double share) {
+    const double reach_mm = edges.reach_mm() * (1 + share * (last_reach_share - 1));
+    const BoundaryPull pull = edges.find(mesh, reach_mm);
+    const VertexScalars weights = pull.weights.cwiseMax(least_weight) / least_weight;
+    return Force{weights, weights.asDiagonal() * pull.targets};
+  };
+  const auto after_step = [&](double share) -> Result<void> {
+    if (options.progress == nullptr) return {};
+    options.progress->report(0.5 * share);
+    return options.progress->cancelled() ? Result<void>(fail("", "the snap was cancelled")) : Result<void>{};
+  };
+  return fit_allowed(allowed, topology, placement, force, after_step);
+}
+
 Result<SnapResult> snap(const Volume& image, int frame, const SnapStart& start, const SnapOptions& options) {
   if (options.strength <= 0 || !start.free.any()) {
     SnapResult still;
@@ -127,8 +153,7 @@ Result<SnapResult> snap(const Volume& image, int frame, const SnapStart& start, 
   }
   const auto unseen = unseen_vertices(image.geometry, start.mesh.points, start.free);
   const auto free = static_cast<double>((start.free.array() > 0).count());
-  if (static_cast<double>(unseen.size()) > (1 - least_seen_share) * free)
-    return fail("", "does not show the place where the mesh lies; place the mesh on the organ first");
+  if (static_cast<double>(unseen.size()) > (1 - least_seen_share) * free) return fail("", not_there);
   return Snapping(image, frame, start, options).run();
 }
 

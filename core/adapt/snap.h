@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/adapt/allowed_shapes.h"
 #include "core/adapt/image/edge_search.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
@@ -40,5 +41,11 @@ struct SnapResult {
 /// turns. Deviates from Eq. 2 in the weights, and in a second force that keeps vertices at P⁰ where `strength` is
 /// below 1. Errors: the mesh lies outside the image; the image is the same everywhere around it; cancelled.
 Result<SnapResult> snap(const Volume& image, int frame, const SnapStart& start, const SnapOptions& options);
+
+/// The allowed shape that is nearest to the boundary that an image shows, beginning with the mean under `placement`. A
+/// snap from there goes beyond it. Errors: those of snap().
+Result<AllowedFit> snap_allowed(const Volume& image, int frame, const AllowedShapes& allowed,
+                                const std::shared_ptr<const Topology>& topology, const Similarity& placement,
+                                const SnapOptions& options);
 
 }  // namespace homolog

@@ -19,6 +19,12 @@ MeshFile to_mesh_file(const Document& document, int frame) {
   return file;
 }
 
+bool frame_is_known(const Shape& shape) {
+  if (shape.confirmed && (shape.confirmed->array() > 0).any()) return true;
+  const bool as_carried = shape.carried && (shape.carried == shape.points || *shape.carried == *shape.points);
+  return shape.strokes > 0 && !as_carried;
+}
+
 VertexScalars known_vertices(const Shape& shape) {
   constexpr double followed = 0.6;  // below it a stroke carried a vertex along and did not decide its place
   VertexScalars known = VertexScalars::Zero(shape.points->rows());

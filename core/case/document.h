@@ -29,7 +29,12 @@ struct Shape {
   std::shared_ptr<const VertexScalars> decided;    ///< 0 … 1: see below; null: nothing is
   std::shared_ptr<const Points> unaided;           ///< see unaided_points; null: no model moved anything
   int strokes = 0;                                 ///< edits of P since it was last equal to R
+  std::shared_ptr<const Points> carried;           ///< P as it came from other frames of a cine; null: it did not
+  std::string doubt;  ///< why what was carried here has to be looked at; empty: it need not
 };
+
+/// Whether a person made a frame's mesh what it is: it was edited or confirmed since it came from other frames.
+bool frame_is_known(const Shape& shape);
 
 /// How far the place of each vertex is known, 0 … 1: as far as it is confirmed, and 1 where `decided` is at least 0.6.
 /// `decided` is how far strokes have carried the vertex, and 1 where a fit or a snap moved it. What a shape model did

@@ -32,6 +32,21 @@ Result<void> check_placement(const Similarity& placement) {
   return fail("placement", "is not a rotation, a positive scale and a translation");
 }
 
+Result<void> check_frame(const Document& document, int frame) {
+  const int frames = document.volume ? document.volume->frames : 1;
+  if (frame >= 0 && frame < frames) return {};
+  return fail("frame",
+              std::to_string(frame) + " does not exist; the volume has frames 0 to " + std::to_string(frames - 1));
+}
+
+Shape shape_of_frame(const Document& document, int frame) {
+  if (const auto there = document.shapes.find(frame); there != document.shapes.end()) return there->second;
+  Shape shape;
+  shape.placement = shape.before_landmarks = document.has_shape() ? document.shape().placement : Similarity{};
+  start_anew(*document.the_template, shape);
+  return shape;
+}
+
 void start_anew(const Template& the_template, Shape& shape) {
   shape.placed = std::make_shared<const Points>(shape.placement.apply(the_template.points));
   shape.points = shape.reference = shape.placed;

@@ -10,6 +10,12 @@ Result<void> check_placement(const Similarity& placement);
 /// The shape as it is before any edit: the template at the shape's placement.
 void start_anew(const Template& the_template, Shape& shape);
 
+/// The mesh of a frame; where it has none yet, the one that it begins with: the template at the shown frame's
+/// placement. There must be a template.
+Shape shape_of_frame(const Document& document, int frame);
+/// Errors: a frame that the case's image does not have.
+Result<void> check_frame(const Document& document, int frame);
+
 /// Before the first stroke, landmarks carry the template along as `fit` says; after it the report says why they do not.
 /// `weighs` is Document::weighs_landmarks. Errors: landmarks that collapse the template to nothing.
 Result<EditReport> carry_to_landmarks(const Template& the_template, LandmarkPull fit, bool weighs, Shape& shape);

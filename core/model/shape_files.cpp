@@ -64,7 +64,11 @@ ShapesOfFile shapes_of(const Document& document) {
   ShapesOfFile shapes;
   shapes.shown = document.frame;
   for (const auto& [frame, shape] : document.shapes) {
-    shapes.frames[frame] = std::make_shared<const MeshFile>(to_mesh_file(document, frame));
+    MeshFile file = to_mesh_file(document, frame);
+    // Those that nobody placed lie where the mesh has carried them.
+    for (Landmark& landmark : carried_landmarks(*document.the_template, file.points))
+      if (!shape.landmarks.contains(landmark.name)) file.landmarks.push_back(std::move(landmark));
+    shapes.frames[frame] = std::make_shared<const MeshFile>(std::move(file));
     if (shape.strokes > 0) shapes.edited.push_back(frame);
   }
   return shapes;

@@ -28,7 +28,8 @@ struct ShapesOfFile {
   Result<std::shared_ptr<const MeshFile>> shape(std::optional<int> frame, const std::string& name) const;
 };
 
-/// The meshes of a case that is open.
+/// The meshes of a case that is open. A landmark that was placed in the image lies there; the template's others where
+/// the mesh has them.
 ShapesOfFile shapes_of(const Document& document);
 /// Reads a mesh (PLY, VTK, VTP, OBJ), `.particles`, or the meshes of a case file. Errors: read_mesh_file's,
 /// read_case's, an STL file, which keeps no vertices.

@@ -50,7 +50,8 @@ bool same_shape(const Shape& a, const Shape& b) {
   return a.placement == b.placement && a.landmarks == b.landmarks && a.strokes == b.strokes &&
          same_values(a.placed, b.placed) && same_values(a.reference, b.reference) && same_values(a.points, b.points) &&
          same_values(a.confirmed, b.confirmed) && same_values(a.decided, b.decided) &&
-         same_values(a.unaided, b.unaided) && (a.reference == a.placed) == (b.reference == b.placed) &&
+         same_values(a.unaided, b.unaided) && same_values(a.carried, b.carried) && a.doubt == b.doubt &&
+         (a.reference == a.placed) == (b.reference == b.placed) &&
          (a.points == a.reference) == (b.points == b.reference);
 }
 
@@ -89,6 +90,9 @@ Json json_of(const Shape& shape) {
   if (shape.confirmed) json["confirmed"] = packed_array(*shape.confirmed);
   if (shape.decided) json["decided"] = packed_array(*shape.decided);
   if (shape.unaided) json["unaided"] = packed_array(*shape.unaided);
+  if (shape.carried)
+    json["carried"] = same_values(shape.carried, shape.points) ? "points" : packed_array(*shape.carried);
+  if (!shape.doubt.empty()) json["doubt"] = shape.doubt;
   return json;
 }
 
@@ -111,6 +115,8 @@ Shape shape_of(const Json& json, const Template& the_template) {
   shape.confirmed = scalars("confirmed");
   shape.decided = scalars("decided");
   shape.unaided = points("unaided", nullptr);
+  shape.carried = json.value("carried", "") == "points" ? shape.points : points("carried", nullptr);
+  shape.doubt = json.value("doubt", "");
   shape.strokes = json.at("strokes").get<int>();
   return shape;
 }
@@ -180,7 +186,8 @@ bool is_sound(const Regions& regions, Eigen::Index vertices) {
 bool is_sound(const Shape& shape) {
   const auto finite = [](const auto& values) { return !values || values->allFinite(); };
   return check_placement(shape.placement) && finite(shape.points) && finite(shape.reference) &&
-         finite(shape.confirmed) && finite(shape.decided) && finite(shape.unaided) && shape.strokes >= 0;
+         finite(shape.confirmed) && finite(shape.decided) && finite(shape.unaided) && finite(shape.carried) &&
+         shape.strokes >= 0;
 }
 
 /// Whether a document is one that actions can make: a line that was damaged may be read and hold anything.

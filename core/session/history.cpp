@@ -30,6 +30,7 @@ void visit_arrays(const Document& document, const Visit& visit) {
     doubles(shape.confirmed);
     doubles(shape.decided);
     doubles(shape.unaided);
+    doubles(shape.carried);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/case/action_line.h"
 #include "core/case/moved_points.h"
+#include "core/case/placing.h"
 #include "core/session/checkpoint.h"
 
 namespace homolog {
@@ -134,8 +135,10 @@ Result<EditReport> EditSession::edit(Action action, bool joined, const std::opti
   const auto start = std::chrono::steady_clock::now();
   int solves = 0;
   if (auto resolved = resolve(document(), deformer_, action, solves); !resolved) return fail(resolved.error());
-  if (const auto* set = std::get_if<SetPoints>(&action); set != nullptr && !line && document().has_shape())
-    if (auto moves = moves_of(*document().shape().points, *set)) action = std::move(*moves);
+  if (const auto* set = std::get_if<SetPoints>(&action); set != nullptr && !line && document().has_shape()) {
+    const Shape before = shape_of_frame(document(), set->of_frame.value_or(document().frame));
+    if (auto moves = moves_of(*before.points, *set)) action = std::move(*moves);
+  }
   auto updated = update(document(), action, deformer_, Pass::commit);
   if (!updated) return fail(updated.error());
   updated->report.solves += solves;

@@ -200,8 +200,10 @@ UiContext Drawing::ui_context(const EditorState& state, double fps) const {
           shown_.labels().values,
           work_.template_maker,
           work_.fitter,
+          work_.propagator,
           work_.study_appearance,
           thumbnails_,
+          work_.observers.busy() ? std::optional(work_.observers.fraction()) : std::nullopt,
           work_.snaps.busy(),
           shown_making(state, work_) != nullptr,
           fps};

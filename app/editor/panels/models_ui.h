@@ -22,6 +22,8 @@ void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out);
 // Sections of the panel.
 void draw_model_section(const UiContext& ui, Outbox& out);
 void draw_measures_section(const UiContext& ui, Outbox& out);
+void draw_sizes_section(const UiContext& ui, Outbox& out);
+void draw_observers_section(const UiContext& ui, Outbox& out);
 void draw_suspicion_section(const UiContext& ui, Outbox& out);
 
 /// What files made of the study are called after.

@@ -32,6 +32,7 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
   ImGui::BeginChild("sections", {0, 0}, false, ImGuiWindowFlags_AlwaysUseWindowPadding);
   const auto& sections_open = ui.state.preferences.sections_open;
   for (const PanelSection& one : sections) {
+    if (one.wanted != nullptr && !one.wanted(ui)) continue;
     const auto chosen = sections_open.find(one.title);
     const bool open = chosen == sections_open.end() ? one.open_at_first : chosen->second;
     bool toggled = false;
@@ -51,6 +52,7 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
 
 // The sections of the side panel, each in the file panel_*.cpp of its name.
 void draw_case_section(const UiContext& ui, Outbox& out);
+void draw_cine_section(const UiContext& ui, Outbox& out);
 void draw_template_section(const UiContext& ui, Outbox& out);
 void draw_place_section(const UiContext& ui, Outbox& out);
 void draw_deform_section(const UiContext& ui, Outbox& out);
@@ -59,7 +61,11 @@ void draw_export_section(const UiContext& ui, Outbox& out);
 
 void draw_side_panel(const UiContext& ui, Outbox& out) {
   // In the order of the work.
-  static constexpr std::array<PanelSection, 6> sections{{{"Case", draw_case_section, true},
+  static constexpr auto is_cine = [](const UiContext& shown) {
+    return shown.document().volume && shown.document().volume->frames > 1;
+  };
+  static constexpr std::array<PanelSection, 7> sections{{{"Case", draw_case_section, true},
+                                                         {"Cine", draw_cine_section, true, is_cine},
                                                          {"Template", draw_template_section, false},
                                                          {place_section, draw_place_section, false},
                                                          {"Deform", draw_deform_section, true},

@@ -1,9 +1,6 @@
-#include <cmath>
-#include <iterator>
 #include <tuple>
 
 #include "app/editor/panels/ui_context.h"
-#include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
@@ -56,32 +53,6 @@ void draw_window_presets(const UiContext& ui, Outbox& out) {
          "Centre and half width of the grey range; right-drag in a slice changes it");
 }
 
-void draw_frames(const UiContext& ui, Outbox& out) {
-  const Theme& theme = ui.theme;
-  const Document& document = ui.document();
-  const int frames = document.volume->frames, frame = shown_frame(ui.state, document);
-  rule(theme);
-  double value = frame;
-  bool released = false;
-  const SliderRange range{0, static_cast<double>(frames - 1), "%.0f", "", false};
-  if (slider(theme, "Frame", value, range, "Frame of the cine. Each frame has a mesh of its own", released))
-    out.send(SeekFrame{static_cast<int>(std::lround(value))});
-  if (released && ui.state.shown_frame && !ui.state.playing) out.send(ShowFrame{frame});
-  if (button(theme,
-             std::string(ui.state.playing ? icon::pause : icon::play) + (ui.state.playing ? "  Pause" : "  Play"),
-             "Play the frames (Space)"))
-    out.send(PlayFrames{!ui.state.playing});
-  ImGui::SameLine();
-  const auto from_here = document.shapes.lower_bound(frame);
-  const bool any_before = from_here != document.shapes.begin();
-  const int before = any_before ? std::prev(from_here)->first : 0;
-  const std::string refusal = !document.the_template ? ui.needs_shape()
-                              : any_before           ? ""
-                                                     : "No frame before this one has a mesh.";
-  if (button(theme, "Start from previous", format("Give this frame a copy of the mesh of frame %d", before), refusal))
-    out.apply(StartFrameFrom{before});
-}
-
 }  // namespace
 
 void draw_case_section(const UiContext& ui, Outbox& out) {
@@ -119,7 +90,6 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   if (toggle(theme, "The image's own planes", own, "Slices as they were acquired, instead of the patient's axes",
              is_oblique(document.volume->geometry) ? "" : "The image was acquired along the patient's axes already."))
     out.send(ShowOwnPlanes{own});
-  if (document.volume->frames > 1) draw_frames(ui, out);
 
   rule(theme);
   if (!ui.labels) {

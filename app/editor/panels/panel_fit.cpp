@@ -9,6 +9,48 @@ namespace homolog {
 
 namespace {
 
+/// The model whose shape comes first; true where the settings changed.
+bool draw_fit_model(const UiContext& ui, FitSettings& settings, Outbox& out) {
+  const Theme& theme = ui.theme;
+  bool changed = false, released = false;
+  caption(theme, "Shape model to keep to at first");
+  int model = static_cast<int>(settings.model);
+  if (choice(theme, "fit model", {"No model", "Study's", "File's"}, model,
+             {"The template alone: any shape is as good as another",
+              "First the shape nearest to the label that the study's other cases allow (Models), then beyond it",
+              "First the shape nearest to the label that a model allows, of Homolog or scalismo (.h5, .h5.json), then "
+              "beyond it"})) {
+    settings.model = static_cast<FitModel>(model);
+    changed = true;
+  }
+  if (settings.model == FitModel::file) {
+    const std::string name = ui.state.fit_model_file.filename().string();
+    const float width = ImGui::GetContentRegionAvail().x;
+    if (button(theme, ui.state.fit_model ? shortened(name, width - theme.px(16)) : "Choose the model\xe2\x80\xa6",
+               "The file of the shape model. It must have the template's numbering", {}, width))
+      out.send(ShowFileDialog{FilePurpose::open_model, {}});
+  }
+  if (settings.model == FitModel::none) return changed;
+  double beyond = 100 * settings.beyond;
+  if (slider(theme, "Beyond", beyond, {0, 100, "%.0f", "%", false},
+             "How far the fit leaves the model's shape: 0 % stays with it, 100 % goes all the way to the label",
+             released)) {
+    settings.beyond = beyond / 100;
+    changed = true;
+  }
+  return changed;
+}
+
+std::string model_refusal(const UiContext& ui) {
+  const FitSettings& settings = ui.state.fit_settings;
+  const auto& study = ui.state.models.model;
+  if (settings.model == FitModel::file) return ui.state.fit_model ? "" : "Choose the model first.";
+  if (settings.model != FitModel::study) return "";
+  const bool fits =
+      study && ui.document().the_template && study->vertices() == ui.document().the_template->points.rows();
+  return fits ? "" : "Open a study with at least two other cases of this template first (Models).";
+}
+
 void draw_fit_settings(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   FitSettings settings = ui.state.fit_settings;
@@ -23,6 +65,7 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
     settings.as_placed = start == 1;
     changed = true;
   }
+  changed |= draw_fit_model(ui, settings, out);
   if (changed) out.send(SetFit{settings});
 }
 
@@ -44,6 +87,7 @@ std::string fit_refusal(const UiContext& ui) {
   if (ui.label_values.empty()) return "The label map is empty.";
   if (ui.snapshot.document->shapes.contains(ui.displayed->frame) && ui.committed_shape().confirmed)
     return "A fit moves every vertex, but some are confirmed. Release them first (C).";
+  if (auto refusal = model_refusal(ui); !refusal.empty()) return refusal;
   return ui.needs_shape();
 }
 

@@ -217,8 +217,10 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
 }
 
 void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out) {
-  static constexpr std::array<PanelSection, 3> sections{{{"Model", draw_model_section, true},
+  static constexpr std::array<PanelSection, 5> sections{{{"Model", draw_model_section, true},
                                                          {"Measures", draw_measures_section, true},
+                                                         {"Sizes", draw_sizes_section, false},
+                                                         {"Observers", draw_observers_section, false},
                                                          {"Suspicion", draw_suspicion_section, true}}};
   draw_sections(ui, "models panel", rect, sections, out);
 }

@@ -12,6 +12,7 @@
 #include "app/editor/update/commands.h"
 #include "app/editor/widgets/theme.h"
 #include "app/editor/work/fitter.h"
+#include "app/editor/work/propagator.h"
 #include "app/editor/work/quality_monitor.h"
 #include "app/editor/work/study_appearance.h"
 #include "app/editor/work/template_maker.h"
@@ -46,8 +47,10 @@ struct UiContext {
   const std::vector<int>& label_values;  ///< of the overlay, without 0
   const TemplateMaker& template_maker;
   const Fitter& fitter;
+  const Propagator& propagator;
   const StudyAppearance& study_appearance;
   const CaseThumbnails& thumbnails;
+  std::optional<double> comparing;  ///< 0…1: how far the comparison of two observers is
   bool snapping = false;
   bool making_shown = false;  ///< a template in the making stands in for the case's mesh
   double frames_per_second = 0;
@@ -59,7 +62,7 @@ struct UiContext {
   /// Why a control that needs a mesh is disabled; empty where there is one.
   std::string needs_shape() const {
     if (has_shape()) return {};
-    return document().the_template ? "This frame has no mesh yet. Start from previous (Case) copies one."
+    return document().the_template ? "This frame has no mesh yet. Start from previous (Cine) copies one."
                                    : "There is no mesh yet. Load a template first (Template).";
   }
   std::string needs_volume() const { return document().volume ? std::string() : "Open an image first."; }
@@ -111,7 +114,8 @@ void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality
 struct PanelSection {
   const char* title;
   void (*draw)(const UiContext&, Outbox&);
-  bool open_at_first;  ///< until the user folds or unfolds it
+  bool open_at_first;                          ///< until the user folds or unfolds it
+  bool (*wanted)(const UiContext&) = nullptr;  ///< whether it has anything to show; null: always
 };
 /// A panel of sections in `rect`.
 void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,

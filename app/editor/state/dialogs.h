@@ -32,6 +32,7 @@ enum class FilePurpose {
   open_landmarks,
   open_stiffness,
   open_template_landmarks,
+  open_model,
   open_study,
   open_study_template,
   add_shapes,
@@ -43,11 +44,16 @@ enum class FilePurpose {
   export_template_landmarks,
   use_made_template,
   export_picture,
+  export_volumes,
   new_study,
   save_study,
   export_model,
   export_measures,
   export_plots,
+  export_sizes,
+  export_landmark_table,
+  open_observer,
+  export_observers,
   export_shapes
 };
 struct FileDialog {

@@ -12,11 +12,16 @@ namespace homolog {
 
 // What the panels set for the automatic steps.
 
+/// Which shape model a fit keeps to at first.
+enum class FitModel { none, study, file };
+
 /// What the panel says about a fit.
 struct FitSettings {
   int label = 0;           ///< 0: the label map's first
   double closing_mm = 1;   ///< radius: narrower clefts are filled
   bool as_placed = false;  ///< starts where the template is; else its place is found
+  FitModel model = FitModel::none;
+  double beyond = 1;  ///< 0…1: how far the fit leaves the model's shape for the label
 };
 
 /// What a template is to be made of, as the panel holds it.

@@ -16,6 +16,7 @@
 #include "app/editor/state/outcomes.h"
 #include "app/editor/state/settings.h"
 #include "app/editor/state/view_geometry.h"
+#include "core/assist/cine.h"
 #include "core/case/action.h"
 #include "core/deform/sigma_presets.h"
 
@@ -141,6 +142,7 @@ struct EditorState {
   float label_opacity = 0.4f;
   std::optional<int> shown_frame;  ///< of a cine while it plays or its slider is dragged; else the document's
   bool playing = false;
+  VolumeCurve volume_curve;  ///< of the cine as it is shown
 
   MouseTool tool = MouseTool::pull;
   std::array<double, 3> sigma_presets_mm{4, 10, 25};
@@ -155,6 +157,8 @@ struct EditorState {
   TemplateSettings template_settings;
   std::optional<std::size_t> shown_stage;  ///< of the template that is being made; else the last one
   FitSettings fit_settings;
+  std::shared_ptr<const ShapeModel> fit_model;  ///< that was read from a file; null: none was
+  std::filesystem::path fit_model_file;
   double model_help = 0;           ///< 0…1: how far the study's model completes every stroke
   std::optional<Fitted> last_fit;  ///< spoken of for as long as its mesh is the case's
   SnapSettings snap;

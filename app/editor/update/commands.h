@@ -20,11 +20,11 @@ namespace homolog {
 using Command = std::variant<
     // edits of the case
     PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineLandmarks, CancelFit, BlendModel,
-    CompleteByModel, ShowFrame, PlayFrames,
+    CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
     // files
     OpenFiles, OpenRequested, CloseLabels, CancelOpening, CancelReading, CancelWriting, SaveCase, SaveCaseAs,
-    ExportMesh, ExportLabelMap, ExportLandmarks, ExportTemplate, ExportTemplateLandmarks, ExportPicture,
-    ImportLandmarks, ImportStiffness, ImportTemplateLandmarks,
+    ExportMesh, ExportLabelMap, ExportLandmarks, ExportTemplate, ExportTemplateLandmarks, ExportPicture, ExportVolumes,
+    ImportLandmarks, OpenFitModel, ImportStiffness, ImportTemplateLandmarks,
     // the making of a template
     MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, ShowTemplateStage,
     // tools
@@ -40,10 +40,11 @@ using Command = std::variant<
     DiscardCase, Quit,
     // the study and its model
     OpenStudy, NewStudy, SaveStudyAs, SetStudyTemplate, OpenPhantomStudy, CancelStudyFile, ExportModel,
-    ExportEvaluation, ExportPlots, ChooseShapesFolder, ExportShapes, StartEvaluation, CancelEvaluation, AddCases,
-    OpenCaseOfStudy, SelectCase, SelectNextCase, RemoveCase, SetCaseState, CycleCaseState, TypeCaseText, SetCaseText,
-    FlipCases, AddFrames, FilterCases, SortCases, LookFromSideInGallery, ShowAllShapes, TurnGallery, PanGallery,
-    LetGoOfGallery, ZoomGallery, PointAtVertex, PinVertex, ShowGalleryGlyphs, SpaceGalleryGlyphs, ShowMean, ShowSample,
+    ExportEvaluation, ExportPlots, ExportSizes, ExportLandmarkTable, ShowDistance, CompareObservers, CancelObservers,
+    ExportObservers, ChooseShapesFolder, ExportShapes, StartEvaluation, CancelEvaluation, AddCases, OpenCaseOfStudy,
+    SelectCase, SelectNextCase, RemoveCase, SetCaseState, CycleCaseState, TypeCaseText, SetCaseText, FlipCases,
+    AddFrames, FilterCases, SortCases, LookFromSideInGallery, ShowAllShapes, TurnGallery, PanGallery, LetGoOfGallery,
+    ZoomGallery, PointAtVertex, PinVertex, ShowGalleryGlyphs, SpaceGalleryGlyphs, ShowMean, ShowSample,
     ShowSelectedShape, SetMode, AnimateMode, ShowAllModes, ShowDifference, CompareGroup, ChooseAlignment>;
 
 /// Commands in the order they were given.

@@ -13,6 +13,7 @@
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/model_help.h"
 #include "app/editor/work/opener.h"
+#include "app/editor/work/propagator.h"
 #include "app/editor/work/quality_monitor.h"
 #include "app/editor/work/recovery.h"
 #include "app/editor/work/snaps.h"
@@ -39,7 +40,9 @@ struct Work {
   Opener opener;
   Exports exports;
   Worker<Then> imports;
+  Worker<ObserverComparison> observers;
   Fitter fitter;
+  Propagator propagator;
   Snaps snaps;
   TemplateMaker template_maker;
   StudyAppearance study_appearance;

@@ -252,6 +252,7 @@ void Models::build(EditorState& state, const Snapshot& snapshot) {
 void Models::show_built(EditorState& state, StudyModelBuilt built) {
   state.models.files = std::move(built.known);
   state.models.shapes = std::move(built.shapes);
+  state.models.sizes = std::move(built.sizes);
   state.models.mirrored = std::move(built.mirrored);
   show_model(state.models, std::move(built.model));
   state.models.model_error = std::move(built.error);

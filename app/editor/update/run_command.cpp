@@ -10,7 +10,9 @@ Work::Work(const std::function<void()>& wake)
     : opener(wake),
       exports(wake),
       imports(wake),
+      observers(wake),
       fitter(wake),
+      propagator(wake),
       template_maker(wake),
       study_appearance(wake),
       model_help(wake),
@@ -20,7 +22,7 @@ Work::Work(const std::function<void()>& wake)
 
 bool Work::busy() const {
   return opener.busy() || imports.busy() || exports.busy() || template_maker.busy() || fitter.busy() ||
-         study_appearance.busy() || model_help.busy() || models.busy() || snaps.busy();
+         propagator.busy() || observers.busy() || study_appearance.busy() || model_help.busy() || models.busy() || snaps.busy();
 }
 
 bool run_on_state(const Command& command, EditorState& state, const ControlsContext& context, Outbox& out) {

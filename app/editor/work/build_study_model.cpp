@@ -29,7 +29,9 @@ ReadFile open_file(const StudyModelRequest& request) {
   if (known == request.known.end()) return open;
   for (auto& [frame, mesh] : open.shapes.frames) {
     const auto before = known->second.shapes.frames.find(frame);
-    if (before != known->second.shapes.frames.end() && before->second->points == mesh->points) mesh = before->second;
+    if (before != known->second.shapes.frames.end() && before->second->points == mesh->points &&
+        before->second->landmarks == mesh->landmarks)
+      mesh = before->second;
   }
   return open;
 }
@@ -85,6 +87,12 @@ Gathered gather(const StudyModelRequest& request, StudyModelBuilt& built, Progre
     gathered.meshes.push_back(*mesh);
   }
   return gathered;
+}
+
+void measure(const Gathered& gathered, StudyModelBuilt& built) {
+  std::shared_ptr<const Topology> faces;
+  for (std::size_t k = 0; k < gathered.cases.size(); ++k)
+    if (auto sizes = sizes_of(*gathered.meshes[k], faces)) built.sizes[gathered.cases[k]->name] = std::move(*sizes);
 }
 
 /// The largest training set that is in correspondence.
@@ -145,6 +153,7 @@ StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& pr
   StudyModelBuilt built;
   Gathered gathered = gather(request, built, progress);
   if (progress.cancelled()) return built;
+  measure(gathered, built);
   if (gathered.cases.empty()) {
     if (!request.cases.empty()) built.error = "None of the study's cases has a shape that can be read.";
     return built;

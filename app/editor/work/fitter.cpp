@@ -5,8 +5,10 @@
 #include <cstdio>
 #include <utility>
 
+#include "app/editor/work/model_help.h"
 #include "core/adapt/judge_fit.h"
 #include "core/assist/assist.h"
+#include "core/model/model_prior.h"
 
 namespace homolog {
 
@@ -18,9 +20,25 @@ std::string as_sentence(std::string text) {
   return text.ends_with('.') || text.ends_with('?') ? text : text + '.';
 }
 
+/// The shapes that a fit of this template keeps to at first; null where it keeps to none.
+Result<std::shared_ptr<const AllowedShapes>> allowed_shapes(const Template& the_template, const ModelOfFit& of_fit,
+                                                            double beyond) {
+  if (!of_fit.model && !of_fit.study) return nullptr;
+  auto model = of_fit.model ? Result<ShapeModel>(*of_fit.model)
+                            : model_without(*of_fit.study, of_fit.study->index_of(of_fit.left_out));
+  if (!model) return fail(model.error());
+  auto allowed = allowed_by(*model, the_template);
+  if (!allowed) return fail("The model", allowed.error().what);
+  allowed->beyond = beyond;
+  return std::make_shared<const AllowedShapes>(std::move(*allowed));
+}
+
 Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const FitSettings& settings,
-                      const FitOptions& options) {
+                      const ModelOfFit& model, FitOptions& options) {
   const Template& the_template = *document.the_template;
+  auto allowed = allowed_shapes(the_template, model, settings.beyond);
+  if (!allowed) return fail(allowed.error());
+  options.allowed = *allowed;
   const int frame = std::min(document.frame, labels.volume->frames - 1);
   auto boundary =
       label_boundary(*labels.volume, settings.label, frame, settings.closing_mm, the_template.points.rows());
@@ -31,6 +49,15 @@ Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const
   Fitted done;
   done.agreement = judgement.agreement;
   for (const std::string& warning : judgement.warnings) done.remarks.push_back(as_sentence(warning));
+  if (fit->result.allowed.size() > 0) {
+    const double model_mm = mean_surface_distance_mm({the_template.topology, fit->result.allowed}, boundary->surface);
+    const double beyond_mm = (fit->result.mesh.points - fit->result.allowed).rowwise().norm().mean();
+    char remark[160];
+    std::snprintf(remark, sizeof remark,
+                  "The model alone comes within %.2f mm of the label. The mesh lies %.2f mm beyond it on average.",
+                  model_mm, beyond_mm);
+    done.remarks.emplace_back(remark);
+  }
   done.edit = std::move(fit->action);
   return done;
 }
@@ -54,7 +81,8 @@ Result<Fitted> refined(const Document& document, Progress& progress) {
 
 }  // namespace
 
-void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings) {
+void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings,
+                       const ModelOfFit& model) {
   document_ = document;
   refining_ = false;
   box_ = std::make_shared<Box>();
@@ -68,7 +96,7 @@ void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels lab
       }
       wake();
     };
-    return fitted(*document, labels, settings, options);
+    return fitted(*document, labels, settings, model, options);
   });
 }
 

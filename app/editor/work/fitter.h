@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/state/models/study_model.h"
 #include "app/editor/state/outcomes.h"
 #include "app/editor/work/worker.h"
 #include "core/adapt/fit.h"
@@ -21,6 +22,13 @@ struct NamedLabels {
   std::string name;
 };
 
+/// The shape model that a fit keeps to at first; none where both are null.
+struct ModelOfFit {
+  std::shared_ptr<const StudyModel> study;  ///< its shapes without the one of the case that is fitted
+  std::string left_out;                     ///< that case's name; empty where it is none of the study's
+  std::shared_ptr<const ShapeModel> model;  ///< one that was read from a file, which goes before
+};
+
 /// Fits the shown frame's template to a label, or to the surface that the mesh has already (see refine), on a thread of
 /// its own. Called from the window's thread only.
 class Fitter {
@@ -29,7 +37,8 @@ class Fitter {
   explicit Fitter(std::function<void()> wake) : wake_(wake), work_(std::move(wake)) {}
 
   /// `labels` and the document must have the frame; the document must have a shape.
-  void start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings);
+  void start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings,
+                 const ModelOfFit& model = {});
   void start_refinement(std::shared_ptr<const Document> document);
   void cancel();
   bool busy() const { return work_.busy(); }

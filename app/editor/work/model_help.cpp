@@ -12,7 +12,8 @@ namespace {
 constexpr double known_noise_mm = 2;
 constexpr double share_kept = 0.99;
 
-/// The model of all shapes but one; of all where `left_out` is −1. Errors: too few are left.
+}  // namespace
+
 Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_out) {
   const Eigen::Index count = std::ssize(study.shapes) - (left_out < 0 ? 0 : 1);
   if (count < 2) return fail("", "The model needs at least two other cases of this template.");
@@ -25,8 +26,6 @@ Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_ou
   }
   return make_model(principal_components(std::move(shapes)), share_kept, study.topology, {});
 }
-
-}  // namespace
 
 /// The model with the solver that it completes shapes by. The solver belongs to the session's thread.
 struct ModelHelp::Completer {

@@ -10,6 +10,9 @@
 
 namespace homolog {
 
+/// The model of all shapes of a study but one; of all where `left_out` is −1. Errors: too few are left.
+Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_out);
+
 /// Completes the case's shape by the shape model of its study. The model is computed on a thread of its own; shapes are
 /// completed on the session's thread. Called from the window's thread only.
 class ModelHelp {

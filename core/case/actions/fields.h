@@ -56,6 +56,8 @@ class Fields {
   static Fields reader(const Json& from) { return {&from, nullptr}; }
   static Fields writer(Json& to) { return {nullptr, &to}; }
   bool reads() const { return from_ != nullptr; }
+  /// Whether a line that is read has a member.
+  bool has(const char* key) const { return reads() && from_->contains(key); }
 
   /// A member that every line has.
   template <class Value>

@@ -18,17 +18,10 @@ void spell_frame(Fields& line, SetFrame& action) {
 
 Result<EditReport> apply_frame(const SetFrame& action, Edit& edit) {
   const Document& before = edit.before;
-  const int frames = before.volume ? before.volume->frames : 1;
-  if (action.frame < 0 || action.frame >= frames)
-    return fail("frame", std::to_string(action.frame) + " does not exist; the volume has frames 0 to " +
-                             std::to_string(frames - 1));
+  if (auto exists = check_frame(before, action.frame); !exists) return fail(exists.error());
   edit.after.frame = action.frame;
-  if (before.the_template && !edit.after.has_shape()) {
-    Shape shape;
-    shape.placement = shape.before_landmarks = before.has_shape() ? before.shape().placement : Similarity{};
-    start_anew(*before.the_template, shape);
-    edit.after.shapes.emplace(action.frame, std::move(shape));
-  }
+  if (before.the_template && !edit.after.has_shape())
+    edit.after.shapes.emplace(action.frame, shape_of_frame(before, action.frame));
   return EditReport{};
 }
 
@@ -39,6 +32,8 @@ Result<EditReport> apply_copy(const StartFrameFrom& action, Edit& edit) {
   Shape begun = from->second;
   begun.decided.reset();  // what was decided there is a guess here, and so is what a model did
   begun.unaided.reset();
+  begun.carried = begun.points;
+  begun.doubt.clear();
   edit.after.shapes.insert_or_assign(edit.after.frame, std::move(begun));
   return EditReport{};
 }

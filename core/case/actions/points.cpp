@@ -19,6 +19,8 @@ void spell_points(Fields& line, SetPoints& set) {
   if (numbers.size() % 3 != 0) throw Unreadable{"\"points\" is not x, y, z of every vertex"};
   line.optional("by", set.by);
   line.optional("placement", set.placement);
+  line.optional("of_frame", set.of_frame);
+  line.optional("doubt", set.doubt, !set.doubt.empty());
   if (line.reads())
     set.points = std::make_shared<const Points>(
         Eigen::Map<const Points>(numbers.data(), static_cast<Eigen::Index>(numbers.size() / 3), 3));
@@ -27,6 +29,8 @@ void spell_points(Fields& line, SetPoints& set) {
 void spell_moves(Fields& line, MovePoints& move) {
   line.optional("by", move.by);
   line.optional("placement", move.placement);
+  line.optional("of_frame", move.of_frame);
+  line.optional("doubt", move.doubt, !move.doubt.empty());
   Fields moved = line.object("moved");
   std::int64_t vertices = move.moves ? static_cast<std::int64_t>(move.moves->size() / 3) : 0;
   std::string steps = move.moves ? packed<std::uint32_t>(*move.moves) : "";
@@ -63,7 +67,10 @@ Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
   if (!action.points->allFinite()) return fail("points", "hold a coordinate that is no finite number");
   if (action.placement)
     if (auto usable = check_placement(*action.placement); !usable) return fail(usable.error());
-  Shape& shape = edit.shape();
+  const int frame = action.of_frame.value_or(edit.before.frame);
+  if (auto exists = check_frame(edit.before, frame); !exists) return fail(exists.error());
+  if (!edit.after.shapes.contains(frame)) edit.after.shapes.emplace(frame, shape_of_frame(edit.before, frame));
+  Shape& shape = edit.after.shapes.at(frame);
   if (action.placement) {
     shape.placement = shape.before_landmarks = *action.placement;
     shape.reference = shape.placed = std::make_shared<const Points>(action.placement->apply(the_template.points));
@@ -74,12 +81,15 @@ Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
     decide(shape, std::make_shared<const VertexScalars>((moved_mm2 > 0).cast<double>()));
   }
   shape.points = action.points;
+  shape.carried = action.by == by_propagation ? action.points : nullptr;
+  shape.doubt = action.doubt;
   ++shape.strokes;
   return EditReport{};
 }
 
 Result<EditReport> apply_moves(const MovePoints& action, Edit& edit) {
-  const auto points = points_of(*edit.before.shape().points, action);
+  const int frame = action.of_frame.value_or(edit.before.frame);
+  const auto points = points_of(*shape_of_frame(edit.before, frame).points, action);
   if (!points) return fail(points.error());
   return apply_points(*points, edit);
 }
@@ -98,7 +108,9 @@ const ActionKind<SetPoints>& action_kind(const SetPoints&) {
           "moves every vertex to where an automatic step found it: x, y, z of the first vertex, then of the "
           "next. Scripts and older versions write this. With `\"placement\":{…}` the reference moves there too. "
           "`\"by\":\"model help\"` and `\"by\":\"refine\"` decide nothing of where the boundary is; all else "
-          "counts as known where it moved",
+          "counts as known where it moved. `\"of_frame\":K`: of that frame of a cine, whichever is shown. "
+          "`\"by\":\"propagate\"` says that the mesh came from other frames, and `\"doubt\"` why it has to be looked "
+          "at",
       .name = [](const SetPoints& set) { return name_of_points(set.by); },
       .spell = spell_points,
       .apply = apply_points};
@@ -118,10 +130,17 @@ const ActionKind<MovePoints>& action_kind(const MovePoints&) {
 
 SetPoints points_edit(const Document& document, const Points& points, std::string by,
                       const std::optional<Similarity>& placement) {
-  Points rounded = *document.shape().points;
+  SetPoints edit = points_edit(document, document.frame, points, std::move(by));
+  edit.placement = placement;
+  edit.of_frame.reset();
+  return edit;
+}
+
+SetPoints points_edit(const Document& document, int frame, const Points& points, std::string by) {
+  Points rounded = *shape_of_frame(document, frame).points;
   for (Eigen::Index k = 0; k < rounded.size(); ++k)
     if (const double to = points.data()[k]; to != rounded.data()[k]) rounded.data()[k] = on_grid(to);
-  return {std::move(by), placement, std::make_shared<const Points>(std::move(rounded))};
+  return {std::move(by), std::nullopt, std::make_shared<const Points>(std::move(rounded)), frame, {}};
 }
 
 }  // namespace homolog

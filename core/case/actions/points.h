@@ -14,14 +14,18 @@ namespace homolog {
 /// moved along the surface.
 inline constexpr const char* by_model = "model help";
 inline constexpr const char* by_refinement = "refine";
+/// The mesh came from other frames of a cine: it does not make the frame a known one.
+inline constexpr const char* by_propagation = "propagate";
 /// Puts every vertex where an automatic step found it: a fit, a snap, a shape model. The points themselves are kept, so
 /// replaying needs neither that step nor its image.
 struct SetPoints {
   std::string by;                        ///< what found them: "fit", or one of those above, which count otherwise
   std::optional<Similarity> placement;   ///< the reference moves there; unwarped then
   std::shared_ptr<const Points> points;  ///< n×3, LPS mm
+  std::optional<int> of_frame{};         ///< of a cine, where it is not the one that is shown
+  std::string doubt{};                   ///< of a frame that was carried there: see Shape::doubt
   bool operator==(const SetPoints& other) const {
-    return by == other.by && placement == other.placement &&
+    return by == other.by && placement == other.placement && of_frame == other.of_frame && doubt == other.doubt &&
            (points == other.points || (points && other.points && *points == *other.points));
   }
 };
@@ -32,8 +36,10 @@ struct MovePoints {
   std::string by;
   std::optional<Similarity> placement;
   std::shared_ptr<const std::vector<std::uint32_t>> moves;  ///< 3n, landmark by landmark; 0 stays
+  std::optional<int> of_frame{};
+  std::string doubt{};
   bool operator==(const MovePoints& other) const {
-    return by == other.by && placement == other.placement &&
+    return by == other.by && placement == other.placement && of_frame == other.of_frame && doubt == other.doubt &&
            (moves == other.moves || (moves && other.moves && *moves == *other.moves));
   }
 };
@@ -43,5 +49,7 @@ const ActionKind<MovePoints>& action_kind(const MovePoints&);
 /// [moved_points.h].
 SetPoints points_edit(const Document& document, const Points& points, std::string by,
                       const std::optional<Similarity>& placement = std::nullopt);
+/// The same for a frame of a cine, shown or not.
+SetPoints points_edit(const Document& document, int frame, const Points& points, std::string by);
 
 }  // namespace homolog

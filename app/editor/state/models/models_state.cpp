@@ -30,6 +30,17 @@ bool holds(const StudyCase& one, const std::string& wanted) {
 
 }  // namespace
 
+ListedSizes listed_sizes(const ModelsState& state) {
+  ListedSizes listed;
+  for (const StudyCase& one : state.study.cases) {
+    const auto known = state.sizes.find(one.name);
+    if (known == state.sizes.end()) continue;
+    listed.names.push_back(one.name);
+    listed.sizes.push_back(known->second);
+  }
+  return listed;
+}
+
 std::optional<double> distance_mm(const ModelsState& state, const StudyCase& one) {
   if (!state.model) return std::nullopt;
   const auto shape = state.model->index_of(one.name);

@@ -9,6 +9,7 @@
 #include "app/editor/state/models/study_model.h"
 #include "app/editor/state/view_geometry.h"
 #include "core/model/evaluation.h"
+#include "core/model/observers.h"
 #include "core/phantom/phantom.h"
 
 namespace homolog {
@@ -52,7 +53,11 @@ struct ModelsState {
 
   ReadFiles files;                                                ///< the cases' files as they were read
   std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< of every case that has one, as it lies
-  std::vector<std::string> mirrored;                              ///< cases that are mirror images of most others
+  std::map<std::string, ShapeSizes> sizes;                        ///< of those that have faces
+  std::size_t distance_shown = 0;                                 ///< of the pairs of landmarks, in the list of sizes
+  std::optional<ObserverComparison> observers;  ///< with another observer's study, where one was asked for
+  std::filesystem::path other_observer;         ///< that study
+  std::vector<std::string> mirrored;            ///< cases that are mirror images of most others
 
   Alignment alignment = Alignment::similarity;
   std::shared_ptr<const StudyModel> model;
@@ -89,6 +94,12 @@ struct ModelsState {
 
 /// The cases to list, as indices into the study: those whose name, group or notes hold the filter, sorted.
 std::vector<std::size_t> listed_cases(const ModelsState& state);
+/// The sizes of the study's cases in its order, those that are known.
+struct ListedSizes {
+  std::vector<std::string> names;
+  std::vector<ShapeSizes> sizes;
+};
+ListedSizes listed_sizes(const ModelsState& state);
 /// RMS distance to the mean shape; nothing for a case that is not in the model.
 std::optional<double> distance_mm(const ModelsState& state, const StudyCase& one);
 void sort_by(ModelsState& state, CaseColumn column);

@@ -11,6 +11,7 @@
 #include "core/correspondence/colours.h"
 #include "core/model/shape_files.h"
 #include "core/model/shape_model.h"
+#include "core/model/sizes.h"
 #include "core/model/study.h"
 #include "core/model/suspicion.h"
 

@@ -83,7 +83,17 @@ void StartFit::run(Editing& editing) const {
   editing.state.last_fit.reset();
   editing.work.fit_seen = false;
   editing.work.started_fit = *this;
-  editing.work.fitter.start_fit(editing.shown.snapshot().document, {labels.volume, labels.name}, chosen);
+  const Snapshot& snapshot = editing.shown.snapshot();
+  ModelOfFit model;
+  if (chosen.model == FitModel::file) model.model = editing.state.fit_model;
+  if (chosen.model == FitModel::study) {
+    model.study = editing.state.models.model;
+    const StudyCase* one = find_case(editing.state.models, snapshot.file, snapshot.document->frame);
+    if (one != nullptr) model.left_out = one->name;
+  }
+  if (chosen.model != FitModel::none && !model.model && !model.study)
+    return add_notice(editing.state, "The model of the fit is not open any more; choose one.");
+  editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name}, chosen, model);
 }
 
 void RefineLandmarks::run(Editing& editing) const {
@@ -95,6 +105,17 @@ void RefineLandmarks::run(Editing& editing) const {
 
 void CancelFit::run(Editing& editing) const {
   cancel_fit(editing);
+}
+
+void PropagateFrames::run(Editing& editing) const {
+  const Document& document = editing.shown.document();
+  if (!document.has_shape() || !document.volume || document.volume->frames < 2) return;
+  stop_playing(editing);
+  editing.work.propagator.start(editing.shown.snapshot().document);
+}
+
+void CancelPropagation::run(Editing& editing) const {
+  editing.work.propagator.cancel();
 }
 
 void BlendModel::spell(Fields& line) {

@@ -82,6 +82,17 @@ struct CompleteByModel {
   static constexpr const char* key = "complete by model";
   void run(Editing& editing) const;
 };
+/// Carries the meshes of the frames that a person made through the cine; see propagate_document.
+struct PropagateFrames {
+  static constexpr const char* key = "propagate";
+  static constexpr Logged logged = Logged::when_done;
+  void run(Editing& editing) const;
+};
+struct CancelPropagation {
+  static constexpr const char* key = "cancel propagation";
+  static constexpr Logged logged = Logged::never;  ///< one that was given up is not logged either
+  void run(Editing& editing) const;
+};
 /// Commits the frame that a slider went to.
 struct ShowFrame {
   static constexpr const char* key = "show frame";

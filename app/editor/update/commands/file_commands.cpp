@@ -6,6 +6,7 @@
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/imports.h"
+#include "core/base/files.h"
 #include "core/base/picture_io.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
@@ -181,8 +182,20 @@ void ExportPicture::run(Editing& editing) const {
   write_picture_beside(editing, path, editing.pictures.picture(editing.state.picture));
 }
 
+void ExportVolumes::run(Editing& editing) const {
+  const Document document = as_done(editing);
+  const double frame_seconds = document.volume ? document.volume->frame_seconds : 0;
+  write_beside(editing, path, [table = volume_table(volume_curve(document), frame_seconds)](const auto& to, Progress&) {
+    return write_whole_file(to, table);
+  });
+}
+
 void ImportLandmarks::run(Editing& editing) const {
   import_landmarks(editing, path);
+}
+
+void OpenFitModel::run(Editing& editing) const {
+  open_fit_model(editing, path);
 }
 
 void ImportStiffness::run(Editing& editing) const {

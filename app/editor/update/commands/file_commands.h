@@ -104,9 +104,20 @@ struct ExportPicture : FileCommand {
   static constexpr const char* key = "export picture";
   void run(Editing& editing) const;
 };
+/// The volume of the mesh in every frame of the cine, as a table.
+struct ExportVolumes : FileCommand {
+  static constexpr const char* key = "export volumes";
+  void run(Editing& editing) const;
+};
 /// Places the landmarks of a file whose names are the template's.
 struct ImportLandmarks : FileCommand {
   static constexpr const char* key = "import landmarks";
+  static constexpr Logged logged = Logged::when_done;
+  void run(Editing& editing) const;
+};
+/// Reads the shape model that fits may keep to.
+struct OpenFitModel : FileCommand {
+  static constexpr const char* key = "open fit model";
   static constexpr Logged logged = Logged::when_done;
   void run(Editing& editing) const;
 };

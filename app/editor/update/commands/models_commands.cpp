@@ -6,6 +6,8 @@
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/imports.h"
+#include "core/base/files.h"
+#include "core/model/landmark_table.h"
 #include "core/model/statismo.h"
 
 namespace homolog {
@@ -70,6 +72,55 @@ void ExportEvaluation::run(Editing& editing) const {
   if (models.evaluation)
     write_beside(editing, path,
                  [of = models.evaluation](const auto& to, Progress&) { return write_evaluation(*of, to); });
+}
+
+void ExportSizes::run(Editing& editing) const {
+  write_beside(editing, path, [listed = listed_sizes(editing.state.models)](const auto& to, Progress&) {
+    return write_whole_file(to, sizes_table(listed.names, listed.sizes));
+  });
+}
+
+void ExportLandmarkTable::run(Editing& editing) const {
+  const ListedSizes listed = listed_sizes(editing.state.models);
+  std::vector<Specimen> specimens;
+  for (std::size_t k = 0; k < listed.names.size(); ++k)
+    specimens.push_back({listed.names[k], listed.sizes[k].landmarks});
+  write_beside(editing, path, [specimens](const auto& to, Progress&) -> Result<void> {
+    const auto written = write_landmark_table(specimens, to);
+    return written ? Result<void>{} : fail(written.error());
+  });
+}
+
+void ShowDistance::spell(Fields& line) {
+  line.member("pair", pair);
+}
+void ShowDistance::run(EditorState& state) const {
+  state.models.distance_shown = pair;
+}
+
+void CompareObservers::run(Editing& editing) const {
+  ModelsState& models = editing.state.models;
+  models.observers.reset();
+  models.other_observer = path;
+  editing.work.observers.start(path.string(), [path = path, mine = models.shapes](Progress& progress) {
+    const auto read = read_observer(path, &progress);
+    if (!read) return Result<ObserverComparison>(fail(read.error()));
+    auto compared = compare_observers(mine, read->shapes, &progress);
+    if (!compared && compared.error().subject.empty())
+      return Result<ObserverComparison>(fail("This study and " + path.string(), compared.error().what));
+    return compared;
+  });
+}
+
+void CancelObservers::run(Editing& editing) const {
+  editing.work.observers.cancel();
+}
+
+void ExportObservers::run(Editing& editing) const {
+  if (editing.state.models.observers)
+    write_beside(editing, path, [table = observers_table(*editing.state.models.observers)](const auto& to, Progress&) {
+      return write_whole_file(to, table);
+    });
 }
 
 void ExportPlots::run(Editing& editing) const {

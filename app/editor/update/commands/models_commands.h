@@ -52,6 +52,36 @@ struct ExportEvaluation : FileCommand {
   static constexpr const char* key = "export measures";
   void run(Editing& editing) const;
 };
+/// Volume, area and distances between landmarks of every case.
+struct ExportSizes : FileCommand {
+  static constexpr const char* key = "export sizes";
+  void run(Editing& editing) const;
+};
+/// The landmarks of all cases in one file, .tps or .csv.
+struct ExportLandmarkTable : FileCommand {
+  static constexpr const char* key = "export landmark table";
+  void run(Editing& editing) const;
+};
+/// Which two landmarks the list of sizes shows the distance of: a row of landmark_pairs.
+struct ShowDistance {
+  static constexpr const char* key = "show distance";
+  std::size_t pair = 0;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Compares the study's cases with those of the same names in another observer's study.
+struct CompareObservers : FileCommand {
+  static constexpr const char* key = "compare observers";
+  void run(Editing& editing) const;
+};
+struct CancelObservers {
+  static constexpr const char* key = "cancel comparison";
+  void run(Editing& editing) const;
+};
+struct ExportObservers : FileCommand {
+  static constexpr const char* key = "export observers";
+  void run(Editing& editing) const;
+};
 struct ExportPlots : FileCommand {
   static constexpr const char* key = "export plots";
   void run(Editing& editing) const;

@@ -33,6 +33,9 @@ inline void spell_fit(Fields& line, FitSettings& fit) {
   line.member("label", fit.label);
   line.member("closing_mm", fit.closing_mm);
   line.member("as_placed", fit.as_placed);
+  static constexpr std::array model_names{"none", "study", "file"};
+  if (!line.reads() || line.has("model")) spell_choice(line, "model", model_names, fit.model);
+  line.optional("beyond", fit.beyond);
 }
 
 inline void spell_template(Fields& line, TemplateSettings& settings) {

@@ -69,6 +69,30 @@ void update_fit(Editing& editing) {
   }
 }
 
+void update_propagation(Editing& editing) {
+  Propagator& propagator = editing.work.propagator;
+  if (propagator.document() && !propagator.still_of(*editing.shown.snapshot().document)) {
+    propagator.cancel();
+    add_notice(editing.state, "The case was edited while its mesh was propagated, so the propagation was given up.",
+               false);
+  }
+  auto done = propagator.take();
+  if (!done) return;
+  if (!*done) return add_notice(editing.state, done->error().sentence());
+  editing.log.is_done(PropagateFrames{});
+  std::size_t in_doubt = 0;
+  bool joined = false;
+  for (SetPoints& action : (**done).actions) {
+    in_doubt += action.doubt.empty() ? 0 : 1;
+    editing.shown.session().apply(std::move(action), std::exchange(joined, true));
+  }
+  if (in_doubt > 0)
+    add_notice(editing.state,
+               std::to_string(in_doubt) + (in_doubt == 1 ? " frame is" : " frames are") +
+                   " in doubt. Look at them (Cine, Next in doubt), correct them and propagate again.",
+               false);
+}
+
 void update_learning(Editing& editing) {
   EditorState& state = editing.state;
   StudyAppearance& appearance = editing.work.study_appearance;

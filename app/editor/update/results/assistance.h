@@ -16,6 +16,9 @@ void cancel_fit(Editing& editing);
 /// meanwhile.
 void update_fit(Editing& editing);
 
+/// Takes in what a propagation through the cine found; gives it up where the case was edited meanwhile.
+void update_propagation(Editing& editing);
+
 /// Shows, or commits, the shape with as much of the study's model in it; once that is computed, where it is not yet.
 void blend_model(Editing& editing, const BlendModel& command);
 void update_model_help(Editing& editing);

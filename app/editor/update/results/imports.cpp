@@ -4,6 +4,7 @@
 
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/surface_search.h"
+#include "core/model/statismo.h"
 #include "core/template_making/template_file.h"
 
 namespace homolog {
@@ -101,6 +102,16 @@ void import_landmarks(Editing& editing, const std::filesystem::path& path) {
                      name + ": " + std::to_string(read.size() - known.size()) + " of " + std::to_string(read.size()) +
                          " names are not landmarks of the template. They were left out.",
                      false);
+      });
+}
+
+void open_fit_model(Editing& editing, const std::filesystem::path& path) {
+  read_for_case(
+      editing, OpenFitModel{{path}}, [](const auto& file) { return read_model(file); },
+      [path](Editing& then, const ShapeModel& model) {
+        then.state.fit_model = std::make_shared<const ShapeModel>(model);
+        then.state.fit_model_file = path;
+        then.state.fit_settings.model = FitModel::file;
       });
 }
 

@@ -24,6 +24,8 @@ template <class How>
 void write_beside(Editing& editing, const std::filesystem::path& path, How how) {
   editing.work.exports.start(path, [path, how = std::move(how)](Progress& progress) { return how(path, progress); });
 }
+/// Reads a shape model for fits.
+void open_fit_model(Editing& editing, const std::filesystem::path& path);
 void write_picture_beside(Editing& editing, const std::filesystem::path& path, Result<Picture> picture);
 
 }  // namespace homolog

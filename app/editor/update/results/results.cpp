@@ -33,6 +33,17 @@ bool take_written(Editing& editing) {
   return !written.empty();
 }
 
+/// Takes in how two observers agree; true where there is something new to draw.
+bool take_observers(Editing& editing) {
+  auto done = editing.work.observers.take();
+  if (!done || editing.state.models.other_observer.empty()) return false;  // another study was opened meanwhile
+  if (!*done)
+    add_notice(editing.state, done->error().sentence());
+  else
+    editing.state.models.observers = std::move(**done);
+  return true;
+}
+
 /// Takes in what the template maker has; true where there is something new to draw.
 bool take_stage(Editing& editing) {
   TemplateMaker& maker = editing.work.template_maker;
@@ -139,8 +150,11 @@ bool take_results(Editing& editing, double seconds) {
     work.quality.post(editing.shown.displayed());
     follow_guide(editing);
   }
+  if (const Document& shown = editing.shown.document(); shown.volume && shown.volume->frames > 1)
+    state.volume_curve = volume_curve(shown, state.volume_curve);
   bool changed = take_written(editing);
   update_fit(editing);
+  update_propagation(editing);
   update_model_help(editing);
   update_learning(editing);
   changed |= show_snap(editing);
@@ -148,6 +162,7 @@ bool take_results(Editing& editing, double seconds) {
   update_quit(editing);
   changed |= update_quality(editing);
   changed |= take_stage(editing);
+  changed |= take_observers(editing);
   changed |= take_recovery(editing);
   forget_old_news(state, seconds);
   return changed || state.notices.size() != notices_before || before != &editing.shown.snapshot() || state.playing;
@@ -157,6 +172,7 @@ void settle(Editing& editing) {
   Work& work = editing.work;
   work.opener.finish();
   work.imports.finish();
+  work.observers.finish();
   take_results(editing, 0);
   work.models.settle(editing.state, editing.shown.snapshot(), editing.out);
   work.exports.finish();

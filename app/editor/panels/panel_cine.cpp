@@ -1,0 +1,237 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "app/editor/panels/ui_context.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/plots.h"
+#include "app/editor/widgets/widgets.h"
+
+// The section Cine: the frame that is shown, the meshes of all frames from those that a person made, their volumes.
+
+namespace homolog {
+
+namespace {
+
+void show_frame(int frame, Outbox& out) {
+  out.send(SeekFrame{frame});
+  out.send(ShowFrame{frame});
+}
+
+void draw_frame_controls(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const Document& document = ui.document();
+  const int frames = document.volume->frames, frame = shown_frame(ui.state, document);
+  double value = frame;
+  bool released = false;
+  const SliderRange range{0, static_cast<double>(frames - 1), "%.0f", "", false};
+  if (slider(theme, "Frame", value, range, "Frame of the cine. Each frame has a mesh of its own", released))
+    out.send(SeekFrame{static_cast<int>(std::lround(value))});
+  if (released && ui.state.shown_frame && !ui.state.playing) out.send(ShowFrame{frame});
+  if (button(theme,
+             std::string(ui.state.playing ? icon::pause : icon::play) + (ui.state.playing ? "  Pause" : "  Play"),
+             "Play the frames (Space)"))
+    out.send(PlayFrames{!ui.state.playing});
+  ImGui::SameLine();
+  const auto from_here = document.shapes.lower_bound(frame);
+  const bool any_before = from_here != document.shapes.begin();
+  const int before = any_before ? std::prev(from_here)->first : 0;
+  const std::string refusal = !document.the_template ? ui.needs_shape()
+                              : any_before           ? ""
+                                                     : "No frame before this one has a mesh.";
+  if (button(theme, "Start from previous", format("Give this frame a copy of the mesh of frame %d", before), refusal))
+    out.apply(StartFrameFrom{before});
+}
+
+/// "frame 0", "frames 0 and 7", "frames 0, 4, 7 and 3 more".
+std::string frames_in_words(const std::vector<int>& frames) {
+  constexpr std::size_t most = 4;
+  std::string words = frames.size() == 1 ? "frame " : "frames ";
+  const std::size_t named = frames.size() > most + 1 ? most : frames.size();
+  for (std::size_t k = 0; k < named; ++k) {
+    if (k > 0) words += k + 1 == frames.size() ? " and " : ", ";
+    words += std::to_string(frames[k]);
+  }
+  if (named < frames.size()) words += " and " + std::to_string(frames.size() - named) + " more";
+  return words;
+}
+
+void draw_propagate(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const float width = ImGui::GetContentRegionAvail().x;
+  if (ui.propagator.busy()) {
+    explanation(theme, format("Propagating: %.0f %%", 100 * ui.propagator.fraction()));
+    progress_bar(theme, ui.propagator.fraction());
+    if (button(theme, "Cancel", "The meshes stay as they were", {}, width)) out.send(CancelPropagation{});
+    return;
+  }
+  const Document& document = *ui.snapshot.document;
+  const std::string refusal = ui.fitter.busy() ? "Wait for the fit." : ui.needs_shape();
+  const std::string from = refusal.empty() ? frames_in_words(starting_frames(document)) : "";
+  if (button(theme, "Propagate",
+             "Carries the mesh of " + from +
+                 " through the cine. Frames that you edited or confirmed stay as they are. One step to undo",
+             refusal, width, true))
+    out.send(PropagateFrames{});
+  if (!from.empty()) explanation(theme, "From " + from + ". Correct a frame, and propagate again.");
+}
+
+/// Where frames and volumes lie in the plot.
+struct CurveField {
+  ImVec2 low, high;
+  int frames = 1;
+  double most_ml = 1;
+  float x(int frame) const {
+    return low.x + (high.x - low.x) * (static_cast<float>(frame) + 0.5f) / static_cast<float>(frames);
+  }
+  float y(double volume_ml) const { return high.y - static_cast<float>(volume_ml / most_ml) * (high.y - low.y); }
+  int frame_at(float x_px) const {
+    return std::clamp(static_cast<int>((x_px - low.x) / (high.x - low.x) * static_cast<float>(frames)), 0, frames - 1);
+  }
+};
+
+void draw_curve_axes(const Theme& theme, const CurveField& field, const std::vector<double>& marks, ImDrawList& draw) {
+  for (const double mark : marks) {
+    const float y = std::round(field.y(mark));
+    draw.AddLine({field.low.x, y}, {field.high.x, y}, mark == 0 ? palette::faint : palette::line);
+    const std::string text = format("%.4g", mark);
+    const ImVec2 size = text_size(theme.small, text);
+    text_at(draw, theme.small, {std::round(field.low.x - theme.px(5) - size.x), std::round(y - size.y / 2)},
+            palette::dim, text);
+  }
+  for (const int frame : {0, field.frames - 1}) {
+    const std::string text = std::to_string(frame);
+    text_at(draw, theme.small,
+            {std::round(field.x(frame) - text_size(theme.small, text).x / 2), field.high.y + theme.px(3)}, palette::dim,
+            text);
+  }
+}
+
+/// Dots: filled where a person made the mesh, small where it was carried, amber rings where it is in doubt.
+void draw_curve(const Theme& theme, const CurveField& field, const VolumeCurve& curve, ImDrawList& draw) {
+  const float thick = std::max(theme.scale, 1.0f);
+  const ImVec2* before = nullptr;
+  ImVec2 last;
+  int last_frame = -2;
+  for (const auto& [frame, one] : curve.frames) {
+    const ImVec2 at{field.x(frame), field.y(one.volume_ml)};
+    if (before != nullptr && last_frame + 1 == frame) draw.AddLine(last, at, palette::accent, 1.5f * thick);
+    last = at;
+    before = &last;
+    last_frame = frame;
+  }
+  for (const auto& [frame, one] : curve.frames) {
+    const ImVec2 at{field.x(frame), field.y(one.volume_ml)};
+    if (!one.doubt.empty()) {
+      draw.AddCircleFilled(at, theme.px(4), palette::surface);
+      draw.AddCircle(at, theme.px(4), palette::amber, 0, 1.5f * thick);
+    } else {
+      draw.AddCircleFilled(at, theme.px(one.known ? 4 : 2), one.known ? IM_COL32_WHITE : palette::accent);
+    }
+  }
+  if (!curve.ejection) return;
+  const auto name = [&](const char* text, int frame, bool above) {
+    const ImVec2 size = text_size(theme.small, text);
+    const float y = field.y(curve.frames.at(frame).volume_ml) + (above ? -size.y - theme.px(5) : theme.px(6));
+    const float x = std::clamp(field.x(frame) - size.x / 2, field.low.x, field.high.x - size.x);
+    text_at(draw, theme.small, {std::round(x), std::round(y)}, palette::text, text);
+  };
+  name("ED", curve.ejection->end_diastole, true);
+  name("ES", curve.ejection->end_systole,
+       curve.frames.at(curve.ejection->end_systole).volume_ml > 0.25 * field.most_ml ? false : true);
+}
+
+std::string frame_in_words(const VolumeCurve& curve, int frame) {
+  const auto there = curve.frames.find(frame);
+  std::string words = format("Frame %d", frame);
+  if (there == curve.frames.end()) return words + ": no mesh yet. A click shows it";
+  words += format(": %.1f ml", there->second.volume_ml);
+  if (there->second.known) words += ", made by hand";
+  if (!there->second.doubt.empty()) words += ". It " + there->second.doubt;
+  return words + ". A click shows it";
+}
+
+void draw_volumes(const UiContext& ui, const VolumeCurve& curve, Outbox& out) {
+  const Theme& theme = ui.theme;
+  double most_ml = 0;
+  for (const auto& [frame, one] : curve.frames) most_ml = std::max(most_ml, one.volume_ml);
+  const std::vector<double> marks = axis_marks(1.1 * most_ml, 3);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 size{ImGui::GetContentRegionAvail().x, theme.px(132)};
+  const float line = theme.small->FontSize;
+  const CurveField field{{at.x + theme.px(32), at.y + line + theme.px(6)},
+                         {at.x + size.x - theme.px(2), at.y + size.y - line - theme.px(6)},
+                         ui.document().volume->frames,
+                         marks.back()};
+  const int pointed = field.frame_at(ImGui::GetIO().MousePos.x);
+  const AreaState state = area(theme, "volume curve", size, frame_in_words(curve, pointed));
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  text_at(draw, theme.small, {at.x, at.y}, palette::dim, "Volume, ml");
+  const std::string axis = "frame";
+  text_at(draw, theme.small, {at.x, field.high.y + theme.px(3)}, palette::dim, axis);
+  draw_curve_axes(theme, field, marks, draw);
+  const float shown = field.x(shown_frame(ui.state, ui.document()));
+  draw.AddLine({shown, field.low.y}, {shown, field.high.y}, with_alpha(palette::text, 0.5f), theme.px(1));
+  if (state.hovered)
+    draw.AddLine({field.x(pointed), field.low.y}, {field.x(pointed), field.high.y}, with_alpha(palette::text, 0.2f));
+  draw_curve(theme, field, curve, draw);
+  if (state.clicked) show_frame(pointed, out);
+}
+
+/// The next frame in doubt after the one that is shown; the first where there is none behind it.
+int next_in_doubt(const std::vector<int>& doubtful, int shown) {
+  const auto next = std::upper_bound(doubtful.begin(), doubtful.end(), shown);
+  return next != doubtful.end() ? *next : doubtful.front();
+}
+
+void draw_doubts(const UiContext& ui, const VolumeCurve& curve, Outbox& out) {
+  const Theme& theme = ui.theme;
+  std::vector<int> doubtful;
+  for (const auto& [frame, one] : curve.frames)
+    if (!one.doubt.empty()) doubtful.push_back(frame);
+  figure(theme, "In doubt", doubtful.empty() ? "no frame" : format("%zu of %zu", doubtful.size(), curve.frames.size()),
+         "Frames to look at. They do not count for the ejection fraction",
+         doubtful.empty() ? palette::text : palette::amber);
+  const int shown = shown_frame(ui.state, ui.document());
+  const auto here = curve.frames.find(shown);
+  if (here != curve.frames.end() && !here->second.doubt.empty())
+    text_lines(format("Frame %d ", shown) + here->second.doubt + ".", palette::amber);
+  const float half = std::floor((ImGui::GetContentRegionAvail().x - theme.px(8)) / 2);
+  if (button(theme, "Next in doubt", "Shows the next frame in doubt. Correct it, or confirm it as it is",
+             doubtful.empty() ? "No frame is in doubt." : "", half))
+    show_frame(next_in_doubt(doubtful, shown), out);
+  ImGui::SameLine(0, theme.px(8));
+  if (button(theme, "Volumes\xe2\x80\xa6", "The volume of every frame as a table: .csv", {}, half))
+    out.send(ShowFileDialog{FilePurpose::export_volumes,
+                            case_name(ui.snapshot.file, *ui.snapshot.document) + "-volumes.csv"});
+}
+
+void draw_ejection(const UiContext& ui, const VolumeCurve& curve) {
+  const Theme& theme = ui.theme;
+  if (!curve.ejection) return;
+  const auto volume = [&](int frame) { return curve.frames.at(frame).volume_ml; };
+  const Ejection& ejection = *curve.ejection;
+  figure(theme, "End diastole", format("%.1f ml, frame %d", volume(ejection.end_diastole), ejection.end_diastole),
+         "ED: the largest volume of the frames that are in no doubt");
+  figure(theme, "End systole", format("%.1f ml, frame %d", volume(ejection.end_systole), ejection.end_systole),
+         "ES: the smallest volume of the frames that are in no doubt");
+  figure(theme, "Ejection fraction", format("%.1f %%", 100 * ejection.fraction),
+         "(largest volume \xe2\x88\x92 smallest volume) / largest volume");
+}
+
+}  // namespace
+
+void draw_cine_section(const UiContext& ui, Outbox& out) {
+  draw_frame_controls(ui, out);
+  gap(ui.theme, 4);
+  draw_propagate(ui, out);
+  const VolumeCurve& curve = ui.state.volume_curve;
+  if (curve.frames.empty()) return;
+  gap(ui.theme, 4);
+  draw_volumes(ui, curve, out);
+  draw_ejection(ui, curve);
+  draw_doubts(ui, curve, out);
+}
+
+}  // namespace homolog

@@ -1,0 +1,158 @@
+#include "core/model/observers.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <set>
+
+#include "core/base/parallel.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/model/model_files.h"
+#include "core/model/shape_files.h"
+#include "core/model/study.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Result<Mesh> surface_of(const MeshFile& file) {
+  if (file.triangles.rows() == 0) return fail("", "has points alone; surfaces can be compared");
+  auto faces = Topology::make(file.points.rows(), file.triangles);
+  if (!faces) return fail(faces.error());
+  return Mesh{*faces, file.points};
+}
+
+/// The cases and meshes of a folder, in the order of their names.
+std::vector<fs::path> shapes_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const fs::path& file = entry.path();
+    const bool hidden = file.filename().string().starts_with('.');
+    if (!hidden && (is_case_file(file) || (is_mesh_name(file) && file.extension() != ".stl"))) files.push_back(file);
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// What is read, under which name.
+Result<std::vector<std::pair<std::string, ShapeSource>>> sources_of(const fs::path& path) {
+  std::vector<std::pair<std::string, ShapeSource>> sources;
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) {
+    for (const fs::path& file : shapes_in(path)) sources.emplace_back(file.stem().string(), ShapeSource{file, {}});
+    if (sources.empty())
+      return fail(path.string(), "holds no case and no mesh; give the folder that an observer worked in");
+  } else if (path.string().ends_with(".study.json")) {
+    auto read = read_study(path);
+    if (!read) return fail(read.error());
+    for (const StudyCase& one : read->study.cases)
+      sources.emplace_back(one.name, ShapeSource{one.file, one.frame, one.flipped});
+    if (sources.empty()) return fail(path.string(), "has no cases yet; add some first");
+  } else {
+    sources.emplace_back("", ShapeSource{path, {}});
+  }
+  return sources;
+}
+
+}  // namespace
+
+std::map<std::string, double> landmark_distances_mm(const MeshFile& a, const MeshFile& b) {
+  std::map<std::string, double> distances;
+  for (const Landmark& one : a.landmarks)
+    for (const Landmark& other : b.landmarks)
+      if (one.name == other.name) distances[one.name] = (one.position - other.position).norm();
+  return distances;
+}
+
+Result<ObservedCase> compare_observers(std::string name, const MeshFile& a, const MeshFile& b) {
+  const auto first = surface_of(a), second = surface_of(b);
+  if (!first) return fail(name, first.error().what);
+  if (!second) return fail(name, second.error().what);
+  ObservedCase one;
+  one.name = std::move(name);
+  one.agreement = compare_meshes(*first, *second);
+  one.volume_a_ml = enclosed_volume_ml(*first);
+  one.volume_b_ml = enclosed_volume_ml(*second);
+  one.landmarks_mm = landmark_distances_mm(a, b);
+  return one;
+}
+
+Result<ObserverRead> read_observer(const fs::path& path, Progress* progress) {
+  const auto sources = sources_of(path);
+  if (!sources) return fail(sources.error());
+  ObserverRead read;
+  for (const auto& [name, source] : *sources) {
+    const auto take = [&, &called = name](const std::string&, const MeshFile& mesh) -> Result<void> {
+      if (read.shapes.contains(called))
+        read.warnings.push_back(source.file.string() + ": is a second file of the case " + called + " (left out)");
+      else
+        read.shapes[called] = std::make_shared<const MeshFile>(mesh);
+      return {};
+    };
+    auto warnings = read_shapes({source}, false, take);
+    if (progress != nullptr && progress->cancelled()) return fail("", "the comparison was cancelled");
+    if (!warnings && sources->size() == 1) return fail(warnings.error());
+    if (!warnings)
+      read.warnings.push_back(warnings.error().sentence() + " (left out)");
+    else
+      read.warnings.insert(read.warnings.end(), warnings->begin(), warnings->end());
+  }
+  if (read.shapes.empty()) return fail(path.string(), "holds no shape that could be read");
+  return read;
+}
+
+Result<ObserverComparison> compare_observers(const ObservedShapes& first, const ObservedShapes& second,
+                                             Progress* progress) {
+  ObserverComparison comparison;
+  std::vector<std::string> names;
+  for (const auto& [name, shape] : first) (second.contains(name) ? names : comparison.only_first).push_back(name);
+  for (const auto& [name, shape] : second)
+    if (!first.contains(name)) comparison.only_second.push_back(name);
+  if (names.empty()) return fail("", "have no case of the same name; name each case alike in both");
+  std::vector<Result<ObservedCase>> done(names.size());
+  std::atomic<std::size_t> count = 0;
+  for_each_in_parallel(names.size(), [&](std::size_t k) {
+    if (progress != nullptr && progress->cancelled()) return;
+    done[k] = compare_observers(names[k], *first.at(names[k]), *second.at(names[k]));
+    if (progress != nullptr) progress->report(static_cast<double>(++count) / static_cast<double>(names.size()));
+  });
+  if (progress != nullptr && progress->cancelled()) return fail("", "the comparison was cancelled");
+  for (auto& one : done) {
+    if (!one) return fail(one.error());
+    comparison.cases.push_back(std::move(*one));
+  }
+  return comparison;
+}
+
+std::string observers_table(const ObserverComparison& comparison) {
+  std::set<std::string> landmarks;
+  for (const ObservedCase& one : comparison.cases)
+    for (const auto& [name, distance] : one.landmarks_mm) landmarks.insert(name);
+  std::string table = "case,dice,assd_mm,hd95_mm,hausdorff_mm,vertex_mean_mm,volume_a_ml,volume_b_ml";
+  for (const std::string& name : landmarks) table += ',' + csv_field(name + " mm");
+  table += '\n';
+  const auto number = [&](const std::optional<double>& value) {
+    char text[40];
+    std::snprintf(text, sizeof text, ",%.6g", value.value_or(0));
+    table += value ? text : ",";
+  };
+  for (const ObservedCase& one : comparison.cases) {
+    table += csv_field(one.name);
+    const Agreement& agreement = one.agreement;
+    for (const auto& value : {std::optional(agreement.dice), std::optional(agreement.assd_mm),
+                              std::optional(agreement.hd95_mm), std::optional(agreement.hausdorff_mm),
+                              agreement.vertex_mean_mm, std::optional(one.volume_a_ml), std::optional(one.volume_b_ml)})
+      number(value);
+    for (const std::string& name : landmarks) {
+      const auto there = one.landmarks_mm.find(name);
+      number(there == one.landmarks_mm.end() ? std::nullopt : std::optional(there->second));
+    }
+    table += '\n';
+  }
+  return table;
+}
+
+}  // namespace homolog

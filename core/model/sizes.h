@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+// How large shapes are: the table that a paper begins with.
+
+/// The size of one shape, and where its landmarks lie.
+struct ShapeSizes {
+  std::optional<double> volume_ml;  ///< enclosed, boundary loops capped flat; none for points alone
+  std::optional<double> area_mm2;   ///< of the surface; none for points alone
+  std::vector<Landmark> landmarks;  ///< LPS mm
+};
+
+/// `faces`: of the shape before, used again where this one has the same; becomes those of this one. Errors: faces that
+/// are no surface.
+Result<ShapeSizes> sizes_of(const MeshFile& mesh, std::shared_ptr<const Topology>& faces);
+
+using LandmarkPair = std::pair<std::string, std::string>;
+/// Every two landmarks that at least one of the shapes has both of, in the order in which the shapes name them.
+std::vector<LandmarkPair> landmark_pairs(const std::vector<ShapeSizes>& shapes);
+/// The straight distance between two landmarks of a shape, mm; none where it lacks one.
+std::optional<double> distance_mm(const ShapeSizes& sizes, const LandmarkPair& pair);
+
+/// Mean and standard deviation (with 1/(n − 1)) of what is there of some values.
+struct Spread {
+  std::size_t count = 0;
+  double mean = 0, sd = 0;  ///< sd: 0 of a single value
+};
+Spread spread_of(const std::vector<std::optional<double>>& values);
+
+/// CSV: a row a shape with its name, volume_ml, area_mm2 and the distance of every pair; what is not known stays empty.
+std::string sizes_table(const std::vector<std::string>& names, const std::vector<ShapeSizes>& shapes);
+
+}  // namespace homolog

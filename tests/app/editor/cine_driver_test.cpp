@@ -1,0 +1,108 @@
+#include <doctest/doctest.h>
+
+#include "core/base/files.h"
+#include "tests/beating_ball.h"
+#include "tests/driver.h"
+#include "tests/must.h"
+
+// A cine as a person works on it: propagate, look at the curve, correct a frame, propagate again, undo.
+
+namespace homolog {
+
+namespace {
+
+bool all_frames_have_volumes(Driver& driver) {
+  return driver.state().volume_curve.frames.size() == BeatingBall::frames;
+}
+
+/// Clicks on the volume curve at a frame.
+void click_curve(Driver& driver, int frame) {
+  driver.point_at("Cine/volume curve");
+  const DrawnItem curve = driver.control("Cine/volume curve");
+  const double left = curve.rect.x + 32, right = curve.rect.x + curve.rect.width - 2;
+  driver.move(left + (right - left) * (frame + 0.5) / BeatingBall::frames, curve.rect.y + curve.rect.height / 2);
+  driver.frame();
+  driver.button(MouseButton::left, true);
+  driver.frame();
+  driver.button(MouseButton::left, false);
+  driver.settle();
+}
+
+}  // namespace
+
+TEST_CASE("a cine is propagated and corrected and propagated again in the window") {
+  Driver driver(BeatingBall::document());
+  CHECK_FALSE(driver.has("Cine/volume curve"));
+  CHECK(driver.shows("From frame 0."));
+  driver.click("Cine/Propagate");
+  driver.wait_until("every frame has a mesh", [&] { return all_frames_have_volumes(driver); });
+  driver.settle();
+  CHECK(driver.lines_with("\"of_frame\"") == BeatingBall::frames);
+  CHECK(driver.document().frame == 0);
+  REQUIRE(driver.state().volume_curve.ejection);
+  CHECK(driver.state().volume_curve.ejection->end_systole == 3);
+  driver.point_at("Cine/Next in doubt");
+  CHECK(driver.shows("Ejection fraction"));
+  CHECK(driver.shows("frame 3"));
+
+  click_curve(driver, 2);
+  CHECK(driver.document().frame == 2);
+  const Points carried = *driver.document().shape().points;
+  Stroke pull;
+  pull.at = carried.row(0);
+  pull.to = 1.15 * pull.at;
+  pull.sigma_mm = 12;
+  driver.app().send(ApplyEdit{pull});
+  driver.wait_until("the frame is a known one", [&] { return driver.shows("From frames 0 and 2."); });
+  const Points corrected = *driver.document().shape().points;
+  const Points before = *driver.document().shapes.at(1).points;
+  driver.click("Cine/Propagate");
+  driver.wait_until("the frames between follow it", [&] {
+    return *driver.document().shapes.at(1).points != before && driver.document().shapes.size() == 6;
+  });
+  driver.settle();
+  CHECK(*driver.document().shapes.at(2).points == corrected);
+
+  driver.press('Z', {false, true, false});
+  driver.wait_until("one step back", [&] { return *driver.document().shapes.at(1).points == before; });
+  CHECK(*driver.document().shapes.at(2).points == corrected);
+}
+
+TEST_CASE("a propagation that is cancelled or overtaken by an edit leaves the meshes") {
+  Driver driver(BeatingBall::document());
+  driver.hurry(true);
+  driver.click("Cine/Propagate");
+  driver.click("Cine/Cancel");
+  driver.settle();
+  CHECK(driver.lines_with("\"of_frame\"") == 0);
+  CHECK(driver.has("Cine/Propagate"));
+}
+
+TEST_CASE("frames in doubt are shown one after the other and volumes are written") {
+  Document document = BeatingBall::document();
+  EditSession session(document);
+  for (const int frame : {1, 2, 3, 4}) {
+    SetPoints carried =
+        points_edit(session.document(), frame, (1 - 0.05 * frame) * *document.shape().points, by_propagation);
+    if (frame % 2 == 0) carried.doubt = "shows less of the boundary than other frames";
+    REQUIRE(session.apply(carried));
+  }
+  Driver driver(session.document());
+  driver.point_at("Cine/Next in doubt");
+  CHECK(driver.shows("2 of 4"));
+  driver.click("Cine/Next in doubt");
+  driver.settle();
+  CHECK(driver.document().frame == 2);
+  CHECK(driver.shows("Frame 2 shows less of the boundary than other frames."));
+  driver.click("Cine/Next in doubt");
+  driver.settle();
+  CHECK(driver.document().frame == 4);
+  driver.click("Cine/Volumes…");
+  const auto file = driver.folder() / "volumes.csv";
+  driver.type_into("name", file.string());
+  driver.press(key::enter);
+  driver.wait_until("it is said that the file is written", [&] { return driver.shows("Written: " + file.string()); });
+  CHECK(test::must(read_whole_file(file)).starts_with("frame,seconds,volume_ml,known,doubt\n1,0.0000,"));
+}
+
+}  // namespace homolog

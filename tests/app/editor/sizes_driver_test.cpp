@@ -1,0 +1,79 @@
+#include <doctest/doctest.h>
+
+#include "core/base/files.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_io.h"
+#include "core/model/study.h"
+#include "tests/driver.h"
+#include "tests/must.h"
+
+// What the Models mode measures of the study's cases, and how it compares two observers.
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A study of two balls with a landmark at either pole.
+fs::path ball_study(const fs::path& folder, double first_mm, double second_mm) {
+  fs::create_directories(folder);
+  Study study;
+  for (const auto& [name, radius_mm] : {std::pair("one", first_mm), std::pair("two", second_mm)}) {
+    Mesh ball = icosphere(3, radius_mm);
+    ball.points.col(0) *= name == std::string("two") ? 1.1 : 1.0;
+    MeshFile file{ball.points, ball.topology->triangles()};
+    file.landmarks = {{"north", Vec3(0, 0, radius_mm)}, {"south", Vec3(0, 0, -radius_mm)}};
+    REQUIRE(write_mesh_file(file, folder / (std::string(name) + ".ply")));
+    StudyCase one;
+    one.name = name;
+    one.file = folder / (std::string(name) + ".ply");
+    study.cases.push_back(std::move(one));
+  }
+  REQUIRE(write_study(study, folder / "balls.study.json"));
+  return folder / "balls.study.json";
+}
+
+void choose_file(Driver& driver, const fs::path& file) {
+  driver.type_into("name", file.string());
+  driver.press(key::enter);
+}
+
+}  // namespace
+
+TEST_CASE("sizes of a study are listed and written and it is compared with another observer's") {
+  Driver driver(new_document("", nullptr, nullptr));
+  const fs::path mine = ball_study(driver.folder() / "mine", 20, 24),
+                 other = ball_study(driver.folder() / "other", 21, 24);
+  driver.app().send(OpenStudy{{mine}});
+  driver.wait_until("the cases are measured", [&] { return driver.state().models.sizes.size() == 2; });
+  driver.settle();
+  driver.click("models panel/Sizes");
+  driver.point_at("Sizes/Table…");
+  CHECK(driver.shows("Standard deviation"));
+  CHECK(driver.shows("40.0"));  // mm from pole to pole
+  driver.click("one/sizes");
+  CHECK(driver.state().models.selected == "one");
+  driver.click("Sizes/Table…");
+  choose_file(driver, driver.folder() / "sizes.csv");
+  driver.wait_until("the table is written", [&] { return fs::exists(driver.folder() / "sizes.csv"); });
+  CHECK(test::must(read_whole_file(driver.folder() / "sizes.csv"))
+            .starts_with("case,volume_ml,area_mm2,north to south mm\none,33."));
+  driver.click("Sizes/Landmarks…");
+  choose_file(driver, driver.folder() / "balls.tps");
+  driver.wait_until("the landmarks are written", [&] { return fs::exists(driver.folder() / "balls.tps"); });
+  CHECK(test::must(read_whole_file(driver.folder() / "balls.tps")).starts_with("LM3=2\n0 0 20\n0 0 -20\nID=one\n"));
+
+  driver.click("models panel/Sizes");
+  driver.click("models panel/Observers");
+  driver.click("Observers/Compare with a study…");
+  choose_file(driver, other);
+  driver.wait_until("both are compared", [&] { return driver.state().models.observers.has_value(); });
+  driver.settle();
+  CHECK(driver.state().models.observers->cases.size() == 2);
+  driver.point_at("Observers/Table…");
+  CHECK(driver.shows("Distance of the landmarks"));
+  CHECK(driver.shows("0.50"));  // mean of 1 mm and 0 mm
+}
+
+}  // namespace homolog

@@ -25,6 +25,9 @@ constexpr double least_jump = 0.05;     ///< of that mean
 constexpr double rough_change = 0.9;    ///< share of the steps between frames that change less than a cycle's end
 constexpr double closed_share = 0.4;  ///< of what the motion changes: what a closed cycle may still differ at its ends
 
+constexpr double closed_volume = 0.15;  ///< of the volumes' range: what the ends of a closed cycle differ at most
+constexpr double least_beat = 0.1;      ///< of the largest volume: a smaller range tells nothing about a beat
+
 /// A frame as one of the two ways came to it.
 struct Arrival {
   Points points;
@@ -73,16 +76,12 @@ class Propagating {
     appearance_ = std::move(appearance);
     result_.given = given_;
     result_.cycle = is_cycle(cine_, mesh_);
-    const std::array<int, 2> steps{result_.cycle ? cine_.frames - 1 : cine_.frames - 1 - given_,
-                                   result_.cycle ? cine_.frames - 1 : given_};
-    all_steps_ = steps[0] + steps[1];
-    std::array<Result<std::vector<Arrival>>, 2> ways;
-    in_parallel(std::size_t{2}, [&](std::size_t first, std::size_t last) {
-      for (std::size_t way = first; way < last; ++way) ways[way] = walk(way == 0 ? 1 : -1, steps[way]);
-    });
-    for (const auto& way : ways)
-      if (!way) return fail(way.error());
-    meet(*ways[0], *ways[1]);
+    Ways ways;
+    if (auto walked = walk_both(ways, {cine_.frames - 1 - given_, given_}); !walked) return fail(walked.error());
+    result_.cycle = result_.cycle || volumes_close_up(ways);
+    if (result_.cycle)
+      if (auto walked = walk_both(ways, {cine_.frames - 1, cine_.frames - 1}); !walked) return fail(walked.error());
+    meet(ways[0], ways[1]);
     fill_lost();
     judge();
     return std::move(result_);
@@ -91,14 +90,49 @@ class Propagating {
  private:
   int frame_at(int steps) const { return ((given_ + steps) % cine_.frames + cine_.frames) % cine_.frames; }
 
-  Result<std::vector<Arrival>> walk(int direction, int steps) {
-    std::vector<Arrival> arrivals;
+  /// Forwards and backwards.
+  using Ways = std::array<std::vector<Arrival>, 2>;
+
+  /// Goes on both ways until each has taken so many steps.
+  Result<void> walk_both(Ways& ways, const std::array<int, 2>& steps) {
+    std::array<Result<void>, 2> walked;
+    in_parallel(std::size_t{2}, [&](std::size_t first, std::size_t last) {
+      for (std::size_t way = first; way < last; ++way) walked[way] = walk(ways[way], way == 0 ? 1 : -1, steps[way]);
+    });
+    for (const auto& way : walked)
+      if (!way) return fail(way.error());
+    return {};
+  }
+
+  /// Whether the volumes at both ends are nearly equal, though they change in between: a whole beat, even where the
+  /// images at its ends differ by noise or by a breath.
+  bool volumes_close_up(const Ways& ways) const {
+    std::vector<double> volumes;
+    const auto add = [&](const std::vector<Arrival>& way) {
+      for (const Arrival& arrival : way)
+        if (!arrival.lost) volumes.push_back(enclosed_volume_ml({mesh_.topology, arrival.points}));
+    };
+    const double given_ml = enclosed_volume_ml(mesh_);
+    const auto end_ml = [&](const std::vector<Arrival>& way) {
+      return way.empty() ? given_ml : enclosed_volume_ml({mesh_.topology, way.back().points});
+    };
+    for (const auto& way : ways) {
+      if (!way.empty() && way.back().lost) return false;
+      add(way);
+    }
+    volumes.push_back(given_ml);
+    const auto [smallest, largest] = std::minmax_element(volumes.begin(), volumes.end());
+    const double range = *largest - *smallest;
+    return range > least_beat * *largest && std::abs(end_ml(ways[0]) - end_ml(ways[1])) <= closed_volume * range;
+  }
+
+  Result<void> walk(std::vector<Arrival>& arrivals, int direction, int steps) {
     SnapOptions snapping;
     snapping.edges.reach_mm = options_.reach_mm;
     snapping.edges.appearance = appearance_;
     const VertexScalars all = VertexScalars::Ones(mesh_.points.rows());
-    Points current = mesh_.points;
-    for (int k = 1; k <= steps; ++k) {
+    Points current = arrivals.empty() ? mesh_.points : arrivals.back().points;
+    for (int k = static_cast<int>(arrivals.size()) + 1; k <= steps; ++k) {
       const SnapStart start{{mesh_.topology, current}, current, stiffness_, all};
       auto snapped = snap(cine_, frame_at(direction * k), start, snapping);
       if (!snapped) return fail(snapped.error());
@@ -108,10 +142,10 @@ class Propagating {
       current = arrival.points;
       arrivals.push_back(std::move(arrival));
       if (options_.progress == nullptr) continue;
-      options_.progress->report(static_cast<double>(++done_) / all_steps_);
+      options_.progress->report(static_cast<double>(++done_) / (2 * (cine_.frames - 1)));
       if (options_.progress->cancelled()) return fail("", "the propagation was cancelled");
     }
-    return arrivals;
+    return {};
   }
 
   /// Both ways into one mesh a frame.
@@ -221,7 +255,6 @@ class Propagating {
   const PropagateOptions& options_;
   std::shared_ptr<const Appearance> appearance_;
   std::atomic<int> done_ = 0;
-  int all_steps_ = 0;
   Propagation result_;
   std::vector<bool> lost_;
 };

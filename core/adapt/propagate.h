@@ -30,7 +30,7 @@ struct PropagatedFrame {
 struct Propagation {
   std::vector<PropagatedFrame> frames;
   int given = 0;                          ///< the frame the mesh is from
-  bool cycle = false;                     ///< the last frame leads on to the first
+  bool cycle = false;                     ///< the last frame leads on to the first, by the images or by the volumes
   int end_diastole = 0, end_systole = 0;  ///< frames of the largest and the smallest volume, doubtful ones left out
   double ejection_fraction = 0;           ///< (largest − smallest) / largest
 };

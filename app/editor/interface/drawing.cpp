@@ -204,7 +204,8 @@ UiContext Drawing::ui_context(const EditorState& state, double fps) const {
           thumbnails_,
           work_.snaps.busy(),
           shown_making(state, work_) != nullptr,
-          fps};
+          fps,
+          shown_.template_is_mirrored()};
 }
 
 }  // namespace homolog

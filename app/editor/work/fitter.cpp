@@ -18,23 +18,6 @@ std::string as_sentence(std::string text) {
   return text.ends_with('.') || text.ends_with('?') ? text : text + '.';
 }
 
-Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const FitSettings& settings,
-                      const FitOptions& options) {
-  const Template& the_template = *document.the_template;
-  const int frame = std::min(document.frame, labels.volume->frames - 1);
-  auto boundary =
-      label_boundary(*labels.volume, settings.label, frame, settings.closing_mm, the_template.points.rows());
-  if (!boundary) return fail(labels.name, boundary.error().what);
-  auto fit = fit_document(document, *boundary, settings.as_placed, options);
-  if (!fit) return fail(labels.name, fit.error().what);
-  const FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
-  Fitted done;
-  done.agreement = judgement.agreement;
-  for (const std::string& warning : judgement.warnings) done.remarks.push_back(as_sentence(warning));
-  done.edit = std::move(fit->action);
-  return done;
-}
-
 Result<Fitted> refined(const Document& document, Progress& progress) {
   auto refinement = refine_document(document, &progress);
   if (!refinement) return fail(refinement.error());
@@ -54,6 +37,24 @@ Result<Fitted> refined(const Document& document, Progress& progress) {
 
 }  // namespace
 
+Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels, const FitSettings& settings,
+                             const FitOptions& options) {
+  const Template& the_template = *document.the_template;
+  const int frame = std::min(document.frame, labels.volume->frames - 1);
+  auto boundary =
+      label_boundary(*labels.volume, settings.label, frame, settings.closing_mm, the_template.points.rows());
+  if (!boundary) return fail(labels.name, boundary.error().what);
+  auto fit = fit_document(document, *boundary, settings.as_placed, options);
+  if (!fit) return fail(labels.name, fit.error().what);
+  const FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
+  Fitted done;
+  done.agreement = judgement.agreement;
+  done.doubtful = judgement.doubtful;
+  for (const std::string& warning : judgement.warnings) done.remarks.push_back(as_sentence(warning));
+  done.edit = std::move(fit->action);
+  return done;
+}
+
 void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings) {
   document_ = document;
   refining_ = false;
@@ -68,7 +69,7 @@ void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels lab
       }
       wake();
     };
-    return fitted(*document, labels, settings, options);
+    return fit_to_labels(*document, labels, settings, options);
   });
 }
 

@@ -5,6 +5,7 @@
 #include "app/editor/update/results/assistance.h"
 #include "app/editor/update/results/opening.h"
 #include "app/editor/update/results/quitting.h"
+#include "app/editor/update/results/worklist.h"
 
 namespace homolog {
 
@@ -127,6 +128,7 @@ bool take_results(Editing& editing, double seconds) {
   Work& work = editing.work;
   const std::size_t notices_before = state.notices.size();
   const Snapshot* const before = &editing.shown.snapshot();
+  const std::uint64_t committed_before = before->committed;
   if (auto opened = work.opener.take()) {
     if (*opened)
       show_opened(editing, std::move(**opened));
@@ -139,12 +141,15 @@ bool take_results(Editing& editing, double seconds) {
     work.quality.post(editing.shown.displayed());
     follow_guide(editing);
   }
+  editing.shown.keep_window(state);
+  count_work(editing, committed_before, seconds);
   bool changed = take_written(editing);
   update_fit(editing);
   update_model_help(editing);
   update_learning(editing);
   changed |= show_snap(editing);
   changed |= work.models.update(state, editing.shown.snapshot(), seconds, editing.out);
+  changed |= take_worklist(editing);
   update_quit(editing);
   changed |= update_quality(editing);
   changed |= take_stage(editing);

@@ -25,6 +25,9 @@ constexpr double least_jump = 0.05;     ///< of that mean
 constexpr double rough_change = 0.9;    ///< share of the steps between frames that change less than a cycle's end
 constexpr double closed_share = 0.4;  ///< of what the motion changes: what a closed cycle may still differ at its ends
 
+constexpr double closed_volume = 0.15;  ///< of the volumes' range: what the ends of a closed cycle differ at most
+constexpr double least_beat = 0.1;      ///< of the largest volume: a smaller range tells nothing about a beat
+
 /// A frame as one of the two ways came to it.
 struct Arrival {
   Points points;
@@ -81,18 +84,21 @@ class Propagating {
     if (auto learned = learn(); !learned) return fail(learned.error());
     for (const auto& [frame, points] : known_) result_.known.push_back(frame);
     result_.cycle = is_cycle(cine_, mesh_);
-    const std::vector<Stretch> stretches = stretches_between();
-    // Each stretch forwards and backwards.
-    std::vector<Result<std::vector<Arrival>>> ways(2 * stretches.size());
-    for (const Stretch& one : stretches) all_steps_ += one.meets ? 2 * (one.steps - 1) : one.steps;
-    in_parallel(ways.size(), [&](std::size_t first, std::size_t last) {
-      for (std::size_t way = first; way < last; ++way) ways[way] = walk(stretches[way / 2], way % 2 == 0 ? 1 : -1);
-    });
-    for (const auto& way : ways)
-      if (!way) return fail(way.error());
+    std::vector<Stretch> stretches = stretches_between();
+    std::vector<Way> ways(2 * stretches.size());
+    if (auto walked = walk_all(stretches, ways); !walked) return fail(walked.error());
+    if (!result_.cycle && volumes_close_up(ways)) {
+      // What lay open at both ends is one stretch, which both ways go on through.
+      result_.cycle = true;
+      const std::size_t inner = known_.size() - 1;
+      std::swap(ways[2 * inner + 1], ways[2 * (inner + 1) + 1]);
+      stretches = stretches_between();
+      ways.resize(2 * stretches.size());
+      if (auto walked = walk_all(stretches, ways); !walked) return fail(walked.error());
+    }
     result_.frames.resize(static_cast<std::size_t>(cine_.frames));
     lost_.assign(result_.frames.size(), true);
-    for (std::size_t k = 0; k < stretches.size(); ++k) meet(stretches[k], *ways[2 * k], *ways[2 * k + 1]);
+    for (std::size_t k = 0; k < stretches.size(); ++k) meet(stretches[k], ways[2 * k], ways[2 * k + 1]);
     for (const auto& [frame, points] : known_) {
       result_.frames[static_cast<std::size_t>(frame)] = {points, 0, 1, std::nullopt, ""};
       lost_[static_cast<std::size_t>(frame)] = false;
@@ -104,6 +110,9 @@ class Propagating {
 
  private:
   int wrapped(int frame) const { return (frame % cine_.frames + cine_.frames) % cine_.frames; }
+
+  /// Through a stretch from one of its ends.
+  using Way = std::vector<Arrival>;
 
   /// What the boundary looks like in each known frame.
   Result<void> learn() {
@@ -129,17 +138,48 @@ class Propagating {
     return stretches;
   }
 
-  Result<std::vector<Arrival>> walk(const Stretch& stretch, int direction) {
-    std::vector<Arrival> arrivals;
-    if (!stretch.meets && direction != stretch.direction) return arrivals;
+  /// Goes through each stretch forwards and backwards, on from what the ways hold already.
+  Result<void> walk_all(const std::vector<Stretch>& stretches, std::vector<Way>& ways) {
+    all_steps_ = 0;
+    for (const Stretch& one : stretches) all_steps_ += one.meets ? 2 * (one.steps - 1) : one.steps;
+    std::vector<Result<void>> walked(ways.size());
+    in_parallel(ways.size(), [&](std::size_t first, std::size_t last) {
+      for (std::size_t way = first; way < last; ++way)
+        walked[way] = walk(ways[way], stretches[way / 2], way % 2 == 0 ? 1 : -1);
+    });
+    for (const auto& way : walked)
+      if (!way) return fail(way.error());
+    return {};
+  }
+
+  /// Whether the volumes at both ends are nearly equal, though they change in between: a whole beat, even where the
+  /// images at its ends differ by noise or by a breath. The last four of `ways` lie open.
+  bool volumes_close_up(const std::vector<Way>& ways) const {
+    const auto volume_ml = [&](const Points& points) { return enclosed_volume_ml({mesh_.topology, points}); };
+    std::vector<double> volumes;
+    for (const auto& [frame, points] : known_) volumes.push_back(volume_ml(points));
+    for (const Way& way : ways)
+      for (const Arrival& arrival : way)
+        if (!arrival.lost) volumes.push_back(volume_ml(arrival.points));
+    const Way &on = ways[ways.size() - 4], &back = ways.back();
+    if ((!on.empty() && on.back().lost) || (!back.empty() && back.back().lost)) return false;
+    const double end_ml = volume_ml(on.empty() ? known_.rbegin()->second : on.back().points);
+    const double begin_ml = volume_ml(back.empty() ? known_.begin()->second : back.back().points);
+    const auto [smallest, largest] = std::minmax_element(volumes.begin(), volumes.end());
+    const double range = *largest - *smallest;
+    return range > least_beat * *largest && std::abs(end_ml - begin_ml) <= closed_volume * range;
+  }
+
+  Result<void> walk(Way& arrivals, const Stretch& stretch, int direction) {
+    if (!stretch.meets && direction != stretch.direction) return {};
     const int from = direction > 0 ? stretch.from : stretch.to;
     SnapOptions snapping;
     snapping.edges.reach_mm = options_.reach_mm;
     snapping.edges.appearance = appearances_.at(from);
     const VertexScalars all = VertexScalars::Ones(mesh_.points.rows());
-    Points current = known_.at(from);
+    Points current = arrivals.empty() ? known_.at(from) : arrivals.back().points;
     const int steps = stretch.meets ? stretch.steps - 1 : stretch.steps;
-    for (int k = 1; k <= steps; ++k) {
+    for (int k = static_cast<int>(arrivals.size()) + 1; k <= steps; ++k) {
       const SnapStart start{{mesh_.topology, current}, current, stiffness_, all};
       auto snapped = snap(cine_, wrapped(from + direction * k), start, snapping);
       if (!snapped) return fail(snapped.error());
@@ -149,10 +189,10 @@ class Propagating {
       current = arrival.points;
       arrivals.push_back(std::move(arrival));
       if (options_.progress == nullptr) continue;
-      options_.progress->report(static_cast<double>(++done_) / all_steps_);
+      options_.progress->report(std::min(1.0, static_cast<double>(++done_) / all_steps_));
       if (options_.progress->cancelled()) return fail("", "the propagation was cancelled");
     }
-    return arrivals;
+    return {};
   }
 
   /// Both ways through a stretch into one mesh a frame.

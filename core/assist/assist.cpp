@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/adapt/refine.h"
+#include "core/case/held_landmarks.h"
 #include "core/deform/falloff.h"
 #include "core/mesh/mesh_quality.h"
 
@@ -57,7 +58,8 @@ Result<SnapEdit> snap_document(const Document& document, const std::optional<Sna
         gaussian_falloff(topology, *shape.points, at, region->sigma_mm, mean_edge_mm(topology, *shape.points), false);
     start.free = (start.free.array() < least_falloff).select(0, start.free);
   }
-  if (shape.confirmed) start.free.array() *= (shape.confirmed->array() < 1).cast<double>();
+  if (const auto confirmed = confirmed_without_landmarks(document))
+    start.free.array() *= (confirmed->array() < 1).cast<double>();
   SnapOptions learned = options;
   if (options.edges.polarity == Polarity::automatic && options.edges.appearance == nullptr)
     learned.edges.appearance = appearance_of_frames(document);

@@ -40,7 +40,7 @@ Points unaided_points(const Shape& shape) {
 }
 
 Document new_document(std::string volume_source, std::shared_ptr<const Volume> volume,
-                      std::shared_ptr<const Template> the_template) {
+                      std::shared_ptr<const Template> the_template, const std::optional<Similarity>& placement) {
   Document document;
   document.volume_source = std::move(volume_source);
   document.volume = std::move(volume);
@@ -51,7 +51,9 @@ Document new_document(std::string volume_source, std::shared_ptr<const Volume> v
   document.regions = std::make_shared<const Regions>(placed.regions);
   document.stiffness_base = placed.stiffness_base;
   Shape shape;
-  if (document.volume) {
+  if (placement) {
+    shape.placement = *placement;
+  } else if (document.volume) {
     shape.placement.translation = document.volume->geometry.bounds_mm().center() - bounds_of(placed.points).center();
   }
   shape.before_landmarks = shape.placement;

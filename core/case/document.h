@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/deform/stroke.h"
@@ -63,6 +64,9 @@ struct Document {
   /// Landmarks place by how well they determine each rotation (likely_similarity). False in cases begun before that
   /// was so: there the closed form alone places, so that they replay to the same points.
   bool weighs_landmarks = true;
+  /// The mesh is held where it has come to meet a placed landmark [held_landmarks.h]. The editor's new cases do so;
+  /// older ones, and those of scripts, do not.
+  bool holds_landmarks = false;
 
   bool has_shape() const { return shapes.contains(frame); }
   const Shape& shape() const { return shapes.at(frame); }
@@ -75,9 +79,9 @@ MeshFile painted_template(const Document& document);
 /// in the image. `frame` must have a shape.
 MeshFile to_mesh_file(const Document& document, int frame);
 
-/// A case without edits: the template in the middle of the volume, upright, at its own size. Volume and template may be
-/// null. Never fails.
+/// A case without edits: the template at `placement`; without one in the middle of the volume, upright, at its own
+/// size. Volume and template may be null. Never fails.
 Document new_document(std::string volume_source, std::shared_ptr<const Volume> volume,
-                      std::shared_ptr<const Template> the_template);
+                      std::shared_ptr<const Template> the_template, const std::optional<Similarity>& placement = {});
 
 }  // namespace homolog

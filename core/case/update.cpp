@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "core/case/action.h"
+#include "core/case/held_landmarks.h"
 
 namespace homolog {
 
@@ -22,6 +23,7 @@ Result<Updated> update(const Document& document, const Action& action, Deformer&
     Edit edit{document, document, deformer, pass};
     auto report = kind.apply(one, edit);
     if (!report) return fail(report.error());
+    settle_landmarks(document, edit.after);
     return Updated{std::move(edit.after), std::move(*report)};
   };
   return std::visit(apply, action);

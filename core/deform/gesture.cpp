@@ -85,7 +85,9 @@ Result<StrokeOutcome> Gesture::move(const Stroke& stroke, Pass pass) {
     }
   }
   if (held(centre)) {
-    return fail("", "This place is confirmed and held; release it with the confirm brush to move it.");
+    return fail("",
+                "This place is held, by a placed landmark or by Confirm; release the landmark (Place) or paint with "
+                "Free to move it.");
   }
   aim(centre, stroke.sigma_mm, pass, outcome);
   const Vec3 position = centre.interpolate(*start_.topology, *start_.points).transpose();

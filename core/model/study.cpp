@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 
 #include "core/base/files.h"
@@ -58,8 +59,8 @@ Result<CaseState> parsed_state(const std::string& text, const std::string& where
 Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& folder) {
   std::string where = "case " + std::to_string(number);
   if (!json.is_object()) return fail("", where + " is no object; correct it in an editor");
-  std::array<std::string, 6> texts;
-  constexpr std::array<const char*, 6> keys{"name", "file", "group", "state", "notes", "imported"};
+  std::array<std::string, 8> texts;
+  constexpr std::array<const char*, 8> keys{"name", "file", "group", "state", "notes", "imported", "labels", "doubt"};
   for (std::size_t k = 0; k < keys.size(); ++k) {
     auto text = take_text(json, keys[k], where);
     if (!text) return fail(text.error());
@@ -74,6 +75,8 @@ Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& fol
   one.group = texts[2];
   one.notes = texts[4];
   one.imported = absolute_in(folder, texts[5]);
+  if (!texts[6].empty()) one.labels = absolute_in(folder, texts[6]);
+  one.doubt = texts[7];
   const auto state = parsed_state(texts[3], where);
   if (!state) return fail(state.error());
   one.state = *state;
@@ -83,10 +86,20 @@ Result<StudyCase> parsed_case(Json json, std::size_t number, const fs::path& fol
     one.frame = frame->get<int>();
     json.erase(frame);
   }
-  if (const auto flipped = json.find("flipped"); flipped != json.end()) {
-    if (!flipped->is_boolean()) return fail("", where + " has a \"flipped\" that is neither true nor false");
-    one.flipped = *flipped;
-    json.erase(flipped);
+  for (const auto& [key, value] : {std::pair("flipped", &one.flipped), std::pair("from_scan", &one.from_scan)}) {
+    const auto found = json.find(key);
+    if (found == json.end()) continue;
+    if (!found->is_boolean()) return fail("", where + " has a \"" + key + "\" that is neither true nor false");
+    *value = *found;
+    json.erase(found);
+  }
+  if (const auto seconds = json.find("seconds"); seconds != json.end() && seconds->is_number() && *seconds >= 0) {
+    one.seconds = seconds->get<double>();
+    json.erase(seconds);
+  }
+  if (const auto gestures = json.find("gestures"); gestures != json.end() && gestures->is_number_unsigned()) {
+    one.gestures = gestures->get<std::int64_t>();
+    json.erase(gestures);
   }
   one.other = std::move(json);
   return one;
@@ -139,6 +152,11 @@ Json case_json(const StudyCase& one, const fs::path& folder) {
   if (one.frame) json["frame"] = *one.frame;
   if (one.flipped) json["flipped"] = true;
   if (!one.imported.empty()) json["imported"] = relative_to(folder, one.imported);
+  if (one.from_scan) json["from_scan"] = true;
+  if (!one.labels.empty()) json["labels"] = relative_to(folder, one.labels);
+  if (!one.doubt.empty()) json["doubt"] = one.doubt;
+  if (one.seconds > 0) json["seconds"] = std::round(10 * one.seconds) / 10;
+  if (one.gestures > 0) json["gestures"] = one.gestures;
   if (!one.group.empty()) json["group"] = one.group;
   if (!one.notes.empty()) json["notes"] = one.notes;
   json.update(one.other);
@@ -166,11 +184,15 @@ std::vector<std::string> Study::groups() const {
 
 std::ptrdiff_t Study::next_case(std::ptrdiff_t from) const {
   const std::ptrdiff_t count = std::ssize(cases);
+  std::ptrdiff_t next = -1;
   for (std::ptrdiff_t step = 1; step <= count; ++step) {
     const std::ptrdiff_t k = (from + step) % count;
-    if (cases[static_cast<std::size_t>(k)].state != CaseState::done) return k;
+    const StudyCase& one = cases[static_cast<std::size_t>(k)];
+    if (one.state == CaseState::done) continue;
+    if (!one.doubt.empty() && k != from) return k;
+    if (next < 0) next = k;
   }
-  return -1;
+  return next;
 }
 
 Result<StudyRead> read_study(const fs::path& path) {

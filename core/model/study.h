@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -22,7 +23,15 @@ struct StudyCase {
   std::string notes;
   bool flipped = false;            ///< taken left for right
   std::filesystem::path imported;  ///< the mesh that the case file was made from, to repair it; empty: none
+  bool from_scan = false;          ///< the case was made for a scan of a worklist, and has no shape while it is to do
+  std::filesystem::path labels;    ///< of that scan: what the template is fitted to; empty: none
+  std::string doubt;               ///< why a person has to look at what the fit gave, as a sentence; empty: no doubt
+  double seconds = 0;              ///< that a person worked on it
+  std::int64_t gestures = 0;       ///< that a person did on it
   nlohmann::ordered_json other = nlohmann::ordered_json::object();  ///< fields that are not known here, kept
+
+  /// Whether it has no shape of its own yet: the template lies somewhere in its scan.
+  bool waits() const { return from_scan && state == CaseState::to_do; }
 };
 
 /// The project file of a study, `*.study.json`: readable JSON, its paths relative to its own folder, so that the
@@ -34,7 +43,8 @@ struct Study {
 
   /// Names of the groups in the order of their first cases.
   std::vector<std::string> groups() const;
-  /// The first case after `from` (from the start again) that is not done; −1 where all are.
+  /// The first case after `from` (from the start again) that is not done, others in doubt before the rest; −1 where
+  /// all are done.
   std::ptrdiff_t next_case(std::ptrdiff_t from = -1) const;
 };
 

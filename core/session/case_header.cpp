@@ -138,6 +138,8 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const s
   const auto landmarks = header.find("landmarks");
   document.weighs_landmarks =
       landmarks != header.end() ? *landmarks == weighed_landmarks : !header.contains("connectivity");
+  const auto held = header.find("held_landmarks");
+  document.holds_landmarks = held != header.end() && *held == true;
   return document;
 }
 
@@ -147,6 +149,7 @@ std::string case_header(const Document& document, const fs::path& folder) {
   if (document.the_template) header["template"] = relative_to(folder, document.the_template->source);
   if (document.has_shape()) header["placement"] = to_json(document.shape().placement);
   if (document.weighs_landmarks) header["landmarks"] = weighed_landmarks;
+  if (document.holds_landmarks) header["held_landmarks"] = true;
   if (document.the_template) {
     header["vertices"] = document.the_template->topology->vertices();
     header["connectivity"] = document.the_template->topology->hash();

@@ -111,6 +111,7 @@ LineKind kind_of(std::string_view line) {
   for (std::string_view key, value; members.next(key, value);) {
     if (key == "joined") found.joined = value == "true";
     if (key == "look") says_look = value == "true";
+    if (key == "window" || key == "template_file") found.keeps = true;
     if (key == "checkpoint") other = std::min(other, LineKind::checkpoint);
     const auto role = role_of_key(key);
     if (!role) continue;
@@ -126,6 +127,7 @@ LineKind kind_of(std::string_view line) {
     found.kind = other;
   else
     found.kind = says_look && can_look && steps == 1 ? LineKind::look : LineKind::step;
+  found.keeps = found.keeps && found.kind == LineKind::note;
   return found;
 }
 

@@ -10,6 +10,7 @@ struct LineKind {
   enum Kind { empty, step, look, note, undo, redo, checkpoint, unknown } kind = unknown;
   bool joined = false;  ///< of a step
   bool stroke = false;  ///< a step that moves the mesh by hand
+  bool keeps = false;   ///< a note that says more than its text [history_marks.h]
 };
 
 /// Of a line without its line feed. `unknown` where it is no JSON object, or none that is spelled plainly.

@@ -144,7 +144,8 @@ Result<EditReport> EditSession::edit(Action action, bool joined, const std::opti
   updated->report.solves += solves;
 
   // All that needs memory comes before the line is written: from then on the case is as the disk says.
-  const bool is_note = std::holds_alternative<Note>(action);
+  const auto* note = std::get_if<Note>(&action);
+  const bool is_note = note != nullptr;
   History::Step step;
   step.name = action_name(action);
   step.joined = joined;
@@ -153,13 +154,16 @@ Result<EditReport> EditSession::edit(Action action, bool joined, const std::opti
   history_.reserve(looks_.size() + 1);
   if (line)
     step.line = *line;
-  else if (auto written = write(action_line(action, joined), is_note, !joined))
+  else if (auto written = write(action_line(action, joined && !is_note), is_note, !joined))
     step.line = *written;
   else
     return fail(written.error());
   solves_ += updated->report.solves;
   updated->report.solver_ms = milliseconds_since(start);
-  if (is_note) return std::move(updated->report);
+  if (is_note) {
+    keep(*note);
+    return std::move(updated->report);
+  }
   add_steps(std::move(step));
   tidy();
   return std::move(updated->report);
@@ -194,6 +198,11 @@ void EditSession::add_steps(History::Step step) {
   looks_.clear();
   if (step.after) document_ = step.after;
   history_.push(std::move(step));
+}
+
+void EditSession::keep(const Note& note) {
+  if (note.window) kept_.window = note.window;
+  if (!note.template_file.empty()) kept_.template_file = note.template_file;
 }
 
 /// What may also be left undone: where memory is short a later edit does it.
@@ -296,6 +305,11 @@ int EditSession::strokes() const {
 void EditSession::read_from(CaseLines lines, std::function<void(Action&)> adjust) {
   lines_ = std::move(lines);
   adjust_ = std::move(adjust);
+  for (const LinePlace& place : std::exchange(kept_lines_, {})) {
+    const auto line = lines_.read(place);
+    const Result<EditStep> step = line ? parse_action(*line) : fail(line.error());
+    if (const auto* note = step ? std::get_if<Note>(&step->action) : nullptr) keep(*note);
+  }
 }
 
 bool EditSession::count(const LineKind& kind, const LinePlace& line, std::uint32_t lines_check) {
@@ -303,6 +317,7 @@ bool EditSession::count(const LineKind& kind, const LinePlace& line, std::uint32
     case LineKind::empty:
       return true;
     case LineKind::note:
+      if (kind.keeps) kept_lines_.push_back(line);
       return joinable_ = true;
     case LineKind::look:
       looks_.push_back({{}, line});

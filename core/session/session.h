@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -24,6 +26,12 @@ struct HistoryLimits {
   /// At most so many steps are played again to come to a state: a checkpoint is written to the file where more would
   /// be. 0: what takes about half a second with this mesh.
   std::size_t replayed_steps = 0;
+};
+
+/// What a case keeps beside its steps, so that no undo takes it back: what its notes said last.
+struct KeptWithCase {
+  std::optional<std::array<double, 2>> window;  ///< the image's values that are shown black and white
+  std::filesystem::path template_file;          ///< where the template was saved as it is painted; empty: it was not
 };
 
 /// A case being edited: the document, its history and its journal. Belongs to one thread.
@@ -58,6 +66,7 @@ class EditSession {
   const Document& initial_document() const { return history_.start(); }
   int strokes() const;  ///< those left after undo
   int solves() const { return solves_; }
+  const KeptWithCase& kept() const { return kept_; }
   std::size_t history_bytes() const { return history_.bytes(); }
 
   // What keeps the case: every action is a line of it.
@@ -95,6 +104,7 @@ class EditSession {
   Result<std::shared_ptr<const Document>> state(std::size_t state);
   std::string name(const std::optional<History::Way>& way) const;
   void add_steps(History::Step step);
+  void keep(const Note& note);
   void tidy();
   void write_checkpoint();
   std::size_t steps_since_checkpoint() const;
@@ -109,6 +119,8 @@ class EditSession {
   };
   std::vector<Look> looks_;
   bool joinable_ = false;  ///< the last call of apply() made a step
+  KeptWithCase kept_;
+  std::vector<LinePlace> kept_lines_;  ///< lines that were counted only, and say what is kept
   Deformer deformer_;
   CaseLines lines_;
   std::size_t steps_to_checkpoint_ = 0;  ///< before which none is tried again

@@ -63,6 +63,7 @@ struct SessionThread::Shared {
     snapshot.can_redo = session.can_redo();
     snapshot.undo_names = session.undo_names(most_names);
     snapshot.redo_names = session.redo_names(most_names);
+    snapshot.kept = session.kept();
     snapshot.file = session.journal() != nullptr ? session.journal()->path() : std::filesystem::path();
   }
 
@@ -85,6 +86,7 @@ struct SessionThread::Shared {
   }
 
   void do_action(EditStep step) {
+    if (std::holds_alternative<Note>(step.action)) return do_note(std::move(step));
     Snapshot snapshot = *latest;
     auto report = session.apply(std::move(step.action), step.joined);
     end_edit(snapshot);
@@ -93,6 +95,19 @@ struct SessionThread::Shared {
       snapshot.message = report->message;
       snapshot.solver_ms = report->solver_ms;
     }
+    publish(std::move(snapshot));
+  }
+
+  /// A note is no edit: what is previewed goes on, and what the last edit said stays.
+  void do_note(EditStep step) {
+    Snapshot snapshot = *latest;
+    const auto report = session.apply(std::move(step.action), step.joined);
+    describe(snapshot);
+    if (!report) {
+      snapshot.error = report.error().sentence();
+      ++snapshot.committed;
+    }
+    ++snapshot.jobs_done;
     publish(std::move(snapshot));
   }
 
@@ -127,6 +142,7 @@ struct SessionThread::Shared {
 
   void show_preview(const Preview& preview) {
     Snapshot snapshot = *latest;
+    snapshot.message.clear();  // the last edit's is old by now; the preview has one of its own
     if (preview.action || !preview.then.empty()) {
       auto updated = session.preview(preview.action, preview.then);
       if (!updated) {
@@ -134,7 +150,6 @@ struct SessionThread::Shared {
       } else {
         snapshot.shown = std::make_shared<const Document>(std::move(updated->document));
         snapshot.solver_ms = updated->report.solver_ms;
-        snapshot.message = updated->report.message;
         snapshot.preview = std::move(updated->report);
       }
     } else {

@@ -25,6 +25,7 @@ struct Snapshot {
   std::string message;         ///< the last edit's sentence; empty where there is none
   std::string error;           ///< the last action's refusal; empty after one that was done
   std::filesystem::path file;  ///< the journal's path; empty without one
+  KeptWithCase kept;           ///< what the case keeps beside its steps
 };
 
 /// Runs an EditSession on a thread of its own, which alone owns the factorisation. The interface posts jobs and

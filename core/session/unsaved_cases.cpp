@@ -50,8 +50,8 @@ std::optional<UnsavedCase> unsaved_case(const fs::path& journal) {
       found.header = line;
       return {};
     }
-    const LineKind::Kind kind = kind_of(line).kind;
-    found.edited = kind != LineKind::empty && kind != LineKind::look;
+    const LineKind kind = kind_of(line);
+    found.edited = kind.kind != LineKind::empty && kind.kind != LineKind::look && !kind.keeps;
     return found.edited ? fail("", "enough was read") : Result<void>();
   });
   return read || found.edited ? std::optional(std::move(found)) : std::nullopt;

@@ -24,7 +24,7 @@ Result<EditSession> create_unsaved_case(Document initial);
 struct UnsavedCase {
   std::filesystem::path journal;
   std::string header;   ///< its first line
-  bool edited = false;  ///< holds more than looks at frames
+  bool edited = false;  ///< holds more than looks at frames and how it is shown
 };
 
 /// What a journal is; none where it cannot be read.

@@ -206,7 +206,8 @@ UiContext Drawing::ui_context(const EditorState& state, double fps) const {
           work_.observers.busy() ? std::optional(work_.observers.fraction()) : std::nullopt,
           work_.snaps.busy(),
           shown_making(state, work_) != nullptr,
-          fps};
+          fps,
+          shown_.template_is_mirrored()};
 }
 
 }  // namespace homolog

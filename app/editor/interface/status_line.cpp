@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/state/status.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
@@ -23,29 +24,6 @@ std::string read_out(const UiContext& ui) {
   const auto i = static_cast<int>(voxel.x()), j = static_cast<int>(voxel.y()), k = static_cast<int>(voxel.z());
   const double value = volume->at(i, j, k, shown_frame(ui.state, ui.document()));
   return text + format("    voxel %d %d %d    %.4g", i, j, k, value);
-}
-
-std::string default_hint(const UiContext& ui) {
-  if (!ui.document().volume && !ui.has_shape()) return "Open an image, or drop one on the window.";
-  if (!ui.has_shape()) return ui.needs_shape();
-  switch (ui.state.tool) {
-    case MouseTool::place:
-      return "Drag the mesh to move it, the ring to turn it, the knob to scale it.";
-    case MouseTool::landmark:
-      return ui.state.landmark.empty() ? "All landmarks are placed; drag one to move it."
-                                       : "Click where \"" + ui.state.landmark + "\" is.";
-    case MouseTool::ruler:
-      return "Drag from one point to another.";
-    case MouseTool::template_landmark:
-      return ui.state.template_landmark.empty()
-                 ? "Type the landmark's name first (Template)."
-                 : "Click the point of the mesh that is \"" + ui.state.template_landmark + "\".";
-    case MouseTool::stiffness:
-    case MouseTool::confirm:
-      return "Paint on the outline or on the surface.";
-    default:
-      return "Drag the outline. Wheel: slices; while dragging: \xcf\x83.";
-  }
 }
 
 }  // namespace
@@ -71,15 +49,9 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   text_at(draw, {bar.x + theme.px(12), y}, palette::text, read_out(ui));
 
   const auto& snapshot = ui.snapshot;
-  std::string message = snapshot.preview ? snapshot.preview->message : snapshot.message;
-  ImU32 colour = palette::dim;
-  if (snapshot.preview && snapshot.preview->stopped_by_guard) {
-    message.assign(icon::warning).append("  Stopped: farther, the surface would fold.");
-    colour = palette::amber;
-  } else if (message.empty()) {
-    message = default_hint(ui);
-  }
-  text_at(draw, {bar.x + std::max(theme.px(420), bar.width * 0.36f), y}, colour, message);
+  const Status status = status_of(ui.state, snapshot, ui.document(), ui.making_shown);
+  text_at(draw, {bar.x + std::max(theme.px(420), bar.width * 0.36f), y}, status.stopped ? palette::amber : palette::dim,
+          status.stopped ? std::string(icon::warning) + "  " + status.text : status.text);
 
   std::string right;
   if (snapshot.solver_ms > 0) right = format("%.2f ms", snapshot.solver_ms);

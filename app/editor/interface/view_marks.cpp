@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/case/held_landmarks.h"
 
 namespace homolog {
 
@@ -119,53 +121,86 @@ float landmark_alpha(const UiContext& ui, const ViewMap& map, const Vec3& p_mm, 
   return off_mm > reach_mm ? 0.0f : static_cast<float>(1 - 0.7 * off_mm / reach_mm);
 }
 
-/// The template's landmarks where the mesh has carried them: small rings, named while landmarks are in hand.
-void draw_template_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw, NameTags& tags) {
-  if (ui.making_shown) return;
+/// A landmark in one view: where it was placed, and where the mesh has it.
+struct ShownLandmark {
+  std::string name;
+  std::optional<ImVec2> placed, carried;  ///< in px; none where that is not in the view
+  float alpha = 1, carried_alpha = 1;
+  bool met = false, held = false, lit = false;
+};
+
+/// Whether a landmark lies on the far side of the mesh, as the 3D view looks at it.
+bool faces_away(const UiContext& ui, std::size_t landmark, const Points& points) {
   const Template& the_template = *ui.document().the_template;
-  const Points& points = *ui.document().shape().points;
-  const bool named = ui.state.tool == MouseTool::template_landmark || ui.state.tool == MouseTool::landmark;
-  const Vec3 to_eye = ui.state.camera.to_eye;
-  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
-    const Vec3 p_mm = carried_landmark(the_template, l, points);
-    const auto px = map.to_px(p_mm);
-    if (!px) continue;
-    float alpha = 0.8f * landmark_alpha(ui, map, p_mm, *px);
-    const auto t = the_template.topology->triangles().row(the_template.landmark_points[l].face);
-    const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
-    if (!map.is_slice() && (b - a).cross(c - a).dot(to_eye) < 0) alpha *= 0.25f;  // on the far side
-    if (alpha == 0) continue;
-    draw.AddCircle(to_im(*px), ui.theme.px(4), with_alpha(palette::text, alpha), 0, ui.theme.px(1.5f));
-    if (named && alpha > 0.3f) tags.put(to_im(*px), the_template.landmarks[l].name, alpha);
-  }
+  const auto t = the_template.topology->triangles().row(the_template.landmark_points[landmark].face);
+  const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
+  return (b - a).cross(c - a).dot(ui.state.camera.to_eye) < 0;
 }
 
-void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
-  struct Shown {
-    std::string name;
-    ImVec2 at;
-    float alpha;
-    bool lit;
-  };
-  std::vector<Shown> shown;
-  NameTags tags(ui.theme, draw);
-  for (const auto& [name, p_mm] : ui.document().shape().landmarks) {
-    const auto px = map.to_px(p_mm);
-    if (!px) continue;
-    const float alpha = landmark_alpha(ui, map, p_mm, *px);
-    if (alpha == 0) continue;
-    shown.push_back({name, to_im(*px), alpha, ui.state.hover && ui.state.hover->landmark == name});
-    tags.block(to_im(*px));
+std::vector<ShownLandmark> shown_landmarks(const UiContext& ui, const ViewMap& map) {
+  constexpr float behind = 0.25f;
+  const Template& the_template = *ui.document().the_template;
+  const Shape& shape = ui.document().shape();
+  std::vector<ShownLandmark> all;
+  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
+    const LandmarkHold hold = landmark_hold(the_template, l, shape);
+    ShownLandmark one{the_template.landmarks[l].name};
+    one.met = hold.met;
+    one.held = hold.held;
+    one.lit = hold.placed && ui.state.hover && ui.state.hover->landmark == one.name;
+    const float side = !map.is_slice() && faces_away(ui, l, *shape.points) ? behind : 1;
+    const auto look_at = [&](const Vec3& p_mm, std::optional<ImVec2>& at, float& alpha) {
+      const auto px = map.to_px(p_mm);
+      if (!px) return;
+      alpha = side * landmark_alpha(ui, map, p_mm, *px);
+      if (alpha > 0) at = to_im(*px);
+    };
+    if (hold.placed) look_at(shape.landmarks.at(one.name), one.placed, one.alpha);
+    if (!hold.met) look_at(carried_landmark(the_template, l, *shape.points), one.carried, one.carried_alpha);
+    if (one.placed || one.carried) all.push_back(std::move(one));
   }
-  draw_template_landmarks(ui, map, draw, tags);
-  // What is pointed at is named first, then what is nearest.
-  std::stable_sort(shown.begin(), shown.end(),
-                   [](const Shown& a, const Shown& b) { return a.lit != b.lit ? a.lit : a.alpha > b.alpha; });
-  for (const Shown& landmark : shown) {
-    draw.AddCircleFilled(landmark.at, ui.theme.px(landmark.lit ? 5 : 4), with_alpha(palette::accent, landmark.alpha));
-    draw.AddCircle(landmark.at, ui.theme.px(landmark.lit ? 6 : 5), with_alpha(IM_COL32_BLACK, 0.6f * landmark.alpha));
-    const bool behind = !map.is_slice() && landmark.alpha < 1 && !landmark.lit;
-    if (!behind) tags.put(landmark.at, landmark.name, landmark.alpha);
+  for (const auto& [name, p_mm] : shape.landmarks) {  // of a template that named more
+    const auto is_it = [&](const Landmark& landmark) { return landmark.name == name; };
+    if (std::any_of(the_template.landmarks.begin(), the_template.landmarks.end(), is_it)) continue;
+    const auto px = map.to_px(p_mm);
+    const float alpha = px ? landmark_alpha(ui, map, p_mm, *px) : 0;
+    if (alpha > 0) all.push_back({name, to_im(*px), std::nullopt, alpha});
+  }
+  return all;
+}
+
+/// Dots where landmarks were placed, filled where the mesh is held there; rings where the mesh has those that it does
+/// not meet. Each is named once; what lies behind the surface is faint and has no name.
+void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  if (ui.making_shown) return;
+  auto shown = shown_landmarks(ui, map);
+  NameTags tags(ui.theme, draw);
+  for (const ShownLandmark& one : shown) {
+    if (one.placed) tags.block(*one.placed);
+    if (one.carried) tags.block(*one.carried);
+  }
+  // What is pointed at is named first, then what was placed, then what is nearest.
+  std::stable_sort(shown.begin(), shown.end(), [](const ShownLandmark& a, const ShownLandmark& b) {
+    if (a.lit != b.lit) return a.lit;
+    if (a.placed.has_value() != b.placed.has_value()) return a.placed.has_value();
+    return a.alpha > b.alpha;
+  });
+  const bool named = ui.state.tool == MouseTool::template_landmark || ui.state.tool == MouseTool::landmark;
+  constexpr float faint = 0.3f;
+  for (const ShownLandmark& one : shown) {
+    if (one.carried) {
+      const float alpha = 0.8f * one.carried_alpha;
+      if (one.placed)
+        draw.AddLine(*one.carried, *one.placed, with_alpha(palette::amber, std::min(alpha, one.alpha)), 1.5f);
+      draw.AddCircle(*one.carried, ui.theme.px(4), with_alpha(palette::text, alpha), 0, ui.theme.px(1.5f));
+      if (!one.placed && named && alpha > faint) tags.put(*one.carried, one.name, alpha);
+    }
+    if (!one.placed) continue;
+    const float radius = ui.theme.px(one.lit ? 5 : 4);
+    draw.AddCircleFilled(*one.placed, radius, with_alpha(palette::accent, one.alpha));
+    if (!one.held) draw.AddCircleFilled(*one.placed, radius / 2, with_alpha(palette::window, one.alpha));
+    draw.AddCircle(*one.placed, radius + ui.theme.px(1), with_alpha(IM_COL32_BLACK, 0.6f * one.alpha));
+    if (one.alpha > faint || one.lit) tags.put(*one.placed, one.name, one.alpha);
   }
 }
 

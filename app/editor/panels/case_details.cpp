@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "app/editor/panels/models_ui.h"
 #include "app/editor/widgets/icons.h"
@@ -45,10 +46,27 @@ void draw_frames(const UiContext& ui, const StudyCase& one, Outbox& out) {
 
 }  // namespace
 
+namespace {
+
+/// "14 gestures in 3 min 20 s"
+std::string work_on(const StudyCase& one) {
+  const auto seconds = static_cast<long>(std::lround(one.seconds));
+  const std::string time =
+      seconds < 60 ? format("%ld s", seconds) : format("%ld min %ld s", seconds / 60, seconds % 60);
+  return format("%lld %s in ", static_cast<long long>(one.gestures), one.gestures == 1 ? "edit" : "edits") + time;
+}
+
+bool says_work(const StudyCase& one) {
+  return one.gestures > 0 || !one.doubt.empty();
+}
+
+}  // namespace
+
 float case_details_height(const UiContext& ui, const StudyCase& one) {
   constexpr float plain = 206, row = 36;  // layout units
   const ModelsState& state = ui.state.models;
-  return ui.theme.px(plain + (offers_flip(state, one) ? row : 0) + (other_frames(state, one).empty() ? 0 : row));
+  return ui.theme.px(plain + (offers_flip(state, one) ? row : 0) + (other_frames(state, one).empty() ? 0 : row) +
+                     (says_work(one) ? row : 0));
 }
 
 void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
@@ -59,6 +77,10 @@ void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
   ImGui::PushFont(theme.strong);
   text_line(shortened(one.name, ImGui::GetContentRegionAvail().x));
   ImGui::PopFont();
+  if (!one.doubt.empty())
+    text_line(shortened(one.doubt, ImGui::GetContentRegionAvail().x), palette::amber);
+  else if (says_work(one))
+    text_line(work_on(one), palette::dim);
   int chosen = static_cast<int>(one.state);
   if (choice(theme, "state", {"To do", "In work", "Done"}, chosen, {"Not begun", "Begun", "Finished"}))
     out.send(SetCaseState{one.name, static_cast<CaseState>(chosen)});

@@ -83,6 +83,30 @@ void draw_buttons(const UiContext& ui, Outbox& out) {
     out.send(SelectNextCase{});
 }
 
+/// Scans that become cases, and the fit of those that wait.
+void draw_worklist(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  const float width = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
+  if (state.listing) {
+    text_line(shortened(state.listing_what, ImGui::GetContentRegionAvail().x), palette::dim);
+    progress_bar(theme, state.listing_fraction);
+    if (button(theme, "Cancel", "What was fitted stays so", {}, ImGui::GetContentRegionAvail().x))
+      out.send(CancelWorklist{});
+    return;
+  }
+  if (button(theme, std::string(icon::plus) + "  Scans\xe2\x80\xa6",
+             "Add a folder of scans or label maps. Each becomes a case that waits. Or drop the folder on the window",
+             {}, width))
+    out.send(ShowFileDialog{FilePurpose::add_scans, {}});
+  ImGui::SameLine(0, theme.px(8));
+  const std::size_t waiting = waiting_cases(state);
+  if (button(theme, waiting == 0 ? std::string("Fit waiting") : format("Fit waiting (%zu)", waiting),
+             "Fits every case that waits to its label map. Those in doubt are listed first",
+             waiting == 0 ? "No case with a label map waits." : "", width))
+    out.send(FitWaiting{});
+}
+
 /// A title of the list that sorts it.
 void draw_title(const UiContext& ui, const char* text, CaseColumn column, float x_px, float width_px, bool at_right,
                 const char* tip, Outbox& out) {
@@ -125,7 +149,8 @@ ImU32 distance_colour(const StudyModel& model, std::ptrdiff_t shape) {
 
 std::string row_tip(const StudyCase& one, bool left_out) {
   std::string tip = one.file.string();
-  if (left_out) tip += "\nNot in the model.";
+  if (left_out) tip += one.waits() ? "\nWaits, and is not in the model yet." : "\nNot in the model.";
+  if (!one.doubt.empty()) tip += "\n" + one.doubt;
   if (!one.notes.empty()) tip += "\n" + one.notes;
   return tip + (is_case_file(one.file) ? "\nDouble-click opens it." : "\nDouble-click opens it for repair.");
 }
@@ -157,7 +182,10 @@ void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox&
   const float name_room = columns.state - columns.name - theme.px(8) - (one.notes.empty() ? 0 : theme.px(20));
   const std::string name = shortened(one.name, name_room);
   const float name_y = one.group.empty() ? y : std::floor(at.y + theme.px(3));
-  text_at(draw, {at.x + columns.name, name_y}, left_out ? palette::bad : palette::text, name);
+  const ImU32 colour = one.waits()                      ? palette::dim
+                       : left_out || !one.doubt.empty() ? (left_out ? palette::bad : palette::amber)
+                                                        : palette::text;
+  text_at(draw, {at.x + columns.name, name_y}, colour, name);
   if (!one.notes.empty())
     text_at(draw, {at.x + columns.name + ImGui::CalcTextSize(name.c_str()).x + theme.px(6), name_y}, palette::dim,
             icon::note);
@@ -237,6 +265,7 @@ void draw_list(const UiContext& ui, Outbox& out) {
 void draw_case_table(const UiContext& ui, const RectPx& rect, Outbox& out) {
   begin_region("cases", rect, palette::surface, ui.theme.px(12));
   draw_buttons(ui, out);
+  draw_worklist(ui, out);
   draw_mirrored(ui, out);
   draw_list(ui, out);
   if (const StudyCase* one = find_case(ui.state.models.study, ui.state.models.selected))

@@ -12,7 +12,7 @@ namespace {
 void draw_sigma(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto& presets = ui.state.sigma_presets_mm;
-  int chosen = static_cast<int>(ui.state.sigma_preset);
+  int chosen = ui.state.wheel_sigma_mm ? -1 : static_cast<int>(ui.state.sigma_preset);
   const auto label = [&](std::size_t i) { return format("%zu   %.1f mm", i + 1, presets[i]); };
   if (choice(theme, "sigma", {label(0), label(1), label(2)}, chosen,
              {"Small: a spot (key 1, also while dragging)", "Medium: a part of the organ (key 2)",
@@ -21,8 +21,10 @@ void draw_sigma(const UiContext& ui, Outbox& out) {
     out.send(ChooseSigma{static_cast<std::size_t>(chosen)});
   double sigma_mm = ui.state.sigma_mm();
   bool released = false;
-  if (slider(theme, "Width \xcf\x83", sigma_mm, {smallest_sigma_mm, 100, "%.1f", "mm", true},
-             "How wide a stroke is. The wheel changes it during a drag", released, ui.needs_shape()))
+  if (slider(
+          theme, "Width \xcf\x83", sigma_mm, {smallest_sigma_mm, 100, "%.1f", "mm", true},
+          "How wide a stroke is. Changes the preset above; the wheel changes it during a drag and leaves the presets",
+          released, ui.needs_shape()))
     out.send(SetSigma{sigma_mm});
 }
 

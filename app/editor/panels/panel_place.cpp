@@ -5,6 +5,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/case/held_landmarks.h"
 
 namespace homolog {
 
@@ -98,35 +99,64 @@ class PlacementNumbers {
   Vec3 centre_, angles_;
 };
 
+/// "6.3 mm off", in amber: the mesh is not where the landmark was placed.
+void draw_hold(const UiContext& ui, const Landmark& landmark, const Vec3& place, const LandmarkHold& hold,
+               Outbox& out) {
+  const Theme& theme = ui.theme;
+  const bool can_hold = ui.document().holds_landmarks && (hold.met || hold.held);
+  const std::string refusal =
+      can_hold ? "" : format("The mesh is %.1f mm off. Bring it there with Grab or Slide.", hold.distance_mm);
+  if (icon_button(theme, hold.held ? icon::confirm : icon::unlocked, hold.held ? "release" : "hold",
+                  hold.held ? "Held: strokes leave the mesh here. Click to release it"
+                            : "Free: strokes may move the mesh here. Click to hold it",
+                  refusal, hold.held, 24))
+    out.apply(PlaceLandmark{landmark.name, place, !hold.held});
+  ImGui::SameLine(0, 0);
+  if (icon_button(theme, icon::crosshair, "go there", "Looks at where it was placed", {}, false, 24))
+    out.send(LookAt{place});
+  ImGui::SameLine(0, 0);
+  if (icon_button(theme, icon::close, "remove", "Takes this landmark back", {}, false, 24))
+    out.apply(PlaceLandmark{landmark.name, std::nullopt});
+}
+
 void draw_landmark_list(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const auto& landmarks = ui.document().the_template->landmarks;
+  const Template& the_template = *ui.document().the_template;
   const auto& placed = ui.document().shape().landmarks;
-  for (const Landmark& landmark : landmarks) {
+  const std::string wanted = landmark_in_hand(ui.state, ui.document());
+  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
+    const Landmark& landmark = the_template.landmarks[l];
     const Part part(landmark.name, "landmark");
     const auto place = placed.find(landmark.name);
     const bool done = place != placed.end();
-    const bool next = ui.state.tool == MouseTool::landmark && ui.state.landmark == landmark.name;
+    const bool next = landmark.name == wanted, in_hand = next && ui.state.tool == MouseTool::landmark;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x, height = theme.px(24);
-    const float remove = done ? theme.px(24) : 0.0f;
+    const float buttons = done ? theme.px(72) : 0.0f;
     const auto row =
-        area(theme, "row", {width - remove, height},
-             done ? "Go there. Drag it in a view to move it" : "Then click where it is in a slice", {next});
-    if (row.clicked) out.send(ChooseLandmark{landmark.name, done ? std::optional(place->second) : std::nullopt});
+        area(theme, "row", {width - buttons, height},
+             done ? "To place it anew, click here, then in a slice" : "Then click where it is in a slice", {in_hand});
+    if (row.clicked) out.send(ChooseLandmark{landmark.name, std::nullopt});
     ImDrawList& draw = *ImGui::GetWindowDrawList();
-    if (next || row.hovered)
-      draw.AddRectFilled(at, {at.x + width, at.y + height}, next ? with_alpha(palette::accent, 0.18f) : palette::raised,
-                         theme.px(4));
+    if (in_hand || row.hovered)
+      draw.AddRectFilled(at, {at.x + width, at.y + height},
+                         in_hand ? with_alpha(palette::accent, 0.18f) : palette::raised, theme.px(4));
     const float text_y = std::floor(at.y + (height - ImGui::GetFontSize()) / 2);
-    text_at(draw, {at.x + theme.px(6), text_y}, done ? palette::good : palette::faint,
-            done ? icon::check : icon::outline);
+    const LandmarkHold hold = landmark_hold(the_template, l, ui.document().shape());
+    text_at(draw, {at.x + theme.px(6), text_y},
+            done   ? (hold.met ? palette::good : palette::amber)
+            : next ? palette::accent
+                   : palette::faint,
+            done   ? icon::check
+            : next ? icon::right_angle
+                   : icon::outline);
+    const std::string off = done && !hold.met ? format("  %.1f mm off", hold.distance_mm) : next ? "  next" : "";
     text_at(draw, {at.x + theme.px(28), text_y}, palette::text, landmark.name);
-    if (done) {
-      ImGui::SameLine(0, 0);
-      if (icon_button(theme, icon::close, "remove", "Remove this landmark", {}, false, 24))
-        out.apply(PlaceLandmark{landmark.name, std::nullopt});
-    }
+    text_at(draw, {at.x + theme.px(28) + ImGui::CalcTextSize(landmark.name.c_str()).x, text_y},
+            done ? palette::amber : palette::accent, off);
+    if (!done) continue;
+    ImGui::SameLine(0, 0);
+    draw_hold(ui, landmark, place->second, hold, out);
   }
 }
 
@@ -139,8 +169,11 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
   }
   caption(theme,
           format("Landmarks placed: %zu of %zu", ui.document().shape().landmarks.size(), landmarks.size()).c_str());
+  if (ui.state.tool == MouseTool::template_landmark)
+    explanation(theme,
+                "The template's landmarks are being named (Template). Take the tool Landmark (L) to place them.");
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(8), theme.px(2)});
-  draw_landmark_list(ui, out);
+  if (ui.state.tool != MouseTool::template_landmark) draw_landmark_list(ui, out);
   ImGui::PopStyleVar();
   gap(theme, 2);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;

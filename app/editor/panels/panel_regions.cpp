@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
@@ -168,7 +169,14 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
   caption(theme, format("Landmarks of the template: %zu", landmarks.size()).c_str());
   const bool naming = ui.state.tool == MouseTool::template_landmark;
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(4), theme.px(2)});
-  for (const Landmark& landmark : landmarks) {
+  // The section Place lists them all the same while none is being named.
+  if (!naming && !landmarks.empty() &&
+      button(theme, "Move or remove landmarks…", "Lists them here, and takes the tool that names points of the mesh",
+             {}, ImGui::GetContentRegionAvail().x)) {
+    out.send(NameTemplateLandmark{});
+    out.send(ChooseTool{MouseTool::template_landmark});
+  }
+  for (const Landmark& landmark : naming ? std::span(landmarks) : std::span<const Landmark>()) {
     const Part part(landmark.name, "landmark of the template");
     const float remove_width = theme.px(24);
     const float name_width = ImGui::GetContentRegionAvail().x - remove_width - theme.px(4);

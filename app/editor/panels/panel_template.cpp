@@ -7,16 +7,27 @@
 
 namespace homolog {
 
+namespace {
+
+/// "kidney (built in, mirrored)"
+std::string template_name(const std::string& source, bool mirrored) {
+  const auto built_in = built_in_organ(source);
+  const std::string name =
+      built_in ? std::string(organ_name(*built_in)) : std::filesystem::path(source).filename().string();
+  if (built_in) return name + (mirrored ? " (built in, mirrored)" : " (built in)");
+  return name + (mirrored ? " (mirrored)" : "");
+}
+
+}  // namespace
+
 void draw_template_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto& document = ui.document();
   if (document.the_template) {
     const Template& the_template = *document.the_template;
-    const auto built_in = built_in_organ(the_template.source);
-    figure(theme, "Template",
-           built_in ? std::string(organ_name(*built_in)) + " (built in)"
-                    : std::filesystem::path(the_template.source).filename().string(),
-           the_template.source);
+    const std::string saved = ui.snapshot.kept.template_file.string();
+    const std::string source = saved.empty() ? the_template.source : saved;
+    figure(theme, "Template", template_name(source, ui.template_mirrored), source);
     figure(theme, "Vertices", format("%ld", static_cast<long>(the_template.topology->vertices())));
     figure(theme, "Triangles", format("%ld", static_cast<long>(the_template.topology->triangles().rows())));
     figure(theme, "Surface",

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/editor/drawing/case_thumbnails.h"
+#include "app/editor/state/status.h"
 #include "app/editor/update/commands.h"
 #include "app/editor/widgets/theme.h"
 #include "app/editor/work/fitter.h"
@@ -54,17 +55,14 @@ struct UiContext {
   bool snapping = false;
   bool making_shown = false;  ///< a template in the making stands in for the case's mesh
   double frames_per_second = 0;
+  bool template_mirrored = false;  ///< the case's template is that of the other side than its file's
 
   const Document& document() const { return *displayed; }
   /// As on the disk, at the frame that is shown: what a change in the panel starts from.
   const Shape& committed_shape() const { return snapshot.document->shapes.at(displayed->frame); }
   bool has_shape() const { return document().has_shape(); }
   /// Why a control that needs a mesh is disabled; empty where there is one.
-  std::string needs_shape() const {
-    if (has_shape()) return {};
-    return document().the_template ? "This frame has no mesh yet. Start from previous (Cine) copies one."
-                                   : "There is no mesh yet. Load a template first (Template).";
-  }
+  std::string needs_shape() const { return why_no_mesh(document()); }
   std::string needs_volume() const { return document().volume ? std::string() : "Open an image first."; }
 };
 

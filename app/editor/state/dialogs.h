@@ -36,6 +36,7 @@ enum class FilePurpose {
   open_study,
   open_study_template,
   add_shapes,
+  add_scans,
   save_case,
   export_mesh,
   export_label_map,

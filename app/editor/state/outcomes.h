@@ -19,6 +19,7 @@ struct Fitted {
   SetPoints edit;
   Agreement agreement;               ///< of a fit, with the boundary
   std::vector<std::string> remarks;  ///< each a sentence
+  bool doubtful = false;             ///< a fit that a person has to look at
 };
 
 /// What a snap found.

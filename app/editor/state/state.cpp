@@ -73,6 +73,7 @@ void show_document(EditorState& state, const Document& document, const Layout& l
   state.drag.reset();
   state.ruler.reset();
   state.panel_edit.reset();
+  state.said_in.reset();
   state.renaming.reset();
   state.shown_frame.reset();
   state.playing = false;
@@ -80,6 +81,7 @@ void show_document(EditorState& state, const Document& document, const Layout& l
   if (document.volume && !same_image) std::tie(state.window_low, state.window_high) = default_window(*document.volume);
   if (document.has_shape()) {
     state.crosshair_mm = bounds_of(*document.shape().points).center();
+    state.wheel_sigma_mm.reset();
     state.sigma_presets_mm = default_sigmas_mm(*document.shape().reference);
     state.landmark = next_unplaced_landmark(document);
   } else {
@@ -168,6 +170,11 @@ void settle_crosshair(EditorState& state, const Document& document) {
 
 void set_sigma(EditorState& state, double sigma_mm) {
   state.sigma_presets_mm[state.sigma_preset] = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
+  state.wheel_sigma_mm.reset();
+}
+
+void turn_sigma(EditorState& state, double sigma_mm) {
+  state.wheel_sigma_mm = std::clamp(sigma_mm, smallest_sigma_mm, largest_sigma_mm);
 }
 
 std::string case_name(const std::filesystem::path& file, const Document& document) {
@@ -200,6 +207,22 @@ std::string next_unplaced_landmark(const Document& document, const std::string& 
     if (!placed.contains(name) && name != after) return name;
   }
   return {};
+}
+
+std::string landmark_in_hand(const EditorState& state, const Document& document) {
+  if (!document.the_template) return {};
+  const auto& known = document.the_template->landmarks;
+  const auto is_chosen = [&](const Landmark& landmark) { return landmark.name == state.landmark; };
+  return std::any_of(known.begin(), known.end(), is_chosen) ? state.landmark : next_unplaced_landmark(document);
+}
+
+Situation situation_of(const EditorState& state, const Document& shown) {
+  return {state.tool,
+          state.brush.paints,
+          state.brush.region,
+          landmark_in_hand(state, shown),
+          state.template_landmark,
+          shown_frame(state, shown)};
 }
 
 void add_notice(EditorState& state, std::string text, bool error) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -92,6 +93,22 @@ struct PanelEdit {
   double value = 0;
 };
 
+/// What a person has in hand: an edit's sentence is news until this changes.
+struct Situation {
+  MouseTool tool = MouseTool::pull;
+  BrushPaints paints = BrushPaints::factor;
+  std::string region, landmark, template_landmark;
+  int frame = 0;
+  bool operator==(const Situation&) const = default;
+};
+
+/// What was done on the case on the screen, until it is written into the study.
+struct WorkCount {
+  std::uint64_t case_number = 0;  ///< which case it is of
+  double seconds = 0;
+  double active_at = -1;  ///< when something was done last, by the window's clock; below 0: nothing yet
+};
+
 struct Notice {
   std::string text;  ///< one sentence
   bool error = true;
@@ -147,6 +164,7 @@ struct EditorState {
   MouseTool tool = MouseTool::pull;
   std::array<double, 3> sigma_presets_mm{4, 10, 25};
   std::size_t sigma_preset = 1;
+  std::optional<double> wheel_sigma_mm;  ///< in place of the preset, until one is chosen or changed
   double relax_strength = 0.5;
   bool through_space = false;
   BrushSettings brush;
@@ -177,9 +195,12 @@ struct EditorState {
   MouseButton drag_button = MouseButton::left;  ///< whose release ends the drag
   std::optional<Ruler> ruler;
   std::optional<PanelEdit> panel_edit;
+  std::optional<Situation> said_in;  ///< when the session said its last sentence
 
   PictureOptions picture;
-  bool fit_views_wanted = true;   ///< once it is known how large they are
+  bool fit_views_wanted = true;  ///< once it is known how large they are
+  bool active = false;           ///< something was done by hand since the work was counted last
+  WorkCount work_count;
   bool making_shown = false;      ///< the template that is being made stands in for the case's mesh
   double next_frame_seconds = 0;  ///< of a cine that plays, by the window's clock
   Quitting quitting = Quitting::no;
@@ -191,7 +212,7 @@ struct EditorState {
 
   ModelsState models;
 
-  double sigma_mm() const { return sigma_presets_mm[sigma_preset]; }
+  double sigma_mm() const { return wheel_sigma_mm.value_or(sigma_presets_mm[sigma_preset]); }
 };
 
 /// Tools that paint within a circle.
@@ -228,7 +249,10 @@ void scroll_slice(EditorState& state, ViewKind kind, const Document& document, d
 /// Brings the cross-hair to the middle of the nearest voxel, so that slices show what was acquired and no mean of two;
 /// in planes oblique to the voxels it stays where it is.
 void settle_crosshair(EditorState& state, const Document& document);
+/// Changes the chosen preset.
 void set_sigma(EditorState& state, double sigma_mm);
+/// Takes another σ for now; the presets stay.
+void turn_sigma(EditorState& state, double sigma_mm);
 
 /// What to call a case and what is written from it: as its file is called, else as its image.
 std::string case_name(const std::filesystem::path& file, const Document& document);
@@ -236,6 +260,11 @@ std::string case_name(const std::filesystem::path& file, const Document& documen
 std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document);
 /// The next landmark of the template that the shape has no place for; empty where all are placed.
 std::string next_unplaced_landmark(const Document& document, const std::string& after = {});
+
+/// The landmark that the next click places: the one that was chosen, where the template has it, else the next one that
+/// has no place; empty where all are placed.
+std::string landmark_in_hand(const EditorState& state, const Document& document);
+Situation situation_of(const EditorState& state, const Document& shown);
 
 void add_notice(EditorState& state, Notice notice);
 void add_notice(EditorState& state, std::string text, bool error = true);

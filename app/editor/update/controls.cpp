@@ -12,7 +12,7 @@ constexpr double wheel_zoom = 1.12, wheel_sigma = 1.1, double_click_seconds = 0.
 void turn_wheel(EditorState& state, const InputEvent& event, double steps, const ControlsContext& context,
                 Outbox& out) {
   if (state.drag && std::holds_alternative<StrokeDrag>(*state.drag)) {
-    set_sigma(state, state.sigma_mm() * std::pow(wheel_sigma, steps));
+    turn_sigma(state, state.sigma_mm() * std::pow(wheel_sigma, steps));
     std::get<StrokeDrag>(*state.drag).stroke.sigma_mm = state.sigma_mm();
     if (const auto action = drag_action(state)) out.preview(action);
     return;
@@ -105,6 +105,7 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
 }
 
 void handle_event(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
+  state.active = true;
   const double last_x_px = state.hover ? state.hover->x_px : event.x_px;
   const double last_y_px = state.hover ? state.hover->y_px : event.y_px;
   // What the pointer is over is looked up once: before a press or a drag that needs it, else after what the event did.

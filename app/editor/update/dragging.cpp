@@ -83,8 +83,8 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
       state.drag = LandmarkDrag{hover.view, known->first, known->second, known->second - *hover.p_mm, false};
       return;
     }
-    if (!state.landmark.empty()) {
-      state.drag = LandmarkDrag{hover.view, state.landmark, *hover.p_mm};
+    if (const std::string name = landmark_in_hand(state, context.document); !name.empty()) {
+      state.drag = LandmarkDrag{hover.view, name, *hover.p_mm};
       out.preview(drag_action(state));
       return;
     }

@@ -19,6 +19,7 @@
 #include "app/editor/work/snaps.h"
 #include "app/editor/work/study_appearance.h"
 #include "app/editor/work/template_maker.h"
+#include "app/editor/work/worklist.h"
 #include "core/base/picture_io.h"
 
 namespace homolog {
@@ -48,6 +49,7 @@ struct Work {
   StudyAppearance study_appearance;
   ModelHelp model_help;
   Models models;
+  Worklist worklist;
   QualityMonitor quality;
   Recovery recovery;
 

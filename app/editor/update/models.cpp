@@ -165,7 +165,11 @@ void Models::open_case(const OpenCaseOfStudy& command, EditorState& state, const
   if (!is_case_file(one->file)) return repair_case(*one, command, state);
   models.repair = RepairPlace{one->file, one->frame, command.vertex};
   models.shown = false;
-  if (snapshot.file != one->file) return out.send(OpenFiles{{one->file}});
+  if (snapshot.file != one->file) {
+    OpenRequested open = open_case_file(one->file);
+    open.request.labels = one->labels;
+    return out.send(std::move(open));
+  }
   if (const auto frame = show_repair(state, snapshot)) out.send(ShowFrame{*frame});
 }
 
@@ -243,8 +247,10 @@ void Models::build(EditorState& state, const Snapshot& snapshot) {
   built_revision_ = models.shapes_revision;
   built_alignment_ = models.alignment;
   built_document_ = open_document(models, snapshot);
+  std::vector<StudyCase> cases = models.study.cases;
+  std::erase_if(cases, [](const StudyCase& one) { return one.waits(); });  // they have no shape of their own
   StudyModelRequest request{
-      models.study.cases, models.study.template_file, models.alignment, models.files, built_document_, snapshot.file};
+      std::move(cases), models.study.template_file, models.alignment, models.files, built_document_, snapshot.file};
   builder_.start("The study's model",
                  [request = std::move(request)](Progress& progress) { return build_study_model(request, progress); });
 }

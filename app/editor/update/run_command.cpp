@@ -17,12 +17,14 @@ Work::Work(const std::function<void()>& wake)
       study_appearance(wake),
       model_help(wake),
       models(wake),
+      worklist(wake),
       quality(wake),
       recovery(wake) {}
 
 bool Work::busy() const {
   return opener.busy() || imports.busy() || exports.busy() || template_maker.busy() || fitter.busy() ||
-         propagator.busy() || observers.busy() || study_appearance.busy() || model_help.busy() || models.busy() || snaps.busy();
+         propagator.busy() || observers.busy() || study_appearance.busy() || model_help.busy() || models.busy() ||
+         worklist.busy() || snaps.busy();
 }
 
 bool run_on_state(const Command& command, EditorState& state, const ControlsContext& context, Outbox& out) {

@@ -49,6 +49,25 @@ void ShownCase::start(EditSession session) {
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
   if (displayed_->volume != volume_before) close_labels();
+  kept_window_ = snapshot_->kept.window;
+  if (!kept_window_ && displayed_->volume) {
+    const auto [low, high] = default_window(*displayed_->volume);
+    kept_window_ = {low, high};
+  }
+}
+
+bool ShownCase::template_is_mirrored() const {
+  const auto& now = snapshot_->document->the_template;
+  if (!now || !loaded_template_ || now->topology == loaded_template_->topology) return false;
+  return now->topology->triangles() != loaded_template_->topology->triangles();
+}
+
+void ShownCase::keep_window(const EditorState& state) {
+  const std::array<double, 2> shown{state.window_low, state.window_high};
+  const bool being_changed = state.drag && std::holds_alternative<WindowLevelDrag>(*state.drag);
+  if (being_changed || !displayed_->volume || kept_window_ == shown || !(shown[0] < shown[1])) return;
+  kept_window_ = shown;
+  session_->apply(Note{"window", shown, {}}, true);
 }
 
 void ShownCase::close() {
@@ -62,6 +81,8 @@ bool ShownCase::update_snapshot(EditorState& state) {
   const bool changed = latest != snapshot_, done = latest->committed != snapshot_->committed;
   const bool renamed = latest->file != snapshot_->file;
   let_go_of_regions(state, *snapshot_->document, *latest->document);
+  if (latest->jobs_done != snapshot_->jobs_done || latest->message != snapshot_->message)
+    state.said_in = situation_of(state, *latest->shown);
   snapshot_ = latest;
   if (renamed) remember_case(state, *snapshot_);
   keep_on_disk(state);

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,8 +47,14 @@ class ShownCase {
   ShownMesh& mesh() const { return mesh_; }
   /// Counts the cases that were on the screen.
   std::uint64_t number() const { return number_; }
-  /// As its file holds it: the case may have mirrored it.
+  /// As its file holds it: the case may have mirrored it. Where the case saved it as painted, that file.
   const std::shared_ptr<const Template>& loaded_template() const { return loaded_template_; }
+  /// Goes on with the template of a file to which the case saved it.
+  void adopt_template(std::shared_ptr<const Template> saved) { loaded_template_ = std::move(saved); }
+  /// Whether the case's template is that of the other side than the one that was loaded.
+  bool template_is_mirrored() const;
+  /// Writes down which grey values are shown, where they are other than the case says.
+  void keep_window(const EditorState& state);
 
   /// Takes in what the session did. What of the state spoke of what is gone by now is let go. True where the shown
   /// mesh moved.
@@ -68,6 +76,7 @@ class ShownCase {
   std::shared_ptr<const Document> displayed_;
   std::shared_ptr<const Document> tried_to_keep_;  ///< the last for which a journal was asked
   std::shared_ptr<const Template> loaded_template_;
+  std::optional<std::array<double, 2>> kept_window_;  ///< as the case says, or as an image is shown at first
   ShownLabels labels_;
   mutable ShownMesh mesh_;  ///< what is remembered of `displayed_`
 };

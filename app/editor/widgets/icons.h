@@ -18,6 +18,7 @@ inline constexpr const char* place = "\xef\x81\x87";        // arrows f047
 inline constexpr const char* landmark = "\xef\x89\xb6";     // map-pin f276
 inline constexpr const char* stiffness = "\xef\x87\xbc";    // paint-brush f1fc
 inline constexpr const char* confirm = "\xef\x80\xa3";      // lock f023
+inline constexpr const char* unlocked = "\xef\x82\x9c";     // unlock f09c
 inline constexpr const char* ruler = "\xef\x81\xbd";        // arrows-v f07d
 inline constexpr const char* close = "\xef\x80\x8d";        // times f00d
 inline constexpr const char* check = "\xef\x80\x8c";        // check f00c

@@ -33,35 +33,6 @@ Result<std::shared_ptr<const AllowedShapes>> allowed_shapes(const Template& the_
   return std::make_shared<const AllowedShapes>(std::move(*allowed));
 }
 
-Result<Fitted> fitted(const Document& document, const NamedLabels& labels, const FitSettings& settings,
-                      const ModelOfFit& model, FitOptions& options) {
-  const Template& the_template = *document.the_template;
-  auto allowed = allowed_shapes(the_template, model, settings.beyond);
-  if (!allowed) return fail(allowed.error());
-  options.allowed = *allowed;
-  const int frame = std::min(document.frame, labels.volume->frames - 1);
-  auto boundary =
-      label_boundary(*labels.volume, settings.label, frame, settings.closing_mm, the_template.points.rows());
-  if (!boundary) return fail(labels.name, boundary.error().what);
-  auto fit = fit_document(document, *boundary, settings.as_placed, options);
-  if (!fit) return fail(labels.name, fit.error().what);
-  const FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
-  Fitted done;
-  done.agreement = judgement.agreement;
-  for (const std::string& warning : judgement.warnings) done.remarks.push_back(as_sentence(warning));
-  if (fit->result.allowed.size() > 0) {
-    const double model_mm = mean_surface_distance_mm({the_template.topology, fit->result.allowed}, boundary->surface);
-    const double beyond_mm = (fit->result.mesh.points - fit->result.allowed).rowwise().norm().mean();
-    char remark[160];
-    std::snprintf(remark, sizeof remark,
-                  "The model alone comes within %.2f mm of the label. The mesh lies %.2f mm beyond it on average.",
-                  model_mm, beyond_mm);
-    done.remarks.emplace_back(remark);
-  }
-  done.edit = std::move(fit->action);
-  return done;
-}
-
 Result<Fitted> refined(const Document& document, Progress& progress) {
   auto refinement = refine_document(document, &progress);
   if (!refinement) return fail(refinement.error());
@@ -81,6 +52,36 @@ Result<Fitted> refined(const Document& document, Progress& progress) {
 
 }  // namespace
 
+Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels, const FitSettings& settings,
+                             const ModelOfFit& model, FitOptions options) {
+  const Template& the_template = *document.the_template;
+  auto allowed = allowed_shapes(the_template, model, settings.beyond);
+  if (!allowed) return fail(allowed.error());
+  options.allowed = *allowed;
+  const int frame = std::min(document.frame, labels.volume->frames - 1);
+  auto boundary =
+      label_boundary(*labels.volume, settings.label, frame, settings.closing_mm, the_template.points.rows());
+  if (!boundary) return fail(labels.name, boundary.error().what);
+  auto fit = fit_document(document, *boundary, settings.as_placed, options);
+  if (!fit) return fail(labels.name, fit.error().what);
+  const FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
+  Fitted done;
+  done.agreement = judgement.agreement;
+  done.doubtful = judgement.doubtful;
+  for (const std::string& warning : judgement.warnings) done.remarks.push_back(as_sentence(warning));
+  if (fit->result.allowed.size() > 0) {
+    const double model_mm = mean_surface_distance_mm({the_template.topology, fit->result.allowed}, boundary->surface);
+    const double beyond_mm = (fit->result.mesh.points - fit->result.allowed).rowwise().norm().mean();
+    char remark[160];
+    std::snprintf(remark, sizeof remark,
+                  "The model alone comes within %.2f mm of the label. The mesh lies %.2f mm beyond it on average.",
+                  model_mm, beyond_mm);
+    done.remarks.emplace_back(remark);
+  }
+  done.edit = std::move(fit->action);
+  return done;
+}
+
 void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings,
                        const ModelOfFit& model) {
   document_ = document;
@@ -96,7 +97,7 @@ void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels lab
       }
       wake();
     };
-    return fitted(*document, labels, settings, model, options);
+    return fit_to_labels(*document, labels, settings, model, options);
   });
 }
 

@@ -29,6 +29,11 @@ struct ModelOfFit {
   std::shared_ptr<const ShapeModel> model;  ///< one that was read from a file, which goes before
 };
 
+/// Fits the template of a case to a label, and judges what came of it. Errors: those of the label map, of the model and
+/// of the fit.
+Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels, const FitSettings& settings,
+                             const ModelOfFit& model, FitOptions options);
+
 /// Fits the shown frame's template to a label, or to the surface that the mesh has already (see refine), on a thread of
 /// its own. Called from the window's thread only.
 class Fitter {

@@ -25,26 +25,9 @@ bool ends_with_any(const fs::path& path, const std::vector<std::string>& extensi
   return std::any_of(extensions.begin(), extensions.end(), [&](const auto& e) { return name.ends_with(e); });
 }
 
-/// Whether all values are whole numbers from 0 to 255, and few of them.
-bool holds_labels(const Volume& volume) {
-  constexpr std::size_t most_labels = 32;
-  const auto* real = std::get_if<std::vector<float>>(&volume.data);
-  const bool whole =
-      real == nullptr || std::all_of(real->begin(), real->end(), [](float v) { return v == std::floor(v); });
-  if (!whole || volume.range_min < 0 || volume.range_max > 255) return false;
-  for (int frame = 0; frame < volume.frames; ++frame)
-    if (labels_of(volume, frame).size() > most_labels) return false;
-  return true;
-}
-
 /// Whether a volume holds labels for the image, on the same voxels.
 bool is_label_map_on(const Volume& volume, const Volume& image) {
-  const auto& a = volume.geometry;
-  const auto& b = image.geometry;
-  const bool same_voxels = a.dims == b.dims && a.spacing_mm.isApprox(b.spacing_mm, 1e-3) &&
-                           a.direction.isApprox(b.direction, 1e-3) &&
-                           (a.origin_mm - b.origin_mm).norm() < 0.1 * b.spacing_mm.minCoeff();
-  return same_voxels && (volume.frames == 1 || volume.frames == image.frames) && holds_labels(volume);
+  return on_same_voxels(volume, image) && holds_labels(volume);
 }
 
 /// The sentence where a second volume cannot be the label map of the first.
@@ -135,6 +118,31 @@ Result<void> open_volume(Opened& opened, Progress& progress) {
   return {};
 }
 
+Result<void> read_labels(Opened& opened, Progress& progress) {
+  VolumeReadOptions options;
+  options.progress = &progress;
+  auto read = read_volume(opened.request.labels, options);
+  if (!read) return fail(read.error());
+  opened.warnings.insert(opened.warnings.end(), read->warnings.begin(), read->warnings.end());
+  take_labels(opened, std::move(read->volume));
+  return {};
+}
+
+/// The template that a case was saved to: where it was, or beside the case's file where the folder was moved.
+void load_saved_template(Opened& opened) {
+  const fs::path& saved = opened.opened_case->session.kept().template_file;
+  if (saved.empty()) return;
+  std::error_code ignored;
+  const fs::path beside = opened.request.case_file.parent_path() / saved.filename();
+  auto read = load_template((fs::exists(saved, ignored) ? saved : beside).string());
+  if (read)
+    opened.the_template = std::move(*read);
+  else
+    opened.warnings.push_back("The template of this case was saved as " + saved.string() +
+                              ", which cannot be read now. The next image comes with the template that the case began "
+                              "with.");
+}
+
 Result<void> open_parts(Opened& opened, Progress& progress) {
   OpenRequest& request = opened.request;
   if (request.demo) {
@@ -164,7 +172,8 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
       opened.warnings.push_back(request.case_file.string() +
                                 " is read-only. What you change is kept as a case of its own; save it elsewhere.");
     opened.opened_case = std::move(*read);
-    return {};
+    load_saved_template(opened);
+    return request.labels.empty() ? Result<void>() : read_labels(opened, progress);
   }
   if (!request.volume_source.empty()) {
     if (auto done = open_volume(opened, progress); !done) return fail(done.error());
@@ -175,18 +184,29 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     if (!the_template) return fail(the_template.error());
     opened.the_template = std::move(*the_template);
   }
-  if (!request.labels.empty() && !opened.labels) {
-    VolumeReadOptions options;
-    options.progress = &progress;
-    auto read = read_volume(request.labels, options);
-    if (!read) return fail(read.error());
-    opened.warnings.insert(opened.warnings.end(), read->warnings.begin(), read->warnings.end());
-    take_labels(opened, std::move(read->volume));
-  }
-  return {};
+  return request.labels.empty() || opened.labels ? Result<void>() : read_labels(opened, progress);
 }
 
 }  // namespace
+
+bool holds_labels(const Volume& volume) {
+  constexpr std::size_t most_labels = 32;
+  const auto* real = std::get_if<std::vector<float>>(&volume.data);
+  const bool whole =
+      real == nullptr || std::all_of(real->begin(), real->end(), [](float v) { return v == std::floor(v); });
+  if (!whole || volume.range_min < 0 || volume.range_max > 255) return false;
+  for (int frame = 0; frame < volume.frames; ++frame)
+    if (labels_of(volume, frame).size() > most_labels) return false;
+  return true;
+}
+
+bool on_same_voxels(const Volume& volume, const Volume& image) {
+  const auto& a = volume.geometry;
+  const auto& b = image.geometry;
+  return a.dims == b.dims && a.spacing_mm.isApprox(b.spacing_mm, 1e-3) && a.direction.isApprox(b.direction, 1e-3) &&
+         (a.origin_mm - b.origin_mm).norm() < 0.1 * b.spacing_mm.minCoeff() &&
+         (volume.frames == 1 || volume.frames == image.frames);
+}
 
 Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
   OpenRequest request;

@@ -18,13 +18,18 @@ namespace homolog {
 /// is which is seen when they are read. Errors: more than one of a kind, a case with a template or two volumes.
 Result<OpenRequest> sort_files(const std::vector<std::filesystem::path>& paths);
 
+/// Whether all values are whole numbers from 0 to 255, and few of them.
+bool holds_labels(const Volume& volume);
+/// Whether the voxels of a label map are those of an image; of neither the values are looked at.
+bool on_same_voxels(const Volume& volume, const Volume& image);
+
 struct Opened {
   OpenRequest request;
   std::optional<CaseRead> opened_case;
   std::optional<Document> demo;
   std::optional<Guide> guide;  ///< of the first case
   std::shared_ptr<const Volume> volume;
-  std::shared_ptr<const Template> the_template;
+  std::shared_ptr<const Template> the_template;  ///< beside a case: the one that it saved; null where it saved none
   std::shared_ptr<const Volume> labels;
   std::vector<int> label_values;  ///< those that `labels` holds, without 0
   std::vector<std::string> warnings;

@@ -8,17 +8,32 @@ namespace {
 
 constexpr const char* not_true = "\"undo\" and \"redo\" take true";
 
+void spell_note(Fields& line, Note& note) {
+  line.member("note", note.text);
+  std::vector<double> window;
+  if (note.window) window.assign(note.window->begin(), note.window->end());
+  line.optional("window", window, note.window.has_value());
+  if (line.reads() && !window.empty()) {
+    if (window.size() != 2 || !(window[0] < window[1])) throw Unreadable{"\"window\" is not two ascending numbers"};
+    note.window = {window[0], window[1]};
+  }
+  line.optional("template_file", note.template_file, !note.template_file.empty());
+}
+
 }  // namespace
 
 const ActionKind<Note>& action_kind(const Note&) {
   static constexpr ActionKind<Note> kind{
       .key = "note",
       .example = R"({"note":"a first stroke"})",
-      .meaning = "a remark",
+      .meaning =
+          "a remark. It may say how the case is shown, which is no step and which no undo takes back: "
+          "`\"window\":[-160,240]` are the image's values that are black and white, `\"template_file\"` is where the "
+          "template was saved as it is painted. The last of each counts",
       .role = LineRole::note,
       .needs_mesh = false,
       .name = [](const Note&) -> std::string { return "note"; },
-      .spell = [](Fields& line, Note& note) { line.member("note", note.text); },
+      .spell = spell_note,
       .apply = [](const Note&, Edit&) -> Result<EditReport> { return EditReport{}; }};
   return kind;
 }

@@ -1,9 +1,11 @@
 #include "core/case/actions/landmarks.h"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "core/case/actions/fields.h"
+#include "core/case/held_landmarks.h"
 #include "core/case/placing.h"
 #include "core/mesh/surface_search.h"
 
@@ -26,7 +28,19 @@ Result<EditReport> apply_landmark(const PlaceLandmark& action, Edit& edit) {
     shape.landmarks.insert_or_assign(action.name, *action.at);
   else
     shape.landmarks.erase(action.name);
-  return carry_to_landmarks(*edit.before.the_template, edit.before.landmark_pull, edit.before.weighs_landmarks, shape);
+  const Template& the_template = *edit.before.the_template;
+  const auto& known = edit.before.shape().landmarks;
+  const auto before = known.find(action.name);
+  if (edit.before.holds_landmarks && action.at && before != known.end() && before->second == *action.at) {
+    // It stays where it is: to hold the mesh there, or to let it go, is what is asked for.
+    for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
+      if (the_template.landmarks[l].name != action.name) continue;
+      if (action.held && !landmark_hold(the_template, l, shape).met) continue;
+      hold_landmark(the_template, l, action.held, shape);
+      return EditReport{};
+    }
+  }
+  return carry_to_landmarks(the_template, edit.before.landmark_pull, edit.before.weighs_landmarks, shape);
 }
 
 Result<EditReport> apply_landmark_pull(const SetLandmarkPull& action, Edit& edit) {
@@ -64,6 +78,7 @@ void spell_landmark(Fields& line, A& action) {
   Fields landmark = line.object(action_kind(action).key);
   landmark.member("name", action.name);
   landmark.or_null("at", action.at);
+  if constexpr (std::is_same_v<A, PlaceLandmark>) landmark.optional("held", action.held, !action.held);
 }
 
 }  // namespace
@@ -72,8 +87,11 @@ const ActionKind<PlaceLandmark>& action_kind(const PlaceLandmark&) {
   static constexpr ActionKind<PlaceLandmark> kind{
       .key = "landmark",
       .example = R"({"landmark":{"name":"hilum","at":[-21,20,-9]}})",
-      .meaning = "places a landmark; `\"at\":null` takes it away",
-      .name = [](const PlaceLandmark& action) { return "landmark " + action.name; },
+      .meaning =
+          "places a landmark; `\"at\":null` takes it away. In a case whose first line has `\"held_landmarks\":true` "
+          "the "
+          "mesh is held from then on where it meets the landmark, and `\"held\":false` lets it go there",
+      .name = [](const PlaceLandmark& action) { return (action.held ? "landmark " : "release of ") + action.name; },
       .spell = spell_landmark<PlaceLandmark>,
       .apply = apply_landmark};
   return kind;

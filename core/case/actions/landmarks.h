@@ -11,6 +11,7 @@ namespace homolog {
 struct PlaceLandmark {
   std::string name;
   std::optional<Vec3> at;
+  bool held = true;  ///< false: the mesh is let go there, where the case holds it
   bool operator==(const PlaceLandmark&) const = default;
 };
 const ActionKind<PlaceLandmark>& action_kind(const PlaceLandmark&);

@@ -51,13 +51,20 @@ TEST_CASE("the wheel changes the reach during a drag and the slice otherwise") {
   desk.send(MousePress{}, at.x(), at.y());
   desk.send(MouseMove{}, at.x() - 10, at.y());
   const double sigma_mm = desk.state.sigma_mm();
+  const auto presets_mm = desk.state.sigma_presets_mm;
   desk.send(Wheel{1}, at.x() - 10, at.y());
   CHECK(desk.state.sigma_mm() > sigma_mm);
+  CHECK(desk.state.sigma_presets_mm == presets_mm);
   CHECK(desk.state.crosshair_mm == before);
   desk.send(MouseRelease{}, at.x() - 10, at.y());
   CHECK(std::get<Stroke>(desk.sent<ApplyEdit>().at(0).action).sigma_mm == desk.state.sigma_mm());
   desk.send(Wheel{1}, at.x(), at.y());
   CHECK(desk.state.crosshair_mm.z() - before.z() == doctest::Approx(1.5));
+  // A preset comes back as it was, until it is changed on purpose.
+  desk.press('2');
+  CHECK(desk.state.sigma_mm() == sigma_mm);
+  desk.give(SetSigma{7});
+  CHECK(desk.state.sigma_presets_mm[1] == 7);
 }
 
 TEST_CASE("scrolling stops at the ends of the image") {

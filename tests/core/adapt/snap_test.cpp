@@ -303,6 +303,20 @@ TEST_CASE("a beat whose end the scanner left out is a cycle and half a beat is n
   CHECK_FALSE(propagate(beat(20), 0, first, ones)->cycle);
 }
 
+TEST_CASE("a beat whose volumes close up is a cycle though the image at its end is another") {
+  // Contrast medium comes in: the last frame is as large as the first, and twice as bright inside.
+  std::vector<Blob> blobs(10);
+  for (std::size_t f = 0; f < blobs.size(); ++f) {
+    blobs[f].radii_mm *= 0.85 + 0.15 * std::cos(2 * 3.14159265 * static_cast<double>(f) / 9);
+    blobs[f].inside *= 1 + static_cast<double>(f) / 9;
+  }
+  const Mesh first = blob_mesh(Blob{}.radii_mm);
+  const auto found = propagate(blob_image(blobs, 2.5, 40), 0, first, VertexScalars::Ones(first.points.rows())).value();
+  CHECK(found.cycle);
+  CHECK(found.frames[9].volume_ml == doctest::Approx(found.frames[0].volume_ml).epsilon(0.05));
+  CHECK(found.frames[5].disagreement_mm.has_value());
+}
+
 TEST_CASE("five gestures lay the built-in kidney on one in a CT of 3 mm voxels") {
   const auto folder = real_data();
   if (folder.empty()) return;

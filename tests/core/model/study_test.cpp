@@ -62,6 +62,34 @@ TEST_CASE("a study reads back as it was written and is readable text") {
   CHECK(text.find(folder.path.string()) == std::string::npos);
 }
 
+TEST_CASE("a study keeps what its worklist knows and goes to cases in doubt first") {
+  const TemporaryFolder folder;
+  const fs::path path = some_study(folder);
+  Study study = read_study(path).value().study;
+  StudyCase waiting{"Cleo", folder.path / "s/a/a.homolog"};
+  waiting.from_scan = true;
+  waiting.labels = folder.path / "s/maps/c.nii";
+  study.cases.push_back(waiting);
+  StudyCase doubtful = waiting;
+  doubtful.name = "Dora";
+  doubtful.state = CaseState::in_work;
+  doubtful.doubt = "Only 80 % of the label is met.";
+  doubtful.seconds = 61.25;
+  doubtful.gestures = 14;
+  study.cases.push_back(doubtful);
+  REQUIRE(write_study(study, path));
+  const Study again = read_study(path).value().study;
+  CHECK(again.cases[3].waits());
+  CHECK(again.cases[3].labels == waiting.labels);
+  CHECK_FALSE(again.cases[4].waits());
+  CHECK(again.cases[4].doubt == doubtful.doubt);
+  CHECK(again.cases[4].gestures == 14);
+  CHECK(again.cases[4].seconds == doctest::Approx(61.3));
+  CHECK(again.next_case() == 4);
+  CHECK(again.next_case(4) == 1);
+  CHECK(read_whole_file(path).value().find("\"labels\": \"maps/c.nii\"") != std::string::npos);
+}
+
 TEST_CASE("a study that was moved as a whole finds its cases again") {
   const TemporaryFolder folder;
   some_study(folder);

@@ -311,6 +311,46 @@ TEST_CASE("after kill minus nine at any moment everything shown as done is resto
   CHECK(done_before > 0);
 }
 
+TEST_CASE("the window and the saved template are kept with a case and no undo takes them back") {
+  const CaseFolder folder;
+  HistoryLimits limits;
+  limits.replayed_steps = 2;  // so that what is kept lies before a checkpoint too
+  {
+    EditSession session = create_case(folder.document(), folder.case_path, limits).value();
+    CHECK_FALSE(session.kept().window);
+    REQUIRE(session.apply(Note{"window", std::array{0.0, 100.0}, {}}, true));
+    REQUIRE(session.apply(Note{"the template was saved", std::nullopt, "/far/mine.ply"}));
+    CHECK_FALSE(session.can_undo());
+    for (int k = 0; k < 6; ++k) REQUIRE(session.apply(pull(pole, Vec3(0, 0, 45 + k))));
+    REQUIRE(session.apply(Note{"window", std::array{-160.0, 240.0}, {}}, true));
+    for (int k = 0; k < 6; ++k) REQUIRE(session.apply(pull(-pole, Vec3(0, 0, -45 - k))));
+    REQUIRE(session.apply(Undo{}));
+    CHECK(*session.kept().window == std::array{-160.0, 240.0});
+  }
+  CHECK(folder.text().find("checkpoint") != std::string::npos);
+  for (const bool from_checkpoint : {false, true}) {
+    ReplayOptions options;
+    options.from_checkpoint = from_checkpoint;
+    const auto read = read_case(folder.case_path, options);
+    REQUIRE(read);
+    CHECK(*read->session.kept().window == std::array{-160.0, 240.0});
+    CHECK(read->session.kept().template_file == "/far/mine.ply");
+  }
+  folder.append("{\"note\":\"window\",\"window\":[3,1]}\n");
+  CHECK(says(read_case(folder.case_path), "two ascending numbers"));
+}
+
+TEST_CASE("a case of which only the window was changed is no unsaved work") {
+  const CaseFolder folder;
+  const EnvironmentVariable state("XDG_STATE_HOME", folder.folder.path);
+  {
+    auto session = create_unsaved_case(folder.document()).value();
+    REQUIRE(session.apply(Note{"window", std::array{0.0, 100.0}, {}}, true));
+  }
+  REQUIRE(unsaved_cases().size() == 1);
+  CHECK_FALSE(unsaved_cases().front().edited);
+}
+
 TEST_CASE("unsaved cases are offered once they hold an action and are not open") {
   const CaseFolder folder;
   const EnvironmentVariable state("XDG_STATE_HOME", folder.folder.path);

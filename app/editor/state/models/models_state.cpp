@@ -57,6 +57,7 @@ std::vector<std::size_t> listed_cases(const ModelsState& state) {
   const auto before = [&](std::size_t a, std::size_t b) {
     switch (state.sorted_by) {
       case CaseColumn::study:
+        if (cases[a].doubt.empty() != cases[b].doubt.empty()) return cases[b].doubt.empty();  // the doubtful ones first
         return a < b;
       case CaseColumn::name:
         return lower_case(cases[a].name) < lower_case(cases[b].name);
@@ -84,6 +85,12 @@ void sort_by(ModelsState& state, CaseColumn column) {
     state.sorted_by = CaseColumn::study;
     state.descending = false;
   }
+}
+
+std::size_t waiting_cases(const ModelsState& state) {
+  const auto& cases = state.study.cases;
+  return static_cast<std::size_t>(std::count_if(
+      cases.begin(), cases.end(), [](const StudyCase& one) { return one.waits() && !one.labels.empty(); }));
 }
 
 std::size_t add_cases(ModelsState& state, const std::vector<fs::path>& files) {

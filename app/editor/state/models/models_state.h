@@ -90,6 +90,10 @@ struct ModelsState {
   double exporting_fraction = 0;
 
   std::optional<RepairPlace> repair;
+
+  bool listing = false;  ///< scans are read or fitted
+  std::string listing_what;
+  double listing_fraction = 0;
 };
 
 /// The cases to list, as indices into the study: those whose name, group or notes hold the filter, sorted.
@@ -104,6 +108,8 @@ ListedSizes listed_sizes(const ModelsState& state);
 std::optional<double> distance_mm(const ModelsState& state, const StudyCase& one);
 void sort_by(ModelsState& state, CaseColumn column);
 
+/// Cases that wait for a fit to their label map.
+std::size_t waiting_cases(const ModelsState& state);
 /// Adds files as cases, named after them (with -2, -3, … where a name is taken); a file that is a case already is left.
 /// Gives the number of cases added.
 std::size_t add_cases(ModelsState& state, const std::vector<std::filesystem::path>& files);

@@ -67,6 +67,7 @@ void OpenRequested::spell(Fields& line) {
   named("series", request.volume_options.series_uid);
   line.optional("stack_spacing_mm", request.volume_options.stack_spacing_mm);
   named("template", request.template_source);
+  line.optional("in_place", request.template_in_place, request.template_in_place);
   named("labels", request.labels);
   std::optional<Organ> organ;
   int subject = 1;
@@ -167,9 +168,7 @@ void ExportLandmarks::run(Editing& editing) const {
 }
 
 void ExportTemplate::run(Editing& editing) const {
-  write_beside(editing, path, [file = painted_template(as_done(editing))](const auto& to, Progress&) {
-    return write_mesh_file(file, to);
-  });
+  save_template(editing, path);
 }
 
 void ExportTemplateLandmarks::run(Editing& editing) const {

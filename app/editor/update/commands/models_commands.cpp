@@ -6,6 +6,7 @@
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/imports.h"
+#include "app/editor/update/results/worklist.h"
 #include "core/base/files.h"
 #include "core/model/landmark_table.h"
 #include "core/model/statismo.h"
@@ -158,9 +159,28 @@ void AddCases::spell(Fields& line) {
 }
 void AddCases::run(Editing& editing) const {
   ModelsState& models = editing.state.models;
+  std::error_code ignored;
+  if (paths.size() == 1 && std::filesystem::is_directory(paths.front(), ignored))
+    return add_scans(editing, paths.front());  // dropped on the window
   if (add_cases(models, paths) == 0) add_notice(editing.state, "These shapes are in the study already.", false);
   if (models.study_file.empty()) models.study_file = new_study_file();
   if (editing.state.dialog && !paths.empty()) editing.state.preferences.folder = paths.front().parent_path();
+}
+
+void AddScans::run(Editing& editing) const {
+  add_scans(editing, path);
+}
+
+void FitWaiting::run(Editing& editing) const {
+  fit_waiting(editing);
+}
+
+void CancelWorklist::run(Editing& editing) const {
+  cancel_worklist(editing);
+}
+
+void OpenNextCase::run(Editing& editing) const {
+  open_next_case(editing);
 }
 
 void OpenCaseOfStudy::spell(Fields& line) {

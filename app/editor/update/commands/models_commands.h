@@ -120,6 +120,26 @@ struct AddCases {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
+/// Makes a case for every scan and label map in a folder; a file stands for the folder that it lies in.
+struct AddScans : FileCommand {
+  static constexpr const char* key = "add scans";
+  void run(Editing& editing) const;
+};
+/// Fits the cases that wait to their label maps.
+struct FitWaiting {
+  static constexpr const char* key = "fit waiting";
+  void run(Editing& editing) const;
+};
+struct CancelWorklist {
+  static constexpr const char* key = "cancel worklist";
+  static constexpr Logged logged = Logged::never;
+  void run(Editing& editing) const;
+};
+/// The case on the screen is done, and the next one of the study is opened.
+struct OpenNextCase {
+  static constexpr const char* key = "open next case";
+  void run(Editing& editing) const;
+};
 /// Opens a case of the study in the case mode, at a vertex with the Slide tool where one is given; a mesh becomes a
 /// case file first.
 struct OpenCaseOfStudy {

@@ -28,6 +28,7 @@ void ChooseSigma::spell(Fields& line) {
 }
 void ChooseSigma::run(EditorState& state, const ControlsContext&, Outbox& out) const {
   state.sigma_preset = std::min(preset, state.sigma_presets_mm.size() - 1);
+  state.wheel_sigma_mm.reset();
   if (!state.drag) return;
   if (auto* stroke = std::get_if<StrokeDrag>(&*state.drag)) {
     stroke->stroke.sigma_mm = state.sigma_mm();

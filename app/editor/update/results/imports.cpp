@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/base/paths.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/surface_search.h"
 #include "core/model/statismo.h"
@@ -143,6 +145,25 @@ void import_template_landmarks(Editing& editing, const std::filesystem::path& pa
       });
 }
 
+void save_template(Editing& editing, const std::filesystem::path& path) {
+  // Read back beside the window: the next image comes with what the file holds.
+  const auto saved = std::make_shared<std::shared_ptr<const Template>>();
+  const auto write = [file = painted_template(*editing.shown.snapshot().document), path, saved](Progress&) {
+    if (auto written = write_mesh_file(file, path); !written) return written;
+    auto read = load_template(path.string());
+    if (!read) return Result<void>(fail(read.error()));
+    *saved = std::move(*read);
+    return Result<void>();
+  };
+  editing.work.exports.start(path, write, [&editing, saved, path, number = editing.shown.number()] {
+    if (number != editing.shown.number()) return;  // another case is open by now
+    editing.shown.adopt_template(*saved);
+    editing.shown.session().apply(Note{"the template was saved", std::nullopt, absolute_path(path).string()});
+    add_notice(editing.state, "The case goes on with " + path.filename().string() + ", and so do the next images.",
+               false);
+  });
+}
+
 void use_made_template(Editing& editing, const std::filesystem::path& path) {
   const auto making = editing.work.template_maker.latest();
   if (!making || !making->mesh) return;
@@ -151,7 +172,9 @@ void use_made_template(Editing& editing, const std::filesystem::path& path) {
       // Whoever takes the result does this, on the window's thread, while the editor lives.
       [&editing, making, path] {
         if (editing.work.template_maker.latest() == making) close_template_making(editing);  // no other was begun
-        editing.out.send(open_template(path.string()));
+        OpenRequested open = open_template(path.string());
+        open.request.template_in_place = true;
+        editing.out.send(std::move(open));
       });
 }
 

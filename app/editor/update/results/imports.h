@@ -14,7 +14,9 @@ void import_landmarks(Editing& editing, const std::filesystem::path& path);
 void import_stiffness(Editing& editing, const std::filesystem::path& path);
 void import_template_landmarks(Editing& editing, const std::filesystem::path& path);
 
-/// Writes the template that was made, and starts anew with it.
+/// Writes the template as it is painted; from then on it is the case's, and that of the images that are opened next.
+void save_template(Editing& editing, const std::filesystem::path& path);
+/// Writes the template that was made, and starts anew with it where it was made.
 void use_made_template(Editing& editing, const std::filesystem::path& path);
 /// Shows the case's mesh again.
 void close_template_making(Editing& editing);

@@ -1,5 +1,8 @@
 #include "app/editor/update/results/opening.h"
 
+#include <array>
+#include <tuple>
+
 #include "core/catalogue/catalogue.h"
 #include "core/session/unsaved_cases.h"
 
@@ -8,6 +11,7 @@ namespace homolog {
 namespace {
 
 void start_document(Editing& editing, Document document) {
+  document.holds_landmarks = true;
   const bool edited = editing.shown.snapshot().can_undo;
   const std::filesystem::path before = editing.shown.snapshot().file;
   auto session = create_unsaved_case(document);
@@ -36,6 +40,30 @@ void offer_flip(EditorState& state, const Document& document) {
   state.dialog = FlipDialog{name, flip, flipped};
 }
 
+/// Whether a template lies on the image as its own coordinates say.
+bool lies_on(const std::shared_ptr<const Template>& the_template, const std::shared_ptr<const Volume>& volume) {
+  return the_template && volume && volume->geometry.bounds_mm().intersects(bounds_of(the_template->points));
+}
+
+/// Where the views look.
+struct View {
+  Vec3 crosshair_mm;
+  std::array<SlicePan, 3> slices;
+  Camera3D camera;
+  bool own_planes;
+};
+
+View view_of(const EditorState& state) {
+  return {state.crosshair_mm, state.slices, state.camera, state.own_planes};
+}
+
+void look_as(EditorState& state, const View& view) {
+  state.crosshair_mm = view.crosshair_mm;
+  state.slices = view.slices;
+  state.camera = view.camera;
+  state.own_planes = view.own_planes;
+}
+
 ShownLabels labels_of(const Opened& opened) {
   return {opened.labels, opened.request.labels.filename().string(), opened.label_values};
 }
@@ -49,10 +77,20 @@ void start_with(Editing& editing, Opened opened) {
   const std::string source = new_image ? opened.request.volume_source : now.volume_source;
   // A case's first line names the template's file, so a mirrored one is loaded as it is there and mirrored again.
   const auto the_template = opened.the_template ? opened.the_template : editing.shown.loaded_template();
-  const bool mirrored = !opened.the_template && the_template && the_template->points != now.the_template->points;
+  const bool mirrored = !opened.the_template && editing.shown.template_is_mirrored();
   const bool demo = opened.demo.has_value();
-  start_document(editing, opened.demo ? std::move(*opened.demo) : new_document(source, volume, the_template));
+  const bool in_place = opened.request.template_in_place && !new_image && lies_on(the_template, volume);
+  const View view = view_of(state);
+  const int frame = now.frame;
+  start_document(editing, opened.demo
+                              ? std::move(*opened.demo)
+                              : new_document(source, volume, the_template,
+                                             in_place ? std::optional<Similarity>(Similarity{}) : std::nullopt));
   if (mirrored && !demo) editing.shown.session().apply(MirrorTemplate{});
+  if (in_place) {
+    if (frame > 0) editing.shown.session().apply(SetFrame{frame});
+    look_as(state, view);
+  }
   if (demo && editing.shown.document().volume->modality == "CT") {
     // Soft tissue: what the demo is about.
     state.window_low = -160;
@@ -81,6 +119,8 @@ void start_session(Editing& editing, EditSession session) {
   shown.start(std::move(session));
   const Document& document = shown.document();
   show_document(state, document, editing.layout, !source_before.empty() && document.volume_source == source_before);
+  if (const auto& window = shown.snapshot().kept.window)
+    std::tie(state.window_low, state.window_high) = std::pair((*window)[0], (*window)[1]);
   const Layout& layout = editing.layout;
   state.fit_views_wanted = layout.scale <= 0 || layout.status_line.width <= 0 || layout.models.width > 0;
   if (!state.fit_views_wanted) show_repair(editing);
@@ -107,7 +147,7 @@ void show_opened(Editing& editing, Opened opened) {
     return;
   }
   const OpenRequested command{opened.request};
-  if (opened.labels && !opened.volume) {
+  if (opened.labels && !opened.volume && !opened.opened_case) {
     editing.log.is_done(command);
     return editing.shown.show_labels(labels_of(opened));
   }
@@ -115,10 +155,13 @@ void show_opened(Editing& editing, Opened opened) {
   if (has_unsaved_edits(now) && now.file.empty())
     return add_notice(state, "The case on the screen could not be kept on the disk; save it before opening another.");
   editing.log.is_done(command);
-  if (opened.opened_case)
+  if (opened.opened_case) {
     start_session(editing, std::move(opened.opened_case->session));
-  else
+    if (opened.the_template) editing.shown.adopt_template(std::move(opened.the_template));
+    if (opened.labels) editing.shown.show_labels(labels_of(opened));
+  } else {
     start_with(editing, std::move(opened));
+  }
 }
 
 }  // namespace homolog

@@ -5,6 +5,7 @@
 #include "app/editor/update/results/assistance.h"
 #include "app/editor/update/results/opening.h"
 #include "app/editor/update/results/quitting.h"
+#include "app/editor/update/results/worklist.h"
 
 namespace homolog {
 
@@ -138,6 +139,7 @@ bool take_results(Editing& editing, double seconds) {
   Work& work = editing.work;
   const std::size_t notices_before = state.notices.size();
   const Snapshot* const before = &editing.shown.snapshot();
+  const std::uint64_t committed_before = before->committed;
   if (auto opened = work.opener.take()) {
     if (*opened)
       show_opened(editing, std::move(**opened));
@@ -152,6 +154,8 @@ bool take_results(Editing& editing, double seconds) {
   }
   if (const Document& shown = editing.shown.document(); shown.volume && shown.volume->frames > 1)
     state.volume_curve = volume_curve(shown, state.volume_curve);
+  editing.shown.keep_window(state);
+  count_work(editing, committed_before, seconds);
   bool changed = take_written(editing);
   update_fit(editing);
   update_propagation(editing);
@@ -159,6 +163,7 @@ bool take_results(Editing& editing, double seconds) {
   update_learning(editing);
   changed |= show_snap(editing);
   changed |= work.models.update(state, editing.shown.snapshot(), seconds, editing.out);
+  changed |= take_worklist(editing);
   update_quit(editing);
   changed |= update_quality(editing);
   changed |= take_stage(editing);

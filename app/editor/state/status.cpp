@@ -1,0 +1,99 @@
+#include "app/editor/state/status.h"
+
+#include <cstdio>
+
+#include "core/case/held_landmarks.h"
+
+namespace homolog {
+
+namespace {
+
+std::string quoted(const std::string& name) {
+  return "\"" + name + "\"";
+}
+
+std::string landmark_hint(const EditorState& state, const Document& shown) {
+  const std::size_t landmarks = shown.the_template->landmarks.size();
+  if (landmarks == 0) return "This template has no landmarks yet. Name some of its points first (Template).";
+  const std::string wanted = landmark_in_hand(state, shown);
+  if (wanted.empty())
+    return landmarks == 1 ? "The landmark is placed; drag it to move it."
+                          : "All " + std::to_string(landmarks) + " landmarks are placed; drag one to move it.";
+  return shown.shape().landmarks.contains(wanted) ? "Click where " + quoted(wanted) + " is now, or drag it there."
+                                                  : "Click where " + quoted(wanted) + " is.";
+}
+
+/// Of the placed landmark under the pointer: whether strokes move the mesh there. Empty where there is none.
+std::string hold_hint(const EditorState& state, const Document& shown) {
+  if (!state.hover || state.hover->landmark.empty() || !shown.has_shape()) return {};
+  const Template& the_template = *shown.the_template;
+  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
+    const std::string& name = the_template.landmarks[l].name;
+    if (name != state.hover->landmark) continue;
+    const LandmarkHold hold = landmark_hold(the_template, l, shown.shape());
+    if (!hold.placed) return {};
+    if (hold.held) return quoted(name) + " is held: strokes leave the mesh here. The lock in Place releases it.";
+    if (hold.met) return quoted(name) + " is free: strokes may move the mesh here. The lock in Place holds it.";
+    char off[32];
+    std::snprintf(off, sizeof off, "%.1f mm", hold.distance_mm);
+    return "The mesh is " + std::string(off) + " off " + quoted(name) + ". Bring it there with Grab or Slide.";
+  }
+  return {};
+}
+
+std::string brush_hint(const EditorState& state, const Document& shown) {
+  const bool regions = state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill;
+  if (state.tool == MouseTool::stiffness && regions) {
+    if (shown.regions->list.empty()) return "There is no region to paint yet. Add one first (Template, Regions).";
+    if (state.brush.region.empty()) return "No region is chosen, so painting takes the surface out of its region.";
+    return state.brush.paints == BrushPaints::fill ? "Click to fill " + quoted(state.brush.region) + "; Alt empties."
+                                                   : "Paint " + quoted(state.brush.region) + "; Alt takes away.";
+  }
+  if (state.tool == MouseTool::confirm && !state.brush.hold) return "Paint what may move again.";
+  return "Paint on the outline or on the surface.";
+}
+
+std::string hint(const EditorState& state, const Document& shown, bool making_shown) {
+  if (!shown.volume && !shown.has_shape()) return "Open an image, or drop one on the window.";
+  if (making_shown) return "This is the template in the making. Close it (Template) to see the case's mesh again.";
+  if (!shown.has_shape()) return why_no_mesh(shown);
+  if (const std::string hold = hold_hint(state, shown); !hold.empty() && !state.drag) return hold;
+  switch (state.tool) {
+    case MouseTool::place:
+      return "Drag the mesh to move it, the ring to turn it, the knob to scale it.";
+    case MouseTool::landmark:
+      return landmark_hint(state, shown);
+    case MouseTool::ruler:
+      return state.ruler ? "Drag anew to measure something else; Escape removes the ruler."
+                         : "Drag from one point to another.";
+    case MouseTool::template_landmark:
+      return state.template_landmark.empty()
+                 ? "Type the landmark's name first (Template)."
+                 : "Click the point of the mesh that is " + quoted(state.template_landmark) + ".";
+    case MouseTool::stiffness:
+    case MouseTool::confirm:
+      return brush_hint(state, shown);
+    default:
+      return "Drag the outline. Wheel: slices; while dragging: \xcf\x83.";
+  }
+}
+
+}  // namespace
+
+std::string why_no_mesh(const Document& shown) {
+  if (shown.has_shape()) return {};
+  return shown.the_template ? "This frame has no mesh yet. Start from previous (Case) copies one."
+                            : "There is no mesh yet. Load a template first (Template).";
+}
+
+Status status_of(const EditorState& state, const Snapshot& snapshot, const Document& shown, bool making_shown) {
+  if (snapshot.preview) {
+    if (snapshot.preview->stopped_by_guard) return {"Stopped: farther, the surface would fold.", true};
+    if (!snapshot.preview->message.empty()) return {snapshot.preview->message};
+  } else if (!snapshot.message.empty() && state.said_in == situation_of(state, shown)) {
+    return {snapshot.message};
+  }
+  return {hint(state, shown, making_shown)};
+}
+
+}  // namespace homolog

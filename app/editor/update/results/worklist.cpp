@@ -1,0 +1,163 @@
+#include "app/editor/update/results/worklist.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The study's case that is on the screen; null where it is none.
+StudyCase* case_on_screen(Editing& editing) {
+  const Snapshot& snapshot = editing.shown.snapshot();
+  if (snapshot.file.empty()) return nullptr;
+  const StudyCase* one = find_case(editing.state.models, snapshot.file, snapshot.document->frame);
+  return one == nullptr ? nullptr : find_case(editing.state.models.study, one->name);
+}
+
+void take_added(EditorState& state, std::vector<StudyCase> added) {
+  ModelsState& models = state.models;
+  std::size_t count = 0;
+  for (StudyCase& one : added) {
+    auto& cases = models.study.cases;
+    if (std::any_of(cases.begin(), cases.end(), [&](const StudyCase& known) { return known.file == one.file; }))
+      continue;
+    const std::string stem = one.name;
+    for (int number = 2; find_case(models.study, one.name) != nullptr; ++number)
+      one.name = stem + "-" + std::to_string(number);
+    cases.push_back(std::move(one));
+    ++count;
+  }
+  if (count > 0) ++models.shapes_revision, ++models.study_revision;
+  add_notice(state,
+             count == 0   ? std::string("The scans of this folder are in the study already.")
+             : count == 1 ? std::string("1 scan was added.")
+                          : std::to_string(count) + " scans were added.",
+             false);
+}
+
+void take_fitted(EditorState& state, const WorklistDone& done) {
+  StudyCase* one = find_case(state.models.study, done.fitted);
+  if (one == nullptr || one->file != done.file) return;  // another study by now
+  one->doubt = done.fault.empty() ? done.doubt : "Could not be fitted: " + done.fault;
+  if (done.fault.empty()) one->state = CaseState::in_work;
+  ++state.models.shapes_revision;
+  ++state.models.study_revision;
+}
+
+/// Once all that was asked for is done.
+void tell_end(EditorState& state) {
+  const auto& cases = state.models.study.cases;
+  const auto doubts =
+      std::count_if(cases.begin(), cases.end(), [](const StudyCase& one) { return !one.doubt.empty(); });
+  if (doubts > 0)
+    add_notice(state,
+               std::to_string(doubts) + (doubts == 1 ? " case is" : " cases are") +
+                   " in doubt and listed first. N selects the next one.",
+               false);
+  if (state.models.sorted_by != CaseColumn::study) sort_by(state.models, state.models.sorted_by);
+  select_next_case(state.models);
+}
+
+}  // namespace
+
+void add_scans(Editing& editing, const fs::path& folder) {
+  ModelsState& models = editing.state.models;
+  const auto& the_template = editing.shown.loaded_template();
+  if (!the_template)
+    return add_notice(editing.state, "Load the template first (Tab, then Template); every scan starts from it.");
+  if (models.study_file.empty()) models.study_file = new_study_file();
+  std::error_code ignored;
+  const fs::path scans = fs::is_directory(folder, ignored) ? folder : folder.parent_path();
+  editing.work.worklist.add_folder(scans, models.study_file.parent_path() / "cases", the_template);
+}
+
+void fit_waiting(Editing& editing) {
+  const ModelsState& models = editing.state.models;
+  std::vector<StudyCase> waiting;
+  for (const StudyCase& one : models.study.cases) {
+    if (!one.waits() || one.labels.empty()) continue;
+    if (one.file == editing.shown.snapshot().file)
+      add_notice(editing.state, one.name + " is open, so it is left out. Fit it there.", false);
+    else
+      waiting.push_back(one);
+  }
+  if (waiting.empty()) return add_notice(editing.state, "No case with a label map waits for a fit.", false);
+  editing.work.worklist.fit(waiting, editing.state.fit_settings);
+}
+
+void cancel_worklist(Editing& editing) {
+  if (!editing.work.worklist.busy()) return;
+  editing.work.worklist.cancel();
+  add_notice(editing.state, "Cancelled. What was fitted stays so.", false);
+}
+
+bool take_worklist(Editing& editing) {
+  EditorState& state = editing.state;
+  Worklist& worklist = editing.work.worklist;
+  bool any = false, fitted = false;
+  while (auto done = worklist.take()) {
+    any = true;
+    if (!*done) {
+      add_notice(state, done->error().sentence());
+      continue;
+    }
+    for (const std::string& warning : (*done)->warnings) add_notice(state, warning, false);
+    fitted = fitted || !(*done)->fitted.empty();
+    if ((*done)->fitted.empty())
+      take_added(state, std::move((*done)->added));
+    else
+      take_fitted(state, **done);
+  }
+  if (fitted && !worklist.busy()) tell_end(state);
+  ModelsState& models = state.models;
+  const bool was_listing = std::exchange(models.listing, worklist.busy());
+  models.listing_what = worklist.what();
+  models.listing_fraction = worklist.fraction();
+  return any || models.listing || was_listing;
+}
+
+void open_next_case(Editing& editing) {
+  ModelsState& models = editing.state.models;
+  if (models.study.cases.empty())
+    return add_notice(editing.state, "No study is open. Tab goes to the studies; there scans and cases are added.",
+                      false);
+  std::ptrdiff_t from = -1;
+  if (StudyCase* one = case_on_screen(editing)) {
+    from = one - models.study.cases.data();
+    one->state = CaseState::done;
+    one->doubt.clear();
+    ++models.shapes_revision;
+    ++models.study_revision;
+  }
+  const std::ptrdiff_t next = models.study.next_case(from);
+  if (next < 0) return add_notice(editing.state, "Every case of the study is done.", false);
+  models.selected = models.study.cases[static_cast<std::size_t>(next)].name;
+  editing.out.send(OpenCaseOfStudy{models.selected, {}});
+}
+
+void count_work(Editing& editing, std::uint64_t committed_before, double seconds) {
+  constexpr double longest_pause = 30;
+  WorkCount& count = editing.state.work_count;
+  if (count.case_number != editing.shown.number()) {
+    count = {editing.shown.number()};
+    committed_before = editing.shown.snapshot().committed;
+  }
+  if (std::exchange(editing.state.active, false)) {
+    if (count.active_at >= 0) count.seconds += std::min(seconds - count.active_at, longest_pause);
+    count.active_at = seconds;
+  }
+  const std::uint64_t committed = editing.shown.snapshot().committed;
+  if (committed <= committed_before) return;
+  StudyCase* one = case_on_screen(editing);
+  if (one == nullptr) return;
+  one->gestures += static_cast<std::int64_t>(committed - committed_before);
+  one->seconds += std::exchange(count.seconds, 0);
+  if (one->waits()) one->state = CaseState::in_work;
+  ++editing.state.models.study_revision;
+}
+
+}  // namespace homolog

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "app/editor/update/editing.h"
+
+namespace homolog {
+
+// The study as a worklist: scans become cases, those that wait are fitted, and what a person spends on each is counted.
+
+/// Makes cases for the scans of a folder, with the study's template, else that of the case on the screen.
+void add_scans(Editing& editing, const std::filesystem::path& folder);
+/// Fits every case that waits to its label map.
+void fit_waiting(Editing& editing);
+void cancel_worklist(Editing& editing);
+/// Takes in what the worklist did; true where there is something new to draw.
+bool take_worklist(Editing& editing);
+
+/// The case on the screen is done, where it is one of the study's; the next one is opened.
+void open_next_case(Editing& editing);
+/// Adds to the study's case what was done on it since the last call: edits, and the time between events that follow
+/// each other within half a minute. `committed_before`: what the snapshot had counted then. `seconds`: the window's
+/// clock.
+void count_work(Editing& editing, std::uint64_t committed_before, double seconds);
+
+}  // namespace homolog

@@ -1,0 +1,239 @@
+#include "app/editor/work/worklist.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "app/editor/state/file_extensions.h"
+#include "app/editor/work/fitter.h"
+#include "app/editor/work/opener.h"
+#include "core/base/paths.h"
+#include "core/base/text.h"
+#include "core/session/case_file.h"
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file of a folder that is a volume, without its voxels.
+struct Scan {
+  fs::path path;
+  std::shared_ptr<const Volume> grid;
+  bool is_map = false;
+};
+
+std::string stem_of(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return name.substr(0, name.find('.'));
+}
+
+/// What may be a scan: files by their names, and folders that hold a series of slices.
+std::vector<fs::path> candidates(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = lower_case(entry->path().filename().string());
+    std::error_code ignored;
+    if (entry->is_directory(ignored)) {
+      const auto series = list_series(entry->path());
+      if (series && !series->empty()) found.push_back(entry->path());
+      continue;
+    }
+    const auto& endings = volume_extensions();
+    const bool is_volume =
+        std::any_of(endings.begin(), endings.end(), [&](const auto& e) { return name.ends_with(e); });
+    if (is_volume && !name.ends_with(".dcm")) found.push_back(entry->path());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+Result<Scan> read_scan(const fs::path& path, Progress& progress) {
+  VolumeReadOptions options;
+  options.progress = &progress;
+  auto read = load_volume(path.string(), options);
+  if (!read) return fail(read.error());
+  Scan scan{path, nullptr, holds_labels(read->volume)};
+  read->volume.data = std::vector<std::uint8_t>();  // a case needs the grid alone
+  scan.grid = std::make_shared<const Volume>(std::move(read->volume));
+  return scan;
+}
+
+std::size_t common_start(const std::string& a, const std::string& b) {
+  const auto ends = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
+  return static_cast<std::size_t>(ends.first - a.begin());
+}
+
+/// The image on whose voxels a label map lies, that whose name is most like its own; null where there is none.
+const Scan* image_of(const Scan& map, const std::vector<Scan>& all) {
+  const Scan* best = nullptr;
+  std::size_t most = 0;
+  for (const Scan& one : all) {
+    if (one.is_map || !on_same_voxels(*map.grid, *one.grid)) continue;
+    const std::size_t same = common_start(stem_of(one.path), stem_of(map.path));
+    if (best == nullptr || same > most) best = &one, most = same;
+  }
+  return best;
+}
+
+/// An image with its label map, or one of them alone.
+struct Pair {
+  const Scan* image = nullptr;
+  const Scan* map = nullptr;
+};
+
+std::vector<Pair> pairs_of(const std::vector<Scan>& all) {
+  std::vector<Pair> pairs;
+  std::vector<const Scan*> with_map;
+  for (const Scan& one : all) {
+    if (!one.is_map) continue;
+    const Scan* image = image_of(one, all);
+    with_map.push_back(image);
+    pairs.push_back({image != nullptr ? image : &one, &one});
+  }
+  for (const Scan& one : all)
+    if (!one.is_map && std::find(with_map.begin(), with_map.end(), &one) == with_map.end())
+      pairs.push_back({&one, nullptr});
+  return pairs;
+}
+
+Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const fs::path& cases,
+                            const std::shared_ptr<const Template>& the_template) {
+  StudyCase one;
+  one.name = stem_of(named_by_map ? pair.map->path : pair.image->path);
+  one.file = absolute_path(cases / (one.name + std::string(case_extension)));
+  one.from_scan = true;
+  if (pair.map != nullptr) one.labels = absolute_path(pair.map->path);
+  std::error_code ignored;
+  if (fs::exists(one.file, ignored)) return one;
+  Document document = new_document(absolute_path(pair.image->path).string(), pair.image->grid, the_template);
+  document.holds_landmarks = true;
+  if (auto made = create_case(std::move(document), one.file); !made) return fail(made.error());
+  return one;
+}
+
+Result<WorklistDone> cases_of(const fs::path& folder, const fs::path& cases,
+                              const std::shared_ptr<const Template>& the_template, Progress& progress) {
+  WorklistDone done;
+  std::vector<Scan> scans;
+  const auto paths = candidates(folder);
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    progress.report(static_cast<double>(k) / static_cast<double>(paths.size()));
+    if (progress.cancelled()) return fail("", "The folder was not added: cancelled.");
+    Progress reading;
+    auto scan = read_scan(paths[k], reading);
+    if (scan)
+      scans.push_back(std::move(*scan));
+    else
+      done.warnings.push_back(scan.error().sentence());
+  }
+  if (scans.empty())
+    return fail(folder.string(), "holds no scan and no label map; choose a folder of images, one file for each");
+  std::error_code error;
+  fs::create_directories(cases, error);
+  const auto pairs = pairs_of(scans);
+  for (const Pair& pair : pairs) {
+    const auto shared = std::count_if(pairs.begin(), pairs.end(), [&](const Pair& p) { return p.image == pair.image; });
+    auto one = make_case(pair, shared > 1 && pair.map != nullptr, cases, the_template);
+    if (one)
+      done.added.push_back(std::move(*one));
+    else
+      done.warnings.push_back(one.error().sentence());
+  }
+  return done;
+}
+
+/// The label to fit to: the one that is asked for, where the map holds it, else its first.
+int label_in(const Volume& map, int wanted) {
+  const auto held = labels_of(map, 0);
+  if (wanted != 0 && held.contains(wanted)) return wanted;
+  for (const auto& [value, voxels] : held)
+    if (value != 0) return value;
+  return 0;
+}
+
+/// Fits one case and writes it down there; what it says where that fails.
+Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progress& progress) {
+  auto read = open_case(one.file, &progress);
+  if (!read) return fail(read.error());
+  EditSession& session = read->session;
+  if (session.can_undo()) return std::string();  // somebody has worked on it already
+  if (!session.document().has_shape()) return fail(one.name, "has no template; take it off the study and add it again");
+  VolumeReadOptions options;
+  options.progress = &progress;
+  auto labels = read_volume(one.labels, options);
+  if (!labels) return fail(labels.error());
+  const NamedLabels map{std::make_shared<const Volume>(std::move(labels->volume)), one.labels.filename().string()};
+  settings.label = label_in(*map.volume, settings.label);
+  settings.as_placed = false;
+  FitOptions fit;
+  fit.progress = &progress;
+  auto fitted = fit_to_labels(session.document(), map, settings, {}, fit);
+  if (!fitted) return fail(fitted.error());
+  const std::string remark = fitted->remarks.empty() ? std::string() : fitted->remarks.front();
+  if (auto done = session.apply(std::move(fitted->edit)); !done) return fail(done.error());
+  if (!fitted->doubtful) return std::string();
+  return remark.empty() ? "The fit is doubtful." : remark;
+}
+
+}  // namespace
+
+void Worklist::add_folder(const fs::path& folder, const fs::path& cases, std::shared_ptr<const Template> the_template) {
+  if (!busy()) asked_ = done_ = 0;
+  ++asked_;
+  worker_.queue(
+      folder.string(),
+      [folder, cases, the_template = std::move(the_template)](Progress& progress) {
+        return cases_of(folder, cases, the_template, progress);
+      },
+      "Reading");
+}
+
+void Worklist::fit(const std::vector<StudyCase>& cases, const FitSettings& settings) {
+  if (!busy()) asked_ = done_ = 0;
+  for (const StudyCase& one : cases) {
+    ++asked_;
+    worker_.queue(
+        one.name,
+        [one, settings](Progress& progress) -> Result<WorklistDone> {
+          WorklistDone done;
+          done.fitted = one.name;
+          done.file = one.file;
+          const auto doubt = fit_case(one, settings, progress);
+          if (progress.cancelled()) return fail("", "The fits were cancelled.");
+          if (doubt)
+            done.doubt = *doubt;
+          else
+            done.fault = doubt.error().sentence();
+          return done;
+        },
+        "Fitting");
+  }
+}
+
+void Worklist::cancel() {
+  worker_.cancel();
+  asked_ = done_ = 0;
+}
+
+std::string Worklist::what() const {
+  const auto job = worker_.running();
+  if (!job) return {};
+  const std::string subject = fs::path(job->subject).filename().string();
+  return std::string(job->verb) + " " + (subject.empty() ? job->subject : subject);
+}
+
+double Worklist::fraction() const {
+  return asked_ == 0 ? 0 : (static_cast<double>(done_) + worker_.fraction()) / static_cast<double>(asked_);
+}
+
+std::optional<Result<WorklistDone>> Worklist::take() {
+  auto done = worker_.take();
+  if (done) ++done_;
+  return done;
+}
+
+}  // namespace homolog

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/editor/state/settings.h"
+#include "app/editor/work/worker.h"
+#include "core/model/study.h"
+#include "core/template/template.h"
+
+namespace homolog {
+
+/// What the worklist did: made cases for the scans of a folder, or fitted one case.
+struct WorklistDone {
+  std::vector<StudyCase> added;
+  std::string fitted;  ///< name of the case that was fitted, or could not be; empty: none
+  std::filesystem::path file;
+  std::string doubt;                  ///< why a person has to look at it; empty: no doubt
+  std::string fault;                  ///< why it could not be fitted, as a sentence; empty: it was
+  std::vector<std::string> warnings;  ///< sentences
+};
+
+/// Makes cases for the scans and label maps of a folder, and fits those that wait, beside the window. Called from the
+/// window's thread only.
+class Worklist {
+ public:
+  /// `wake` is called from the thread when something is done.
+  explicit Worklist(std::function<void()> wake) : worker_(std::move(wake)) {}
+
+  /// Makes a case in `cases` for every scan in `folder`: an image, with the label map on its voxels where there is one,
+  /// or a label map alone. Files that are there already stay.
+  void add_folder(const std::filesystem::path& folder, const std::filesystem::path& cases,
+                  std::shared_ptr<const Template> the_template);
+  /// Fits the template of each case to its label map, one after the other. The label is that of the settings, where the
+  /// map holds it, else the map's first.
+  void fit(const std::vector<StudyCase>& cases, const FitSettings& settings);
+  /// Gives up what goes on; what was fitted stays so.
+  void cancel();
+  bool busy() const { return worker_.busy(); }
+  /// "Fitting case_7", and how much of all is done, 0 … 1.
+  std::string what() const;
+  double fraction() const;
+  std::optional<Result<WorklistDone>> take();
+  void finish() { worker_.finish(); }
+
+ private:
+  std::size_t asked_ = 0, done_ = 0;  ///< jobs
+  Worker<WorklistDone> worker_;
+};
+
+}  // namespace homolog

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "core/case/document.h"
+
+namespace homolog {
+
+// Where the mesh has come to meet a placed landmark, it is held: its triangle there is confirmed, so that strokes leave
+// it. A snap does not: a click is less exact than an edge. Only in documents that say so (Document::holds_landmarks).
+
+/// How the mesh lies to one landmark of the template.
+struct LandmarkHold {
+  bool placed = false;     ///< in the image
+  double distance_mm = 0;  ///< from the mesh to its place; 0 where it has none
+  bool met = false;        ///< placed, and no farther than 2 mm or the longest edge of its triangle
+  bool held = false;       ///< the mesh is confirmed there
+};
+LandmarkHold landmark_hold(const Template& the_template, std::size_t landmark, const Shape& shape);
+
+/// Holds the mesh at a landmark, or lets it go again; what else is confirmed around it stays.
+void hold_landmark(const Template& the_template, std::size_t landmark, bool hold, Shape& shape);
+
+/// What is confirmed without the triangles that landmarks hold; null: nothing is.
+std::shared_ptr<const VertexScalars> confirmed_without_landmarks(const Document& document);
+
+/// After an edit: holds the mesh at every landmark that it has come to meet, and lets it go where it no longer does.
+/// What was released by hand stays free.
+void settle_landmarks(const Document& before, Document& after);
+
+}  // namespace homolog

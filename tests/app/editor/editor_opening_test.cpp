@@ -1,0 +1,298 @@
+#include <doctest/doctest.h>
+
+#include "app/editor/update/controls.h"
+#include "core/catalogue/catalogue.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/label_map.h"
+#include "core/mesh/mesh_io.h"
+#include "core/session/case_file.h"
+#include "core/volume/volume_io.h"
+#include "tests/driver.h"
+#include "tests/must.h"
+
+// What a new image, another template and a case that is opened again bring with them.
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A ball of 20 mm as a template, and images of 50 mm in which it may lie.
+struct Globe {
+  TemporaryFolder folder;
+  fs::path file = folder.path / "globe.ply";
+
+  Globe() {
+    const Mesh mesh = icosphere(3, 20);
+    REQUIRE(write_mesh_file({mesh.points, mesh.topology->triangles()}, file));
+  }
+  static VolumeGeometry grid() {
+    VolumeGeometry grid;
+    grid.dims = {60, 60, 60};
+    grid.origin_mm.setConstant(-29.5);
+    return grid;
+  }
+  /// Grey values 0 … 99; `frames` of them.
+  fs::path image(const std::string& name, int frames = 1) const {
+    Volume volume;
+    volume.geometry = grid();
+    volume.frames = frames;
+    std::vector<std::int16_t> values(volume.geometry.voxels() * static_cast<std::size_t>(frames));
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<std::int16_t>((i * 7919) % 100);
+    volume.data = std::move(values);
+    REQUIRE(write_volume(volume, folder.path / name));
+    return folder.path / name;
+  }
+  Document document() const { return new_document("", nullptr, test::must(load_template(file.string()))); }
+  Document on(const fs::path& path) const {
+    const auto volume = std::make_shared<const Volume>(test::must(read_volume(path)).volume);
+    return new_document(path.string(), volume, test::must(load_template(file.string())));
+  }
+};
+
+void open_and_wait(Driver& driver, const fs::path& image) {
+  driver.app().send(OpenFiles{{image}});
+  driver.wait_until("the image is open", [&] { return driver.document().volume_source == image.string(); });
+  driver.settle();
+}
+
+void name_landmark(Driver& driver, const std::string& name, const Vec3& at) {
+  driver.app().send(ApplyEdit{SetTemplateLandmark{name, at}, false});
+  driver.settle();
+}
+
+}  // namespace
+
+TEST_CASE("the template that was saved is the case's and comes with the next image") {
+  const Globe globe;
+  Driver driver(globe.document());
+  driver.click("side panel/Template");
+  driver.type_into("new region", "lip");
+  driver.press(key::enter);
+  driver.wait_until("the region is there", [&] { return driver.document().regions->list.size() == 1; });
+  driver.app().send(ApplyEdit{PaintRegion{"lip", Vec3(0, 0, 20), 10, 0}, false});
+  for (const auto& [name, at] : std::map<std::string, Vec3>{{"north", {0, 0, 20}}, {"east", {20, 0, 0}}})
+    name_landmark(driver, name, at);
+  driver.click("Template/Save the template…");
+  const fs::path mine = driver.folder() / "mine.ply";
+  driver.type_into("name", mine.string());
+  driver.press(key::enter);
+  driver.wait_until("it is said", [&] { return driver.shows("The case goes on with mine.ply"); });
+  driver.wait_until("the panel says so", [&] { return driver.shows("mine.ply"); });
+  const fs::path file = driver.case_file();
+
+  open_and_wait(driver, globe.image("next.nii"));
+  CHECK(driver.document().the_template->source == mine.string());
+  CHECK(driver.document().the_template->landmarks.size() == 2);
+  CHECK(driver.document().regions->list.size() == 1);
+
+  // The same where the case was opened again in between.
+  driver.app().send(OpenFiles{{file}});
+  driver.wait_until("the first case is open", [&] { return driver.case_file() == file; });
+  driver.settle();
+  CHECK(driver.shows("mine.ply"));
+  open_and_wait(driver, globe.image("third.nii"));
+  CHECK(driver.document().the_template->source == mine.string());
+}
+
+TEST_CASE("a mirrored template is called so and a saved mirror image is not mirrored again") {
+  Driver driver(new_document("", nullptr, test::must(load_template("built-in:kidney"))));
+  driver.click("side panel/Template");
+  CHECK(driver.shows("kidney (built in)"));
+  driver.click("Template/Mirror left and right");
+  driver.wait_until("the panel says so", [&] { return driver.shows("kidney (built in, mirrored)"); });
+  const Points mirrored = driver.document().the_template->points;
+  const fs::path left = driver.folder() / "left.ply";
+  driver.app().send(ExportTemplate{left});
+  driver.wait_until("it is saved", [&] { return driver.shows("The case goes on with left.ply"); });
+  driver.settle();
+  CHECK_FALSE(driver.shows("mirrored)"));
+  const Globe globe;
+  open_and_wait(driver, globe.image("next.nii"));
+  CHECK(driver.document().the_template->points.isApprox(mirrored, 1e-5));
+}
+
+TEST_CASE("a template that was made of a label on the image stays there and the cine at its frame") {
+  const Globe globe;
+  Driver driver(globe.on(globe.image("cine.nii", 5)));
+  driver.app().send(ShowFrame{3});
+  driver.settle();
+  // The label's ball lies aside of the image's centre.
+  Mesh ball = icosphere(4, 12);
+  ball.points.rowwise() += Eigen::RowVector3d(8, -6, 5);
+  const fs::path labels = driver.folder() / "labels.nii";
+  REQUIRE(write_volume(label_map(ball, Globe::grid(), 1), labels));
+  driver.app().send(open_labels(labels));
+  driver.settle();
+  driver.state().template_settings.mask.vertices = 500;
+  driver.app().send(MakeTemplate{driver.state().template_settings, {}});
+  driver.settle();
+  const Vec3 looked_at = driver.state().crosshair_mm;
+  const double zoom = driver.state().slices[0].mm_per_px;
+  const fs::path made = driver.folder() / "made.ply";
+  driver.app().send(UseMadeTemplate{made});
+  driver.wait_until("the case has it", [&] { return driver.document().the_template->source == made.string(); });
+  driver.settle();
+  CHECK(driver.document().frame == 3);
+  CHECK(driver.app().snapshot().shown->frame == 3);
+  CHECK((bounds_of(*driver.document().shape().points).center() - Vec3(8, -6, 5)).norm() < 0.5);
+  CHECK(driver.state().crosshair_mm == looked_at);
+  CHECK(driver.state().slices[0].mm_per_px == zoom);
+  CHECK(driver.has("Fit to the label"));
+}
+
+TEST_CASE("a case is shown with the window that it was left with") {
+  const Globe globe;
+  const fs::path image = globe.image("ct.nii");
+  Driver driver(globe.on(image));
+  const fs::path file = driver.case_file();
+  CHECK(driver.lines_with("window") == 0);
+  driver.app().send(SetWindow{-20, 60});
+  driver.settle();
+  CHECK(driver.lines_with("\"window\":[-20.0,60.0]") == 1);
+  CHECK_FALSE(driver.app().snapshot().can_undo);
+  open_and_wait(driver, globe.image("other.nii"));
+  CHECK(driver.state().window_low != -20);
+  driver.app().send(OpenFiles{{file}});
+  driver.wait_until("the case is open again", [&] { return driver.case_file() == file; });
+  CHECK(driver.state().window_low == -20);
+  CHECK(driver.state().window_high == 60);
+}
+
+TEST_CASE("the status line says that a template has no landmarks instead of that all are placed") {
+  const Globe globe;
+  Driver driver(globe.document());
+  driver.press('L');
+  CHECK(driver.shows("This template has no landmarks yet"));
+  CHECK_FALSE(driver.shows("landmarks are placed; drag"));
+  name_landmark(driver, "north", Vec3(0, 0, 20));
+  driver.press('P');
+  driver.press('L');
+  CHECK(driver.shows("Click where \"north\" is."));
+}
+
+TEST_CASE("each landmark is listed once and choosing a placed one leaves the slices where they are") {
+  const Globe globe;
+  Document document = globe.on(globe.image("ct.nii"));
+  document.holds_landmarks = true;
+  Driver driver(document);
+  for (const auto& [name, at] : std::map<std::string, Vec3>{{"north", {0, 0, 20}}, {"south", {0, 0, -20}}})
+    name_landmark(driver, name, at);
+  driver.click("side panel/Place");
+  const auto rows = [&](const char* name) {
+    return std::count_if(driver.items().begin(), driver.items().end(),
+                         [&](const DrawnItem& item) { return item.name == name && !item.is_control(); });
+  };
+  CHECK(driver.shows("next"));
+  driver.click("side panel/Template");
+  CHECK(rows("south") == 1);
+  driver.app().send(ApplyEdit{PlaceLandmark{"north", Vec3(0, 0, 20)}, false});
+  driver.settle();
+  const Vec3 before = driver.state().crosshair_mm;
+  driver.click("north/row");
+  CHECK(driver.state().crosshair_mm == before);
+  CHECK(driver.state().tool == MouseTool::landmark);
+  CHECK(driver.shows("Click where \"north\" is now"));
+  driver.click("north/go there");
+  CHECK(driver.state().crosshair_mm.z() == doctest::Approx(20));
+
+  driver.click("north/release");
+  driver.wait_until("it is free", [&] { return driver.has("north/hold"); });
+  CHECK(driver.lines_with("\"held\":false") == 1);
+  driver.click("north/hold");
+  driver.wait_until("it is held", [&] { return driver.has("north/release"); });
+}
+
+namespace {
+
+/// A ball as a label map of its own.
+void write_ball_map(const fs::path& file, double radius_mm, const Vec3& centre) {
+  Mesh ball = icosphere(4, radius_mm);
+  ball.points.rowwise() += centre.transpose();
+  REQUIRE(write_volume(label_map(ball, Globe::grid(), 1), file));
+}
+
+const StudyCase& case_named(const Driver& driver, const std::string& name) {
+  const StudyCase* one = find_case(const_cast<Driver&>(driver).state().models.study, name);
+  if (one == nullptr) FAIL("no case is called " << name);
+  return *one;
+}
+
+}  // namespace
+
+TEST_CASE("a folder of scans becomes a worklist that is fitted and gone through by one key") {
+  const Globe globe;
+  const fs::path scans = globe.folder.path / "scans";
+  fs::create_directory(scans);
+  write_ball_map(scans / "a_seg.nii", 18, {2, 0, 0});
+  fs::rename(globe.image("a.nii"), scans / "a.nii");
+  write_ball_map(scans / "b.nii", 16, {-3, 1, 0});
+  write_ball_map(scans / "c.nii", 22, {0, 0, 2});
+  Volume nothing;
+  nothing.geometry = Globe::grid();
+  nothing.data = std::vector<std::uint8_t>(nothing.geometry.voxels());
+  REQUIRE(write_volume(nothing, scans / "empty.nii"));
+  Driver driver(globe.document());
+  driver.press(key::tab);
+  driver.app().send(AddScans{{scans / "b.nii"}});
+  driver.wait_until("the scans are cases", [&] { return driver.shows("4 scans were added."); });
+  const auto& cases = driver.state().models.study.cases;
+  REQUIRE(cases.size() == 4);
+  CHECK(case_named(driver, "a").labels == scans / "a_seg.nii");
+  CHECK(case_named(driver, "b").labels == scans / "b.nii");
+  CHECK(std::all_of(cases.begin(), cases.end(), [](const StudyCase& one) { return one.waits(); }));
+  CHECK(driver.state().models.shapes.empty());
+
+  driver.click("Fit waiting (4)");
+  driver.wait_until("all are fitted", [&] { return driver.shows("1 case is in doubt and listed first"); });
+  driver.settle();
+  CHECK(case_named(driver, "b").state == CaseState::in_work);
+  CHECK(case_named(driver, "empty").doubt.starts_with("Could not be fitted"));
+  CHECK(cases[listed_cases(driver.state().models).front()].name == "empty");
+  CHECK(driver.state().models.selected == "empty");
+  const auto read = read_case(case_named(driver, "c").file);
+  REQUIRE(read);
+  CHECK(bounds_of(*read->session.document().shape().points).sizes().x() == doctest::Approx(44).epsilon(0.05));
+  CHECK(driver.state().models.shapes.size() == 3);
+
+  driver.app().send(OpenCaseOfStudy{"b", {}});
+  driver.wait_until("b is open", [&] { return driver.case_file() == case_named(driver, "b").file; });
+  driver.settle();
+  CHECK(driver.has("Fit to the label"));
+  driver.app().send(ApplyEdit{SetEvenSpacing{0.3}, false});
+  driver.settle();
+  CHECK(case_named(driver, "b").gestures == 1);
+  driver.press(key::enter);
+  driver.wait_until("the one in doubt is open", [&] { return driver.case_file() == case_named(driver, "empty").file; });
+  CHECK(case_named(driver, "b").state == CaseState::done);
+
+  // Added again, nothing that was done is lost.
+  driver.app().send(AddScans{{scans}});
+  driver.wait_until("that is said", [&] { return driver.shows("in the study already"); });
+  CHECK(cases.size() == 4);
+}
+
+TEST_CASE("fits of a worklist are cancelled between two cases and those that are done stay") {
+  const Globe globe;
+  const fs::path scans = globe.folder.path / "scans";
+  fs::create_directory(scans);
+  for (int k = 0; k < 12; ++k)
+    write_ball_map(scans / ("m" + std::to_string(10 + k) + ".nii"), 14 + k / 2.0, Vec3::Zero());
+  Driver driver(globe.document());
+  driver.press(key::tab);
+  driver.app().send(AddScans{{scans}});
+  driver.wait_until("the scans are cases", [&] { return driver.state().models.study.cases.size() == 12; });
+  driver.settle();
+  driver.app().send(FitWaiting{});
+  driver.wait_until("one is fitted", [&] { return waiting_cases(driver.state().models) < 12; });
+  driver.app().send(CancelWorklist{});
+  driver.wait_until("that is said", [&] { return driver.shows("What was fitted stays so"); });
+  driver.settle();
+  const std::size_t waiting = waiting_cases(driver.state().models);
+  CHECK(waiting > 0);
+  CHECK(waiting < 12);
+  CHECK_FALSE(driver.state().models.listing);
+}
+
+}  // namespace homolog

@@ -1,0 +1,118 @@
+#include "app/editor/state/status.h"
+
+#include <doctest/doctest.h>
+
+#include "core/mesh/icosphere.h"
+#include "tests/ball.h"
+
+namespace homolog {
+
+namespace {
+
+Document ball_with(std::size_t landmarks, std::size_t placed) {
+  const Mesh ball = icosphere(2, 40);
+  MeshFile file{ball.points, ball.topology->triangles()};
+  const std::vector<Landmark> all{{"north", Vec3(0, 0, 40)}, {"south", Vec3(0, 0, -40)}, {"east", Vec3(40, 0, 0)}};
+  file.landmarks.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(landmarks));
+  Document document = new_document("", nullptr, test::must(make_template(std::move(file), "ball")));
+  for (std::size_t l = 0; l < placed; ++l) document.shapes.at(0).landmarks[all[l].name] = all[l].position;
+  return document;
+}
+
+Snapshot snapshot_of(const Document& document) {
+  Snapshot snapshot;
+  snapshot.document = snapshot.shown = std::make_shared<const Document>(document);
+  return snapshot;
+}
+
+bool holds_words(const std::string& text, const char* words) {
+  return text.find(words) != std::string::npos;
+}
+
+constexpr std::array all_tools{
+    MouseTool::pull,     MouseTool::grab,      MouseTool::slide,   MouseTool::relax, MouseTool::place,
+    MouseTool::landmark, MouseTool::stiffness, MouseTool::confirm, MouseTool::ruler, MouseTool::template_landmark};
+
+}  // namespace
+
+TEST_CASE("in every state the status line says what is so") {
+  for (std::size_t landmarks = 0; landmarks <= 3; ++landmarks)
+    for (std::size_t placed = 0; placed <= landmarks; ++placed) {
+      const Document document = ball_with(landmarks, placed);
+      const Snapshot snapshot = snapshot_of(document);
+      for (const MouseTool tool : all_tools)
+        for (const char* chosen : {"", "north", "south", "of another template"}) {
+          CAPTURE(landmarks);
+          CAPTURE(placed);
+          CAPTURE(tool_name(tool));
+          CAPTURE(chosen);
+          EditorState state;
+          state.tool = tool;
+          state.landmark = chosen;
+          const std::string text = status_of(state, snapshot, document).text;
+          CHECK_FALSE(text.empty());
+          CHECK_FALSE(holds_words(text, "no mesh"));
+          CHECK_FALSE(holds_words(text, "another template"));
+          const bool places = tool == MouseTool::landmark;
+          CHECK(holds_words(text, "no landmarks yet") == (places && landmarks == 0));
+          if (holds_words(text, "placed; drag")) CHECK((places && landmarks > 0 && placed == landmarks));
+          if (places && landmarks > placed) CHECK(holds_words(text, "Click where \""));
+          for (const auto& [name, at] : document.shape().landmarks)
+            CHECK_FALSE(holds_words(text, ("\"" + name + "\" is.").c_str()));
+        }
+    }
+}
+
+TEST_CASE("without an image or a mesh the status line says what is missing whatever the tool") {
+  const Document nothing = new_document("", nullptr, nullptr);
+  Document other_frame = ball_with(3, 0);
+  other_frame.frame = 4;
+  for (const MouseTool tool : all_tools) {
+    EditorState state;
+    state.tool = tool;
+    CHECK(holds_words(status_of(state, snapshot_of(nothing), nothing).text, "Open an image"));
+    other_frame.volume = std::make_shared<const Volume>();
+    CHECK(holds_words(status_of(state, snapshot_of(other_frame), other_frame).text, "This frame has no mesh yet"));
+  }
+}
+
+TEST_CASE("what the last edit said goes as soon as something else is in hand") {
+  const Document document = ball_with(3, 1);
+  Snapshot snapshot = snapshot_of(document);
+  snapshot.message = "12 vertices painted.";
+  EditorState state;
+  state.tool = MouseTool::stiffness;
+  state.said_in = situation_of(state, document);
+  CHECK(status_of(state, snapshot, document).text == snapshot.message);
+  EditorState other = state;
+  other.tool = MouseTool::landmark;
+  CHECK(status_of(other, snapshot, document).text == "Click where \"south\" is.");
+  other = state;
+  other.brush.paints = BrushPaints::smooth;
+  CHECK(status_of(other, snapshot, document).text != snapshot.message);
+  other = state;
+  other.shown_frame = 3;
+  CHECK(status_of(other, snapshot, document).text != snapshot.message);
+
+  // A running gesture has a word of its own, and the old one does not come back after it.
+  snapshot.preview = EditReport{};
+  CHECK(status_of(state, snapshot, document).text != snapshot.message);
+  snapshot.preview->stopped_by_guard = true;
+  CHECK(status_of(state, snapshot, document).stopped);
+}
+
+TEST_CASE("the status line says whether the landmark under the pointer is held") {
+  Document document = ball_with(2, 1);
+  EditorState state;
+  state.hover = Hover{};
+  state.hover->landmark = "north";
+  CHECK(holds_words(status_of(state, snapshot_of(document), document).text, "\"north\" is free"));
+  Shape& shape = document.shapes.at(0);
+  shape.confirmed = std::make_shared<const VertexScalars>(VertexScalars::Ones(shape.points->rows()));
+  CHECK(holds_words(status_of(state, snapshot_of(document), document).text, "\"north\" is held"));
+  shape.landmarks["north"] = Vec3(0, 0, 60);
+  shape.confirmed.reset();
+  CHECK(holds_words(status_of(state, snapshot_of(document), document).text, "20.0 mm off \"north\""));
+}
+
+}  // namespace homolog

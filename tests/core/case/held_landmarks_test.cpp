@@ -1,0 +1,95 @@
+#include "core/case/held_landmarks.h"
+
+#include "tests/case_folder.h"
+
+namespace homolog {
+
+namespace {
+
+/// A ball of 40 mm whose case holds the mesh at landmarks.
+Document holding(const CaseFolder& folder) {
+  Document document = folder.document();
+  document.holds_landmarks = true;
+  return document;
+}
+
+LandmarkHold north(const EditSession& session) {
+  return landmark_hold(*session.document().the_template, 0, session.document().shape());
+}
+
+Vec3 mesh_at_north(const EditSession& session) {
+  return carried_landmark(*session.document().the_template, 0, *session.document().shape().points);
+}
+
+const Vec3 place(0, 0, 44);
+
+}  // namespace
+
+TEST_CASE("strokes leave the mesh at a placed landmark until it is released") {
+  const CaseFolder folder;
+  EditSession session(holding(folder));
+  REQUIRE(session.apply(PlaceLandmark{"north", place}));
+  CHECK(north(session).met);
+  CHECK(north(session).held);
+  const Stroke beside = pull(Vec3(12, 0, 42), Vec3(12, 0, 60), 20);
+  REQUIRE(session.apply(beside));
+  CHECK((mesh_at_north(session) - place).norm() < 1e-6);
+
+  REQUIRE(session.apply(PlaceLandmark{"north", place, false}));
+  CHECK_FALSE(north(session).held);
+  CHECK(session.undo_name() == "release of north");
+  REQUIRE(session.apply(pull(Vec3(12, 0, 60), Vec3(12, 0, 80), 20)));
+  CHECK((mesh_at_north(session) - place).norm() > 2);
+
+  // As every case before did.
+  EditSession older(folder.document());
+  REQUIRE(older.apply(PlaceLandmark{"north", place}));
+  REQUIRE(older.apply(beside));
+  CHECK((mesh_at_north(older) - place).norm() > 2);
+}
+
+TEST_CASE("a landmark that is placed after strokes is held once the mesh was brought to it") {
+  const CaseFolder folder;
+  EditSession session(holding(folder));
+  REQUIRE(session.apply(pull(-pole, Vec3(0, 0, -45))));
+  REQUIRE(session.apply(PlaceLandmark{"north", Vec3(0, 0, 52)}));
+  CHECK_FALSE(north(session).met);
+  CHECK_FALSE(north(session).held);
+  Stroke grab = pull(mesh_at_north(session), Vec3(0, 0, 52));
+  grab.tool = Tool::grab;
+  REQUIRE(session.apply(grab));
+  CHECK(north(session).held);
+
+  // Taken back, the landmark holds nothing.
+  REQUIRE(session.apply(PlaceLandmark{"north", std::nullopt}));
+  CHECK_FALSE(session.document().shape().confirmed);
+}
+
+TEST_CASE("a landmark that is released leaves what a person confirmed around it") {
+  const CaseFolder folder;
+  EditSession session(holding(folder));
+  REQUIRE(session.apply(PlaceLandmark{"north", place}));
+  REQUIRE(session.apply(Confirm{place, 20, true}));
+  REQUIRE(session.apply(PlaceLandmark{"north", place, false}));
+  CHECK(north(session).held);
+}
+
+TEST_CASE("whether a case holds landmarks is in its first line and its lines give the same points again") {
+  const CaseFolder folder;
+  Points before;
+  {
+    EditSession session = create_case(holding(folder), folder.case_path).value();
+    REQUIRE(session.apply(PlaceLandmark{"north", place}));
+    REQUIRE(session.apply(pull(Vec3(12, 0, 42), Vec3(12, 0, 60), 20)));
+    REQUIRE(session.apply(PlaceLandmark{"north", place, false}));
+    REQUIRE(session.apply(pull(Vec3(-12, 0, 42), Vec3(-12, 0, 60), 20)));
+    before = *session.document().shape().points;
+  }
+  CHECK(folder.text().find("\"held_landmarks\":true") != std::string::npos);
+  CHECK(folder.text().find("\"held\":false") != std::string::npos);
+  const auto read = read_case(folder.case_path);
+  REQUIRE(read);
+  CHECK(*read->session.document().shape().points == before);
+}
+
+}  // namespace homolog

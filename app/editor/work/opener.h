@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/editor/state/guide.h"
 #include "app/editor/state/open_request.h"
 #include "app/editor/work/worker.h"
 #include "core/phantom/phantom.h"

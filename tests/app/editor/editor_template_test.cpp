@@ -6,6 +6,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/work/template_maker.h"
 #include "core/mesh/label_map.h"
+#include "core/session/session.h"
 #include "tests/ball.h"
 #include "tests/wait.h"
 

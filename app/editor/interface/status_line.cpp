@@ -68,7 +68,8 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   const RectPx& bar = ui.layout.status_line;
   const float y = begin_status_line(ui);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  text_at(draw, {bar.x + theme.px(12), y}, palette::text, read_out(ui));
+  const float left = bar.x + theme.px(12), middle = bar.x + std::max(theme.px(300), std::round(bar.width * 0.36f));
+  text_at(draw, {left, y}, palette::text, shortened(read_out(ui), middle - left - theme.px(12)));
 
   const auto& snapshot = ui.snapshot;
   std::string message = snapshot.preview ? snapshot.preview->message : snapshot.message;
@@ -79,13 +80,18 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   } else if (message.empty()) {
     message = default_hint(ui);
   }
-  text_at(draw, {bar.x + std::max(theme.px(420), bar.width * 0.36f), y}, colour, message);
 
   std::string right;
   if (snapshot.solver_ms > 0) right = format("%.2f ms", snapshot.solver_ms);
   if (ui.frames_per_second > 0) right += format("    %.0f fps", ui.frames_per_second);
   const ImVec2 size = ImGui::CalcTextSize(right.c_str());
   const ImVec2 at{bar.x + bar.width - theme.px(12) - size.x, y};
+  const std::string fitting = shortened(message, at.x - theme.px(12) - middle);
+  text_at(draw, {middle, y}, colour, fitting);
+  if (fitting != message) {
+    ImGui::SetCursorScreenPos({middle, y});
+    area(theme, "message", {at.x - theme.px(12) - middle, size.y}, message);
+  }
   text_at(draw, at, palette::dim, right);
   ImGui::SetCursorScreenPos(at);
   area(theme, "timings", {std::max(size.x, 1.0f), size.y}, "Time to compute the last edit · pictures drawn a second");

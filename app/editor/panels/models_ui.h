@@ -23,6 +23,7 @@ void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out);
 void draw_model_section(const UiContext& ui, Outbox& out);
 void draw_measures_section(const UiContext& ui, Outbox& out);
 void draw_suspicion_section(const UiContext& ui, Outbox& out);
+void draw_study_pictures_section(const UiContext& ui, Outbox& out);
 
 /// What files made of the study are called after.
 std::string study_stem(const ModelsState& state);

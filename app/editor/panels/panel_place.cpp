@@ -110,9 +110,10 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x, height = theme.px(24);
     const float remove = done ? theme.px(24) : 0.0f;
+    const std::string shown = shortened(landmark.name, width - remove - theme.px(32));
+    const std::string tip = done ? "Go there. Drag it in a view to move it" : "Then click where it is in a slice";
     const auto row =
-        area(theme, "row", {width - remove, height},
-             done ? "Go there. Drag it in a view to move it" : "Then click where it is in a slice", {next});
+        area(theme, "row", {width - remove, height}, shown == landmark.name ? tip : landmark.name + "\n" + tip, {next});
     if (row.clicked) out.send(ChooseLandmark{landmark.name, done ? std::optional(place->second) : std::nullopt});
     ImDrawList& draw = *ImGui::GetWindowDrawList();
     if (next || row.hovered)
@@ -121,7 +122,7 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     const float text_y = std::floor(at.y + (height - ImGui::GetFontSize()) / 2);
     text_at(draw, {at.x + theme.px(6), text_y}, done ? palette::good : palette::faint,
             done ? icon::check : icon::outline);
-    text_at(draw, {at.x + theme.px(28), text_y}, palette::text, landmark.name);
+    text_at(draw, {at.x + theme.px(28), text_y}, palette::text, shown);
     if (done) {
       ImGui::SameLine(0, 0);
       if (icon_button(theme, icon::close, "remove", "Remove this landmark", {}, false, 24))

@@ -125,6 +125,8 @@ void add_faults(const std::vector<DrawnItem>& items, float scale, const std::vec
     const bool of_view = item.path.find(" view/") != std::string::npos;
     if (of_view && std::find(ignored.begin(), ignored.end(), item.name) != ignored.end()) continue;
     looked_at.push_back(&item);
+    // The cross of a dialog never scrolls: what is in the dialog fits it.
+    if (item.name == "close" && item.scrolls) faults.insert(short_path(item) + " scrolls" + where);
     const bool cut_sideways = item.rect.x < item.clip.x - by || right_of(item.rect) > right_of(item.clip) + by;
     const bool cut_above_or_below =
         !item.scrolls && (item.rect.y < item.clip.y - by || bottom_of(item.rect) > bottom_of(item.clip) + by);

@@ -140,13 +140,26 @@ Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Targ
   const Projection projection = projection_of(view, target);
   glEnable(GL_DEPTH_TEST);
   parts_->meshes.update(scene.meshes);
-  for (const PlaneInSpace& part : scene.planes) parts_->slice.draw(scene, part, projection);
+  const auto draw_planes = [&](const auto& wanted) {
+    std::vector<LineInstance> frames;
+    for (const PlaneInSpace& part : scene.planes) {
+      if (!wanted(part)) continue;
+      parts_->slice.draw(scene, part, projection);
+      add_frame(part, frames);
+    }
+    parts_->lines.draw(frames, projection);
+  };
+  draw_planes([](const PlaneInSpace& part) { return part.behind_meshes; });
+  glClear(GL_DEPTH_BUFFER_BIT);
+  draw_planes([](const PlaneInSpace& part) { return !part.behind_meshes && part.opacity >= 1; });
   parts_->meshes.draw_opaque(projection);
   parts_->glyphs.draw(scene.glyphs, projection);
   std::vector<LineInstance> lines;
   for (const LineLayer::Line& line : scene.lines.lines) lines.push_back(instance_of(line));
-  for (const PlaneInSpace& part : scene.planes) add_frame(part, lines);
   parts_->lines.draw(lines, projection);
+  glDepthMask(GL_FALSE);
+  draw_planes([](const PlaneInSpace& part) { return !part.behind_meshes && part.opacity < 1; });
+  glDepthMask(GL_TRUE);
   parts_->meshes.draw_transparent(projection);
   return parts_->report();
 }

@@ -54,6 +54,7 @@ void set_plane(const gl::Program& program, const PlaneInSpace& part, const Proje
   program.set("centre_mm", to_glm(part.plane.centre));
   program.set("right_mm", to_glm(part.half_width_mm * part.plane.right));
   program.set("down_mm", to_glm(part.half_height_mm * part.plane.down));
+  program.set("plane_opacity", part.opacity);
 }
 
 /// grey = (held · value_scale − low) / (high − low), as one product and one sum.

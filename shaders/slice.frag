@@ -5,6 +5,7 @@ uniform sampler3D image;
 uniform vec3 image_size;        // voxels; -1 where there is none
 uniform vec3 image_coordinate;  // texture coordinates of a voxel
 uniform float image_nudge;
+uniform float plane_opacity;
 uniform float window_scale, window_offset;  // grey of what the texture holds
 
 in vec3 image_position;
@@ -49,5 +50,6 @@ void main() {
   vec4 over = label_layer();
   colour = over + colour * (1.0 - over.a);
 #endif
+  colour *= plane_opacity;
   if (colour.a == 0.0) discard;
 }

@@ -93,6 +93,12 @@ void Driver::frames(int count) {
   for (int k = 0; k < count; ++k) frame();
 }
 
+void Driver::resize(const Size& size) {
+  if (size.scale != size_.scale) app_.set_scale(size.scale);
+  size_ = size;
+  frames(2);
+}
+
 void Driver::settle() {
   wait_until("the program is at rest", [&] { return app_.at_rest() && !input_.busy(); });
 }

@@ -60,6 +60,8 @@ class Driver {
 
   void frame();
   void frames(int count);
+  /// The window gets another size, or goes to a monitor of another scale.
+  void resize(const Size& size);
   /// Goes on until all that was asked for is done, and the screen stays as it is. The hands do so before they move,
   /// as a person waits until nothing shifts under the pointer, unless they are in a hurry.
   void settle();

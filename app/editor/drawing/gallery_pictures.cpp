@@ -126,6 +126,21 @@ void GalleryPictures::draw_gallery(const ModelsState& state, const RectPx& rect,
   gallery_key_ = std::move(key);
 }
 
+void GalleryPictures::draw_grid(const ModelsState& state, const GalleryGrid& grid,
+                                const std::vector<std::shared_ptr<const Points>>& shapes, int height_px, float scale,
+                                Renderer& renderer, const std::array<float, 4>& ground) {
+  prepare(state);
+  for (std::size_t k = 0; k < shapes.size(); ++k) {
+    const RectPx cell = grid.cell(k);
+    const Target target{static_cast<int>(cell.x), height_px - static_cast<int>(cell.y + cell.height),
+                        static_cast<int>(cell.width), static_cast<int>(cell.height), scale};
+    Scene scene = scene_of(state, shapes[k], state.glyphs);
+    scene.background = ground;
+    const auto drawn = renderer.draw(scene, cell_camera(state, *shapes[k]), target);
+    if (!drawn) error_ = drawn.error().sentence();
+  }
+}
+
 void GalleryPictures::draw_model(const ModelsState& state, const RectPx& rect, float scale, Renderer& renderer) {
   const bool moving = state.turning || state.animated_mode;
   ModelKey key{key_of(state, {}, moving, scale), state.deviations, state.show_difference, state.compared};

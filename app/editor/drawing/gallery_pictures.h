@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -18,6 +19,11 @@ class GalleryPictures {
   void draw(const ModelsState& state, const ModelsLayout& layout, float scale, Renderer& renderer);
   /// Copies what was drawn into the framebuffer that is bound, whose height is given.
   void copy(const ModelsLayout& layout, int height_px) const;
+  /// Draws shapes into the cells of a grid as the gallery shows its own, into the framebuffer that is bound, whose
+  /// height is given.
+  void draw_grid(const ModelsState& state, const GalleryGrid& grid,
+                 const std::vector<std::shared_ptr<const Points>>& shapes, int height_px, float scale,
+                 Renderer& renderer, const std::array<float, 4>& ground);
   /// What the renderer refused since the last call; empty where nothing.
   std::string take_error() { return std::exchange(error_, {}); }
 

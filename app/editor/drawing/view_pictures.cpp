@@ -32,7 +32,7 @@ auto key(const Camera3D& x) {
 }
 bool same(const PlaneInSpace& a, const PlaneInSpace& b) {
   return key(a.plane) == key(b.plane) && a.half_width_mm == b.half_width_mm && a.half_height_mm == b.half_height_mm &&
-         a.frame_colour == b.frame_colour;
+         a.frame_colour == b.frame_colour && a.opacity == b.opacity && a.behind_meshes == b.behind_meshes;
 }
 template <class Part>
 bool same(const Part& a, const Part& b) {

@@ -3,10 +3,9 @@
 #include "app/editor/panels/models_ui.h"
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
+#include "app/editor/update/window_title.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/catalogue/catalogue.h"
-#include "core/session/unsaved_cases.h"
 
 namespace homolog {
 
@@ -14,15 +13,6 @@ namespace {
 
 void same_line(const UiContext& ui, float units) {
   ImGui::SameLine(0, ui.theme.px(units));
-}
-
-std::string case_title(const UiContext& ui) {
-  const auto& file = ui.snapshot.file;
-  if (!file.empty() && file.parent_path() != unsaved_folder()) return file.filename().string();
-  const auto& document = ui.document();
-  if (is_phantom(document.volume_source)) return "Demo case";
-  if (!document.volume_source.empty()) return std::filesystem::path(document.volume_source).filename().string();
-  return "No image";
 }
 
 void draw_show_toggles(const UiContext& ui, Outbox& out) {
@@ -36,15 +26,16 @@ void draw_show_toggles(const UiContext& ui, Outbox& out) {
       {icon::surface, "Surface in the 3D view", &ShownParts::surface},
       {icon::wireframe, "Triangles on the surface", &ShownParts::wireframe},
       {icon::glyphs, "Glyphs: balls on some vertices, in the vertex's hue", &ShownParts::glyphs},
-      {icon::planes, "Slice planes in the 3D view", &ShownParts::planes},
+      {icon::planes, "Slices in the 3D view (T): seen through, behind the surface, solid, off", &ShownParts::planes},
       {icon::crosshair, "Cross-hair (X); Shift with the mouse moves it", &ShownParts::crosshair},
   }};
   for (const Item& item : items) {
     const bool shown = ui.state.preferences.show.*item.part;
     if (icon_button(ui.theme, item.glyph, item.tip, item.tip, {}, shown, 28)) {
       ShownParts parts = ui.state.preferences.show;
+      const bool planes = item.part == &ShownParts::planes;
       parts.*item.part = !(parts.*item.part);
-      out.send(ShowParts{parts});
+      out.send(ShowParts{planes ? with_next_planes(ui.state.preferences.show) : parts});
     }
     same_line(ui, 2);
   }
@@ -107,7 +98,7 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
   const float toggles = 6 * theme.px(30) + 3 * theme.px(30) + theme.px(16);
   const float beside = std::max(toggles, theme.px(320));  // the switch and the file buttons
   ImGui::PushFont(theme.strong);
-  const std::string title = shortened(case_title(ui), bar.width - 2 * (beside + theme.px(16)));
+  const std::string title = shortened(case_title(ui.snapshot), bar.width - 2 * (beside + theme.px(16)));
   const ImVec2 size = ImGui::CalcTextSize(title.c_str());
   text_at(*ImGui::GetWindowDrawList(), {std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)},
           palette::text, title);

@@ -7,25 +7,31 @@
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
+#include <imgui_internal.h>  // the order of windows
+
 namespace homolog {
 
 bool begin_dialog(const UiContext& ui, const char* title, float width_units, float height_units) {
   const Theme& theme = ui.theme;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::GetBackgroundDrawList()->AddRectFilled({0, 0}, display, IM_COL32(0, 0, 0, 110));
+  // Over all else: what lies under it is neither clicked nor explained.
+  begin_region("shade", {0, 0, display.x, display.y}, IM_COL32(0, 0, 0, 110));
+  ImGui::BringWindowToDisplayFront(ImGui::GetCurrentWindow());
+  end_region();
   const ImVec2 size{std::min(theme.px(width_units), display.x - theme.px(32)),
                     height_units > 0 ? std::min(theme.px(height_units), display.y - theme.px(32)) : 0};
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize(size);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(20), theme.px(16)});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(0x1F, 0x22, 0x26, 255));
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, palette::dialog);
   ImGui::Begin(title, nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                    (height_units > 0 ? 0 : ImGuiWindowFlags_AlwaysAutoResize));
   ImGui::PopStyleColor();
   ImGui::PopStyleVar(2);
   ImGui::SetWindowFocus();
+  ImGui::BringWindowToDisplayFront(ImGui::GetCurrentWindow());
   enter_part(title);
   ImGui::PushFont(theme.strong);
   text_line(title);
@@ -50,33 +56,45 @@ void close_dialog(Outbox& out) {
 
 void draw_keys(const UiContext& ui, Outbox& out) {
   struct Row {
-    const char* keys;
-    const char* does;
+    std::string keys, does;
   };
-  static constexpr std::array<Row, 9> mouse_rows{{{"Left-drag on the outline", "the tool"},
-                                                  {"Wheel", "slices; while dragging: \xcf\x83"},
-                                                  {"Ctrl+wheel", "zoom"},
-                                                  {"Middle-drag", "pan"},
-                                                  {"Right-drag", "window and level"},
-                                                  {"Shift+mouse", "cross-hair"},
-                                                  {"Double-click", "one view, or all four"},
-                                                  {"Left-drag beside the mesh", "turns the 3D view"},
-                                                  {"Alt while painting", "paints away"}}};
-  if (!begin_dialog(ui, "Keys and mouse", 720, 0)) close_dialog(out);
+  static const std::array<Row, 9> mouse_rows{{{"Left-drag on the outline", "the tool"},
+                                              {"Wheel", "slices; while dragging: \xcf\x83"},
+                                              {"Ctrl+wheel", "zoom"},
+                                              {"Middle-drag", "pan"},
+                                              {"Right-drag", "window and level"},
+                                              {"Shift+mouse", "cross-hair"},
+                                              {"Double-click", "one view, or all four"},
+                                              {"Left-drag beside the mesh", "turns the 3D view"},
+                                              {"Alt while painting", "paints away"}}};
   const Theme& theme = ui.theme;
   std::vector<Row> rows(mouse_rows.begin(), mouse_rows.end());
   for (const KeyRow& row : key_rows(ui.state.models.shown)) rows.push_back({row.keys, row.does});
   const std::size_t in_column = (rows.size() + 1) / 2;
+  // As wide as the widest texts: keys and what they do, in two columns.
+  std::array<float, 4> widths{};
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const float left = i < in_column ? 20 : 380, keys_width = i < in_column ? 180 : 164;
-    const float top = 56 + 24 * static_cast<float>(i % in_column);
-    ImGui::SetCursorPos({theme.px(left), theme.px(top)});
+    const std::size_t first = i < in_column ? 0 : 2;
+    widths[first] = std::max(widths[first], text_size(theme.body, rows[i].keys).x + theme.px(20));
+    widths[first + 1] = std::max(widths[first + 1], text_size(theme.body, rows[i].does).x + theme.px(28));
+  }
+  const float side = theme.px(20), top = theme.px(56), width = widths[0] + widths[1] + widths[2] + widths[3];
+  const float display_height = ImGui::GetIO().DisplaySize.y / theme.scale;
+  const float height = 56 + 24 * static_cast<float>(in_column) + 20;
+  if (!begin_dialog(ui, "Keys and mouse", (width + 2 * side) / theme.scale - 8, std::min(height, display_height - 32)))
+    close_dialog(out);
+  ImGui::SetCursorPos({0, top});
+  ImGui::BeginChild("keys");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t first = i < in_column ? 0 : 2;
+    const float left = side + (first == 0 ? 0 : widths[0] + widths[1]);
+    const float y = theme.px(24 * static_cast<float>(i % in_column));
+    ImGui::SetCursorPos({left, y});
     text_line(rows[i].keys, palette::dim);
-    ImGui::SetCursorPos({theme.px(left + keys_width), theme.px(top)});
+    ImGui::SetCursorPos({left + widths[first], y});
     text_line(rows[i].does);
   }
-  ImGui::SetCursorPos({theme.px(20), theme.px(56 + 24 * static_cast<float>(in_column))});
-  ImGui::Dummy({theme.px(680), theme.px(4)});
+  ImGui::EndChild();
   end_dialog();
 }
 

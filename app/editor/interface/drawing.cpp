@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/editor/interface/study_picture.h"
 #include "app/editor/interface/view_marks.h"
 #include "app/editor/update/results/opening.h"
 #include "app/editor/update/results/results.h"
+#include "app/editor/widgets/imgui_context.h"
 #include "app/editor/widgets/plots.h"
 
 namespace homolog {
@@ -25,9 +27,28 @@ void Drawing::set_scale(float scale) {
   scale_ = scale;
   const bool had_texture = pictures_ && theme_;
   if (had_texture) ImGui_ImplOpenGL3_DestroyFontsTexture();
-  theme_ = make_theme(scale);
+  light_ = state_.preferences.light;
+  theme_ = make_theme(scale, letters_, light_);
   // ImGui makes the first texture by itself, and only that one.
   if (had_texture) ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
+bool Drawing::letters_wait() const {
+  return !std::ranges::includes(letters_, controls_memory().unknown_letters);
+}
+
+void Drawing::find_letters() {
+  std::set<unsigned> met = std::exchange(controls_memory().unknown_letters, {});
+  letters_.insert(met.begin(), met.end());
+  set_scale(scale_);
+  const bool any_missing = std::any_of(met.begin(), met.end(), [&](unsigned letter) {
+    return theme_->body->FindGlyphNoFallback(static_cast<ImWchar>(letter)) == nullptr;
+  });
+  if (any_missing)
+    add_notice(state_,
+               "Some names are in letters that the program's own font lacks; install the Debian package "
+               "fonts-droid-fallback and start Homolog again to read them.",
+               false);
 }
 
 void Drawing::forget() {
@@ -35,6 +56,8 @@ void Drawing::forget() {
 }
 
 void Drawing::draw(int width_px, int height_px, double frames_per_second) {
+  if (letters_wait()) find_letters();
+  if (light_ != state_.preferences.light) set_scale(scale_);
   layout_ = make_layout(static_cast<float>(width_px), static_cast<float>(height_px), scale_,
                         {state_.maximised, state_.preferences.panel_open, state_.models.shown});
   if (!state_.models.shown && std::exchange(state_.fit_views_wanted, false)) {
@@ -74,7 +97,8 @@ void Drawing::draw_pictures(int width_px, int height_px) {
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target_framebuffer));
   glViewport(0, 0, width_px, height_px);
   glDisable(GL_SCISSOR_TEST);
-  glClearColor(0.055f, 0.059f, 0.067f, 1);
+  const ImVec4 ground = ImGui::ColorConvertU32ToFloat4(palette::window);
+  glClearColor(ground.x, ground.y, ground.z, 1);
   glClear(GL_COLOR_BUFFER_BIT);
   for (const ViewKind kind : all_views) {
     const RectPx& rect = layout_.image(kind);
@@ -88,22 +112,35 @@ void Drawing::draw_pictures(int width_px, int height_px) {
 
 Result<Picture> Drawing::picture(const PictureOptions& options) {
   if (!pictures_) return fail("", "This window draws nothing, so there is no picture of it.");
+  if (options.study) return study_picture(options);
+  if (!options.view) return window_picture();
   auto framebuffer = Framebuffer::make(options.width, options.height, options.view == ViewKind::space ? 4 : 1);
   if (!framebuffer) return fail(framebuffer.error());
   (*framebuffer)->bind();
   const Layout on_screen = layout_;
-  if (options.view) {
-    draw_view_picture(options);
-  } else {
-    ImGui::GetIO().DisplaySize = {static_cast<float>(options.width), static_cast<float>(options.height)};
-    // What the program has to say just now is no part of the picture.
-    auto notices = std::exchange(state_.notices, {});
-    const Hints hints = std::exchange(state_.preferences.hints, {true, true, true});
-    draw(options.width, options.height, 0);
-    state_.preferences.hints = hints;
-    state_.notices.insert(state_.notices.begin(), notices.begin(), notices.end());
-  }
+  draw_view_picture(options);
   layout_ = on_screen;  // the pointer is still in the window
+  return (*framebuffer)->read();
+}
+
+Result<Picture> Drawing::window_picture() {
+  const auto width = static_cast<int>(layout_.top_bar.width);
+  const auto height = static_cast<int>(layout_.status_line.y + layout_.status_line.height);
+  auto framebuffer = Framebuffer::make(width, height, 1);
+  if (!framebuffer) return fail(framebuffer.error());
+  (*framebuffer)->bind();
+  // As it is on the screen, but for what the pointer and the program have to say just now.
+  auto notices = std::exchange(state_.notices, {});
+  auto hover = std::exchange(state_.hover, std::nullopt);
+  const Hints hints = std::exchange(state_.preferences.hints, {true, true, true});
+  ImGuiIO& io = ImGui::GetIO();
+  io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
+  const ImVec2 pointer = std::exchange(io.MousePos, ImVec2(-FLT_MAX, -FLT_MAX));
+  draw(width, height, 0);
+  io.MousePos = pointer;
+  state_.preferences.hints = hints;
+  state_.hover = std::move(hover);
+  state_.notices.insert(state_.notices.begin(), notices.begin(), notices.end());
   return (*framebuffer)->read();
 }
 
@@ -122,14 +159,16 @@ void Drawing::draw_view_picture(const PictureOptions& options) {
   const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / smaller)};
   const SceneBuilder::Input input = scene_input(state);
   Scene scene = scenes_.scene(input, kind);
-  const bool transparent = options.transparent && kind == ViewKind::space;
-  if (transparent) scene.background = {0, 0, 0, 0};
+  if (options.transparent)
+    scene.background = {0, 0, 0, 0};
+  else if (options.light)
+    scene.background = {1, 1, 1, 1};
   const auto drawn =
       kind == ViewKind::space
           ? pictures_->renderer().draw(scene, state.camera, target)
           : pictures_->renderer().draw(scene, slice_view(state, kind, geometry_of(shown_.document())), target);
   if (!drawn) add_notice(state_, drawn.error().sentence());  // the rest of the scene is there all the same
-  if (transparent) return;
+  if (!options.captions) return;
 
   // Letters, scale bar, landmarks and ruler: without them nobody can tell the sides of a slice.
   layout_.images[index_of(kind)] = {0, 0, width, height};
@@ -139,9 +178,37 @@ void Drawing::draw_view_picture(const PictureOptions& options) {
   ImGui::GetIO().DisplaySize = {width, height};
   ImGui::NewFrame();
   const UiContext ui = ui_context(state, 0);
+  use_palette(light_, options.light);
   draw_view_marks(ui, kind, *ImGui::GetBackgroundDrawList());
+  use_palette(light_);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+Result<Picture> Drawing::study_picture(const PictureOptions& options) {
+  if (!state_.models.model) return fail("", "There is no model yet; add at least two shapes to the study.");
+  auto framebuffer = Framebuffer::make(options.width, options.height, 4);
+  if (!framebuffer) return fail(framebuffer.error());
+  (*framebuffer)->bind();
+  const std::array<float, 4> ground = options.transparent ? std::array{0.0f, 0.0f, 0.0f, 0.0f}
+                                      : options.light     ? std::array{1.0f, 1.0f, 1.0f, 1.0f}
+                                                          : std::array{0.075f, 0.08f, 0.09f, 1.0f};
+  glViewport(0, 0, options.width, options.height);
+  glClearColor(ground[0], ground[1], ground[2], ground[3]);
+  glClear(GL_COLOR_BUFFER_BIT);
+  const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
+  const StudyCells cells = study_cells(state_.models, *options.study, width, height);
+  gallery_.draw_grid(state_.models, cells.grid, cells.shapes, options.height, scale_, pictures_->renderer(), ground);
+  if (!options.captions) return (*framebuffer)->read();
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui::GetIO().DisplaySize = {width, height};
+  ImGui::NewFrame();
+  use_palette(light_, options.light);
+  draw_study_captions(*ImGui::GetBackgroundDrawList(), *theme_, state_.models, cells);
+  use_palette(light_);
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  return (*framebuffer)->read();
 }
 
 Result<Picture> Drawing::plots(const PictureOptions& options) {
@@ -153,7 +220,9 @@ Result<Picture> Drawing::plots(const PictureOptions& options) {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::GetIO().DisplaySize = {static_cast<float>(options.width), static_cast<float>(options.height)};
   ImGui::NewFrame();
+  use_palette(options.light);
   draw_plots_picture(*theme_, *state_.models.evaluation, options, *ImGui::GetBackgroundDrawList());
+  use_palette(light_);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   return (*framebuffer)->read();

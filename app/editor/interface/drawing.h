@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 
 #include "app/editor/drawing/gallery_pictures.h"
 #include "app/editor/drawing/view_pictures.h"
@@ -25,14 +26,19 @@ class Drawing : public PictureSource {
   /// Draws the window; ImGui's frame must not have begun. `frames_per_second` is shown.
   void draw(int width_px, int height_px, double frames_per_second);
   /// Whether the next frame shows more than the last, without anything having happened.
-  bool draws_on() const { return draws_on_; }
+  bool draws_on() const { return draws_on_ || letters_wait(); }
 
   Result<Picture> picture(const PictureOptions& options) override;
   Result<Picture> plots(const PictureOptions& options) override;
   void forget() override;
 
  private:
+  /// Whether the last frame met letters that no font has and that were not looked for yet.
+  bool letters_wait() const;
+  void find_letters();
   void draw_pictures(int width_px, int height_px);
+  Result<Picture> window_picture();
+  Result<Picture> study_picture(const PictureOptions& options);
   void draw_view_picture(const PictureOptions& options);
   SceneBuilder::Input scene_input(const EditorState& state) const;
   std::vector<RunningWork> running_work() const;
@@ -44,12 +50,14 @@ class Drawing : public PictureSource {
   const Work& work_;
   Outbox& out_;
   float scale_ = 1;
+  bool light_ = false;
   std::optional<Theme> theme_;
   std::optional<ViewPictures> pictures_;
   SceneBuilder scenes_;
   GalleryPictures gallery_;
   CaseThumbnails thumbnails_;
-  bool draws_on_ = false;  ///< thumbnails are left
+  bool draws_on_ = false;       ///< thumbnails are left
+  std::set<unsigned> letters_;  ///< met so far beside those of the program's own font
 };
 
 }  // namespace homolog

@@ -6,6 +6,7 @@
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/base/listed.h"
 
 namespace homolog {
 
@@ -39,18 +40,17 @@ AreaState row(const Theme& theme, const RowTexts& texts, bool selected, const st
   const auto& [glyph, text, middle, right] = texts;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size{ImGui::GetContentRegionAvail().x, theme.px(26)};
-  const AreaState state = area(theme, "row", size, tip, {selected});
-  ImDrawList& draw = *ImGui::GetWindowDrawList();
   const ImVec2 end{at.x + size.x, at.y + size.y};
+  const float right_width = theme.px(92), middle_width = theme.px(140);
+  const float text_end = middle.empty() && right.empty() ? end.x : end.x - right_width - middle_width;
+  const std::string shown = shortened(text, text_end - at.x - theme.px(36));
+  const AreaState state = area(theme, "row", size, tip.empty() && shown != text ? text : tip, {selected});
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
   if (selected || state.hovered)
     draw.AddRectFilled(at, end, selected ? with_alpha(palette::accent, 0.25f) : palette::raised, theme.px(4));
   const float y = at.y + (size.y - ImGui::GetFontSize()) / 2;
   text_at(draw, {at.x + theme.px(8), y}, palette::dim, glyph);
-  const float right_width = theme.px(92), middle_width = theme.px(140);
-  const float text_end = middle.empty() && right.empty() ? end.x : end.x - right_width - middle_width;
-  draw.PushClipRect(at, {text_end, end.y}, true);
-  text_at(draw, {at.x + theme.px(32), y}, palette::text, text);
-  draw.PopClipRect();
+  text_at(draw, {at.x + theme.px(32), y}, palette::text, shown);
   text_at(draw, {end.x - right_width - middle_width + theme.px(8), y}, palette::dim, middle);
   text_at(draw, {end.x - theme.px(8) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right);
   return state;
@@ -78,12 +78,19 @@ void draw_places(const UiContext& ui, const FileDialog& dialog, Outbox& out) {
   }
 }
 
+/// ": .ply, .vtk or .stl"; empty where anything goes.
+std::string endings_of(const FileKind& kind) {
+  return kind.extensions.empty() ? std::string() : ": " + listed(kind.extensions, " or ");
+}
+
 void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto visible = browser.visible();
   if (!browser.error.empty()) return explanation(theme, browser.error);
   if (visible.empty())
-    return explanation(theme, browser.entries.empty() ? "Nothing of the right kind is here." : "No match.");
+    return explanation(theme, browser.entries.empty()
+                                  ? "Nothing of the right kind is here" + endings_of(browser.kind) + "."
+                                  : "No match.");
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(visible.size()), theme.px(26));
   while (clipper.Step()) {
@@ -109,8 +116,25 @@ void draw_path_bar(const UiContext& ui, const FileBrowser& browser, Outbox& out)
                   browser.folder.has_relative_path() ? "" : "This is the topmost folder.", false, 28))
     out.send(MoveInFiles{BrowserKey::parent});
   ImGui::SameLine(0, theme.px(8));
-  ImGui::AlignTextToFramePadding();
-  text_line(shortened(browser.folder.string(), ImGui::GetContentRegionAvail().x), palette::dim);
+  const float width = ImGui::GetContentRegionAvail().x, make_width = theme.px(112);
+  const float room = width - make_width - theme.px(8), left = ImGui::GetCursorPosX();
+  if (browser.new_folder) {
+    std::string name = *browser.new_folder;
+    if (name.empty()) ImGui::SetKeyboardFocusHere();
+    if (text_field(theme, "new folder", name, "Name of the new folder (Enter)", room, 28)) out.send(NameFolder{name});
+    if (enter_pressed()) out.send(MakeFolder{});
+  } else {
+    ImGui::AlignTextToFramePadding();
+    text_line(shortened(browser.folder.string(), room), palette::dim);
+  }
+  ImGui::SameLine(left + room + theme.px(8));
+  const bool typed = browser.new_folder && !browser.new_folder->empty();
+  if (button(theme, typed ? "Make it" : "New folder", "Makes a folder in this one, and goes there", {}, make_width)) {
+    if (typed)
+      out.send(MakeFolder{});
+    else
+      out.send(NameFolder{std::string()});
+  }
 }
 
 std::string refusal_of(const FileBrowser& browser) {
@@ -125,7 +149,8 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   const FileBrowser& browser = dialog.browser;
   if (!begin_dialog(ui, file_purpose(dialog.purpose).title, 860, 580)) out.send(CloseDialog{});
   draw_path_bar(ui, browser, out);
-  const float footer = theme.px(28) + theme.px(8) * 2 + theme.px(24);
+  // A gap, two rows, and what ImGui puts between all of them.
+  const float footer = theme.px(2) + theme.px(28) + theme.px(24) + 3 * ImGui::GetStyle().ItemSpacing.y + theme.px(2);
   ImGui::BeginChild("places", {theme.px(180), -footer});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
   draw_places(ui, dialog, out);

@@ -22,15 +22,11 @@ ImU32 to_im(const Rgb& colour) {
   return ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], 1});
 }
 
-/// Text with what does not fit left out at its end.
-std::string cut(ImFont* font, std::string text, float width_px) {
-  const auto wide = [&] { return font->CalcTextSizeA(font->FontSize, 1e6f, 0, text.c_str()).x > width_px; };
-  if (!wide()) return text;
-  while (text.size() > 1 && wide()) {
-    do text.pop_back();
-    while (!text.empty() && (static_cast<unsigned char>(text.back()) & 0xC0U) == 0x80U);
-  }
-  return text;
+std::string cut(ImFont* font, const std::string& text, float width_px) {
+  ImGui::PushFont(font);
+  std::string shown = shortened(text, width_px);
+  ImGui::PopFont();
+  return shown;
 }
 
 /// A ring at a vertex; faint where the shape's other side hides it.
@@ -56,7 +52,7 @@ ImU32 name_colour(const StudyModel& model, std::size_t shape, bool pointed) {
   for (const SuspiciousShape& one : model.suspicious_shapes)
     if (one.shape == static_cast<Eigen::Index>(shape))
       return one.suspicion == Suspicion::far_outside ? palette::bad : palette::amber;
-  return with_alpha(palette::text, pointed ? 1.0f : 0.75f);
+  return with_alpha(palette::mark, pointed ? 1.0f : 0.85f);
 }
 
 void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, std::size_t k) {
@@ -88,11 +84,18 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   const ModelsState& state = ui.state.models;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float text_y = std::floor(rect.y + (theme.px(28) - theme.strong->FontSize) / 2);
-  text_at(draw, theme.strong, {rect.x + theme.px(12), text_y}, palette::text, "Correspondence");
-  const float title = theme.strong->CalcTextSizeA(theme.strong->FontSize, 1e6f, 0, "Correspondence").x;
-  if (state.model)
-    text_at(draw, {rect.x + theme.px(24) + title, text_y}, palette::dim,
-            format("%zu shapes, %td vertices", state.model->names.size(), state.model->vertices()));
+  // The title, and how much is shown, as far as the buttons leave room.
+  const float buttons = rect.x + rect.width - 8 * theme.px(24) - theme.px(8);
+  float x = rect.x + theme.px(12);
+  const std::string title = "Correspondence";
+  const std::string shown =
+      state.model ? format("%zu shapes, %td vertices", state.model->names.size(), state.model->vertices()) : "";
+  const float title_width = text_size(theme.strong, title).x;
+  if (x + title_width <= buttons) {
+    text_at(draw, theme.strong, {x, text_y}, palette::text, title);
+    x += title_width + theme.px(12);
+  }
+  if (!shown.empty() && x + text_size(theme.body, shown).x <= buttons) text_at(draw, {x, text_y}, palette::dim, shown);
   draw_side_buttons<LookFromSideInGallery>(ui, rect.width - 8 * theme.px(24), theme.px(2), theme.px(24),
                                            ", as the first shape lies", out);
   ImGui::SetCursorPos({rect.width - theme.px(28), theme.px(2)});
@@ -109,7 +112,8 @@ void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
                   model.topology ? "" : "Shapes without faces show all their points.", state.glyphs, 28))
     out.send(ShowGalleryGlyphs{!state.glyphs});
   ImGui::SetCursorPos({theme.px(44), theme.px(32)});
-  ImGui::BeginChild("spacing", {theme.px(292), theme.px(24)});
+  const float slider_width = std::min(static_cast<float>(theme.px(292)), rect.width - theme.px(44 + 12));
+  ImGui::BeginChild("spacing", {slider_width, theme.px(24)});
   double spacing_mm = state.glyph_spacing_mm;
   bool released = false;
   const double smallest_mm = std::max(model.radius_mm / 40, 0.1), largest_mm = model.radius_mm;
@@ -126,7 +130,7 @@ void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
     text = place_text(model, *at);
   else if (state.pinned)
     text = format("Vertex %td is marked (Escape)", *state.pinned);
-  const float x = rect.x + theme.px(348), room = rect.x + rect.width - theme.px(12) - x;
+  const float x = rect.x + theme.px(44 + 12) + slider_width, room = rect.x + rect.width - theme.px(12) - x;
   ImGui::PushFont(theme.small);
   text_at(draw, {x, std::floor(rect.y + theme.px(44) - theme.small->FontSize / 2)}, palette::dim,
           shortened(text, room));
@@ -246,9 +250,9 @@ void draw_difference_legend(const UiContext& ui, const RectPx& rect) {
   const auto width = [&](const std::string& t) {
     return theme.small->CalcTextSizeA(theme.small->FontSize, 1e6f, 0, t.c_str()).x;
   };
-  shadowed(draw, theme.small, {x0, text_y}, palette::dim, inwards);
-  shadowed(draw, theme.small, {middle - width("0") / 2, text_y}, palette::dim, "0");
-  shadowed(draw, theme.small, {x1 - width(outwards), text_y}, palette::dim, outwards);
+  shadowed(draw, theme.small, {x0, text_y}, palette::mark_dim, inwards);
+  shadowed(draw, theme.small, {middle - width("0") / 2, text_y}, palette::mark_dim, "0");
+  shadowed(draw, theme.small, {x1 - width(outwards), text_y}, palette::mark_dim, outwards);
 }
 
 std::string model_title(const ModelsState& state) {

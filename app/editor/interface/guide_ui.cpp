@@ -19,9 +19,9 @@ void draw_guide(const UiContext& ui, float& bottom_px, Outbox& out) {
   if (!ui.state.guide || !ui.state.guide->shown) return;
   const Theme& theme = ui.theme;
   const Guide& guide = *ui.state.guide;
-  begin_card(ui, "guide", bottom_px, palette::accent);
+  begin_card(ui, "guide", 0, bottom_px, palette::accent);
   const bool all_done = guide.at >= guide.steps.size();
-  const float width = theme.px(376), third = (width - 2 * theme.px(8)) / 3;
+  const float width = card_width(ui) - theme.px(24), third = (width - 2 * theme.px(8)) / 3;
   caption(theme, all_done ? "First steps: done"
                           : format("First steps: pull %zu of %zu", guide.at + 1, guide.steps.size()).c_str());
   text_lines(all_done

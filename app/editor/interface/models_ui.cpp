@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "app/editor/update/controls.h"
+#include "app/editor/update/window_title.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
@@ -10,26 +11,23 @@ namespace homolog {
 
 namespace {
 
-std::string study_title(const ModelsState& state) {
-  std::string name = state.study_file.filename().string();
-  constexpr std::string_view ending = ".study.json";
-  if (name.ends_with(ending)) name.resize(name.size() - ending.size());
-  return name.empty() ? "No study" : name;
-}
-
 void draw_models_top_bar(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const RectPx& bar = ui.layout.top_bar;
   begin_region("top bar", bar, palette::surface, theme.px(8));
   draw_mode_switch(ui, out);
   ImGui::PushFont(theme.strong);
-  const std::string title = shortened(study_title(ui.state.models), bar.width / 3);
+  const float switch_end = theme.px(8 + 140 + 16);
+  const std::string title = shortened(study_title(ui.state.models), bar.width - 2 * switch_end);
   const ImVec2 size = ImGui::CalcTextSize(title.c_str());
   const ImVec2 at{std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)};
   text_at(*ImGui::GetWindowDrawList(), at, palette::text, title);
   ImGui::PopFont();
   const std::string path = ui.state.models.study_file.string();
-  if (!path.empty() && ImGui::IsMouseHoveringRect(at, {at.x + size.x, at.y + size.y})) tooltip(theme, path);
+  if (!path.empty() && size.x > 0) {
+    ImGui::SetCursorScreenPos(at);
+    area(theme, "study", size, path);
+  }
   ImGui::SetCursorPos({bar.width - theme.px(36), theme.px(8)});
   if (icon_button(theme, icon::keys, "keys", "Keys and mouse (F1)", {}, false, 28)) out.send(ShowKeys{});
   end_region();

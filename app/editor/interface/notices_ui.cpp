@@ -1,22 +1,29 @@
 #include "app/editor/interface/cards.h"
+
+#include <algorithm>
+#include <cmath>
+
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
 
-void begin_card(const UiContext& ui, const char* id, float& bottom_px, ImU32 edge) {
+float card_width(const UiContext& ui) {
   const Theme& theme = ui.theme;
-  const float width = theme.px(400);
-  const float right = ui.layout.panel.x - theme.px(16);
-  ImGui::SetNextWindowPos({right, bottom_px}, ImGuiCond_Always, {1, 1});
-  ImGui::SetNextWindowSize({width, 0});
+  return std::min(static_cast<float>(theme.px(400)), ui.layout.panel.x - theme.px(32));
+}
+
+void begin_card(const UiContext& ui, const char* id, float height_px, float bottom_px, ImU32 edge) {
+  const Theme& theme = ui.theme;
+  ImGui::SetNextWindowPos({ui.layout.panel.x - theme.px(16), bottom_px}, ImGuiCond_Always, {1, 1});
+  ImGui::SetNextWindowSize({card_width(ui), height_px});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, palette::raised);
   ImGui::PushStyleColor(ImGuiCol_Border, with_alpha(edge, 0.7f));
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
   ImGui::Begin(id, nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing);
+                   ImGuiWindowFlags_NoFocusOnAppearing | (height_px > 0 ? 0 : ImGuiWindowFlags_AlwaysAutoResize));
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(2);
   enter_part(id);
@@ -38,28 +45,39 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   const Theme& theme = ui.theme;
   const Notice& notice = ui.state.notices[index];
   const ImU32 colour = notice.error ? palette::bad : palette::accent;
-  begin_card(ui, format("notice %zu", index).c_str(), bottom_px, colour);
+  const float width = card_width(ui), left = theme.px(36), pad = theme.px(12), end = width - theme.px(44);
+  // One that is longer than some lines is shown without its middle.
+  constexpr float most_lines = 5, of_broken_lines = 0.8f;
+  ImGui::PushFont(theme.body);
+  const std::string text = shortened(notice.text, most_lines * of_broken_lines * (end - left));
+  ImGui::PopFont();
+  const float lines = theme.body->CalcTextSizeA(theme.body->FontSize, 1e6f, end - left, text.c_str()).y;
+  const bool offers = !notice.case_before.empty();
+  const float height = std::ceil(lines) + 2 * pad + (offers ? theme.px(28) + theme.px(8) : 0);
+  begin_card(ui, format("notice %zu", index).c_str(), height, bottom_px, colour);
   text_line(notice.error ? icon::warning : icon::info, colour);
-  ImGui::SameLine(theme.px(36));
-  text_lines(notice.text, palette::text, theme.px(356));
-  if (!notice.case_before.empty()) {
-    ImGui::SetCursorPosX(theme.px(36));
+  ImGui::SameLine(left);
+  text_lines(text, palette::text, end);
+  if (text != notice.text && ImGui::IsItemHovered()) tooltip(theme, notice.text);
+  if (offers) {
+    ImGui::SetCursorPosX(left);
     if (button(theme, "Open it again", notice.case_before.string(), {}, theme.px(140), true)) {
       out.send(open_case_file(notice.case_before));
       dismiss_notice(index, out);
     }
   }
-  ImGui::SetCursorPos({theme.px(368), theme.px(8)});
-  if (icon_button(theme, icon::close, "dismiss", "Dismiss", {}, false, 24)) dismiss_notice(index, out);
+  ImGui::SetCursorPos({width - theme.px(32), theme.px(8)});
+  if (icon_button(theme, icon::close, "dismiss", "Dismiss (Escape)", {}, false, 24)) dismiss_notice(index, out);
   end_card(ui, bottom_px);
 }
 
 void draw_work(const UiContext& ui, const RunningWork& work, float& bottom_px, Outbox& out) {
   const Theme& theme = ui.theme;
-  begin_card(ui, work.kind, bottom_px, palette::accent);
+  const float height = theme.px(12 + 28 + 8 + 4 + 12), cancel = card_width(ui) - theme.px(12 + 76);
+  begin_card(ui, work.kind, height, bottom_px, palette::accent);
   ImGui::AlignTextToFramePadding();
-  text_line(shortened(work.what, theme.px(400 - 12 - 76 - 24)));
-  ImGui::SameLine(theme.px(400 - 12 - 76));
+  text_line(shortened(work.what, cancel - theme.px(24)));
+  ImGui::SameLine(cancel);
   if (button(theme, "Cancel", work.cancel_tip, work.no_cancel, theme.px(76))) out.send(work.cancel);
   progress_bar(theme, work.fraction);
   end_card(ui, bottom_px);

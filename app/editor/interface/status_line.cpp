@@ -46,18 +46,25 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   const RectPx& bar = ui.layout.status_line;
   const float y = begin_status_line(ui);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  text_at(draw, {bar.x + theme.px(12), y}, palette::text, read_out(ui));
+  const float left = bar.x + theme.px(12), middle = bar.x + std::max(theme.px(300), std::round(bar.width * 0.36f));
+  text_at(draw, {left, y}, palette::text, shortened(read_out(ui), middle - left - theme.px(12)));
 
   const auto& snapshot = ui.snapshot;
   const Status status = status_of(ui.state, snapshot, ui.document(), ui.making_shown);
-  text_at(draw, {bar.x + std::max(theme.px(420), bar.width * 0.36f), y}, status.stopped ? palette::amber : palette::dim,
-          status.stopped ? std::string(icon::warning) + "  " + status.text : status.text);
+  const ImU32 colour = status.stopped ? palette::amber : palette::dim;
+  const std::string message = status.stopped ? std::string(icon::warning) + "  " + status.text : status.text;
 
   std::string right;
   if (snapshot.solver_ms > 0) right = format("%.2f ms", snapshot.solver_ms);
   if (ui.frames_per_second > 0) right += format("    %.0f fps", ui.frames_per_second);
   const ImVec2 size = ImGui::CalcTextSize(right.c_str());
   const ImVec2 at{bar.x + bar.width - theme.px(12) - size.x, y};
+  const std::string fitting = shortened(message, at.x - theme.px(12) - middle);
+  text_at(draw, {middle, y}, colour, fitting);
+  if (fitting != message) {
+    ImGui::SetCursorScreenPos({middle, y});
+    area(theme, "message", {at.x - theme.px(12) - middle, size.y}, message);
+  }
   text_at(draw, at, palette::dim, right);
   ImGui::SetCursorScreenPos(at);
   area(theme, "timings", {std::max(size.x, 1.0f), size.y}, "Time to compute the last edit · pictures drawn a second");

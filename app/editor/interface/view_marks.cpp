@@ -29,7 +29,7 @@ void draw_letters(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
     const ImVec2 size = text_size(font, letters);
     const ImVec2 at{std::round(rect.x + inset + (rect.width - 2 * inset - size.x) * share_x),
                     std::round(rect.y + inset + (rect.height - 2 * inset - size.y) * share_y)};
-    shadowed_text(draw, font, at, palette::text, letters);
+    shadowed_text(draw, font, at, palette::mark, letters);
   };
   put(-right, 0, 0.5f);
   put(right, 1, 0.5f);
@@ -43,14 +43,14 @@ void draw_scale_bar(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const double length_mm = scale_bar_mm(mm_per_px, 0.25 * rect.width);
   const auto length_px = static_cast<float>(std::round(length_mm / mm_per_px));
   const float x = rect.x + ui.theme.px(12), y = rect.y + rect.height - ui.theme.px(14), tick = ui.theme.px(4);
-  for (const auto& [shift, colour] : {std::pair(1.0f, IM_COL32(0, 0, 0, 160)), std::pair(0.0f, palette::text)}) {
+  for (const auto& [shift, colour] : {std::pair(1.0f, IM_COL32(0, 0, 0, 160)), std::pair(0.0f, palette::mark)}) {
     draw.AddLine({x + shift, y + shift}, {x + length_px + shift, y + shift}, colour);
     draw.AddLine({x + shift, y - tick + shift}, {x + shift, y + 1 + shift}, colour);
     draw.AddLine({x + length_px + shift, y - tick + shift}, {x + length_px + shift, y + 1 + shift}, colour);
   }
   const std::string text = length_mm >= 10 ? format("%.0f mm", length_mm) : format("%g mm", length_mm);
   shadowed_text(draw, ui.theme.small, {x + length_px + ui.theme.px(8), std::round(y - ui.theme.small->FontSize / 2)},
-                palette::text, text);
+                palette::mark, text);
 }
 
 /// Lines of the other two planes, in their hues, with a gap around the cross-hair's middle.
@@ -91,7 +91,7 @@ class NameTags {
       const Rect tag{corner, {corner.x + size.x, corner.y + size.y}};
       if (std::any_of(taken_.begin(), taken_.end(), [&](const Rect& other) { return tag.meets(other); })) continue;
       taken_.push_back(tag);
-      shadowed_text(draw_, theme_.small, corner, with_alpha(palette::text, alpha), name);
+      shadowed_text(draw_, theme_.small, corner, with_alpha(palette::mark, alpha), name);
       return;
     }
   }
@@ -192,7 +192,7 @@ void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
       const float alpha = 0.8f * one.carried_alpha;
       if (one.placed)
         draw.AddLine(*one.carried, *one.placed, with_alpha(palette::amber, std::min(alpha, one.alpha)), 1.5f);
-      draw.AddCircle(*one.carried, ui.theme.px(4), with_alpha(palette::text, alpha), 0, ui.theme.px(1.5f));
+      draw.AddCircle(*one.carried, ui.theme.px(4), with_alpha(palette::mark, alpha), 0, ui.theme.px(1.5f));
       if (!one.placed && named && alpha > faint) tags.put(*one.carried, one.name, alpha);
     }
     if (!one.placed) continue;
@@ -213,10 +213,10 @@ void draw_placement_handles(const UiContext& ui, const ViewMap& map, ImDrawList&
   } else if (ui.state.hover && map.rect().contains(ui.state.hover->x_px, ui.state.hover->y_px)) {
     lit = ui.state.hover->part;
   }
-  const auto colour = [&](PlacePart part) { return lit == part ? palette::accent : with_alpha(palette::text, 0.7f); };
+  const auto colour = [&](PlacePart part) { return lit == part ? palette::accent : with_alpha(palette::mark, 0.7f); };
   const auto radius = static_cast<float>(handles->radius_px);
   draw.AddCircle(to_im(handles->centre_px), radius, colour(PlacePart::ring), 0, lit == PlacePart::ring ? 2.0f : 1.5f);
-  draw.AddCircleFilled(to_im(handles->knob_px), ui.theme.px(6), palette::window);
+  draw.AddCircleFilled(to_im(handles->knob_px), ui.theme.px(6), IM_COL32(0x0E, 0x0F, 0x11, 255));
   draw.AddCircle(to_im(handles->knob_px), ui.theme.px(6), colour(PlacePart::knob), 0, 2);
   const ImVec2 centre = to_im(handles->centre_px);
   const float arm = ui.theme.px(6);
@@ -232,7 +232,7 @@ void draw_ring(ImDrawList& draw, const ViewMap& map, const Vec3& at_mm, double r
 /// The gesture's hold on the surface, its σ as a ring, and how far it moved, at the cursor.
 void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map, ImDrawList& draw) {
   const bool stopped = ui.snapshot.preview && ui.snapshot.preview->stopped_by_guard;
-  const ImU32 colour = stopped ? palette::amber : palette::text;
+  const ImU32 colour = stopped ? palette::amber : palette::mark;
   const Vec3 held = ui.snapshot.preview && ui.snapshot.preview->on ? *ui.snapshot.preview->on : drag.stroke.at;
   draw_ring(draw, map, held, drag.stroke.sigma_mm, with_alpha(colour, 0.55f));
   if (const auto px = map.to_px(held)) draw.AddCircleFilled(to_im(*px), ui.theme.px(3), colour);
@@ -250,7 +250,7 @@ void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map
   draw.AddRectFilled({at.x - pad, at.y - pad / 2}, {at.x + std::max(a.x, b.x) + pad, at.y + a.y + b.y + pad / 2},
                      IM_COL32(0x1A, 0x1C, 0x1F, 205), ui.theme.px(4));
   text_at(draw, ui.theme.strong, at, colour, text);
-  text_at(draw, ui.theme.small, {at.x, at.y + a.y}, palette::dim, sigma);
+  text_at(draw, ui.theme.small, {at.x, at.y + a.y}, palette::mark_dim, sigma);
 }
 
 /// The finding that is looked at: its triangles, a ring, and what it is.
@@ -282,7 +282,7 @@ void draw_finding(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const float left = map.rect().x + margin, right = map.rect().x + map.rect().width - margin - width;
   shadowed_text(draw, ui.theme.strong,
                 {std::max(left, std::min(to_im(*px).x - width / 2, right)), to_im(*px).y + ui.theme.px(20)},
-                palette::text, text);
+                palette::mark, text);
 }
 
 /// What a press would do: the point that would be taken hold of, with σ or the brush around it.
@@ -291,15 +291,15 @@ void draw_hover(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const MouseTool tool = ui.state.tool;
   if (is_brush(tool) && map.is_slice()) {
     // The circle paints what it covers, wherever its middle is.
-    draw_ring(draw, map, *hover.p_mm, ui.state.brush.radius_mm, with_alpha(palette::text, hover.on_mesh ? 0.6f : 0.2f));
+    draw_ring(draw, map, *hover.p_mm, ui.state.brush.radius_mm, with_alpha(palette::mark, hover.on_mesh ? 0.6f : 0.2f));
     return;
   }
   if (!hover.on_mesh) return;
   if (!is_brush(tool) && !stroke_tool(tool)) return;
   const double radius_mm = is_brush(tool) ? ui.state.brush.radius_mm : ui.state.sigma_mm();
-  draw_ring(draw, map, *hover.on_mesh, radius_mm, with_alpha(palette::text, 0.35f));
+  draw_ring(draw, map, *hover.on_mesh, radius_mm, with_alpha(palette::mark, 0.35f));
   if (const auto px = map.to_px(*hover.on_mesh)) {
-    draw.AddCircleFilled(to_im(*px), ui.theme.px(4), palette::text);
+    draw.AddCircleFilled(to_im(*px), ui.theme.px(4), palette::mark);
     draw.AddCircle(to_im(*px), ui.theme.px(5), IM_COL32(0, 0, 0, 160));
   }
 }
@@ -319,7 +319,7 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const Eigen::Vector2d middle = (*from + *to) / 2;
   if (in_plane)
     shadowed_text(draw, ui.theme.strong, {to_im(middle).x + ui.theme.px(8), to_im(middle).y + ui.theme.px(4)},
-                  palette::text, format("%.1f mm", ruler.length_mm()));
+                  palette::mark, format("%.1f mm", ruler.length_mm()));
 }
 
 /// From the outline to where the guide's pull should bring it.
@@ -357,7 +357,7 @@ void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const float rounding = (font.FontSize + 2 * pad_y) / 2;
   draw.AddRectFilled(low, high, IM_COL32(0x1A, 0x1C, 0x1F, 225), rounding);
   draw.AddRect(low, high, with_alpha(palette::accent, 0.5f), rounding);
-  text_at(draw, &font, at, palette::text, text, wrap);
+  text_at(draw, &font, at, palette::mark, text, wrap);
 }
 
 void draw_empty_state(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
@@ -365,10 +365,12 @@ void draw_empty_state(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   if (!nothing || kind != ViewKind::axial) return;
   const RectPx& rect = ui.layout.image(kind);
   const std::string title = "Nothing is open", text = "Ctrl+O opens an image, a case or a template";
-  const ImVec2 a = text_size(ui.theme.strong, title), b = text_size(ui.theme.body, text);
+  const float wrap = rect.width - ui.theme.px(16);
+  const ImVec2 a = text_size(ui.theme.strong, title);
+  const ImVec2 b = ui.theme.body->CalcTextSizeA(ui.theme.body->FontSize, 1e6f, wrap, text.c_str());
   const float x = rect.x + rect.width / 2, y = rect.y + rect.height / 2;
-  text_at(draw, ui.theme.strong, {std::round(x - a.x / 2), y - ui.theme.px(20)}, palette::text, title);
-  text_at(draw, ui.theme.body, {std::round(x - b.x / 2), y + ui.theme.px(4)}, palette::dim, text);
+  text_at(draw, ui.theme.strong, {std::round(x - a.x / 2), y - ui.theme.px(20)}, palette::mark, title);
+  text_at(draw, ui.theme.body, {std::round(x - b.x / 2), y + ui.theme.px(4)}, palette::mark_dim, text, wrap);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
   draw.AddRectFilled({rect.x, rect.y}, {rect.x + theme.px(3), rect.y + rect.height}, view_hue(kind));
   ImGui::PushFont(theme.strong);
   const float text_y = std::floor(rect.y + (rect.height - ImGui::GetFontSize()) / 2);
-  text_at(draw, {rect.x + theme.px(12), text_y}, view_hue(kind), title);
+  text_at(draw, {rect.x + theme.px(12), text_y}, title_hue(kind), title);
   const float title_width = ImGui::CalcTextSize(title.c_str()).x;
   ImGui::PopFont();
 

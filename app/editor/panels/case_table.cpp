@@ -137,7 +137,8 @@ Columns columns_in(const Theme& theme, float width_px) {
   c.state = c.distance - theme.px(state_width);
   c.group = c.state - theme.px(group_title_width);
   c.picture = theme.px(2);
-  c.name = c.picture + theme.px(CaseThumbnails::width + 6);
+  constexpr float least_with_pictures = 270;
+  c.name = c.picture + (width_px < theme.px(least_with_pictures) ? 0 : theme.px(CaseThumbnails::width + 6));
   return c;
 }
 
@@ -173,7 +174,8 @@ void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox&
     draw.AddRectFilled(at, {at.x + size.x, at.y + size.y},
                        selected ? with_alpha(palette::accent, 0.25f) : palette::raised, theme.px(4));
   const float y = at.y + std::floor((size.y - ImGui::GetFontSize()) / 2);
-  if (const unsigned texture = ui.thumbnails.texture(one.name)) {
+  const bool has_picture = columns.name > columns.picture;
+  if (const unsigned texture = has_picture ? ui.thumbnails.texture(one.name) : 0U) {
     const ImVec2 corner{std::floor(at.x + columns.picture),
                         std::floor(at.y + (size.y - theme.px(CaseThumbnails::height)) / 2)};
     draw.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture)), corner,
@@ -236,7 +238,7 @@ void draw_list(const UiContext& ui, Outbox& out) {
   const Columns columns = columns_in(theme, width);
   draw_title(ui, "Name", CaseColumn::name, left + columns.name, columns.group - columns.name, false, "Sort by name",
              out);
-  draw_title(ui, "Group", CaseColumn::group, left + columns.group, columns.state - columns.group, false,
+  draw_title(ui, "Group", CaseColumn::group, left + columns.group, columns.state - columns.group - theme.px(8), false,
              "Sort by group", out);
   draw_title(ui, "State", CaseColumn::state, left + columns.state - theme.px(6), theme.px(40), false,
              "Sort by state: to do, in work, done", out);

@@ -25,6 +25,7 @@ void draw_measures_section(const UiContext& ui, Outbox& out);
 void draw_sizes_section(const UiContext& ui, Outbox& out);
 void draw_observers_section(const UiContext& ui, Outbox& out);
 void draw_suspicion_section(const UiContext& ui, Outbox& out);
+void draw_study_pictures_section(const UiContext& ui, Outbox& out);
 
 /// What files made of the study are called after.
 std::string study_stem(const ModelsState& state);

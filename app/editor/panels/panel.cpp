@@ -30,6 +30,7 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
   begin_region(name, rect, palette::surface);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(12), 0});
   ImGui::BeginChild("sections", {0, 0}, false, ImGuiWindowFlags_AlwaysUseWindowPadding);
+  ImGui::PopStyleVar();  // not of the lists that open from it
   const auto& sections_open = ui.state.preferences.sections_open;
   for (const PanelSection& one : sections) {
     if (one.wanted != nullptr && !one.wanted(ui)) continue;
@@ -46,7 +47,6 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
     gap(theme, 8);
   }
   ImGui::EndChild();
-  ImGui::PopStyleVar();
   end_region();
 }
 

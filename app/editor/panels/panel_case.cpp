@@ -90,6 +90,12 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   if (toggle(theme, "The image's own planes", own, "Slices as they were acquired, instead of the patient's axes",
              is_oblique(document.volume->geometry) ? "" : "The image was acquired along the patient's axes already."))
     out.send(ShowOwnPlanes{own});
+  bool linked = ui.state.preferences.linked_zoom;
+  if (toggle(theme, "Linked zoom", linked, "Ctrl and the wheel zoom all three slices together"))
+    out.send(LinkZoom{linked});
+  bool light = ui.state.preferences.light;
+  if (toggle(theme, "Light window", light, "Dark text on a light ground. Images stay as they are"))
+    out.send(UseLightTheme{light});
 
   rule(theme);
   if (!ui.labels) {

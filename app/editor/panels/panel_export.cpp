@@ -7,6 +7,27 @@
 
 namespace homolog {
 
+/// Size, ground and captions of a picture of a view; true where one was changed.
+bool draw_picture_options(const Theme& theme, PictureOptions& options) {
+  const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
+  bool released = false, changed = false;
+  double width = options.width, height = options.height;
+  changed |= number_field(theme, "width", width, 4, "%.0f", "px wide", half, "Width of the picture", released);
+  ImGui::SameLine(0, theme.px(4));
+  changed |= number_field(theme, "height", height, 4, "%.0f", "px high", half, "Height of the picture", released);
+  options.width = static_cast<int>(std::clamp(width, 64.0, 8192.0));
+  options.height = static_cast<int>(std::clamp(height, 64.0, 8192.0));
+  int ground = options.transparent ? 2 : options.light ? 1 : 0;
+  if (choice(theme, "ground", {"Dark ground", "Light", "Transparent"}, ground,
+             {"For the screen", "For paper", "What is not drawn on stays transparent"})) {
+    options.transparent = ground == 2;
+    options.light = ground == 1;
+    changed = true;
+  }
+  changed |= toggle(theme, "Captions", options.captions, "Letters of the sides, scale bar, names");
+  return changed;
+}
+
 void draw_export_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const float width = ImGui::GetContentRegionAvail().x;
@@ -25,20 +46,10 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
   PictureOptions options = ui.state.picture;
   int what = options.view ? static_cast<int>(*options.view) + 1 : 0;
   bool changed = choice(theme, "picture of", {"Window", "Ax", "Sag", "Cor", "3D"}, what,
-                        {"The whole window", "The axial view", "The sagittal view", "The coronal view", "The 3D view"});
+                        {"The whole window, as it is on the screen", "The axial view", "The sagittal view",
+                         "The coronal view", "The 3D view"});
   options.view = what == 0 ? std::nullopt : std::optional(static_cast<ViewKind>(what - 1));
-  const float half = (width - theme.px(4)) / 2;
-  bool released = false;
-  double picture_width = options.width, picture_height = options.height;
-  changed |= number_field(theme, "width", picture_width, 4, "%.0f", "px", half, "Width of the picture", released);
-  ImGui::SameLine(0, theme.px(4));
-  changed |= number_field(theme, "height", picture_height, 4, "%.0f", "px", half, "Height of the picture", released);
-  options.width = static_cast<int>(std::clamp(picture_width, 64.0, 8192.0));
-  options.height = static_cast<int>(std::clamp(picture_height, 64.0, 8192.0));
-  bool transparent = options.transparent;
-  changed |= toggle(theme, "Transparent background", transparent, "The background stays transparent",
-                    options.view == ViewKind::space ? "" : "For pictures of the 3D view.");
-  options.transparent = transparent;
+  if (options.view) changed |= draw_picture_options(theme, options);
   if (changed) out.send(SetPicture{options});
   if (button(theme, format("%s  Save the picture…", icon::camera), "PNG", {}, width))
     ask(FilePurpose::export_picture, name + ".png");

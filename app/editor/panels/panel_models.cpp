@@ -216,12 +216,31 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
     ask_for_file(out, FilePurpose::export_plots, study_stem(state) + "-measures.png");
 }
 
+/// Pictures of what the Models mode shows.
+void draw_study_pictures_section(const UiContext& ui, Outbox& out) {
+  PictureOptions options = ui.state.picture;
+  int what = options.study ? static_cast<int>(*options.study) + 1 : 0;
+  bool changed = choice(ui.theme, "picture of", {"Window", "Gallery", "Modes"}, what,
+                        {"The whole window, as it is on the screen", "All shapes, seen from where you look at them",
+                         "The first modes of the model: \xe2\x88\x92"
+                         "3\xe2\x88\x9a\xce\xbb, mean, +3\xe2\x88\x9a\xce\xbb"});
+  options.study = what == 0 ? std::nullopt : std::optional(static_cast<StudyPicture>(what - 1));
+  if (options.study) changed |= draw_picture_options(ui.theme, options);
+  if (changed) out.send(SetPicture{options});
+  const std::string kind = what == 0 ? "" : what == 1 ? "-gallery" : "-modes";
+  if (button(ui.theme, std::string(icon::camera) + "  Save the picture\xe2\x80\xa6", "PNG",
+             options.study && !ui.state.models.model ? "Two shapes in correspondence make a model." : "",
+             ImGui::GetContentRegionAvail().x))
+    ask_for_file(out, FilePurpose::export_picture, study_stem(ui.state.models) + kind + ".png");
+}
+
 void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out) {
-  static constexpr std::array<PanelSection, 5> sections{{{"Model", draw_model_section, true},
+  static constexpr std::array<PanelSection, 6> sections{{{"Model", draw_model_section, true},
                                                          {"Measures", draw_measures_section, true},
                                                          {"Sizes", draw_sizes_section, false},
                                                          {"Observers", draw_observers_section, false},
-                                                         {"Suspicion", draw_suspicion_section, true}}};
+                                                         {"Suspicion", draw_suspicion_section, true},
+                                                         {"Pictures", draw_study_pictures_section, false}}};
   draw_sections(ui, "models panel", rect, sections, out);
 }
 

@@ -133,9 +133,12 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x, height = theme.px(24);
     const float buttons = done ? theme.px(72) : 0.0f;
+    const std::string shown = shortened(landmark.name, width - buttons - theme.px(32));
+    const std::string tip =
+        done ? "To place it anew, click here, then in a slice" : "Then click where it is in a slice";
     const auto row =
-        area(theme, "row", {width - buttons, height},
-             done ? "To place it anew, click here, then in a slice" : "Then click where it is in a slice", {in_hand});
+        area(theme, "row", {width - buttons, height}, shown == landmark.name ? tip : landmark.name + "\n" + tip,
+             {in_hand});
     if (row.clicked) out.send(ChooseLandmark{landmark.name, std::nullopt});
     ImDrawList& draw = *ImGui::GetWindowDrawList();
     if (in_hand || row.hovered)
@@ -151,8 +154,8 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
             : next ? icon::right_angle
                    : icon::outline);
     const std::string off = done && !hold.met ? format("  %.1f mm off", hold.distance_mm) : next ? "  next" : "";
-    text_at(draw, {at.x + theme.px(28), text_y}, palette::text, landmark.name);
-    text_at(draw, {at.x + theme.px(28) + ImGui::CalcTextSize(landmark.name.c_str()).x, text_y},
+    text_at(draw, {at.x + theme.px(28), text_y}, palette::text, shown);
+    text_at(draw, {at.x + theme.px(28) + ImGui::CalcTextSize(shown.c_str()).x, text_y},
             done ? palette::amber : palette::accent, off);
     if (!done) continue;
     ImGui::SameLine(0, 0);

@@ -119,6 +119,9 @@ struct PanelSection {
 void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,
                    Outbox& out);
 
+/// Size, ground and captions of a picture; true where one was changed.
+bool draw_picture_options(const Theme& theme, PictureOptions& options);
+
 /// What the overlay's colours mean, as a bar with figures.
 void draw_colouring_legend(const UiContext& ui);
 

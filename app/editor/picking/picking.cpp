@@ -61,6 +61,7 @@ bool hidden_by_planes(const std::vector<PlaneInSpace>& planes, const VolumeGeome
                       const Vec3& p_mm) {
   const double reach = ray.direction.dot(p_mm - ray.from) / ray.direction.squaredNorm();
   return std::any_of(planes.begin(), planes.end(), [&](const PlaneInSpace& part) {
+    if (part.opacity < 1 || part.behind_meshes) return false;
     const Vec3 normal = part.plane.normal();
     const double facing = normal.dot(ray.direction);
     if (std::abs(facing) < 1e-9) return false;

@@ -72,9 +72,12 @@ Rgb rgb_of(const std::array<std::uint8_t, 3>& colour) {
           static_cast<float>(colour[2]) / 255};
 }
 
-Rgb region_colour(const Regions& regions, std::size_t vertex) {
+/// An outline lies on the grey image: without a region it has a colour that no tissue has, and no new region gets.
+constexpr Rgb no_region_outline{0.20f, 1.00f, 0.95f};
+
+Rgb region_colour(const Regions& regions, std::size_t vertex, bool of_outline) {
   const std::uint8_t number = regions.of_vertex.empty() ? 0 : regions.of_vertex[vertex];
-  return number == 0 ? no_region : rgb_of(regions.list[number - 1U].colour);
+  return number == 0 ? of_outline ? no_region_outline : no_region : rgb_of(regions.list[number - 1U].colour);
 }
 
 /// Quality of the worst triangle around every vertex.
@@ -151,7 +154,7 @@ std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, con
       break;
     }
     case Colouring::regions:
-      for (std::size_t i = 0; i < n; ++i) colours[i] = region_colour(*document.regions, i);
+      for (std::size_t i = 0; i < n; ++i) colours[i] = region_colour(*document.regions, i, saturation >= 1);
       break;
     case Colouring::known: {
       const VertexScalars known = known_vertices(document.shape());

@@ -124,7 +124,8 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
   scene.glyphs = glyph_layer(input);
   if (kind == ViewKind::space) {
     scene.planes = shown_planes(state, *input.document);
-    scene.background = {0.075f, 0.08f, 0.09f, 1};
+    scene.background =
+        state.preferences.light ? std::array{0.93f, 0.935f, 0.945f, 1.0f} : std::array{0.075f, 0.08f, 0.09f, 1.0f};
   }
   return scene;
 }

@@ -13,11 +13,17 @@
 
 namespace homolog {
 
+/// What a picture of a study shows in a grid: its shapes, or the model's modes.
+enum class StudyPicture { gallery, modes };
+
 /// Which part of the window a picture shows, and how large it is.
 struct PictureOptions {
-  std::optional<ViewKind> view;  ///< the whole window where none
+  std::optional<ViewKind> view;  ///< the whole window, as it is on the screen, where none
   int width = 1600, height = 1200;
-  bool transparent = false;  ///< 3D view only
+  bool transparent = false;           ///< what is not drawn on; of a view
+  bool light = false;                 ///< a light ground; of a view
+  bool captions = true;               ///< letters, scale bar, names; of a view
+  std::optional<StudyPicture> study;  ///< in place of a view
 };
 
 // The dialogs that cover the window; one at a time.

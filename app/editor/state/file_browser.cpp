@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cstdlib>
 #include <system_error>
+#include <utility>
 
 #include "core/base/text.h"
 
@@ -87,6 +88,18 @@ void enter_folder(FileBrowser& browser, const fs::path& folder) {
   browser.folder = folder;
   if (!browser.kind.saves) browser.name.clear();
   refresh(browser);
+}
+
+void make_folder(FileBrowser& browser) {
+  const std::string name = std::exchange(browser.new_folder, std::nullopt).value_or("");
+  if (name.empty()) return;
+  std::error_code error;
+  const fs::path folder = browser.folder / name;
+  fs::create_directory(folder, error);
+  if (error)
+    browser.error = "The folder " + name + " cannot be made (" + error.message() + "); choose another name or place.";
+  else
+    enter_folder(browser, folder);
 }
 
 void refresh(FileBrowser& browser) {

@@ -31,13 +31,14 @@ struct FileBrowser {
 
   FileKind kind;
   std::filesystem::path folder;
-  std::vector<Entry> entries;       ///< all that fit: folders first, then by name
-  std::vector<Place> places;        ///< home, working folder, roots of mounted media
-  std::string name;                 ///< typed: filters when opening, the new file's name when saving
-  int selected = -1;                ///< index into visible(); −1 nothing
-  bool scroll_to_selected = false;  ///< the keyboard moved the selection
-  bool show_all = false;            ///< also files of other kinds and hidden ones
-  std::string error;                ///< why the folder cannot be read; empty where it can
+  std::vector<Entry> entries;             ///< all that fit: folders first, then by name
+  std::vector<Place> places;              ///< home, working folder, roots of mounted media
+  std::string name;                       ///< typed: filters when opening, the new file's name when saving
+  int selected = -1;                      ///< index into visible(); −1 nothing
+  bool scroll_to_selected = false;        ///< the keyboard moved the selection
+  bool show_all = false;                  ///< also files of other kinds and hidden ones
+  std::string error;                      ///< why the folder cannot be read; empty where it can
+  std::optional<std::string> new_folder;  ///< the name that is being typed of a folder to make; else none
 
   /// Indices of the entries that the typed name leaves: those that hold it, in any case.
   std::vector<int> visible() const;
@@ -47,6 +48,8 @@ FileBrowser browse(FileKind kind, const std::filesystem::path& folder, std::stri
 /// Goes to another folder and reads it.
 void enter_folder(FileBrowser& browser, const std::filesystem::path& folder);
 void refresh(FileBrowser& browser);
+/// Makes the folder whose name was typed in the one that is shown, and goes there; says in `error` where that fails.
+void make_folder(FileBrowser& browser);
 
 enum class BrowserKey { up, down, page_up, page_down, parent };
 /// Selects the entry at a place in visible(); when saving, a file's name becomes the name.

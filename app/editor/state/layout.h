@@ -21,6 +21,9 @@ namespace layout_units {
 constexpr float panel_width = 328, header_height = 28, gap = 4;
 }
 
+/// Layout units in which all controls have room.
+inline constexpr int smallest_window_width = 800, smallest_window_height = 600;
+
 /// Where everything lies in the window. A view that is not shown (another one is maximised) has no size.
 struct Layout {
   RectPx top_bar, tool_strip, panel, status_line;

@@ -24,6 +24,9 @@ void each_entry(Value& p, Visit visit) {
   visit("show_outline", p.show.outline);
   visit("show_surface", p.show.surface);
   visit("show_planes", p.show.planes);
+  visit("plane_look", p.show.plane_look);
+  visit("linked_zoom", p.linked_zoom);
+  visit("light", p.light);
   visit("show_glyphs", p.show.glyphs);
   visit("show_wireframe", p.show.wireframe);
   visit("show_crosshair", p.show.crosshair);
@@ -64,8 +67,10 @@ Preferences read_preferences(const std::filesystem::path& path) {
       }
     }
   });
-  preferences.window_width = std::clamp(preferences.window_width, 640, 16384);
-  preferences.window_height = std::clamp(preferences.window_height, 480, 16384);
+  preferences.window_width = std::clamp(preferences.window_width, smallest_window_width, 16384);
+  preferences.window_height = std::clamp(preferences.window_height, smallest_window_height, 16384);
+  const int look = static_cast<int>(preferences.show.plane_look);
+  if (look < 0 || look > static_cast<int>(PlaneLook::solid)) preferences.show.plane_look = PlaneLook::translucent;
   if (const auto folder = kept.find("folder"); folder != kept.end() && folder->is_string())
     preferences.folder = folder->get<std::string>();
   if (const auto recent = kept.find("recent"); recent != kept.end() && recent->is_array())

@@ -50,20 +50,71 @@ VolumeGeometry geometry_of(const Document& document) {
   return geometry;
 }
 
+namespace {
+
+/// Half of how far the grid reaches along a unit direction, from its middle.
+double reach_mm(const VolumeGeometry& geometry, const Vec3& direction) {
+  double reach = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length_mm = geometry.dims[static_cast<std::size_t>(axis)] * geometry.spacing_mm[axis];
+    reach += std::abs(direction.dot(geometry.direction.col(axis))) * length_mm / 2;
+  }
+  return reach;
+}
+
+}  // namespace
+
+ShownParts with_next_planes(ShownParts parts) {
+  if (!parts.planes) {
+    parts.planes = true;
+    parts.plane_look = PlaneLook::translucent;
+  } else if (parts.plane_look == PlaneLook::solid) {
+    parts.planes = false;
+  } else {
+    parts.plane_look = static_cast<PlaneLook>(static_cast<int>(parts.plane_look) + 1);
+  }
+  return parts;
+}
+
+void zoom_slice(EditorState& state, ViewKind kind, double mm_per_px) {
+  constexpr double smallest = 0.005, largest = 20;
+  SlicePan& pan = state.slices[index_of(kind)];
+  const double ratio = std::clamp(mm_per_px, smallest, largest) / pan.mm_per_px;
+  pan.mm_per_px *= ratio;
+  if (!state.preferences.linked_zoom) return;
+  for (const ViewKind other : slice_views) {
+    if (other == kind) continue;
+    SlicePan& linked = state.slices[index_of(other)];
+    linked.mm_per_px *= ratio;
+    linked.centre_mm = state.crosshair_mm + ratio * (linked.centre_mm - state.crosshair_mm);
+  }
+}
+
+void link_zoom(EditorState& state, bool linked) {
+  state.preferences.linked_zoom = linked;
+  if (!linked) return;
+  double largest = 0;
+  for (const SlicePan& pan : state.slices) largest = std::max(largest, pan.mm_per_px);
+  for (SlicePan& pan : state.slices) pan.mm_per_px = largest;
+}
+
 std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document& document) {
   std::vector<PlaneInSpace> planes;
   if (!state.preferences.show.planes || !document.volume) return planes;
   const VolumeGeometry& geometry = document.volume->geometry;
   const Box box = geometry.bounds_mm();
-  const Vec3 reach = box.sizes() / 2;
   for (const ViewKind kind : slice_views) {
     PlaneInSpace plane;
     plane.plane = slice_view(state, kind, geometry);
     const Vec3 normal = plane.plane.normal();
     plane.plane.centre = box.center() + normal * normal.dot(state.crosshair_mm - box.center());
-    plane.half_width_mm = plane.plane.right.cwiseAbs().dot(reach);
-    plane.half_height_mm = plane.plane.down.cwiseAbs().dot(reach);
+    plane.half_width_mm = reach_mm(geometry, plane.plane.right);
+    plane.half_height_mm = reach_mm(geometry, plane.plane.down);
     plane.frame_colour = view_colour(kind);
+    constexpr float seen_through = 0.4f;
+    const PlaneLook look = state.preferences.show.plane_look;
+    plane.opacity = look == PlaneLook::translucent ? seen_through : 1;
+    plane.behind_meshes = look == PlaneLook::behind;
     planes.push_back(plane);
   }
   return planes;
@@ -100,18 +151,18 @@ void look_at_mesh(EditorState& state, const Points& points) {
 void show_all(EditorState& state, const Document& document, const Layout& layout) {
   const VolumeGeometry geometry = geometry_of(document);
   const Box box = geometry.bounds_mm();
-  const Vec3 reach = box.sizes() / 2;
   for (const ViewKind kind : slice_views) {
     const auto [right, down] =
         screen_axes(kind, slice_axes(geometry, state.own_planes), state.preferences.radiological);
     const RectPx& rect = layout.image(kind);
     if (rect.width <= 0 || rect.height <= 0) continue;
-    const double half_width_mm = right.cwiseAbs().dot(reach), half_height_mm = down.cwiseAbs().dot(reach);
+    const double half_width_mm = reach_mm(geometry, right), half_height_mm = reach_mm(geometry, down);
     SlicePan& pan = state.slices[index_of(kind)];
     pan.centre_mm = box.center();
     pan.side_px = std::min(rect.width, rect.height);
     pan.mm_per_px = 2.04 * std::max(half_width_mm / rect.width, half_height_mm / rect.height);
   }
+  link_zoom(state, state.preferences.linked_zoom);
   const Box target = document.has_shape() ? bounds_of(*document.shape().points) : box;
   // From the front, a little from the patient's left and from above: the planes do not hide each other.
   constexpr double left_px = 70, up_px = 45;
@@ -155,7 +206,7 @@ void scroll_slice(EditorState& state, ViewKind kind, const Document& document, d
   const Box box = geometry.bounds_mm();
   // From the middle of the first voxel along the normal to that of the last; across it the cross-hair stays.
   const double step_mm = slice_step_mm(geometry, normal);
-  const double reach = std::max(0.0, normal.cwiseAbs().dot(box.sizes() / 2) - step_mm / 2);
+  const double reach = std::max(0.0, reach_mm(geometry, normal) - step_mm / 2);
   const double middle = normal.dot(box.center()), along = normal.dot(state.crosshair_mm);
   state.crosshair_mm += normal * (std::clamp(along + whole_steps * step_mm, middle - reach, middle + reach) - along);
   settle_crosshair(state, document);

@@ -37,9 +37,13 @@ struct SlicePan {
   bool operator==(const SlicePan&) const = default;
 };
 
+/// How the slices look in the 3D view: seen through, behind the surface wherever they lie, or as they cut it.
+enum class PlaneLook { translucent, behind, solid };
+
 struct ShownParts {
   bool outline = true, surface = true, planes = true, glyphs = false, wireframe = false, crosshair = true,
        letters = true;
+  PlaneLook plane_look = PlaneLook::translucent;
   bool operator==(const ShownParts&) const = default;
 };
 
@@ -135,6 +139,8 @@ struct Preferences {
   std::map<std::string, bool> sections_open;  ///< by title; those never folded or unfolded are not in it
   bool radiological = true;
   bool linear = true;
+  bool linked_zoom = false;  ///< the slice views zoom together
+  bool light = false;        ///< the light theme
   ShownParts show;
   Hints hints;
   bool guide_done = false;                    ///< the guide to the first case was followed or closed
@@ -226,6 +232,9 @@ Colouring shown_colouring(const EditorState& state);
 /// The plane of a slice view.
 SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeometry& geometry);
 
+/// The next look of the slices in the 3D view; after the last they are off.
+ShownParts with_next_planes(ShownParts parts);
+
 /// The slice planes that the 3D view shows; none where they are switched off.
 std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document& document);
 
@@ -249,6 +258,10 @@ void scroll_slice(EditorState& state, ViewKind kind, const Document& document, d
 /// Brings the cross-hair to the middle of the nearest voxel, so that slices show what was acquired and no mean of two;
 /// in planes oblique to the voxels it stays where it is.
 void settle_crosshair(EditorState& state, const Document& document);
+/// Zooms a slice view; with linked zoom the others too, about the cross-hair.
+void zoom_slice(EditorState& state, ViewKind kind, double mm_per_px);
+/// From now on the slice views zoom together, beginning with the smallest scale of the three, or each by itself.
+void link_zoom(EditorState& state, bool linked);
 /// Changes the chosen preset.
 void set_sigma(EditorState& state, double sigma_mm);
 /// Takes another σ for now; the presets stay.

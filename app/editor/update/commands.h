@@ -32,12 +32,12 @@ using Command = std::variant<
     NameTemplateLandmark, TypeRegion, NameRegion, ChangeNumber, SetSnap, SnapWithStrokes, SetFit, SetTemplate, Escape,
     // what is seen
     LookFromSide, MaximiseView, ShowParts, ShowPanel, ScrollSlices, OpenSection, ShowAll, SetWindow, InterpolateImage,
-    ShowRadiological, ShowOwnPlanes, SetLabelOpacity, ChooseColouring, SpaceGlyphs, SeekFrame, LookAt, ShowFinding,
-    MoveInGuide, ShowGuide, ShowModels, SetPicture,
+    ShowRadiological, ShowOwnPlanes, LinkZoom, UseLightTheme, SetLabelOpacity, ChooseColouring, SpaceGlyphs, SeekFrame,
+    LookAt, ShowFinding, MoveInGuide, ShowGuide, ShowModels, SetPicture,
     // dialogs
     ShowFileDialog, ShowKeys, CloseDialog, DismissNotice, EnterFolder, MoveInFiles, SelectFile, TypeFileName,
-    ShowAllFiles, AcceptFile, AcceptReplacement, ChooseOtherName, SetStackSpacing, AskToDiscard, ShowRecovery,
-    DiscardCase, Quit,
+    ShowAllFiles, NameFolder, MakeFolder, AcceptFile, AcceptReplacement, ChooseOtherName, SetStackSpacing, AskToDiscard,
+    ShowRecovery, DiscardCase, Quit,
     // the study and its model
     OpenStudy, NewStudy, SaveStudyAs, SetStudyTemplate, OpenPhantomStudy, CancelStudyFile, ExportModel,
     ExportEvaluation, ExportPlots, ExportSizes, ExportLandmarkTable, ShowDistance, CompareObservers, CancelObservers,

@@ -26,7 +26,7 @@ void turn_wheel(EditorState& state, const InputEvent& event, double steps, const
     const Vec3 before = view_map(state, context.layout, context.document, kind)
                             .on_facing_plane(event.x_px, event.y_px, state.crosshair_mm);
     SlicePan& pan = state.slices[index_of(kind)];
-    pan.mm_per_px = std::clamp(pan.mm_per_px * std::pow(wheel_zoom, -steps), 0.005, 20.0);
+    zoom_slice(state, kind, pan.mm_per_px * std::pow(wheel_zoom, -steps));
     const Vec3 after = view_map(state, context.layout, context.document, kind)
                            .on_facing_plane(event.x_px, event.y_px, state.crosshair_mm);
     pan.centre_mm += before - after;

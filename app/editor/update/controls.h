@@ -39,6 +39,7 @@ struct ControlsContext {
   const Document& document;  ///< as shown
   ShownMesh& mesh;           ///< of the document
   bool can_undo = false, can_redo = false;
+  std::filesystem::path file = {};  ///< of the case; empty where it has none
 };
 
 /// Does what an event asks for: changes the state, and sends edits and other commands.

@@ -83,7 +83,12 @@ struct Editing {
   CommandLog& log;
 
   ControlsContext controls() const {
-    return {layout, shown.document(), shown.mesh(), shown.snapshot().can_undo, shown.snapshot().can_redo};
+    return {layout,
+            shown.document(),
+            shown.mesh(),
+            shown.snapshot().can_undo,
+            shown.snapshot().can_redo,
+            shown.snapshot().file};
   }
 };
 

@@ -47,7 +47,11 @@ const std::vector<FilePurposeKind>& file_purposes() {
   static const std::vector<FilePurposeKind> all{
       {FilePurpose::open, "open", "Open an image, a case or a template", {false, openable, true}, to<OpenFiles>},
       {FilePurpose::open_template, "open template", "Load a template mesh", {false, meshes}, template_of},
-      {FilePurpose::open_labels, "open labels", "Load a label map as overlay", {false, volumes, true}, labels_of},
+      {FilePurpose::open_labels,
+       "open labels",
+       "Open a label map: to look at, to fit to, or for a template",
+       {false, volumes, true},
+       labels_of},
       {FilePurpose::open_landmarks,
        "open landmarks",
        "Import placed landmarks",

@@ -10,8 +10,9 @@ using Given = std::optional<Command>;
 
 /// Keys of an open dialog; all keys stop there.
 Given dialog_command(const Dialog& dialog, int code) {
-  if (code == key::escape) return CloseDialog{};
   const auto* files = std::get_if<FileDialog>(&dialog);
+  const bool names_folder = files != nullptr && files->browser.new_folder;
+  if (code == key::escape) return names_folder ? Given(NameFolder{}) : CloseDialog{};
   if (files == nullptr) {
     if (code == key::f1 && std::holds_alternative<KeysDialog>(dialog)) return CloseDialog{};
     return std::nullopt;
@@ -26,7 +27,7 @@ Given dialog_command(const Dialog& dialog, int code) {
     case key::page_down:
       return MoveInFiles{BrowserKey::page_down};
     case key::backspace:
-      return files->browser.name.empty() ? Given(MoveInFiles{BrowserKey::parent}) : std::nullopt;
+      return files->browser.name.empty() && !names_folder ? Given(MoveInFiles{BrowserKey::parent}) : std::nullopt;
     case key::enter:
     case key::keypad_enter:
       return AcceptFile{};
@@ -112,6 +113,10 @@ std::vector<KeyRow> rows_of_case() {
       {"F", "everything in view", {{'F'}}, [](const KeyMoment&) -> Given { return ShowAll{}; }},
       {"O", "outlines", {{'O'}}, toggle_part<&ShownParts::outline>},
       {"X", "cross-hair", {{'X'}}, toggle_part<&ShownParts::crosshair>},
+      {"T",
+       "slices in 3D: the next look",
+       {{'T'}},
+       [](const KeyMoment& now) -> Given { return ShowParts{with_next_planes(now.state.preferences.show)}; }},
       {"Shift+A P L R S I", "look from that side", side_chords(),
        [](const KeyMoment& now) -> Given { return LookFromSide{side_of(now.code)}; }},
       {"Enter",
@@ -198,8 +203,11 @@ const std::vector<KeyRow>& key_rows(bool in_models) {
 void press_key(const EditorState& state, const InputEvent& event, int key, const ControlsContext& context,
                Outbox& out) {
   Given command;
+  const bool dismisses = key == key::escape && !state.drag && !state.notices.empty();
   if (state.dialog)
     command = dialog_command(*state.dialog, key);
+  else if (dismisses)
+    command = DismissNotice{state.notices.size() - 1};
   else if (const KeyRow* row = row_of(key_rows(state.models.shown), {key, event.ctrl, event.shift}))
     command = row->command({state, context, key});
   if (command) out.send(std::move(*command));

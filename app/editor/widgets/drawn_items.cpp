@@ -18,12 +18,23 @@ RectPx rect_of(ImVec2 low, ImVec2 high) {
   return {low.x, low.y, std::max(high.x - low.x, 0.0f), std::max(high.y - low.y, 0.0f)};
 }
 
-RectPx clipped(ImVec2 low, ImVec2 high, ImVec2 clip_low, ImVec2 clip_high) {
+/// Sets where an item lies, and what is seen of it.
+void set_place(DrawnItem& item, ImVec2 low, ImVec2 high, ImVec2 clip_low, ImVec2 clip_high) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  RectPx seen = rect_of({std::max({low.x, clip_low.x, 0.0f}), std::max({low.y, clip_low.y, 0.0f})},
-                        {std::min({high.x, clip_high.x, display.x}), std::min({high.y, clip_high.y, display.y})});
-  if (seen.width <= 0 || seen.height <= 0) seen.width = seen.height = 0;
-  return seen;
+  const ImVec2 from{std::max(clip_low.x, 0.0f), std::max(clip_low.y, 0.0f)};
+  const ImVec2 to{std::min(clip_high.x, display.x), std::min(clip_high.y, display.y)};
+  item.rect = rect_of(low, high);
+  item.clip = rect_of(from, to);
+  item.seen =
+      rect_of({std::max(low.x, from.x), std::max(low.y, from.y)}, {std::min(high.x, to.x), std::min(high.y, to.y)});
+  if (item.seen.width <= 0 || item.seen.height <= 0) item.seen.width = item.seen.height = 0;
+}
+
+/// Whether a window, or one that it lies in, is longer than its room.
+bool scrolls_in(const ImGuiWindow* window) {
+  while (window != nullptr && window->ScrollMax.y <= 0)
+    window = (window->Flags & ImGuiWindowFlags_ChildWindow) != 0 ? window->ParentWindow : nullptr;
+  return window != nullptr;
 }
 
 /// Without icons, which are code points of private use, and without spaces at the ends.
@@ -83,6 +94,9 @@ void leave_part() {
 void note_item(DrawnItem item) {
   DrawnItems* drawn = taking_down();
   if (drawn == nullptr) return;
+  const ImGuiWindow* window = ImGui::GetCurrentContext()->CurrentWindow;
+  item.layer = window->RootWindow->ID;
+  item.scrolls = scrolls_in(window);
   item.path = joined(drawn->path_, item.name);
   item.pattern = joined(drawn->pattern_, item.name);
   drawn->items_.push_back(std::move(item));
@@ -99,8 +113,7 @@ void note_control(DrawnItem::Kind kind, const std::string& label, const std::str
   item.name = readable(label);
   item.value = value;
   item.tip = tip;
-  item.rect = rect_of(box.Min, box.Max);
-  item.seen = clipped(box.Min, box.Max, clip.Min, clip.Max);
+  set_place(item, box.Min, box.Max, clip.Min, clip.Max);
   item.enabled = (imgui.LastItemData.InFlags & ImGuiItemFlags_Disabled) == 0;
   item.hovered = ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
   note_item(std::move(item));
@@ -113,8 +126,7 @@ void note_box(DrawnItem::Kind kind, const std::string& label, const std::string&
   item.kind = kind;
   item.name = readable(label);
   item.value = value;
-  item.rect = rect_of(low, high);
-  item.seen = clipped(low, high, clip_low, clip_high);
+  set_place(item, low, high, clip_low, clip_high);
   item.hovered = hovered;
   note_item(std::move(item));
 }
@@ -126,8 +138,7 @@ void note_text(const std::string& text, ImVec2 low, ImVec2 high, ImVec2 clip_low
   item.kind = kind;
   item.name = without_icons(text);
   if (item.name.empty()) return;
-  item.rect = rect_of(low, high);
-  item.seen = clipped(low, high, clip_low, clip_high);
+  set_place(item, low, high, clip_low, clip_high);
   note_item(std::move(item));
 }
 

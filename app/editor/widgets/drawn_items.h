@@ -13,13 +13,16 @@ namespace homolog {
 struct DrawnItem {
   enum class Kind { button, toggle, choice, track, number, field, section, row, list, area, text, tip };
   Kind kind = Kind::text;
-  std::string name;     ///< as a person reads it, without its icon: "Save as…"; of a text the text
-  std::string path;     ///< the parts of the window that it lies in, then its name: "side panel/Regions/hilum/factor"
-  std::string pattern;  ///< the same with a name that the case gave replaced by what it names: "…/<region>/factor"
-  std::string value;    ///< what it shows: "5.0 ×", "on"; empty for what shows none
-  std::string tip;      ///< said on hover: what it does, or why it is disabled
-  RectPx rect;          ///< px of the window
-  RectPx seen;          ///< the part of it that nothing clips; without size where there is none
+  std::string name;      ///< as a person reads it, without its icon: "Save as…"; of a text the text
+  std::string path;      ///< the parts of the window that it lies in, then its name: "side panel/Regions/hilum/factor"
+  std::string pattern;   ///< the same with a name that the case gave replaced by what it names: "…/<region>/factor"
+  std::string value;     ///< what it shows: "5.0 ×", "on"; empty for what shows none
+  std::string tip;       ///< said on hover: what it does, or why it is disabled
+  RectPx rect;           ///< px of the window
+  RectPx seen;           ///< the part of it that nothing clips; without size where there is none
+  RectPx clip;           ///< where it may draw
+  unsigned layer = 0;    ///< the window, dialog or card that it lies in; those of one layer do not cover each other
+  bool scrolls = false;  ///< lies in a list or panel that is longer than its room, and moves up and down with it
   bool enabled = true;
   bool hovered = false;  ///< by the pointer, with nothing over it
 

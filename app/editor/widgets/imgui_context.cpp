@@ -4,6 +4,7 @@
 #include <imgui.h>
 #include <imgui_internal.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "app/editor/state/key_codes.h"
@@ -37,6 +38,7 @@ ImGuiAlone::ImGuiAlone() {
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   io.ConfigDragClickToInputText = true;  // a click on a number types it
+  io.BackendLanguageUserData = &memory_;
   map_keys(io);
 }
 
@@ -50,6 +52,43 @@ ImGuiOnOpenGl::ImGuiOnOpenGl() {
 
 ImGuiOnOpenGl::~ImGuiOnOpenGl() {
   ImGui_ImplOpenGL3_Shutdown();
+}
+
+ControlsMemory& controls_memory() {
+  return *static_cast<ControlsMemory*>(ImGui::GetIO().BackendLanguageUserData);
+}
+
+bool close_menus() {
+  if (ImGui::GetCurrentContext()->OpenPopupStack.Size == 0) return false;
+  ImGui::ClosePopupToLevel(0, true);
+  return true;
+}
+
+void close_menus_beside(double x_px, double y_px) {
+  const ImVec2 at{static_cast<float>(x_px), static_cast<float>(y_px)};
+  const auto& open = ImGui::GetCurrentContext()->OpenPopupStack;
+  controls_memory().menu_closed = 0;
+  for (const ImGuiPopupData& popup : open)
+    if (popup.Window == nullptr || popup.Window->OuterRectClipped.Contains(at)) return;
+  if (open.Size == 0) return;
+  controls_memory().menu_closed = open[0].PopupId;
+  close_menus();
+}
+
+void look_for_letters(const std::string& text) {
+  constexpr unsigned first_private = 0xE000, last_private = 0xF8FF, not_utf8 = 0xFFFD, beyond_imgui = 0x10000;
+  for (const char* at = text.data(); *at != 0;) {
+    if ((static_cast<unsigned char>(*at) & 0x80U) == 0) {
+      ++at;
+      continue;
+    }
+    unsigned letter = 0;
+    at += std::max(1, ImTextCharFromUtf8(&letter, at, text.data() + text.size()));
+    const bool icon = letter >= first_private && letter <= last_private;
+    if (icon || letter == 0 || letter == not_utf8 || letter >= beyond_imgui) continue;
+    if (ImGui::GetFont()->FindGlyphNoFallback(static_cast<ImWchar>(letter)) == nullptr)
+      controls_memory().unknown_letters.insert(letter);
+  }
 }
 
 void end_broken_frame() {

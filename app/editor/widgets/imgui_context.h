@@ -1,6 +1,17 @@
 #pragma once
 
+#include <set>
+#include <string>
+
 namespace homolog {
+
+/// What the controls remember from one frame to the next, beside what ImGui does. One in each ImGui context.
+struct ControlsMemory {
+  std::set<unsigned> unknown_letters;  ///< that were to be shown and that no font has, code points
+  unsigned menu_closed = 0;            ///< ImGui's id of the menu that the press that goes on has closed
+};
+/// Of the current context.
+ControlsMemory& controls_memory();
 
 /// ImGui without anything that draws, for as long as this lives.
 class ImGuiAlone {
@@ -9,6 +20,9 @@ class ImGuiAlone {
   ~ImGuiAlone();
   ImGuiAlone(const ImGuiAlone&) = delete;
   ImGuiAlone& operator=(const ImGuiAlone&) = delete;
+
+ private:
+  ControlsMemory memory_;
 };
 
 /// ImGui with its OpenGL 3 backend, for as long as this lives. Needs a current context throughout.
@@ -22,6 +36,13 @@ class ImGuiOnOpenGl {
  private:
   ImGuiAlone imgui_;
 };
+
+/// Closes the menus and lists that are open over the window; true where there were some.
+bool close_menus();
+/// The same where they do not lie at that px: what was clicked there takes the click.
+void close_menus_beside(double x_px, double y_px);
+/// Takes down letters of a text (UTF-8) that the fonts do not have.
+void look_for_letters(const std::string& text);
 
 /// Whether a window of ImGui that takes the mouse lies at a px, as of the last frame.
 bool interface_at(double x_px, double y_px);

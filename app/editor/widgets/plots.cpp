@@ -73,7 +73,7 @@ void draw_values(ImDrawList& draw, const Theme& theme, const Field& field, const
   draw.AddPolyline(line.data(), static_cast<int>(line.size()), palette::accent, 0, 1.5f * thick);
   for (std::size_t m = 0; m < line.size(); ++m) {
     const bool marked = plot.mark_modes == static_cast<int>(m) + 1;
-    draw.AddCircleFilled(line[m], theme.px(marked ? 4 : 2), marked ? IM_COL32_WHITE : palette::accent);
+    draw.AddCircleFilled(line[m], theme.px(marked ? 4 : 2), marked ? palette::text : palette::accent);
   }
 }
 
@@ -84,7 +84,7 @@ void draw_pointed(ImDrawList& draw, const Theme& theme, const Field& field, cons
   const Measured& value = plot.measures[nearest];
   const float x = field.x(nearest), y = field.y(plot.factor * value.mean);
   draw.AddLine({x, field.low.y}, {x, field.high.y}, with_alpha(palette::text, 0.35f));
-  draw.AddCircle({x, y}, theme.px(5), IM_COL32_WHITE, 0, 1.5f);
+  draw.AddCircle({x, y}, theme.px(5), palette::text, 0, 1.5f);
   const std::string text =
       format("%zu %s: %.*f \xc2\xb1 %.*f %s", nearest + 1, nearest == 0 ? "mode" : "modes", plot.decimals,
              plot.factor * value.mean, plot.decimals, plot.factor * value.standard_error, plot.unit.c_str());
@@ -151,7 +151,8 @@ void draw_plot(ImDrawList& draw, const Theme& theme, const RectPx& rect, const P
 void draw_plots_picture(const Theme& theme, const Evaluation& evaluation, const PictureOptions& options,
                         ImDrawList& draw) {
   const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
-  draw.AddRectFilled({0, 0}, {width, height}, palette::surface);
+  if (!options.transparent)
+    draw.AddRectFilled({0, 0}, {width, height}, options.light ? IM_COL32_WHITE : palette::surface);
   const std::vector<Plot> plots = plots_of(evaluation);
   const float margin = theme.px(32), part = (width - margin) / static_cast<float>(plots.size());
   for (std::size_t k = 0; k < plots.size(); ++k)

@@ -4,6 +4,13 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/base/files.h"
 
 extern "C" {
 extern const unsigned char font_inter_regular[];
@@ -22,6 +29,28 @@ namespace {
 constexpr ImWchar text_ranges[] = {0x20,   0x24F,  0x370,  0x3FF,  0x400,  0x4FF,  0x2010, 0x2044, 0x2070,
                                    0x209C, 0x2190, 0x21FF, 0x2200, 0x22FF, 0x232B, 0x232B, 0};
 constexpr ImWchar icon_ranges[] = {0xF000, 0xF330, 0};
+
+/// The bytes of a font that has the letters of East Asia, where the system has one: of Debian's fonts-droid-fallback,
+/// or of the same file in the user's own fonts. Empty where there is none.
+std::string east_asian_font() {
+  namespace fs = std::filesystem;
+  const auto set_to = [](const char* name, const std::string& otherwise) {
+    const char* value = std::getenv(name);
+    return value != nullptr && value[0] != 0 ? std::string(value) : otherwise;
+  };
+  constexpr const char* file = "DroidSansFallbackFull.ttf";
+  std::vector<fs::path> places{fs::path(set_to("XDG_DATA_HOME", (home_folder() / ".local/share").string())) / "fonts" /
+                               file};
+  std::istringstream folders(set_to("XDG_DATA_DIRS", "/usr/local/share:/usr/share"));
+  for (std::string folder; std::getline(folders, folder, ':');)
+    places.push_back(fs::path(folder) / "fonts/truetype/droid" / file);
+  for (const fs::path& place : places) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(place, ignored)) continue;
+    if (auto bytes = read_whole_file(place)) return std::move(*bytes);
+  }
+  return {};
+}
 
 ImFont* add_font(const unsigned char* bytes, std::size_t size, float size_px, const ImWchar* ranges, bool merge = false,
                  float down_px = 0) {
@@ -101,15 +130,68 @@ ImU32 with_alpha(ImU32 colour, float alpha) {
   return (colour & ~IM_COL32_A_MASK) | (byte << IM_COL32_A_SHIFT);
 }
 
-Theme make_theme(float scale) {
+ImU32 title_hue(ViewKind kind) {
+  const ImU32 hue = view_hue(kind);
+  const bool on_light = (palette::surface & 0xFFU) > 0x80U;
+  if (!on_light) return hue;
+  ImVec4 dark = ImGui::ColorConvertU32ToFloat4(hue);
+  for (float* channel : {&dark.x, &dark.y, &dark.z}) *channel *= 0.55f;
+  return ImGui::ColorConvertFloat4ToU32(dark);
+}
+
+void use_palette(bool light, bool light_marks) {
+  struct Colours {
+    ImU32 window, surface, raised, hovered, pressed, line, text, dim, faint, accent, on_accent, amber, bad, good,
+        dialog;
+  };
+  constexpr auto rgb = [](unsigned hex) { return IM_COL32(hex >> 16U & 0xFFU, hex >> 8U & 0xFFU, hex & 0xFFU, 255); };
+  static constexpr Colours dark{rgb(0x0E0F11), rgb(0x1A1C1F), rgb(0x26292E), rgb(0x33373E), rgb(0x3C424B),
+                                rgb(0x2C2F35), rgb(0xE6E8EB), rgb(0xA0A7B1), rgb(0x6C737D), rgb(0x5BAEFF),
+                                rgb(0x081626), rgb(0xFFA93F), rgb(0xFF7A73), rgb(0x67CF96), rgb(0x1F2226)};
+  static constexpr Colours bright{rgb(0xE9EBEE), rgb(0xF5F6F8), rgb(0xE2E5EA), rgb(0xD4D9E0), rgb(0xC5CCD5),
+                                  rgb(0xD3D7DC), rgb(0x1B1E22), rgb(0x505862), rgb(0x8A929C), rgb(0x1667BF),
+                                  rgb(0xFFFFFF), rgb(0x9A5800), rgb(0xB8261D), rgb(0x16733F), rgb(0xFCFCFD)};
+  const Colours& now = light ? bright : dark;
+  palette::window = now.window;
+  palette::surface = now.surface;
+  palette::raised = now.raised;
+  palette::hovered = now.hovered;
+  palette::pressed = now.pressed;
+  palette::line = now.line;
+  palette::text = now.text;
+  palette::dim = now.dim;
+  palette::faint = now.faint;
+  palette::accent = now.accent;
+  palette::on_accent = now.on_accent;
+  palette::amber = now.amber;
+  palette::bad = now.bad;
+  palette::good = now.good;
+  palette::dialog = now.dialog;
+  palette::mark = light_marks ? bright.text : dark.text;
+  palette::mark_dim = light_marks ? bright.dim : dark.dim;
+  palette::mark_shadow = light_marks ? IM_COL32(255, 255, 255, 220) : IM_COL32(0, 0, 0, 200);
+}
+
+Theme make_theme(float scale, const std::set<unsigned>& letters, bool light) {
+  use_palette(light);
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   atlas.Clear();
   atlas.FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();
   Theme theme;
   theme.scale = scale;
+  // Both are read until the atlas is built.
+  std::vector<ImWchar> letter_ranges;
+  for (const unsigned letter : letters) letter_ranges.insert(letter_ranges.end(), 2, static_cast<ImWchar>(letter));
+  letter_ranges.push_back(0);
+  const std::string further = letters.empty() ? std::string() : east_asian_font();
   const auto with_icons = [&](const unsigned char* bytes, std::size_t size, float units) {
     ImFont* font = add_font(bytes, size, theme.px(units), text_ranges);
     add_font(font_fork_awesome, font_fork_awesome_size, theme.px(units - 1), icon_ranges, true, scale);
+    if (letters.empty()) return font;
+    add_font(bytes, size, theme.px(units), letter_ranges.data(), true);
+    if (!further.empty())
+      add_font(reinterpret_cast<const unsigned char*>(further.data()), further.size(), theme.px(units),
+               letter_ranges.data(), true);
     return font;
   };
   theme.body = with_icons(font_inter_regular, font_inter_regular_size, 16);

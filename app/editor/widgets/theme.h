@@ -2,6 +2,8 @@
 
 #include <imgui.h>
 
+#include <set>
+
 #include "app/editor/state/view_colours.h"
 
 namespace homolog {
@@ -18,23 +20,30 @@ struct Theme {
   float px(float units) const { return static_cast<float>(static_cast<int>(units * scale + 0.5f)); }
 };
 
+/// The colours of the theme that make_theme() or use_palette() chose last, as ImGui's own style is one for all.
 namespace palette {
-inline constexpr ImU32 window = IM_COL32(0x0E, 0x0F, 0x11, 255);   ///< behind the views
-inline constexpr ImU32 surface = IM_COL32(0x1A, 0x1C, 0x1F, 255);  ///< bars and panels
-inline constexpr ImU32 raised = IM_COL32(0x26, 0x29, 0x2E, 255);   ///< buttons and fields
-inline constexpr ImU32 hovered = IM_COL32(0x33, 0x37, 0x3E, 255);
-inline constexpr ImU32 pressed = IM_COL32(0x3C, 0x42, 0x4B, 255);
-inline constexpr ImU32 line = IM_COL32(0x2C, 0x2F, 0x35, 255);
-inline constexpr ImU32 text = IM_COL32(0xE6, 0xE8, 0xEB, 255);
-inline constexpr ImU32 dim = IM_COL32(0xA0, 0xA7, 0xB1, 255);
-inline constexpr ImU32 faint = IM_COL32(0x6C, 0x73, 0x7D, 255);  ///< of what is disabled
-inline constexpr ImU32 accent = IM_COL32(0x5B, 0xAE, 0xFF, 255);
-inline constexpr ImU32 on_accent = IM_COL32(0x08, 0x16, 0x26, 255);
-inline constexpr ImU32 amber = IM_COL32(0xFF, 0xA9, 0x3F, 255);  ///< the fold guard, warnings
-inline constexpr ImU32 bad = IM_COL32(0xFF, 0x7A, 0x73, 255);
-inline constexpr ImU32 good = IM_COL32(0x67, 0xCF, 0x96, 255);
+inline ImU32 window = IM_COL32(0x0E, 0x0F, 0x11, 255);   ///< behind the views
+inline ImU32 surface = IM_COL32(0x1A, 0x1C, 0x1F, 255);  ///< bars and panels
+inline ImU32 raised = IM_COL32(0x26, 0x29, 0x2E, 255);   ///< buttons and fields
+inline ImU32 hovered = IM_COL32(0x33, 0x37, 0x3E, 255);
+inline ImU32 pressed = IM_COL32(0x3C, 0x42, 0x4B, 255);
+inline ImU32 line = IM_COL32(0x2C, 0x2F, 0x35, 255);
+inline ImU32 text = IM_COL32(0xE6, 0xE8, 0xEB, 255);
+inline ImU32 dim = IM_COL32(0xA0, 0xA7, 0xB1, 255);
+inline ImU32 faint = IM_COL32(0x6C, 0x73, 0x7D, 255);  ///< of what is disabled
+inline ImU32 accent = IM_COL32(0x5B, 0xAE, 0xFF, 255);
+inline ImU32 on_accent = IM_COL32(0x08, 0x16, 0x26, 255);
+inline ImU32 amber = IM_COL32(0xFF, 0xA9, 0x3F, 255);  ///< the fold guard, warnings
+inline ImU32 bad = IM_COL32(0xFF, 0x7A, 0x73, 255);
+inline ImU32 good = IM_COL32(0x67, 0xCF, 0x96, 255);
+inline ImU32 mark = text;                               ///< over the views: on images, in both themes
+inline ImU32 mark_dim = dim;                            ///< the same, of lesser weight
+inline ImU32 mark_shadow = IM_COL32(0, 0, 0, 200);      ///< around what is written there
+inline ImU32 dialog = IM_COL32(0x1F, 0x22, 0x26, 255);  ///< of what covers the window
 }  // namespace palette
 
+/// A view's hue as text: in the title of its header.
+ImU32 title_hue(ViewKind kind);
 inline ImU32 view_hue(ViewKind kind) {
   const auto& [r, g, b] = view_colour(kind);
   return ImGui::ColorConvertFloat4ToU32({r, g, b, 1});
@@ -42,6 +51,11 @@ inline ImU32 view_hue(ViewKind kind) {
 ImU32 with_alpha(ImU32 colour, float alpha);
 
 /// Builds the fonts for a content scale and sets ImGui's style; call again when the scale changes, between frames.
-Theme make_theme(float scale);
+/// `letters` are code points beside those that most names are written in: they come from a font of the system that has
+/// Chinese, Japanese and Korean, where there is one.
+Theme make_theme(float scale, const std::set<unsigned>& letters = {}, bool light = false);
+/// Takes the dark or the light colours; fonts and sizes stay. `light_marks`: marks over the views are for a light
+/// ground.
+void use_palette(bool light, bool light_marks = false);
 
 }  // namespace homolog

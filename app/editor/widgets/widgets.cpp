@@ -7,6 +7,7 @@
 
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/imgui_context.h"
 
 // ImGui's building blocks of controls (SliderBehavior, TempInputScalar) are declared here only.
 #include <imgui_internal.h>
@@ -42,9 +43,11 @@ class Control {
   ~Control() { ImGui::EndDisabled(); }
   Control(const Control&) = delete;
   Control& operator=(const Control&) = delete;
-  void done(Kind kind, const std::string& label, const std::string& value = {}) const {
+  /// `whole` is the label where it had to be shortened.
+  void done(Kind kind, const std::string& label, const std::string& value = {}, const std::string& whole = {}) const {
     note_control(kind, label, value, text_);
-    if (!text_.empty() && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) tooltip(theme_, text_);
+    const std::string text = whole.empty() || text_.empty() ? whole + text_ : whole + "\n" + text_;
+    if (!text.empty() && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) tooltip(theme_, text);
   }
   bool disabled() const { return disabled_; }
 
@@ -53,6 +56,21 @@ class Control {
   std::string text_;
   bool disabled_;
 };
+
+/// Takes down the label of the control that ImGui made last; `align` 0 at its left end, 0.5 in the middle.
+void note_label(const std::string& text, float align, float inset_px = 0) {
+  if (!notes_items()) return;
+  const ImGuiContext& imgui = *ImGui::GetCurrentContext();
+  if (imgui.CurrentWindow->SkipItems) return;
+  const ImRect& box = imgui.LastItemData.Rect;
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 low{box.Min.x + inset_px + (box.GetWidth() - 2 * inset_px - size.x) * align,
+                   box.Min.y + (box.GetHeight() - size.y) / 2};
+  ImRect clip = imgui.CurrentWindow->ClipRect;
+  clip.Min.x = std::max(clip.Min.x, box.Min.x);
+  clip.Max.x = std::min(clip.Max.x, box.Max.x);
+  note_text(text, low, {low.x + size.x, low.y + size.y}, clip.Min, clip.Max);
+}
 
 const char* on_off(bool on) {
   return on ? "on" : "off";
@@ -84,11 +102,41 @@ void progress_bar(const Theme& theme, double fraction) {
   ImGui::Dummy({width, height});
 }
 
+namespace {
+
+/// Where a tip of that size lies: beside the part of the window that its control is in, so that it covers no other
+/// control of it; where there is no room, below or above the control. Always within the window.
+ImVec2 tip_place(ImVec2 size, const ImRect& control, const ImRect& part, float aside) {
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  const float x = std::clamp(control.Min.x, 0.0f, std::max(display.x - size.x, 0.0f));
+  const float y = std::clamp(control.Min.y, 0.0f, std::max(display.y - size.y, 0.0f));
+  const ImVec2 left{part.Min.x - aside - size.x, y}, right{part.Max.x + aside, y};
+  const ImVec2 below{x, part.Max.y + aside}, above{x, part.Min.y - aside - size.y};
+  const bool is_bar = part.GetWidth() > part.GetHeight();
+  for (const ImVec2 at : is_bar ? std::array{below, above, left, right} : std::array{left, right, below, above}) {
+    const bool fits = at.x >= 0 && at.y >= 0 && at.x + size.x <= display.x && at.y + size.y <= display.y;
+    if (fits) return at;
+  }
+  const float under = control.Max.y + aside, over = control.Min.y - aside - size.y;
+  return {x, under + size.y <= display.y || over < 0 ? std::min(under, std::max(display.y - size.y, 0.0f)) : over};
+}
+
+}  // namespace
+
 void tooltip(const Theme& theme, const std::string& text) {
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(8), theme.px(6)});
+  const ImGuiContext& imgui = *ImGui::GetCurrentContext();
+  const ImRect control = imgui.LastItemData.Rect, part = imgui.CurrentWindow->RootWindow->Rect();
+  const ImVec2 pad{theme.px(8), theme.px(6)};
+  const float wrap = theme.px(280);
+  const ImVec2 inner = theme.small->CalcTextSizeA(theme.small->FontSize, 1e6f, wrap, text.c_str());
+  const ImVec2 size{std::ceil(inner.x) + 2 * pad.x + 1, std::ceil(inner.y) + 2 * pad.y};
+  look_for_letters(text);
+  ImGui::SetNextWindowPos(tip_place(size, control, part, theme.px(6)));
+  ImGui::SetNextWindowSize(size);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, pad);
   ImGui::BeginTooltip();
   ImGui::PushFont(theme.small);
-  ImGui::PushTextWrapPos(theme.px(280));
+  ImGui::PushTextWrapPos(pad.x + wrap);
   ImGui::TextUnformatted(text.c_str());
   ImGui::PopTextWrapPos();
   note_text(text, ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), {0, 0}, ImGui::GetIO().DisplaySize, Kind::tip);
@@ -123,9 +171,17 @@ bool button(const Theme& theme, const std::string& label, const std::string& tip
     ImGui::PushStyleColor(ImGuiCol_ButtonActive, IM_COL32(0x9A, 0xCF, 0xFF, 255));
     ImGui::PushStyleColor(ImGuiCol_Text, palette::on_accent);
   }
-  const bool pressed = ImGui::Button(label.c_str(), {width_px, theme.px(row_units)});
+  const float side = theme.px(4);
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {width_px > 0 ? side : ImGui::GetStyle().FramePadding.x, 0});
+  const std::string whole = label.substr(0, label.find("##"));
+  const std::string shown = width_px > 0 ? shortened(whole, width_px - 2 * side) : whole;
+  look_for_letters(whole);
+  const bool pressed =
+      ImGui::Button((shown == whole ? label : shown + "###" + label).c_str(), {width_px, theme.px(row_units)});
+  ImGui::PopStyleVar();
   if (lit) ImGui::PopStyleColor(4);
-  control.done(Kind::button, label);
+  note_label(shown, 0.5f);
+  control.done(Kind::button, label, {}, shown == whole ? std::string() : whole);
   return pressed;
 }
 
@@ -163,7 +219,7 @@ bool toggle(const Theme& theme, const char* label, bool& value, const std::strin
   const float knob = height / 2 - theme.px(3);
   draw.AddCircleFilled({value ? high.x - height / 2 : low.x + height / 2, middle}, knob,
                        value ? palette::on_accent : palette::dim);
-  const ImU32 colour = control.disabled() ? palette::faint : ImGui::IsItemHovered() ? IM_COL32_WHITE : palette::text;
+  const ImU32 colour = control.disabled() ? palette::faint : ImGui::IsItemHovered() ? palette::accent : palette::text;
   text_in(at, end, colour, label, 0);
   control.done(Kind::toggle, label, on_off(value));
   return turned;
@@ -199,8 +255,9 @@ bool choice(const Theme& theme, const char* id, const std::vector<std::string>& 
                          : lit                    ? palette::text
                          : ImGui::IsItemHovered() ? palette::text
                                                   : palette::dim;
-    text_in(low, high, colour, labels[i], 0.5f);
-    control.done(Kind::choice, labels[i], on_off(lit));
+    const std::string shown = shortened(labels[i], high.x - low.x - theme.px(4));
+    text_in(low, high, colour, shown, 0.5f);
+    control.done(Kind::choice, labels[i], on_off(lit), shown == labels[i] ? std::string() : labels[i]);
   }
   ImGui::PopStyleVar();
   return chosen != before;
@@ -241,8 +298,10 @@ bool slider(const Theme& theme, const char* label, double& value, const SliderRa
   const Part part(label);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = available(), height = theme.px(24);
-  const float label_width = theme.px(label_units), value_width = theme.px(value_units);
-  text_in(at, {at.x + label_width, at.y + height}, control.disabled() ? palette::faint : palette::text, label, 0);
+  const float value_width = theme.px(value_units);
+  const float label_width = std::min(static_cast<float>(theme.px(label_units)), std::floor(0.4f * width));
+  text_in(at, {at.x + label_width, at.y + height}, control.disabled() ? palette::faint : palette::text,
+          shortened(label, label_width - theme.px(4)), 0);
 
   const ImRect track({at.x + label_width, at.y}, {at.x + width - value_width - theme.px(8), at.y + height});
   ImGui::SetCursorScreenPos(track.Min);
@@ -283,9 +342,12 @@ bool text_field(const Theme& theme, const char* name, std::string& text, const c
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {side, (theme.px(height_units) - ImGui::GetFontSize()) / 2});
   ImGui::SetNextItemWidth(width_px);
   ImGui::PushID(name);
-  const bool changed = ImGui::InputTextWithHint("##field", hint, &text);
+  const std::string shown = shortened(hint, width_px - 2 * side);
+  look_for_letters(text);
+  const bool changed = ImGui::InputTextWithHint("##field", shown.c_str(), &text);
   ImGui::PopID();
   ImGui::PopStyleVar();
+  if (text.empty()) note_label(shown, 0, side);
   note_control(Kind::field, name, text, hint);
   return changed;
 }
@@ -302,15 +364,20 @@ bool field_left() {
 
 void figure(const Theme& theme, const char* label, const std::string& value, const std::string& tip, ImU32 colour) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const ImVec2 size{available(), theme.px(20)};
-  const ImVec2 end{at.x + size.x, at.y + size.y};
+  const float width = available(), row = theme.px(20);
+  // Where the label leaves too little room the value has a row of its own.
+  const float beside = width - ImGui::CalcTextSize(label).x - theme.px(8);
+  const float wanted = ImGui::CalcTextSize(value.c_str()).x;
+  const bool below = wanted > beside && beside < 0.5f * width;
+  const std::string shown = shortened(value, below ? width : beside);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, theme.px(2)});
-  ImGui::Dummy(size);
+  ImGui::Dummy({width, below ? 2 * row : row});
   ImGui::PopStyleVar();
-  if (!tip.empty() && ImGui::IsItemHovered()) tooltip(theme, tip);
-  text_in(at, end, palette::dim, label, 0);
-  const float room = size.x - ImGui::CalcTextSize(label).x - theme.px(8);
-  text_in(at, end, colour, shortened(value, room), 1);
+  const std::string text = shown == value ? tip : tip.empty() || tip == value ? value : value + "\n" + tip;
+  if (!text.empty() && ImGui::IsItemHovered()) tooltip(theme, text);
+  text_in(at, {at.x + width, at.y + row}, palette::dim, shortened(label, width), 0);
+  const float top = below ? at.y + row : at.y;
+  text_in({at.x, top}, {at.x + width, top + row}, colour, shown, 1);
 }
 
 bool figure_link(const Theme& theme, const char* label, const std::string& value, const std::string& tip,

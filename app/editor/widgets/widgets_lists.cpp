@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "app/editor/widgets/drawn_items.h"
+#include "app/editor/widgets/imgui_context.h"
 #include "app/editor/widgets/widgets.h"
 
 // Lists, menus and places that take clicks.
@@ -37,15 +39,17 @@ AreaState list_row(const Theme& theme, const std::string& text, bool selected, I
   state.hovered = ImGui::IsItemHovered();
   state.doubled = state.hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
   note_control(Kind::row, text, selected ? "on" : "off", tip);
-  if (state.hovered && !tip.empty()) tooltip(theme, tip);
   const float height = size.y > 0 ? size.y : ImGui::GetTextLineHeight();
   const float room = (size.x > 0 ? size.x : ImGui::GetContentRegionAvail().x) - indent_px - theme.px(8);
+  const std::string shown = shortened(text, room);
+  const std::string said = shown == text ? tip : tip.empty() ? text : text + "\n" + tip;
+  if (state.hovered && !said.empty()) tooltip(theme, said);
   text_at(*ImGui::GetWindowDrawList(), {at.x + indent_px + theme.px(4), at.y + (height - ImGui::GetFontSize()) / 2},
-          palette::text, shortened(text, room));
+          palette::text, shown);
   return state;
 }
 
-bool combo(const Theme&, const char* name, const std::vector<std::string>& options, int& chosen) {
+bool combo(const Theme& theme, const char* name, const std::vector<std::string>& options, int& chosen) {
   const bool known = chosen >= 0 && chosen < static_cast<int>(options.size());
   const std::string shown = known ? options[static_cast<std::size_t>(chosen)] : std::string();
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -54,7 +58,11 @@ bool combo(const Theme&, const char* name, const std::vector<std::string>& optio
   const float width = ImGui::GetContentRegionAvail().x;
   ImGui::SetNextItemWidth(width);
   ImGui::PushID(name);
-  const bool open = ImGui::BeginCombo("##list", shown.c_str());
+  const float arrow = ImGui::GetFrameHeight(), side = ImGui::GetStyle().FramePadding.x;
+  const std::string fitting = shortened(shown, width - arrow - 2 * side);
+  look_for_letters(shown);
+  const bool open = ImGui::BeginCombo("##list", fitting.c_str());
+  if (!open && fitting != shown && ImGui::IsItemHovered()) tooltip(theme, shown);
   note_box(Kind::list, name, shown, at, {at.x + width, at.y + ImGui::GetFrameHeight()}, clip_low, clip_high,
            !open && ImGui::IsItemHovered());
   bool changed = false;
@@ -62,11 +70,14 @@ bool combo(const Theme&, const char* name, const std::vector<std::string>& optio
     enter_part(name);
     for (std::size_t i = 0; i < options.size(); ++i) {
       const bool now = static_cast<int>(i) == chosen;
-      if (ImGui::Selectable(options[i].c_str(), now) && !now) {
+      const std::string row = shortened(options[i], width - 2 * side);
+      look_for_letters(options[i]);
+      if (ImGui::Selectable((row + "###" + std::to_string(i)).c_str(), now) && !now) {
         chosen = static_cast<int>(i);
         changed = true;
       }
       note_control(Kind::row, options[i], now ? "on" : "off", {});
+      if (row != options[i] && ImGui::IsItemHovered()) tooltip(theme, options[i]);
     }
     leave_part();
     ImGui::EndCombo();
@@ -76,7 +87,8 @@ bool combo(const Theme&, const char* name, const std::vector<std::string>& optio
 }
 
 void open_menu(const char* name) {
-  ImGui::OpenPopup(name);
+  // The press of this very click has closed it.
+  if (std::exchange(controls_memory().menu_closed, 0U) != ImGui::GetID(name)) ImGui::OpenPopup(name);
 }
 
 bool begin_menu(const Theme& theme, const char* name) {

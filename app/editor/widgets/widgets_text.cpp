@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "app/editor/widgets/drawn_items.h"
+#include "app/editor/widgets/imgui_context.h"
 #include "app/editor/widgets/widgets.h"
 
 // Texts, and what fits into a width.
@@ -40,6 +41,7 @@ std::string shortened(const std::string& text, float width_px) {
 
 void text_at(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text, float wrap_px) {
   draw.AddText(font, font->FontSize, at, colour, text.c_str(), nullptr, wrap_px);
+  look_for_letters(text);
   if (!notes_items() || text.empty()) return;
   const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e6f, wrap_px, text.c_str());
   note_text(text, at, {at.x + size.x, at.y + size.y}, draw.GetClipRectMin(), draw.GetClipRectMax());
@@ -50,11 +52,14 @@ void text_at(ImDrawList& draw, ImVec2 at, ImU32 colour, const std::string& text)
 }
 
 void shadowed_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text) {
-  draw.AddText(font, font->FontSize, {at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 200), text.c_str());
+  const ImU32 shadow = with_alpha(palette::mark_shadow, static_cast<float>(colour >> IM_COL32_A_SHIFT) / 255);
+  for (const ImVec2 aside : {ImVec2{1, 1}, ImVec2{-1, 0}, ImVec2{0, -1}})
+    draw.AddText(font, font->FontSize, {at.x + aside.x, at.y + aside.y}, shadow, text.c_str());
   text_at(draw, font, at, colour, text);
 }
 
 void text_line(const std::string& text, ImU32 colour) {
+  look_for_letters(text);
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
   ImGui::TextUnformatted(text.c_str());
   ImGui::PopStyleColor();

@@ -3,10 +3,12 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "app/editor/interface/drawing.h"
 #include "app/editor/update/editing.h"
+#include "app/editor/update/window_title.h"
 #include "app/editor/window/editor.h"
 
 namespace homolog {
@@ -45,6 +47,8 @@ class EditorApp {
   bool draws_on() const { return drawing_.draws_on(); }
   Result<Picture> picture(const PictureOptions& options) { return drawing_.picture(options); }
 
+  /// For the frame that the system draws around the window.
+  std::string title() const { return window_title(state_, shown_.snapshot(), work_); }
   /// Whether work beside the window goes on.
   bool busy() const { return work_.busy() || !to_replay_.empty(); }
   /// Whether everything that was asked for is done, and shown by the next frame.

@@ -31,6 +31,7 @@ void InputRouter::move(double x_px, double y_px, const Held& held, double second
 
 void InputRouter::button(MouseButton button, bool down, const Held& held, double seconds) {
   queue_.button(button, down);
+  if (down) close_menus_beside(x_px_, y_px_);
   if (down)
     send(MousePress{button}, held, seconds);
   else
@@ -62,6 +63,7 @@ bool InputRouter::do_key(const KeyStroke& stroke, double seconds) {
   const bool in_field = ImGui::GetIO().WantTextInput, in_dialog = app_.state().dialog.has_value();
   const bool enter = stroke.key == key::enter || stroke.key == key::keypad_enter;
   const bool printable = stroke.key < key::escape && !stroke.ctrl;
+  if (stroke.key == key::escape && !in_field && close_menus()) return false;
   // A field that is typed into keeps its keys; a dialog's list is moved through all the same.
   if (!in_field || (in_dialog && !printable && !enter)) {
     send(KeyPress{stroke.key}, {stroke.shift, stroke.ctrl, stroke.alt}, seconds);

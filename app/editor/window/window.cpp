@@ -31,7 +31,8 @@ struct Window {
   GLFWwindow* handle = nullptr;
   EditorApp* app = nullptr;
   InputRouter* input = nullptr;
-  Preferences kept;  ///< as the file has them
+  Preferences kept;   ///< as the file has them
+  std::string title;  ///< as the system shows it
   int frames_due = frames_per_event;
 
   static Window& of(GLFWwindow* handle) { return *static_cast<Window*>(glfwGetWindowUserPointer(handle)); }
@@ -118,6 +119,20 @@ void install_key_callbacks(GLFWwindow* handle) {
   });
 }
 
+/// Not smaller than what the panels and bars need.
+void limit_size(GLFWwindow* handle, float scale) {
+  int width = 0, height = 0, pixels_x = 0, pixels_y = 0;
+  glfwGetWindowSize(handle, &width, &height);
+  glfwGetFramebufferSize(handle, &pixels_x, &pixels_y);
+  if (pixels_x <= 0 || pixels_y <= 0) return;
+  const auto in_window_units = [scale](int units, int size, int pixels) {
+    return static_cast<int>(
+        std::lround(static_cast<float>(units) * scale * static_cast<float>(size) / static_cast<float>(pixels)));
+  };
+  glfwSetWindowSizeLimits(handle, in_window_units(smallest_window_width, width, pixels_x),
+                          in_window_units(smallest_window_height, height, pixels_y), GLFW_DONT_CARE, GLFW_DONT_CARE);
+}
+
 void install_window_callbacks(GLFWwindow* handle) {
   glfwSetDropCallback(handle, [](GLFWwindow* w, int count, const char** paths) {
     give_input(w, [&](InputRouter&) { Window::of(w).app->open({paths, paths + count}); });
@@ -126,7 +141,15 @@ void install_window_callbacks(GLFWwindow* handle) {
   glfwSetWindowRefreshCallback(handle, [](GLFWwindow* w) { Window::of(w).frames_due = frames_per_event; });
   glfwSetWindowContentScaleCallback(handle, [](GLFWwindow* w, float x, float) {
     give_input(w, [&](InputRouter&) { Window::of(w).app->set_scale(x); });
+    limit_size(w, x);
   });
+}
+
+void show_title(Window& window) {
+  std::string title = window.app->title();
+  if (title == window.title) return;
+  glfwSetWindowTitle(window.handle, title.c_str());
+  window.title = std::move(title);
 }
 
 double display_period_seconds() {
@@ -201,8 +224,13 @@ bool run_loop(Window& window) {
       window.app->ask_to_quit();
       window.frames_due = frames_per_event;
     }
+    const auto& state = window.app->state();
+    const std::size_t dialogs = state.notices.size() + (state.dialog ? 100 : 0);
     if (window.app->update(glfwGetTime())) window.frames_due = std::max(window.frames_due, 1);
+    // What appears of itself has settled a few frames later too.
+    if (dialogs != state.notices.size() + (state.dialog ? 100 : 0)) window.frames_due = frames_per_event;
     if (window.input->busy()) window.frames_due = frames_per_event;
+    show_title(window);
     if (window.frames_due == 0) continue;
     const double wait = drawn_at + period - glfwGetTime();
     // What arrives meanwhile is taken in by this frame too.
@@ -243,6 +271,7 @@ int show_window(GLFWwindow* handle, const EditorOptions& options, const Preferen
     std::fprintf(stderr, "homolog: %s\n", started.error().sentence().c_str());
     return 1;
   }
+  limit_size(handle, scale);
   ImGui_ImplGlfw_InitForOpenGL(handle, false);  // for the clipboard and the pointer's shapes
   install_mouse_callbacks(handle);
   install_key_callbacks(handle);

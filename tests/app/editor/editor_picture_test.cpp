@@ -1,9 +1,13 @@
 #include <doctest/doctest.h>
 
+#include <imgui.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <vector>
 
+#include "app/editor/widgets/imgui_context.h"
+#include "app/editor/window/editor_app.h"
 #include "app/editor/window/editor_picture.h"
 #include "app/editor/work/demo.h"
 #include "render/offscreen.h"
@@ -112,6 +116,100 @@ TEST_CASE("golden picture of the models") {
   std::vector<test::PicturePart> parts{test::part_drawn("the glyphs", picture, without_glyphs)};
   add_items(parts, items, picture);
   test::check_golden(picture, "models", parts);
+}
+
+TEST_CASE("an exported picture of the window is what is on the screen without what the pointer adds") {
+  const auto gl = context_or_skip();
+  if (!gl) return;
+  const ImGuiOnOpenGl imgui;
+  EditorApp app([] {});
+  REQUIRE(app.start_drawing(1));
+  app.start_session(EditSession(test::must(demo_document(Organ::kidney, 1))));
+  app.state().preferences.hints = {true, true, true};
+  constexpr int width = 1100, height = 700;
+  const auto framebuffer = test::must(Framebuffer::make(width, height, 1));
+  ImGuiIO& io = ImGui::GetIO();
+  io.DeltaTime = 1.0f / 60;
+  DrawnItems drawn;
+  const auto frames = [&](ImVec2 pointer) {
+    for (int k = 0; k < 3; ++k) {
+      io.DisplaySize = {width, height};
+      io.MousePos = pointer;
+      framebuffer->bind();
+      drawn.clear();
+      app.settle();
+      app.draw(width, height, 0);
+    }
+    return framebuffer->read();
+  };
+  const Picture untouched = frames({-FLT_MAX, -FLT_MAX});
+  CHECK(frames({200, 22}).rgba != untouched.rgba);  // a button is lit, and explained
+  PictureOptions options;
+  options.width = 1600;
+  options.height = 1200;
+  CHECK(test::must(app.picture(options)).rgba == untouched.rgba);
+}
+
+TEST_CASE("a view is exported on a dark and a light and a transparent ground with captions or without") {
+  const auto gl = context_or_skip();
+  if (!gl) return;
+  const ImGuiOnOpenGl imgui;
+  EditorApp app([] {});
+  REQUIRE(app.start_drawing(1));
+  app.start_session(EditSession(test::must(demo_document(Organ::kidney, 1))));
+  app.settle();
+  ImGui::GetIO().DisplaySize = {1280, 800};
+  const auto framebuffer = test::must(Framebuffer::make(1280, 800, 1));
+  framebuffer->bind();
+  app.draw(1280, 800, 0);
+  for (const ViewKind view : {ViewKind::axial, ViewKind::space}) {
+    PictureOptions options{view, 400, 300};
+    const auto corner = [&] {
+      const Picture picture = test::must(app.picture(options));
+      return std::vector<int>(picture.rgba.begin(), picture.rgba.begin() + 4);
+    };
+    CHECK(corner()[0] < 40);
+    const Picture captioned = test::must(app.picture(options));
+    options.captions = false;
+    CHECK(test::must(app.picture(options)).rgba != captioned.rgba);
+    options.light = true;
+    CHECK(corner() == std::vector<int>{255, 255, 255, 255});
+    options.transparent = true;
+    CHECK(corner()[3] == 0);
+  }
+}
+
+TEST_CASE("the gallery and the modes are exported with their captions on any ground") {
+  const auto gl = context_or_skip();
+  if (!gl) return;
+  const ShownStudy study;
+  const ImGuiOnOpenGl imgui;
+  EditorApp app([] {});
+  REQUIRE(app.start_drawing(1));
+  app.start_session(EditSession(new_document({}, nullptr, nullptr)));
+  study.options.arrange(app.state());
+  app.settle();
+  REQUIRE(app.state().models.model);
+  ImGui::GetIO().DisplaySize = {1280, 800};
+  for (const StudyPicture what : {StudyPicture::gallery, StudyPicture::modes}) {
+    PictureOptions options;
+    options.width = 640;
+    options.height = 480;
+    options.study = what;
+    const Picture dark = test::must(app.picture(options));
+    options.captions = false;
+    CHECK(test::count_of(test::differing_pixels(dark, test::must(app.picture(options)), 100)) > 100);
+    options.light = true;
+    const Picture light = test::must(app.picture(options));
+    CHECK(light.rgba[0] == 255);
+    options.transparent = true;
+    const Picture transparent = test::must(app.picture(options));
+    CHECK(transparent.rgba[3] == 0);
+    // The shapes are there on both: where the ground does not show through, they are the same.
+    std::size_t drawn = 0;
+    for (std::size_t i = 0; i < transparent.rgba.size(); i += 4) drawn += transparent.rgba[i + 3] == 255;
+    CHECK(drawn > 5000);
+  }
 }
 
 }  // namespace homolog

@@ -8,6 +8,7 @@
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/results/quitting.h"
 #include "core/session/journal.h"
+#include "core/session/unsaved_cases.h"
 
 namespace homolog {
 
@@ -23,6 +24,22 @@ FileBrowser* open_browser(EditorState& state) {
   return files != nullptr ? &files->browser : nullptr;
 }
 
+/// The folder of what is open: in Models of the study, else of the image or, for what is written, of the case. Where
+/// nothing has a file, the one used last.
+std::filesystem::path folder_beside(const EditorState& state, const ControlsContext& context, bool saves) {
+  const bool unsaved = context.file.parent_path() == unsaved_folder();
+  const std::filesystem::path of_case = unsaved ? std::filesystem::path() : context.file,
+                              of_image = context.document.volume_source;
+  const auto first = state.models.shown ? state.models.study_file : saves ? of_case : of_image;
+  const auto second = state.models.shown ? state.models.study_file : saves ? of_image : of_case;
+  for (const auto& file : {first, second}) {
+    const std::filesystem::path folder = file.parent_path();
+    std::error_code ignored;
+    if (!folder.empty() && std::filesystem::is_directory(folder, ignored)) return folder;
+  }
+  return state.preferences.folder;
+}
+
 }  // namespace
 
 void ShowFileDialog::spell(Fields& line) {
@@ -31,10 +48,11 @@ void ShowFileDialog::spell(Fields& line) {
   if (line.reads()) purpose = purpose_of(purpose_name);
   line.member("name", name);
 }
-void ShowFileDialog::run(EditorState& state) const {
+void ShowFileDialog::run(EditorState& state, const ControlsContext& context, Outbox&) const {
   FileDialog dialog;
   dialog.purpose = purpose;
-  dialog.browser = browse(file_purpose(purpose).files, state.preferences.folder, name);
+  const FileKind& files = file_purpose(purpose).files;
+  dialog.browser = browse(files, folder_beside(state, context, files.saves), name);
   state.dialog = std::move(dialog);
 }
 
@@ -86,6 +104,17 @@ void TypeFileName::run(EditorState& state) const {
     browser->name = name;
     browser->selected = browser->kind.saves || name.empty() ? -1 : 0;
   }
+}
+
+void NameFolder::spell(Fields& line) {
+  line.or_null("name", name);
+}
+void NameFolder::run(EditorState& state) const {
+  if (auto* browser = open_browser(state)) browser->new_folder = name;
+}
+
+void MakeFolder::run(EditorState& state) const {
+  if (auto* browser = open_browser(state)) make_folder(*browser);
 }
 
 void ShowAllFiles::spell(Fields& line) {

@@ -22,7 +22,7 @@ struct ShowFileDialog {
   FilePurpose purpose = FilePurpose::open;
   std::string name;
   void spell(Fields& line);
-  void run(EditorState& state) const;
+  void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
 };
 /// The list of keys.
 struct ShowKeys {
@@ -81,6 +81,20 @@ struct ShowAllFiles {
   static constexpr Logged logged = Logged::never;
   bool all = true;
   void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Types the name of a folder to make; no name ends that.
+struct NameFolder {
+  static constexpr const char* key = "name folder";
+  static constexpr Logged logged = Logged::never;
+  std::optional<std::string> name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Makes it, and goes there.
+struct MakeFolder {
+  static constexpr const char* key = "make folder";
+  static constexpr Logged logged = Logged::never;
   void run(EditorState& state) const;
 };
 /// Does what the chosen file is for.

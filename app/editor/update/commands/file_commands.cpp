@@ -178,7 +178,12 @@ void ExportTemplateLandmarks::run(Editing& editing) const {
 }
 
 void ExportPicture::run(Editing& editing) const {
-  write_picture_beside(editing, path, editing.pictures.picture(editing.state.picture));
+  PictureOptions options = editing.state.picture;
+  if (editing.state.models.shown)
+    options.view.reset();
+  else
+    options.study.reset();
+  write_picture_beside(editing, path, editing.pictures.picture(options));
 }
 
 void ExportVolumes::run(Editing& editing) const {

@@ -126,16 +126,18 @@ void ExportObservers::run(Editing& editing) const {
 
 void ExportPlots::run(Editing& editing) const {
   if (editing.state.models.evaluation)
-    write_picture_beside(editing, path, editing.pictures.plots({std::nullopt, 1800, 560, false}));
+    write_picture_beside(editing, path,
+                         editing.pictures.plots({std::nullopt, 1800, 560, editing.state.picture.transparent,
+                                                 editing.state.picture.light}));
 }
 
 void ChooseShapesFolder::spell(Fields& line) {
   line.member("extension", extension);
   line.member("name", name);
 }
-void ChooseShapesFolder::run(EditorState& state) const {
+void ChooseShapesFolder::run(EditorState& state, const ControlsContext&, Outbox& out) const {
   state.models.export_extension = extension;
-  ShowFileDialog{FilePurpose::export_shapes, name}.run(state);
+  out.send(ShowFileDialog{FilePurpose::export_shapes, name});
 }
 
 void ExportShapes::spell(Fields& line) {

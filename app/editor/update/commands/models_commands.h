@@ -9,6 +9,7 @@
 namespace homolog {
 
 class Outbox;
+struct ControlsContext;
 
 // What the Models mode asks for: the study, its cases, the gallery, the model.
 
@@ -92,7 +93,7 @@ struct ChooseShapesFolder {
   static constexpr Logged logged = Logged::never;
   std::string extension, name;
   void spell(Fields& line);
-  void run(EditorState& state) const;
+  void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
 };
 /// Writes every shape of the study, flipped ones flipped, into a folder; see write_shapes.
 struct ExportShapes {

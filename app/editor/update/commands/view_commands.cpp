@@ -39,6 +39,9 @@ void ShowParts::spell(Fields& line) {
   line.member("wireframe", parts.wireframe);
   line.member("crosshair", parts.crosshair);
   line.member("letters", parts.letters);
+  int look = static_cast<int>(parts.plane_look);
+  line.optional("plane_look", look, parts.plane_look != PlaneLook::translucent);
+  if (line.reads()) parts.plane_look = static_cast<PlaneLook>(std::clamp(look, 0, 2));
 }
 void ShowParts::run(EditorState& state) const {
   state.preferences.show = parts;
@@ -100,6 +103,20 @@ void ShowOwnPlanes::spell(Fields& line) {
 void ShowOwnPlanes::run(EditorState& state, const ControlsContext& context, Outbox&) const {
   state.own_planes = own;
   settle_crosshair(state, context.document);
+}
+
+void LinkZoom::spell(Fields& line) {
+  line.member("linked", linked);
+}
+void LinkZoom::run(EditorState& state) const {
+  link_zoom(state, linked);
+}
+
+void UseLightTheme::spell(Fields& line) {
+  line.member("light", light);
+}
+void UseLightTheme::run(EditorState& state) const {
+  state.preferences.light = light;
 }
 
 void SetLabelOpacity::spell(Fields& line) {
@@ -203,6 +220,15 @@ void SetPicture::spell(Fields& line) {
   line.member("width", options.width);
   line.member("height", options.height);
   line.member("transparent", options.transparent);
+  line.optional("light", options.light, options.light);
+  line.optional("captions", options.captions, !options.captions);
+  static constexpr std::array study_names{"gallery", "modes"};
+  std::string study = options.study ? study_names[static_cast<std::size_t>(*options.study)] : "";
+  line.optional("study", study, options.study.has_value());
+  if (!line.reads()) return;
+  options.study.reset();
+  for (std::size_t k = 0; k < study_names.size(); ++k)
+    if (study == study_names[k]) options.study = static_cast<StudyPicture>(k);
 }
 void SetPicture::run(EditorState& state) const {
   state.picture = options;

@@ -87,6 +87,20 @@ struct ShowOwnPlanes {
   void spell(Fields& line);
   void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
 };
+/// The slice views zoom together, or each by itself.
+struct LinkZoom {
+  static constexpr const char* key = "link zoom";
+  bool linked = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// The light theme, or the dark one.
+struct UseLightTheme {
+  static constexpr const char* key = "use light theme";
+  bool light = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
 struct SetLabelOpacity {
   static constexpr const char* key = "set label opacity";
   double opacity = 0;  ///< 0…1

@@ -88,11 +88,12 @@ bool take_recovery(Editing& editing) {
   return true;
 }
 
-/// News go by themselves, errors stay until they are dismissed.
+/// News go by themselves, errors after a longer while; none while a dialog covers it.
 void forget_old_news(EditorState& state, double seconds) {
-  constexpr double news_seconds = 8;
+  constexpr double news_seconds = 8, error_seconds = 60;
+  if (state.dialog) return;
   for (Notice& notice : state.notices)
-    if (!notice.error && !notice.until) notice.until = seconds + news_seconds;
+    if (!notice.until) notice.until = seconds + (notice.error ? error_seconds : news_seconds);
   std::erase_if(state.notices, [&](const Notice& notice) { return notice.until && *notice.until <= seconds; });
 }
 

@@ -1,0 +1,57 @@
+#include "app/editor/interface/study_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "app/editor/widgets/widgets.h"
+
+namespace homolog {
+
+StudyCells study_cells(const ModelsState& state, StudyPicture what, float width_px, float height_px) {
+  const StudyModel& model = *state.model;
+  const RectPx area{0, 0, width_px, height_px};
+  if (what == StudyPicture::gallery) return {gallery_grid(model.shapes.size(), area), model.shapes, model.names};
+  constexpr Eigen::Index most_modes = 3;
+  const Eigen::Index modes = std::min(most_modes, model.model.modes());
+  StudyCells cells;
+  cells.grid = {area, 3, static_cast<int>(modes), static_cast<std::size_t>(3 * modes)};
+  const double total = model.components->variances().sum();
+  for (Eigen::Index mode = 0; mode < modes; ++mode) {
+    const double share = 100 * model.model.variances[mode] / total;
+    for (const double deviations : {-3.0, 0.0, 3.0}) {
+      cells.shapes.push_back(std::make_shared<const Points>(mode_shape(model.model, mode, deviations)));
+      cells.names.push_back(deviations < 0   ? format("Mode %td (%.1f %%), \xe2\x88\x92"
+                                                        "3\xe2\x88\x9a\xce\xbb",
+                                                      mode + 1, share)
+                            : deviations > 0 ? "+3\xe2\x88\x9a\xce\xbb"
+                                             : "mean");
+    }
+  }
+  return cells;
+}
+
+void draw_study_captions(ImDrawList& draw, const Theme& theme, const ModelsState& state, const StudyCells& cells) {
+  ImFont* font = theme.body;
+  const float inset = theme.px(8);
+  for (std::size_t k = 0; k < cells.names.size(); ++k) {
+    const RectPx cell = cells.grid.cell(k);
+    ImGui::PushFont(font);
+    const std::string name = shortened(cells.names[k], cell.width - 2 * inset);
+    ImGui::PopFont();
+    shadowed_text(draw, font, {cell.x + inset, cell.y + inset}, palette::mark, name);
+  }
+  // The cells are seen without perspective, 30° at the target across their shorter side.
+  const RectPx cell = cells.grid.cell(0);
+  const double mm_per_px =
+      2 * state.camera.distance_mm * std::tan(15 * std::numbers::pi / 180) / std::min(cell.width, cell.height);
+  const double length_mm = scale_bar_mm(mm_per_px, 0.4 * cell.width);
+  const auto length_px = static_cast<float>(std::round(length_mm / mm_per_px));
+  const float x = cell.x + inset, y = std::round(cells.grid.area.height - theme.px(14)), tick = theme.px(4);
+  draw.AddLine({x, y}, {x + length_px, y}, palette::mark);
+  for (const float end : {x, x + length_px}) draw.AddLine({end, y - tick}, {end, y + 1}, palette::mark);
+  shadowed_text(draw, theme.small, {x + length_px + inset, std::round(y - theme.small->FontSize / 2)}, palette::mark,
+                format("%g mm", length_mm));
+}
+
+}  // namespace homolog

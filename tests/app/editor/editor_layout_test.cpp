@@ -1,0 +1,565 @@
+#include <doctest/doctest.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/editor/state/file_browser.h"
+#include "app/editor/update/file_purposes.h"
+#include "app/editor/widgets/widgets.h"
+#include "core/catalogue/catalogue.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
+#include "tests/driver.h"
+#include "tests/must.h"
+#include "tests/skip.h"
+
+// Whether all that the window shows has room, at every size, looked at without pixels: each text and each control says
+// where it is drawn, and what cuts it.
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What everything is called that has a name, and how much there is of it.
+struct Names {
+  const char* what;
+  std::vector<std::string> names;
+};
+
+std::vector<std::string> numbered(const std::string& name, int count) {
+  std::vector<std::string> names;
+  for (int k = 1; k <= count; ++k) names.push_back(name + std::to_string(k));
+  return names;
+}
+
+std::vector<Names> all_names() {
+  std::string longest;
+  for (int k = 0; k < 12; ++k) longest += "very_long_name_";
+  return {{"no data", {}},
+          {"one", {"kidney"}},
+          {"many", numbered("kidney ", 14)},
+          {"very long", numbered(longest, 4)},
+          {"non-Latin",
+           {"\xe8\x85\x8e\xe8\x87\x93 \xe5\xb7\xa6", "\xd0\xbf\xd0\xbe\xd1\x87\xd0\xba\xd0\xb0",
+            "\xec\x8b\xa0\xec\x9e\xa5", "\xce\xbd\xce\xb5\xcf\x86\xcf\x81\xcf\x8c\xcf\x82"}}};
+}
+
+/// Files and a case with these names.
+struct Named {
+  TemporaryFolder folder;
+  std::vector<std::string> names;
+  Document document = new_document({}, nullptr, nullptr);
+  std::vector<fs::path> shapes;
+  fs::path labels;
+
+  explicit Named(std::vector<std::string> given) : names(std::move(given)) {
+    if (names.empty()) return;
+    const Mesh ball = icosphere(2, 40);
+    MeshFile file{ball.points, ball.topology->triangles()};
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const double turn = 2.4 * static_cast<double>(k);
+      file.landmarks.push_back({names[k], 40 * Vec3(std::cos(turn), std::sin(turn), 0)});
+      MeshFile shape{ball.points, ball.topology->triangles()};
+      shape.points.col(0) *= 1 + 0.1 * static_cast<double>(k);
+      shape.points(static_cast<Eigen::Index>(k), 1) += 5;
+      shapes.push_back(folder.path / (names[k].substr(0, 200) + ".ply"));
+      REQUIRE(write_mesh_file(shape, shapes.back()));
+    }
+    const fs::path with_landmarks = folder.path / "template.ply";
+    REQUIRE(write_mesh_file(file, with_landmarks));
+    Volume volume;
+    volume.geometry.dims = {24, 24, 24};
+    volume.geometry.spacing_mm = Vec3::Constant(5);
+    volume.geometry.origin_mm = Vec3::Constant(-60);
+    std::vector<std::uint8_t> voxels(volume.geometry.voxels(), 0);
+    for (std::size_t v = 0; v < voxels.size() / 2; ++v) voxels[v] = v % 3 == 0 ? 2 : 1;
+    volume.data = std::move(voxels);
+    volume.range_max = 2;
+    labels = folder.path / (names.front().substr(0, 200) + ".nii.gz");
+    REQUIRE(write_volume(volume, labels));
+    document = new_document(labels.string(), std::make_shared<const Volume>(std::move(volume)),
+                            test::must(load_template(with_landmarks.string())));
+  }
+};
+
+struct Sizes {
+  int width, height;
+};
+constexpr std::array<Sizes, 8> sizes{
+    {{800, 600}, {900, 640}, {1024, 768}, {1280, 720}, {1280, 800}, {1600, 1000}, {1920, 1080}, {2560, 1440}}};
+constexpr std::array<float, 3> scales{1, 1.5f, 3};
+
+float right_of(const RectPx& r) {
+  return r.x + r.width;
+}
+float bottom_of(const RectPx& r) {
+  return r.y + r.height;
+}
+bool meet(const RectPx& a, const RectPx& b, float by) {
+  return std::min(right_of(a), right_of(b)) - std::max(a.x, b.x) > by &&
+         std::min(bottom_of(a), bottom_of(b)) - std::max(a.y, b.y) > by;
+}
+bool holds(const RectPx& outer, const RectPx& inner, float by) {
+  return inner.x >= outer.x - by && inner.y >= outer.y - by && right_of(inner) <= right_of(outer) + by &&
+         bottom_of(inner) <= bottom_of(outer) + by;
+}
+
+std::string short_path(const DrawnItem& item) {
+  return item.path.size() < 120 ? item.path : item.path.substr(0, 60) + "..." + item.path.substr(item.path.size() - 50);
+}
+
+/// What has no room: cut, or lying partly on something else. `ignored` are texts that may cover others.
+void add_faults(const std::vector<DrawnItem>& items, float scale, const std::vector<std::string>& ignored,
+                const std::string& where, std::set<std::string>& faults) {
+  const float by = 1.5f * scale;
+  std::vector<const DrawnItem*> looked_at;
+  for (const DrawnItem& item : items) {
+    if (item.kind == DrawnItem::Kind::tip || item.kind == DrawnItem::Kind::area || item.rect.width <= 0) continue;
+    const bool of_view = item.path.find(" view/") != std::string::npos;
+    if (of_view && std::find(ignored.begin(), ignored.end(), item.name) != ignored.end()) continue;
+    looked_at.push_back(&item);
+    // The cross of a dialog never scrolls: what is in the dialog fits it.
+    if (item.name == "close" && item.scrolls) faults.insert(short_path(item) + " scrolls" + where);
+    const bool cut_sideways = item.rect.x < item.clip.x - by || right_of(item.rect) > right_of(item.clip) + by;
+    const bool cut_above_or_below =
+        !item.scrolls && (item.rect.y < item.clip.y - by || bottom_of(item.rect) > bottom_of(item.clip) + by);
+    if (cut_sideways || cut_above_or_below) faults.insert(short_path(item) + " is cut" + where);
+  }
+  for (std::size_t i = 0; i < looked_at.size(); ++i) {
+    for (std::size_t k = i + 1; k < looked_at.size(); ++k) {
+      const DrawnItem &a = *looked_at[i], &b = *looked_at[k];
+      if (a.layer != b.layer || !meet(a.seen, b.seen, by)) continue;
+      const bool both_texts = !a.is_control() && !b.is_control();
+      const bool same_text = both_texts && a.name == b.name && holds(a.rect, b.rect, by);  // drawn with its shadow
+      const bool one_in_other = holds(a.rect, b.rect, by) || holds(b.rect, a.rect, by);
+      if (both_texts ? !same_text : !one_in_other) faults.insert(short_path(a) + " lies on " + short_path(b) + where);
+    }
+  }
+}
+
+/// The window with some names, taken through its screens at all sizes.
+class Screens {
+ public:
+  explicit Screens(const Names& names) : what_(names.what), named_(names.names), driver_(named_.document) {}
+
+  std::set<std::string> faults() {
+    prepare();
+    for (const float scale : scales) {
+      for (const Sizes& size : sizes) {
+        scale_ = scale;
+        driver_.resize({static_cast<int>(static_cast<float>(size.width) * scale),
+                        static_cast<int>(static_cast<float>(size.height) * scale), scale});
+        where_ = ", " + std::string(what_) + ", " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+                 " at scale " + std::to_string(scale).substr(0, 3);
+        look_at_case();
+        look_at_models();
+        look_at_dialogs();
+        if (faults_.size() > 40) return faults_;
+      }
+    }
+    return faults_;
+  }
+
+ private:
+  EditorState& state() { return driver_.state(); }
+
+  void prepare() {
+    for (const char* section : {"Case", "Template", "Place", "Deform", "Correspondence", "Export", "Model", "Measures",
+                                "Suspicion", "Pictures"})
+      state().preferences.sections_open[section] = true;
+    state().preferences.show.glyphs = true;
+    if (named_.names.empty()) return;
+    for (const std::string& name : named_.names) {
+      driver_.app().send(ApplyEdit{SetRegion{{name, 2, {200, 100, 50}}}, false});
+      driver_.app().send(ApplyEdit{PlaceLandmark{name, Vec3(10, 20, 30)}, false});
+    }
+    driver_.app().send(open_labels(named_.labels));
+    driver_.settle();
+    driver_.app().send(NewStudy{{named_.folder.path / (named_.names.front().substr(0, 200) + ".study.json")}});
+    driver_.settle();
+    driver_.app().send(AddCases{named_.shapes});
+    driver_.settle();
+    for (const std::string& name : named_.names) {
+      driver_.app().send(SetCaseText{name.substr(0, 200), "group", name});
+      driver_.app().send(SetCaseText{name.substr(0, 200), "notes", name});
+    }
+    driver_.app().send(SelectCase{named_.names.front().substr(0, 200)});
+    driver_.app().send(StartEvaluation{});
+    driver_.settle();
+    state().notices.clear();
+  }
+
+  void look(const char* screen) {
+    driver_.frames(2);
+    add_faults(driver_.items(), scale_, named_.names, std::string(" (") + screen + where_ + ")", faults_);
+  }
+
+  void look_at_case() {
+    state().models.shown = false;
+    state().maximised.reset();
+    state().preferences.panel_open = true;
+    state().preferences.hints = {};
+    for (const MouseTool tool : {MouseTool::pull, MouseTool::relax, MouseTool::landmark}) {
+      state().tool = tool;
+      look(tool_name(tool));
+    }
+    state().preferences.hints = {true, true, true};
+    state().tool = MouseTool::stiffness;
+    for (const BrushPaints paints : {BrushPaints::factor, BrushPaints::region, BrushPaints::fill}) {
+      state().brush.paints = paints;
+      look("a brush");
+    }
+    state().tool = MouseTool::confirm;
+    look("Confirm");
+    state().tool = MouseTool::pull;
+    state().preferences.panel_open = false;
+    state().maximised = ViewKind::space;
+    look("one view");
+    state().maximised.reset();
+    state().preferences.panel_open = true;
+    const std::string name = named_.names.empty() ? "ct" : named_.names.front();
+    for (int k = 0; k < 4; ++k)
+      add_notice(state(), Notice{"/a/folder/" + std::to_string(k) + "/" + name + "/" + name +
+                                     ".nii.gz could not be read: the file ends early; copy it again.",
+                                 k % 2 == 0,
+                                 {},
+                                 k == 1 ? fs::path(name) : fs::path()});
+    look("notices");
+    state().notices.clear();
+  }
+
+  void look_at_models() {
+    state().models.shown = true;
+    look("Models");
+    for (const bool difference : {false, true}) {
+      state().models.show_difference = difference && state().models.model && named_.names.size() > 3;
+      state().models.all_modes = true;
+      look("Models, all modes");
+    }
+    state().picture.study = StudyPicture::modes;
+    look("Models, a picture of the modes");
+    state().picture.study.reset();
+    state().models.show_difference = false;
+    state().models.shown = false;
+  }
+
+  void show(Dialog dialog, const char* screen) {
+    state().dialog = std::move(dialog);
+    look(screen);
+    state().dialog.reset();
+  }
+
+  void look_at_dialogs() {
+    const std::string name = named_.names.empty() ? "ct" : named_.names.front();
+    const fs::path file = fs::path("/a/folder") / name / (name + ".homolog");
+    show(KeysDialog{}, "keys");
+    state().models.shown = true;
+    show(KeysDialog{}, "keys of Models");
+    state().models.shown = false;
+    for (const FilePurpose purpose : {FilePurpose::open, FilePurpose::save_case, FilePurpose::add_shapes}) {
+      FileDialog files{purpose, browse(file_purpose(purpose).files, named_.folder.path, name)};
+      files.browser.name.clear();
+      show(files, "files");
+    }
+    show(ReplaceDialog{{}, file}, "replace");
+    show(SeriesDialog{{}, {{"1.2.3.4", name, "CT", 120}, {"1.2.3.5", "", "MR", 1}}}, "series");
+    show(FlipDialog{name, {}, {}}, "flip");
+    show(RecoverDialog{{{file, name, "12 edits, 14 March 2026, 16:02"}, {file / "b", name, "1 edit"}}, file},
+         "recover");
+    show(QuitDialog{}, "quit");
+    show(QuitDialog{file}, "quit without the study");
+    show(SpacingDialog{{}, Vec3(0.123, 10.5, 1000)}, "spacing");
+  }
+
+  const char* what_;
+  Named named_;
+  Driver driver_;
+  float scale_ = 1;
+  std::string where_;
+  std::set<std::string> faults_;
+};
+
+std::string listed_faults(const std::set<std::string>& faults) {
+  std::string text;
+  for (const std::string& fault : faults) text += "\n  " + fault;
+  return text;
+}
+
+}  // namespace
+
+TEST_CASE("no text and no control is cut or covered at any size of the window") {
+  for (const Names& names : all_names()) {
+    const auto faults = Screens(names).faults();
+    if (!faults.empty()) FAIL_CHECK(std::string(names.what) << ":" << listed_faults(faults));
+  }
+}
+
+TEST_CASE("what has no room is found") {
+  Driver driver(new_document({}, nullptr, nullptr));
+  std::vector<DrawnItem> items = driver.items();
+  std::set<std::string> faults;
+  add_faults(items, 1, {}, "", faults);
+  CHECK(faults.empty());
+  const auto some = std::find_if(items.begin(), items.end(), [](const DrawnItem& item) { return item.name == "save"; });
+  REQUIRE(some != items.end());
+  DrawnItem beside = *some, below = *some;
+  beside.rect.x += beside.rect.width / 2;
+  beside.seen = beside.rect;
+  below.rect.y = bottom_of(below.clip) - 2;
+  below.seen.width = 0;
+  items.push_back(beside);
+  items.push_back(below);
+  add_faults(items, 1, {}, "", faults);
+  CHECK(std::any_of(faults.begin(), faults.end(), [](const auto& f) { return f.find("lies on") != f.npos; }));
+  CHECK(std::any_of(faults.begin(), faults.end(), [](const auto& f) { return f.find("is cut") != f.npos; }));
+}
+
+namespace {
+
+const DrawnItem* tip_in(const std::vector<DrawnItem>& items) {
+  const auto tip =
+      std::find_if(items.begin(), items.end(), [](const DrawnItem& i) { return i.kind == DrawnItem::Kind::tip; });
+  return tip == items.end() ? nullptr : &*tip;
+}
+
+void point_at_middle(Driver& driver, const DrawnItem& item) {
+  driver.move(item.seen.x + item.seen.width / 2, item.seen.y + item.seen.height / 2);
+  driver.frame();
+}
+
+/// Points at every control on the screen in turn, and looks at where its tip lies.
+int check_tips(Driver& driver, const Driver::Size& size) {
+  driver.resize(size);
+  driver.settle();
+  const RectPx window{0, 0, static_cast<float>(size.width_px), static_cast<float>(size.height_px)};
+  int tips = 0;
+  const std::vector<DrawnItem> all = driver.items();
+  for (const DrawnItem& item : all) {
+    if (!item.is_control() || item.tip.empty() || item.seen.height < 8 || item.seen.width < 8) continue;
+    if (item.path.starts_with("gallery") || item.path.starts_with("model/")) continue;
+    point_at_middle(driver, item);
+    const std::vector<DrawnItem> shown = driver.items();
+    const DrawnItem* tip = tip_in(shown);
+    if (tip == nullptr) continue;
+    ++tips;
+    CHECK_MESSAGE(holds(window, tip->rect, 0), item.path);
+    for (const DrawnItem& other : shown)
+      if (other.is_control() && other.layer == item.layer && other.path != item.path)
+        CHECK_MESSAGE(!meet(tip->rect, other.seen, 1), "the tip of " << item.path << " covers " << other.path);
+  }
+  return tips;
+}
+
+}  // namespace
+
+TEST_CASE("a tooltip lies within the window and beside the panel of its control") {
+  const Named named({"kidney", "other"});
+  Driver driver(named.document);
+  driver.app().send(AddCases{named.shapes});
+  driver.settle();
+  driver.state().notices.clear();
+  for (const Driver::Size& size : {Driver::Size{800, 600, 1}, Driver::Size{2560, 1600, 2}}) {
+    driver.state().models.shown = false;
+    CHECK(check_tips(driver, size) > 30);
+    driver.state().models.shown = true;
+    CHECK(check_tips(driver, size) > 10);
+  }
+}
+
+TEST_CASE("a dialog covers what lies under it and its tooltips") {
+  Driver driver(new_document({}, nullptr, nullptr));
+  driver.point_at("top bar/save");
+  CHECK(tip_in(driver.items()) != nullptr);
+  driver.press(key::f1);
+  CHECK(driver.shows("Keys and mouse"));
+  CHECK(tip_in(driver.items()) == nullptr);
+  CHECK_FALSE(driver.control("top bar/save").hovered);
+}
+
+TEST_CASE("Escape closes a menu and a click beside it does what it is for") {
+  Driver driver(new_document({}, nullptr, nullptr));
+  driver.press(key::tab);
+  driver.click("Study");
+  CHECK(driver.has("study menu/New study\xe2\x80\xa6"));
+  driver.press(key::escape);
+  CHECK_FALSE(driver.has("study menu/New study\xe2\x80\xa6"));
+
+  const auto press_on = [&](const char* name) {
+    point_at_middle(driver, driver.control(name));
+    driver.button(MouseButton::left, true);
+    driver.button(MouseButton::left, false);
+    driver.frames(3);
+  };
+  driver.click("Study");
+  press_on("cases/Study");  // its own button closes it
+  CHECK_FALSE(driver.has("study menu/New study\xe2\x80\xa6"));
+  driver.click("Study");
+  CHECK(driver.has("study menu/New study\xe2\x80\xa6"));
+  press_on("top bar/keys");
+  CHECK_FALSE(driver.has("study menu/New study\xe2\x80\xa6"));
+  CHECK(driver.state().dialog);
+}
+
+TEST_CASE("an error goes by Escape and after a while but not while a dialog covers it") {
+  Driver driver(new_document({}, nullptr, nullptr));
+  add_notice(driver.state(), "ct.nii.gz could not be read.");
+  driver.frames(2);
+  CHECK(driver.shows("ct.nii.gz could not be read."));
+  driver.press(key::escape);
+  CHECK_FALSE(driver.shows("ct.nii.gz could not be read."));
+
+  add_notice(driver.state(), "ct.nii.gz could not be read.");
+  driver.app().update(1000);
+  driver.app().update(1030);
+  driver.state().dialog = KeysDialog{};
+  driver.app().update(1100);
+  CHECK(driver.state().notices.size() == 1);
+  driver.state().dialog.reset();
+  driver.app().update(1101);
+  CHECK(driver.state().notices.empty());
+}
+
+namespace {
+constexpr const char* kidney_in_japanese = "\xe8\x85\x8e\xe8\x87\x93";
+constexpr ImWchar first_letter_of_it = 0x814E;
+}  // namespace
+
+TEST_CASE("a name in Chinese or Japanese or Korean is drawn in its letters") {
+  if (!fs::exists("/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf"))
+    return test::skip("fonts-droid-fallback is not installed");
+  Driver driver(new_document({}, nullptr, nullptr));
+  const auto known = [] { return ImGui::GetIO().Fonts->Fonts[0]->FindGlyphNoFallback(first_letter_of_it) != nullptr; };
+  CHECK_FALSE(known());
+  add_notice(driver.state(), std::string(kidney_in_japanese) + ".nii.gz is open.", false);
+  driver.frames(3);
+  CHECK(known());
+  driver.resize({1280, 800, 2});
+  CHECK(known());
+  CHECK_FALSE(driver.shows("fonts-droid-fallback"));
+}
+
+TEST_CASE("where no font has the letters of a name the package that has them is named") {
+  const EnvironmentVariable nowhere("XDG_DATA_DIRS", "/nowhere");
+  Driver driver(new_document({}, nullptr, nullptr));
+  add_notice(driver.state(), std::string(kidney_in_japanese) + ".nii.gz is open.", false);
+  driver.frames(3);
+  CHECK(driver.shows("fonts-droid-fallback"));
+}
+
+TEST_CASE("the window's title says what is open and whether it is saved and what runs") {
+  const Named named({"kidney"});
+  Driver driver(named.document);
+  CHECK(driver.app().title() == "case.homolog \xe2\x80\x93 Homolog");
+  driver.app().start_session(EditSession(named.document));
+  driver.settle();
+  CHECK(driver.app().title() == "kidney.nii.gz \xe2\x80\x93 Homolog");
+  driver.app().send(ApplyEdit{SetStiffnessBase{7}, false});
+  driver.settle();
+  CHECK(driver.app().title() == "kidney.nii.gz, not saved \xe2\x80\x93 Homolog");
+  driver.app().send(ShowModels{true});
+  driver.settle();
+  CHECK(driver.app().title() == "No study \xe2\x80\x93 Homolog");
+  driver.app().send(NewStudy{{named.folder.path / "hips.study.json"}});
+  driver.settle();
+  CHECK(driver.app().title() == "hips \xe2\x80\x93 Homolog");
+  driver.state().models.modelling = true;
+  CHECK(driver.app().title() == "hips, making the model \xe2\x80\x93 Homolog");
+}
+
+TEST_CASE("file dialogs start beside the open image and make folders") {
+  const Named named({"kidney"});
+  Driver driver(named.document);
+  const fs::path beside = driver.case_file().parent_path(), of_image = named.labels.parent_path();
+  driver.state().preferences.folder = "/";
+  driver.click("open");
+  const auto browser = [&]() -> const FileBrowser& { return std::get<FileDialog>(*driver.state().dialog).browser; };
+  CHECK(browser().folder == of_image);
+  driver.press(key::escape);
+  driver.press('S', {true, true, false});
+  CHECK(browser().folder == beside);
+  driver.click("New folder");
+  driver.frames(3);
+  driver.type("hips");
+  driver.press(key::enter);
+  driver.settle();
+  CHECK(fs::is_directory(beside / "hips"));
+  CHECK(browser().folder == beside / "hips");
+
+  driver.click("New folder");
+  driver.frames(3);
+  driver.type("a/b/c");
+  driver.click("Make it");
+  CHECK(driver.shows("cannot be made"));
+  driver.click("New folder");
+  driver.press(key::escape);
+  CHECK(driver.has("New folder"));
+  driver.press(key::escape);
+  CHECK_FALSE(driver.state().dialog);
+}
+
+TEST_CASE("the slices zoom together where that is wished and each by itself else") {
+  const Named named({"kidney"});
+  Driver driver(named.document);
+  driver.click("Linked zoom");
+  const auto scales = [&] {
+    std::set<double> all;
+    for (const SlicePan& pan : driver.state().slices) all.insert(std::round(1e6 * pan.mm_per_px));
+    return all;
+  };
+  CHECK(scales().size() == 1);
+  const RectPx& axial = driver.app().layout().image(ViewKind::axial);
+  const auto turn = [&] {
+    driver.move(axial.x + axial.width / 3, axial.y + axial.height / 3);
+    InputEvent event{Wheel{3}, axial.x + axial.width / 3, axial.y + axial.height / 3, false, true, false, 0, false};
+    driver.app().handle(event);
+    driver.frames(2);
+  };
+  const auto before = scales();
+  turn();
+  CHECK(scales().size() == 1);
+  CHECK(scales() != before);
+  driver.click("Linked zoom");
+  turn();
+  CHECK(scales().size() == 2);
+}
+
+TEST_CASE("one key goes through the looks of the slices in the 3D view") {
+  const Named named({"kidney"});
+  Driver driver(named.document);
+  const auto shown = [&] { return shown_planes(driver.state(), driver.document()); };
+  CHECK(shown().front().opacity < 1);
+  driver.press('T');
+  CHECK(shown().front().behind_meshes);
+  driver.press('T');
+  CHECK(shown().front().opacity == 1);
+  CHECK_FALSE(shown().front().behind_meshes);
+  driver.press('T');
+  CHECK(shown().empty());
+  driver.press('T');
+  CHECK(shown().front().opacity < 1);
+}
+
+TEST_CASE("the image fills the view also along its own planes") {
+  Volume volume;
+  volume.geometry.dims = {200, 160, 4};
+  volume.geometry.direction = Eigen::AngleAxisd(0.7, Vec3(1, 1, 0).normalized()).toRotationMatrix();
+  volume.data = std::vector<std::uint8_t>(volume.geometry.voxels(), 1);
+  Document document = new_document("", std::make_shared<const Volume>(std::move(volume)), nullptr);
+  Driver driver(document);
+  driver.click("The image's own planes");
+  driver.press('F');
+  const RectPx& rect = driver.app().layout().image(ViewKind::axial);
+  const double mm_per_px = driver.state().slices[index_of(ViewKind::axial)].mm_per_px;
+  const double filled = std::max(200 / (mm_per_px * rect.width), 160 / (mm_per_px * rect.height));
+  CHECK(filled > 0.95);
+  CHECK(filled <= 1);
+}
+
+}  // namespace homolog

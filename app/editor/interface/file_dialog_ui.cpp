@@ -150,7 +150,7 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   if (!begin_dialog(ui, file_purpose(dialog.purpose).title, 860, 580)) out.send(CloseDialog{});
   draw_path_bar(ui, browser, out);
   // A gap, two rows, and what ImGui puts between all of them.
-  const float footer = theme.px(2) + theme.px(28) + theme.px(24) + 3 * ImGui::GetStyle().ItemSpacing.y + theme.px(2);
+  const float footer = theme.px(2) + theme.px(28) + theme.px(24) + 4 * ImGui::GetStyle().ItemSpacing.y + theme.px(8);
   ImGui::BeginChild("places", {theme.px(180), -footer});
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
   draw_places(ui, dialog, out);

@@ -96,7 +96,7 @@ void draw_spreads(const FigureTable& table, const std::vector<ShapeSizes>& sizes
   }
   rule(table.theme);
   table.line("Mean", means);
-  table.line("Standard deviation", deviations);
+  table.line("SD", deviations);
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ std::vector<KeyRow> rows_of_case() {
       {"Shift+A P L R S I", "look from that side", side_chords(),
        [](const KeyMoment& now) -> Given { return LookFromSide{side_of(now.code)}; }},
       {"Enter",
-       "this case is done, on to the next of the study",
+       "case done, next of the study",
        {{key::enter}, {key::keypad_enter}},
        [](const KeyMoment&) -> Given { return OpenNextCase{}; }},
       {"Escape", "cancels a drag", {{key::escape}}, [](const KeyMoment&) -> Given { return Escape{}; }},

@@ -1,6 +1,7 @@
 #include "app/editor/work/worklist.h"
 
 #include <algorithm>
+#include <cctype>
 #include <system_error>
 #include <utility>
 
@@ -62,19 +63,29 @@ Result<Scan> read_scan(const fs::path& path, Progress& progress) {
   return scan;
 }
 
-std::size_t common_start(const std::string& a, const std::string& b) {
+/// How many letters two names begin with in common; 0 where they part within a number: "case_1" and "case_12" are two
+/// subjects.
+std::size_t alike(const std::string& a, const std::string& b) {
   const auto ends = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
-  return static_cast<std::size_t>(ends.first - a.begin());
+  const auto same = static_cast<std::size_t>(ends.first - a.begin());
+  const auto is_digit = [](const std::string& name, std::size_t k) {
+    return k < name.size() && std::isdigit(static_cast<unsigned char>(name[k])) != 0;
+  };
+  const bool in_number = (is_digit(a, same) && is_digit(b, same)) ||
+                         (same > 0 && is_digit(a, same - 1) && is_digit(a, same)) ||
+                         (same > 0 && is_digit(b, same - 1) && is_digit(b, same));
+  return in_number ? 0 : same;
 }
 
-/// The image on whose voxels a label map lies, that whose name is most like its own; null where there is none.
+/// The image on whose voxels a label map lies, that whose name is most like its own; null where none is like it, unless
+/// there is only this image and this map.
 const Scan* image_of(const Scan& map, const std::vector<Scan>& all) {
   const Scan* best = nullptr;
   std::size_t most = 0;
   for (const Scan& one : all) {
     if (one.is_map || !on_same_voxels(*map.grid, *one.grid)) continue;
-    const std::size_t same = common_start(stem_of(one.path), stem_of(map.path));
-    if (best == nullptr || same > most) best = &one, most = same;
+    const std::size_t same = alike(stem_of(one.path), stem_of(map.path));
+    if (same > most || all.size() == 2) best = &one, most = same;
   }
   return best;
 }
@@ -168,6 +179,8 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   if (!labels) return fail(labels.error());
   const NamedLabels map{std::make_shared<const Volume>(std::move(labels->volume)), one.labels.filename().string()};
   settings.label = label_in(*map.volume, settings.label);
+  if (settings.label == 0)
+    return fail(map.name, "holds no label; segment the organ in it, or take the case off the study");
   settings.as_placed = false;
   FitOptions fit;
   fit.progress = &progress;

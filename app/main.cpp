@@ -182,8 +182,8 @@ int run_main(int argc, char** argv) {
     to.add_option("FILES", asked.editor.files, "A case, or an image, its label map and a template");
     to.add_option("--template", asked.editor.template_source, "Template mesh to start with");
     to.add_option("--log", asked.editor.log,
-                  "Writes what you do to this file, a line each. Attach it when you report a bug");
-    to.add_option("--replay", asked.editor.replay, "Does again what such a file holds");
+                  "Writes each command to this file, one per line. Attach it when you report a bug");
+    to.add_option("--replay", asked.editor.replay, "Repeats the commands of such a file");
   };
   add_editor_options(app);
   add_editor_options(*app.add_subcommand("edit", "The editor on these files"));

@@ -157,13 +157,14 @@ void add_bench(CLI::App& app, CommandLine& asked) {
     int vertices = 2500;
   };
   auto options = std::make_shared<Options>();
-  auto* masks = verb->add_option("--templates", options->masks,
-                                 "Instead: a table of templates, one of every label of these label maps");
-  verb->add_option("--vertices", options->vertices, "Vertices of each of them")
+  auto* masks =
+      verb->add_option("--templates", options->masks,
+                       "Instead: makes a template of every label in these label maps and reports them as a table");
+  verb->add_option("--vertices", options->vertices, "Vertices of each of these templates")
       ->check(CLI::Range(100, 200000))
       ->needs(masks)
       ->capture_default_str();
-  verb->add_option("--mesh", options->mesh, "A further row of the solver's figures: of this mesh")->excludes(masks);
+  verb->add_option("--mesh", options->mesh, "Times the solver on this mesh too")->excludes(masks);
   const auto bench = [options](Progress& progress) -> Result<Report> {
     Report report;
     if (!options->masks.empty()) {

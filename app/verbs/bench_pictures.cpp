@@ -94,7 +94,7 @@ Json gallery_frame_ms(Renderer& renderer, Framebuffer& framebuffer) {
   ModelsState state;
   show_model(state, build_study_model(request, progress).model);
   fs::remove_all(folder, ignored);
-  if (!state.model) return "no model to be had";
+  if (!state.model) return "no model could be made";
   state.turning = true;
   GalleryPictures pictures;
   const ModelsLayout layout = models_layout(make_layout(1280, 800, 1, {std::nullopt, true, true}));

@@ -69,12 +69,12 @@ void add_user(CLI::App& study, CommandLine& asked) {
   verb->add_option("--landmarks", options->landmarks, "Named places on the organ that the scripted user is shown");
   verb->add_option(
       "--scheme", options->scheme,
-      "anchored, raw, paper-1, paper-10 or spacing, alone or with +grab, +warp or +hold, each also +refine");
+      "anchored, raw, paper-1, paper-10 or spacing; then +grab, +warp or +hold if wanted; then +refine if wanted");
   verb->add_option("--image", options->image, "The volume that the case is for");
   verb->add_option("--pulls", options->work.most_pulls, "At most this many pulls")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  verb->add_option("--seed", options->work.seed, "Disturbs the placement; each number in another way");
+  verb->add_option("--seed", options->work.seed, "Seed of the random disturbance of the placement");
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->add_option("-o,--output", options->out, "The case file to write")->required();
   verb->callback(

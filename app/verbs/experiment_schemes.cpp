@@ -199,8 +199,9 @@ Tables tables_of(const Plan& plan, const std::vector<Result<Report>>& results, c
   }
   for (const auto& [name, dice] : best_dice)
     if (dice < doubtful_dice)
-      report.warnings.push_back(name + ": no scheme comes near; is " + plan.the_template->source +
-                                " the template of another organ or side, or the label a wrong one?");
+      report.warnings.push_back(name + ": no way of working comes near the target; check that " +
+                                plan.the_template->source +
+                                " is the template of this organ and side, and that the label is the right one");
   if (plan.subjects.front().truth) {
     std::vector<Points> truth;
     for (const ExperimentSubject& subject : plan.subjects) truth.push_back(*subject.truth);
@@ -288,8 +289,9 @@ void add_study_schemes(CLI::App& study, CommandLine& asked) {
   verb->add_option("--mask", options->masks, "Label maps to adapt to");
   verb->add_option("--mesh", options->meshes, "Surfaces to adapt to");
   add_target_options(*verb, options->target);
-  verb->add_option("--landmarks", options->landmarks,
-                   "Landmark files of the cases, in their order: half of each is shown, the error is that of the rest");
+  verb->add_option(
+      "--landmarks", options->landmarks,
+      "Landmark files of the cases, in their order. Half of the landmarks are shown; errors are measured at the rest");
   verb->add_option("--template-landmarks", options->template_landmarks, "A file with the template's landmarks");
   verb->add_option("--schemes", options->schemes, "Which to compare (default: all)")->delimiter(',');
   verb->add_option("--stiffness", options->stiffness, "Stiffness base (default: the template's)")
@@ -297,7 +299,8 @@ void add_study_schemes(CLI::App& study, CommandLine& asked) {
   verb->add_option("--pulls", options->most_pulls, "At most this many pulls a run")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  verb->add_option("--seed", options->seed, "Seed of the first case's disturbance; the next case takes the next number")
+  verb->add_option("--seed", options->seed,
+                   "Seed of the first case's disturbance. Each further case takes the next number")
       ->capture_default_str();
   verb->add_option("-o,--output", options->out, "Folder for runs.csv, schemes.csv, schemes.md and landmarks.svg");
   verb->add_flag("--cases", options->cases, "Write a case file of every run there too");

@@ -101,8 +101,9 @@ void add_convert(CLI::App& app, CommandLine& asked) {
   add_spacing(*verb, options->spacing_mm);
   const auto convert = [options](Progress& progress) -> Result<Report> {
     if (is_mesh_name(options->in) != is_mesh_name(options->out)) {
-      return fail(options->out.string(), "is not of the same kind as " + options->in.string() +
-                                             "; a mesh becomes a volume by label-map, a volume a mesh by template");
+      return fail(options->out.string(),
+                  "is not of the same kind as " + options->in.string() +
+                      "; use label-map to make a volume of a mesh, and template to make a mesh of a volume");
     }
     if (is_mesh_name(options->in)) {
       return describe_and_write(options->in, options->out, [](MeshFile mesh) { return mesh; });

@@ -164,14 +164,14 @@ Result<CaseLandmarks> landmarks_of(const Options& options, const Template& the_t
     const std::string what = "has no landmark file in " + options.landmarks.string() + " (" + case_name(path) +
                              ".mrk.json or " + case_name(path) + ".json)";
     if (!several) return fail(path.string(), what + "; put one there, or name the file itself");
-    landmarks.warnings.push_back(what + ", so it was fitted without");
+    landmarks.warnings.push_back(what + ", so it was fitted without landmarks");
     return landmarks;
   }
   const auto read = read_landmarks(file);
   if (!read) return fail(read.error());
   if (read->empty()) {
     if (!several) return fail(file.string(), "holds no points; place the landmarks and save it again");
-    landmarks.warnings.push_back("its landmark file holds no points, so it was fitted without");
+    landmarks.warnings.push_back("its landmark file holds no points, so it was fitted without landmarks");
     return landmarks;
   }
   std::vector<std::string> known, unknown;
@@ -184,13 +184,13 @@ Result<CaseLandmarks> landmarks_of(const Options& options, const Template& the_t
   }
   if (const auto names = take_coincident(landmarks.places); !names.empty()) {
     const std::string what = "has " + quoted(names) + " at one place";
-    if (!several) return fail(file.string(), what + "; place each where it belongs, or leave all but one of them out");
+    if (!several) return fail(file.string(), what + "; place each where it belongs, or keep only one of them");
     landmarks.warnings.push_back("its landmark file " + what + "; they were left out");
   }
   if (unknown.empty()) return landmarks;
   const std::string what = "names " + quoted(unknown) + ", which the template " + options.template_source + " lacks; " +
                            (known.empty() ? "it has no landmarks" : "it has " + quoted(known));
-  if (!several) return fail(file.string(), what + "; give each its name there, or leave it out");
+  if (!several) return fail(file.string(), what + "; rename each as in the template, or leave it out");
   landmarks.warnings.push_back("its landmark file " + what + "; they were left out");
   return landmarks;
 }
@@ -372,8 +372,8 @@ void check(const Options& options) {
     throw CLI::ValidationError("--output", "must be a folder, since several cases are given");
   if (!options.placement.empty()) throw CLI::ValidationError("--placement", "is for one case only");
   if (!options.landmarks.empty() && !fs::is_directory(options.landmarks))
-    throw CLI::ValidationError("--landmarks",
-                               "must be a folder, since several cases are given: with case.mrk.json for each");
+    throw CLI::ValidationError(
+        "--landmarks", "must be a folder with a file CASE.mrk.json for each case, since several cases are given");
 }
 
 }  // namespace

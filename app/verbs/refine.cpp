@@ -54,8 +54,8 @@ Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
 
 void add_refine(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<RefineVerb>();
-  CLI::App* verb =
-      add_verb(app, "refine", "Moves a case's vertices along its surface to where the fitted template has them");
+  CLI::App* verb = add_verb(
+      app, "refine", "Fits the template to a case's surface and moves its vertices along the surface accordingly");
   verb->add_option("CASE", options->file, "The case file, which gets one more edit")->required();
   verb->add_option("-o,--output", options->out, "The mesh to write");
   verb->callback(

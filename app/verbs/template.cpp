@@ -41,10 +41,10 @@ std::vector<std::string> faults_of(const MeshFile& file, const fs::path& out) {
   std::vector<std::string> sentences;
   if (faults.any())
     sentences.push_back(out.string() + ": has " + faults.words() +
-                        ", so fits with it will have faults too; mend the surface, or ask for more vertices");
+                        ", so fits with it will have faults too; repair the surface, or ask for more vertices");
   if (faults.riddled())
     sentences.push_back(out.string() + ": has " + std::to_string(faults.tunnels) +
-                        " tunnels, more than organs have; a label map is made sound by --closing-mm and --genus");
+                        " tunnels, more than organs have; use --closing-mm or --genus to close tunnels of a label map");
   return sentences;
 }
 
@@ -192,7 +192,7 @@ void add_template(CLI::App& app, CommandLine& asked) {
   base->needs(apex);
   verb->add_flag("--capped", options->capped, "Close the tube's base with a flat fan")->needs(tube_flag);
   verb->add_option("--outer-label", options->outer_label,
-                   "Label of the wall around: a second sheet (epicardium) in the same mesh")
+                   "Label of the wall around it: adds a second sheet (epicardium) to the mesh")
       ->check(CLI::PositiveNumber)
       ->needs(tube_flag);
   verb->callback([options, &asked] {

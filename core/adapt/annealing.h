@@ -35,10 +35,10 @@ using ForceSource = std::function<Force(const Mesh& mesh, double share)>;
 /// Called after each step with its share; its error ends the annealing. May be empty.
 using AfterStep = std::function<Result<void>(double share)>;
 
-/// Draws a mesh to what `force` looks for: Eq. 3 solved again and again [Erdt 2009, §2.2] while the stiffness falls.
-/// After each step the reference is refitted by a similarity, and for each solve it is turned with the shape, one-ring
-/// by one-ring. Where a fit and a snap differ is their force and what they do afterwards. `solver`: of the mesh's
-/// topology; what it is factorised for is lost. Errors: `after_step`'s.
+/// Draws a mesh to what `force` looks for: solves Eq. 3 again and again [Erdt 2009, §2.2] while the stiffness falls.
+/// After each step the reference is refitted by a similarity. For each solve it is turned with the shape, one-ring by
+/// one-ring. A fit and a snap differ only in their force and in what follows. `solver`: of the mesh's topology; it is
+/// factorised anew, so its present factor is lost. Errors: those of `after_step`.
 Result<void> anneal(Adapting& shape, ShapeSolver& solver, const Annealing& annealing, const ForceSource& force,
                     const AfterStep& after_step = {});
 

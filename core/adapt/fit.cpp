@@ -78,7 +78,9 @@ class Fitting {
     if (options_.placement) {
       const Points placed = options_.placement->apply(reference_.points);
       if (!bounds_of(placed).intersects(bounds_of(boundary_.surface.points)))
-        return fail("", "the placement puts the template where the organ is not; leave it out, and the fit finds one");
+        return fail(
+            "",
+            "the placement puts the template beside the organ; correct it, or leave it out to let the fit find one");
     }
     const Placed found =
         find_placement(reference_, boundary_, {options_.landmarks, options_.orientation, options_.placement});
@@ -93,7 +95,7 @@ class Fitting {
     shape_.mesh = {reference_.topology,
                    warp_to_boundary(reference_.topology, placed, shape_.placement.apply(own), there, trust_, search_)};
     if (!shape_.mesh.points.allFinite() || !(shape_.placement.scale > 0))
-      return fail("", "the template cannot be laid on the surface: one of them is flat or has no size; check both");
+      return fail("", "the template cannot be placed on the surface: one of them is flat or has no size; check both");
     start_ = shape_.placement.inverse().apply(shape_.mesh.points);
     return show(0.1);
   }
@@ -102,15 +104,15 @@ class Fitting {
   void say_of_landmarks(const VertexScalars& off_mm) {
     if (trust_.size() > 0 && trust_.size() < fewest_placing_landmarks)
       landmark_warnings_.emplace_back(
-          trust_.size() == 1 ? "one landmark pulls on the mesh and did not help to place it; three or more do"
-                             : "two landmarks pull on the mesh and did not help to place it; three or more do");
+          trust_.size() == 1 ? "one landmark pulls on the mesh but did not help to place it; give three or more"
+                             : "two landmarks pull on the mesh but did not help to place it; give three or more");
     Eigen::Index k = -1;
     for (const Landmark& landmark : reference_.landmarks) {
       if (!options_.landmarks.contains(landmark.name) || trust_[++k] >= trusted) continue;
       char mm[32];
       std::snprintf(mm, sizeof mm, "%.0f mm", off_mm[k]);
       landmark_warnings_.push_back("the landmark \"" + landmark.name + "\" lies " + mm +
-                                   " from where the surface and the other landmarks have it, and was left aside; check "
+                                   " from where the surface and the other landmarks put it, so it was not used; check "
                                    "its place and name");
     }
   }

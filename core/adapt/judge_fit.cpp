@@ -32,13 +32,14 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   const MeshFaults faults = mesh_faults({the_template.topology, the_template.points});
   if (faults.any())
     judgement.warnings.push_back("the template itself has " + faults.words() +
-                                 ", so its fits have faults too; make it anew from a sound surface");
+                                 ", so its fits have faults too; make it again from a surface without faults");
   else if (judgement.doubtful && !judgement.mirrored)
     judgement.warnings.emplace_back(
-        "the fit is poor; is this the template of another organ or side, or is the label the wrong one?");
+        "the fit is poor; check that the template is not of another organ or side, and that the label is right");
   else if (tangled)
     judgement.warnings.emplace_back(
-        "some triangles are turned or pass through each other; the organ differs too much from the template there");
+        "some triangles are turned or pass through each other, because the organ differs too much from the template "
+        "there; look at them before you use the mesh");
   return judgement;
 }
 

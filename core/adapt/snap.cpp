@@ -17,7 +17,7 @@ constexpr double least_seen_share = 0.1;
 constexpr double doubtful_snap = 0.55;
 
 constexpr const char* no_edge = "shows no edge around the mesh; place the mesh on the organ, or search farther";
-constexpr const char* not_there = "does not show the place where the mesh lies; place the mesh on the organ first";
+constexpr const char* not_there = "does not reach to the mesh; place the mesh on the organ first";
 
 bool image_shows(const VolumeGeometry& image, const Vec3& p_mm) {
   const Vec3 voxel = image.to_voxel(p_mm);
@@ -103,11 +103,11 @@ class Snapping {
     result.doubtful = result.mean_confidence < doubtful_snap;
     if (result.doubtful)
       result.warnings.emplace_back(
-          "the image shows hardly any boundary where the mesh lies; check that this is the organ and that the mesh "
-          "lies on it");
+          "the image shows hardly any boundary at the mesh; check that the mesh lies on the right organ");
     if (!result.unseen.empty())
       result.warnings.push_back(std::to_string(result.unseen.size()) +
-                                " vertices lie beyond the scan and follow the others");
+                                (result.unseen.size() == 1 ? " vertex lies beyond the scan and follows the others"
+                                                           : " vertices lie beyond the scan and follow the others"));
     return result;
   }
 

@@ -9,9 +9,9 @@ namespace homolog {
 /// is left. `reference`: the template placed, n×3; `factors`: its stiffness factors. False where some are left.
 bool untangle(Mesh& mesh, const Points& reference, const VertexScalars& factors);
 
-/// The points on the way from `from` to `to`, as far as no triangle turns over that is not turned at `from` already:
-/// the way is shortened around such triangles only. `from` itself where that does not help. `placed`: the template as
-/// placed; all n×3.
+/// The points on the way from `from` to `to`, as far as no triangle turns over that is not turned at `from` already.
+/// The way is shortened only around such triangles. If that does not help, the result is `from`. `placed`: the template
+/// as placed; all n×3.
 Points without_turning(const Topology& topology, const Points& placed, const Points& from, const Points& to);
 
 }  // namespace homolog

@@ -17,7 +17,7 @@ namespace homolog {
 namespace {
 
 tl::unexpected<Error> cannot_start(int error) {
-  return fail("", std::string("no process can be started to read it in (") + std::strerror(error) +
+  return fail("", std::string("cannot be read, because no process for it can be started (") + std::strerror(error) +
                       "); close other programs and try again");
 }
 

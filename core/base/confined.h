@@ -11,10 +11,10 @@
 
 namespace homolog {
 
-/// The program started once more, to do in a process of its own what it might not survive: a library that reads a
-/// stranger's file may crash, run for ever or take all memory. The program itself is started because a process with
-/// threads must not fork and go on (a lock that another thread holds stays locked for ever in the child), and because
-/// no second program has to be found: /proc/self/exe is this one even where it was moved or built anew meanwhile.
+/// Starts the program again as a child process, for work that may fail badly: a library that reads an unknown file may
+/// crash, run for ever or take all memory. The child is a new start of the program and not a fork, because a process
+/// with threads must not fork and continue (a lock that another thread holds stays locked for ever in the child). No
+/// other program has to be found: /proc/self/exe is this one, even if it was moved or rebuilt meanwhile.
 class ConfinedChild {
  public:
   /// `arguments` follow the program's name; something in it must know them (see hdf5_reader.cpp). Errors: no process

@@ -13,8 +13,8 @@ namespace homolog {
 /// before.
 Error error_of_exception(const std::string& subject);
 
-/// What `work` gives, a Result; where it throws instead, the sentence of that. For the edge of a thread, of a command
-/// and of a callback, which no exception may pass.
+/// Returns the Result of `work`. If `work` throws, returns the exception's sentence as an Error. For the edge of a
+/// thread, of a command and of a callback, which no exception may pass.
 template <class Work>
 std::invoke_result_t<Work> guarded(const std::string& subject, Work&& work) {
   try {

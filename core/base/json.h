@@ -7,10 +7,10 @@
 
 namespace homolog {
 
-/// The one way in which the program reads JSON, as nlohmann::json or nlohmann::ordered_json. Errors: no valid JSON;
-/// arrays and objects more than 64 deep (nothing of this program is, and the library's functions call themselves once
-/// for each level); for ordered_json, whose objects are searched from the front, an object of more than 1,000 members.
-/// `what` of the error says which, without a remedy.
+/// The one way in which the program reads JSON, as nlohmann::json or nlohmann::ordered_json. Errors: invalid JSON; more
+/// than 64 levels of arrays and objects (Homolog writes no more, and the library recurses once for each level); with
+/// ordered_json, whose objects are searched from the front, an object of more than 1,000 members. `what` of the error
+/// says which, without a remedy.
 template <class Json>
 Result<Json> read_json(std::string_view text);
 

@@ -11,9 +11,9 @@ namespace homolog {
 int thread_limit();
 void set_thread_limit(int threads);  ///< at least 1
 
-/// Calls `work(0)` … `work(count - 1)`, several at the same time, and returns when all have. What two of them write
-/// must not overlap. Of their exceptions (memory ran out) that of the first is passed on; pieces that nobody has begun
-/// by then are left out.
+/// Calls `work(0)` … `work(count - 1)`, several at the same time, and returns when all are done. Two calls must not
+/// write to the same place. If calls throw (memory ran out), the first exception is passed on, and calls that have not
+/// begun by then are left out.
 ///
 /// Threads that are free help; the calling thread takes part and, where none is free, does it all. So loops may be
 /// nested and several threads may ask at a time: there are never more helpers than the limit allows. A thread that

@@ -25,7 +25,7 @@ Result<const PictureModule*> load_module() {
   }
   return fail((folder / HOMOLOG_PICTURES).string(),
               "cannot be loaded (" + reason +
-                  "), so that pictures can be neither read nor written; build or install "
+                  "), so pictures can be neither read nor written; build or install "
                   "the program again");
 }
 

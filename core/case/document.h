@@ -37,13 +37,14 @@ struct Shape {
 /// Whether a person made a frame's mesh what it is: it was edited or confirmed since it came from other frames.
 bool frame_is_known(const Shape& shape);
 
-/// How far the place of each vertex is known, 0 … 1: as far as it is confirmed, and 1 where `decided` is at least 0.6.
-/// `decided` is how far strokes have carried the vertex, and 1 where a fit or a snap moved it. What a shape model did
-/// does not count.
+/// How well the place of each vertex is known, 0 … 1. A confirmed vertex is known as far as it is confirmed. A vertex
+/// whose `decided` is at least 0.6 is fully known. `decided` is how far strokes have carried the vertex; it is 1 where
+/// a fit or a snap moved it. Moves by a shape model do not count.
 VertexScalars known_vertices(const Shape& shape);
 
-/// The shape without the help of a shape model, n×3, LPS mm: known vertices where they are, the others where the edits
-/// alone leave them. Help always starts from here, so it does not add up from edit to edit.
+/// The shape without the help of a shape model, n×3, LPS mm. Known vertices are where they are. All others are where
+/// the shape would be after the edits alone. Help always starts from this shape, so it does not add up from edit to
+/// edit.
 Points unaided_points(const Shape& shape);
 
 /// Everything of a case that is saved, as a value: a copy is a few reference counts, and undo keeps copies.

@@ -20,8 +20,8 @@ bool usable(const Similarity& s) {
 std::string warp(const Template& the_template, const Points& from, const Points& to, Shape& shape) {
   WarpedReference warped = warp_to_landmarks(*the_template.topology, *shape.placed, shape.placement.apply(from), to);
   if (warped.share > 0) shape.points = shape.reference = std::make_shared<const Points>(std::move(warped.points));
-  return warped.folds ? "The landmarks would fold the mesh, so the mesh does not quite meet them. Check that each is "
-                        "in its place."
+  return warped.folds ? "The mesh does not reach all landmarks, because it would fold. Check the place of each "
+                        "landmark."
                       : "";
 }
 

@@ -9,8 +9,8 @@
 
 namespace homolog {
 
-// Sources: what images and templates are called, in a case file, in a study, on the command line. A source is the path
-// of a file, or a name of something that Homolog makes itself. Such names are spelled here and nowhere else.
+// A source names an image or a template in a case file, in a study or on the command line. It is the path of a file, or
+// the name of something that Homolog makes itself. Only this file knows how such names are spelled.
 
 /// "built-in:kidney": the built-in template of an organ.
 std::string built_in_source(Organ organ);

@@ -33,7 +33,7 @@ Result<void> Deformer::prepare(const StrokeStart& start) {
 }
 
 Result<StrokeOutcome> Deformer::stroke(const StrokeStart& start, const Stroke& stroke, Pass pass) {
-  if (!usable(stroke)) return fail("stroke", "holds a number that is not finite, or a σ or strength out of range");
+  if (!usable(stroke)) return fail("stroke", "has a number that is not finite, or a σ or strength out of range");
   if (auto ready = prepare(start); !ready) return fail(ready.error());
   if (stroke.tool == Tool::relax) return relax(start, *solver_, stroke);
   if (!gesture_ || !gesture_->continues(start, stroke)) {

@@ -20,8 +20,8 @@ class FoldGuard {
 
   /// Prepares `largest_step` for the path start + t·response·dᵀ; O(faces).
   void set_response(const VertexScalars& response);
-  /// A t in 0…1, the largest that the closed form vouches for, at which no triangle of start + t·response·dᵀ is turned
-  /// against its normal carried to the gesture's start or falls below the floor. Closed form: along the path a
+  /// The largest t in 0…1 for which the closed form guarantees: at start + t·response·dᵀ no triangle is turned against
+  /// its normal carried to the gesture's start, and none falls below the floor. Closed form: along the path a
   /// triangle's normal is linear in t, since d × d = 0.
   double largest_step(const Vec3& d);
 

@@ -46,9 +46,10 @@ struct PullingResult {
   double largest_deviation_mm = 0;  ///< left at the end, both directions
 };
 
-/// Adapts the session's mesh to `target` by boundary pulls in axial, sagittal and coronal slices until nothing visible
-/// can be made better: the place first where most is off as far around as a σ reaches, in both directions (mesh outside
-/// the target, and target not reached by the mesh), dragged as far as fits its surroundings. So large σ come first.
+/// Adapts the session's mesh to `target` by boundary pulls in axial, sagittal and coronal slices, until nothing visible
+/// can be improved. It looks in both directions: at mesh outside the target, and at target that the mesh does not
+/// reach. It first pulls the place with the largest total difference within reach of one of the three σ. So large σ
+/// come first. It drags as far as fits the surroundings.
 Result<PullingResult> pull_to_target(EditSession& session, const Mesh& target, const PullingOptions& options = {});
 
 }  // namespace homolog

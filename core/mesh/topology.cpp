@@ -153,7 +153,7 @@ Result<void> Topology::check_fans() const {
                   "vertex " + std::to_string(v) + " belongs to no face; remove unreferenced vertices from the mesh");
     if (fan_size(v) != faces)
       return fail("", "vertex " + std::to_string(v) +
-                          " joins parts that share no edge there; split non-manifold vertices of the mesh");
+                          " joins two parts that share no edge at it; split non-manifold vertices of the mesh");
   }
   return {};
 }

@@ -7,8 +7,8 @@
 
 namespace homolog {
 
-/// What libhdf5 reads of a file, here in this process. The library loops for ever or reads beyond its memory on some
-/// damaged files, so that all but the process that read_hdf5 starts call read_hdf5.
+/// Reads a file with libhdf5 in this process. The library loops for ever or reads beyond its memory on some damaged
+/// files. So only the child process that read_hdf5 starts may call this; everyone else calls read_hdf5.
 Result<HdfTree> read_hdf5_unconfined(const std::filesystem::path& path, const HdfParts& parts);
 
 /// How much of the processor's time that process may take for a file of `bytes` bytes: far more than a sound file needs

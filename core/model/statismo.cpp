@@ -106,7 +106,8 @@ Error shrink(const std::string& what) {
 /// A dataset of floats as a matrix. Errors: absent, or not of this size (−1: any).
 Result<FloatMatrix> matrix_at(const HdfTree& tree, const std::string& path, Eigen::Index rows, Eigen::Index columns) {
   const Floats* values = tree.floats(path);
-  if (values == nullptr) return fail(shrink("holds no " + path + " and so is no shape model that is known here"));
+  if (values == nullptr)
+    return fail(shrink("holds no " + path + ", so it is not a shape model of statismo or scalismo"));
   const auto& dims = tree.datasets.at(path).dims;
   const Eigen::Index r = dims.empty() ? 1 : static_cast<Eigen::Index>(dims[0]);
   const Eigen::Index c = dims.size() < 2 ? 1 : static_cast<Eigen::Index>(dims[1]);

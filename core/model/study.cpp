@@ -138,12 +138,11 @@ std::vector<std::string> missing_files(const Study& study, const fs::path& path)
   for (const StudyCase& one : study.cases)
     if (!fs::exists(one.file, ignored)) warnings.push_back(missing_case(one));
   if (!study.cases.empty() && warnings.size() == study.cases.size())
-    warnings = {path.string() + ": none of its " + std::to_string(study.cases.size()) +
-                " cases is where it says (first " + excerpt(study.cases.front().file.string()) +
-                "); move the study's whole folder, not the file alone"};
+    warnings = {path.string() + ": none of its " + std::to_string(study.cases.size()) + " cases was found (first " +
+                excerpt(study.cases.front().file.string()) + "); move the study together with its whole folder"};
   if (names_file(study.template_file.string()) && !fs::exists(study.template_file, ignored))
     warnings.push_back("template " + excerpt(study.template_file.string()) +
-                       " is not there; put it back, or choose another");
+                       " does not exist; put it back, or choose another");
   return warnings;
 }
 
@@ -167,7 +166,7 @@ Json case_json(const StudyCase& one, const fs::path& folder) {
 
 std::string missing_case(const StudyCase& one) {
   return "case \"" + excerpt(one.name) + "\": " + excerpt(one.file.string()) +
-         " is not there; put it back, or take the case off the study";
+         " does not exist; put it back, or remove the case from the study";
 }
 
 const char* state_name(CaseState state) {

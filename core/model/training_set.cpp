@@ -197,7 +197,7 @@ Result<TrainingSetRead> TrainingSetBuilder::finish(bool flip_mirrored) {
   }
   if (!inside_out.empty())
     read.warnings.push_back(joined(inside_out) +
-                            ": its faces look inward; they were turned as those of the other shapes");
+                            ": its faces look inward, unlike those of the other shapes; they were turned outward");
   return read;
 }
 
@@ -220,8 +220,8 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
   if (!read->mirrored.empty())
     read->warnings.push_back(joined(read->mirrored) + (options.flip_mirrored
                                                            ? ": a mirror image of the other shapes; flipped"
-                                                           : ": a mirror image of the other shapes (left for right); "
-                                                             "--flip-mirrored turns it into what they are"));
+                                                           : ": a mirror image of the other shapes (left and right "
+                                                             "exchanged); use --flip-mirrored to flip it"));
   return read;
 }
 

@@ -72,12 +72,12 @@ Result<void> check_grid(const Json& header, const Volume& volume, const std::str
     if (header.contains("voxels") && header.contains("spacing_mm")) {
       made_on = grid_in_words(header["voxels"], header["spacing_mm"]);
       is = grid_in_words(g.dims, {g.spacing_mm[0], g.spacing_mm[1], g.spacing_mm[2]});
-      if (is == made_on) is = "as many, but lies elsewhere or otherwise turned";
+      if (is == made_on) is = "the same voxels at another place or angle";
     }
     return fail("", "was made on an image of " + made_on + " (geometry " +
                         excerpt(header["geometry"].get<std::string>()) + "), and " + source + " has " +
                         (is.empty() ? "" : is + " ") + "(geometry " + here +
-                        "); open it together with its own image, or start a new case");
+                        "); open the case together with its own image, or start a new case");
   } catch (const Json::exception&) {
     return fail("",
                 "line 1: \"geometry\", \"voxels\" or \"spacing_mm\" is of the wrong kind; correct it in a text editor");

@@ -8,10 +8,10 @@
 
 namespace homolog {
 
-// A checkpoint is a line of a case file that holds the case as it is after the lines before it, so that these need not
-// be played again to go on from there. It is never trusted over them: it says which version of Homolog wrote it, from
-// which template and placement, and the checksum of the lines, and where one differs it is passed over. Taking the
-// checkpoints out of a file changes nothing but the time that opening it takes.
+// A checkpoint is a line of a case file that holds the case as it is after the lines before it. Opening then needs not
+// play those lines. The lines always count more than the checkpoint: it holds the version of Homolog that wrote it, the
+// template, the placement and a checksum of the lines. If one of these differs, the checkpoint is ignored. Removing the
+// checkpoints of a file changes only the time to open it.
 
 /// The line, without its line feed. `lines_check`: of all lines before it. None where reading it would not give the
 /// same document to the last bit.

@@ -12,9 +12,9 @@
 
 namespace homolog {
 
-/// What was done to a case, step by step, and as many of the states between as a budget of memory allows. State 0 is
-/// the start, state k the one after step k − 1. A state that is not kept is made again by whoever needs it from the
-/// nearest kept one before it and the lines of the steps between.
+/// The steps of a case, and as many states between them as a budget of memory allows. State 0 is the start, and state k
+/// comes after step k − 1. A state that is not kept must be rebuilt by the caller: from the nearest kept state before
+/// it and the lines of the steps between.
 class History {
  public:
   struct Checkpoint {

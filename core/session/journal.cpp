@@ -119,7 +119,7 @@ Result<void> Journal::append(std::string_view lines, bool sync) {
   if (::ftruncate(descriptor, static_cast<off_t>(bytes_)) == 0)
     ::fsync(descriptor);
   else
-    broken_ = "ends in half a line that could not be taken back";
+    broken_ = "ends in an incomplete line that could not be removed";
   return fail(path().string(), std::string("could not be written (") + std::strerror(error) +
                                    "), so the edit was not made; free some space or save the case elsewhere");
 }
@@ -131,10 +131,10 @@ Result<void> Journal::sync() {
     return {};
   }
   // What the system held of the file may be gone: a second attempt would succeed without it.
-  broken_ = "could not be brought to the disk";
+  broken_ = "could not be written to the disk";
   unsynced_ = false;
-  return fail(path().string(), std::string("could not be brought to the disk (") + std::strerror(errno) +
-                                   "), though its edits are shown; save the case elsewhere");
+  return fail(path().string(), std::string("could not be written to the disk (") + std::strerror(errno) +
+                                   "), so the last edits are shown but not saved; save the case elsewhere");
 }
 
 }  // namespace homolog

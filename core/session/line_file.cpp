@@ -51,7 +51,9 @@ Result<std::string> LineFile::read(std::uint64_t at, std::uint64_t bytes) const 
   for (std::size_t done = 0; done < text.size();) {
     const auto got = read_some(text.data() + done, text.size() - done, at + done);
     if (!got) return fail(got.error());
-    if (*got == 0) return fail(path_.string(), "was cut by another program; the lines that are gone cannot be read");
+    if (*got == 0)
+      return fail(path_.string(),
+                  "was cut short by another program, so its lines cannot be read; restore it from a copy");
     done += *got;
   }
   return text;
@@ -64,7 +66,7 @@ Result<void> LineFile::for_each_line(const Visit& visit) const {
   for (;;) {
     if (filled == buffer.size()) {
       if (buffer.size() >= longest_line)
-        return fail(path_.string(), "has a line above 1 GiB, so it is no case; check the name");
+        return fail(path_.string(), "has a line larger than 1 GiB, so it is not a case; check the name");
       buffer.resize(2 * buffer.size());
     }
     const auto got = read_some(buffer.data() + filled, buffer.size() - filled, at + filled);

@@ -172,10 +172,12 @@ struct SessionThread::Shared {
     try {
       std::rethrow_exception(thrown);
     } catch (const std::bad_alloc&) {
-      snapshot.error = done ? "Memory is short: this was done, but hardly more will be; close other programs."
-                            : "Memory ran out, so this was not done; close other programs and try again.";
+      snapshot.error =
+          done ? "Memory is almost used up. This edit was done, but the next one may fail; close other programs."
+               : "Memory ran out, so this edit was not done; close other programs and try again.";
     } catch (const std::exception& error) {
-      snapshot.error = std::string("This could not be done (") + error.what() + "); save the case and start again.";
+      snapshot.error =
+          std::string("This edit could not be done (") + error.what() + "); save the case and start again.";
     }
     publish(std::move(snapshot));
   }

@@ -91,7 +91,7 @@ class Making {
     make_one_body(smooth);
     if (!(*std::min_element(smooth.values().begin(), smooth.values().end()) < 0))
       return fail("", "label " + std::to_string(options_.label) + " is too thin for " +
-                          std::to_string(options_.vertices) + " vertices; ask for more");
+                          std::to_string(options_.vertices) + " vertices; ask for more vertices");
     surface_ = std::move(smooth);
     return show(TemplateStage::smoothed, 0.5);
   }

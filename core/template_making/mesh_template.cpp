@@ -59,8 +59,9 @@ Result<Mesh> cleaned(const MeshFile& surface, std::vector<std::string>& warnings
     warnings.push_back("the surface has " + std::to_string(parts) + " parts; the largest was taken");
   Mesh mesh = largest_part({*topology, std::move(points)});
   if (!mesh.topology->closed()) {
-    warnings.push_back("the surface has " + std::to_string(mesh.topology->rims().size()) +
-                       " holes; they were closed flat");
+    warnings.push_back(
+        "the surface has " + std::to_string(mesh.topology->rims().size()) +
+        (mesh.topology->rims().size() == 1 ? " hole; it was closed flat" : " holes; they were closed flat"));
     mesh = capped(mesh);
   }
   if (enclosed_volume_ml(mesh) < 0) {

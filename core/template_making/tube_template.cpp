@@ -194,7 +194,7 @@ Result<std::vector<Ring>> even_rings(const LevelSet& wall, const Frame& frame, c
     const double t = place[next - 1] + share * (place[next] - place[next - 1]);
     result.push_back(ring_at(wall, frame, sectors, extent.base + t * way));
     if (result.back().points.empty())
-      return fail("", "the organ has no closed section around the axis at ring " + std::to_string(r) +
+      return fail("", "the organ has no closed outline around the axis at ring " + std::to_string(r) +
                           "; give another --axis, or make the template without --tube");
   }
   return result;

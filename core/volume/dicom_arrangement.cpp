@@ -125,7 +125,7 @@ Result<DicomArrangement> arrange_unplaced(const fs::path& path, const std::vecto
   if (cine) result.slices = 1;
   if (cine) result.frame_seconds = header.frame_ms / 1000;
   warnings.push_back(path.string() +
-                     ": says nothing of its place in the patient; its axes are taken to run to the left, "
+                     ": does not give its place in the patient; its axes are assumed to run to the left, "
                      "back and head");
   return result;
 }

@@ -26,9 +26,9 @@ struct DicomArrangement {
   double frame_seconds = 0;
 };
 
-/// Puts the planes of one series in their place: from slice to slice along their normal, and where there are several at
-/// every place, in the order of their times. `path` is named in errors: planes of different sizes or directions, a
-/// slice that is missing, uneven or shifted. `warnings`: what was assumed.
+/// Orders the planes of one series: from slice to slice along their normal, and by time where several lie at every
+/// place. `path` is named in errors: planes of different sizes or directions, a slice that is missing, uneven or
+/// shifted. `warnings`: what was assumed.
 Result<DicomArrangement> arrange(const std::filesystem::path& path, const std::vector<DicomHeader>& headers,
                                  std::vector<std::string>& warnings);
 

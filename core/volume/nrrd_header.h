@@ -9,8 +9,8 @@
 
 namespace homolog {
 
-/// An NRRD header in two parts: what the library behind the reader may see, and where the voxels are, which it may not:
-/// it hands a "data file" that holds a '%' to sprintf, opens pipes, and takes "-" for the standard input.
+/// An NRRD header in two parts: the text that the library may see, and where the voxels are. The library must not see
+/// the latter: it hands a "data file" that holds a '%' to sprintf, opens pipes, and takes "-" for the standard input.
 struct NrrdHeader {
   std::string fields;               ///< every line but "data file" and the names below it
   std::uintmax_t voxels_begin = 0;  ///< behind the header, where the voxels follow in the same file

@@ -78,7 +78,7 @@ Result<StoredVoxels> read_run(const VoxelRun& run, const VolumeGeometry& geometr
     return fail(enough.error());
   const std::size_t count = geometry.voxels() * static_cast<std::size_t>(frames);
   if (count % run.blocks.size() != 0)
-    return fail(first.file.string(), "and the files beside it do not share the voxels evenly; export them again");
+    return fail(first.file.string(), "and its voxel files do not hold equal numbers of voxels; export them again");
   StoredVoxels stored = make_stored_voxels(run.type, 0);
   reserve_voxels(stored, count);
   const std::size_t block_bytes = count / run.blocks.size() * bytes_per_voxel(run.type);

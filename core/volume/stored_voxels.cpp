@@ -115,7 +115,7 @@ Result<void> convert(const std::vector<T>& values, const Rescale& rescale, const
                   "holds values beyond 3.4e38, more than 32-bit floats can hold; rescale it and export it again");
     constexpr double exact_integers = 1 << std::numeric_limits<float>::digits;
     if (integers && largest > exact_integers)
-      warnings.push_back(subject + ": holds integers beyond 16,777,216, which are rounded to 32-bit floats");
+      warnings.push_back(subject + ": has integers above 16,777,216; they are rounded to 32-bit floats");
     keep(rescaled<float>(values, rescale), volume);
   }
   return {};

@@ -101,7 +101,7 @@ class CompressedSource : public Source {
       if (*got == 0) return {};
       read_on += *got;
     }
-    return fail(file().string(), "holds far more than the voxels its header speaks of; export it again");
+    return fail(file().string(), "holds far more than the voxels of its header; export it again");
   }
 
  protected:

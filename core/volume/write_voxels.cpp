@@ -31,7 +31,7 @@ Result<void> in_pieces(const VoxelData& data, Progress* progress, const Write& w
     write(all.subspan(at, std::min(piece, all.size() - at)));
     if (progress == nullptr) continue;
     progress->report(static_cast<double>(at) / static_cast<double>(all.size()));
-    if (progress->cancelled()) return fail("", "was not written, since that was cancelled");
+    if (progress->cancelled()) return fail("", "was not written: cancelled");
   }
   return {};
 }

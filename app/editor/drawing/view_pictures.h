@@ -12,8 +12,8 @@
 
 namespace homolog {
 
-/// The pictures of the four views, drawn again only when what they show changed. What a drag leaves as it is (the image
-/// of a slice) is kept apart: rendering in software samples a volume slowly.
+/// The pictures of the four views, drawn again only when what they show changed. The parts that a drag does not change
+/// (the image of a slice) are kept apart, because rendering in software samples a volume slowly.
 class ViewPictures {
  public:
   static Result<ViewPictures> make();

@@ -53,10 +53,10 @@ void draw_history_menu(const UiContext& ui, Outbox& out) {
     ImGui::PopID();
   };
   for (int k = on; k > 0; --k)
-    item("Redo: " + redo[static_cast<std::size_t>(k) - 1], k, "Does this again, and what came before it");
+    item("Redo: " + redo[static_cast<std::size_t>(k) - 1], k, "Does this step again, and all before it");
   if (on > 0 && back > 0) menu_line();
   for (int k = 1; k <= back; ++k)
-    item("Undo: " + undo[static_cast<std::size_t>(k) - 1], -k, "Takes this back, and what came after it");
+    item("Undo: " + undo[static_cast<std::size_t>(k) - 1], -k, "Takes back this step, and all after it");
   end_menu(ui.theme);
 }
 
@@ -126,11 +126,12 @@ void draw_tool_strip(const UiContext& ui, Outbox& out) {
       {MouseTool::pull, icon::pull, "Pull (P): drag the outline; the surface follows along its normal"},
       {MouseTool::grab, icon::grab, "Grab (G): drag a feature with its vertices"},
       {MouseTool::slide, icon::slide, "Slide (S): move vertices along the surface; the surface stays"},
-      {MouseTool::relax, icon::relax, "Relax (R): paint the template's shape back"},
+      {MouseTool::relax, icon::relax, "Relax (R): paint to bring back the template's shape"},
       {MouseTool::place, icon::place, "Place (M): move, turn (ring) and scale (knob) the template"},
-      {MouseTool::landmark, icon::landmark, "Landmark (L): click where the named landmark is in the image"},
-      {MouseTool::stiffness, icon::stiffness, "Stiffness brush (B): paint how stiff the surface is; Alt paints 1"},
-      {MouseTool::confirm, icon::confirm, "Confirm (C): hold what you paint where it is; Alt frees it"},
+      {MouseTool::landmark, icon::landmark, "Landmark (L): click the place of the landmark in the image"},
+      {MouseTool::stiffness, icon::stiffness,
+       "Stiffness brush (B): paint how stiff the surface is. Alt paints the factor 1"},
+      {MouseTool::confirm, icon::confirm, "Confirm (C): later edits do not move what you paint. Alt frees it"},
       {MouseTool::ruler, icon::ruler, "Ruler (D): drag to measure a distance in mm"},
   }};
   const Theme& theme = ui.theme;

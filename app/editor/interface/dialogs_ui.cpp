@@ -66,7 +66,7 @@ void draw_keys(const UiContext& ui, Outbox& out) {
                                               {"Shift+mouse", "cross-hair"},
                                               {"Double-click", "one view, or all four"},
                                               {"Left-drag beside the mesh", "turns the 3D view"},
-                                              {"Alt while painting", "paints away"}}};
+                                              {"Alt while painting", "erases"}}};
   const Theme& theme = ui.theme;
   std::vector<Row> rows(mouse_rows.begin(), mouse_rows.end());
   for (const KeyRow& row : key_rows(ui.state.models.shown)) rows.push_back({row.keys, row.does});
@@ -100,11 +100,12 @@ void draw_keys(const UiContext& ui, Outbox& out) {
 
 void draw_series(const UiContext& ui, const SeriesDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
-  if (!begin_dialog(ui, "This folder holds several series", 560, 0)) close_dialog(out);
+  if (!begin_dialog(ui, "This folder contains several series", 560, 0)) close_dialog(out);
   explanation(theme, "Choose the one to open.");
   for (const SeriesInfo& series : dialog.series) {
     const std::string name = series.description.empty() ? series.uid : series.description;
-    const std::string label = format("%s  %s  (%d files)", series.modality.c_str(), name.c_str(), series.files);
+    const std::string label = format("%s  %s  (%d %s)", series.modality.c_str(), name.c_str(), series.files,
+                                     series.files == 1 ? "file" : "files");
     const Part part(series.uid, "series");
     if (button(theme, label, series.uid, {}, ImGui::GetContentRegionAvail().x)) {
       OpenRequest request = dialog.request;
@@ -119,25 +120,25 @@ void draw_series(const UiContext& ui, const SeriesDialog& dialog, Outbox& out) {
 void draw_flip(const UiContext& ui, const FlipDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "Are the mesh's coordinates RAS?", 520, 0)) close_dialog(out);
-  explanation(theme, "Taken as LPS, " + dialog.name +
-                         " lies beside the image. Taken as RAS (left-right and front-back exchanged), it lies in the "
-                         "image. For now it is in the middle of the image.");
+  explanation(theme, "If its coordinates are LPS, " + dialog.name +
+                         " lies outside the image. If they are RAS (left-right and front-back exchanged), it lies in "
+                         "the image. Until you choose, it is in the middle of the image.");
   gap(theme, 4);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
-  if (button(theme, "Flip RAS to LPS", "Places it where its coordinates say, with x and y negated", {}, half, true)) {
+  if (button(theme, "Flip RAS to LPS", "Exchanges left-right and front-back (negates x and y)", {}, half, true)) {
     out.apply(SetPlacement{dialog.placement});
     out.send(LookAt{dialog.bounds_mm.center()});
     close_dialog(out);
   }
   ImGui::SameLine();
-  if (button(theme, "Leave it in the middle", "It can be placed by hand", {}, half)) close_dialog(out);
+  if (button(theme, "Leave it in the middle", "Then place it by hand", {}, half)) close_dialog(out);
   end_dialog();
 }
 
 void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "Cases that were not saved", 560, 0)) close_dialog(out);
-  explanation(theme, "The program ended before these were saved. Nothing but a gesture in progress was lost.");
+  explanation(theme, "The program ended before these cases were saved. Every finished edit is kept.");
   for (const auto& found : dialog.found) {
     const Part part(found.journal.string(), "unsaved case");
     const float buttons = ImGui::GetWindowWidth() - theme.px(200), top = ImGui::GetCursorPosY();
@@ -159,7 +160,7 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
         close_dialog(out);
       }
       ImGui::SameLine(0, theme.px(4));
-      if (button(theme, "Discard…", "Delete it, after a question", {}, theme.px(82))) ask_for(found.journal);
+      if (button(theme, "Discard…", "Asks first, then deletes the case", {}, theme.px(82))) ask_for(found.journal);
     }
     gap(theme, 0);
   }
@@ -172,10 +173,10 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
 void draw_replace(const UiContext& ui, const ReplaceDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "Replace the file?", 520, 0)) close_dialog(out);
-  explanation(theme, dialog.path.string() + " is there already.");
+  explanation(theme, dialog.path.string() + " exists already.");
   gap(theme, 4);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
-  if (button(theme, "Replace it", "What it holds now is lost", {}, half)) out.send(AcceptReplacement{});
+  if (button(theme, "Replace it", "Its content now is lost", {}, half)) out.send(AcceptReplacement{});
   ImGui::SameLine();
   if (button(theme, "Choose another name", "Back to the files", {}, half, true)) out.send(ChooseOtherName{});
   end_dialog();
@@ -185,14 +186,15 @@ void draw_quit(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "This case was not saved", 520, 0)) close_dialog(out);
   const bool kept = !ui.snapshot.file.empty();
-  explanation(theme, kept ? "It is kept, and offered again at the next start."
-                          : "It could not be kept on the disk: save it in a folder you may write to, or it is lost.");
+  explanation(theme,
+              kept ? "It is kept, and offered again at the next start."
+                   : "It could not be written to the disk. Save it in a folder that you may write to, or it is lost.");
   gap(theme, 4);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   if (button(theme, "Save as…", "Choose a name", {}, half, true)) out.send(SaveCase{true});
   ImGui::SameLine();
-  if (button(theme, kept ? "Quit" : "Lose it and quit", kept ? "Nothing is lost" : "The work is not on the disk", {},
-             half))
+  if (button(theme, kept ? "Quit" : "Lose it and quit", kept ? "Nothing is lost" : "Every edit of this case is lost",
+             {}, half))
     out.send(Quit{true});
   end_dialog();
 }
@@ -206,7 +208,7 @@ void draw_quit_without_study(const UiContext& ui, const std::filesystem::path& s
   if (button(theme, "Save study as…", "Choose a name", {}, half, true))
     out.send(ShowFileDialog{FilePurpose::save_study, study.filename().string()});
   ImGui::SameLine();
-  if (button(theme, "Quit without it", "What no other file of the study holds is lost", {}, half))
+  if (button(theme, "Quit without it", "Changes to the list of cases, states, groups and notes are lost", {}, half))
     out.send(Quit{true, true});
   end_dialog();
 }
@@ -214,7 +216,7 @@ void draw_quit_without_study(const UiContext& ui, const std::filesystem::path& s
 void draw_spacing(const UiContext& ui, const SpacingDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "How large is a voxel?", 440, 0)) close_dialog(out);
-  explanation(theme, "PNG and TIFF files do not say. Distance between columns, rows and slices:");
+  explanation(theme, "PNG and TIFF files do not say it. Type the distance between columns, rows and slices:");
   Vec3 spacing = dialog.spacing_mm;
   const float width = (ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3;
   bool released = false, changed = false;

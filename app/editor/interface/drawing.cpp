@@ -246,13 +246,12 @@ std::vector<RunningWork> Drawing::running_work() const {
       running.push_back({kind, verb + std::filesystem::path(job->subject).filename().string(), tip, std::move(cancel),
                          job->fraction});
   };
-  show("opening", "Opening ", work_.opener.running(), CancelOpening{}, "What is open stays as it is");
-  show("reading", "Reading ", work_.imports.running(), CancelReading{}, "The case stays as it is");
+  show("opening", "Opening ", work_.opener.running(), CancelOpening{}, "Stops. The open case stays as it is");
+  show("reading", "Reading ", work_.imports.running(), CancelReading{}, "Stops. The case stays as it is");
   if (const auto job = work_.models.files_running(); job && job->seconds > shown_after_seconds)
     running.push_back(study_work(*job));
   if (const auto file = work_.exports.running())
-    show("writing", "Writing ", file, CancelWriting{file->subject},
-         "Nothing is written, and what the file held before stays");
+    show("writing", "Writing ", file, CancelWriting{file->subject}, "Stops. The file stays as it was before");
   return running;
 }
 

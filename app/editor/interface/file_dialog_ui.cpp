@@ -89,7 +89,7 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
   if (!browser.error.empty()) return explanation(theme, browser.error);
   if (visible.empty())
     return explanation(theme, browser.entries.empty()
-                                  ? "Nothing of the right kind is here" + endings_of(browser.kind) + "."
+                                  ? "No file of the right kind is here" + endings_of(browser.kind) + "."
                                   : "No match.");
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(visible.size()), theme.px(26));
@@ -181,8 +181,9 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   ImGui::SameLine(0, theme.px(8));
   if (several) {
     const auto files = visible_files(browser);
-    if (button(theme, format("Add all %zu", files.size()), "Adds all files in the list. Type a name to list fewer",
-               files.empty() ? "There is no shape in the list." : "", theme.px(124))) {
+    if (button(theme, format("Add all %zu", files.size()),
+               "Adds all files in the list. Type part of a name to list fewer",
+               files.empty() ? "The list holds no shape." : "", theme.px(124))) {
       out.send(AddCases{files});
       out.send(CloseDialog{});
     }

@@ -97,7 +97,7 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   }
   if (!shown.empty() && x + text_size(theme.body, shown).x <= buttons) text_at(draw, {x, text_y}, palette::dim, shown);
   draw_side_buttons<LookFromSideInGallery>(ui, rect.width - 8 * theme.px(24), theme.px(2), theme.px(24),
-                                           ", as the first shape lies", out);
+                                           ". The first shape sets the directions", out);
   ImGui::SetCursorPos({rect.width - theme.px(28), theme.px(2)});
   if (icon_button(theme, icon::enlarge, "fit", "All shapes in view (F)", {}, false, 24)) out.send(ShowAllShapes{});
 }
@@ -129,7 +129,7 @@ void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   if (at)
     text = place_text(model, *at);
   else if (state.pinned)
-    text = format("Vertex %td is marked (Escape)", *state.pinned);
+    text = format("Vertex %td is marked (Escape unmarks it)", *state.pinned);
   const float x = rect.x + theme.px(44 + 12) + slider_width, room = rect.x + rect.width - theme.px(12) - x;
   ImGui::PushFont(theme.small);
   text_at(draw, {x, std::floor(rect.y + theme.px(44) - theme.small->FontSize / 2)}, palette::dim,
@@ -198,10 +198,10 @@ void draw_start(const UiContext& ui, const RectPx& room, Outbox& out) {
     explanation(theme, "Making the model…");
     progress_bar(theme, state.modelling_fraction);
   } else if (!state.study.cases.empty()) {
-    explanation(theme, state.model_error.empty() ? "No shape yet." : state.model_error);
+    explanation(theme, state.model_error.empty() ? "No case of the study has a shape yet." : state.model_error);
   } else {
-    explanation(theme,
-                "A model is made of shapes in correspondence: meshes of one template, from this editor or elsewhere.");
+    explanation(
+        theme, "A model is made of shapes in correspondence: meshes of one template, from Homolog or another program.");
     gap(theme, 4);
     if (button(theme, std::string(icon::plus) + "  Add meshes\xe2\x80\xa6",
                "Cases, or meshes: " + listed(shape_extensions(), " or "), {}, ImGui::GetContentRegionAvail().x, true))

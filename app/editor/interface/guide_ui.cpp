@@ -8,10 +8,10 @@ namespace {
 
 constexpr std::array<const char*, 5> texts{
     "In the coronal view, drag the upper end of the outline to the edge of the kidney, along the arrow.",
-    "Now the lower end. The wheel, turned while you drag, makes the pull wider or narrower.",
+    "Now drag the lower end. Turn the wheel while you drag to make the pull wider or narrower.",
     "In the axial view, drag the outer side to the edge. The shape between your pulls follows smoothly.",
-    "In the sagittal view, drag the front to the edge. Ctrl+Z takes back what went wrong.",
-    "At last the back. Between the drags, the wheel goes through the slices."};
+    "In the sagittal view, drag the front to the edge. Ctrl+Z undoes a wrong drag.",
+    "Now drag the back. Between drags, the wheel goes through the slices."};
 
 }  // namespace
 
@@ -24,10 +24,9 @@ void draw_guide(const UiContext& ui, float& bottom_px, Outbox& out) {
   const float width = card_width(ui) - theme.px(24), third = (width - 2 * theme.px(8)) / 3;
   caption(theme, all_done ? "First steps: done"
                           : format("First steps: pull %zu of %zu", guide.at + 1, guide.steps.size()).c_str());
-  text_lines(all_done
-                 ? "The outline lies near the kidney everywhere. Press N: the image draws the rest to its edge. Then "
-                   "save the case (Ctrl+S), or open a scan of your own (Ctrl+O)."
-                 : texts[std::min(guide.at, texts.size() - 1)],
+  text_lines(all_done ? "The outline lies near the kidney everywhere. Press N to snap the rest to the edge. Then "
+                        "save the case (Ctrl+S), or open a scan of your own (Ctrl+O)."
+                      : texts[std::min(guide.at, texts.size() - 1)],
              palette::text, width);
   gap(theme, 4);
   if (button(theme, "Back", "The pull before", guide.at == 0 ? "This is the first pull." : "", third))

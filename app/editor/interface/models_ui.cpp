@@ -39,13 +39,13 @@ void draw_models_status(const UiContext& ui) {
   const RectPx& bar = ui.layout.status_line;
   const float y = begin_status_line(ui);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  std::string left = "Add meshes in correspondence, or open a study.";
+  std::string left = "Add meshes of one template, or open a study.";
   if (state.modelling)
     left = format("Making the model: %.0f %%", 100 * state.modelling_fraction);
   else if (!state.model_error.empty())
     left = state.model_error;
   else if (state.model)
-    left = "Drag turns all shapes, right-drag moves, the wheel zooms. Click marks a vertex, double-click looks at it.";
+    left = "Drag: turn all shapes. Right-drag: move. Wheel: zoom. Click: mark a vertex. Double-click: look at it.";
   text_at(draw, {bar.x + theme.px(12), y}, palette::dim, shortened(left, bar.width - theme.px(120)));
   const std::string right = ui.frames_per_second > 0 ? format("%.0f fps", ui.frames_per_second) : "";
   text_at(draw, {bar.x + bar.width - theme.px(12) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right);

@@ -93,7 +93,7 @@ RunningWork study_work(const RunningJob& job) {
           verb.starts_with("Reading") ? "The study on the screen stays as it is" : "The shape stays as it is",
           CancelStudyFile{job.subject},
           job.fraction,
-          writes ? "A study's file is written whole." : ""};
+          writes ? "Writing a study cannot be stopped. It ends soon." : ""};
 }
 
 void draw_notices(const UiContext& ui, Outbox& out) {

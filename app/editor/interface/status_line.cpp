@@ -67,7 +67,7 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   }
   text_at(draw, at, palette::dim, right);
   ImGui::SetCursorScreenPos(at);
-  area(theme, "timings", {std::max(size.x, 1.0f), size.y}, "Time to compute the last edit · pictures drawn a second");
+  area(theme, "timings", {std::max(size.x, 1.0f), size.y}, "Time to compute the last edit · pictures drawn per second");
   end_status_line();
 }
 

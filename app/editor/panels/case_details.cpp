@@ -32,7 +32,7 @@ void draw_text_field(const UiContext& ui, const StudyCase& one, const char* fiel
 void draw_flip(const UiContext& ui, const StudyCase& one, Outbox& out) {
   if (!offers_flip(ui.state.models, one)) return;
   bool flipped = one.flipped;
-  if (toggle(ui.theme, "Flipped left for right", flipped, "Only in this study. The file is not changed"))
+  if (toggle(ui.theme, "Flipped (left and right)", flipped, "Only in this study. The file is not changed"))
     out.send(FlipCases{{one.name}});
 }
 
@@ -89,10 +89,11 @@ void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
   const float width = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   if (is_case_file(one.file)
           ? button(theme, std::string(icon::open) + "  Open", "Open the case in the editor (Enter)", {}, width)
-          : button(theme, std::string(icon::open) + "  Repair",
-                   "Makes a case from the mesh, beside the study, and opens it (Enter). The mesh's own file is not "
-                   "changed",
-                   {}, width))
+          : button(
+                theme, std::string(icon::open) + "  Repair",
+                "Makes a case from the mesh and opens it (Enter). The case file lies beside the study. The mesh file "
+                "is not changed",
+                {}, width))
     out.send(OpenCaseOfStudy{one.name, {}});
   ImGui::SameLine(0, theme.px(8));
   if (button(theme, std::string(icon::trash) + "  Remove", "Removes the case from the study. Its file stays", {},

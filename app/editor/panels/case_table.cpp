@@ -42,9 +42,10 @@ void draw_study_menu(const UiContext& ui, Outbox& out) {
   if (!state.study_file.empty()) {
     if (menu_item(theme, "Save study as\xe2\x80\xa6", "Ctrl+S"))
       ask(FilePurpose::save_study, state.study_file.filename().string());
-    const std::string now = state.study.template_file.empty() ? "" : ". Now " + state.study.template_file.string();
+    const std::string now =
+        state.study.template_file.empty() ? "" : ". Chosen now: " + state.study.template_file.string();
     if (menu_item(theme, "Set the template\xe2\x80\xa6", nullptr,
-                  "A mesh with the numbering of the shapes. .particles files get their faces from it" + now))
+                  "Choose a mesh with the numbering of the shapes. It gives .particles files their faces" + now))
       ask(FilePurpose::open_study_template);
   }
   if (!state.shapes.empty()) {
@@ -91,18 +92,18 @@ void draw_worklist(const UiContext& ui, Outbox& out) {
   if (state.listing) {
     text_line(shortened(state.listing_what, ImGui::GetContentRegionAvail().x), palette::dim);
     progress_bar(theme, state.listing_fraction);
-    if (button(theme, "Cancel", "What was fitted stays so", {}, ImGui::GetContentRegionAvail().x))
+    if (button(theme, "Cancel", "Stops. Cases that are fitted already stay fitted", {},
+               ImGui::GetContentRegionAvail().x))
       out.send(CancelWorklist{});
     return;
   }
   if (button(theme, std::string(icon::plus) + "  Scans\xe2\x80\xa6",
-             "Add a folder of scans or label maps. Each becomes a case that waits. Or drop the folder on the window",
-             {}, width))
+             "Adds a folder of scans or label maps (or drop it on the window). Each becomes a waiting case", {}, width))
     out.send(ShowFileDialog{FilePurpose::add_scans, {}});
   ImGui::SameLine(0, theme.px(8));
   const std::size_t waiting = waiting_cases(state);
   if (button(theme, waiting == 0 ? std::string("Fit waiting") : format("Fit waiting (%zu)", waiting),
-             "Fits every case that waits to its label map. Those in doubt are listed first",
+             "Fits every waiting case to its label map. Then the list shows cases in doubt first",
              waiting == 0 ? "No case with a label map waits." : "", width))
     out.send(FitWaiting{});
 }
@@ -150,7 +151,7 @@ ImU32 distance_colour(const StudyModel& model, std::ptrdiff_t shape) {
 
 std::string row_tip(const StudyCase& one, bool left_out) {
   std::string tip = one.file.string();
-  if (left_out) tip += one.waits() ? "\nWaits, and is not in the model yet." : "\nNot in the model.";
+  if (left_out) tip += one.waits() ? "\nWaits to be fitted, so it is not in the model yet." : "\nNot in the model.";
   if (!one.doubt.empty()) tip += "\n" + one.doubt;
   if (!one.notes.empty()) tip += "\n" + one.notes;
   return tip + (is_case_file(one.file) ? "\nDouble-click opens it." : "\nDouble-click opens it for repair.");
@@ -221,7 +222,7 @@ void draw_mirrored(const UiContext& ui, Outbox& out) {
                                   : format("%zu shapes are mirror images of the others: ", mirrored.size()) +
                                         shortened(names, 3 * ImGui::GetContentRegionAvail().x) + ".",
              palette::amber);
-  if (button(theme, mirrored.size() == 1 ? "Flip it left for right" : "Flip them left for right",
+  if (button(theme, mirrored.size() == 1 ? "Flip it (left and right)" : "Flip them (left and right)",
              "Only in this study. The files are not changed", {}, ImGui::GetContentRegionAvail().x))
     out.send(FlipCases{mirrored});
   gap(theme, 4);

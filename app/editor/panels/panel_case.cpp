@@ -35,22 +35,23 @@ void draw_window_presets(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto& volume = ui.document().volume;
   const bool ct = volume && (volume->modality == "CT" || volume->range_min < -500);
-  const std::string refusal = !volume ? ui.needs_volume() : ct ? "" : "For CT images, whose values are in HU.";
+  const std::string refusal = !volume ? ui.needs_volume() : ct ? "" : "Only for CT images: their values are in HU.";
   const float width = (ImGui::GetContentRegionAvail().x - 3 * theme.px(4)) / 4;
   for (const WindowPreset& preset : ct_presets) {
     if (button(theme, preset.label, preset.tip, refusal, width))
       out.send(SetWindow{preset.centre - preset.width / 2, preset.centre + preset.width / 2});
     ImGui::SameLine(0, theme.px(4));
   }
-  if (button(theme, "Auto", "The file's own window, else the range without its 0.1 % tails", ui.needs_volume(),
-             width)) {
+  if (button(theme, "Auto",
+             "The window that the file asks for. Else soft tissue for a CT, and tissue without background for an MR",
+             ui.needs_volume(), width)) {
     const auto [low, high] = default_window(*volume);
     out.send(SetWindow{low, high});
   }
   const double centre = (ui.state.window_low + ui.state.window_high) / 2;
   const double window_width = ui.state.window_high - ui.state.window_low;
   figure(theme, "Window", format("%.4g \xc2\xb1 %.4g", centre, window_width / 2),
-         "Centre and half width of the grey range; right-drag in a slice changes it");
+         "Centre and half width of the grey values shown. A right-drag in a slice changes them");
 }
 
 }  // namespace
@@ -84,10 +85,10 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   if (toggle(theme, "Smooth voxels", linear, "Interpolates between voxels. Off shows the voxels as they are"))
     out.send(InterpolateImage{linear});
   bool radiological = ui.state.preferences.radiological;
-  if (toggle(theme, "Radiological", radiological, "The patient's right on the left of the screen"))
+  if (toggle(theme, "Radiological", radiological, "Shows the patient's right side on the left of the screen"))
     out.send(ShowRadiological{radiological});
   bool own = ui.state.own_planes;
-  if (toggle(theme, "The image's own planes", own, "Slices as they were acquired, instead of the patient's axes",
+  if (toggle(theme, "The image's own planes", own, "Slices lie as they were acquired, not along the patient's axes",
              is_oblique(document.volume->geometry) ? "" : "The image was acquired along the patient's axes already."))
     out.send(ShowOwnPlanes{own});
   bool linked = ui.state.preferences.linked_zoom;

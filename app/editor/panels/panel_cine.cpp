@@ -145,11 +145,11 @@ void draw_curve(const Theme& theme, const CurveField& field, const VolumeCurve& 
 std::string frame_in_words(const VolumeCurve& curve, int frame) {
   const auto there = curve.frames.find(frame);
   std::string words = format("Frame %d", frame);
-  if (there == curve.frames.end()) return words + ": no mesh yet. A click shows it";
+  if (there == curve.frames.end()) return words + ": no mesh yet. Click to show it";
   words += format(": %.1f ml", there->second.volume_ml);
   if (there->second.known) words += ", made by hand";
   if (!there->second.doubt.empty()) words += ". It " + there->second.doubt;
-  return words + ". A click shows it";
+  return words + ". Click to show it";
 }
 
 void draw_volumes(const UiContext& ui, const VolumeCurve& curve, Outbox& out) {
@@ -191,7 +191,7 @@ void draw_doubts(const UiContext& ui, const VolumeCurve& curve, Outbox& out) {
   for (const auto& [frame, one] : curve.frames)
     if (!one.doubt.empty()) doubtful.push_back(frame);
   figure(theme, "In doubt", doubtful.empty() ? "no frame" : format("%zu of %zu", doubtful.size(), curve.frames.size()),
-         "Frames to look at. They do not count for the ejection fraction",
+         "Frames that a person must check. They do not count for the ejection fraction",
          doubtful.empty() ? palette::text : palette::amber);
   const int shown = shown_frame(ui.state, ui.document());
   const auto here = curve.frames.find(shown);
@@ -213,9 +213,9 @@ void draw_ejection(const UiContext& ui, const VolumeCurve& curve) {
   const auto volume = [&](int frame) { return curve.frames.at(frame).volume_ml; };
   const Ejection& ejection = *curve.ejection;
   figure(theme, "End diastole", format("%.1f ml, frame %d", volume(ejection.end_diastole), ejection.end_diastole),
-         "ED: the largest volume of the frames that are in no doubt");
+         "ED: the largest volume among the frames that are not in doubt");
   figure(theme, "End systole", format("%.1f ml, frame %d", volume(ejection.end_systole), ejection.end_systole),
-         "ES: the smallest volume of the frames that are in no doubt");
+         "ES: the smallest volume among the frames that are not in doubt");
   figure(theme, "Ejection fraction", format("%.1f %%", 100 * ejection.fraction),
          "(largest volume \xe2\x88\x92 smallest volume) / largest volume");
 }

@@ -63,24 +63,24 @@ void draw_colouring_legend(const UiContext& ui) {
 void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!ui.has_shape()) {
-    explanation(theme, "This section shows, also while you drag, whether the mesh keeps its correspondence.");
+    explanation(theme,
+                "Load a template first (Template). Then this section shows whether the mesh keeps its correspondence.");
     return;
   }
   std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Parts", "Shape", "Known"};
-  std::vector<std::string> tips{
-      "Each vertex in its own hue, the same in all cases",
-      "Edges: blue shorter than on the template, red longer",
-      "How far each vertex has moved since the template was placed (and warped)",
-      "Stiffness factor: dark soft, bright stiff; confirmed vertices white",
-      "Regions of the template in their colours",
-      "Shape of the triangles: red thin or turned",
-      "What is confirmed, what a stroke, a fit or a snap has decided, and what is not known yet"};
+  std::vector<std::string> tips{"Each vertex in its own hue, the same in all cases",
+                                "Edge length: blue is shorter than on the template, red is longer",
+                                "How far each vertex has moved since placement and warp",
+                                "Stiffness factor: dark is soft, bright is stiff. Confirmed vertices are white",
+                                "Regions of the template in their colours",
+                                "Shape of the triangles: red is thin or turned over",
+                                "Which vertices are known: confirmed, or moved there by a stroke, a fit or a snap"};
   const Colouring shown = shown_colouring(ui.state);
   if (ui.state.confidence) {
     names.emplace_back("Edges");
     tips.emplace_back(
-        "Confidence of the last snap: how clear the image's edge is at each vertex, not how right the mesh "
-        "is. Confirmed vertices white");
+        "Confidence of the last snap: how clear the image edge is at each vertex. It does not say that the "
+        "mesh is right. Confirmed vertices are white");
   }
   const bool brush = ui.state.tool == MouseTool::confirm || ui.state.tool == MouseTool::stiffness;
   int colouring = static_cast<int>(shown);
@@ -99,7 +99,7 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   const QualityFigures& q = *ui.quality.latest();
   figure(theme, "Volume", format("%.2f ml", q.volume_ml), "Volume inside the mesh. Openings count as closed flat");
   figure(theme, "Edge stretch", format("%.2f to %.2f, median %.2f", q.stretch_low, q.stretch_high, q.stretch_median),
-         "Length of the edges as a multiple of the placed template's; 90 % of the edges lie between the first two "
+         "Edge length divided by that of the placed template. 90 % of the edges lie between the first two "
          "numbers");
   figure(theme, "Edges", format("%.2f mm \xc2\xb1 %.0f %%", q.edge_mean_mm, 100 * q.edge_cv),
          "Mean edge length and its standard deviation");
@@ -109,18 +109,17 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
                           ImU32 bad) {
     if (!any)
       figure(theme, label, value, tip, palette::good);
-    else if (figure_link(theme, label, value, std::string(tip) + ". A click goes to the next of them", bad))
+    else if (figure_link(theme, label, value, std::string(tip) + ". Click to go to the next one", bad))
       out.send(ShowFinding{kind});
   };
   faults("Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg),
-         "Of all triangles; below 10\xc2\xb0 they count as thin", FindingKind::thin, q.min_angle_deg < thin_below_deg,
-         palette::amber);
+         "Smallest angle of all triangles. Below 10\xc2\xb0 a triangle counts as thin", FindingKind::thin,
+         q.min_angle_deg < thin_below_deg, palette::amber);
   figure(theme, "Moved", format("%.1f mm, at most %.1f mm", q.moved_mean_mm, q.moved_max_mm),
-         "Mean and largest distance of a vertex from where the placement (with its warp) put it");
-  faults(
-      "Turned triangles", format("%zu", q.turned),
-      "Triangles whose normal is more than 90\xc2\xb0 from the template's, turned along with the surface around them",
-      FindingKind::turned, q.turned > 0, palette::bad);
+         "How far vertices have moved since placement and warp: the mean, and the largest");
+  faults("Turned triangles", format("%zu", q.turned),
+         "Triangles that are turned over: the normal is more than 90\xc2\xb0 from where the template has it",
+         FindingKind::turned, q.turned > 0, palette::bad);
   faults("Intersecting pairs", format("%zu%s", q.intersecting, q.all_intersecting ? "" : "+"),
          "Pairs of triangles that pass through each other", FindingKind::intersecting, q.intersecting > 0,
          palette::bad);

@@ -21,10 +21,10 @@ void draw_sigma(const UiContext& ui, Outbox& out) {
     out.send(ChooseSigma{static_cast<std::size_t>(chosen)});
   double sigma_mm = ui.state.sigma_mm();
   bool released = false;
-  if (slider(
-          theme, "Width \xcf\x83", sigma_mm, {smallest_sigma_mm, 100, "%.1f", "mm", true},
-          "How wide a stroke is. Changes the preset above; the wheel changes it during a drag and leaves the presets",
-          released, ui.needs_shape()))
+  if (slider(theme, "Width \xcf\x83", sigma_mm, {smallest_sigma_mm, 100, "%.1f", "mm", true},
+             "How wide a stroke is. This slider changes the preset above. During a drag the wheel changes the width, "
+             "but no preset",
+             released, ui.needs_shape()))
     out.send(SetSigma{sigma_mm});
 }
 
@@ -62,8 +62,8 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
   bool released = false, changed = false;
   int paints = static_cast<int>(brush.paints);
   if (choice(theme, "paints", {"Factor", "Region", "Smooth", "Fill"}, paints,
-             {"Paints a stiffness factor", "Paints a region, with its factor. Alt takes away", "Smooths the stiffness",
-              "Fills all that is connected with the place under the pointer. Alt empties it"})) {
+             {"Paints a stiffness factor", "Paints a region, with its factor. Alt erases", "Smooths the stiffness",
+              "Fills the connected part under the pointer. Alt takes it out of its region"})) {
     brush.paints = static_cast<BrushPaints>(paints);
     changed = true;
   }
@@ -75,13 +75,13 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
   if (brush.paints == BrushPaints::factor || brush.paints == BrushPaints::region) {
     double soft = 100 * brush.soft;
     changed |= slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false},
-                      "Part of the radius over which the brush fades out", released);
+                      "The outer part of the radius, where the brush fades out", released);
     brush.soft = soft / 100;
   }
   if (brush.paints == BrushPaints::fill) {
     int by = static_cast<int>(brush.fill_by);
     if (choice(theme, "fill by", {"Region", "Curvature"}, by,
-               {"All that is connected and in the same region", "The same, but only where the surface bends alike"})) {
+               {"Everything connected in the same region", "The same, but only where the surface is curved alike"})) {
       brush.fill_by = static_cast<FillRegion::By>(by);
       changed = true;
     }
@@ -103,7 +103,7 @@ void draw_brush(const UiContext& ui, Outbox& out) {
   } else {
     int frees = brush.hold ? 0 : 1;
     changed |= choice(theme, "confirm", {"Hold", "Free"}, frees,
-                      {"Later edits leave what you paint where it is", "What you paint can move again"});
+                      {"Later edits do not move what you paint", "Later edits move what you paint again"});
     brush.hold = frees == 0;
   }
   if (changed) out.send(SetBrush{brush});
@@ -115,12 +115,12 @@ void draw_scheme(const UiContext& ui, Outbox& out) {
   int scheme = static_cast<int>(document.scheme);
   if (choice(theme, "scheme", {"Anchored", "Paper", "Raw"}, scheme,
              {"An edit never takes back an earlier one. The default",
-              "As the paper reads: every solve pulls the mesh back towards the template",
-              "No optimisation: only the falloff of the stroke moves"}))
+              "The scheme of the paper, word for word: every solve pulls the mesh back towards the template",
+              "No optimisation: vertices move by the falloff of the stroke alone"}))
     out.apply(SetScheme{static_cast<Scheme>(scheme), document.paper_events});
   if (document.scheme == Scheme::paper)
     case_slider(ui, out, "Mouse events", document.paper_events, {1, 100, "%.0f", "", true},
-                "How many mouse events a stroke stands for. Each is a solve", [](double value) {
+                "The number of mouse events in one stroke. The mesh is solved once for each", [](double value) {
                   return SetScheme{Scheme::paper, static_cast<int>(std::lround(value))};
                 });
 }
@@ -136,7 +136,7 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
     double strength = 100 * ui.state.relax_strength;
     bool released = false;
     if (slider(theme, "Strength", strength, {0, 100, "%.0f", "%", false},
-               "How far each dab goes towards the template's shape", released))
+               "How far each dab brings the mesh back towards the template's shape", released))
       out.send(SetRelaxStrength{strength / 100});
   }
   if (tool == MouseTool::stiffness || tool == MouseTool::confirm) draw_brush(ui, out);
@@ -144,13 +144,13 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   const Document& document = ui.document();
   const Document& committed = *ui.snapshot.document;
   case_slider(ui, out, "Stiffness", committed.stiffness_base, {0.1, 200, "%.1f", "", true},
-              "Stiffness w of the whole surface. The stiffer, the wider an edit spreads",
+              "Stiffness w of the whole surface. A stiffer surface spreads an edit wider",
               [](double value) { return SetStiffnessBase{value}; });
   const double edge_mm = mean_edge_mm(*document.the_template->topology, *document.shape().reference);
   figure(theme, "An edit spreads over", format("%.1f mm", stiffness_length_mm(document.stiffness_base, edge_mm)),
          "The stiffness as a length: mean edge of the mesh \xc3\x97 \xe2\x88\x9a(3w)");
   case_slider(ui, out, "Even spacing", 100 * committed.even_spacing, {0, 100, "%.0f", "%", false},
-              "How strongly an edit keeps vertices evenly spread",
+              "Keeps vertices evenly spread during an edit. They may then slide along the surface",
               [](double value) { return SetEvenSpacing{value / 100}; });
   bool through = ui.state.through_space;
   const bool sheets = document.the_template->topology->components() > 1;

@@ -13,13 +13,13 @@ namespace {
 bool draw_fit_model(const UiContext& ui, FitSettings& settings, Outbox& out) {
   const Theme& theme = ui.theme;
   bool changed = false, released = false;
-  caption(theme, "Shape model to keep to at first");
+  caption(theme, "Shape model for the fit");
   int model = static_cast<int>(settings.model);
   if (choice(theme, "fit model", {"No model", "Study's", "File's"}, model,
-             {"The template alone: any shape is as good as another",
-              "First the shape nearest to the label that the study's other cases allow (Models), then beyond it",
-              "First the shape nearest to the label that a model allows, of Homolog or scalismo (.h5, .h5.json), then "
-              "beyond it"})) {
+             {"Fits the template alone, without a model",
+              "Starts with the shape of the model of the study's other cases that is nearest to the label",
+              "Starts with the shape of a model file that is nearest to the label: .h5 or .h5.json of Homolog, "
+              "scalismo or statismo"})) {
     settings.model = static_cast<FitModel>(model);
     changed = true;
   }
@@ -56,11 +56,11 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
   FitSettings settings = ui.state.fit_settings;
   bool changed = label_choice(ui, settings.label), released = false;
   changed |= slider(theme, "Closing", settings.closing_mm, {0, 10, "%.1f", "mm", false},
-                    "Radius: clefts of the label narrower than twice that are filled before the fit", released);
+                    "Radius. Clefts of the label narrower than twice the radius are filled before the fit", released);
   int start = settings.as_placed ? 1 : 0;
   if (choice(theme, "fit start", {"Find the place", "As placed"}, start,
-             {"The fit finds position, size and rotation by itself, near the patient's axes. Placed landmarks help. It "
-              "never mirrors",
+             {"The fit finds position, size and rotation by itself, near the patient's axes. Placed landmarks help. "
+              "It never mirrors the template",
               "The fit starts where the template is now"})) {
     settings.as_placed = start == 1;
     changed = true;
@@ -86,15 +86,15 @@ std::string fit_refusal(const UiContext& ui) {
   if (auto busy = busy_refusal(ui); !busy.empty()) return busy;
   if (ui.label_values.empty()) return "The label map is empty.";
   if (ui.snapshot.document->shapes.contains(ui.displayed->frame) && ui.committed_shape().confirmed)
-    return "A fit moves every vertex, but some are confirmed. Release them first (C).";
+    return "A fit moves every vertex, but some are confirmed. Free them first (C, then Free).";
   if (auto refusal = model_refusal(ui); !refusal.empty()) return refusal;
   return ui.needs_shape();
 }
 
 void draw_last_fit(const Theme& theme, const Fitted& fitted) {
   figure(theme, "Distance to the label",
-         format("%.2f mm, 95 %% %.2f", fitted.agreement.assd_mm, fitted.agreement.hd95_mm),
-         "Mean distance between the two surfaces, both ways, and the 95th percentile");
+         format("%.2f mm, 95 %%: %.2f mm", fitted.agreement.assd_mm, fitted.agreement.hd95_mm),
+         "Mean distance between mesh and label, both ways, and the 95th percentile");
   figure(theme, "Dice", format("%.3f", fitted.agreement.dice),
          "Overlap with the closed label. 1 means that both are the same",
          fitted.agreement.dice < 0.9 ? palette::amber : palette::text);
@@ -109,14 +109,14 @@ void draw_fit(const UiContext& ui, Outbox& out) {
   gap(theme, 4);
   caption(theme, "Automatic fit");
   if (!ui.labels) {
-    if (button(theme, "Open a label map\xe2\x80\xa6", "Then the template can be fitted to a label automatically", {},
-               width))
+    if (button(theme, "Open a label map\xe2\x80\xa6", "Opens the label map that the template is fitted to", {}, width))
       out.send(ShowFileDialog{FilePurpose::open_labels, {}});
     return;
   }
   if (ui.fitter.busy() && !ui.fitter.refining()) return draw_fitting(ui, "Fitting", out);
   draw_fit_settings(ui, out);
-  if (button(theme, "Fit to the label", "You see the mesh move. One step to undo", fit_refusal(ui), width, true))
+  if (button(theme, "Fit to the label", "You see the mesh move. The fit is one step to undo", fit_refusal(ui), width,
+             true))
     out.send(StartFit{ui.state.fit_settings});
   if (ui.state.last_fit && *ui.state.last_fit->edit.points == *ui.committed_shape().points)
     draw_last_fit(theme, *ui.state.last_fit);
@@ -127,8 +127,9 @@ void draw_refinement(const UiContext& ui, Outbox& out) {
   gap(ui.theme, 4);
   const std::string busy = busy_refusal(ui);
   if (button(ui.theme, "Refine along the surface",
-             "For when the outline is right. Vertices move along the surface to where the template has them, fitted to "
-             "this surface and to the placed landmarks. The surface and confirmed vertices stay. One step to undo",
+             "Use this when the outline is right. The template is fitted to this surface and to the placed landmarks. "
+             "Then vertices move along the surface to their places on the template. The surface and confirmed "
+             "vertices stay. One step to undo",
              busy.empty() ? ui.needs_shape() : busy, ImGui::GetContentRegionAvail().x))
     out.send(RefineLandmarks{});
 }

@@ -11,7 +11,7 @@ std::string help_refusal(const UiContext& ui) {
   const auto& model = ui.state.models.model;
   if (!model) return "Open a study (Tab). The model of its cases then helps with this one.";
   if (model->vertices() != ui.document().the_template->topology->vertices())
-    return "The study's shapes come from another template.";
+    return "The study's shapes come from another template. Open a study of this template.";
   return {};
 }
 
@@ -23,8 +23,8 @@ void draw_model_help(const UiContext& ui, Outbox& out) {
   bool released = false;
   const bool changed =
       slider(theme, "Model help", percent, {0, 100, "%.0f", "%", false},
-             "What is confirmed or was moved stays. The rest goes this far towards what the study's other cases make "
-             "likely: now, and with every pull and grab. Where nothing is known, that is the mean shape",
+             "Moves the rest of the mesh towards what the study's other cases make likely: now, and with every pull "
+             "and grab. Known vertices stay. If none is known, the mesh moves to the mean shape",
              released, help_refusal(ui));
   if (changed || released) out.send(BlendModel{percent / 100, released});
   if (ui.state.model_help <= 0 || !ui.has_shape()) return;

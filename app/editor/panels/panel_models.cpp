@@ -19,7 +19,7 @@ void draw_poses(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3);
-  if (button(theme, "Mean", "Every mode at 0 (the mean shape)", {}, width)) out.send(ShowMean{});
+  if (button(theme, "Mean", "Sets every mode to 0: the mean shape", {}, width)) out.send(ShowMean{});
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Random",
              "A random shape of the model: b ~ N(0, \xce\xbb), every mode within \xc2\xb1"
@@ -29,7 +29,7 @@ void draw_poses(const UiContext& ui, Outbox& out) {
   ImGui::SameLine(0, theme.px(4));
   const bool in_model = state.model->index_of(state.selected) >= 0;
   if (button(theme, "Selected",
-             "The coefficients of the selected case, within \xc2\xb1"
+             "Shows the selected case in the model: its coefficients, limited to \xc2\xb1"
              "3 standard deviations",
              in_model ? "" : "Select a case that is in the model.", width))
     out.send(ShowSelectedShape{});
@@ -59,7 +59,7 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
     bool released = false;
     const std::string label = format("%zu  %.1f %%", k + 1, 100 * variance / total);
     const std::string tip = format(
-        "Mode %zu in standard deviations; one is \xe2\x88\x9a\xce\xbb = %.2f mm over all landmarks. It holds %.1f %% "
+        "Mode %zu in standard deviations; one is \xe2\x88\x9a\xce\xbb = %.2f mm over all vertices. It holds %.1f %% "
         "of "
         "the variance.",
         k + 1, std::sqrt(variance), 100 * variance / total);
@@ -68,7 +68,7 @@ void draw_mode_sliders(const UiContext& ui, Outbox& out) {
   }
   if (count > first_few + 1 &&
       button(theme, state.all_modes ? format("First %zu modes", first_few) : format("All %zu modes", count),
-             "Shows only the modes that hold 95 % of the variance", {}, ImGui::GetContentRegionAvail().x))
+             "Switches between the first five modes and all modes of the model", {}, ImGui::GetContentRegionAvail().x))
     out.send(ShowAllModes{!state.all_modes});
 }
 
@@ -78,9 +78,7 @@ void draw_group_choice(const UiContext& ui, std::size_t which, const std::vector
   const std::string& now = ui.state.models.compared[which];
   const Part part(which == 0 ? "from" : "to");
   if (button(ui.theme, shortened(now, width_px - ui.theme.px(16)),
-             (which == 0 ? "From the mean of this group; click for the next group: "
-                         : "To the mean of this group; click for the next group: ") +
-                 now,
+             (which == 0 ? "First group. Click for the next one: " : "Second group. Click for the next one: ") + now,
              {}, width_px)) {
     const auto found = std::find(groups.begin(), groups.end(), now);
     const auto next = found == groups.end() ? 0 : (found - groups.begin() + 1) % std::ssize(groups);
@@ -93,10 +91,11 @@ void draw_difference(const UiContext& ui, Outbox& out) {
   const ModelsState& state = ui.state.models;
   const auto groups = state.model->comparable_groups();
   bool shown = state.show_difference;
-  if (toggle(theme, "Difference of two groups", shown,
-             "Colours the mean shape by how far the second group's mean lies outwards (red) or inwards (blue) of the "
-             "first's, mm along the normal",
-             groups.size() < 2 ? "Give cases a group: two groups of at least two cases each." : ""))
+  if (toggle(
+          theme, "Difference of two groups", shown,
+          "Colours the mean shape by the distance between the means of two groups, along the normal. Red: the second "
+          "group lies outside the first. Blue: inside",
+          groups.size() < 2 ? "Give the cases groups first. Two groups with at least two cases each are needed." : ""))
     out.send(ShowDifference{shown});
   if (!state.show_difference || groups.size() < 2) return;
   const float half = std::floor((ImGui::GetContentRegionAvail().x - theme.px(8)) / 2);
@@ -144,14 +143,14 @@ void draw_shapeworks_measures(const Theme& theme, const Evaluation& evaluation) 
   };
   static constexpr std::array<Row, 3> rows{
       {{"compactness", "Compactness",
-        "Share of the variance that the modes hold; in brackets, one standard error to both sides"},
+        "Share of the variance that the modes hold. In brackets: one standard error below and above"},
        {"generalization", "Generalisation",
-        "Each shape is rebuilt by a model of the others, neither clamped nor aligned again. Mean Euclidean distance of "
-        "the particles"},
+        "Each shape is left out and rebuilt by a model of the others, without clamping or a new alignment. Mean "
+        "Euclidean distance of the particles"},
        {"specificity", "Specificity",
         "Mean Euclidean distance of the particles to the nearest training shape. ShapeWorks takes the singular values "
         "\xe2\x88\x9a((M\xe2\x88\x92"
-        "1)\xce\xbb) of the centred shapes for the variances of its samples, so compare it with ShapeWorks' alone"}}};
+        "1)\xce\xbb) as variances. So compare this number only with numbers from ShapeWorks"}}};
   for (const Row& row : rows) {
     const Measures* measures = evaluation.find_shapeworks(row.name);
     if (measures == nullptr) continue;
@@ -180,7 +179,8 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
   if (!state.evaluation) {
     const bool enough = state.model && state.model->names.size() >= 3;
     explanation(theme, "Compactness, generalisation and specificity at every number of modes.");
-    if (button(theme, std::string(icon::chart) + "  Measure", "1,000 random shapes for specificity, seed 1",
+    if (button(theme, std::string(icon::chart) + "  Measure",
+               "Measures the model. Specificity takes 1,000 random shapes (seed 1)",
                enough ? "" : "At least three shapes are needed: one is left out each time.", width, true))
       out.send(StartEvaluation{});
     return;
@@ -204,8 +204,8 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
   caption(theme, format("At %d %s, \xc2\xb1 standard error", modes, modes == 1 ? "mode" : "modes").c_str());
   figure(theme, "Generalisation, vertices", mean_mm("generalization"), "Mean Euclidean distance of the vertices, mm");
   figure(theme, "Generalisation, surface", mean_mm("generalization_surface"),
-         "Symmetric mean surface distance, mm. Where it is much smaller than the distance of the vertices, vertices "
-         "slide within the surface");
+         "Symmetric mean surface distance, mm. If it is much smaller than the distance of the vertices, vertices "
+         "slide along the surface");
   figure(theme, "Specificity, vertices", mean_mm("specificity"), "Mean Euclidean distance of the vertices, mm");
   draw_shapeworks_measures(theme, evaluation);
   const float half = std::floor((width - theme.px(8)) / 2);

@@ -112,10 +112,10 @@ void draw_hold(const UiContext& ui, const Landmark& landmark, const Vec3& place,
                   refusal, hold.held, 24))
     out.apply(PlaceLandmark{landmark.name, place, !hold.held});
   ImGui::SameLine(0, 0);
-  if (icon_button(theme, icon::crosshair, "go there", "Looks at where it was placed", {}, false, 24))
+  if (icon_button(theme, icon::crosshair, "go there", "Shows the place of the landmark in all views", {}, false, 24))
     out.send(LookAt{place});
   ImGui::SameLine(0, 0);
-  if (icon_button(theme, icon::close, "remove", "Takes this landmark back", {}, false, 24))
+  if (icon_button(theme, icon::close, "remove", "Removes this landmark from the image", {}, false, 24))
     out.apply(PlaceLandmark{landmark.name, std::nullopt});
 }
 
@@ -135,10 +135,9 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     const float buttons = done ? theme.px(72) : 0.0f;
     const std::string shown = shortened(landmark.name, width - buttons - theme.px(32));
     const std::string tip =
-        done ? "To place it anew, click here, then in a slice" : "Then click where it is in a slice";
-    const auto row =
-        area(theme, "row", {width - buttons, height}, shown == landmark.name ? tip : landmark.name + "\n" + tip,
-             {in_hand});
+        done ? "To place it again, click here, then click in a slice" : "Click here, then click its place in a slice";
+    const auto row = area(theme, "row", {width - buttons, height},
+                          shown == landmark.name ? tip : landmark.name + "\n" + tip, {in_hand});
     if (row.clicked) out.send(ChooseLandmark{landmark.name, std::nullopt});
     ImDrawList& draw = *ImGui::GetWindowDrawList();
     if (in_hand || row.hovered)
@@ -167,14 +166,14 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto& landmarks = ui.document().the_template->landmarks;
   if (landmarks.empty()) {
-    explanation(theme, "This template has no named landmarks; place it with the tool Place (M).");
+    explanation(theme, "This template has no landmarks. Place it with the tool Place (M).");
     return;
   }
   caption(theme,
           format("Landmarks placed: %zu of %zu", ui.document().shape().landmarks.size(), landmarks.size()).c_str());
   if (ui.state.tool == MouseTool::template_landmark)
     explanation(theme,
-                "The template's landmarks are being named (Template). Take the tool Landmark (L) to place them.");
+                "You are naming landmarks of the template (Template). Take the tool Landmark (L) to place them.");
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(8), theme.px(2)});
   if (ui.state.tool != MouseTool::template_landmark) draw_landmark_list(ui, out);
   ImGui::PopStyleVar();
@@ -186,12 +185,12 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
     ask(FilePurpose::open_landmarks, "");
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Export…", "Saves the placed landmarks for 3D Slicer (.mrk.json) or scalismo (.json)",
-             ui.document().shape().landmarks.empty() ? "None is placed yet." : "", half))
+             ui.document().shape().landmarks.empty() ? "No landmark is placed yet." : "", half))
     ask(FilePurpose::export_landmarks, case_name(ui.snapshot.file, ui.document()) + "-landmarks.mrk.json");
   int fit = static_cast<int>(ui.document().landmark_pull);
   if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,
              {"Landmarks do not move the template", "Landmarks move, turn and scale the template",
-              "As Similarity; from the fourth landmark on also a smooth warp"}))
+              "As Similarity. With four landmarks or more, the template is also warped smoothly to them"}))
     out.apply(SetLandmarkPull{static_cast<LandmarkPull>(fit)});
 }
 
@@ -200,7 +199,7 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
 void draw_place_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!ui.has_shape()) {
-    explanation(theme, "Load a template above, then place it on the organ.");
+    explanation(theme, "Load a template first (Template). Then place it on the organ here.");
     return;
   }
   PlacementNumbers(ui, out).draw();

@@ -115,7 +115,7 @@ void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
   CaseNumber factor(ui, "factor of " + region.name, committed_factor(ui, region));
   bool released = false;
   const bool changed = number_field(theme, "factor", factor.value, 0.05, "%.1f", "\xc3\x97", factor_width,
-                                    "Stiffness of the region relative to the base", released);
+                                    "Stiffness factor of the region: stiffness = base × factor", released);
   factor.value = std::clamp(factor.value, 0.01, 1000.0);
   factor.settle(
       changed, released,
@@ -158,8 +158,8 @@ void draw_regions(const UiContext& ui, Outbox& out) {
     out.send(SetBrush{brush});
     out.send(BrushRegion{name});
   }
-  if (button(theme, "Stiffness from a mesh…", "Takes one value per vertex from a PLY with the same vertices", {},
-             width))
+  if (button(theme, "Stiffness from a mesh…",
+             "Takes the stiffness factors, one for each vertex, from a PLY with the same vertices", {}, width))
     out.send(ShowFileDialog{FilePurpose::open_stiffness, {}});
 }
 
@@ -197,7 +197,8 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
     out.send(NameTemplateLandmark{name});
   const bool entered = enter_pressed() && !name.empty();
   ImGui::SameLine(0, theme.px(4));
-  if (button(theme, naming ? "Click…" : "Name", "Then click the point on the mesh, in any view (Enter)",
+  if (button(theme, naming ? "Click…" : "Name",
+             "Click here (or press Enter), then click the point on the mesh in any view",
              name.empty() ? "Type a name first." : "", add_width) ||
       entered)
     out.send(ChooseTool{MouseTool::template_landmark});

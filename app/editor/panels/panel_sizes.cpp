@@ -168,7 +168,7 @@ void draw_agreement(const UiContext& ui, const ObserverComparison& comparison, O
            "Mean distance between the two observers' places, \xc2\xb1 standard deviation");
   }
   if (const std::size_t alone = comparison.only_first.size() + comparison.only_second.size(); alone > 0)
-    explanation(theme, format("%zu %s in one of the studies only.", alone, alone == 1 ? "case is" : "cases are"));
+    explanation(theme, format("%zu %s in only one of the studies.", alone, alone == 1 ? "case is" : "cases are"));
 }
 
 }  // namespace
@@ -191,7 +191,8 @@ void draw_observers_section(const UiContext& ui, Outbox& out) {
   } else {
     explanation(theme, "Two observers of the same cases: Dice, distances of surfaces and landmarks, volumes.");
   }
-  if (button(theme, "Compare with a study\xe2\x80\xa6", "The study of the other observer, its cases named alike",
+  if (button(theme, "Compare with a study\xe2\x80\xa6",
+             "Choose the study of the other observer. Its cases must have the same names",
              state.shapes.empty() ? "This study has no shape yet." : "", width))
     out.send(ShowFileDialog{FilePurpose::open_observer, {}});
 }

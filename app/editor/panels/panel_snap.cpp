@@ -10,16 +10,16 @@ bool draw_learning(const UiContext& ui, SnapSettings& snap) {
   const std::size_t cases = cases_to_learn(ui.state.models.study, ui.snapshot.file).size();
   const bool changed =
       toggle(ui.theme, "Learn from done cases", snap.learn,
-             "Snaps look for the boundary as it looks in the study's done cases (the first eight), vertex by vertex, "
-             "instead of for any edge",
+             "A snap then looks for the boundary as it appears at each vertex in the study's done cases (the first "
+             "eight), not for any edge",
              cases == 0                             ? "Open a study and mark cases as done (Models)."
-             : snap.polarity != Polarity::automatic ? "Choose Auto below first: learning finds the polarity itself."
+             : snap.polarity != Polarity::automatic ? "Choose Auto above first. Learning finds the polarity by itself."
                                                     : "");
   if (!snap.learn || cases == 0) return changed;
   if (ui.study_appearance.busy())
     explanation(ui.theme, format("Learning: %.0f %%", 100 * ui.study_appearance.fraction()));
   else
-    explanation(ui.theme, format("Learned from %d of %zu.", ui.study_appearance.learned().cases, cases));
+    explanation(ui.theme, format("Learned from %d of %zu done cases.", ui.study_appearance.learned().cases, cases));
   return changed;
 }
 
@@ -31,10 +31,10 @@ bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
                     "At 0 % nothing moves. At 100 % the image decides wherever it shows an edge", released);
   snap.strength = strength / 100;
   changed |= slider(theme, "Search", snap.reach_mm, {1, 30, "%.1f", "mm", true},
-                    "How far a snap looks for the boundary, to both sides of the mesh", released);
+                    "How far from the mesh a snap looks for the boundary, on both sides", released);
   int polarity = static_cast<int>(snap.polarity);
   if (choice(theme, "polarity", {"Auto", "Bright", "Dark", "Either"}, polarity,
-             {"Bright or dark, as most edges around the mesh are. In a cine: as in the nearest edited frame",
+             {"Finds by itself whether the organ is brighter or darker. In a cine it takes the nearest edited frame",
               "The organ is brighter than what surrounds it", "The organ is darker than what surrounds it",
               "Any edge, bright or dark inside"})) {
     snap.polarity = static_cast<Polarity>(polarity);
@@ -42,24 +42,26 @@ bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
   }
   changed |= draw_learning(ui, snap);
   changed |= toggle(theme, "Snap while dragging", snap.with_strokes,
-                    "What you pull or grab is snapped as you drag it (Shift+N). One step to undo");
+                    "Snaps the part that you pull or grab while you drag it (Shift+N). Both are one step to undo");
   changed |= toggle(theme, "Show confidence", snap.show_confidence,
-                    "Until the mesh changes, its colours show how clear the edge is that each vertex lies on");
+                    "After a snap, colours show how clear the image edge is at each vertex, until the mesh changes");
   return changed;
 }
 
 void draw_last_snap(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const SnapFound& found = *ui.state.snapped;
-  figure(theme, "Confidence", format("%.0f %%", 100 * found.mean_confidence),
-         "How clear the edges are that the mesh lies on, not how right the mesh is. 100 %: as clear as usual in this "
-         "image",
-         found.doubtful ? palette::amber : palette::good);
+  figure(
+      theme, "Confidence", format("%.0f %%", 100 * found.mean_confidence),
+      "How clear the image edges are on which the mesh lies. It does not say that the mesh is right. 100 %: as clear "
+      "as usual in this image",
+      found.doubtful ? palette::amber : palette::good);
   if (!ui.state.unclear_edges.empty() &&
       figure_link(
-          theme, "No clear edge", format("%zu places", ui.state.unclear_edges.size()),
-          "Where the image showed the snap no clear boundary: look whether the mesh is right there. A click goes to "
-          "the next of them",
+          theme, "No clear edge",
+          format(ui.state.unclear_edges.size() == 1 ? "%zu place" : "%zu places", ui.state.unclear_edges.size()),
+          "Places where the snap saw no clear boundary. Check whether the mesh is right there. Click to go to the "
+          "next one",
           palette::amber))
     out.send(ShowFinding{FindingKind::unclear});
   figure(theme, "Moved", format("%.1f mm in %.2f s", found.moved_mm, found.seconds),
@@ -77,8 +79,9 @@ void draw_snap(const UiContext& ui, Outbox& out) {
   if (ui.snapping) {
     if (button(theme, "Cancel", "The mesh is not changed", {}, width)) out.send(CancelSnap{});
   } else if (button(theme, "Snap the whole mesh",
-                    "Draws the mesh to the boundary that the image shows. Confirmed vertices stay. Key N snaps only "
-                    "the part under the pointer, as wide as \xcf\x83; beside the mesh it snaps all",
+                    "Draws the mesh to the boundary in the image. Confirmed vertices stay. The key N snaps only the "
+                    "part under "
+                    "the pointer, as wide as \xcf\x83. If the pointer is not on the mesh, N snaps all",
                     ui.needs_volume(), width)) {
     out.send(SnapMesh{});
   }

@@ -20,7 +20,8 @@ void draw_entry(const UiContext& ui, int id, const GalleryVertex& place, const s
   const Part part(format("%d", id), "doubt");
   const ImVec2 at = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, theme.px(24)};
   const bool lit = has_place && state.pinned == place.vertex && state.selected == name;
-  const auto row = area(theme, "entry", size, tip + "\nDouble-click opens the case there, Slide tool in hand.", {lit});
+  const auto row =
+      area(theme, "entry", size, tip + "\nDouble-click opens the case at this place, with the Slide tool.", {lit});
   if (row.clicked) out.send(has_place ? Command(PinVertex{place, true}) : SelectCase{name});
   if (row.doubled) out.send(OpenCaseOfStudy{name, has_place ? std::optional(place.vertex) : std::nullopt});
   ImDrawList& draw = *ImGui::GetWindowDrawList();
@@ -57,15 +58,16 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
   for (const SuspiciousShape& one : model.suspicious_shapes)
     draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), 0}, name(one.shape), format("%.2f mm", one.distance_mm),
                one.suspicion == Suspicion::far_outside
-                   ? "Beyond the outer fence: 3 interquartile ranges above the upper quartile"
-                   : "Beyond the fence: 1.5 interquartile ranges above the upper quartile",
+                   ? "Very unusual: more than 3 interquartile ranges above the upper quartile (Tukey's outer fence)"
+                   : "Unusual: more than 1.5 interquartile ranges above the upper quartile (Tukey's fence)",
                one.suspicion == Suspicion::far_outside ? palette::bad : palette::amber, false, out);
   draw_caption(theme, "Vertices in unexpected places", model.suspicious_vertices.size());
   for (std::size_t k = 0; k < std::min(most_rows, model.suspicious_vertices.size()); ++k) {
     const SuspiciousVertex& one = model.suspicious_vertices[k];
     draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), one.vertex},
                name(one.shape) + format(", %td", one.vertex), format("%.2f mm", one.deviation_mm),
-               format("Vertex %td lies %.2f mm from where the model of the other shapes puts it. Usual are %.2f mm.",
+               format("Vertex %td lies %.2f mm from where the model of the other shapes expects it. The usual distance "
+                      "is %.2f mm.",
                       one.vertex, one.deviation_mm, one.usual_mm),
                palette::amber, true, out);
   }
@@ -73,11 +75,12 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
   for (std::size_t k = 0; k < std::min(most_rows, model.suspicious_triangles.size()); ++k) {
     const SuspiciousTriangle& one = model.suspicious_triangles[k];
     const Eigen::Index corner = model.topology->triangles()(one.triangle, 0);
-    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), corner},
-               name(one.shape) + format(", triangle %td", one.triangle), format("%.2f\xc3\x97", one.stretch),
-               format("Triangle %td is stretched or shrunk %.2f times against the mean shape. Usual are %.2f times.",
-                      one.triangle, one.stretch, one.usual),
-               palette::amber, true, out);
+    draw_entry(
+        ui, id++, {static_cast<std::size_t>(one.shape), corner},
+        name(one.shape) + format(", triangle %td", one.triangle), format("%.2f\xc3\x97", one.stretch),
+        format("Triangle %td is stretched or shrunk by a factor of %.2f from the mean shape. The usual factor is %.2f.",
+               one.triangle, one.stretch, one.usual),
+        palette::amber, true, out);
   }
   ImGui::PopStyleVar();
 }

@@ -49,7 +49,7 @@ void draw_template_section(const UiContext& ui, Outbox& out) {
              ImGui::GetContentRegionAvail().x))
     out.send(ShowFileDialog{FilePurpose::open_template, {}});
   if (button(theme, "Mirror left and right",
-             "Takes the template of the other side, with the same numbering. The mesh starts again from its placement",
+             "Takes the template of the other side, with the same numbering. The mesh goes back to the placed template",
              ui.needs_shape(), ImGui::GetContentRegionAvail().x))
     out.apply(MirrorTemplate{});
   if (button(theme, "Save the template…", "As PLY, with the stiffness, regions and landmarks as they are now",

@@ -25,16 +25,16 @@ void draw_organ_settings(const Theme& theme, MaskTemplateOptions& options, bool&
   whole_number(theme, "Vertices", options.vertices, {500, 40000, "%.0f", "", true},
                "How many vertices the template gets", changed);
   changed |= slider(theme, "Closing", options.closing_mm, {0, 10, "%.1f", "mm", false},
-                    "Radius. Clefts narrower than twice the radius are filled", released);
+                    "Radius. Fills clefts that are narrower than twice the radius", released);
   changed |= slider(theme, "Opening", options.opening_mm, {0, 10, "%.1f", "mm", false},
-                    "Radius. Spurs thinner than twice the radius are removed", released);
+                    "Radius. Removes spurs that are thinner than twice the radius", released);
   int rule = options.genus.kind == GenusRule::Kind::automatic ? 0
              : options.genus.kind == GenusRule::Kind::keep    ? 1
              : options.genus.genus == 0                       ? 2
                                                               : 3;
   if (choice(theme, "tunnels", {"Auto", "Keep", "None", "One"}, rule,
              {"Cuts tunnels narrower than 5 mm. A vertebral canal stays", "Every tunnel stays", "Cuts all tunnels",
-              "Cuts all tunnels but the widest: for a vertebra"})) {
+              "Keeps the widest tunnel and cuts all others, as for a vertebra"})) {
     options.genus = rule == 0   ? GenusRule{}
                     : rule == 1 ? GenusRule{GenusRule::Kind::keep, 0}
                                 : GenusRule{GenusRule::Kind::number, rule == 2 ? 0 : 1};
@@ -51,7 +51,7 @@ void draw_tube_settings(const UiContext& ui, TemplateSettings& settings, bool& c
   const std::string no_ruler = ui.state.ruler ? "" : "Draw the ruler (D) from the base to the apex first.";
   bool by_ruler = settings.axis_by_ruler;
   if (toggle(theme, "Axis by the ruler", by_ruler,
-             "Takes the ruler, from the base to the apex, as the axis. Off takes the label's main axis", no_ruler)) {
+             "On: the ruler is the axis, from the base to the apex. Off: the label's main axis", no_ruler)) {
     settings.axis_by_ruler = by_ruler;
     changed = true;
   }
@@ -91,15 +91,15 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
   figure(theme, "Template to label", format("%.2f mm, at most %.1f", making.to_mask.mean_mm, making.to_mask.max_mm),
          "Mean and largest distance from the template's surface to the label's");
   figure(theme, "Label to template", format("%.2f mm, at most %.1f", making.from_mask.mean_mm, making.from_mask.max_mm),
-         "Mean and largest distance from the label's surface to the template's: also sees clefts that the template "
+         "Mean and largest distance from the label's surface to the template's. It also shows clefts that the template "
          "does not follow");
   for (const std::string& remark : making.remarks) explanation(theme, remark);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
-  if (button(theme, "Save and use…", "Saves the template and starts the case again with it", {}, half, true))
+  if (button(theme, "Save and use…", "Saves the template and starts a new case with it", {}, half, true))
     out.send(
         ShowFileDialog{FilePurpose::use_made_template, making.source.substr(0, making.source.find('.')) + "-template"});
   ImGui::SameLine(0, theme.px(4));
-  if (button(theme, "Back", "The template made before this one",
+  if (button(theme, "Back", "Goes back to the template made before this one",
              ui.template_maker.can_undo() ? "" : "No template was made before this one.", half))
     out.send(UndoTemplate{});
 }
@@ -174,7 +174,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   if (!making->stages.empty()) draw_stages(ui, *making, out);
   if (!making->error.empty()) explanation(theme, making->error);
   if (making->mesh) draw_result(ui, *making, out);
-  if (!making->stages.empty() && button(theme, "Close", "Goes back to the case's mesh",
+  if (!making->stages.empty() && button(theme, "Close", "Closes the stages and shows the case's mesh again",
                                         ui.template_maker.busy() ? "The template is being made." : "", width))
     out.send(CloseTemplateMaking{});
 }

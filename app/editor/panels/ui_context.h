@@ -66,8 +66,8 @@ struct UiContext {
   std::string needs_volume() const { return document().volume ? std::string() : "Open an image first."; }
 };
 
-/// One number of the case in the panel: shown as it is being changed, previewed on the way, one edit when it is let go.
-/// What it becomes never depends on how far the preview has come.
+/// One number of the case in the panel. While it changes, it is shown and previewed; when the control is let go, it
+/// becomes one edit. Its value never depends on how far the preview has come.
 class CaseNumber {
  public:
   /// `committed` is the case's own value.

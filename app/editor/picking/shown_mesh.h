@@ -10,8 +10,8 @@
 
 namespace homolog {
 
-/// What is asked of the mesh on the screen, whoever asks and how often, worked out once: its outline in each slice (for
-/// the pointer and for drawing alike), and what a ray meets. Belongs to the window's thread.
+/// Answers questions about the mesh on the screen and caches the answers: its outline in each slice (for the pointer
+/// and for drawing), and what a ray meets. Belongs to the window's thread.
 class ShownMesh {
  public:
   /// The point of the document's mesh that is nearest to `p_mm` on the outline in a slice, where it is nearer than

@@ -13,7 +13,7 @@ namespace homolog {
 /// is that of the last snap, which its colouring needs.
 std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, const std::vector<float>& hues,
                               float saturation, const VertexScalars* confidence = nullptr);
-/// Brightened towards white where a gesture takes the surface along (`response`, 0…1), greyed where it does not.
+/// Brightens vertices towards white by how far a gesture moves them (`response`, 0…1), and greys the others.
 std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response, bool stopped);
 
 /// Length of every edge relative to the unwarped template's at the shape's placement, by vertex: the mean over the

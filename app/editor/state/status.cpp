@@ -45,17 +45,17 @@ std::string brush_hint(const EditorState& state, const Document& shown) {
   const bool regions = state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill;
   if (state.tool == MouseTool::stiffness && regions) {
     if (shown.regions->list.empty()) return "There is no region to paint yet. Add one first (Template, Regions).";
-    if (state.brush.region.empty()) return "No region is chosen, so painting takes the surface out of its region.";
+    if (state.brush.region.empty()) return "No region is chosen: the brush erases regions.";
     return state.brush.paints == BrushPaints::fill ? "Click to fill " + quoted(state.brush.region) + "; Alt empties."
-                                                   : "Paint " + quoted(state.brush.region) + "; Alt takes away.";
+                                                   : "Paint " + quoted(state.brush.region) + "; Alt erases.";
   }
-  if (state.tool == MouseTool::confirm && !state.brush.hold) return "Paint what may move again.";
+  if (state.tool == MouseTool::confirm && !state.brush.hold) return "Paint what strokes may move again.";
   return "Paint on the outline or on the surface.";
 }
 
 std::string hint(const EditorState& state, const Document& shown, bool making_shown) {
   if (!shown.volume && !shown.has_shape()) return "Open an image, or drop one on the window.";
-  if (making_shown) return "This is the template in the making. Close it (Template) to see the case's mesh again.";
+  if (making_shown) return "You see the template that is being made. Close it (Template) to see the case's mesh again.";
   if (!shown.has_shape()) return why_no_mesh(shown);
   if (const std::string hold = hold_hint(state, shown); !hold.empty() && !state.drag) return hold;
   switch (state.tool) {
@@ -64,7 +64,7 @@ std::string hint(const EditorState& state, const Document& shown, bool making_sh
     case MouseTool::landmark:
       return landmark_hint(state, shown);
     case MouseTool::ruler:
-      return state.ruler ? "Drag anew to measure something else; Escape removes the ruler."
+      return state.ruler ? "Drag again to measure something else. Escape removes the ruler."
                          : "Drag from one point to another.";
     case MouseTool::template_landmark:
       return state.template_landmark.empty()
@@ -82,13 +82,13 @@ std::string hint(const EditorState& state, const Document& shown, bool making_sh
 
 std::string why_no_mesh(const Document& shown) {
   if (shown.has_shape()) return {};
-  return shown.the_template ? "This frame has no mesh yet. Start from previous (Case) copies one."
+  return shown.the_template ? "This frame has no mesh yet. Start from previous (Cine) copies one."
                             : "There is no mesh yet. Load a template first (Template).";
 }
 
 Status status_of(const EditorState& state, const Snapshot& snapshot, const Document& shown, bool making_shown) {
   if (snapshot.preview) {
-    if (snapshot.preview->stopped_by_guard) return {"Stopped: farther, the surface would fold.", true};
+    if (snapshot.preview->stopped_by_guard) return {"Stopped: the surface would fold if you dragged farther.", true};
     if (!snapshot.preview->message.empty()) return {snapshot.preview->message};
   } else if (!snapshot.message.empty() && state.said_in == situation_of(state, shown)) {
     return {snapshot.message};

@@ -80,7 +80,7 @@ Result<std::vector<Command>> read_log(const std::filesystem::path& path) {
     auto command = command_of_line(line);
     if (!command)
       return fail(path.string(), "line " + std::to_string(commands.size() + 1) +
-                                     " is no command: " + command.error().what + ". Give a file that --log wrote.");
+                                     " is not a command: " + command.error().what + "; give a file that --log wrote");
     commands.push_back(std::move(*command));
   }
   return commands;
@@ -89,7 +89,7 @@ Result<std::vector<Command>> read_log(const std::filesystem::path& path) {
 Result<void> CommandLog::write_to(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !read_log(path))
-    return fail(path.string(), "is there already and is no log of commands; give another name");
+    return fail(path.string(), "exists already and is not a log of commands; give another name");
   path_ = path;
   file_.open(path, std::ios::trunc);
   if (!file_) return fail(path.string(), std::string("cannot be written: ") + std::strerror(errno));

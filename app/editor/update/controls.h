@@ -64,7 +64,7 @@ void cancel_drag(EditorState& state, Outbox& out);
 
 /// One stamp of the stiffness or the confirm brush.
 std::optional<Action> brush_action(const EditorState& state, const Document& document, const Vec3& at);
-/// What the drag would do, as it is now: shown while it goes on, committed when it ends. Nothing where it edits
+/// The edit that the drag would make now: previewed while it goes on, committed when it ends. Nothing if it edits
 /// nothing (yet).
 std::optional<Action> drag_action(const EditorState& state);
 

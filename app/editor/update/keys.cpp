@@ -89,7 +89,7 @@ std::vector<KeyRow> rows_of_case() {
        [](const KeyMoment& now) -> Given { return ChooseSigma{static_cast<std::size_t>(now.code - '1')}; }},
       {"J", "the next place to look at", {{'J'}}, [](const KeyMoment&) -> Given { return ShowFinding{}; }},
       {"Shift+J",
-       "the last place to look at",
+       "the previous place to look at",
        {{'J', false, true}},
        [](const KeyMoment&) -> Given {
          return ShowFinding{std::nullopt, true};

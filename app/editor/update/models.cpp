@@ -42,9 +42,9 @@ fs::path new_study_file() {
 
 void Models::show_study(EditorState& state, StudyRead read, const fs::path& path) {
   if (!unwritten_.empty())
-    return add_notice(state, path.filename().string() + " was not opened, because " + unwritten_.filename().string() +
-                                 " could not be written, and what changed in it would be lost. Save that study as "
-                                 "another file first.");
+    return add_notice(state, path.filename().string() + " was not opened: " + unwritten_.filename().string() +
+                                 " could not be written, and its changes would be lost. Save that study under "
+                                 "another name first.");
   // What was edited while this one was read belongs to the study before, and is written first.
   if (!study_is_written(state.models)) return open_study(state.models, path);
   // What was said of the study before does not concern this one.
@@ -177,7 +177,8 @@ void Models::repair_case(const StudyCase& one, const OpenCaseOfStudy& command, E
   const ModelsState& models = state.models;
   const auto file = models.files.find(one.file);
   if (file == models.files.end())
-    return add_notice(state, one.name + ": could not be read, so there is nothing to open.");
+    return add_notice(state,
+                      one.name + ": its file could not be read; check the file, or remove the case from the study.");
   const std::string subject = "the case of " + one.name;
   if (const auto now = files_.running(); now && now->subject == subject) return;  // asked for twice
   const auto make = [command, mesh = file->second.shapes.frames.at(0), mesh_file = one.file,
@@ -202,7 +203,7 @@ void Models::take_repair_case(const OpenCaseOfStudy& command, const fs::path& me
   ++state.models.shapes_revision;
   ++state.models.study_revision;
   add_notice(state,
-             command.name + ": opened as a case of its own, repaired/" + case_file.filename().string() + "; " +
+             command.name + " is now the case repaired/" + case_file.filename().string() + ". The file " +
                  mesh_file.filename().string() + " stays as it is.",
              false);
   out.send(command);

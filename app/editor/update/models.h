@@ -14,8 +14,8 @@
 
 namespace homolog {
 
-/// The Models mode's background work: makes the model anew when its shapes change, measures it, keeps the study's file
-/// as the study is.
+/// The Models mode's background work: rebuilds the model when its shapes change, measures it, and keeps the study's
+/// file up to date.
 class Models {
  public:
   /// `wake` is called from any thread when there is something new.

@@ -56,8 +56,8 @@ class ShownCase {
   /// Writes down which grey values are shown, where they are other than the case says.
   void keep_window(const EditorState& state);
 
-  /// Takes in what the session did. What of the state spoke of what is gone by now is let go. True where the shown
-  /// mesh moved.
+  /// Takes in what the session did. Removes from the state what refers to things that are gone. True if the shown mesh
+  /// moved.
   bool update_snapshot(EditorState& state);
   /// Whether the session has nothing more to do, and all of it was taken in.
   bool at_rest() const { return !session_->busy() && snapshot_ == session_->snapshot(); }

@@ -19,10 +19,10 @@ struct KeyStroke {
   bool shift = false, ctrl = false, alt = false;
 };
 
-/// What the mouse and the keyboard did, handed on to ImGui one frame at a time in the order in which it happened. ImGui
-/// 1.86 looks at both once a frame: a button or a key that is pressed and let go in between is lost, a press counts
-/// where the pointer has gone meanwhile, and characters overtake keys. A field takes the keyboard, and gives it back,
-/// some frames after the key or the click that it follows; what was typed meanwhile waits here.
+/// Hands the events of mouse and keyboard on to ImGui, one frame at a time and in their order. ImGui 1.86 looks at both
+/// once a frame. Without the queue, a button or key that is pressed and released between two frames is lost, a press
+/// counts at the place where the pointer is later, and characters overtake keys. A field takes or releases the keyboard
+/// some frames after the key or click for it; what is typed meanwhile waits here.
 class InputQueue {
  public:
   /// What a key does; true where a text field is to have it too.

@@ -27,7 +27,8 @@ class Exports {
   /// Finishes what is asked for.
   ~Exports() { finish(); }
 
-  /// `write` gets all that it needs with it. `then` comes back with the result; whoever takes that does it.
+  /// `write` must own all that it needs. `then` comes back with the result; the caller that takes the result runs
+  /// `then`.
   void start(const std::filesystem::path& path, Write write, Then then = {});
   /// Gives up `path` where that is being written; those after it are written all the same.
   void cancel(const std::filesystem::path& path);

@@ -43,7 +43,7 @@ Result<Fitted> refined(const Document& document, Progress& progress) {
   char remark[200];
   std::snprintf(
       remark, sizeof remark,
-      "Vertices moved along the surface by %.2f mm on average, at most %.1f mm. The surface stayed within %.2f mm.",
+      "Vertices moved along the surface by %.2f mm on average, at most %.1f mm. The surface moved at most %.2f mm.",
       moved_mm.mean(), moved_mm.maxCoeff(), off.max_mm);
   done.remarks = std::move(refinement->warnings);
   done.remarks.emplace_back(remark);

@@ -23,9 +23,9 @@ class ModelHelp {
   /// Asks for the model of all cases but the one called `name` (empty where the open case is none of the study's). Does
   /// nothing where that is known already.
   void ask(std::shared_ptr<const StudyModel> study, const std::string& name);
-  /// Carries the shown frame's mesh from what its edits alone made of it towards what the model expects from the
-  /// vertices that are known, as far as `strength` 0…1 says. Empty at 0, while the model is computed, and where it
-  /// cannot be.
+  /// Moves the shown frame's mesh towards what the model expects, given the known vertices. It starts from the shape as
+  /// the edits alone made it; `strength` 0…1 says how far it goes. Empty at 0, while the model is computed, and where
+  /// it cannot be.
   Compute completion(double strength) const;
   /// Takes in what the thread did; gives the sentence where it failed.
   std::optional<std::string> update();

@@ -33,7 +33,7 @@ bool is_label_map_on(const Volume& volume, const Volume& image) {
 /// The sentence where a second volume cannot be the label map of the first.
 Error second_image(const std::string& path, const std::string& why) {
   return {path, "is a second image" + why +
-                    "; open one at a time, a series of slices as the folder that holds them, and a label map by "
+                    "; open one image at a time, a series of slices as its folder, and a label map by "
                     "Template → Open a label map…"};
 }
 
@@ -43,7 +43,8 @@ void take_labels(Opened& opened, Volume labels) {
 }
 
 std::string shown_as_labels(const fs::path& file) {
-  return file.filename().string() + " is shown as a label map over the image: it has the same voxels and few values.";
+  return file.filename().string() +
+         " is shown as a label map over the image, because it has the same voxels and few values.";
 }
 
 /// "ct.nii.gz", for the progress bar.
@@ -70,9 +71,9 @@ Result<void> take_pair(Opened& opened, Volume first, Progress& progress) {
   const bool first_is_map = is_label_map_on(first, other->volume);
   if (first_is_map == is_label_map_on(other->volume, first)) {
     const std::string name = fs::path(request.volume_source).filename().string();
-    return fail(second_image(request.other_source, first_is_map
-                                                       ? ", and either it or " + name + " could be the label map"
-                                                       : ", and no label map on the voxels of " + name));
+    return fail(second_image(request.other_source,
+                             first_is_map ? ", and the program cannot tell whether it or " + name + " is the label map"
+                                          : ", and not a label map with the voxels of " + name));
   }
   if (first_is_map) {
     std::swap(first, other->volume);
@@ -170,7 +171,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     opened.warnings = read->warnings;
     if (read_only)
       opened.warnings.push_back(request.case_file.string() +
-                                " is read-only. What you change is kept as a case of its own; save it elsewhere.");
+                                " is read-only. Your changes are kept in a new case. Save it under another name.");
     opened.opened_case = std::move(*read);
     load_saved_template(opened);
     return request.labels.empty() ? Result<void>() : read_labels(opened, progress);
@@ -230,7 +231,7 @@ Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
   if (!request.case_file.empty() && !request.other_source.empty()) return fail(second_image(request.other_source, ""));
   if (!request.case_file.empty() && !request.template_source.empty())
     return fail(request.case_file.string(),
-                "is a case, which names its template; open it alone, or with its image where that has moved");
+                "is a case and has its own template; open it alone, or with its image if the image has moved");
   return request;
 }
 

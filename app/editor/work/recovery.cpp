@@ -52,8 +52,8 @@ void Recovery::look() {
     std::error_code error;
     const fs::directory_iterator readable(unsaved_folder(), error);
     if (error && error != std::errc::no_such_file_or_directory)
-      return fail(unsaved_folder().string(), "the cases that were not saved lie there, and it cannot be read (" +
-                                                 error.message() + "); check its rights");
+      return fail(unsaved_folder().string(),
+                  "the folder of unsaved cases cannot be read (" + error.message() + "); check its permissions");
     Found found;
     for (const UnsavedCase& one : unsaved_cases()) {
       if (progress.cancelled()) break;

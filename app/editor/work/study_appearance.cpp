@@ -14,7 +14,7 @@ constexpr std::size_t most_cases = 8;
 Result<void> learn_case(const StudyCase& one, const Document& document, Eigen::Index vertices, Appearance& appearance) {
   const auto shape = document.shapes.find(one.frame.value_or(document.frame));
   if (!document.volume || shape == document.shapes.end())
-    return fail(one.name, "has no image with a mesh on it to learn from");
+    return fail(one.name, "has no image with a mesh on it, so nothing can be learned from it");
   if (shape->second.points->rows() != vertices) return fail(one.name, "is of another template");
   return appearance.learn(*document.volume, shape->first, {document.the_template->topology, *shape->second.points});
 }

@@ -70,7 +70,8 @@ class Worker {
     jobs_.clear();
     results_.clear();
   }
-  /// Asks what runs to end early, where it is about `subject`; its result comes all the same, and what waits is done.
+  /// Asks the running job to end early if it is about `subject`. Its result comes all the same, and waiting jobs are
+  /// done.
   void cancel_running(const std::string& subject) {
     const std::lock_guard lock(mutex_);
     if (!jobs_.empty() && jobs_.front()->subject == subject) jobs_.front()->progress.cancel();

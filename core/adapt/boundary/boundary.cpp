@@ -65,13 +65,14 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double
   auto mesh = surface_of(surface);
   if (!mesh)
     return fail("", "label " + std::to_string(label) + " is too small for " + std::to_string(vertices) +
-                        " vertices; use a template with fewer, or another label");
+                        " vertices; use a template with fewer vertices, or another label");
   Boundary boundary;
   boundary.surface = std::move(*mesh);
   boundary.scan_edges = edges_of(*region, mask.geometry);
   if (!boundary.scan_edges.empty())
-    boundary.warnings.push_back("label " + std::to_string(label) +
-                                " is cut off by the edge of the label map; what lies beyond follows the template");
+    boundary.warnings.push_back(
+        "label " + std::to_string(label) +
+        " is cut off by the edge of the label map; the mesh beyond the edge follows the template");
   if (auto several = several_parts(*region, label)) boundary.warnings.push_back(std::move(*several));
   return boundary;
 }

@@ -9,9 +9,9 @@
 
 namespace homolog {
 
-/// Looks for force targets in both directions: from every vertex to the nearest point of the boundary that faces the
-/// same way, and from samples of the boundary to the nearest place of the mesh that does, whose corners they pull. One
-/// direction alone would miss the parts of the boundary that no vertex is near.
+/// Looks for force targets in both directions. Every vertex looks for the nearest boundary point that faces the same
+/// way. Every sample of the boundary looks for the nearest place of the mesh that faces the same way, and pulls the
+/// corners there. One direction alone would miss parts of the boundary that no vertex is near.
 class BoundarySearch {
  public:
   /// `boundary` outlives the search; `vertices`: of the meshes to come, which decides the number of samples.

@@ -23,11 +23,11 @@ struct PlacementHints {
   std::optional<Similarity> start;  ///< near which to look, instead of the patient's axes; turned by at most 60°
 };
 
-/// The similarity that lays a template on a boundary without a hand: the likeliest, by closest points in both
-/// directions, three or more landmarks, and the patient's axes. Starts are position and size by moments, with the
-/// rotation of the patient's axes, of the moments' axes (whose order and signs the patient's axes decide) and of the
-/// landmarks. So landmarks decide of the rotation what they determine well; the surface and the patient's axes decide
-/// the rest. A landmark that contradicts the surface and the others is not trusted. Never a reflection.
+/// The most likely similarity that places a template on a boundary automatically. It weighs closest points in both
+/// directions, three or more landmarks, and the patient's axes. Position and size start from moments. The rotation
+/// starts from the patient's axes, from the moments' axes (their order and signs from the patient's axes), and from the
+/// landmarks. Landmarks decide the part of the rotation that they determine well; the surface and the patient's axes
+/// decide the rest. A landmark that contradicts the surface and the others is not trusted. Never a reflection.
 Placed find_placement(const Template& the_template, const Boundary& boundary, const PlacementHints& hints = {});
 
 /// Whether the mirrored template, placed by a similarity alone, lies clearly nearer to the boundary than the template:

@@ -36,7 +36,7 @@ Result<void> Appearance::learn(const Volume& image, int frame, const Mesh& mesh)
     mean_ = count_ = Eigen::MatrixXf::Zero(values.rows(), values.cols());
     step_mm_ = step_mm;
   } else if (values.cols() != mean_.cols()) {
-    return fail("", "has " + std::to_string(values.cols()) + " vertices where those learned before have " +
+    return fail("", "has " + std::to_string(values.cols()) + " vertices, but the cases learned before have " +
                         std::to_string(mean_.cols()) + "; learn from meshes of one template");
   }
   const auto known = values.array().isFinite().eval();

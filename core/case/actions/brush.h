@@ -33,7 +33,8 @@ inline constexpr const char* nothing_covered = "No vertex lies within the circle
 /// What is said after so many vertices were painted.
 inline EditReport painted(std::ptrdiff_t vertices) {
   EditReport report;
-  report.message = vertices > 0 ? std::to_string(vertices) + " vertices painted." : nothing_covered;
+  report.message = vertices > 0 ? std::to_string(vertices) + (vertices == 1 ? " vertex painted." : " vertices painted.")
+                                : nothing_covered;
   return report;
 }
 

@@ -23,9 +23,9 @@ Result<EditReport> apply_confirm(const Confirm& action, Edit& edit) {
                             [&](Eigen::Index i, double) { (*confirmed)[i] = action.hold ? 1 : 0; });
   edit.shape().confirmed = confirmed->any() ? confirmed : nullptr;
   EditReport report;
-  report.message = touched == 0
-                       ? nothing_covered
-                       : std::to_string(touched) + (action.hold ? " vertices confirmed." : " vertices released.");
+  report.message = touched == 0 ? nothing_covered
+                                : std::to_string(touched) + (touched == 1 ? " vertex " : " vertices ") +
+                                      (action.hold ? "confirmed." : "freed.");
   return report;
 }
 

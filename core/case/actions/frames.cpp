@@ -45,8 +45,8 @@ const ActionKind<SetFrame>& action_kind(const SetFrame&) {
       .key = "frame",
       .example = R"({"frame":3,"look":true})",
       .meaning =
-          "shows a frame of a cine, counted from 0. To look is no step: there is nothing to undo, and what can "
-          "be redone stays so. Without `look`, as older versions wrote it, it is one",
+          "shows a frame of a cine, counted from 0. Looking is not a step: there is nothing to undo, and redo "
+          "stays possible. Without `look` (older versions) it is a step",
       .role = LineRole::step_or_look,
       .needs_mesh = false,
       .name = [](const SetFrame&) -> std::string { return "frame"; },

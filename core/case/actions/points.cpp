@@ -107,8 +107,8 @@ const ActionKind<SetPoints>& action_kind(const SetPoints&) {
       .meaning =
           "moves every vertex to where an automatic step found it: x, y, z of the first vertex, then of the "
           "next. Scripts and older versions write this. With `\"placement\":{…}` the reference moves there too. "
-          "`\"by\":\"model help\"` and `\"by\":\"refine\"` decide nothing of where the boundary is; all else "
-          "counts as known where it moved. `\"of_frame\":K`: of that frame of a cine, whichever is shown. "
+          "Vertices that moved count as known, except with `\"by\":\"model help\"` and "
+          "`\"by\":\"refine\"`. `\"of_frame\":K`: of that frame of a cine, whichever is shown. "
           "`\"by\":\"propagate\"` says that the mesh came from other frames, and `\"doubt\"` why it has to be looked "
           "at",
       .name = [](const SetPoints& set) { return name_of_points(set.by); },

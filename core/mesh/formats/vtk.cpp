@@ -82,7 +82,7 @@ class VtkReader {
     const auto scalar = vtk_scalar(type);
     if (!scalar) return fail("", "has numbers of an unknown type (\"" + excerpt(type) + "\"); export it again");
     if (std::is_integral_v<To> && !is_integer(*scalar))
-      return fail("", "has faces that are no integers; export it again");
+      return fail("", "has faces that are not integers; export it again");
     text_.line();
     const std::size_t smallest = ascii_ ? 1 : size_of(*scalar);
     if (count > text_.remaining() / smallest)

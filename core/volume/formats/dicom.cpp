@@ -94,7 +94,8 @@ Result<StoredVoxels> read_planes(const fs::path& path, const std::vector<DicomHe
       progress->report(static_cast<double>(arrived.size()) / static_cast<double>(places));
     }
     if (const auto own = dicom_stored_type(headers[f]); !own || *own != *type)
-      return fail(headers[f].path.string(), "stores its pixels otherwise than the rest of its series; export it again");
+      return fail(headers[f].path.string(),
+                  "stores its pixels in another way than the rest of its series; export it again");
     const auto read = read_dicom_pixels(headers[f], room, headers.size() == 1 ? progress : nullptr);
     if (!read) return fail(read.error());
     arrived.insert(arrived.end(), place_of[f].begin(), place_of[f].end());

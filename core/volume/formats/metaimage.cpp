@@ -192,7 +192,7 @@ Result<VoxelRun> find_run(const Header& header, StoredType type, double bytes, c
     block.offset = static_cast<std::uintmax_t>(skipped);
   else if (skipped != 0)
     return fail(path.string(),
-                "says that its voxels begin where they cannot (HeaderSize = " + skipped_text + "); export it again");
+                "gives an impossible place for its voxels (HeaderSize = " + skipped_text + "); export it again");
   run.blocks.push_back(std::move(block));
   return run;
 }

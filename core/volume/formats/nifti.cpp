@@ -152,7 +152,7 @@ Result<std::uintmax_t> voxels_begin(const NiftiHeader& header, const Pair& pair)
   std::snprintf(number, sizeof number, "%g", begin);
   return fail(pair.header.string(),
               std::string("says that its voxels begin at byte ") + number +
-                  (begin >= 0 && begin < least ? ", within its own header" : ", which is no place") +
+                  (begin >= 0 && begin < least ? ", within its own header" : ", which is impossible") +
                   "; export it again");
 }
 
@@ -232,13 +232,13 @@ Result<VolumeGeometry> geometry_of(const NiftiHeader& header, const fs::path& pa
     if (by_sform || !has_qform) return by_sform;
     auto by_qform = make_geometry(path, dims, qform.steps, qform.origin);
     if (!by_qform) return by_sform;
-    warnings.push_back(path.string() + ": its sform is sheared or damaged; placed by its qform instead");
+    warnings.push_back(path.string() + ": its sform is sheared or damaged, so its qform was used");
     return by_qform;
   }
   if (!header.sized) warnings.push_back(path.string() + ": does not say how large a voxel is; 1 mm is assumed");
   if (has_qform) return make_geometry(path, dims, qform.steps, qform.origin);
   warnings.push_back(path.string() +
-                     ": says nothing of the patient's orientation; its axes are taken to run to the "
+                     ": does not give the patient's orientation; its axes are assumed to run to the "
                      "left, back and head");
   return make_geometry(path, dims, scale * Vec3(image.dx, image.dy, image.dz).asDiagonal().toDenseMatrix(),
                        Vec3::Zero());

@@ -133,7 +133,7 @@ Vec3 lps_signs(int space, const fs::path& path, std::vector<std::string>& warnin
       return {1, 1, 1};
     default:
       warnings.push_back(path.string() +
-                         ": does not name the patient's sides; its axes are taken to run to the left, "
+                         ": does not give the patient's orientation; its axes are assumed to run to the left, "
                          "back and head");
       return {1, 1, 1};
   }
@@ -196,7 +196,7 @@ Result<std::vector<fs::path>> voxel_files(const NrrdHeader& header, const Nrrd& 
       (axes < nrrd.dim && voxels_of(nrrd, axes) * files == voxels_of(nrrd, nrrd.dim)))
     return header.files;
   return fail(path.string(), "names " + std::to_string(header.files.size()) +
-                                 " files for its voxels, which is not what its sizes ask for; export it again");
+                                 " files for its voxels, but its sizes need another number of files; export it again");
 }
 
 /// Where the lines to be passed over end.
@@ -207,7 +207,7 @@ Result<std::uintmax_t> skip_lines(const fs::path& file, std::uintmax_t begin, un
   in.seekg(static_cast<std::streamoff>(begin));
   for (; lines > 0; --lines)
     if (!in.ignore(std::numeric_limits<std::streamsize>::max(), '\n') || in.eof())
-      return fail(file.string(), "ends within the lines that its header skips; export it again");
+      return fail(file.string(), "is shorter than the lines to skip that its header gives; export it again");
   return static_cast<std::uintmax_t>(in.tellg());
 }
 
@@ -233,7 +233,7 @@ Result<VoxelRun> find_run(const NrrdHeader& header, const Nrrd& nrrd, const Nrrd
       const double bytes = voxels_of(nrrd, nrrd.dim) * static_cast<double>(bytes_per_voxel(type));
       const double before = static_cast<double>(*size) - bytes / static_cast<double>(files->size());
       if (state.byteSkip != -1 || state.encoding != nrrdEncodingRaw || before < static_cast<double>(*begin))
-        return fail(path.string(), "says that its voxels begin where they cannot (byte skip: " +
+        return fail(path.string(), "gives an impossible place for its voxels (byte skip: " +
                                        std::to_string(state.byteSkip) + "); export it again");
       block.offset = static_cast<std::uintmax_t>(before);
     }

@@ -108,10 +108,10 @@ Result<void> check_steps(const fs::path& folder, const std::vector<fs::path>& fi
   if (usual <= 0 || (others > 1 && 4 * others > steps.size())) return {};
   for (std::size_t k = 0; k < steps.size(); ++k)
     if (steps[k] != usual && std::fmod(steps[k], usual) == 0)
-      return fail(folder.string(), "lacks slices: from " + files[k].filename().string() + " to " +
-                                       files[k + 1].filename().string() +
-                                       " the number rises otherwise than elsewhere; copy the stack again, or number "
-                                       "its files evenly");
+      return fail(folder.string(),
+                  "lacks slices: from " + files[k].filename().string() + " to " + files[k + 1].filename().string() +
+                      " the number does not rise by the same step as elsewhere; copy the stack again, or number "
+                      "its files evenly");
   return {};
 }
 
@@ -144,9 +144,10 @@ Result<PictureStack> find_stack(const fs::path& path, const PictureModule& modul
     if (error) return fail(path.string(), "cannot be listed (" + error.message() + ")");
     for (const fs::path& file : stack.files)
       if (!fs::is_regular_file(file, not_a_file))
-        return fail(file.string(),
-                    "is named like a slice but is no file; copy the stack again, or move it elsewhere if it is no part "
-                    "of it");
+        return fail(
+            file.string(),
+            "is named like a slice but is not a file; copy the stack again, or move it elsewhere if it is no part "
+            "of it");
     std::sort(stack.files.begin(), stack.files.end());
     std::stable_sort(stack.files.begin(), stack.files.end(), [](const fs::path& a, const fs::path& b) {
       return natural_less(lower_case_name(a), lower_case_name(b));

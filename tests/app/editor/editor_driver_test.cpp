@@ -160,8 +160,7 @@ TEST_CASE("landmark files are read beside the window and taken into the case tha
   driver.click("Place/Import…");
   choose(driver, placed);
   // First what goes by itself.
-  driver.wait_until("what is left out is said",
-                    [&] { return driver.shows("1 of 2 names are not landmarks of the template"); });
+  driver.wait_until("what is left out is said", [&] { return driver.shows("1 of 2 points left out"); });
   driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("north"); });
 
   driver.click("side panel/Template");
@@ -174,7 +173,7 @@ TEST_CASE("landmark files are read beside the window and taken into the case tha
   driver.app().send(ImportLandmarks{{placed}});
   driver.app().handle({MouseMove{}});  // does the command, and takes nothing in yet
   driver.app().start_session(EditSession(ball.document()));
-  driver.wait_until("that is said", [&] { return driver.shows("was read for the case before"); });
+  driver.wait_until("that is said", [&] { return driver.shows("another case was opened meanwhile"); });
   CHECK(driver.document().shape().landmarks.empty());
 }
 

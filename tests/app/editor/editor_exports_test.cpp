@@ -126,7 +126,7 @@ TEST_CASE("a volume whose writing is cancelled leaves the file as it was") {
     progress.cancel();
     const auto written = write_volume(volume, path, &progress);
     REQUIRE_FALSE(written);
-    CHECK(written.error().sentence() == path.string() + ": was not written, since that was cancelled");
+    CHECK(written.error().sentence() == path.string() + ": was not written: cancelled");
     CHECK(std::filesystem::file_size(path) == 6);
   }
 }

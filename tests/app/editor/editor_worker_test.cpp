@@ -230,12 +230,12 @@ TEST_CASE("of an image and its label map each is known in either order") {
     }
   const auto refusal = [&](const std::vector<fs::path>& files) { return opened(files).error().sentence(); };
   const std::string remedy = "a label map by Template → Open a label map…";
-  for (const auto& [second, why] : {std::pair(other_ct, "no label map on the voxels of ct.nii"),
-                                    std::pair(away, "no label map on the voxels of ct.nii")}) {
+  for (const auto& [second, why] : {std::pair(other_ct, "not a label map with the voxels of ct.nii"),
+                                    std::pair(away, "not a label map with the voxels of ct.nii")}) {
     CHECK(refusal({ct, second}).starts_with(second.string() + ": is a second image, and " + why));
     CHECK(refusal({ct, second}).find(remedy) != std::string::npos);
   }
-  CHECK(refusal({labels, real}).find("either it or labels.nii could be the label map") != std::string::npos);
+  CHECK(refusal({labels, real}).find("whether it or labels.nii is the label map") != std::string::npos);
   for (const auto& files :
        {std::vector<fs::path>{ct, labels, other_ct}, std::vector<fs::path>{"a.homolog", ct, labels}})
     CHECK(sort_files(files).error().sentence().find(remedy) != std::string::npos);

@@ -62,7 +62,7 @@ TEST_CASE("where the folder of unsaved cases cannot be read that is said") {
   };
   CHECK(test::must(found()).cases.empty());  // there is no folder yet
   write_bytes(folder.path / "homolog", "a file in its place");
-  CHECK(says(found(), (folder.path / "homolog").string() + ": the cases that were not saved lie there"));
+  CHECK(says(found(), (folder.path / "homolog").string() + ": the folder of unsaved cases cannot be read"));
 }
 
 }  // namespace homolog

@@ -104,12 +104,12 @@ TEST_CASE("what is no oriented manifold is refused with the first offender named
   CHECK(refusal(5, faces({{0, 1, 2}, {1, 0, 3}, {0, 1, 4}})).find("edge 0-1 has 3 faces") != std::string::npos);
   CHECK(refusal(4, faces({{0, 1, 2}, {0, 1, 3}})).find("faces 0 and 1 at edge 0-1") != std::string::npos);
   CHECK(refusal(3, faces({{0, 1, 2}, {0, 1, 2}})).find("oriented against") != std::string::npos);
-  CHECK(refusal(5, faces({{0, 1, 2}, {0, 3, 4}})).find("vertex 0 joins parts") != std::string::npos);
+  CHECK(refusal(5, faces({{0, 1, 2}, {0, 3, 4}})).find("vertex 0 joins two parts") != std::string::npos);
 }
 
 TEST_CASE("two closed parts that touch in one vertex are refused") {
   const Triangles one = shapes::tetrahedron().topology->triangles();
   Triangles two(8, 3);
   two << one, (one.array() == 0).select(Triangles::Zero(4, 3), one.array() + 3);
-  CHECK(refusal(7, two).find("vertex 0 joins parts") != std::string::npos);
+  CHECK(refusal(7, two).find("vertex 0 joins two parts") != std::string::npos);
 }

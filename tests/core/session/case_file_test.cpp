@@ -61,7 +61,7 @@ TEST_CASE("an image on another grid is refused in voxels and mm") {
   CHECK(open_case(file, nullptr, image.string()));
   CHECK(says(open_case(file, nullptr, coarse.string()), "made on an image of 4 × 5 × 6 voxels of 1.5 × 1.5 × 1.5 mm"));
   CHECK(says(open_case(file, nullptr, coarse.string()), "coarse.nrrd has 4 × 5 × 6 voxels of 3 × 3 × 3 mm"));
-  CHECK(says(open_case(file, nullptr, away.string()), "lies elsewhere"));
+  CHECK(says(open_case(file, nullptr, away.string()), "at another place or angle"));
 
   // Headers of other hands: without the grid in numbers, and with a grid that is none.
   std::string text = read_whole_file(file).value();

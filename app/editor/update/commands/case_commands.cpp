@@ -60,7 +60,9 @@ void SnapMesh::spell(Fields& line) {
 void SnapMesh::run(Editing& editing) const {
   const Document& document = editing.shown.document();
   if (!document.volume || !document.has_shape())
-    return add_notice(editing.state, "A snap needs an image, and a mesh that lies on its organ.", false);
+    return add_notice(editing.state,
+                      "A snap needs an image and a mesh. Open an image and place a template on the organ first.",
+                      false);
   stop_playing(editing);
   editing.work.snaps.start(editing.shown.session(), region, editing.state.snap, joined);
 }
@@ -92,7 +94,7 @@ void StartFit::run(Editing& editing) const {
     if (one != nullptr) model.left_out = one->name;
   }
   if (chosen.model != FitModel::none && !model.model && !model.study)
-    return add_notice(editing.state, "The model of the fit is not open any more; choose one.");
+    return add_notice(editing.state, "The model for the fit is not open any more; choose a model again.");
   editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name}, chosen, model);
 }
 

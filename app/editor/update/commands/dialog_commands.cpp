@@ -182,7 +182,7 @@ void DiscardCase::spell(Fields& line) {
 void DiscardCase::run(EditorState& state) const {
   std::error_code ignored;
   if (Journal::in_use(journal))
-    add_notice(state, "That case was recovered in another window; it is not deleted.");
+    add_notice(state, "That case is open in another window, so it was not deleted.");
   else
     std::filesystem::remove(journal, ignored);
   auto* recover = open_dialog<RecoverDialog>(state);

@@ -27,14 +27,14 @@ Document as_done(const Editing& editing) {
 }
 
 void no_mesh_to_export(Editing& editing) {
-  add_notice(editing.state, "This frame has no mesh of its own to export yet; start it from another frame.", false);
+  add_notice(editing.state, "This frame has no mesh yet. Start from previous (Cine) copies one.", false);
 }
 
 /// Says so where there is nothing to save.
 bool nothing_to_save(Editing& editing) {
   const Document& document = editing.shown.document();
   if (document.volume || document.the_template) return false;
-  add_notice(editing.state, "Nothing is open that could be saved; open an image or a template.");
+  add_notice(editing.state, "There is nothing to save yet. Open an image or a template first.");
   return true;
 }
 
@@ -54,7 +54,7 @@ void OpenFiles::run(Editing& editing) const {
   if (!request) return add_notice(editing.state, request.error().sentence());
   std::error_code ignored;
   if (!request->case_file.empty() && fs::equivalent(request->case_file, editing.shown.snapshot().file, ignored))
-    return add_notice(editing.state, request->case_file.filename().string() + " is the case that is open.", false);
+    return add_notice(editing.state, request->case_file.filename().string() + " is open already.", false);
   request->beside = editing.shown.document().volume;
   editing.out.send(OpenRequested{std::move(*request)});
 }
@@ -131,7 +131,7 @@ void SaveCase::run(Editing& editing) const {
   const auto& file = editing.shown.snapshot().file;
   if (as || file.empty() || file.parent_path() == unsaved_folder())
     return editing.out.send(ShowFileDialog{FilePurpose::save_case, case_name(file, editing.shown.document())});
-  add_notice(editing.state, "Every edit is on the disk already, in " + file.string(), false);
+  add_notice(editing.state, "Saved: every edit is in " + file.string(), false);
 }
 
 void FileCommand::spell(Fields& line) {

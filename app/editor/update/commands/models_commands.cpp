@@ -164,7 +164,7 @@ void AddCases::run(Editing& editing) const {
   std::error_code ignored;
   if (paths.size() == 1 && std::filesystem::is_directory(paths.front(), ignored))
     return add_scans(editing, paths.front());  // dropped on the window
-  if (add_cases(models, paths) == 0) add_notice(editing.state, "These shapes are in the study already.", false);
+  if (add_cases(models, paths) == 0) add_notice(editing.state, "All these shapes are in the study already.", false);
   if (models.study_file.empty()) models.study_file = new_study_file();
   if (editing.state.dialog && !paths.empty()) editing.state.preferences.folder = paths.front().parent_path();
 }

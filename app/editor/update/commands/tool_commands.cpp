@@ -156,8 +156,8 @@ void SnapWithStrokes::spell(Fields& line) {
 void SnapWithStrokes::run(EditorState& state) const {
   state.snap.with_strokes = on;
   add_notice(state,
-             on ? "From now on, what you pull or grab snaps to the image (Shift+N: off)."
-                : "Strokes no longer snap to the image.",
+             on ? "Snap while dragging is on: what you pull or grab snaps to the image (Shift+N: off)."
+                : "Snap while dragging is off.",
              false);
 }
 

@@ -169,7 +169,9 @@ void ShowFinding::run(Editing& editing) const {
   if (figures) all = figures->findings;
   all.insert(all.end(), state.unclear_edges.begin(), state.unclear_edges.end());
   if (kind) std::erase_if(all, [&](const Finding& one) { return one.kind != *kind; });
-  if (all.empty()) return add_notice(state, "There is nothing to look at: no triangle is turned, thin or cut.", false);
+  if (all.empty())
+    return add_notice(state, "No fault found: no triangle is turned over or thin, and none passes through another.",
+                      false);
   const auto now = state.finding ? std::find(all.begin(), all.end(), state.finding->finding) : all.end();
   const std::size_t count = all.size(), at = static_cast<std::size_t>(now - all.begin());
   const std::size_t next = now == all.end() ? (back ? count - 1 : 0) : (at + (back ? count - 1 : 1)) % count;

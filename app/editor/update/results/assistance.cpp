@@ -55,7 +55,7 @@ void update_fit(Editing& editing) {
   SessionThread& session = editing.shown.session();
   if (fitter.document() && fitter.document() != editing.shown.snapshot().document) {
     cancel_fit(editing);
-    add_notice(editing.state, "The case was edited while the fit ran, so the fit was given up.", false);
+    add_notice(editing.state, "The fit was stopped, because the case was edited meanwhile. Start it again.", false);
   }
   if (auto step = fitter.take_step(); step && fitter.busy()) {
     // The organ may be far from where the template was.
@@ -73,7 +73,7 @@ void update_propagation(Editing& editing) {
   Propagator& propagator = editing.work.propagator;
   if (propagator.document() && !propagator.still_of(*editing.shown.snapshot().document)) {
     propagator.cancel();
-    add_notice(editing.state, "The case was edited while its mesh was propagated, so the propagation was given up.",
+    add_notice(editing.state, "The propagation was stopped, because the case was edited meanwhile. Start it again.",
                false);
   }
   auto done = propagator.take();

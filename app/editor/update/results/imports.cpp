@@ -24,12 +24,12 @@ Result<VertexScalars> stiffness_in(const std::filesystem::path& path, const Topo
     std::string names;
     for (const auto& [array, values] : read->arrays) names += (names.empty() ? "" : ", ") + array;
     return fail(name, names.empty()
-                          ? "holds no value per vertex; save one as \"stiffness\"."
-                          : "holds several values per vertex (" + names + "); name the one to take \"stiffness\".");
+                          ? "has no value for each vertex; add one with the name \"stiffness\"."
+                          : "has several values for each vertex (" + names + "); rename one of them to \"stiffness\".");
   }
   if (read->triangles.rows() > 0 && read->triangles != topology.triangles())
     return fail(name,
-                "its faces are not those of the template, so its vertices are others. Save the values on the "
+                "has other faces than the template, so its vertices are not the same; save the values on the "
                 "template's own mesh.");
   return std::move(*factors);
 }
@@ -67,23 +67,24 @@ Result<void> write_template(const TemplateMaking& making, const std::filesystem:
 /// Reads a file beside the window with `read`, and hands what it gives to `take`, where the case is still the same.
 template <class Done, class Read, class Take>
 void read_for_case(Editing& editing, const Done& command, Read read, Take take) {
-  editing.work.imports.queue(command.path.string(),
-                             [command, read = std::move(read), take = std::move(take),
-                              number = editing.shown.number()](Progress&) -> Result<Work::Then> {
-                               auto got = read(command.path);
-                               if (!got) return fail(got.error());
-                               using Value = typename decltype(got)::value_type;
-                               const auto value = std::make_shared<const Value>(std::move(*got));
-                               return Work::Then([command, take, value, number](Editing& then) {
-                                 if (number != then.shown.number())
-                                   return add_notice(then.state,
-                                                     command.path.filename().string() +
-                                                         " was read for the case before this one, and left out.",
-                                                     false);
-                                 then.log.is_done(command);
-                                 take(then, *value);
-                               });
-                             });
+  editing.work.imports.queue(
+      command.path.string(),
+      [command, read = std::move(read), take = std::move(take),
+       number = editing.shown.number()](Progress&) -> Result<Work::Then> {
+        auto got = read(command.path);
+        if (!got) return fail(got.error());
+        using Value = typename decltype(got)::value_type;
+        const auto value = std::make_shared<const Value>(std::move(*got));
+        return Work::Then([command, take, value, number](Editing& then) {
+          if (number != then.shown.number())
+            return add_notice(then.state,
+                              command.path.filename().string() +
+                                  " was not imported, because another case was opened meanwhile. Import it again.",
+                              false);
+          then.log.is_done(command);
+          take(then, *value);
+        });
+      });
 }
 
 }  // namespace
@@ -94,15 +95,16 @@ void import_landmarks(Editing& editing, const std::filesystem::path& path) {
       [name = path.filename().string()](Editing& then, const std::vector<Landmark>& read) {
         const auto known = landmarks_of_template(read, *then.shown.snapshot().document);
         if (known.empty())
-          return add_notice(then.state,
-                            name + ": none of its names is a landmark of the template. Rename them as in the list.");
+          return add_notice(
+              then.state,
+              name + ": no name in it is a landmark of the template. Rename its points as in the list (Place).");
         stop_playing(then);
         for (std::size_t i = 0; i < known.size(); ++i)
           then.shown.session().apply(PlaceLandmark{known[i].name, known[i].position}, i > 0);
         if (known.size() < read.size())
           add_notice(then.state,
                      name + ": " + std::to_string(read.size() - known.size()) + " of " + std::to_string(read.size()) +
-                         " names are not landmarks of the template. They were left out.",
+                         " points left out: the template has no landmark with their name.",
                      false);
       });
 }
@@ -140,8 +142,8 @@ void import_template_landmarks(Editing& editing, const std::filesystem::path& pa
           then.shown.session().apply(SetTemplateLandmark{landmark, on_mesh}, std::exchange(joined, true));
         }
         if (!found.away.empty())
-          add_notice(then.state, name + ": left out, because they lie away from the template: " + found.away +
-                                     ". Check that the points are in the template's own coordinates.");
+          add_notice(then.state, name + ": points too far from the template were left out: " + found.away +
+                                     ". Check that they are in the template's own coordinates.");
       });
 }
 
@@ -159,8 +161,8 @@ void save_template(Editing& editing, const std::filesystem::path& path) {
     if (number != editing.shown.number()) return;  // another case is open by now
     editing.shown.adopt_template(*saved);
     editing.shown.session().apply(Note{"the template was saved", std::nullopt, absolute_path(path).string()});
-    add_notice(editing.state, "The case goes on with " + path.filename().string() + ", and so do the next images.",
-               false);
+    add_notice(editing.state,
+               "The case goes on with " + path.filename().string() + ". Images that you open next use it too.", false);
   });
 }
 

@@ -21,7 +21,7 @@ void start_document(Editing& editing, Document document) {
   }
   start_session(editing, std::move(*session));
   if (!edited || before.empty()) return;
-  Notice notice{"A new case was started. The case before it is kept.", false};
+  Notice notice{"A new case was started. The previous case is kept.", false};
   notice.case_before = before;
   add_notice(editing.state, std::move(notice));
 }
@@ -153,7 +153,7 @@ void show_opened(Editing& editing, Opened opened) {
   }
   const Snapshot& now = editing.shown.snapshot();
   if (has_unsaved_edits(now) && now.file.empty())
-    return add_notice(state, "The case on the screen could not be kept on the disk; save it before opening another.");
+    return add_notice(state, "The open case could not be written to the disk. Save it before you open another.");
   editing.log.is_done(command);
   if (opened.opened_case) {
     start_session(editing, std::move(opened.opened_case->session));

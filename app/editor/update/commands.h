@@ -41,12 +41,12 @@ using Command = std::variant<
     // the study and its model
     OpenStudy, NewStudy, SaveStudyAs, SetStudyTemplate, OpenPhantomStudy, CancelStudyFile, ExportModel,
     ExportEvaluation, ExportPlots, ExportSizes, ExportLandmarkTable, ShowDistance, CompareObservers, CancelObservers,
-    ExportObservers, ChooseShapesFolder, ExportShapes, StartEvaluation, CancelEvaluation, AddCases,
-    AddScans, FitWaiting, CancelWorklist, OpenNextCase, OpenCaseOfStudy, SelectCase, SelectNextCase, RemoveCase,
-    SetCaseState, CycleCaseState, TypeCaseText, SetCaseText, FlipCases, AddFrames, FilterCases, SortCases,
-    LookFromSideInGallery, ShowAllShapes, TurnGallery, PanGallery, LetGoOfGallery, ZoomGallery, PointAtVertex,
-    PinVertex, ShowGalleryGlyphs, SpaceGalleryGlyphs, ShowMean, ShowSample, ShowSelectedShape, SetMode, AnimateMode,
-    ShowAllModes, ShowDifference, CompareGroup, ChooseAlignment>;
+    ExportObservers, ChooseShapesFolder, ExportShapes, StartEvaluation, CancelEvaluation, AddCases, AddScans,
+    FitWaiting, CancelWorklist, OpenNextCase, OpenCaseOfStudy, SelectCase, SelectNextCase, RemoveCase, SetCaseState,
+    CycleCaseState, TypeCaseText, SetCaseText, FlipCases, AddFrames, FilterCases, SortCases, LookFromSideInGallery,
+    ShowAllShapes, TurnGallery, PanGallery, LetGoOfGallery, ZoomGallery, PointAtVertex, PinVertex, ShowGalleryGlyphs,
+    SpaceGalleryGlyphs, ShowMean, ShowSample, ShowSelectedShape, SetMode, AnimateMode, ShowAllModes, ShowDifference,
+    CompareGroup, ChooseAlignment>;
 
 /// Commands in the order they were given.
 class Outbox {

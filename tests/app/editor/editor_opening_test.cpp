@@ -221,6 +221,23 @@ const StudyCase& case_named(const Driver& driver, const std::string& name) {
 
 }  // namespace
 
+TEST_CASE("a label map that does not meet the image says so and one that does is quiet") {
+  const Globe globe;
+  Driver driver(globe.on(globe.image("ct.nii")));
+  const fs::path inside = globe.folder.path / "inside.nii", outside = globe.folder.path / "outside.nii";
+  write_ball_map(inside, 10, {0, 0, 0});
+  Volume moved = test::must(read_volume(inside)).volume;
+  moved.geometry.origin_mm += Vec3(0, 0, 200);
+  REQUIRE(write_volume(moved, outside));
+  driver.app().send(open_labels(inside));
+  driver.settle();
+  CHECK(driver.state().notices.empty());
+  driver.app().send(open_labels(outside));
+  driver.settle();
+  REQUIRE(driver.state().notices.size() == 1);
+  CHECK(driver.state().notices.front().text.starts_with("outside.nii lies outside the image"));
+}
+
 TEST_CASE("a folder of scans becomes a worklist that is fitted and gone through by one key") {
   const Globe globe;
   const fs::path scans = globe.folder.path / "scans";

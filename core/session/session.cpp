@@ -276,21 +276,21 @@ Result<std::shared_ptr<const Document>> EditSession::state(std::size_t wanted) {
   return document;
 }
 
-std::string EditSession::name(const std::optional<History::Way>& way) const {
+std::string EditSession::name(const std::optional<History::Way>& way) {
   if (!way) return "";
-  const std::string& known = history_.step(way->step).name;
+  std::string& known = history_.step(way->step).name;
   if (!known.empty()) return known;
   const auto step = read_step(way->step);
-  return step ? action_name(step->action) : "edit";
+  return known = step ? action_name(step->action) : "edit";  // a long line is not read again
 }
 
-std::vector<std::string> EditSession::undo_names(std::size_t most) const {
+std::vector<std::string> EditSession::undo_names(std::size_t most) {
   std::vector<std::string> names;
   for (auto way = history_.undo(); way && names.size() < most; way = history_.undo(way->to)) names.push_back(name(way));
   return names;
 }
 
-std::vector<std::string> EditSession::redo_names(std::size_t most) const {
+std::vector<std::string> EditSession::redo_names(std::size_t most) {
   std::vector<std::string> names;
   for (auto way = history_.redo(); way && names.size() < most; way = history_.redo(way->to)) names.push_back(name(way));
   return names;

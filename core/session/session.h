@@ -57,11 +57,11 @@ class EditSession {
   bool can_undo() const { return history_.undo().has_value(); }
   bool can_redo() const { return history_.redo().has_value(); }
   /// Name of what undo (redo) would take back (do again); empty where there is nothing.
-  std::string undo_name() const { return name(history_.undo()); }
-  std::string redo_name() const { return name(history_.redo()); }
+  std::string undo_name() { return name(history_.undo()); }
+  std::string redo_name() { return name(history_.redo()); }
   /// The same of at most `most` steps back (on), the nearest first.
-  std::vector<std::string> undo_names(std::size_t most) const;
-  std::vector<std::string> redo_names(std::size_t most) const;
+  std::vector<std::string> undo_names(std::size_t most);
+  std::vector<std::string> redo_names(std::size_t most);
 
   const Document& initial_document() const { return history_.start(); }
   int strokes() const;  ///< those left after undo
@@ -102,7 +102,7 @@ class EditSession {
   Result<EditStep> read_step(std::size_t step) const;
   std::shared_ptr<const Document> nearest_state(std::size_t& state);
   Result<std::shared_ptr<const Document>> state(std::size_t state);
-  std::string name(const std::optional<History::Way>& way) const;
+  std::string name(const std::optional<History::Way>& way);
   void add_steps(History::Step step);
   void keep(const Note& note);
   void tidy();

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
 #include "app/editor/state/file_extensions.h"
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/opener.h"
+#include "core/base/json.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/session/case_file.h"
@@ -111,16 +113,33 @@ std::vector<Pair> pairs_of(const std::vector<Scan>& all) {
   return pairs;
 }
 
+/// Whether a case file is one of this image.
+bool is_case_of(const fs::path& file, const fs::path& image) {
+  std::ifstream lines(file);
+  std::string header;
+  std::getline(lines, header);
+  const auto json = read_json<nlohmann::json>(header);
+  if (!json || !json->is_object() || !json->contains("volume") || !json->at("volume").is_string()) return false;
+  const fs::path volume = json->at("volume").get<std::string>();
+  return (file.parent_path() / volume).lexically_normal() == image.lexically_normal();
+}
+
 Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const fs::path& cases,
                             const std::shared_ptr<const Template>& the_template) {
   StudyCase one;
-  one.name = stem_of(named_by_map ? pair.map->path : pair.image->path);
-  one.file = absolute_path(cases / (one.name + std::string(case_extension)));
+  const fs::path image = absolute_path(pair.image->path);
+  const std::string stem = stem_of(named_by_map ? pair.map->path : pair.image->path);
+  // Scans of other folders may be called the same.
+  std::error_code ignored;
+  for (int number = 1;; ++number) {
+    one.name = number == 1 ? stem : stem + "-" + std::to_string(number);
+    one.file = absolute_path(cases / (one.name + case_extension));
+    if (!fs::exists(one.file, ignored) || is_case_of(one.file, image)) break;
+  }
   one.from_scan = true;
   if (pair.map != nullptr) one.labels = absolute_path(pair.map->path);
-  std::error_code ignored;
   if (fs::exists(one.file, ignored)) return one;
-  Document document = new_document(absolute_path(pair.image->path).string(), pair.image->grid, the_template);
+  Document document = new_document(image.string(), pair.image->grid, the_template);
   document.holds_landmarks = true;
   if (auto made = create_case(std::move(document), one.file); !made) return fail(made.error());
   return one;
@@ -133,9 +152,9 @@ Result<WorklistDone> cases_of(const fs::path& folder, const fs::path& cases,
   const auto paths = candidates(folder);
   for (std::size_t k = 0; k < paths.size(); ++k) {
     progress.report(static_cast<double>(k) / static_cast<double>(paths.size()));
-    if (progress.cancelled()) return fail("", "The folder was not added: cancelled.");
-    Progress reading;
+    Progress reading(progress, 0);
     auto scan = read_scan(paths[k], reading);
+    if (progress.cancelled()) return fail("", "The folder was not added: cancelled.");
     if (scan)
       scans.push_back(std::move(*scan));
     else

@@ -221,6 +221,29 @@ const StudyCase& case_named(const Driver& driver, const std::string& name) {
 
 }  // namespace
 
+TEST_CASE("scans of two folders that are called the same are two cases each of its own image") {
+  const Globe globe;
+  Driver driver(globe.document());
+  driver.press(key::tab);
+  std::vector<fs::path> scans;
+  for (const double radius_mm : {16.0, 22.0}) {
+    scans.push_back(globe.folder.path / std::to_string(static_cast<int>(radius_mm)) / "scan.nii");
+    fs::create_directory(scans.back().parent_path());
+    write_ball_map(scans.back(), radius_mm, Vec3::Zero());
+    driver.app().send(AddScans{{scans.back()}});
+    driver.wait_until("the scan is a case", [&] { return driver.state().models.study.cases.size() == scans.size(); });
+    driver.settle();
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    const StudyCase& one = driver.state().models.study.cases[k];
+    CHECK(one.labels == scans[k]);
+    CHECK(fs::path(test::must(read_case(one.file)).session.document().volume_source) == scans[k]);
+  }
+  driver.app().send(AddScans{{scans[0]}});  // again: nothing new
+  driver.settle();
+  CHECK(driver.state().models.study.cases.size() == 2);
+}
+
 TEST_CASE("a label map that does not meet the image says so and one that does is quiet") {
   const Globe globe;
   Driver driver(globe.on(globe.image("ct.nii")));

@@ -76,7 +76,7 @@ TEST_CASE("replaying the file alone gives the same mesh to the last bit and the 
     const auto done = session.apply(action);
     CHECK_MESSAGE(done, action_line(action) << ": " << (done ? "" : done.error().sentence()));
   }
-  const auto read = read_case(folder.case_path);
+  auto read = read_case(folder.case_path);
   REQUIRE(read);
   CHECK(read->warnings.empty());
   const Document &kept = session.document(), &restored = read->session.document();
@@ -111,7 +111,7 @@ TEST_CASE("a case begun before landmarks were weighed replays to the same points
     for (const auto& [name, at] :
          {std::pair("north", Vec3(2, 1, 45)), std::pair("south", Vec3(0, 9, -43)), std::pair("east", Vec3(44, 2, 0))})
       test::must(session.apply(PlaceLandmark{name, at}));
-    const auto read = read_case(folder.case_path);
+    auto read = read_case(folder.case_path);
     REQUIRE(read);
     CHECK(read->session.document().weighs_landmarks == weighs);
     CHECK(largest_difference(*read->session.document().shape().points, *session.document().shape().points) < 1e-12);

@@ -69,7 +69,7 @@ TEST_CASE("computed points are rounded when they are made and are the same in th
 
 TEST_CASE("a case of an older version opens to the same points") {
   const fs::path folder = fs::path(HOMOLOG_SOURCE_DIR) / "tests" / "older_case";
-  const auto read = read_case(folder / "ball.homolog");
+  auto read = read_case(folder / "ball.homolog");
   REQUIRE(read);
   const Points& points = *read->session.document().shape().points;
   std::ifstream file(folder / "points.txt");

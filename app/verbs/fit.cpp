@@ -12,6 +12,7 @@
 #include "core/adapt/judge_fit.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
+#include "core/base/statistics.h"
 #include "core/case/action_json.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/landmark_io.h"
@@ -199,6 +200,7 @@ MeshFile fitted_file(const Template& the_template, const FitResult& fit) {
   MeshFile file = to_mesh_file(the_template);
   file.points = fit.mesh.points;
   file.landmarks = fit.landmarks;
+  if (fit.doubt_mm.size() > 0) file.doubt_mm = fit.doubt_mm;
   if (!fit.unseen.empty()) file.comments.push_back("homolog.unseen " + Json(fit.unseen).dump());
   return file;
 }
@@ -210,7 +212,26 @@ Json described_allowed(const Points& allowed, const Mesh& mesh, const Mesh& boun
           {"beyond_mm", {{"mean", beyond_mm.mean()}, {"max", beyond_mm.maxCoeff()}}}};
 }
 
-Report report_of(const Target& target, const FitResult& fit, const FitJudgement& judgement, int frame, double seconds) {
+/// How far vertices and landmarks may lie from where they belong.
+Json described_doubt(const Template& the_template, const FitResult& fit) {
+  std::vector<double> sorted(fit.doubt_mm.begin(), fit.doubt_mm.end());
+  std::sort(sorted.begin(), sorted.end());
+  Json doubt{{"mean", fit.doubt_mm.mean()}, {"p95", quantile(sorted, 0.95)}, {"max", fit.doubt_mm.maxCoeff()}};
+  if (the_template.landmarks.empty()) return doubt;
+  Json of_landmarks = Json::object();
+  for (std::size_t k = 0; k < the_template.landmarks.size(); ++k) {
+    const auto& at = the_template.landmark_points[k];
+    const auto corners = the_template.topology->triangles().row(at.face);
+    double mm = 0;
+    for (int c = 0; c < 3; ++c) mm += at.weights[c] * fit.doubt_mm[corners[c]];
+    of_landmarks[the_template.landmarks[k].name] = mm;
+  }
+  doubt["landmarks"] = std::move(of_landmarks);
+  return doubt;
+}
+
+Report report_of(const Target& target, const Template& the_template, const FitResult& fit,
+                 const FitJudgement& judgement, int frame, double seconds) {
   const Agreement& agreement = judgement.agreement;
   Report report;
   report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", agreement.dice}};
@@ -224,6 +245,7 @@ Report report_of(const Target& target, const FitResult& fit, const FitJudgement&
                             {"landmarks_place", fit.landmarks_place},
                             {"placement", to_json(fit.placement)},
                             {"seconds", seconds}});
+  report.values["doubt_mm"] = described_doubt(the_template, fit);
   if (fit.allowed.size() > 0)
     report.values["model"] = described_allowed(fit.allowed, fit.mesh, target.boundary.surface);
   return report;
@@ -244,7 +266,7 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
   if (auto written = write_mesh_file(fitted_file(*shared.the_template, *fit), out); !written)
     return fail(written.error());
   const FitJudgement judgement = judge_fit(*shared.the_template, target->boundary, fitting, *fit);
-  Report report = report_of(*target, *fit, judgement, options.snap.frame, seconds);
+  Report report = report_of(*target, *shared.the_template, *fit, judgement, options.snap.frame, seconds);
   report.warnings = std::move(landmarks->warnings);
   report.warnings.insert(report.warnings.end(), judgement.warnings.begin(), judgement.warnings.end());
   report.warnings = about(path, std::move(report.warnings));

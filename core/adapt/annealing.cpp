@@ -10,7 +10,6 @@ namespace homolog {
 
 namespace {
 
-constexpr double stiffest_share = 0.3;  ///< of the mesh's diagonal: the length that stiffness carries a force at first
 constexpr double holding_weight = 1e4;  ///< of a held vertex against all that pulls at it; then it is set still
 
 /// Weighs held vertices so that their surroundings fade towards them and are not torn from them.
@@ -46,7 +45,7 @@ void Adapting::refit() {
 Result<void> anneal(Adapting& shape, ShapeSolver& solver, const Annealing& annealing, const ForceSource& force,
                     const AfterStep& after_step) {
   const double edge_mm = mean_edge_mm(*shape.mesh.topology, shape.mesh.points);
-  const double first_mm = stiffest_share * bounds_of(shape.mesh.points).diagonal().norm();
+  const double first_mm = annealing.stiffest_share * bounds_of(shape.mesh.points).diagonal().norm();
   const double last_mm = annealing.softest_edges * edge_mm;
   for (int step = 0; step < annealing.steps; ++step) {
     const double share = static_cast<double>(step) / (annealing.steps - 1);

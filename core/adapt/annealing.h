@@ -23,11 +23,13 @@ struct Adapting {
   void refit();
 };
 
-/// How the stiffness falls: its length [stiffness_length_mm] goes from 0.3 of the mesh's diagonal, which moves the
-/// mesh as a whole, to `softest_edges` mean edges, which lets it follow the boundary.
+/// How the stiffness falls: its length [stiffness_length_mm] goes from a share of the mesh's diagonal to
+/// `softest_edges` mean edges, which lets the mesh follow the boundary. A share of 0.3 moves the mesh as a whole first;
+/// what is matched already needs less.
 struct Annealing {
   int steps;
   double softest_edges;
+  double stiffest_share = 0.3;
 };
 
 /// The force on a mesh as it is now; `share`: 0 at the first step, 1 at the last.

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
 
 #include "core/adapt/annealing.h"
 #include "core/adapt/boundary/boundary_search.h"
 #include "core/adapt/boundary/boundary_warp.h"
+#include "core/adapt/match/coherent_match.h"
 #include "core/adapt/untangle.h"
 #include "core/deform/fold_guard.h"
 #include "core/deform/gesture.h"
+#include "core/deform/local_rotations.h"
 #include "core/deform/tangential.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
@@ -19,11 +22,38 @@ namespace homolog {
 
 namespace {
 
-constexpr Annealing annealing{.steps = 16, .softest_edges = 1};
+constexpr Annealing from_placement{.steps = 16, .softest_edges = 1},
+    from_match{.steps = 10, .softest_edges = 1, .stiffest_share = 0.05};
+/// A match counts for nothing where it strains the shape as much as the plain fit does, and alone where it spares this
+/// much. On a smooth organ many ways of lying on the boundary strain the shape alike. There the plain fit varies least
+/// from case to case, and models of it are more compact.
+constexpr double spares_nothing = 0.98, spares_much = 0.93;
+constexpr double less_strain_counts = 12;  ///< the power of the strain by which matches are averaged
+constexpr double doubt_by_strain = 0.13;   ///< of the root of the surface's area, times the root of the strain
+constexpr double no_nearer = 1.5;          ///< times the force left: a mesh farther off the boundary counts for nothing
 constexpr int settling_steps = 3;
 constexpr double easing_edges = 1;      ///< mean edges: folds of the template finer than about this are eased
 constexpr double landmark_weight = 10;  ///< of a named place against a vertex on the boundary
 constexpr double trusted = 0.5;         ///< a landmark below is called a blunder
+
+/// Where an adaptation begins.
+struct FitStart {
+  Points points;  ///< n×3, LPS mm
+  Annealing annealing;
+};
+
+double area_mm2(const Mesh& mesh) {
+  double area = 0;
+  for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f) area += area_normal(mesh, f).norm() / 2;
+  return area;
+}
+
+/// What an adaptation made of a start.
+struct Adapted {
+  Adapting shape;
+  double strain;     ///< see strain_share: of the template under its nearest similarity
+  double force_mm2;  ///< E_force a vertex [Erdt 2009, Eq. 2]
+};
 
 class Fitting {
  public:
@@ -39,8 +69,7 @@ class Fitting {
   Result<FitResult> run() {
     if (auto placed = place(); !placed) return fail(placed.error());
     if (options_.allowed) return among_allowed();
-    if (auto done = adapt(); !done) return fail(done.error());
-    if (auto done = settle(); !done) return fail(done.error());
+    if (auto done = adapt_from_starts(); !done) return fail(done.error());
     return finish();
   }
 
@@ -60,7 +89,7 @@ class Fitting {
     shape_.refit();
     const double beyond = options_.allowed->beyond;
     if (beyond > 0) {
-      if (auto done = anneal_to_boundary(); !done) return fail(done.error());
+      if (auto done = anneal_to_boundary(from_placement); !done) return fail(done.error());
       if (auto done = settle(); !done) return fail(done.error());
     }
     if (beyond < 1) {
@@ -97,6 +126,7 @@ class Fitting {
     if (!shape_.mesh.points.allFinite() || !(shape_.placement.scale > 0))
       return fail("", "the template cannot be placed on the surface: one of them is flat or has no size; check both");
     start_ = shape_.placement.inverse().apply(shape_.mesh.points);
+    found_ = shape_.placement;
     return show(0.1);
   }
 
@@ -117,14 +147,94 @@ class Fitting {
     }
   }
 
-  /// To the boundary, from a reference that is eased.
-  Result<void> adapt() {
-    if (auto done = ease(); !done) return done;
-    shape_.refit();
-    return anneal_to_boundary();
+  bool warped() const { return trust_.size() >= fewest_placing_landmarks; }
+
+  /// The template as placed or, with landmarks, warped; then that matched with the boundary as a whole. Where the scan
+  /// cuts the organ off there is no whole to match with.
+  std::vector<FitStart> starts() const {
+    std::vector<FitStart> all{{shape_.mesh.points, from_placement}};
+    if (!boundary_.scan_edges.empty()) return all;
+    KnownMatches known{Points(trust_.size(), 3), matched_landmarks(reference_, options_.landmarks).second, trust_};
+    Eigen::Index row = 0;
+    for (std::size_t k = 0; k < reference_.landmarks.size(); ++k)
+      if (options_.landmarks.contains(reference_.landmarks[k].name))
+        known.from.row(row++) = carried_landmark(reference_, k, shape_.mesh.points).transpose();
+    const CoherentMatch whole(reference_.points, shape_.mesh, boundary_.surface);
+    for (const MatchFreedom& freedom : {loose_match, close_match})
+      all.push_back({whole.match(freedom, known), from_match});
+    return all;
   }
 
-  Result<void> anneal_to_boundary() {
+  /// Several ways onto the boundary, averaged by how little they strain the shape.
+  Result<void> adapt_from_starts() {
+    std::vector<Adapted>& ways = ways_;
+    const std::vector<FitStart> all = starts();
+    for (const FitStart& start : all) {
+      part_of_progress_ = {ways.size(), all.size() + 1};
+      auto adapted = adapt(start);
+      if (!adapted) return fail(adapted.error());
+      ways.push_back(std::move(*adapted));
+    }
+    part_of_progress_ = {ways.size(), all.size() + 1};
+    const Adapted& plain = ways.front();
+    const auto keep_plain = [&] {
+      shape_ = plain.shape;
+      return Result<void>{};
+    };
+    // Landmarks have told the plain fit where things belong, so that it counts like the others.
+    const std::span matched = std::span(ways).subspan(warped() ? 0 : 1);
+    if (matched.empty() || !average(matched, plain.force_mm2)) return keep_plain();
+    start_ = rest_of(shape_.mesh.points);
+    if (auto done = settle(); !done || warped()) return done;
+    const double left = strain() / plain.strain;
+    const double share = std::clamp((spares_nothing - left) / (spares_nothing - spares_much), 0.0, 1.0);
+    if (share == 1) return {};
+    if (share == 0) return keep_plain();
+    shape_.mesh.points = share * shape_.mesh.points + (1 - share) * plain.shape.mesh.points;
+    shape_.refit();
+    return settle();
+  }
+
+  /// The mean of those that lie on the boundary; false where there is none. `force_mm2`: that the plain fit left.
+  bool average(std::span<const Adapted> ways, double force_mm2) {
+    Points sum = Points::Zero(reference_.points.rows(), 3);
+    double weights = 0;
+    for (const Adapted& way : ways) {
+      if (way.force_mm2 > no_nearer * force_mm2 || !(way.strain > 0)) continue;
+      const double weight = std::pow(way.strain, -less_strain_counts);
+      sum += weight * way.shape.mesh.points;
+      weights += weight;
+    }
+    if (!(weights > 0)) return false;
+    shape_.mesh.points = sum / weights;
+    shape_.refit();
+    return true;
+  }
+
+  /// From one start to the boundary, with a reference that is eased.
+  Result<Adapted> adapt(const FitStart& start) {
+    shape_.placement = found_;
+    shape_.mesh.points = start.points;
+    start_ = rest_of(start.points);
+    if (auto done = ease(); !done) return fail(done.error());
+    shape_.refit();
+    if (auto done = anneal_to_boundary(start.annealing); !done) return fail(done.error());
+    if (auto done = settle(); !done) return fail(done.error());
+    const BoundaryPull left = search_.pull(shape_.mesh);
+    const auto away_mm2 = (left.targets - shape_.mesh.points).rowwise().squaredNorm();
+    return Adapted{shape_, strain(), left.weights.dot(away_mm2) / static_cast<double>(reference_.points.rows())};
+  }
+
+  /// The reference of an adaptation, unplaced: the template itself or, with landmarks that warp it, the start.
+  Points rest_of(const Points& start) const { return warped() ? found_.inverse().apply(start) : reference_.points; }
+
+  double strain() const {
+    const Points placed =
+        nearest_similarity(reference_.points, shape_.mesh.points, shape_.placement).apply(reference_.points);
+    return strain_share(*reference_.topology, placed, shape_.mesh.points);
+  }
+
+  Result<void> anneal_to_boundary(const Annealing& annealing) {
     return anneal(
         shape_, solver_, annealing, [this](const Mesh& mesh, double) { return force(mesh); },
         [this](double share) { return show(0.1 + 0.7 * share); });
@@ -188,9 +298,20 @@ class Fitting {
     return show(0.95);
   }
 
+  VertexScalars doubt_mm() const {
+    const Mesh& mesh = shape_.mesh;
+    VertexScalars spread_mm2 = VertexScalars::Zero(mesh.points.rows());
+    for (const Adapted& way : ways_) spread_mm2 += (way.shape.mesh.points - mesh.points).rowwise().squaredNorm();
+    if (!ways_.empty()) spread_mm2 /= static_cast<double>(ways_.size());
+    const double of_strain_mm2 =
+        doubt_by_strain * doubt_by_strain * (ways_.empty() ? strain() : ways_.front().strain) * area_mm2(mesh);
+    return (spread_mm2.array() + of_strain_mm2).sqrt();
+  }
+
   FitResult finish() {
     Mesh& mesh = shape_.mesh;
     FitResult result;
+    result.doubt_mm = doubt_mm();
     result.placement = nearest_similarity(reference_.points, mesh.points, shape_.placement);
     result.turned_triangles =
         turned_triangles(*mesh.topology, result.placement.apply(reference_.points), mesh.points).size();
@@ -208,7 +329,8 @@ class Fitting {
   Result<void> show(double fraction) {
     if (options_.show) options_.show(shape_.mesh.points);
     if (options_.progress == nullptr) return {};
-    options_.progress->report(fraction);
+    const auto [part, parts] = part_of_progress_;
+    options_.progress->report((static_cast<double>(part) + fraction) / static_cast<double>(parts));
     return options_.progress->cancelled() ? Result<void>(fail("", "the fit was cancelled")) : Result<void>{};
   }
 
@@ -217,9 +339,12 @@ class Fitting {
   const FitOptions& options_;
   BoundarySearch search_;
   ShapeSolver solver_;
-  Adapting shape_;       ///< its reference is `start_`, eased while the mesh anneals
-  Points start_;         ///< the template, warped where landmarks ask for it
-  VertexScalars trust_;  ///< of each landmark that was given
+  Adapting shape_;             ///< its reference is `start_`, eased while the mesh anneals
+  Points start_;               ///< the template, warped where landmarks ask for it
+  std::vector<Adapted> ways_;  ///< the plain fit first
+  Similarity found_;           ///< where the organ is
+  VertexScalars trust_;        ///< of each landmark that was given
+  std::pair<std::size_t, std::size_t> part_of_progress_{0, 1};  ///< which of how many
   std::vector<std::string> landmark_warnings_;
 };
 

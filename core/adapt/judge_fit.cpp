@@ -1,12 +1,16 @@
 #include "core/adapt/judge_fit.h"
 
+#include <cmath>
+
 #include "core/mesh/mesh_faults.h"
+#include "core/mesh/mesh_quality.h"
 
 namespace homolog {
 
 namespace {
 
 constexpr double least_dice = 0.9, most_share = 0.04;
+constexpr double most_doubt = 0.06;  ///< real organs of the template's kind come to 0.02 to 0.04
 
 bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
   return agreement.dice < least_dice ||
@@ -19,8 +23,13 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
                        const FitResult& fit) {
   FitJudgement judgement;
   judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
+  double area_mm2 = 0;
+  for (Eigen::Index f = 0; f < boundary.surface.topology->triangles().rows(); ++f)
+    area_mm2 += area_normal(boundary.surface, f).norm() / 2;
+  judgement.doubt_share = fit.doubt_mm.mean() / std::sqrt(area_mm2);
   judgement.mirrored = looks_mirrored(the_template, boundary, options.orientation);
-  judgement.doubtful = judgement.mirrored || is_doubtful(judgement.agreement, boundary);
+  judgement.doubtful =
+      judgement.mirrored || judgement.doubt_share > most_doubt || is_doubtful(judgement.agreement, boundary);
   judgement.warnings = boundary.warnings;
   judgement.warnings.insert(judgement.warnings.end(), fit.warnings.begin(), fit.warnings.end());
   if (judgement.mirrored)

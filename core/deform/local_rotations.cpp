@@ -57,4 +57,17 @@ Points rotated_reference_force(const Topology& topology, const VertexScalars& w,
   return b;
 }
 
+double strain_share(const Topology& topology, const Points& reference, const Points& points) {
+  const std::vector<Mat3> rotations = local_rotations(topology, reference, points);
+  double strain = 0, edges = 0;
+  for (Eigen::Index i = 0; i < topology.vertices(); ++i)
+    for (const std::int32_t j : topology.one_ring(i)) {
+      const Vec3 edge = (reference.row(i) - reference.row(j)).transpose();
+      const Vec3 now = (points.row(i) - points.row(j)).transpose();
+      strain += (now - rotations[static_cast<std::size_t>(i)] * edge).squaredNorm();
+      edges += edge.squaredNorm();
+    }
+  return strain / edges;
+}
+
 }  // namespace homolog

@@ -15,4 +15,8 @@ std::vector<Mat3> local_rotations(const Topology& topology, const Points& refere
 Points rotated_reference_force(const Topology& topology, const VertexScalars& w, const Points& reference,
                                const std::vector<Mat3>& rotations);
 
+/// How much `points` strain their reference: the as-rigid-as-possible energy of the edges, Σ ‖(p_i − p_j) −
+/// R̂_i (r_i − r_j)‖², as a share of Σ ‖r_i − r_j‖² (no unit; 0 where each one-ring only turned). Both n×3.
+double strain_share(const Topology& topology, const Points& reference, const Points& points);
+
 }  // namespace homolog

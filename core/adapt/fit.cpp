@@ -29,8 +29,10 @@ constexpr Annealing from_placement{.steps = 16, .softest_edges = 1},
 /// from case to case, and models of it are more compact.
 constexpr double spares_nothing = 0.98, spares_much = 0.93;
 constexpr double less_strain_counts = 12;  ///< the power of the strain by which matches are averaged
-constexpr double doubt_by_strain = 0.13;   ///< of the root of the surface's area, times the root of the strain
-constexpr double no_nearer = 1.5;          ///< times the force left: a mesh farther off the boundary counts for nothing
+/// Of the doubt, as shares of the root of the surface's area: at least, and times the root of the strain. Set on bones
+/// with experts' landmarks (docs/correspondence.md).
+constexpr double least_doubt = 0.012, doubt_by_strain = 0.12;
+constexpr double no_nearer = 1.5;  ///< times the force left: a mesh farther off the boundary counts for nothing
 constexpr int settling_steps = 3;
 constexpr double easing_edges = 1;      ///< mean edges: folds of the template finer than about this are eased
 constexpr double landmark_weight = 10;  ///< of a named place against a vertex on the boundary
@@ -160,8 +162,11 @@ class Fitting {
       if (options_.landmarks.contains(reference_.landmarks[k].name))
         known.from.row(row++) = carried_landmark(reference_, k, shape_.mesh.points).transpose();
     const CoherentMatch whole(reference_.points, shape_.mesh, boundary_.surface);
-    for (const MatchFreedom& freedom : {loose_match, close_match})
-      all.push_back({whole.match(freedom, known), from_match});
+    for (const MatchFreedom& freedom : {loose_match, close_match}) {
+      Points points = whole.match(freedom, known);
+      // A template without extent in some direction has no smooth displacement.
+      if (points.allFinite()) all.push_back({std::move(points), from_match});
+    }
     return all;
   }
 
@@ -303,9 +308,9 @@ class Fitting {
     VertexScalars spread_mm2 = VertexScalars::Zero(mesh.points.rows());
     for (const Adapted& way : ways_) spread_mm2 += (way.shape.mesh.points - mesh.points).rowwise().squaredNorm();
     if (!ways_.empty()) spread_mm2 /= static_cast<double>(ways_.size());
-    const double of_strain_mm2 =
-        doubt_by_strain * doubt_by_strain * (ways_.empty() ? strain() : ways_.front().strain) * area_mm2(mesh);
-    return (spread_mm2.array() + of_strain_mm2).sqrt();
+    const double strained = ways_.empty() ? strain() : ways_.front().strain;
+    const double everywhere = least_doubt * least_doubt + doubt_by_strain * doubt_by_strain * strained;
+    return (spread_mm2.array() + everywhere * area_mm2(mesh)).sqrt();
   }
 
   FitResult finish() {

@@ -26,7 +26,7 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   double area_mm2 = 0;
   for (Eigen::Index f = 0; f < boundary.surface.topology->triangles().rows(); ++f)
     area_mm2 += area_normal(boundary.surface, f).norm() / 2;
-  judgement.doubt_share = fit.doubt_mm.mean() / std::sqrt(area_mm2);
+  if (fit.doubt_mm.size() > 0) judgement.doubt_share = fit.doubt_mm.mean() / std::sqrt(area_mm2);
   judgement.mirrored = looks_mirrored(the_template, boundary, options.orientation);
   judgement.doubtful =
       judgement.mirrored || judgement.doubt_share > most_doubt || is_doubtful(judgement.agreement, boundary);

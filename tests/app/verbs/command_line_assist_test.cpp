@@ -55,6 +55,8 @@ TEST_CASE("fit does every case of a folder that can be done and reports the othe
   CHECK(json["failed"] == 1);
   CHECK(json["cases"][0]["dice"] > 0.97);
   CHECK(json["cases"][0]["turned_triangles"] == 0);
+  CHECK(json["cases"][0]["doubt_mm"]["mean"] > 0);
+  CHECK(json["cases"][0]["doubt_mm"]["max"] >= json["cases"][0]["doubt_mm"]["p95"]);
   CHECK(json["cases"][1]["error"].get<std::string>().find("empty.nii.gz") == 0);
   CHECK(fs::exists(folder.path / "fitted" / "good.ply"));
   CHECK(!fs::exists(folder.path / "fitted" / "empty.ply"));

@@ -3,14 +3,18 @@
 #include <numbers>
 
 #include "core/adapt/judge_fit.h"
+#include "core/adapt/match/coherent_match.h"
 #include "core/adapt/untangle.h"
 #include "core/catalogue/catalogue.h"
 #include "core/deform/fold_guard.h"
 #include "core/measure/compare.h"
 #include "core/mesh/label_map.h"
+#include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
 #include "core/phantom/phantom.h"
+#include "core/template_making/mesh_template.h"
+#include "core/template_making/template_file.h"
 #include "core/volume/volume_io.h"
 #include "tests/ball.h"
 #include "tests/real_data.h"
@@ -53,6 +57,20 @@ std::map<std::string, Vec3> landmarks_of(const MeshFile& file, const std::vector
     if (std::find(names.begin(), names.end(), landmark.name) != names.end())
       landmarks[landmark.name] = landmark.position;
   return landmarks;
+}
+
+/// A long organ with a bump on its shaft: an ellipsoid of 20 × 20 × 100 mm half axes.
+Mesh shaft_with_bump(double bump_z_mm, double twist_rad) {
+  Mesh shaft = icosphere(4, 20);
+  for (auto p : shaft.points.rowwise()) {
+    p.z() *= 5;
+    const double across = p.leftCols<2>().norm(), angle = std::atan2(p.y(), p.x());
+    const double away_mm = std::hypot(p.z() - bump_z_mm, 20 * angle);
+    const double out_mm = 10 * std::exp(-away_mm * away_mm / (2 * 8 * 8)), turn = twist_rad * p.z() / 100;
+    const double oval = 1 + 0.25 * std::cos(2 * angle);
+    p.leftCols<2>() = (across * oval + out_mm) * Eigen::RowVector2d(std::cos(angle + turn), std::sin(angle + turn));
+  }
+  return shaft;
 }
 
 /// How far the fit moves, at its farthest vertex, when the label map moves by 1e-9 mm.
@@ -450,4 +468,67 @@ TEST_CASE("untangling frees turned triangles and leaves the rest") {
   const VertexScalars way = (tangled.points - sphere.points).rowwise().norm();
   for (Eigen::Index i = 0; i < way.size(); ++i) moved += way[i] > 0.01;
   CHECK(moved < sphere.points.rows() / 4);
+}
+
+TEST_CASE("a match takes a long shaft towards its twisted form") {
+  const Mesh own = shaft_with_bump(30, 0), there = shaft_with_bump(30, 0.5);
+  const CoherentMatch whole(own.points, own, there);
+  const Points matched = whole.match(loose_match, {Points(0, 3), Points(0, 3), VertexScalars(0)});
+  const double before_mm = (own.points - there.points).rowwise().norm().mean(),
+               after_mm = (matched - there.points).rowwise().norm().mean();
+  CAPTURE(before_mm);
+  CAPTURE(after_mm);
+  CHECK(after_mm < 0.8 * before_mm);
+}
+
+TEST_CASE("a femur keeps its small features when it is fitted to another") {
+  const auto data = real_data();
+  if (data.empty()) return;
+  const auto femur = [&](const std::string& name) {
+    MeshFile file = read_mesh_file(data / "bones" / (name + ".ply")).value();
+    file.landmarks = read_landmarks(data / "bones" / (name + ".mrk.json")).value();
+    return file;
+  };
+  const MeshFile own = femur("fem_z009_R"), there = femur("fem_z066_R");
+  MeshFile even = template_file(make_mesh_template(own, 2500).value().mesh, {});
+  even.landmarks = own.landmarks;
+  const Mesh surface{Topology::make(there.points.rows(), there.triangles).value(), there.points};
+  const auto fit = fit_to_boundary(*make_template(even, "femur").value(), mesh_boundary(surface)).value();
+  double off_mm = 0;
+  for (const Landmark& landmark : there.landmarks)
+    off_mm +=
+        (landmarks_of({.landmarks = fit.landmarks}, {landmark.name}).at(landmark.name) - landmark.position).norm();
+  off_mm /= static_cast<double>(there.landmarks.size());
+  CAPTURE(off_mm);
+  CHECK(off_mm < 4);
+}
+
+TEST_CASE("a fit doubts a template of another organ more than one of its own kind") {
+  const auto the_template = built_in(Organ::vertebra);
+  const Mesh own{the_template->topology, phantom_truth(Organ::vertebra, 3).front().points};
+  const Mesh other{built_in(Organ::kidney)->topology, built_in(Organ::kidney)->points};
+  const auto judged = [&](const Mesh& there) {
+    const Boundary boundary = mesh_boundary(there);
+    const auto fit = fit_to_boundary(*the_template, boundary).value();
+    CHECK(fit.doubt_mm.size() == the_template->points.rows());
+    CHECK(fit.doubt_mm.minCoeff() > 0);
+    return judge_fit(*the_template, boundary, {}, fit);
+  };
+  const FitJudgement of_own = judged(own), of_other = judged(other);
+  CHECK_FALSE(of_own.doubtful);
+  CHECK(of_own.doubt_share < 0.04);
+  CHECK(of_other.doubtful);
+  CHECK(of_other.doubt_share > 1.5 * of_own.doubt_share);
+}
+
+TEST_CASE("of the vertices of phantoms most lie within the doubt of their fits") {
+  const auto the_template = built_in(Organ::kidney);
+  for (const int subject : {1, 4}) {
+    CAPTURE(subject);
+    const Mesh truth{the_template->topology, phantom_truth(Organ::kidney, subject).front().points};
+    const auto fit = fit_to_boundary(*the_template, mesh_boundary(truth)).value();
+    const auto within = (fit.mesh.points - truth.points).rowwise().norm().array() <= 1.44 * fit.doubt_mm.array();
+    INFO("within: " << within.count() << " of " << within.size());
+    CHECK(static_cast<double>(within.count()) > 0.6 * static_cast<double>(within.size()));
+  }
 }

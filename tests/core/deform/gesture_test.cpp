@@ -1,4 +1,5 @@
 #include "core/deform/gesture.h"
+#include "core/deform/local_rotations.h"
 
 #include <doctest/doctest.h>
 
@@ -322,4 +323,11 @@ TEST_CASE("a softer stiffness keeps an edit narrower") {
   };
   CHECK(spread(1) < spread(10));
   CHECK(spread(10) < spread(50));
+}
+
+TEST_CASE("a turn strains nothing and a growth by a tenth strains a hundredth") {
+  const Mesh ball = icosphere(3, 20);
+  const Points turned = ball.points * Eigen::AngleAxisd(1.2, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  CHECK(strain_share(*ball.topology, ball.points, turned) < 1e-12);
+  CHECK(strain_share(*ball.topology, ball.points, 1.1 * turned) == doctest::Approx(0.01));
 }

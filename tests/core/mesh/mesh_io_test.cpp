@@ -50,6 +50,7 @@ MeshFile template_file() {
   MeshFile file = sphere_file();
   file.stiffness = VertexScalars::LinSpaced(file.points.rows(), 0.5, 4.5).cast<float>().cast<double>();
   file.stiffness_base = 12.5;
+  file.doubt_mm = VertexScalars::LinSpaced(file.points.rows(), 0.25, 3).cast<float>().cast<double>();
   file.landmarks = {{"superior pole", {1.0 / 3, -2, 3}}, {"Hilus „ü“ \"x\"", {0, 0, 1e-9}}};
   file.comments = {"made by hand", "  two  spaces "};
   return file;
@@ -153,12 +154,14 @@ TEST_CASE("formats that hold doubles give back the same points and faces to the 
   CHECK(particles.triangles.rows() == 0);
 }
 
-TEST_CASE("a template keeps stiffness landmarks and comments in PLY") {
+TEST_CASE("a template keeps stiffness doubt landmarks and comments in PLY") {
   MeshFolder folder;
   const MeshFile file = template_file();
   REQUIRE(write_mesh_file(file, folder.path / "t.ply"));
   const auto back = read_mesh_file(folder.path / "t.ply").value();
   CHECK(same_shape(back, file));
+  REQUIRE(back.doubt_mm);
+  CHECK(*back.doubt_mm == *file.doubt_mm);
   REQUIRE(back.stiffness);
   CHECK(*back.stiffness == *file.stiffness);
   CHECK(back.stiffness_base == file.stiffness_base);

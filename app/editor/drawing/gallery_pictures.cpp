@@ -112,18 +112,20 @@ void GalleryPictures::draw_gallery(const ModelsState& state, const RectPx& rect,
   Framebuffer* framebuffer = fit(gallery_, rect, state.turning);
   if (framebuffer == nullptr) return;
   framebuffer->bind();
-  // Between the cells too: what another grid left there.
-  Scene empty;
-  empty.background = background;
+  // Lines between the cells, where another grid left its own.
+  Scene lines;
+  lines.background = std::array<float, 4>{0, 0, 0, 0};
   const Target whole{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale};
-  if (auto drawn = renderer.draw(empty, state.camera, whole); !drawn) error_ = drawn.error().sentence();
-  for (std::size_t k = 0; k < grid.shapes; ++k) {
+  if (auto drawn = renderer.draw(lines, state.camera, whole); !drawn) error_ = drawn.error().sentence();
+  for (std::size_t k = 0; k < static_cast<std::size_t>(grid.columns * grid.rows); ++k) {
     const RectPx cell = grid.cell(k);
     const Target target{static_cast<int>(cell.x), static_cast<int>(rect.height - cell.y - cell.height),
                         static_cast<int>(cell.width), static_cast<int>(cell.height), scale};
-    const auto& points = state.model->shapes[k];
-    const auto drawn =
-        renderer.draw(scene_of(state, points, state.glyphs && !state.turning), cell_camera(state, *points), target);
+    const auto points = k < grid.shapes ? state.model->shapes[k] : nullptr;
+    Scene empty;
+    empty.background = background;
+    const auto drawn = renderer.draw(points ? scene_of(state, points, state.glyphs && !state.turning) : empty,
+                                     points ? cell_camera(state, *points) : state.camera, target);
     if (!drawn) error_ = drawn.error().sentence();
   }
   gallery_key_ = std::move(key);

@@ -68,17 +68,17 @@ struct Shared {
   }
 };
 
-/// What names that `shortened` as this one share with it; nothing where it stands alone.
+/// What names that would look much as `shortened`, which is this one's, share with it; nothing where it stands alone.
+/// Those that have half of its ends count, so that a list is shortened in one way.
 std::optional<Shared> shared_ends(const std::string& name, const std::vector<std::string>& names,
                                   const std::string& shortened) {
   const std::size_t gap = shortened.find(left_out);
   if (gap == std::string::npos) return std::nullopt;
-  const std::size_t tail = shortened.size() - gap - std::string_view(left_out).size();
+  const std::size_t head = gap / 2, tail = (shortened.size() - gap - std::string_view(left_out).size()) / 2;
   const std::string_view end = std::string_view(name).substr(name.size() - tail);
   std::optional<Shared> shared;
   for (const std::string& other : names) {
-    if (other == name || other.size() < gap + tail || other.compare(0, gap, name, 0, gap) != 0 || !other.ends_with(end))
-      continue;
+    if (other == name || other.compare(0, head, name, 0, head) != 0 || !other.ends_with(end)) continue;
     if (!shared) shared.emplace();
     shared->with(name, other);
   }
@@ -111,7 +111,11 @@ std::string shortened_among(const std::string& name, const std::vector<std::stri
     if (!fits(text)) break;
     best = text;
   }
-  return best.empty() ? shortened(own, width_px) : best;
+  if (!best.empty()) return best;
+  const bool alike = std::any_of(names.begin(), names.end(), [&](const std::string& other) {
+    return other != name && shortened(other, width_px) == alone;
+  });
+  return alike ? shortened(own, width_px) : alone;
 }
 
 void text_at(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text, float wrap_px) {

@@ -2,6 +2,7 @@
 
 #include <imgui.h>
 
+#include <algorithm>
 #include <set>
 
 #include "app/editor/state/view_geometry.h"
@@ -161,6 +162,9 @@ TEST_CASE("names that would look alike keep what tells them apart") {
       CHECK(ImGui::CalcTextSize(shortened_among(name, names, width).c_str()).x <= width);
     }
     CHECK(shown.size() == names.size());
+    for (const char* number : {"14", "96"})  // whole, in each
+      CHECK(std::any_of(shown.begin(), shown.end(),
+                        [&](const std::string& one) { return one.find(number) != std::string::npos; }));
   }
   CHECK(shortened_among("left kidney of a horse", {"left kidney of a horse"}, 60) ==
         shortened("left kidney of a horse", 60));

@@ -101,9 +101,9 @@ void forget_old_news(EditorState& state, double seconds) {
 void forget_old_hints(EditorState& state, const Document& document, double seconds) {
   constexpr double hint_seconds = 20;
   const bool covered = state.models.shown || state.dialog || (state.guide && state.guide->shown);
-  if (state.hints_over || covered || !document.has_shape()) return;
-  if (!state.hints_until) state.hints_until = seconds + hint_seconds;
-  state.hints_over = *state.hints_until <= seconds;
+  if (state.hints_over) return;
+  if (!state.hints_until && !covered && document.has_shape()) state.hints_until = seconds + hint_seconds;
+  state.hints_over = state.hints_until && *state.hints_until <= seconds;
 }
 
 void play(EditorState& state, const Document& document, double seconds) {

@@ -1,6 +1,7 @@
 #include "core/adapt/judge_fit.h"
 
 #include <cmath>
+#include <cstdio>
 
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
@@ -15,6 +16,18 @@ constexpr double most_doubt = 0.06;  ///< real organs of the template's kind com
 bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
   return agreement.dice < least_dice ||
          agreement.hd95_mm > most_share * bounds_of(boundary.surface.points).diagonal().norm();
+}
+
+/// Why the agreement is not good enough.
+std::string poor_fit(const Agreement& agreement) {
+  if (agreement.dice < least_dice)
+    return "the fit is poor; check that the template is not of another organ or side, and that the label is right";
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "parts of the label are not followed: 5 %% of the surface is more than %.1f mm off; look at clefts and "
+                "at the hilum, and pull the mesh there",
+                agreement.hd95_mm);
+  return text;
 }
 
 }  // namespace
@@ -43,8 +56,7 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
     judgement.warnings.push_back("the template itself has " + faults.words() +
                                  ", so its fits have faults too; make it again from a surface without faults");
   else if (judgement.doubtful && !judgement.mirrored)
-    judgement.warnings.emplace_back(
-        "the fit is poor; check that the template is not of another organ or side, and that the label is right");
+    judgement.warnings.push_back(poor_fit(judgement.agreement));
   else if (tangled)
     judgement.warnings.emplace_back(
         "some triangles are turned or pass through each other, because the organ differs too much from the template "

@@ -85,7 +85,8 @@ std::shared_ptr<const VertexScalars> confirmed_without_landmarks(const Document&
   Shape shape = document.shape();
   if (!document.holds_landmarks || !shape.confirmed) return shape.confirmed;
   for (std::size_t l = 0; l < document.the_template->landmarks.size(); ++l) {
-    const LandmarkHold hold = landmark_hold(*document.the_template, l, shape);
+    // Of the shape as it is: two landmarks may share a vertex.
+    const LandmarkHold hold = landmark_hold(*document.the_template, l, document.shape());
     if (hold.held && hold.met) hold_landmark(*document.the_template, l, false, shape);
   }
   return shape.confirmed;

@@ -112,6 +112,11 @@ void GalleryPictures::draw_gallery(const ModelsState& state, const RectPx& rect,
   Framebuffer* framebuffer = fit(gallery_, rect, state.turning);
   if (framebuffer == nullptr) return;
   framebuffer->bind();
+  // Lines between the cells, where another grid left its own.
+  Scene lines;
+  lines.background = std::array<float, 4>{0, 0, 0, 0};
+  const Target whole{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale};
+  if (auto drawn = renderer.draw(lines, state.camera, whole); !drawn) error_ = drawn.error().sentence();
   for (std::size_t k = 0; k < static_cast<std::size_t>(grid.columns * grid.rows); ++k) {
     const RectPx cell = grid.cell(k);
     const Target target{static_cast<int>(cell.x), static_cast<int>(rect.height - cell.y - cell.height),

@@ -36,14 +36,15 @@ struct RowTexts {
   std::string text, middle, right;
 };
 
-AreaState row(const Theme& theme, const RowTexts& texts, bool selected, const std::string& tip = {}) {
+AreaState row(const Theme& theme, const RowTexts& texts, bool selected, const std::string& tip = {},
+              const std::vector<std::string>& names = {}) {
   const auto& [glyph, text, middle, right] = texts;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size{ImGui::GetContentRegionAvail().x, theme.px(26)};
   const ImVec2 end{at.x + size.x, at.y + size.y};
   const float right_width = theme.px(92), middle_width = theme.px(140);
   const float text_end = middle.empty() && right.empty() ? end.x : end.x - right_width - middle_width;
-  const std::string shown = shortened(text, text_end - at.x - theme.px(36));
+  const std::string shown = shortened_among(text, names, text_end - at.x - theme.px(36));
   const AreaState state = area(theme, "row", size, tip.empty() && shown != text ? text : tip, {selected});
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   if (selected || state.hovered)
@@ -69,9 +70,11 @@ void draw_places(const UiContext& ui, const FileDialog& dialog, Outbox& out) {
   if (dialog.purpose != FilePurpose::open || recent.empty()) return;
   gap(theme, 8);
   caption(theme, "Recent");
+  std::vector<std::string> names;
+  for (const auto& path : recent) names.push_back(path.filename().string());
   for (const auto& path : recent) {
     const Part part("recent " + path.string(), "recent file");
-    if (row(theme, {icon::history, path.filename().string(), "", ""}, false, path.string()).clicked) {
+    if (row(theme, {icon::history, path.filename().string(), "", ""}, false, path.string(), names).clicked) {
       out.send(OpenFiles{{path}});
       out.send(CloseDialog{});
     }
@@ -171,7 +174,7 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   std::string name = browser.name;
   // The field has the keyboard from the start: typing filters (or names) at once.
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  text_field(theme, "name", name, saving ? "Name" : "Type to filter", room, 28);
+  text_field(theme, "name", name, saving ? "Name" : "Type to filter, or a path", room, 28);
   const bool entered = enter_pressed();
   if (entered) ImGui::SetKeyboardFocusHere(-1);
   if (name != browser.name) out.send(TypeFileName{name});

@@ -24,7 +24,7 @@ void draw_guide(const UiContext& ui, float& bottom_px, Outbox& out) {
   const float width = card_width(ui) - theme.px(24), third = (width - 2 * theme.px(8)) / 3;
   caption(theme, all_done ? "First steps: done"
                           : format("First steps: pull %zu of %zu", guide.at + 1, guide.steps.size()).c_str());
-  text_lines(all_done ? "The outline lies near the kidney everywhere. Press N to snap the rest to the edge. Then "
+  text_lines(all_done ? "The outline lies near the kidney everywhere. Press Snap the whole mesh (Deform). Then "
                         "save the case (Ctrl+S), or open a scan of your own (Ctrl+O)."
                       : texts[std::min(guide.at, texts.size() - 1)],
              palette::text, width);

@@ -10,6 +10,18 @@ namespace homolog {
 
 namespace {
 
+/// The overlay's label at a point; 0 where there is none.
+int label_there(const UiContext& ui, const Vec3& p_mm) {
+  if (!ui.labels) return 0;
+  const Vec3 voxel = ui.labels->geometry.to_voxel(p_mm).array().round();
+  const auto& dims = ui.labels->geometry.dims;
+  for (int axis = 0; axis < 3; ++axis)
+    if (voxel[axis] < 0 || voxel[axis] >= dims[static_cast<std::size_t>(axis)]) return 0;
+  const int frame = std::min(shown_frame(ui.state, ui.document()), ui.labels->frames - 1);
+  return static_cast<int>(std::lround(
+      ui.labels->at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()), static_cast<int>(voxel.z()), frame)));
+}
+
 /// "R 17.6 P 35.3 S 12.1    voxel 120 88 40    124": where the pointer is.
 std::string read_out(const UiContext& ui) {
   if (!ui.state.hover || !ui.state.hover->p_mm) return {};
@@ -23,7 +35,9 @@ std::string read_out(const UiContext& ui) {
     if (voxel[axis] < 0 || voxel[axis] >= dims[static_cast<std::size_t>(axis)]) return text + "    outside the image";
   const auto i = static_cast<int>(voxel.x()), j = static_cast<int>(voxel.y()), k = static_cast<int>(voxel.z());
   const double value = volume->at(i, j, k, shown_frame(ui.state, ui.document()));
-  return text + format("    voxel %d %d %d    %.4g", i, j, k, value);
+  text += format("    voxel %d %d %d    %.4g", i, j, k, value);
+  if (const int label = label_there(ui, p_mm)) text += format("    label %d", label);
+  return text;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "app/editor/interface/view_marks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -18,7 +19,13 @@ ImVec2 to_im(const Eigen::Vector2d& p) {
   return {static_cast<float>(p.x()), static_cast<float>(p.y())};
 }
 
-void draw_letters(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+/// The letters of a direction at the view's edge.
+struct Letters {
+  std::string text;
+  ImVec2 at, size;
+};
+
+std::array<Letters, 4> letters_of(const UiContext& ui, const ViewMap& map) {
   const RectPx& rect = map.rect();
   ImFont* font = ui.theme.strong;
   const float inset = ui.theme.px(8);
@@ -29,12 +36,13 @@ void draw_letters(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
     const ImVec2 size = text_size(font, letters);
     const ImVec2 at{std::round(rect.x + inset + (rect.width - 2 * inset - size.x) * share_x),
                     std::round(rect.y + inset + (rect.height - 2 * inset - size.y) * share_y)};
-    shadowed_text(draw, font, at, palette::mark, letters);
+    return Letters{letters, at, size};
   };
-  put(-right, 0, 0.5f);
-  put(right, 1, 0.5f);
-  put(-down, 0.5f, 0);
-  put(down, 0.5f, 1);
+  return {put(-right, 0, 0.5f), put(right, 1, 0.5f), put(-down, 0.5f, 0), put(down, 0.5f, 1)};
+}
+
+void draw_letters(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
+  for (const Letters& one : letters_of(ui, map)) shadowed_text(draw, ui.theme.strong, one.at, palette::mark, one.text);
 }
 
 void draw_scale_bar(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
@@ -73,10 +81,15 @@ void draw_crosshair(const UiContext& ui, ViewKind kind, const ViewMap& map, ImDr
   }
 }
 
-/// Names beside their points, each at the first side where it covers no other; none where all sides are taken.
+/// Names beside their points, each at the first side that has room in the view and where it covers no other and none of
+/// the letters; none where all sides are taken.
 class NameTags {
  public:
-  NameTags(const Theme& theme, ImDrawList& draw) : theme_(theme), draw_(draw) {}
+  NameTags(const Theme& theme, const RectPx& view, ImDrawList& draw) : theme_(theme), draw_(draw), view_(view) {}
+  /// Keeps names off a text.
+  void block(const Letters& letters) {
+    taken_.push_back({letters.at, {letters.at.x + letters.size.x, letters.at.y + letters.size.y}});
+  }
   /// Keeps names off a point.
   void block(ImVec2 at) {
     const float reach = theme_.px(5);
@@ -85,10 +98,17 @@ class NameTags {
   void put(ImVec2 at, const std::string& name, float alpha) {
     const ImVec2 size = text_size(theme_.small, name);
     const float aside = theme_.px(9), middle = size.y / 2;
-    for (const ImVec2 corner :
-         {ImVec2{at.x + aside, at.y - middle}, ImVec2{at.x - aside - size.x, at.y - middle},
-          ImVec2{at.x - size.x / 2, at.y - aside - size.y}, ImVec2{at.x - size.x / 2, at.y + aside}}) {
+    // Above and below a name may stand off its point's middle, where the view ends.
+    const float edge = theme_.px(2);
+    const auto low = static_cast<float>(view_.x) + edge;
+    const float high = static_cast<float>(view_.x + view_.width) - edge - size.x;
+    const float x = std::max(low, std::min(at.x - size.x / 2, high));
+    for (const ImVec2 corner : {ImVec2{at.x + aside, at.y - middle}, ImVec2{at.x - aside - size.x, at.y - middle},
+                                ImVec2{x, at.y - aside - size.y}, ImVec2{x, at.y + aside}}) {
       const Rect tag{corner, {corner.x + size.x, corner.y + size.y}};
+      const bool beyond =
+          corner.x < low || corner.x > high || corner.y < view_.y || corner.y + size.y > view_.y + view_.height;
+      if (beyond) continue;
       if (std::any_of(taken_.begin(), taken_.end(), [&](const Rect& other) { return tag.meets(other); })) continue;
       taken_.push_back(tag);
       shadowed_text(draw_, theme_.small, corner, with_alpha(palette::mark, alpha), name);
@@ -105,6 +125,7 @@ class NameTags {
   };
   const Theme& theme_;
   ImDrawList& draw_;
+  RectPx view_;
   std::vector<Rect> taken_;
 };
 
@@ -174,7 +195,9 @@ std::vector<ShownLandmark> shown_landmarks(const UiContext& ui, const ViewMap& m
 void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   if (ui.making_shown) return;
   auto shown = shown_landmarks(ui, map);
-  NameTags tags(ui.theme, draw);
+  NameTags tags(ui.theme, map.rect(), draw);
+  if (ui.state.preferences.show.letters)
+    for (const Letters& one : letters_of(ui, map)) tags.block(one);
   for (const ShownLandmark& one : shown) {
     if (one.placed) tags.block(*one.placed);
     if (one.carried) tags.block(*one.carried);
@@ -339,7 +362,7 @@ void draw_guide_arrow(const UiContext& ui, const GuideStep& step, const ViewMap&
 
 void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const Hints& hints = ui.state.preferences.hints;
-  if (!ui.has_shape() || ui.state.drag || (ui.state.guide && ui.state.guide->shown)) return;
+  if (ui.state.hints_over || !ui.has_shape() || ui.state.drag || (ui.state.guide && ui.state.guide->shown)) return;
   std::string text;
   if (kind == ViewKind::axial && !hints.dragged)
     text = "Drag the coloured outline to the organ's edge";

@@ -150,14 +150,15 @@ ImU32 distance_colour(const StudyModel& model, std::ptrdiff_t shape) {
 }
 
 std::string row_tip(const StudyCase& one, bool left_out) {
-  std::string tip = one.file.string();
+  std::string tip = one.name + "\n" + one.file.string();
   if (left_out) tip += one.waits() ? "\nWaits to be fitted, so it is not in the model yet." : "\nNot in the model.";
   if (!one.doubt.empty()) tip += "\n" + one.doubt;
   if (!one.notes.empty()) tip += "\n" + one.notes;
   return tip + (is_case_file(one.file) ? "\nDouble-click opens it." : "\nDouble-click opens it for repair.");
 }
 
-void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox& out) {
+void draw_row(const UiContext& ui, const StudyCase& one, const std::vector<std::string>& names, float width_px,
+              Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const Part part(one.name, "case");
@@ -183,7 +184,7 @@ void draw_row(const UiContext& ui, const StudyCase& one, float width_px, Outbox&
                   {corner.x + theme.px(CaseThumbnails::width), corner.y + theme.px(CaseThumbnails::height)});
   }
   const float name_room = columns.state - columns.name - theme.px(8) - (one.notes.empty() ? 0 : theme.px(20));
-  const std::string name = shortened(one.name, name_room);
+  const std::string name = shortened_among(one.name, names, name_room);
   const float name_y = one.group.empty() ? y : std::floor(at.y + theme.px(3));
   const ImU32 colour = one.waits()                      ? palette::dim
                        : left_out || !one.doubt.empty() ? (left_out ? palette::bad : palette::amber)
@@ -253,11 +254,13 @@ void draw_list(const UiContext& ui, Outbox& out) {
   const StudyCase* selected = find_case(state.study, state.selected);
   ImGui::BeginChild("cases", {0, selected == nullptr ? 0 : -case_details_height(ui, *selected)});
   const auto listed = listed_cases(state);
+  std::vector<std::string> names;
+  for (const std::size_t k : listed) names.push_back(state.study.cases[k].name);
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(listed.size()), theme.px(row_height));
   while (clipper.Step())
     for (int k = clipper.DisplayStart; k < clipper.DisplayEnd; ++k)
-      draw_row(ui, state.study.cases[listed[static_cast<std::size_t>(k)]], width, out);
+      draw_row(ui, state.study.cases[listed[static_cast<std::size_t>(k)]], names, width, out);
   if (listed.empty() && !state.study.cases.empty()) explanation(theme, "No match.");
   ImGui::EndChild();
   ImGui::PopStyleVar();

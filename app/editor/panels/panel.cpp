@@ -1,5 +1,10 @@
+#include <string_view>
+#include <utility>
+
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/widgets/imgui_context.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/catalogue/catalogue.h"
 
 namespace homolog {
 
@@ -35,8 +40,12 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
   for (const PanelSection& one : sections) {
     if (one.wanted != nullptr && !one.wanted(ui)) continue;
     const auto chosen = sections_open.find(one.title);
-    const bool open = chosen == sections_open.end() ? one.open_at_first : chosen->second;
+    const bool at_first = one.opens != nullptr ? one.opens(ui) : one.open_at_first;
+    const bool open = chosen == sections_open.end() ? at_first : chosen->second;
     bool toggled = false;
+    if (std::string_view(one.title) == place_section &&
+        std::exchange(controls_memory().place_shown, ui.state.place_wanted) != ui.state.place_wanted)
+      ImGui::SetScrollFromPosY(ImGui::GetCursorScreenPos().y - ImGui::GetWindowPos().y, 0);
     const bool shown = section(theme, one.title, open, toggled);
     if (toggled) out.send(OpenSection{one.title, !open});
     if (!shown) continue;
@@ -64,13 +73,18 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
   static constexpr auto is_cine = [](const UiContext& shown) {
     return shown.document().volume && shown.document().volume->frames > 1;
   };
-  static constexpr std::array<PanelSection, 7> sections{{{"Case", draw_case_section, true},
-                                                         {"Cine", draw_cine_section, true, is_cine},
-                                                         {"Template", draw_template_section, false},
-                                                         {place_section, draw_place_section, false},
-                                                         {"Deform", draw_deform_section, true},
-                                                         {"Correspondence", draw_correspondence_section, true},
-                                                         {"Export", draw_export_section, false}}};
+  // Whoever opens a scan of their own needs a template of their organ first; the phantoms come with theirs.
+  static constexpr auto is_own_scan = [](const UiContext& shown) {
+    return shown.document().volume && !is_phantom(shown.document().volume_source);
+  };
+  static constexpr std::array<PanelSection, 7> sections{
+      {{"Case", draw_case_section, true},
+       {"Cine", draw_cine_section, true, is_cine},
+       {"Template", draw_template_section, false, nullptr, is_own_scan},
+       {place_section, draw_place_section, false},
+       {"Deform", draw_deform_section, true},
+       {"Correspondence", draw_correspondence_section, true},
+       {"Export", draw_export_section, false}}};
   draw_sections(ui, "side panel", ui.layout.panel, sections, out);
 }
 

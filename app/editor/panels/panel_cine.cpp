@@ -194,9 +194,6 @@ void draw_doubts(const UiContext& ui, const VolumeCurve& curve, Outbox& out) {
          "Frames that a person must check. They do not count for the ejection fraction",
          doubtful.empty() ? palette::text : palette::amber);
   const int shown = shown_frame(ui.state, ui.document());
-  const auto here = curve.frames.find(shown);
-  if (here != curve.frames.end() && !here->second.doubt.empty())
-    text_lines(format("Frame %d ", shown) + here->second.doubt + ".", palette::amber);
   const float half = std::floor((ImGui::GetContentRegionAvail().x - theme.px(8)) / 2);
   if (button(theme, "Next in doubt", "Shows the next frame in doubt. Correct it, or confirm it as it is",
              doubtful.empty() ? "No frame is in doubt." : "", half))
@@ -205,6 +202,10 @@ void draw_doubts(const UiContext& ui, const VolumeCurve& curve, Outbox& out) {
   if (button(theme, "Volumes\xe2\x80\xa6", "The volume of every frame as a table: .csv", {}, half))
     out.send(ShowFileDialog{FilePurpose::export_volumes,
                             case_name(ui.snapshot.file, *ui.snapshot.document) + "-volumes.csv"});
+  // Below the buttons, which stay under the pointer from frame to frame.
+  const auto here = curve.frames.find(shown);
+  if (here != curve.frames.end() && !here->second.doubt.empty())
+    text_lines(format("Frame %d ", shown) + here->second.doubt + ".", palette::amber);
 }
 
 void draw_ejection(const UiContext& ui, const VolumeCurve& curve) {

@@ -67,7 +67,7 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
                 "Load a template first (Template). Then this section shows whether the mesh keeps its correspondence.");
     return;
   }
-  std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Parts", "Shape", "Known"};
+  std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Regions", "Triangles", "Known"};
   std::vector<std::string> tips{"Each vertex in its own hue, the same in all cases",
                                 "Edge length: blue is shorter than on the template, red is longer",
                                 "How far each vertex has moved since placement and warp",
@@ -77,7 +77,7 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
                                 "Which vertices are known: confirmed, or moved there by a stroke, a fit or a snap"};
   const Colouring shown = shown_colouring(ui.state);
   if (ui.state.confidence) {
-    names.emplace_back("Edges");
+    names.emplace_back("Confidence");
     tips.emplace_back(
         "Confidence of the last snap: how clear the image edge is at each vertex. It does not say that the "
         "mesh is right. Confirmed vertices are white");

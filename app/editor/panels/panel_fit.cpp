@@ -1,6 +1,10 @@
+#include <algorithm>
+
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/case/actions/confirm.h"
+#include "core/case/held_landmarks.h"
 
 // The automatic fit to the label map that is shown, in the section Place, and to the mesh's own surface, in the section
 // Correspondence.
@@ -51,10 +55,25 @@ std::string model_refusal(const UiContext& ui) {
   return fits ? "" : "Open a study with at least two other cases of this template first (Models).";
 }
 
+int fit_label(const UiContext& ui) {
+  const auto& known = ui.label_values;
+  const int chosen = ui.state.fit_settings.label;
+  if (known.size() < 2 || std::find(known.begin(), known.end(), chosen) != known.end() || !ui.has_shape())
+    return known.size() == 1 ? known.front() : chosen;
+  const int found = label_at_mesh(*ui.labels, ui.displayed->frame, *ui.document().shape().points);
+  return found != 0 ? found : known.front();
+}
+
 void draw_fit_settings(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   FitSettings settings = ui.state.fit_settings;
-  bool changed = label_choice(ui, settings.label), released = false;
+  // While none was chosen for this map, it is the one that the mesh lies in.
+  int label = fit_label(ui);
+  bool changed = false, released = false;
+  if (const int before = label; label_choice(ui, label), label != before) {
+    settings.label = label;
+    changed = true;
+  }
   changed |= slider(theme, "Closing", settings.closing_mm, {0, 10, "%.1f", "mm", false},
                     "Radius. Clefts of the label narrower than twice the radius are filled before the fit", released);
   int start = settings.as_placed ? 1 : 0;
@@ -82,19 +101,37 @@ std::string busy_refusal(const UiContext& ui) {
   return ui.state.playing ? "Stop the cine first." : "";
 }
 
+/// Whether a person confirmed vertices of the shown frame. What placed landmarks hold does not count: a fit goes by
+/// those landmarks itself.
+bool person_confirmed(const UiContext& ui) {
+  Document document = *ui.snapshot.document;
+  document.frame = ui.displayed->frame;
+  return document.has_shape() && confirmed_without_landmarks(document) != nullptr;
+}
+
 std::string fit_refusal(const UiContext& ui) {
   if (auto busy = busy_refusal(ui); !busy.empty()) return busy;
   if (ui.label_values.empty()) return "The label map is empty.";
-  if (ui.snapshot.document->shapes.contains(ui.displayed->frame) && ui.committed_shape().confirmed)
-    return "A fit moves every vertex, but some are confirmed. Free them first (C, then Free).";
+  if (person_confirmed(ui)) return "A fit moves every vertex, but you confirmed some. Free them below first.";
   if (auto refusal = model_refusal(ui); !refusal.empty()) return refusal;
   return ui.needs_shape();
 }
 
+/// Frees all that is confirmed, as one step.
+void draw_free_all(const UiContext& ui, Outbox& out) {
+  if (!button(ui.theme, "Free the confirmed vertices",
+              "Lets every confirmed vertex go, so that the fit can move all. One step to undo", {},
+              ImGui::GetContentRegionAvail().x))
+    return;
+  const Box bounds = bounds_of(*ui.committed_shape().points);
+  out.apply(Confirm{bounds.center(), bounds.diagonal().norm(), false});
+}
+
 void draw_last_fit(const Theme& theme, const Fitted& fitted) {
-  figure(theme, "Distance to the label",
-         format("%.2f mm, 95 %%: %.2f mm", fitted.agreement.assd_mm, fitted.agreement.hd95_mm),
-         "Mean distance between mesh and label, both ways, and the 95th percentile");
+  figure(theme, "Distance to the label", format("%.2f mm", fitted.agreement.assd_mm),
+         "Mean distance between mesh and label, both ways");
+  figure(theme, "95 % of it within", format("%.2f mm", fitted.agreement.hd95_mm),
+         "The 95th percentile of that distance: only 5 % of the surface is farther away");
   figure(theme, "Dice", format("%.3f", fitted.agreement.dice),
          "Overlap with the closed label. 1 means that both are the same",
          fitted.agreement.dice < 0.9 ? palette::amber : palette::text);
@@ -116,8 +153,12 @@ void draw_fit(const UiContext& ui, Outbox& out) {
   if (ui.fitter.busy() && !ui.fitter.refining()) return draw_fitting(ui, "Fitting", out);
   draw_fit_settings(ui, out);
   if (button(theme, "Fit to the label", "You see the mesh move. The fit is one step to undo", fit_refusal(ui), width,
-             true))
-    out.send(StartFit{ui.state.fit_settings});
+             true)) {
+    FitSettings settings = ui.state.fit_settings;
+    settings.label = fit_label(ui);
+    out.send(StartFit{settings});
+  }
+  if (person_confirmed(ui)) draw_free_all(ui, out);
   if (ui.state.last_fit && *ui.state.last_fit->edit.points == *ui.committed_shape().points)
     draw_last_fit(theme, *ui.state.last_fit);
 }

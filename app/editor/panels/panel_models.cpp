@@ -239,7 +239,7 @@ void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out) {
                                                          {"Measures", draw_measures_section, true},
                                                          {"Sizes", draw_sizes_section, false},
                                                          {"Observers", draw_observers_section, false},
-                                                         {"Suspicion", draw_suspicion_section, true},
+                                                         {"To check", draw_suspicion_section, true},
                                                          {"Pictures", draw_study_pictures_section, false}}};
   draw_sections(ui, "models panel", rect, sections, out);
 }

@@ -99,7 +99,7 @@ class PlacementNumbers {
   Vec3 centre_, angles_;
 };
 
-/// "6.3 mm off", in amber: the mesh is not where the landmark was placed.
+/// The buttons of a placed landmark.
 void draw_hold(const UiContext& ui, const Landmark& landmark, const Vec3& place, const LandmarkHold& hold,
                Outbox& out) {
   const Theme& theme = ui.theme;
@@ -119,6 +119,21 @@ void draw_hold(const UiContext& ui, const Landmark& landmark, const Vec3& place,
     out.apply(PlaceLandmark{landmark.name, std::nullopt});
 }
 
+/// Why the mesh is not where a landmark was placed, and what helps.
+std::string off_tip(const UiContext& ui, double distance_mm) {
+  const auto& snapped = ui.state.snapped;
+  const bool by_snap = snapped && ui.has_shape() && snapped->is_of(*ui.document().shape().points);
+  return by_snap ? format(
+                       "The snap moved the mesh here, so that it is %.1f mm from your click: it goes by the image's "
+                       "edge, which is mostly more exact. To keep your place, undo the snap, confirm the mesh here "
+                       "(C), and snap again",
+                       distance_mm)
+                 : format(
+                       "The mesh is %.1f mm from the place that you clicked. Bring it there with Grab or Slide. "
+                       "Confirm it there (C) to keep it when you snap",
+                       distance_mm);
+}
+
 void draw_landmark_list(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const Template& the_template = *ui.document().the_template;
@@ -133,9 +148,13 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x, height = theme.px(24);
     const float buttons = done ? theme.px(72) : 0.0f;
-    const std::string shown = shortened(landmark.name, width - buttons - theme.px(32));
-    const std::string tip =
+    const LandmarkHold hold = landmark_hold(the_template, l, ui.document().shape());
+    const std::string off = done && !hold.met ? format("%.1f mm off", hold.distance_mm) : next && !done ? "next" : "";
+    const float off_width = off.empty() ? 0 : ImGui::CalcTextSize(off.c_str()).x + theme.px(10);
+    const std::string shown = shortened(landmark.name, width - buttons - off_width - theme.px(32));
+    std::string tip =
         done ? "To place it again, click here, then click in a slice" : "Click here, then click its place in a slice";
+    if (done && !hold.met) tip = off_tip(ui, hold.distance_mm) + ".\n" + tip;
     const auto row = area(theme, "row", {width - buttons, height},
                           shown == landmark.name ? tip : landmark.name + "\n" + tip, {in_hand});
     if (row.clicked) out.send(ChooseLandmark{landmark.name, std::nullopt});
@@ -144,18 +163,16 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
       draw.AddRectFilled(at, {at.x + width, at.y + height},
                          in_hand ? with_alpha(palette::accent, 0.18f) : palette::raised, theme.px(4));
     const float text_y = std::floor(at.y + (height - ImGui::GetFontSize()) / 2);
-    const LandmarkHold hold = landmark_hold(the_template, l, ui.document().shape());
     text_at(draw, {at.x + theme.px(6), text_y},
-            done   ? (hold.met ? palette::good : palette::amber)
+            done   ? (hold.met ? palette::good : palette::dim)
             : next ? palette::accent
                    : palette::faint,
             done   ? icon::check
             : next ? icon::right_angle
                    : icon::outline);
-    const std::string off = done && !hold.met ? format("  %.1f mm off", hold.distance_mm) : next ? "  next" : "";
     text_at(draw, {at.x + theme.px(28), text_y}, palette::text, shown);
-    text_at(draw, {at.x + theme.px(28) + ImGui::CalcTextSize(shown.c_str()).x, text_y},
-            done ? palette::amber : palette::accent, off);
+    text_at(draw, {at.x + theme.px(36) + ImGui::CalcTextSize(shown.c_str()).x, text_y},
+            done ? palette::dim : palette::accent, off);
     if (!done) continue;
     ImGui::SameLine(0, 0);
     draw_hold(ui, landmark, place->second, hold, out);

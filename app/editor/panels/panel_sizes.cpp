@@ -22,10 +22,11 @@ struct FigureTable {
   float right(std::size_t column, std::size_t columns) const {
     return width - static_cast<float>(columns - 1 - column) * theme.px(figure_units);
   }
-  /// The texts of a row at `at`.
-  void put(ImVec2 at, const std::string& name, const std::array<std::string, 3>& figures, ImU32 colour) const {
+  /// The texts of a row at `at`; `names` are those of all rows.
+  void put(ImVec2 at, const std::string& name, const std::array<std::string, 3>& figures, ImU32 colour,
+           const std::vector<std::string>& names = {}) const {
     ImDrawList& draw = *ImGui::GetWindowDrawList();
-    text_at(draw, at, colour, shortened(name, right(0, 3) - theme.px(figure_units) - theme.px(4)));
+    text_at(draw, at, colour, shortened_among(name, names, right(0, 3) - theme.px(figure_units) - theme.px(4)));
     for (std::size_t k = 0; k < figures.size(); ++k)
       text_at(draw, {at.x + right(k, 3) - text_size(ImGui::GetFont(), figures[k]).x, at.y}, colour, figures[k]);
   }
@@ -38,18 +39,19 @@ struct FigureTable {
 
 /// Rows of cases, each of which a click selects; beyond some they scroll.
 template <class Row>
-void draw_rows(const UiContext& ui, const FigureTable& table, const char* name, std::size_t count, const Row& row,
+void draw_rows(const UiContext& ui, const FigureTable& table, const std::vector<std::string>& names, const Row& row,
                Outbox& out) {
   const Theme& theme = ui.theme;
   constexpr std::size_t most = 12;
   const float height = theme.px(22);
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
-  ImGui::BeginChild(name, {0, height * static_cast<float>(std::min(count, most))});
+  ImGui::BeginChild("rows", {0, height * static_cast<float>(std::min(names.size(), most))});
   ImGuiListClipper clipper;
-  clipper.Begin(static_cast<int>(count), height);
+  clipper.Begin(static_cast<int>(names.size()), height);
   while (clipper.Step())
     for (int k = clipper.DisplayStart; k < clipper.DisplayEnd; ++k) {
-      const auto [title, figures] = row(static_cast<std::size_t>(k));
+      const std::string& title = names[static_cast<std::size_t>(k)];
+      const std::array<std::string, 3> figures = row(static_cast<std::size_t>(k));
       const Part part(title, "case");
       const ImVec2 at = ImGui::GetCursorScreenPos();
       const bool selected = ui.state.models.selected == title;
@@ -59,7 +61,7 @@ void draw_rows(const UiContext& ui, const FigureTable& table, const char* name, 
         ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + table.width, at.y + height},
                                                   selected ? with_alpha(palette::accent, 0.25f) : palette::raised,
                                                   theme.px(3));
-      table.put({at.x, at.y + std::floor((height - ImGui::GetFontSize()) / 2)}, title, figures, palette::text);
+      table.put({at.x, at.y + std::floor((height - ImGui::GetFontSize()) / 2)}, title, figures, palette::text, names);
     }
   ImGui::EndChild();
   ImGui::PopStyleVar();
@@ -119,8 +121,7 @@ void draw_sizes_section(const UiContext& ui, Outbox& out) {
   const FigureTable table{theme};
   table.line("Case", {"ml", "cm\xc2\xb2", pair ? "mm" : ""});
   draw_rows(
-      ui, table, "rows", listed.sizes.size(),
-      [&](std::size_t k) { return std::pair(listed.names[k], figures_of(listed.sizes[k], pair)); }, out);
+      ui, table, listed.names, [&](std::size_t k) { return figures_of(listed.sizes[k], pair); }, out);
   draw_spreads(table, listed.sizes, pair);
   const float half = std::floor((ImGui::GetContentRegionAvail().x - theme.px(8)) / 2);
   if (button(theme, "Table\xe2\x80\xa6", "Volume, area and every distance between landmarks: .csv", {}, half))
@@ -139,10 +140,12 @@ void draw_agreement(const UiContext& ui, const ObserverComparison& comparison, O
   table.line("Case", {"Dice", "mm", "\xce\x94 ml"});
   const auto row = [&](std::size_t k) {
     const ObservedCase& one = comparison.cases[k];
-    return std::pair(one.name, std::array{format("%.3f", one.agreement.dice), format("%.2f", one.agreement.assd_mm),
-                                          format("%+.1f", one.volume_b_ml - one.volume_a_ml)});
+    return std::array{format("%.3f", one.agreement.dice), format("%.2f", one.agreement.assd_mm),
+                      format("%+.1f", one.volume_b_ml - one.volume_a_ml)};
   };
-  draw_rows(ui, table, "rows", comparison.cases.size(), row, out);
+  std::vector<std::string> names;
+  for (const ObservedCase& one : comparison.cases) names.push_back(one.name);
+  draw_rows(ui, table, names, row, out);
   const auto over = [&](const auto& value_of) {
     std::vector<std::optional<double>> values;
     for (const ObservedCase& one : comparison.cases) values.push_back(value_of(one));

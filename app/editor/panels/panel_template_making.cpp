@@ -3,6 +3,7 @@
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
+#include "render/label_colours.h"
 
 // The making of a template from the label map that is shown, in the section Template.
 
@@ -115,9 +116,14 @@ bool label_choice(const UiContext& ui, int& label) {
   label = *now;
   if (known.size() < 2) return absent;
   std::vector<std::string> names;
-  for (const int value : known) names.push_back(format("Label %d", value));
+  std::vector<ImU32> swatches;
+  for (const int value : known) {
+    const Rgb colour = label_colour(value);
+    names.push_back(format("Label %d", value));
+    swatches.push_back(ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], 1}));
+  }
   int chosen = static_cast<int>(now - known.begin());
-  const bool changed = combo(ui.theme, "label", names, chosen);
+  const bool changed = combo(ui.theme, "label", names, chosen, swatches);
   label = known[static_cast<std::size_t>(chosen)];
   return absent || changed;
 }

@@ -114,6 +114,7 @@ struct PanelSection {
   void (*draw)(const UiContext&, Outbox&);
   bool open_at_first;                          ///< until the user folds or unfolds it
   bool (*wanted)(const UiContext&) = nullptr;  ///< whether it has anything to show; null: always
+  bool (*opens)(const UiContext&) = nullptr;   ///< in place of `open_at_first`, where that depends on the case
 };
 /// A panel of sections in `rect`.
 void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,

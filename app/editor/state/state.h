@@ -183,7 +183,10 @@ struct EditorState {
   FitSettings fit_settings;
   std::shared_ptr<const ShapeModel> fit_model;  ///< that was read from a file; null: none was
   std::filesystem::path fit_model_file;
-  double model_help = 0;           ///< 0…1: how far the study's model completes every stroke
+  double model_help = 0;              ///< 0…1: how far the study's model completes every stroke
+  std::optional<double> hints_until;  ///< when the hints go by themselves, seconds of the window's clock
+  bool hints_over = false;
+  std::uint64_t place_wanted = 0;  ///< counts how often a tool of placing asked for its section
   std::optional<Fitted> last_fit;  ///< spoken of for as long as its mesh is the case's
   SnapSettings snap;
   std::optional<SnapFound> snapped;                 ///< the last snap

@@ -136,8 +136,7 @@ void look_from(Camera3D& camera, LookFrom from) {
 void look_from_outside(Camera3D& camera, const Vec3& normal) {
   if (normal.norm() < 0.5) return;
   camera.to_eye = normal.normalized();
-  if (std::abs(camera.to_eye.dot(camera.up)) > 0.95)
-    camera.up = std::abs(camera.to_eye.z()) > 0.9 ? Vec3(0, -1, 0) : Vec3::UnitZ();
+  camera.up = std::abs(camera.to_eye.z()) > 0.95 ? Vec3(0, -1, 0) : Vec3::UnitZ();
   camera.up = (camera.up - camera.to_eye * camera.to_eye.dot(camera.up)).normalized();
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "app/editor/update/controls.h"
 #include "app/editor/work/snaps.h"
@@ -96,7 +97,11 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
     paint_to(state, context, event.x_px, event.y_px, out);
     return;
   } else if (state.tool == MouseTool::template_landmark && hover.on_mesh) {
-    if (!state.template_landmark.empty()) out.apply(SetTemplateLandmark{state.template_landmark, *hover.on_mesh});
+    if (state.template_landmark.empty())
+      return add_notice(state, "Type the landmark's name first (Template), or choose one in the list to move it.",
+                        false);
+    // The next one gets a name of its own.
+    out.apply(SetTemplateLandmark{std::exchange(state.template_landmark, {}), *hover.on_mesh});
     return;
   } else if (state.tool == MouseTool::ruler && hover.p_mm) {
     state.ruler = Ruler{*hover.p_mm, *hover.p_mm};

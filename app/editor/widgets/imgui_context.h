@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <set>
 #include <string>
 
@@ -8,6 +9,7 @@ namespace homolog {
 /// What the controls remember from one frame to the next, beside what ImGui does. One in each ImGui context.
 struct ControlsMemory {
   std::set<unsigned> unknown_letters;  ///< that were to be shown and that no font has, code points
+  std::uint64_t place_shown = 0;       ///< EditorState::place_wanted that the panel has scrolled to
   unsigned menu_closed = 0;            ///< ImGui's id of the menu that the press that goes on has closed
 };
 /// Of the current context.

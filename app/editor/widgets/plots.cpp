@@ -85,9 +85,14 @@ void draw_pointed(ImDrawList& draw, const Theme& theme, const Field& field, cons
   const float x = field.x(nearest), y = field.y(plot.factor * value.mean);
   draw.AddLine({x, field.low.y}, {x, field.high.y}, with_alpha(palette::text, 0.35f));
   draw.AddCircle({x, y}, theme.px(5), palette::text, 0, 1.5f);
+  const std::string modes = format("%zu %s: ", nearest + 1, nearest == 0 ? "mode" : "modes");
+  const double mean = plot.factor * value.mean, error = plot.factor * value.standard_error;
+  // A share goes from nothing to all: there a deviation that does not fit on one side would mislead.
   const std::string text =
-      format("%zu %s: %.*f \xc2\xb1 %.*f %s", nearest + 1, nearest == 0 ? "mode" : "modes", plot.decimals,
-             plot.factor * value.mean, plot.decimals, plot.factor * value.standard_error, plot.unit.c_str());
+      plot.whole ? format("%s%.*f %s (%.0f to %.0f)", modes.c_str(), plot.decimals, mean, plot.unit.c_str(),
+                          std::max(mean - error, 0.0), std::min(mean + error, *plot.whole))
+                 : format("%s%.*f \xc2\xb1 %.*f %s", modes.c_str(), plot.decimals, mean, plot.decimals, error,
+                          plot.unit.c_str());
   const ImVec2 size = text_size(theme.small, text);
   const float pad = theme.px(6);
   const float at_x =

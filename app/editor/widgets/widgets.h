@@ -63,8 +63,9 @@ bool enter_pressed();
 /// Whether the typing in the field drawn last has ended, and changed its text.
 bool field_left();
 
-/// A list that opens to choose from; true when another was chosen.
-bool combo(const Theme& theme, const char* name, const std::vector<std::string>& options, int& chosen);
+/// A list that opens to choose from; true when another was chosen. `swatches`: a colour before each option, or none.
+bool combo(const Theme& theme, const char* name, const std::vector<std::string>& options, int& chosen,
+           const std::vector<ImU32>& swatches = {});
 
 /// What happens in a place of the window that takes clicks.
 struct AreaState {
@@ -115,6 +116,10 @@ void text_lines(const std::string& text, ImU32 colour = palette::text, float end
 
 /// The text with its middle left out where it is wider; nothing where not even the dots fit.
 std::string shortened(const std::string& text, float width_px);
+
+/// The same for one of several names: where shortened() would make others look like it, what tells them apart stays,
+/// and what they share is left out.
+std::string shortened_among(const std::string& name, const std::vector<std::string>& names, float width_px);
 
 /// printf into a string.
 std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));

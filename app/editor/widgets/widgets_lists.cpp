@@ -49,7 +49,23 @@ AreaState list_row(const Theme& theme, const std::string& text, bool selected, I
   return state;
 }
 
-bool combo(const Theme& theme, const char* name, const std::vector<std::string>& options, int& chosen) {
+namespace {
+
+/// Room for a swatch before a text, as spaces.
+std::string swatch_room(const Theme& theme) {
+  const float space = std::max(1.0f, ImGui::CalcTextSize(" ").x);
+  return std::string(static_cast<std::size_t>(std::ceil(theme.px(18) / space)), ' ');
+}
+
+void draw_swatch(const Theme& theme, ImDrawList& draw, ImVec2 low, float height, ImU32 colour) {
+  const float side = theme.px(10), y = std::floor(low.y + (height - side) / 2);
+  draw.AddRectFilled({low.x, y}, {low.x + side, y + side}, colour, theme.px(2));
+}
+
+}  // namespace
+
+bool combo(const Theme& theme, const char* name, const std::vector<std::string>& options, int& chosen,
+           const std::vector<ImU32>& swatches) {
   const bool known = chosen >= 0 && chosen < static_cast<int>(options.size());
   const std::string shown = known ? options[static_cast<std::size_t>(chosen)] : std::string();
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -59,9 +75,15 @@ bool combo(const Theme& theme, const char* name, const std::vector<std::string>&
   ImGui::SetNextItemWidth(width);
   ImGui::PushID(name);
   const float arrow = ImGui::GetFrameHeight(), side = ImGui::GetStyle().FramePadding.x;
-  const std::string fitting = shortened(shown, width - arrow - 2 * side);
+  const bool coloured = swatches.size() == options.size() && !options.empty();
+  const std::string room = coloured ? swatch_room(theme) : std::string();
+  const float room_px = coloured ? ImGui::CalcTextSize(room.c_str()).x : 0;
+  const std::string fitting = shortened(shown, width - arrow - 2 * side - room_px);
   look_for_letters(shown);
-  const bool open = ImGui::BeginCombo("##list", fitting.c_str());
+  ImDrawList& below = *ImGui::GetWindowDrawList();
+  const bool open = ImGui::BeginCombo("##list", (room + fitting).c_str());
+  if (coloured && known)
+    draw_swatch(theme, below, {at.x + side, at.y}, ImGui::GetFrameHeight(), swatches[static_cast<std::size_t>(chosen)]);
   if (!open && fitting != shown && ImGui::IsItemHovered()) tooltip(theme, shown);
   note_box(Kind::list, name, shown, at, {at.x + width, at.y + ImGui::GetFrameHeight()}, clip_low, clip_high,
            !open && ImGui::IsItemHovered());
@@ -70,12 +92,14 @@ bool combo(const Theme& theme, const char* name, const std::vector<std::string>&
     enter_part(name);
     for (std::size_t i = 0; i < options.size(); ++i) {
       const bool now = static_cast<int>(i) == chosen;
-      const std::string row = shortened(options[i], width - 2 * side);
+      const std::string row = shortened(options[i], width - 2 * side - room_px);
       look_for_letters(options[i]);
-      if (ImGui::Selectable((row + "###" + std::to_string(i)).c_str(), now) && !now) {
+      const ImVec2 row_at = ImGui::GetCursorScreenPos();
+      if (ImGui::Selectable((room + row + "###" + std::to_string(i)).c_str(), now) && !now) {
         chosen = static_cast<int>(i);
         changed = true;
       }
+      if (coloured) draw_swatch(theme, *ImGui::GetWindowDrawList(), row_at, ImGui::GetTextLineHeight(), swatches[i]);
       note_control(Kind::row, options[i], now ? "on" : "off", {});
       if (row != options[i] && ImGui::IsItemHovered()) tooltip(theme, options[i]);
     }

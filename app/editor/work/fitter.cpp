@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
+#include <map>
 #include <utility>
 
 #include "app/editor/work/model_help.h"
@@ -51,6 +53,29 @@ Result<Fitted> refined(const Document& document, Progress& progress) {
 }
 
 }  // namespace
+
+int label_at_mesh(const Volume& labels, int frame, const Points& points) {
+  constexpr Eigen::Index most_samples = 2000;
+  const Eigen::Index step = std::max<Eigen::Index>(1, points.rows() / most_samples);
+  const Eigen::RowVector3d middle = points.colwise().mean();
+  std::map<int, int> votes;
+  for (Eigen::Index i = 0; i < points.rows(); i += step) {
+    const Vec3 at = ((points.row(i) + middle) / 2).transpose();
+    const Vec3 voxel = labels.geometry.to_voxel(at).array().round();
+    const auto& dims = labels.geometry.dims;
+    bool inside = true;
+    for (int axis = 0; axis < 3; ++axis)
+      inside = inside && voxel[axis] >= 0 && voxel[axis] < dims[static_cast<std::size_t>(axis)];
+    if (!inside) continue;
+    const auto value = std::lround(labels.at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()),
+                                             static_cast<int>(voxel.z()), std::min(frame, labels.frames - 1)));
+    if (value != 0) ++votes[static_cast<int>(value)];
+  }
+  int best = 0, most = 0;
+  for (const auto& [label, count] : votes)
+    if (count > most) best = label, most = count;
+  return best;
+}
 
 Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels, const FitSettings& settings,
                              const ModelOfFit& model, FitOptions options) {

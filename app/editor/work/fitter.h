@@ -22,6 +22,9 @@ struct NamedLabels {
   std::string name;
 };
 
+/// The label that most of a mesh's inside lies in (half way from each vertex to the middle); 0 where that is none.
+int label_at_mesh(const Volume& labels, int frame, const Points& points);
+
 /// The shape model that a fit keeps to at first; none where both are null.
 struct ModelOfFit {
   std::shared_ptr<const StudyModel> study;  ///< its shapes without the one of the case that is fitted

@@ -12,6 +12,7 @@
 #include "core/base/json.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
+#include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
 
@@ -113,19 +114,40 @@ std::vector<Pair> pairs_of(const std::vector<Scan>& all) {
   return pairs;
 }
 
-/// Whether a case file is one of this image.
-bool is_case_of(const fs::path& file, const fs::path& image) {
+/// What a case file says that it is made of.
+struct CaseFile {
+  fs::path image;
+  std::string template_file, numbering;
+  bool mirrored = false;  ///< it began with the template of the other side
+};
+CaseFile read_case_file(const fs::path& file) {
   std::ifstream lines(file);
-  std::string header;
+  std::string header, first;
   std::getline(lines, header);
+  std::getline(lines, first);
   const auto json = read_json<nlohmann::json>(header);
-  if (!json || !json->is_object() || !json->contains("volume") || !json->at("volume").is_string()) return false;
-  const fs::path volume = json->at("volume").get<std::string>();
-  return (file.parent_path() / volume).lexically_normal() == image.lexically_normal();
+  if (!json || !json->is_object()) return {};
+  const auto text = [&](const char* key) {
+    const auto found = json->find(key);
+    return found != json->end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  const auto placed = [&](const std::string& path) { return (file.parent_path() / path).lexically_normal(); };
+  const std::string of = text("template");
+  return {placed(text("volume")), is_built_in(of) ? of : placed(of).string(), text("connectivity"),
+          first.starts_with("{\"mirror\"")};
 }
 
-Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const fs::path& cases,
-                            const std::shared_ptr<const Template>& the_template) {
+/// Whether a case file is one that would be made now.
+bool starts_alike(const CaseFile& file, const CaseStart& start) {
+  const Template& wanted = *start.the_template;
+  const std::string source =
+      is_built_in(wanted.source) ? wanted.source : absolute_path(wanted.source).lexically_normal().string();
+  return file.template_file == source && file.mirrored == start.mirrored &&
+         (file.numbering.empty() || file.numbering == wanted.topology->hash());
+}
+
+/// `of_others`: counts the files of the same image that were left, since they are of another template.
+Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const CaseStart& start, std::size_t& of_others) {
   StudyCase one;
   const fs::path image = absolute_path(pair.image->path);
   const std::string stem = stem_of(named_by_map ? pair.map->path : pair.image->path);
@@ -133,20 +155,34 @@ Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const fs::path&
   std::error_code ignored;
   for (int number = 1;; ++number) {
     one.name = number == 1 ? stem : stem + "-" + std::to_string(number);
-    one.file = absolute_path(cases / (one.name + case_extension));
-    if (!fs::exists(one.file, ignored) || is_case_of(one.file, image)) break;
+    one.file = absolute_path(start.cases / (one.name + case_extension));
+    if (!fs::exists(one.file, ignored)) break;
+    const CaseFile there = read_case_file(one.file);
+    if (there.image != image.lexically_normal()) continue;
+    const bool known = std::find(start.known.begin(), start.known.end(), one.file) != start.known.end();
+    if (known || starts_alike(there, start)) break;
+    ++of_others;
   }
   one.from_scan = true;
   if (pair.map != nullptr) one.labels = absolute_path(pair.map->path);
   if (fs::exists(one.file, ignored)) return one;
-  Document document = new_document(image.string(), pair.image->grid, the_template);
+  Document document = new_document(image.string(), pair.image->grid, start.the_template);
   document.holds_landmarks = true;
-  if (auto made = create_case(std::move(document), one.file); !made) return fail(made.error());
+  auto made = create_case(std::move(document), one.file);
+  if (!made) return fail(made.error());
+  if (!start.mirrored) return one;
+  // A case's first line names the template's file, so the other side is its first step.
+  if (auto mirrored = made->apply(MirrorTemplate{}); !mirrored) return fail(one.name, mirrored.error().what);
   return one;
 }
 
-Result<WorklistDone> cases_of(const fs::path& folder, const fs::path& cases,
-                              const std::shared_ptr<const Template>& the_template, Progress& progress) {
+/// Whether somebody has worked on a case: it holds more than the mirroring that it began with.
+bool was_worked_on(EditSession& session) {
+  const auto steps = session.undo_names(2);
+  return steps.size() > 1 || (steps.size() == 1 && steps.front() != "mirror");
+}
+
+Result<WorklistDone> cases_of(const fs::path& folder, const CaseStart& start, Progress& progress) {
   WorklistDone done;
   std::vector<Scan> scans;
   const auto paths = candidates(folder);
@@ -163,16 +199,23 @@ Result<WorklistDone> cases_of(const fs::path& folder, const fs::path& cases,
   if (scans.empty())
     return fail(folder.string(), "holds no scan and no label map; choose a folder of images, one file for each");
   std::error_code error;
-  fs::create_directories(cases, error);
+  fs::create_directories(start.cases, error);
   const auto pairs = pairs_of(scans);
+  std::size_t of_others = 0;
   for (const Pair& pair : pairs) {
     const auto shared = std::count_if(pairs.begin(), pairs.end(), [&](const Pair& p) { return p.image == pair.image; });
-    auto one = make_case(pair, shared > 1 && pair.map != nullptr, cases, the_template);
+    auto one = make_case(pair, shared > 1 && pair.map != nullptr, start, of_others);
     if (one)
       done.added.push_back(std::move(*one));
     else
       done.warnings.push_back(one.error().sentence());
   }
+  if (of_others > 0)
+    done.warnings.push_back(start.cases.filename().string() + " holds " +
+                            (of_others == 1 ? "a case file" : std::to_string(of_others) + " case files") +
+                            " of these scans with another template. " +
+                            (of_others == 1 ? "It stays as it is, and a new one was made."
+                                            : "They stay as they are, and new ones were made."));
   return done;
 }
 
@@ -190,7 +233,7 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   auto read = open_case(one.file, &progress);
   if (!read) return fail(read.error());
   EditSession& session = read->session;
-  if (session.can_undo()) return std::string();  // somebody has worked on it already
+  if (was_worked_on(session)) return std::string();
   if (!session.document().has_shape()) return fail(one.name, "has no template; take it off the study and add it again");
   VolumeReadOptions options;
   options.progress = &progress;
@@ -213,15 +256,12 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
 
 }  // namespace
 
-void Worklist::add_folder(const fs::path& folder, const fs::path& cases, std::shared_ptr<const Template> the_template) {
+void Worklist::add_folder(const fs::path& folder, CaseStart start) {
   if (!busy()) asked_ = done_ = 0;
   ++asked_;
   worker_.queue(
       folder.string(),
-      [folder, cases, the_template = std::move(the_template)](Progress& progress) {
-        return cases_of(folder, cases, the_template, progress);
-      },
-      "Reading");
+      [folder, start = std::move(start)](Progress& progress) { return cases_of(folder, start, progress); }, "Reading");
 }
 
 void Worklist::fit(const std::vector<StudyCase>& cases, const FitSettings& settings) {

@@ -25,6 +25,14 @@ struct WorklistDone {
   std::vector<std::string> warnings;  ///< sentences
 };
 
+/// What the cases of scans begin with.
+struct CaseStart {
+  std::filesystem::path cases;  ///< folder of their files
+  std::shared_ptr<const Template> the_template;
+  bool mirrored = false;                     ///< each begins with the template of the other side
+  std::vector<std::filesystem::path> known;  ///< files of the study's cases: these are never made again
+};
+
 /// Makes cases for the scans and label maps of a folder, and fits those that wait, beside the window. Called from the
 /// window's thread only.
 class Worklist {
@@ -32,10 +40,9 @@ class Worklist {
   /// `wake` is called from the thread when something is done.
   explicit Worklist(std::function<void()> wake) : worker_(std::move(wake)) {}
 
-  /// Makes a case in `cases` for every scan in `folder`: an image, with the label map on its voxels where there is one,
-  /// or a label map alone. Files that are there already stay.
-  void add_folder(const std::filesystem::path& folder, const std::filesystem::path& cases,
-                  std::shared_ptr<const Template> the_template);
+  /// Makes a case for every scan in `folder`: an image, with the label map on its voxels where there is one, or a label
+  /// map alone. Files that are there already stay; those that begin alike are taken, beside others a new one is made.
+  void add_folder(const std::filesystem::path& folder, CaseStart start);
   /// Fits the template of each case to its label map, one after the other. The label is that of the settings, where the
   /// map holds it, else the map's first.
   void fit(const std::vector<StudyCase>& cases, const FitSettings& settings);

@@ -326,8 +326,7 @@ TEST_CASE("an image and its label map are opened together") {
   driver.wait_until("that is said", [&] { return driver.shows("labels.nii is shown as a label map"); });
   driver.settle();
   CHECK(driver.document().volume_source == image.string());
-  driver.click("side panel/Template");
-  CHECK(driver.has("Make the template"));
+  CHECK(driver.has("Make the template"));  // whoever opens a scan needs a template: its section is open
 }
 
 TEST_CASE("a command that fails ends in a sentence and takes nothing else with it") {

@@ -172,7 +172,7 @@ class Screens {
 
   void prepare() {
     for (const char* section : {"Case", "Template", "Place", "Deform", "Correspondence", "Export", "Model", "Measures",
-                                "Suspicion", "Pictures"})
+                                "To check", "Pictures"})
       state().preferences.sections_open[section] = true;
     state().preferences.show.glyphs = true;
     if (named_.names.empty()) return;

@@ -312,6 +312,60 @@ TEST_CASE("a folder of scans becomes a worklist that is fitted and gone through 
   CHECK(cases.size() == 4);
 }
 
+TEST_CASE("a worklist begins with the template mirrored as it is and fits it") {
+  const Globe globe;
+  const fs::path scans = globe.folder.path / "scans";
+  fs::create_directory(scans);
+  write_ball_map(scans / "a.nii", 18, Vec3::Zero());
+  Driver driver(new_document("", nullptr, test::must(load_template("built-in:kidney"))));
+  driver.app().send(ApplyEdit{MirrorTemplate{}, false});
+  driver.settle();
+  const Points mirrored = driver.document().the_template->points;
+  driver.press(key::tab);
+  driver.app().send(AddScans{{scans}});
+  driver.wait_until("the scan is a case", [&] { return driver.state().models.study.cases.size() == 1; });
+  driver.settle();
+  const fs::path file = driver.state().models.study.cases.front().file;
+  CHECK(test::must(read_case(file)).session.document().the_template->points == mirrored);
+  driver.app().send(FitWaiting{});
+  driver.wait_until("it is fitted", [&] { return waiting_cases(driver.state().models) == 0; });
+  driver.settle();
+  const Document fitted = test::must(read_case(file)).session.document();
+  CHECK(fitted.the_template->points == mirrored);
+  CHECK(bounds_of(*fitted.shape().points).sizes().z() == doctest::Approx(36).epsilon(0.1));
+}
+
+TEST_CASE("two studies of one folder keep their cases apart and those of another template are said") {
+  const Globe globe;
+  const fs::path scans = globe.folder.path / "scans";
+  fs::create_directory(scans);
+  write_ball_map(scans / "a.nii", 18, Vec3::Zero());
+  const auto of_study = [&](const std::string& study, const Document& document) {
+    Driver driver(document);
+    driver.press(key::tab);
+    driver.app().send(NewStudy{{globe.folder.path / study}});
+    driver.settle();
+    driver.app().send(AddScans{{scans}});
+    driver.wait_until("the scan is a case", [&] { return driver.state().models.study.cases.size() == 1; });
+    driver.settle();
+    const bool said = driver.shows("of these scans with another template");
+    return std::pair(driver.state().models.study.cases.front().file, said);
+  };
+  const Document kidney = new_document("", nullptr, test::must(load_template("built-in:kidney")));
+  const auto left = of_study("left.study.json", globe.document()), right = of_study("right.study.json", kidney);
+  CHECK(left.first == globe.folder.path / "left-cases/a.homolog");
+  CHECK(right.first == globe.folder.path / "right-cases/a.homolog");
+  CHECK_FALSE(right.second);
+  // A study that was thrown away and begun anew with another template, and once more.
+  fs::remove(globe.folder.path / "left.study.json");
+  const auto anew = of_study("left.study.json", kidney);
+  CHECK(anew.first == globe.folder.path / "left-cases/a-2.homolog");
+  CHECK(anew.second);
+  CHECK(test::must(read_case(left.first)).session.document().the_template->source == globe.file);
+  fs::remove(globe.folder.path / "left.study.json");
+  CHECK(of_study("left.study.json", kidney).first == anew.first);
+}
+
 TEST_CASE("fits of a worklist are cancelled between two cases and those that are done stay") {
   const Globe globe;
   const fs::path scans = globe.folder.path / "scans";

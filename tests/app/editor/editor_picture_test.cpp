@@ -6,11 +6,14 @@
 #include <filesystem>
 #include <vector>
 
+#include "app/editor/drawing/gallery_pictures.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/window/editor_app.h"
 #include "app/editor/window/editor_picture.h"
 #include "app/editor/work/demo.h"
+#include "core/mesh/icosphere.h"
 #include "render/offscreen.h"
+#include "render/renderer.h"
 #include "tests/golden.h"
 #include "tests/must.h"
 #include "tests/skip.h"
@@ -98,6 +101,37 @@ TEST_CASE("a study is drawn in a window of any size") {
     study.options.height_px = height;
     CHECK(study.draw());
   }
+}
+
+TEST_CASE("nothing of a grid before is left between the cells of the gallery") {
+  const auto gl = context_or_skip();
+  if (!gl) return;
+  const auto renderer = test::must(Renderer::make());
+  const Mesh ball = icosphere(3, 40);
+  const auto state_of = [&](std::size_t shapes) {
+    auto model = std::make_shared<StudyModel>();
+    model->topology = ball.topology;
+    model->mean = ball;
+    model->hues = std::make_shared<const std::vector<float>>(static_cast<std::size_t>(ball.points.rows()), 0.3f);
+    model->shapes.assign(shapes, std::make_shared<const Points>(ball.points));
+    ModelsState state;
+    state.glyphs = false;
+    state.model = std::move(model);
+    state.camera.distance_mm = 60;  // larger than its cell
+    return state;
+  };
+  ModelsLayout layout;
+  layout.gallery = {0, 0, 200, 200};
+  const auto screen = test::must(Framebuffer::make(200, 200, 1));
+  const auto shown = [&](GalleryPictures& pictures) {
+    screen->bind();
+    pictures.copy(layout, 200);
+    return screen->read().rgba;
+  };
+  GalleryPictures reused, fresh;
+  for (const std::size_t shapes : {std::size_t{1}, std::size_t{4}}) reused.draw(state_of(shapes), layout, 1, *renderer);
+  fresh.draw(state_of(4), layout, 1, *renderer);
+  CHECK(shown(reused) == shown(fresh));
 }
 
 TEST_CASE("golden picture of the models") {

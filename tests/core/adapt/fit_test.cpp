@@ -378,6 +378,25 @@ TEST_CASE("the template of another organ gives no wild mesh") {
   CHECK((fit.turned_triangles + fit.self_intersections == 0 || !fit.warnings.empty()));
 }
 
+TEST_CASE("a fit that overlaps well but leaves a part out says so and not that the organ is another") {
+  const auto the_template = built_in(Organ::kidney);
+  const Mesh own{the_template->topology, the_template->points};
+  // A thin horn that the fit did not follow.
+  Mesh horned = own;
+  for (Eigen::Index i = 0; i < horned.points.rows(); ++i)
+    if (const double z = horned.points(i, 2) - 0.6 * own.points.col(2).maxCoeff(); z > 0)
+      horned.points(i, 2) += 1.5 * z;
+  const Boundary boundary = boundary_of(horned, 1);
+  FitResult fit = fit_to_boundary(*the_template, boundary_of(own, 2)).value();
+  fit.mesh = own;
+  const FitJudgement judgement = judge_fit(*the_template, boundary, {}, fit);
+  REQUIRE(judgement.agreement.dice >= 0.9);
+  REQUIRE(judgement.doubtful);
+  REQUIRE(!judgement.warnings.empty());
+  CHECK(judgement.warnings.back().find("parts of the label are not followed: 5 %") == 0);
+  CHECK(judgement.warnings.back().find("another organ") == std::string::npos);
+}
+
 TEST_CASE("a label that does not occur and a placement elsewhere are refused") {
   const auto the_template = built_in(Organ::kidney);
   const Mesh there{the_template->topology, the_template->points};

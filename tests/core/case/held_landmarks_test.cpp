@@ -74,6 +74,27 @@ TEST_CASE("a landmark that is released leaves what a person confirmed around it"
   CHECK(north(session).held);
 }
 
+TEST_CASE("what landmarks hold is not what a person confirmed even where two of them share a vertex") {
+  const CaseFolder folder;
+  EditSession session(holding(folder));
+  const Points& points = *session.document().shape().points;
+  const auto& triangles = session.document().the_template->topology->triangles();
+  // In the middles of two neighbouring triangles.
+  const auto middle = [&](Eigen::Index t) {
+    return Vec3((points.row(triangles(t, 0)) + points.row(triangles(t, 1)) + points.row(triangles(t, 2))) / 3);
+  };
+  Eigen::Index neighbour = 1;
+  while ((triangles.row(neighbour).array() == triangles(0, 0)).count() == 0) ++neighbour;
+  for (const auto& [name, t] : {std::pair("a", Eigen::Index{0}), std::pair("b", neighbour)}) {
+    REQUIRE(session.apply(SetTemplateLandmark{name, middle(t)}));
+    REQUIRE(session.apply(PlaceLandmark{name, middle(t)}));
+  }
+  CHECK(session.document().shape().confirmed);
+  CHECK_FALSE(confirmed_without_landmarks(session.document()));
+  REQUIRE(session.apply(Confirm{-pole, 10, true}));
+  CHECK(confirmed_without_landmarks(session.document()));
+}
+
 TEST_CASE("whether a case holds landmarks is in its first line and its lines give the same points again") {
   const CaseFolder folder;
   Points before;

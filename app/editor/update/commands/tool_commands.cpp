@@ -20,7 +20,9 @@ void ChooseTool::spell(Fields& line) {
 }
 void ChooseTool::run(EditorState& state) const {
   state.tool = tool;
-  if (tool == MouseTool::place || tool == MouseTool::landmark) state.preferences.sections_open[place_section] = true;
+  if (tool != MouseTool::place && tool != MouseTool::landmark) return;
+  state.preferences.sections_open[place_section] = true;
+  ++state.place_wanted;
 }
 
 void ChooseSigma::spell(Fields& line) {

@@ -59,7 +59,9 @@ void ScrollSlices::spell(Fields& line) {
   line.member("steps", steps);
 }
 void ScrollSlices::run(EditorState& state, const ControlsContext& context, Outbox&) const {
-  if (view != ViewKind::space) scroll_slice(state, view, context.document, steps);
+  if (view == ViewKind::space) return;
+  scroll_slice(state, view, context.document, steps);
+  state.preferences.hints.scrolled = true;
 }
 
 void OpenSection::spell(Fields& line) {

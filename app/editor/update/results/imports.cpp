@@ -161,8 +161,12 @@ void save_template(Editing& editing, const std::filesystem::path& path) {
     if (number != editing.shown.number()) return;  // another case is open by now
     editing.shown.adopt_template(*saved);
     editing.shown.session().apply(Note{"the template was saved", std::nullopt, absolute_path(path).string()});
-    add_notice(editing.state,
-               "The case goes on with " + path.filename().string() + ". Images that you open next use it too.", false);
+    const std::string written = "Written: " + path.string();
+    std::erase_if(editing.state.notices, [&](const Notice& notice) { return notice.text == written; });
+    add_notice(
+        editing.state,
+        written + ". The case goes on with " + path.filename().string() + ". Images that you open next use it too.",
+        false);
   });
 }
 

@@ -97,6 +97,15 @@ void forget_old_news(EditorState& state, double seconds) {
   std::erase_if(state.notices, [&](const Notice& notice) { return notice.until && *notice.until <= seconds; });
 }
 
+/// Hints lie over the image: they go after a while, whether they were followed or not.
+void forget_old_hints(EditorState& state, const Document& document, double seconds) {
+  constexpr double hint_seconds = 20;
+  const bool covered = state.models.shown || state.dialog || (state.guide && state.guide->shown);
+  if (state.hints_over) return;
+  if (!state.hints_until && !covered && document.has_shape()) state.hints_until = seconds + hint_seconds;
+  state.hints_over = state.hints_until && *state.hints_until <= seconds;
+}
+
 void play(EditorState& state, const Document& document, double seconds) {
   if (!state.playing || seconds < state.next_frame_seconds || !document.volume || document.volume->frames <= 1) return;
   const Volume& volume = *document.volume;
@@ -171,7 +180,10 @@ bool take_results(Editing& editing, double seconds) {
   changed |= take_observers(editing);
   changed |= take_recovery(editing);
   forget_old_news(state, seconds);
-  return changed || state.notices.size() != notices_before || before != &editing.shown.snapshot() || state.playing;
+  const bool hints_before = state.hints_over;
+  forget_old_hints(state, editing.shown.document(), seconds);
+  return changed || state.notices.size() != notices_before || before != &editing.shown.snapshot() || state.playing ||
+         state.hints_over != hints_before;
 }
 
 void settle(Editing& editing) {
@@ -196,6 +208,8 @@ std::optional<double> next_move_seconds(const EditorState& state, const Work& wo
   if (work.busy()) return progress_seconds;
   auto next = work.models.next_move_seconds(state.models);
   if (const auto rest = work.quality.rest_seconds()) next = std::min(next.value_or(*rest), *rest);
+  if (state.hints_until && !state.hints_over)
+    next = std::min(next.value_or(*state.hints_until - now), std::max(*state.hints_until - now, 0.0));
   for (const Notice& notice : state.notices)
     if (notice.until) next = std::min(next.value_or(*notice.until - now), std::max(*notice.until - now, 0.0));
   return next;

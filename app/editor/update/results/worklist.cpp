@@ -48,6 +48,15 @@ void take_fitted(EditorState& state, const WorklistDone& done) {
   ++state.models.study_revision;
 }
 
+/// Where the case files of scans go: a folder of the study's own, "NAME-cases" beside it, or where those lie that it
+/// has already.
+fs::path case_folder(const ModelsState& models) {
+  for (const StudyCase& one : models.study.cases)
+    if (one.from_scan) return one.file.parent_path();
+  const std::string name = models.study_file.filename().string();
+  return models.study_file.parent_path() / (name.substr(0, name.find('.')) + "-cases");
+}
+
 /// Once all that was asked for is done.
 void tell_end(EditorState& state) {
   const auto& cases = state.models.study.cases;
@@ -72,7 +81,9 @@ void add_scans(Editing& editing, const fs::path& folder) {
   if (models.study_file.empty()) models.study_file = new_study_file();
   std::error_code ignored;
   const fs::path scans = fs::is_directory(folder, ignored) ? folder : folder.parent_path();
-  editing.work.worklist.add_folder(scans, models.study_file.parent_path() / "cases", the_template);
+  CaseStart start{case_folder(models), the_template, editing.shown.template_is_mirrored(), {}};
+  for (const StudyCase& one : models.study.cases) start.known.push_back(one.file);
+  editing.work.worklist.add_folder(scans, std::move(start));
 }
 
 void fit_waiting(Editing& editing) {

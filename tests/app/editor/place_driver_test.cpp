@@ -1,0 +1,186 @@
+#include <doctest/doctest.h>
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <set>
+
+#include "app/editor/state/view_geometry.h"
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/imgui_context.h"
+#include "app/editor/widgets/widgets.h"
+#include "app/editor/work/fitter.h"
+#include "core/case/held_landmarks.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/label_map.h"
+#include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
+#include "tests/driver.h"
+#include "tests/must.h"
+
+// Landmarks and the fit to a label, in the section Place, and how labels and names are told apart.
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A ball of 20 mm with two landmarks, and a label map of two balls: label 1 far away, label 2 where the mesh lies.
+struct TwoLabels {
+  TemporaryFolder folder;
+  fs::path labels = folder.path / "labels.nii";
+  Document document;
+
+  TwoLabels() {
+    const Mesh mesh = icosphere(3, 20);
+    MeshFile ball{mesh.points, mesh.topology->triangles()};
+    ball.landmarks = {{"north", Vec3(0, 0, 20)}, {"left inferior articular process tip", Vec3(0, 0, -20)}};
+    REQUIRE(write_mesh_file(ball, folder.path / "ball.ply"));
+    document = new_document("", nullptr, test::must(load_template((folder.path / "ball.ply").string())));
+    document.holds_landmarks = true;
+    VolumeGeometry grid;
+    grid.dims = {80, 60, 60};
+    grid.origin_mm = Vec3(-29.5, -29.5, -29.5);
+    Mesh beside = icosphere(3, 7);
+    beside.points.rowwise() += Eigen::RowVector3d(38, 0, 0);
+    Volume map = label_map(icosphere(4, 18), grid, 2);
+    const Volume other = label_map(beside, grid, 1);
+    auto& voxels = std::get<std::vector<std::uint8_t>>(map.data);
+    for (std::size_t v = 0; v < voxels.size(); ++v)
+      voxels[v] = std::max(voxels[v], std::get<std::vector<std::uint8_t>>(other.data)[v]);
+    REQUIRE(write_volume(map, labels));
+  }
+};
+
+void open_labels_of(Driver& driver, const TwoLabels& two) {
+  OpenRequest request;
+  request.labels = two.labels;
+  driver.app().send(OpenRequested{request});
+  driver.wait_until("the label map is open", [&] { return driver.has("Place/Fit to the label"); });
+  driver.settle();
+}
+
+void apply(Driver& driver, Action action) {
+  driver.app().send(ApplyEdit{std::move(action), false});
+  driver.settle();
+}
+
+const DrawnItem& text_that_holds(const Driver& driver, std::string_view words) {
+  static const DrawnItem none;
+  for (const DrawnItem& item : driver.items())
+    if (item.kind == DrawnItem::Kind::text && item.name.find(words) != std::string::npos) return item;
+  return none;
+}
+
+}  // namespace
+
+TEST_CASE("what landmarks hold does not block a fit and what a person confirmed does until it is freed there") {
+  const TwoLabels two;
+  Driver driver(two.document);
+  driver.click("side panel/Place");
+  open_labels_of(driver, two);
+  apply(driver, PlaceLandmark{"north", Vec3(0, 0, 19)});
+  REQUIRE(landmark_hold(*driver.document().the_template, 0, driver.document().shape()).held);
+  CHECK(driver.control("Place/Fit to the label").enabled);
+  apply(driver, Confirm{Vec3(20, 0, 0), 8, true});
+  CHECK_FALSE(driver.control("Place/Fit to the label").enabled);
+  driver.click("Place/Free the confirmed vertices");
+  driver.settle();
+  CHECK_FALSE(driver.document().shape().confirmed);
+  CHECK_FALSE(driver.has("Place/Free the confirmed vertices"));
+  CHECK(driver.control("Place/Fit to the label").enabled);
+}
+
+TEST_CASE("a fit begins with the label that the mesh lies in and the foot line names the one at the pointer") {
+  const TwoLabels two;
+  Driver driver(two.document);
+  driver.click("side panel/Place");
+  open_labels_of(driver, two);
+  CHECK(driver.control("Place/label").value == "Label 2");
+  driver.click("Place/Fit to the label");
+  driver.wait_until("the fit is done", [&] { return driver.document().shape().points->row(0).norm() < 19; });
+  CHECK(label_at_mesh(test::must(read_volume(two.labels)).volume, 0, icosphere(2, 500).points) == 0);
+}
+
+TEST_CASE("how far a landmark is off stands beside its buttons and its name ends before it") {
+  const TwoLabels two;
+  Driver driver(two.document);
+  driver.click("side panel/Place");
+  apply(driver, SetLandmarkPull{LandmarkPull::off});
+  apply(driver, PlaceLandmark{"left inferior articular process tip", Vec3(0, 0, -26)});
+  driver.point_at("left inferior articular process tip/row");
+  const DrawnItem& off = text_that_holds(driver, "mm off");
+  REQUIRE(!off.name.empty());
+  CHECK(off.rect.x + off.rect.width <= driver.control("left inferior articular process tip/hold").rect.x);
+  CHECK(driver.control("left inferior articular process tip/row").tip.find("the place that you clicked") !=
+        std::string::npos);
+}
+
+TEST_CASE("after a landmark of the template is named the next one is") {
+  const TwoLabels two;
+  Driver driver(two.document);
+  driver.click("side panel/Template");
+  driver.type_into("new landmark", "east");
+  driver.press(key::enter);
+  driver.settle();
+  CHECK(driver.state().tool == MouseTool::template_landmark);
+  const RectPx& view = driver.app().layout().image(ViewKind::space);
+  driver.move(view.x + view.width / 2, view.y + view.height / 2);
+  driver.button(MouseButton::left, true);
+  driver.button(MouseButton::left, false);
+  driver.settle();
+  CHECK(driver.document().the_template->landmarks.size() == 3);
+  CHECK(driver.control("new landmark").value.empty());
+}
+
+TEST_CASE("the key L scrolls the panel to the landmarks") {
+  const TwoLabels two;
+  Driver driver(two.document, {1280, 600, 1});
+  driver.click("side panel/Template");  // open, it pushes Place down
+  driver.press('L');
+  driver.settle();
+  const RectPx& panel = driver.app().layout().panel;
+  const RectPx& title = driver.control("side panel/Place").rect;
+  CHECK(title.y >= panel.y - 1);
+  CHECK(title.y < panel.y + 40);
+  CHECK(driver.has("north/row"));
+}
+
+TEST_CASE("names that would look alike keep what tells them apart") {
+  const ImGuiAlone imgui;
+  make_theme(1);
+  ImGui::GetIO().DisplaySize = {800, 600};
+  ImGui::NewFrame();
+  std::vector<std::string> names;
+  for (const char* number : {"00000", "00003", "00014", "00096"})
+    names.push_back(std::string("case_") + number + "_left_healthy_thin");
+  for (const float width : {130.0f, 90.0f, 60.0f}) {
+    std::set<std::string> shown;
+    for (const std::string& name : names) {
+      shown.insert(shortened_among(name, names, width));
+      CHECK(ImGui::CalcTextSize(shortened_among(name, names, width).c_str()).x <= width);
+    }
+    CHECK(shown.size() == names.size());
+    for (const char* number : {"14", "96"})  // whole, in each
+      CHECK(std::any_of(shown.begin(), shown.end(),
+                        [&](const std::string& one) { return one.find(number) != std::string::npos; }));
+  }
+  CHECK(shortened_among("left kidney of a horse", {"left kidney of a horse"}, 60) ==
+        shortened("left kidney of a horse", 60));
+  CHECK(shortened_among(names[0], names, 500) == names[0]);
+  ImGui::EndFrame();
+}
+
+TEST_CASE("looking at a place keeps the patient upright however the camera was rolled") {
+  Camera3D camera;
+  camera.to_eye = Vec3(0, -1, 0);
+  camera.up = Vec3(1, 0, 0);
+  look_from_outside(camera, Vec3(1, 1, 0.2));
+  CHECK(camera.up.z() > 0.9);
+  CHECK(std::abs(camera.up.dot(camera.to_eye)) < 1e-9);
+  look_from_outside(camera, Vec3(0, 0, 1));
+  CHECK(camera.up.y() < -0.9);
+}
+
+}  // namespace homolog

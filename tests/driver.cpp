@@ -217,6 +217,31 @@ void Driver::type(std::string_view text) {
   frames(3);
 }
 
+const DrawnItem* Driver::at_keys() const {
+  const auto found = std::find_if(items().begin(), items().end(), [](const DrawnItem& item) { return item.at_keys; });
+  return found == items().end() ? nullptr : &*found;
+}
+
+void Driver::go_to(std::string_view name) {
+  pause();
+  settle();
+  constexpr int most_parts = 12, most_controls = 150;
+  const auto there = [&] { return at_keys() != nullptr && ends_in(at_keys()->path, name); };
+  for (int part = 0; part < most_parts; ++part) {
+    const std::string first = at_keys() != nullptr ? at_keys()->path : std::string();
+    for (int k = 0; k < most_controls && !first.empty(); ++k) {
+      if (there()) {
+        if (!is_seen(*at_keys())) FAIL(at_keys()->path << " is reached by the keys, but is out of sight");
+        return;
+      }
+      press(key::tab);
+      if (at_keys() == nullptr || at_keys()->path == first) break;
+    }
+    if (!there()) press(key::f6);
+  }
+  FAIL("no key leads to " << std::string(name));
+}
+
 void Driver::type_into(std::string_view name, std::string_view text) {
   click(name);
   if (!ImGui::GetIO().WantTextInput) FAIL(control(name).path << " takes no text");

@@ -38,6 +38,8 @@ class Driver {
   bool has(std::string_view name) const { return !found(name).empty(); }
   /// Whether a text that holds these words is on the screen.
   bool shows(std::string_view words) const;
+  /// The control that is marked as what the keys operate; null where none is.
+  const DrawnItem* at_keys() const;
 
   // The hands.
 
@@ -53,6 +55,8 @@ class Driver {
   void wheel(double steps);
   void press(int key, const InputRouter::Held& held = {});
   void type(std::string_view text);
+  /// Brings the keys to a control by pressing them: F6 to its part of the window, then Tab.
+  void go_to(std::string_view name);
   /// Clicks on a field or a number and types a text in place of what it holds; no Enter.
   void type_into(std::string_view name, std::string_view text);
 

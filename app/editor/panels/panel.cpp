@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <utility>
+
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/widgets/widgets.h"
 
@@ -24,6 +27,16 @@ void CaseNumber::settle(bool changed, bool released, const std::function<Action(
     out.preview(std::nullopt);
 }
 
+namespace {
+
+/// The section that was just opened is seen, all of it where there is room. `top_px` is where it begins in the panel.
+void show_opened(float top_px) {
+  const float bottom_px = ImGui::GetCursorPosY(), room = ImGui::GetWindowHeight();
+  if (bottom_px > ImGui::GetScrollY() + room) ImGui::SetScrollY(std::min(top_px, bottom_px - room));
+}
+
+}  // namespace
+
 void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,
                    Outbox& out) {
   const Theme& theme = ui.theme;
@@ -37,14 +50,20 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
     const auto chosen = sections_open.find(one.title);
     const bool open = chosen == sections_open.end() ? one.open_at_first : chosen->second;
     bool toggled = false;
+    const float top_px = ImGui::GetCursorPosY();
     const bool shown = section(theme, one.title, open, toggled);
-    if (toggled) out.send(OpenSection{one.title, !open});
+    bool& opens = *ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID(one.title));  // since the click that opens it
+    if (toggled) {
+      out.send(OpenSection{one.title, !open});
+      opens = !open;
+    }
     if (!shown) continue;
     {
       const Part part(one.title);
       one.draw(ui, out);
     }
     gap(theme, 8);
+    if (std::exchange(opens, false)) show_opened(top_px);
   }
   ImGui::EndChild();
   end_region();

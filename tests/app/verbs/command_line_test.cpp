@@ -308,6 +308,18 @@ TEST_CASE("pictures are made on any ground with captions or without") {
   CHECK(run(folder, "picture modes m.h5 -o x.png --ground light --transparent").status == 2);
 }
 
+TEST_CASE("the bench times the editor's frames with every tool of a stroke") {
+  const TemporaryFolder folder;
+  const Ran ran = run(folder, "bench --editor --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json rows = ran.json()["editor"];
+  REQUIRE(rows.size() == 6);
+  for (const Json& row : rows) {
+    CHECK(row["frame_ms"].get<double>() > 0.01);
+    CHECK(row["slowest_frame_ms"].get<double>() >= row["frame_ms"].get<double>());
+  }
+}
+
 TEST_CASE("the demo plays the whole job without a display") {
   const TemporaryFolder folder;
   const Ran ran = run(folder, "demo --headless -o out --json");

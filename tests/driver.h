@@ -27,6 +27,7 @@ class Driver {
   /// With a case of `document`, kept at case_file(). Everything that the program keeps lies in folder().
   explicit Driver(Document document);
   Driver(Document document, const Size& size);
+  ~Driver();
   Driver(const Driver&) = delete;
   Driver& operator=(const Driver&) = delete;
 
@@ -40,6 +41,8 @@ class Driver {
   bool shows(std::string_view words) const;
   /// The control that is marked as what the keys operate; null where none is.
   const DrawnItem* at_keys() const;
+  /// The window as it is now. Needs an OpenGL context that is current until the driver is gone.
+  Picture picture();
 
   // The hands.
 
@@ -98,7 +101,7 @@ class Driver {
   Home home_;
   Size size_;
   double seconds_ = 0, next_frame_seconds_ = 0, x_px_ = 0, y_px_ = 0;
-  bool in_a_hurry_ = false;
+  bool in_a_hurry_ = false, has_pictures_ = false;
   InputRouter::Held held_;
   ImGuiAlone imgui_;
   DrawnItems drawn_;

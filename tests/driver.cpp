@@ -1,5 +1,6 @@
 #include "tests/driver.h"
 
+#include <backends/imgui_impl_opengl3.h>
 #include <doctest/doctest.h>
 #include <imgui.h>
 
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "core/session/case_file.h"
+#include "render/offscreen.h"
 #include "tests/must.h"
 #include "tests/wait.h"
 
@@ -44,6 +46,24 @@ Driver::Driver(Document document, const Size& size) : size_(size) {
   app_.start_session(test::must(create_case(document, folder() / "case.homolog")));
   state().preferences.hints = {true, true, true};
   frames(3);
+}
+
+Driver::~Driver() {
+  if (has_pictures_) ImGui_ImplOpenGL3_Shutdown();
+}
+
+Picture Driver::picture() {
+  if (!std::exchange(has_pictures_, true)) {
+    ImGui_ImplOpenGL3_Init("#version 330 core");
+    REQUIRE(app_.start_drawing(size_.scale));
+  }
+  const auto framebuffer = test::must(Framebuffer::make(size_.width_px, size_.height_px, 1));
+  // A list or a text that appears has its size in the second frame.
+  for (int k = 0; k < 2 || app_.draws_on(); ++k) {
+    framebuffer->bind();
+    frame();
+  }
+  return framebuffer->read();
 }
 
 std::vector<const DrawnItem*> Driver::found(std::string_view name) const {
@@ -215,6 +235,31 @@ void Driver::type(std::string_view text) {
     i += length;
   }
   frames(3);
+}
+
+const DrawnItem* Driver::at_keys() const {
+  const auto found = std::find_if(items().begin(), items().end(), [](const DrawnItem& item) { return item.at_keys; });
+  return found == items().end() ? nullptr : &*found;
+}
+
+void Driver::go_to(std::string_view name) {
+  pause();
+  settle();
+  constexpr int most_parts = 12, most_controls = 150;
+  const auto there = [&] { return at_keys() != nullptr && ends_in(at_keys()->path, name); };
+  for (int part = 0; part < most_parts; ++part) {
+    const std::string first = at_keys() != nullptr ? at_keys()->path : std::string();
+    for (int k = 0; k < most_controls && !first.empty(); ++k) {
+      if (there()) {
+        if (!is_seen(*at_keys())) FAIL(at_keys()->path << " is reached by the keys, but is out of sight");
+        return;
+      }
+      press(key::tab);
+      if (at_keys() == nullptr || at_keys()->path == first) break;
+    }
+    if (!there()) press(key::f6);
+  }
+  FAIL("no key leads to " << std::string(name));
 }
 
 void Driver::type_into(std::string_view name, std::string_view text) {

@@ -27,6 +27,7 @@ class Driver {
   /// With a case of `document`, kept at case_file(). Everything that the program keeps lies in folder().
   explicit Driver(Document document);
   Driver(Document document, const Size& size);
+  ~Driver();
   Driver(const Driver&) = delete;
   Driver& operator=(const Driver&) = delete;
 
@@ -38,6 +39,10 @@ class Driver {
   bool has(std::string_view name) const { return !found(name).empty(); }
   /// Whether a text that holds these words is on the screen.
   bool shows(std::string_view words) const;
+  /// The control that is marked as what the keys operate; null where none is.
+  const DrawnItem* at_keys() const;
+  /// The window as it is now. Needs an OpenGL context that is current until the driver is gone.
+  Picture picture();
 
   // The hands.
 
@@ -53,6 +58,8 @@ class Driver {
   void wheel(double steps);
   void press(int key, const InputRouter::Held& held = {});
   void type(std::string_view text);
+  /// Brings the keys to a control by pressing them: F6 to its part of the window, then Tab.
+  void go_to(std::string_view name);
   /// Clicks on a field or a number and types a text in place of what it holds; no Enter.
   void type_into(std::string_view name, std::string_view text);
 
@@ -94,7 +101,7 @@ class Driver {
   Home home_;
   Size size_;
   double seconds_ = 0, next_frame_seconds_ = 0, x_px_ = 0, y_px_ = 0;
-  bool in_a_hurry_ = false;
+  bool in_a_hurry_ = false, has_pictures_ = false;
   InputRouter::Held held_;
   ImGuiAlone imgui_;
   DrawnItems drawn_;

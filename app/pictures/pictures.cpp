@@ -14,7 +14,7 @@ namespace homolog {
 
 namespace {
 
-constexpr std::array<float, 4> dark{0.07f, 0.075f, 0.085f, 1};
+constexpr std::array<float, 4> dark{0.07f, 0.075f, 0.085f, 1}, light{1, 1, 1, 1};
 constexpr int gap_px = 4;
 
 /// Colours and glyphs of a topology, the same for every shape that has it.
@@ -99,12 +99,18 @@ struct Studio {
     auto renderer = Renderer::make();
     if (!renderer) return fail(renderer.error());
     (*framebuffer)->bind();
+    // The gaps between the cells too.
+    Scene empty;
+    empty.background = light;
+    if (options.light)
+      if (auto drawn = (*renderer)->draw(empty, Camera3D(), {0, 0, options.width_px, options.height_px, 1}); !drawn)
+        return fail(drawn.error());
     return Studio{std::move(*context), std::move(*framebuffer), std::move(*renderer)};
   }
 };
 
 std::array<float, 4> background(const MontageOptions& options) {
-  return options.transparent ? std::array<float, 4>{0, 0, 0, 0} : dark;
+  return options.transparent ? std::array<float, 4>{0, 0, 0, 0} : options.light ? light : dark;
 }
 
 /// Columns of a grid of `count` cells whose cells are as square as they can be.
@@ -126,6 +132,12 @@ Target cell(int k, int columns, int rows, const MontageOptions& options) {
   const int x0 = column * options.width_px / columns, x1 = (column + 1) * options.width_px / columns;
   const int y0 = row * options.height_px / rows, y1 = (row + 1) * options.height_px / rows;
   return {x0 + gap_px / 2, options.height_px - y1 + gap_px / 2, x1 - x0 - gap_px, y1 - y0 - gap_px, 1};
+}
+
+/// The same rectangle from the upper left.
+PictureCell named(const Target& target, const MontageOptions& options, std::string name, double mm_per_px) {
+  return {target.x, options.height_px - target.y - target.height, target.width, target.height, std::move(name),
+          mm_per_px};
 }
 
 /// Black and white of what is shown: the range, without its 1 % tails, of the voxels around the mesh.
@@ -159,7 +171,8 @@ SliceView slice_on(const Mesh& mesh, const Vec3& centre, const Vec3& right, cons
 }
 
 /// Shapes of one topology in a grid, each moved to its centroid, under one camera.
-Result<MadePicture> montage(const std::vector<Mesh>& shapes, int columns, const MontageOptions& options) {
+Result<MadePicture> montage(const std::vector<Mesh>& shapes, const std::vector<std::string>& names, int columns,
+                            const MontageOptions& options) {
   auto studio = Studio::make(options);
   if (!studio) return fail(studio.error());
   const Colouring colouring(shapes.front(), options.glyph_spacing_mm);
@@ -169,6 +182,7 @@ Result<MadePicture> montage(const std::vector<Mesh>& shapes, int columns, const 
     return fail("", "one of " + std::to_string(count) + " shapes, which need a larger picture; raise --size");
   }
   const Framing framing(shapes, options.from, cell(0, columns, rows, options));
+  std::vector<PictureCell> cells;
   for (int k = 0; k < columns * rows; ++k) {
     Scene scene;
     scene.background = background(options);
@@ -177,13 +191,17 @@ Result<MadePicture> montage(const std::vector<Mesh>& shapes, int columns, const 
       const Mesh& shape = shapes[static_cast<std::size_t>(k)];
       centre = shape.points.colwise().mean();
       colouring.add_to(scene, shape);
+      const Target target = cell(k, columns, rows, options);
+      const bool has_bar = k == (rows - 1) * columns;  // one for all, at the lower left
+      const double mm_per_px = 2 * framing.radius_mm / std::min(target.width, target.height);
+      cells.push_back(named(target, options, names[static_cast<std::size_t>(k)], has_bar ? mm_per_px : 0));
     }
     const Camera3D camera = camera_on(centre + framing.offset, framing.radius_mm, options.from);
     if (auto drawn = studio->renderer->draw(scene, camera, cell(k, columns, rows, options)); !drawn) {
       return fail(drawn.error());
     }
   }
-  return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size())};
+  return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size()), std::move(cells)};
 }
 
 }  // namespace
@@ -208,19 +226,25 @@ Result<Vec3> direction_from_name(const std::string& name) {
   return fail("--view " + name, "is no direction; use anterior, posterior, left, right, superior, inferior or x,y,z");
 }
 
-Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const MontageOptions& options) {
-  return montage(shapes, columns_for(static_cast<int>(shapes.size()), options), options);
+Result<MadePicture> correspondence_picture(const std::vector<Mesh>& shapes, const std::vector<std::string>& names,
+                                           const MontageOptions& options) {
+  return montage(shapes, names, columns_for(static_cast<int>(shapes.size()), options), options);
 }
 
 Result<MadePicture> modes_picture(const ShapeModel& model, int modes, const MontageOptions& options) {
   if (!model.topology) return fail("", "is a model of points without faces, which cannot be drawn");
   std::vector<Mesh> shapes;
+  std::vector<std::string> names;
   for (Eigen::Index mode = 0; mode < std::min<Eigen::Index>(modes, model.modes()); ++mode) {
     for (const double deviations : {-3.0, 0.0, 3.0})
       shapes.push_back({model.topology, mode_shape(model, mode, deviations)});
+    const std::string row = "Mode " + std::to_string(mode + 1) + ", ";
+    names.insert(names.end(), {row + "\xe2\x88\x92"
+                                     "3\xe2\x88\x9a\xce\xbb",
+                               "mean", "+3\xe2\x88\x9a\xce\xbb"});
   }
   if (shapes.empty()) return fail("", "has no mode to show");
-  return montage(shapes, 3, options);
+  return montage(shapes, names, 3, options);
 }
 
 Result<MadePicture> case_picture(const Document& document, const MontageOptions& options) {
@@ -242,17 +266,20 @@ Result<MadePicture> case_picture(const Document& document, const MontageOptions&
   const std::array<std::pair<Vec3, Vec3>, 3> planes{{{Vec3::UnitX(), Vec3::UnitY()},     // axial
                                                      {Vec3::UnitY(), -Vec3::UnitZ()},    // sagittal
                                                      {Vec3::UnitX(), -Vec3::UnitZ()}}};  // coronal
+  std::vector<PictureCell> cells;
   for (int k = 0; k < 3; ++k) {
     const auto& [right, down] = planes[static_cast<std::size_t>(k)];
     const Target target = cell(k, 2, 2, options);
-    if (auto drawn = studio->renderer->draw(scene, slice_on(mesh, centre, right, down, target), target); !drawn) {
-      return fail(drawn.error());
-    }
+    const SliceView view = slice_on(mesh, centre, right, down, target);
+    if (auto drawn = studio->renderer->draw(scene, view, target); !drawn) return fail(drawn.error());
+    static constexpr std::array<const char*, 3> names{"Axial", "Sagittal", "Coronal"};
+    cells.push_back(named(target, options, names[static_cast<std::size_t>(k)], view.mm_per_px));
   }
   scene.glyphs = glyphs;
   const Camera3D camera = camera_on(centre, 1.05 * radius_of(mesh, centre), options.from);
   if (auto drawn = studio->renderer->draw(scene, camera, cell(3, 2, 2, options)); !drawn) return fail(drawn.error());
-  return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size())};
+  cells.push_back(named(cell(3, 2, 2, options), options, "3D", 0));
+  return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size()), std::move(cells)};
 }
 
 }  // namespace homolog

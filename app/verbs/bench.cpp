@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/editor/window/editor_frames.h"
 #include "app/verbs/bench_case.h"
 #include "app/verbs/bench_model.h"
 #include "app/verbs/bench_pictures.h"
@@ -155,6 +156,7 @@ void add_bench(CLI::App& app, CommandLine& asked) {
     std::vector<std::filesystem::path> masks;
     std::filesystem::path mesh;
     int vertices = 2500;
+    bool editor = false;
   };
   auto options = std::make_shared<Options>();
   auto* masks =
@@ -165,10 +167,30 @@ void add_bench(CLI::App& app, CommandLine& asked) {
       ->needs(masks)
       ->capture_default_str();
   verb->add_option("--mesh", options->mesh, "Times the solver on this mesh too")->excludes(masks);
+  verb->add_flag("--editor", options->editor, "Instead: only the editor's frames while a person drags and paints")
+      ->excludes(masks);
   const auto bench = [options](Progress& progress) -> Result<Report> {
     Report report;
     if (!options->masks.empty()) {
       report.values["templates"] = template_figures(options->masks, options->vertices, progress);
+      return report;
+    }
+    const auto add_editor = [&]() -> Result<void> {
+      const auto costs = frame_costs();
+      if (!costs) return fail(costs.error());
+      Json rows = Json::array();
+      for (const FrameCost& cost : *costs) {
+        rows.push_back({{"tool", cost.tool},
+                        {"events_a_frame", events_a_frame},
+                        {"frame_ms", cost.frame_ms},
+                        {"slowest_frame_ms", cost.slowest_frame_ms}});
+        if (cost.drawn_frame_ms) rows.back()["drawn_frame_ms"] = *cost.drawn_frame_ms;
+      }
+      report.values["editor"] = std::move(rows);
+      return {};
+    };
+    if (options->editor) {
+      if (auto added = add_editor(); !added) return fail(added.error());
       return report;
     }
     report.values["cores"] = std::thread::hardware_concurrency();
@@ -193,6 +215,7 @@ void add_bench(CLI::App& app, CommandLine& asked) {
     progress.part(0, 1);
     progress.report(0.95);
     report.values["pictures"] = picture_figures();
+    if (auto added = add_editor(); !added) return fail(added.error());
     return report;
   };
   verb->callback([bench, &asked] { asked.run = bench; });

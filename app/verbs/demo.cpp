@@ -93,7 +93,7 @@ class HeadlessDemo {
     if (auto done = write_picture(picture->picture, written("case.png")); !done) return done;
     options.height_px = options.width_px / 2;
     const Mesh before{session.document().the_template->topology, *session.document().shape().placed};
-    picture = correspondence_picture({before, session.document().mesh()}, options);
+    picture = correspondence_picture({before, session.document().mesh()}, {"before", "after"}, options);
     if (!picture) return fail(picture.error());
     return write_picture(picture->picture, written("correspondence.png"));
   }

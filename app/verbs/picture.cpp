@@ -4,8 +4,10 @@
 #include <optional>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "app/editor/window/editor_picture.h"
+#include "app/editor/window/picture_captions.h"
 #include "app/pictures/pictures.h"
 #include "app/verbs/verb.h"
 #include "core/base/picture_io.h"
@@ -27,11 +29,16 @@ struct PictureVerb {
   fs::path out;
   std::string size = "1280x960", view = "anterior";
   double glyph_spacing_mm = 0;
-  bool transparent = false, all_frames = false;
+  bool transparent = false, all_frames = false, captions = false;
+  std::string ground, only;  ///< empty: as it always was
   int modes = 2;
 };
 
+const std::vector<std::string> grounds{"dark", "light", "transparent"};
+
 constexpr int largest_side_px = 16384;
+const std::vector<std::string> view_names{"axial", "sagittal", "coronal", "3d"};  // as all_views
+const std::vector<std::string> study_names{"gallery", "modes"};
 
 /// {width, height}; nullopt where the text is no size.
 std::optional<std::pair<int, int>> parsed_size(const std::string& text) {
@@ -56,15 +63,42 @@ MontageOptions montage_options(const PictureVerb& verb) {
   std::tie(options.width_px, options.height_px) = parsed_size(verb.size).value();
   options.from = direction_from_name(verb.view).value();
   options.glyph_spacing_mm = verb.glyph_spacing_mm;
-  options.transparent = verb.transparent;
+  options.transparent = verb.transparent || verb.ground == "transparent";
+  options.light = verb.ground == "light";
   return options;
 }
 
-Result<Report> write(const Result<MadePicture>& made, const PictureVerb& verb) {
+/// The part of the window that `only` names, as the window's own export makes it.
+std::optional<PictureOptions> part_of(const PictureVerb& verb) {
+  if (verb.only.empty()) return std::nullopt;
+  PictureOptions part;
+  std::tie(part.width, part.height) = parsed_size(verb.size).value();
+  part.transparent = verb.ground == "transparent";
+  part.light = verb.ground == "light";
+  part.captions = verb.captions;
+  const auto view = std::find(view_names.begin(), view_names.end(), verb.only);
+  if (view != view_names.end())
+    part.view = all_views[static_cast<std::size_t>(view - view_names.begin())];
+  else
+    part.study = verb.only == "modes" ? StudyPicture::modes : StudyPicture::gallery;
+  return part;
+}
+
+Result<Report> write(Result<MadePicture> made, const PictureVerb& verb) {
   if (!made) {
     Error error = made.error();
     if (error.subject.empty()) error.subject = verb.in.front().string();
     return fail(std::move(error));
+  }
+  if (verb.captions) {
+    std::vector<PictureCaption> captions;
+    for (const PictureCell& cell : made->cells)
+      captions.push_back({{static_cast<float>(cell.x), static_cast<float>(cell.y), static_cast<float>(cell.width),
+                           static_cast<float>(cell.height)},
+                          cell.name,
+                          cell.mm_per_px});
+    const bool light_ground = verb.ground == "light";
+    if (auto put = write_captions(made->picture, captions, light_ground); !put) return fail(put.error());
   }
   if (auto written = write_picture(made->picture, verb.out); !written) return fail(written.error());
   return Report{{{"glyphs", made->glyphs}, {"size", Json::array({made->picture.width, made->picture.height})}}, {}};
@@ -74,9 +108,11 @@ Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
   const auto sources = shape_sources(verb.in);
   if (!sources) return fail(sources.error());
   std::vector<Mesh> shapes;
+  std::vector<std::string> names;
   std::string first;
   const auto take = [&](const std::string& name, const MeshFile& mesh) -> Result<void> {
     if (mesh.triangles.rows() == 0) return fail(name, "has points only; a picture needs faces, so give meshes");
+    names.push_back(fs::path(name).stem().string());
     if (shapes.empty()) {
       auto topology = Topology::make(mesh.points.rows(), mesh.triangles);
       if (!topology) return fail(name, topology.error().what);
@@ -97,7 +133,7 @@ Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
   };
   auto warnings = read_shapes(*sources, verb.all_frames, take, &progress);
   if (!warnings) return fail(warnings.error());
-  auto report = write(correspondence_picture(shapes, montage_options(verb)), verb);
+  auto report = write(correspondence_picture(shapes, names, montage_options(verb)), verb);
   if (report) report->warnings = std::move(*warnings);
   return report;
 }
@@ -127,6 +163,13 @@ Result<Report> write_window(EditSession session, EditorPictureOptions window, co
   const MontageOptions options = montage_options(verb);
   window.width_px = options.width_px;
   window.height_px = options.height_px;
+  window.part = part_of(verb);
+  if (window.part) {
+    // As the window of the usual size shows it: the picture is as large as it was asked for.
+    const EditorPictureOptions usual;
+    window.width_px = usual.width_px;
+    window.height_px = usual.height_px;
+  }
   const auto picture = editor_picture(std::move(session), window);
   if (!picture) return fail(picture.error());
   if (auto written = write_picture(*picture, verb.out); !written) return fail(written.error());
@@ -146,9 +189,16 @@ Result<Report> of_study(const PictureVerb& verb) {
   if (!read) return fail(read.error());
   EditorPictureOptions window;
   window.arrange = [&](EditorState& state) { show_study(state.models, std::move(read->study), verb.in.front()); };
-  window.models = StartEvaluation{};
+  if (verb.only.empty()) window.models = StartEvaluation{};
   auto warnings = read->warnings;
   return write_window(EditSession(new_document({}, nullptr, nullptr)), window, verb, std::move(warnings));
+}
+
+/// --ground and --captions; gives the first.
+CLI::Option* add_ground(CLI::App& verb, PictureVerb& options) {
+  verb.add_flag("--captions", options.captions, "Write names and a scale bar on the picture");
+  return verb.add_option("--ground", options.ground, "Behind what is shown: dark, light or transparent")
+      ->check(CLI::IsMember(grounds));
 }
 
 void add_options(CLI::App& verb, PictureVerb& options) {
@@ -162,7 +212,15 @@ void add_options(CLI::App& verb, PictureVerb& options) {
       });
   verb.add_option("--glyph-spacing", options.glyph_spacing_mm, "Least distance between glyphs in mm")
       ->check(CLI::PositiveNumber);
-  verb.add_flag("--transparent", options.transparent, "Transparent background");
+  auto* transparent = verb.add_flag("--transparent", options.transparent, "The same as --ground transparent");
+  add_ground(verb, options)->excludes(transparent);
+}
+
+/// --only, with what can be said of a part of the window.
+void add_part(CLI::App& verb, PictureVerb& options, const std::vector<std::string>& names, const char* help) {
+  auto* only = verb.add_option("--only", options.only, help)->check(CLI::IsMember(names));
+  add_ground(verb, options)->needs(only);
+  verb.get_option("--captions")->needs(only);
 }
 
 }  // namespace
@@ -191,12 +249,15 @@ void add_picture(CLI::App& app, CommandLine& asked) {
   window->add_option("CASE", options->in, "The case file")->required()->expected(1);
   window->add_option("-o,--output", options->out, "The picture to write (.png)")->required();
   add_size(*window, options->size);
+  add_part(*window, *options, view_names, "One view in place of the window: axial, sagittal, coronal or 3d");
   window->callback(
       [options, &asked] { asked.run = [options](Progress& progress) { return of_window(*options, progress); }; });
   CLI::App* study = add_verb(*picture, "study", "A study's models, as the editor's window shows them");
   study->add_option("STUDY", options->in, "The study (.study.json)")->required()->expected(1);
   study->add_option("-o,--output", options->out, "The picture to write (.png)")->required();
   add_size(*study, options->size);
+  add_part(*study, *options, study_names,
+           "In place of the window: gallery (all shapes) or modes (-3, 0 and +3 standard deviations)");
   study->callback([options, &asked] { asked.run = [options](Progress&) { return of_study(*options); }; });
   one->callback(
       [options, &asked] { asked.run = [options](Progress& progress) { return of_case(*options, progress); }; });

@@ -18,9 +18,9 @@ bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
          agreement.hd95_mm > most_share * bounds_of(boundary.surface.points).diagonal().norm();
 }
 
-/// Why the agreement is not good enough.
-std::string poor_fit(const Agreement& agreement) {
-  if (agreement.dice < least_dice)
+/// Why the fit is doubtful.
+std::string poor_fit(const Agreement& agreement, double doubt_share) {
+  if (agreement.dice < least_dice || doubt_share > most_doubt)
     return "the fit is poor; check that the template is not of another organ or side, and that the label is right";
   char text[200];
   std::snprintf(text, sizeof text,
@@ -56,7 +56,7 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
     judgement.warnings.push_back("the template itself has " + faults.words() +
                                  ", so its fits have faults too; make it again from a surface without faults");
   else if (judgement.doubtful && !judgement.mirrored)
-    judgement.warnings.push_back(poor_fit(judgement.agreement));
+    judgement.warnings.push_back(poor_fit(judgement.agreement, judgement.doubt_share));
   else if (tangled)
     judgement.warnings.emplace_back(
         "some triangles are turned or pass through each other, because the organ differs too much from the template "

@@ -5,6 +5,7 @@
 #include "app/editor/update/keys.h"
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 
 #include <imgui_internal.h>  // the order of windows
@@ -31,6 +32,7 @@ bool begin_dialog(const UiContext& ui, const char* title, float width_units, flo
   ImGui::PopStyleColor();
   ImGui::PopStyleVar(2);
   ImGui::SetWindowFocus();
+  key_focus().mark_dialog();
   ImGui::BringWindowToDisplayFront(ImGui::GetCurrentWindow());
   enter_part(title);
   ImGui::PushFont(theme.strong);
@@ -80,7 +82,8 @@ void draw_keys(const UiContext& ui, Outbox& out) {
   }
   const float side = theme.px(20), top = theme.px(56), width = widths[0] + widths[1] + widths[2] + widths[3];
   const float display_height = ImGui::GetIO().DisplaySize.y / theme.scale;
-  const float height = 56 + 24 * static_cast<float>(in_column) + 20;
+  constexpr float row_units = 21;
+  const float height = 56 + row_units * static_cast<float>(in_column) + 20;
   if (!begin_dialog(ui, "Keys and mouse", (width + 2 * side) / theme.scale - 8, std::min(height, display_height - 32)))
     close_dialog(out);
   ImGui::SetCursorPos({0, top});
@@ -88,7 +91,7 @@ void draw_keys(const UiContext& ui, Outbox& out) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::size_t first = i < in_column ? 0 : 2;
     const float left = side + (first == 0 ? 0 : widths[0] + widths[1]);
-    const float y = theme.px(24 * static_cast<float>(i % in_column));
+    const float y = theme.px(row_units * static_cast<float>(i % in_column));
     ImGui::SetCursorPos({left, y});
     text_line(rows[i].keys, palette::dim);
     ImGui::SetCursorPos({left + widths[first], y});

@@ -67,6 +67,7 @@ void Drawing::draw(int width_px, int height_px, double frames_per_second) {
   follow_layout(state_, layout_);
   if (pictures_) draw_pictures(width_px, height_px);
   ImGui::NewFrame();
+  begin_controls();
   draw_interface(ui_context(state_, frames_per_second), out_);
   ImGui::Render();
   if (pictures_) ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
@@ -136,6 +137,7 @@ Result<Picture> Drawing::window_picture() {
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
   const ImVec2 pointer = std::exchange(io.MousePos, ImVec2(-FLT_MAX, -FLT_MAX));
+  key_focus().let_mouse_speak();
   draw(width, height, 0);
   io.MousePos = pointer;
   state_.preferences.hints = hints;

@@ -5,6 +5,7 @@
 #include "app/editor/interface/dialog_frame.h"
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/base/listed.h"
 
@@ -88,6 +89,7 @@ std::string endings_of(const FileKind& kind) {
 
 void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
   const Theme& theme = ui.theme;
+  const OutOfKeysReach has_the_arrows;
   const auto visible = browser.visible();
   if (!browser.error.empty()) return explanation(theme, browser.error);
   if (visible.empty())

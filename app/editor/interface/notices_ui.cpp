@@ -5,6 +5,7 @@
 
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
@@ -58,7 +59,7 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   text_line(notice.error ? icon::warning : icon::info, colour);
   ImGui::SameLine(left);
   text_lines(text, palette::text, end);
-  if (text != notice.text && ImGui::IsItemHovered()) tooltip(theme, notice.text);
+  if (text != notice.text && is_explained()) tooltip(theme, notice.text);
   if (offers) {
     ImGui::SetCursorPosX(left);
     if (button(theme, "Open it again", notice.case_before.string(), {}, theme.px(140), true)) {
@@ -97,6 +98,7 @@ RunningWork study_work(const RunningJob& job) {
 }
 
 void draw_notices(const UiContext& ui, Outbox& out) {
+  const KeyGroup group("cards");
   float bottom_px = ui.layout.status_line.y - ui.theme.px(16);
   for (std::size_t i = ui.state.notices.size(); i > 0; --i) draw_notice(ui, i - 1, bottom_px, out);
   for (const RunningWork& work : ui.running) draw_work(ui, work, bottom_px, out);

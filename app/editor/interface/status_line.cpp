@@ -4,6 +4,7 @@
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/state/status.h"
 #include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
@@ -57,6 +58,7 @@ void end_status_line() {
 
 void draw_status_line(const UiContext& ui, Outbox&) {
   const Theme& theme = ui.theme;
+  const OutOfKeysReach nothing_to_press;
   const RectPx& bar = ui.layout.status_line;
   const float y = begin_status_line(ui);
   ImDrawList& draw = *ImGui::GetWindowDrawList();

@@ -31,27 +31,33 @@ StudyCells study_cells(const ModelsState& state, StudyPicture what, float width_
   return cells;
 }
 
-void draw_study_captions(ImDrawList& draw, const Theme& theme, const ModelsState& state, const StudyCells& cells) {
-  ImFont* font = theme.body;
+void draw_cell_name(ImDrawList& draw, const Theme& theme, const RectPx& cell, const std::string& name) {
   const float inset = theme.px(8);
-  for (std::size_t k = 0; k < cells.names.size(); ++k) {
-    const RectPx cell = cells.grid.cell(k);
-    ImGui::PushFont(font);
-    const std::string name = shortened(cells.names[k], cell.width - 2 * inset);
-    ImGui::PopFont();
-    shadowed_text(draw, font, {cell.x + inset, cell.y + inset}, palette::mark, name);
-  }
-  // The cells are seen without perspective, 30° at the target across their shorter side.
-  const RectPx cell = cells.grid.cell(0);
-  const double mm_per_px =
-      2 * state.camera.distance_mm * std::tan(15 * std::numbers::pi / 180) / std::min(cell.width, cell.height);
+  ImGui::PushFont(theme.body);
+  const std::string shown = shortened(name, cell.width - 2 * inset);
+  ImGui::PopFont();
+  shadowed_text(draw, theme.body, {cell.x + inset, cell.y + inset}, palette::mark, shown);
+}
+
+void draw_cell_scale(ImDrawList& draw, const Theme& theme, const RectPx& cell, double mm_per_px) {
   const double length_mm = scale_bar_mm(mm_per_px, 0.4 * cell.width);
   const auto length_px = static_cast<float>(std::round(length_mm / mm_per_px));
-  const float x = cell.x + inset, y = std::round(cells.grid.area.height - theme.px(14)), tick = theme.px(4);
+  const float inset = theme.px(8), tick = theme.px(4);
+  const float x = cell.x + inset, y = std::round(cell.y + cell.height - theme.px(14));
   draw.AddLine({x, y}, {x + length_px, y}, palette::mark);
   for (const float end : {x, x + length_px}) draw.AddLine({end, y - tick}, {end, y + 1}, palette::mark);
   shadowed_text(draw, theme.small, {x + length_px + inset, std::round(y - theme.small->FontSize / 2)}, palette::mark,
                 format("%g mm", length_mm));
+}
+
+void draw_study_captions(ImDrawList& draw, const Theme& theme, const ModelsState& state, const StudyCells& cells) {
+  for (std::size_t k = 0; k < cells.names.size(); ++k) draw_cell_name(draw, theme, cells.grid.cell(k), cells.names[k]);
+  // The cells are seen without perspective, 30° at the target across their shorter side.
+  RectPx cell = cells.grid.cell(0);
+  const double mm_per_px =
+      2 * state.camera.distance_mm * std::tan(15 * std::numbers::pi / 180) / std::min(cell.width, cell.height);
+  cell.height = cells.grid.area.height - cell.y;  // at the lower left of all
+  draw_cell_scale(draw, theme, cell, mm_per_px);
 }
 
 }  // namespace homolog

@@ -5,6 +5,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
@@ -77,6 +78,7 @@ ImGuiMouseCursor pointer_shape(const EditorState& state) {
 void draw_views(const UiContext& ui, Outbox& out) {
   static constexpr std::array<const char*, 4> parts{"axial view", "sagittal view", "coronal view", "3D view"};
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const KeyGroup group("headers of the views");
   for (const ViewKind kind : all_views) {
     const RectPx& rect = ui.layout.image(kind);
     if (rect.width < 1 || rect.height < 1) continue;

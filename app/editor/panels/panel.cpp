@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -29,6 +30,16 @@ void CaseNumber::settle(bool changed, bool released, const std::function<Action(
     out.preview(std::nullopt);
 }
 
+namespace {
+
+/// The section that was just opened is seen, all of it where there is room. `top_px` is where it begins in the panel.
+void show_opened(float top_px) {
+  const float bottom_px = ImGui::GetCursorPosY(), room = ImGui::GetWindowHeight();
+  if (bottom_px > ImGui::GetScrollY() + room) ImGui::SetScrollY(std::min(top_px, bottom_px - room));
+}
+
+}  // namespace
+
 void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,
                    Outbox& out) {
   const Theme& theme = ui.theme;
@@ -46,14 +57,20 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
     if (std::string_view(one.title) == place_section &&
         std::exchange(controls_memory().place_shown, ui.state.place_wanted) != ui.state.place_wanted)
       ImGui::SetScrollFromPosY(ImGui::GetCursorScreenPos().y - ImGui::GetWindowPos().y, 0);
+    const float top_px = ImGui::GetCursorPosY();
     const bool shown = section(theme, one.title, open, toggled);
-    if (toggled) out.send(OpenSection{one.title, !open});
+    bool& opens = *ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID(one.title));  // since the click that opens it
+    if (toggled) {
+      out.send(OpenSection{one.title, !open});
+      opens = !open;
+    }
     if (!shown) continue;
     {
       const Part part(one.title);
       one.draw(ui, out);
     }
     gap(theme, 8);
+    if (std::exchange(opens, false)) show_opened(top_px);
   }
   ImGui::EndChild();
   end_region();

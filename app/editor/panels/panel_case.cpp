@@ -99,17 +99,19 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
     out.send(UseLightTheme{light});
 
   rule(theme);
-  if (!ui.labels) {
-    if (button(theme, "Overlay a label map…", "Shown over the slices in colours", {}, ImGui::GetContentRegionAvail().x))
-      out.send(ShowFileDialog{FilePurpose::open_labels, {}});
-    return;
-  }
-  figure(theme, "Labels", ui.labels_name);
+  // The same rows with a label map and without one: what lies below stays where it is when one is opened.
+  figure(theme, "Labels", ui.labels ? ui.labels_name : "none");
   double opacity = 100.0 * static_cast<double>(ui.state.label_opacity);
   bool released = false;
-  if (slider(theme, "Opacity", opacity, {0, 100, "%.0f", "%", false}, "Of the label map over the image", released))
+  if (slider(theme, "Opacity", opacity, {0, 100, "%.0f", "%", false}, "Of the label map over the image", released,
+             ui.labels ? "" : "Overlay a label map first."))
     out.send(SetLabelOpacity{opacity / 100});
-  if (button(theme, "Remove the overlay", "The file is not changed")) out.send(CloseLabels{});
+  const float width = ImGui::GetContentRegionAvail().x;
+  if (ui.labels) {
+    if (button(theme, "Remove the overlay", "The file is not changed", {}, width)) out.send(CloseLabels{});
+  } else if (button(theme, "Overlay a label map…", "Shown over the slices in colours", {}, width)) {
+    out.send(ShowFileDialog{FilePurpose::open_labels, {}});
+  }
 }
 
 }  // namespace homolog

@@ -88,13 +88,6 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
   if (changed) out.send(SetFit{settings});
 }
 
-void draw_fitting(const UiContext& ui, const char* what, Outbox& out) {
-  explanation(ui.theme, format("%s: %.0f %%", what, 100 * ui.fitter.fraction()));
-  progress_bar(ui.theme, ui.fitter.fraction());
-  if (button(ui.theme, "Cancel", "The mesh goes back to how it was", {}, ImGui::GetContentRegionAvail().x))
-    out.send(CancelFit{});
-}
-
 /// Why neither can start.
 std::string busy_refusal(const UiContext& ui) {
   if (ui.fitter.busy()) return ui.fitter.refining() ? "A refinement is running." : "A fit is running.";
@@ -138,6 +131,20 @@ void draw_last_fit(const Theme& theme, const Fitted& fitted) {
   for (const std::string& remark : fitted.remarks) explanation(theme, remark);
 }
 
+/// How far the fit is, or how good the last one was; always of the same height, so that nothing below moves.
+void draw_fit_figures(const UiContext& ui) {
+  const Theme& theme = ui.theme;
+  const float end_px = ImGui::GetCursorPosY() + 2 * theme.px(22);
+  const bool fitting = ui.fitter.busy() && !ui.fitter.refining();
+  if (fitting) {
+    explanation(theme, format("Fitting: %.0f %%", 100 * ui.fitter.fraction()));
+    progress_bar(theme, ui.fitter.fraction());
+  } else if (ui.labels && ui.state.last_fit && *ui.state.last_fit->edit.points == *ui.committed_shape().points) {
+    draw_last_fit(theme, *ui.state.last_fit);
+  }
+  ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), end_px));
+}
+
 }  // namespace
 
 void draw_fit(const UiContext& ui, Outbox& out) {
@@ -145,26 +152,32 @@ void draw_fit(const UiContext& ui, Outbox& out) {
   const float width = ImGui::GetContentRegionAvail().x;
   gap(theme, 4);
   caption(theme, "Automatic fit");
-  if (!ui.labels) {
+  draw_fit_settings(ui, out);
+  if (ui.fitter.busy() && !ui.fitter.refining()) {
+    if (button(theme, "Cancel", "The mesh goes back to how it was", {}, width)) out.send(CancelFit{});
+  } else if (!ui.labels) {
     if (button(theme, "Open a label map\xe2\x80\xa6", "Opens the label map that the template is fitted to", {}, width))
       out.send(ShowFileDialog{FilePurpose::open_labels, {}});
-    return;
+  } else {
+    if (button(theme, "Fit to the label", "You see the mesh move. The fit is one step to undo", fit_refusal(ui), width,
+               true)) {
+      FitSettings settings = ui.state.fit_settings;
+      settings.label = fit_label(ui);
+      out.send(StartFit{settings});
+    }
+    if (person_confirmed(ui)) draw_free_all(ui, out);
   }
-  if (ui.fitter.busy() && !ui.fitter.refining()) return draw_fitting(ui, "Fitting", out);
-  draw_fit_settings(ui, out);
-  if (button(theme, "Fit to the label", "You see the mesh move. The fit is one step to undo", fit_refusal(ui), width,
-             true)) {
-    FitSettings settings = ui.state.fit_settings;
-    settings.label = fit_label(ui);
-    out.send(StartFit{settings});
-  }
-  if (person_confirmed(ui)) draw_free_all(ui, out);
-  if (ui.state.last_fit && *ui.state.last_fit->edit.points == *ui.committed_shape().points)
-    draw_last_fit(theme, *ui.state.last_fit);
+  draw_fit_figures(ui);
 }
 
 void draw_refinement(const UiContext& ui, Outbox& out) {
-  if (ui.fitter.refining()) return draw_fitting(ui, "Refining", out);
+  if (ui.fitter.refining()) {
+    explanation(ui.theme, format("Refining: %.0f %%", 100 * ui.fitter.fraction()));
+    progress_bar(ui.theme, ui.fitter.fraction());
+    if (button(ui.theme, "Cancel", "The mesh goes back to how it was", {}, ImGui::GetContentRegionAvail().x))
+      out.send(CancelFit{});
+    return;
+  }
   gap(ui.theme, 4);
   const std::string busy = busy_refusal(ui);
   if (button(ui.theme, "Refine along the surface",

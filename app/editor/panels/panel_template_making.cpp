@@ -109,12 +109,18 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
 
 bool label_choice(const UiContext& ui, int& label) {
   const auto& known = ui.label_values;
-  if (known.empty()) return false;
+  if (known.empty()) {
+    // The list is there before it has anything to choose: what lies below stays where it is.
+    int none = 0;
+    ImGui::BeginDisabled();
+    combo(ui.theme, "label", {"No label map is open"}, none);
+    ImGui::EndDisabled();
+    return false;
+  }
   auto now = std::find(known.begin(), known.end(), label);
   const bool absent = now == known.end();
   if (absent) now = known.begin();
   label = *now;
-  if (known.size() < 2) return absent;
   std::vector<std::string> names;
   std::vector<ImU32> swatches;
   for (const int value : known) {
@@ -146,12 +152,6 @@ void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality
 void draw_template_making(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   caption(theme, "From a label map");
-  if (!ui.labels) {
-    if (button(theme, "Open a label map…", "A template is made from one of its labels", {},
-               ImGui::GetContentRegionAvail().x))
-      out.send(ShowFileDialog{FilePurpose::open_labels, {}});
-    return;
-  }
   TemplateSettings settings = ui.state.template_settings;
   bool changed = label_choice(ui, settings.label);
   int kind = settings.tube ? 1 : 0;
@@ -169,7 +169,10 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
 
   const float width = ImGui::GetContentRegionAvail().x;
   const auto making = ui.template_maker.latest();
-  if (ui.template_maker.busy()) {
+  if (!ui.labels) {
+    if (button(theme, "Open a label map…", "A template is made from one of its labels", {}, width))
+      out.send(ShowFileDialog{FilePurpose::open_labels, {}});
+  } else if (ui.template_maker.busy()) {
     progress_bar(theme, ui.template_maker.fraction());
     if (button(theme, "Cancel", "Stops after this stage", {}, width)) out.send(CancelTemplate{});
   } else if (button(theme, "Make the template", "You see each stage in the views",

@@ -72,6 +72,19 @@ Given snap_here(const KeyMoment& now) {
   return snap;
 }
 
+/// Of the keys that operate controls, and the pointer in the views: the window gives them on (input_router.cpp).
+Given by_window(const KeyMoment&) {
+  return std::nullopt;
+}
+
+std::vector<KeyRow> rows_without_mouse() {
+  return {{"F6, Shift+F6", "keys go to bars and panels", {{key::f6}}, by_window},
+          {"Tab, Enter", "there: to a control, press it", {}, by_window},
+          {"Ctrl+arrows", "there: changes a number", {}, by_window},
+          {"V", "a pointer in the next view", {{'V'}}, by_window},
+          {"Arrows, Space", "there: moves, presses", {}, by_window}};
+}
+
 std::vector<KeyRow> rows_of_case() {
   return {
       {"P", "Pull", {{'P'}}, take<MouseTool::pull>},
@@ -196,7 +209,12 @@ const KeyRow* row_of(const std::vector<KeyRow>& rows, const KeyChord& pressed) {
 }  // namespace
 
 const std::vector<KeyRow>& key_rows(bool in_models) {
-  static const std::vector<KeyRow> of_case = rows_of_case(), of_models = rows_of_models();
+  const auto with = [](std::vector<KeyRow> rows, const std::vector<KeyRow>& further) {
+    rows.insert(rows.end(), further.begin(), further.end());
+    return rows;
+  };
+  static const std::vector<KeyRow> of_case = with(rows_of_case(), rows_without_mouse()),
+                                   of_models = with(rows_of_models(), rows_without_mouse());
   return in_models ? of_models : of_case;
 }
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "app/editor/widgets/imgui_context.h"
+
 namespace homolog {
 
 namespace {
@@ -35,6 +37,13 @@ bool scrolls_in(const ImGuiWindow* window) {
   while (window != nullptr && window->ScrollMax.y <= 0)
     window = (window->Flags & ImGuiWindowFlags_ChildWindow) != 0 ? window->ParentWindow : nullptr;
   return window != nullptr;
+}
+
+/// Tells the tooltips of what they should not cover: of a control in front of which nothing lies.
+void note_place(ImRect seen, const ImRect& clip) {
+  seen.ClipWith(clip);
+  if (ImGui::GetCurrentContext()->CurrentWindow->SkipItems || seen.GetWidth() < 1 || seen.GetHeight() < 1) return;
+  controls_memory().controls.push_back({seen.Min.x, seen.Min.y, seen.GetWidth(), seen.GetHeight()});
 }
 
 /// Without icons, which are code points of private use, and without spaces at the ends.
@@ -103,6 +112,11 @@ void note_item(DrawnItem item) {
 }
 
 void note_control(DrawnItem::Kind kind, const std::string& label, const std::string& value, const std::string& tip) {
+  const bool field = kind == DrawnItem::Kind::field, number = kind == DrawnItem::Kind::number;
+  if (kind != DrawnItem::Kind::area)
+    note_place(ImGui::GetCurrentContext()->LastItemData.Rect, ImGui::GetCurrentContext()->CurrentWindow->ClipRect);
+  // A track has its number beside it; an area wants to know where it is clicked.
+  if (kind != DrawnItem::Kind::track && kind != DrawnItem::Kind::area) key_focus().offer({field || number, number});
   if (!notes_items()) return;
   const ImGuiContext& imgui = *ImGui::GetCurrentContext();
   if (imgui.CurrentWindow->SkipItems) return;  // nothing of that window is drawn
@@ -116,11 +130,13 @@ void note_control(DrawnItem::Kind kind, const std::string& label, const std::str
   set_place(item, box.Min, box.Max, clip.Min, clip.Max);
   item.enabled = (imgui.LastItemData.InFlags & ImGuiItemFlags_Disabled) == 0;
   item.hovered = ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
+  item.at_keys = key_focus().at_last_control();
   note_item(std::move(item));
 }
 
 void note_box(DrawnItem::Kind kind, const std::string& label, const std::string& value, ImVec2 low, ImVec2 high,
-              ImVec2 clip_low, ImVec2 clip_high, bool hovered) {
+              ImVec2 clip_low, ImVec2 clip_high, bool hovered, bool at_keys) {
+  note_place({low, high}, {clip_low, clip_high});
   if (!notes_items()) return;
   DrawnItem item;
   item.kind = kind;
@@ -128,6 +144,7 @@ void note_box(DrawnItem::Kind kind, const std::string& label, const std::string&
   item.value = value;
   set_place(item, low, high, clip_low, clip_high);
   item.hovered = hovered;
+  item.at_keys = at_keys;
   note_item(std::move(item));
 }
 

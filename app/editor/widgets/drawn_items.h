@@ -25,6 +25,7 @@ struct DrawnItem {
   bool scrolls = false;  ///< lies in a list or panel that is longer than its room, and moves up and down with it
   bool enabled = true;
   bool hovered = false;  ///< by the pointer, with nothing over it
+  bool at_keys = false;  ///< marked as what the keys operate
 
   bool is_control() const { return kind != Kind::text && kind != Kind::tip; }
 };
@@ -63,7 +64,7 @@ void note_item(DrawnItem item);
 void note_control(DrawnItem::Kind kind, const std::string& label, const std::string& value, const std::string& tip);
 /// A control of a rectangle within a clipping rectangle.
 void note_box(DrawnItem::Kind kind, const std::string& label, const std::string& value, ImVec2 low, ImVec2 high,
-              ImVec2 clip_low, ImVec2 clip_high, bool hovered);
+              ImVec2 clip_low, ImVec2 clip_high, bool hovered, bool at_keys);
 /// A text within a clipping rectangle.
 void note_text(const std::string& text, ImVec2 low, ImVec2 high, ImVec2 clip_low, ImVec2 clip_high,
                DrawnItem::Kind kind = DrawnItem::Kind::text);

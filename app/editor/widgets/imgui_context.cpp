@@ -58,6 +58,12 @@ ControlsMemory& controls_memory() {
   return *static_cast<ControlsMemory*>(ImGui::GetIO().BackendLanguageUserData);
 }
 
+void begin_controls() {
+  ControlsMemory& memory = controls_memory();
+  memory.last_controls = std::exchange(memory.controls, {});
+  memory.keys.begin_frame();
+}
+
 bool close_menus() {
   if (ImGui::GetCurrentContext()->OpenPopupStack.Size == 0) return false;
   ImGui::ClosePopupToLevel(0, true);

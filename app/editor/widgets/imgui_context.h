@@ -3,6 +3,9 @@
 #include <cstdint>
 #include <set>
 #include <string>
+#include <vector>
+
+#include "app/editor/widgets/key_focus.h"
 
 namespace homolog {
 
@@ -11,9 +14,16 @@ struct ControlsMemory {
   std::set<unsigned> unknown_letters;  ///< that were to be shown and that no font has, code points
   std::uint64_t place_shown = 0;       ///< EditorState::place_wanted that the panel has scrolled to
   unsigned menu_closed = 0;            ///< ImGui's id of the menu that the press that goes on has closed
+  bool pointer_by_keys = false;        ///< keys move the pointer, so it is drawn
+  std::vector<RectPx> controls;        ///< what is seen of each control that was drawn in this frame so far
+  std::vector<RectPx> last_controls;   ///< in the frame before: where no tooltip should lie
+  KeyFocus keys;
 };
 /// Of the current context.
 ControlsMemory& controls_memory();
+
+/// Begins a frame of controls; after ImGui's has begun.
+void begin_controls();
 
 /// ImGui without anything that draws, for as long as this lives.
 class ImGuiAlone {

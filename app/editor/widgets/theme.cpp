@@ -97,7 +97,7 @@ void set_style(float scale) {
   style.ScaleAllSizes(scale);
   const auto set = [&](ImGuiCol index, ImU32 colour) { style.Colors[index] = ImGui::ColorConvertU32ToFloat4(colour); };
   set(ImGuiCol_Text, palette::text);
-  set(ImGuiCol_TextDisabled, palette::faint);
+  set(ImGuiCol_TextDisabled, palette::dim);  // hints in empty fields, keys in menus: they are read, too
   set(ImGuiCol_WindowBg, palette::surface);
   set(ImGuiCol_ChildBg, IM_COL32_BLACK_TRANS);
   set(ImGuiCol_PopupBg, palette::raised);

@@ -47,7 +47,7 @@ class Control {
   void done(Kind kind, const std::string& label, const std::string& value = {}, const std::string& whole = {}) const {
     note_control(kind, label, value, text_);
     const std::string text = whole.empty() || text_.empty() ? whole + text_ : whole + "\n" + text_;
-    if (!text.empty() && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) tooltip(theme_, text);
+    if (!text.empty() && is_explained(ImGuiHoveredFlags_AllowWhenDisabled)) tooltip(theme_, text);
   }
   bool disabled() const { return disabled_; }
 
@@ -102,49 +102,6 @@ void progress_bar(const Theme& theme, double fraction) {
   ImGui::Dummy({width, height});
 }
 
-namespace {
-
-/// Where a tip of that size lies: beside the part of the window that its control is in, so that it covers no other
-/// control of it; where there is no room, below or above the control. Always within the window.
-ImVec2 tip_place(ImVec2 size, const ImRect& control, const ImRect& part, float aside) {
-  const ImVec2 display = ImGui::GetIO().DisplaySize;
-  const float x = std::clamp(control.Min.x, 0.0f, std::max(display.x - size.x, 0.0f));
-  const float y = std::clamp(control.Min.y, 0.0f, std::max(display.y - size.y, 0.0f));
-  const ImVec2 left{part.Min.x - aside - size.x, y}, right{part.Max.x + aside, y};
-  const ImVec2 below{x, part.Max.y + aside}, above{x, part.Min.y - aside - size.y};
-  const bool is_bar = part.GetWidth() > part.GetHeight();
-  for (const ImVec2 at : is_bar ? std::array{below, above, left, right} : std::array{left, right, below, above}) {
-    const bool fits = at.x >= 0 && at.y >= 0 && at.x + size.x <= display.x && at.y + size.y <= display.y;
-    if (fits) return at;
-  }
-  const float under = control.Max.y + aside, over = control.Min.y - aside - size.y;
-  return {x, under + size.y <= display.y || over < 0 ? std::min(under, std::max(display.y - size.y, 0.0f)) : over};
-}
-
-}  // namespace
-
-void tooltip(const Theme& theme, const std::string& text) {
-  const ImGuiContext& imgui = *ImGui::GetCurrentContext();
-  const ImRect control = imgui.LastItemData.Rect, part = imgui.CurrentWindow->RootWindow->Rect();
-  const ImVec2 pad{theme.px(8), theme.px(6)};
-  const float wrap = theme.px(280);
-  const ImVec2 inner = theme.small->CalcTextSizeA(theme.small->FontSize, 1e6f, wrap, text.c_str());
-  const ImVec2 size{std::ceil(inner.x) + 2 * pad.x + 1, std::ceil(inner.y) + 2 * pad.y};
-  look_for_letters(text);
-  ImGui::SetNextWindowPos(tip_place(size, control, part, theme.px(6)));
-  ImGui::SetNextWindowSize(size);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, pad);
-  ImGui::BeginTooltip();
-  ImGui::PushFont(theme.small);
-  ImGui::PushTextWrapPos(pad.x + wrap);
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::PopTextWrapPos();
-  note_text(text, ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), {0, 0}, ImGui::GetIO().DisplaySize, Kind::tip);
-  ImGui::PopFont();
-  ImGui::EndTooltip();
-  ImGui::PopStyleVar();
-}
-
 bool section(const Theme& theme, const char* title, bool open, bool& toggled) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size{available(), theme.px(36)};
@@ -182,6 +139,7 @@ bool button(const Theme& theme, const std::string& label, const std::string& tip
   if (lit) ImGui::PopStyleColor(4);
   note_label(shown, 0.5f);
   control.done(Kind::button, label, {}, shown == whole ? std::string() : whole);
+  if (lit) key_focus().prefer_last();
   return pressed;
 }
 
@@ -274,17 +232,22 @@ bool number_field(const Theme& theme, const char* id, double& value, double per_
   const bool typing = ImGui::TempInputIsActive(item);
   // ImGui centres the number of a drag field: hidden here and drawn again at the right edge.
   if (!typing) ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32_BLACK_TRANS);
-  const bool changed = ImGui::DragScalar("##number", ImGuiDataType_Double, &value, static_cast<float>(per_px), nullptr,
-                                         nullptr, pattern);
+  bool changed = ImGui::DragScalar("##number", ImGuiDataType_Double, &value, static_cast<float>(per_px), nullptr,
+                                   nullptr, pattern);
   if (!typing) ImGui::PopStyleColor();
   ImGui::PopStyleVar();
   ImGui::PopID();
   released = ImGui::IsItemDeactivatedAfterEdit();
+  constexpr double px_per_step = 4;
+  if (const int steps = key_focus().take_steps(); steps != 0) {
+    value += steps * px_per_step * per_px;
+    changed = released = true;
+  }
   std::array<char, 64> digits{};
   std::snprintf(digits.data(), digits.size(), pattern, value);
   const std::string text = std::string(digits.data()) + (unit[0] != 0 ? std::string(" ") + unit : std::string());
   note_control(Kind::number, id, text, tip);
-  if (ImGui::IsItemHovered() && !tip.empty() && !typing) tooltip(theme, tip);
+  if (!tip.empty() && !typing && is_explained()) tooltip(theme, tip);
   if (!ImGui::TempInputIsActive(item)) {
     const bool disabled = (ImGui::GetCurrentContext()->CurrentItemFlags & ImGuiItemFlags_Disabled) != 0;
     text_in(at, {at.x + width_px - theme.px(6), at.y + height}, disabled ? palette::faint : palette::text, text, 1);
@@ -374,7 +337,7 @@ void figure(const Theme& theme, const char* label, const std::string& value, con
   ImGui::Dummy({width, below ? 2 * row : row});
   ImGui::PopStyleVar();
   const std::string text = shown == value ? tip : tip.empty() || tip == value ? value : value + "\n" + tip;
-  if (!text.empty() && ImGui::IsItemHovered()) tooltip(theme, text);
+  if (!text.empty() && is_explained()) tooltip(theme, text);
   text_in(at, {at.x + width, at.y + row}, palette::dim, shortened(label, width), 0);
   const float top = below ? at.y + row : at.y;
   text_in({at.x, top}, {at.x + width, top + row}, colour, shown, 1);

@@ -23,6 +23,8 @@ class Part {
   Part& operator=(const Part&) = delete;
 };
 
+/// Whether the control that ImGui made last is to be explained: the pointer is over it, or the keys have reached it.
+bool is_explained(ImGuiHoveredFlags hovered = 0);
 void tooltip(const Theme& theme, const std::string& text);
 
 /// A section of the side panel with a title that folds it; true while it is open. `open` is what it is now;

@@ -25,7 +25,7 @@ AreaState area(const Theme& theme, const std::string& name, ImVec2 size, const s
   state.hovered = ImGui::IsItemHovered();
   state.doubled = state.hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
   note_control(options.all_buttons ? Kind::area : Kind::row, name, options.selected ? "on" : "off", tip);
-  if (state.hovered && !tip.empty()) tooltip(theme, tip);
+  if (!tip.empty() && is_explained()) tooltip(theme, tip);
   return state;
 }
 
@@ -43,7 +43,7 @@ AreaState list_row(const Theme& theme, const std::string& text, bool selected, I
   const float room = (size.x > 0 ? size.x : ImGui::GetContentRegionAvail().x) - indent_px - theme.px(8);
   const std::string shown = shortened(text, room);
   const std::string said = shown == text ? tip : tip.empty() ? text : text + "\n" + tip;
-  if (state.hovered && !said.empty()) tooltip(theme, said);
+  if (!said.empty() && is_explained()) tooltip(theme, said);
   text_at(*ImGui::GetWindowDrawList(), {at.x + indent_px + theme.px(4), at.y + (height - ImGui::GetFontSize()) / 2},
           palette::text, shown);
   return state;
@@ -81,12 +81,14 @@ bool combo(const Theme& theme, const char* name, const std::vector<std::string>&
   const std::string fitting = shortened(shown, width - arrow - 2 * side - room_px);
   look_for_letters(shown);
   ImDrawList& below = *ImGui::GetWindowDrawList();
+  const ImGuiID id = ImGui::GetID("##list");
+  key_focus().offer(id, {at.x, at.y, width, ImGui::GetFrameHeight()}, {});
   const bool open = ImGui::BeginCombo("##list", (room + fitting).c_str());
   if (coloured && known)
     draw_swatch(theme, below, {at.x + side, at.y}, ImGui::GetFrameHeight(), swatches[static_cast<std::size_t>(chosen)]);
-  if (!open && fitting != shown && ImGui::IsItemHovered()) tooltip(theme, shown);
+  if (!open && fitting != shown && is_explained()) tooltip(theme, shown);
   note_box(Kind::list, name, shown, at, {at.x + width, at.y + ImGui::GetFrameHeight()}, clip_low, clip_high,
-           !open && ImGui::IsItemHovered());
+           !open && ImGui::IsItemHovered(), key_focus().marks(id));
   bool changed = false;
   if (open) {
     enter_part(name);
@@ -101,7 +103,7 @@ bool combo(const Theme& theme, const char* name, const std::vector<std::string>&
       }
       if (coloured) draw_swatch(theme, *ImGui::GetWindowDrawList(), row_at, ImGui::GetTextLineHeight(), swatches[i]);
       note_control(Kind::row, options[i], now ? "on" : "off", {});
-      if (row != options[i] && ImGui::IsItemHovered()) tooltip(theme, options[i]);
+      if (row != options[i] && is_explained()) tooltip(theme, options[i]);
     }
     leave_part();
     ImGui::EndCombo();
@@ -126,7 +128,7 @@ bool begin_menu(const Theme& theme, const char* name) {
 bool menu_item(const Theme& theme, const char* label, const char* keys, const std::string& tip) {
   const bool chosen = ImGui::MenuItem(label, keys);
   note_control(Kind::row, label, {}, tip);
-  if (!tip.empty() && ImGui::IsItemHovered()) tooltip(theme, tip);
+  if (!tip.empty() && is_explained()) tooltip(theme, tip);
   return chosen;
 }
 

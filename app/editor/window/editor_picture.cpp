@@ -35,6 +35,7 @@ Result<Picture> editor_picture(EditSession session, const EditorPictureOptions& 
     }
   }
   if (options.items != nullptr) *options.items = drawn.items();
+  if (options.part) return app.picture(*options.part);
   return (*framebuffer)->read();
 }
 

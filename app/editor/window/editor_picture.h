@@ -20,6 +20,7 @@ struct EditorPictureOptions {
   std::function<void(EditorState&)> arrange;
   std::optional<Action> preview;
   std::optional<Command> models;            ///< done when the study's model is made
+  std::optional<PictureOptions> part;       ///< a view, or shapes of the study, in place of the window
   std::vector<DrawnItem>* items = nullptr;  ///< gets the controls and texts of the picture
 };
 Result<Picture> editor_picture(EditSession session, const EditorPictureOptions& options);

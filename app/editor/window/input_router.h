@@ -2,6 +2,7 @@
 
 #include "app/editor/window/editor_app.h"
 #include "app/editor/window/input_queue.h"
+#include "app/editor/window/key_pointer.h"
 
 namespace homolog {
 
@@ -34,11 +35,18 @@ class InputRouter {
 
  private:
   void send(decltype(InputEvent::what) what, const Held& held, double seconds);
+  void move_to(double x_px, double y_px, const Held& held, double seconds);
+  void press_button(MouseButton button, bool down, const Held& held, double seconds);
   /// Does what a key is for; true where a text field is to have it too.
   bool do_key(const KeyStroke& stroke, double seconds);
+  /// Whether a key was for the controls that it can reach.
+  bool give_to_controls(const KeyStroke& stroke, bool in_field);
+  /// Whether it was for the pointer that keys move.
+  bool give_to_pointer(const KeyStroke& stroke, double seconds);
 
   EditorApp& app_;
   InputQueue queue_;
+  KeyPointer key_pointer_;
   double x_px_ = 0, y_px_ = 0;  ///< of the latest event; the pointer may be elsewhere by now
 };
 

@@ -174,6 +174,23 @@ TEST_CASE("a click on a fault's figure goes to the fault and the mark goes when 
   driver.wait_until("the mark is gone", [&] { return !driver.app().state().finding.has_value(); });
 }
 
+TEST_CASE("no command needs anything to be open") {
+  Driver driver(new_document({}, nullptr, nullptr));
+  for (const bool in_models : {false, true}) {
+    driver.app().send(ShowModels{in_models});
+    for (const Command& command : one_of_each()) {
+      CAPTURE(log_line(command));
+      driver.app().send(command);
+      driver.frames(2);
+      driver.state().dialog.reset();
+      driver.state().notices.clear();
+      driver.state().quitting = Quitting::no;
+    }
+    driver.settle();
+  }
+  CHECK(driver.shows("Models"));
+}
+
 TEST_CASE("every command has a key of its own and its line reads back as it was") {
   std::set<std::string> keys;
   for (const Command& command : one_of_each()) {

@@ -14,38 +14,14 @@
 #include "core/mesh/icosphere.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"
-#include "tests/golden.h"
 #include "tests/must.h"
-#include "tests/skip.h"
+#include "tests/screens.h"
 #include "tests/temporary_folder.h"
 
 namespace homolog {
 
-namespace {
-
-/// What draws without a display; null, and the test is skipped, where there is none.
-std::unique_ptr<OffscreenContext> context_or_skip() {
-  auto gl = OffscreenContext::make();
-  if (gl) return std::move(*gl);
-  test::skip(gl.error().sentence());
-  return nullptr;
-}
-
-/// Every control and text by itself: a word covers a tenth of its rectangle.
-void add_items(std::vector<test::PicturePart>& parts, const std::vector<DrawnItem>& items, const Picture& picture) {
-  constexpr float smallest_px2 = 40;
-  constexpr double limit = 0.03;
-  for (const DrawnItem& item : items) {
-    const RectPx& at = item.seen;
-    if (at.width * at.height < smallest_px2 || item.kind == DrawnItem::Kind::area) continue;
-    parts.push_back(test::part_in(item.path, picture, at.x, at.y, at.width, at.height, limit));
-  }
-}
-
-}  // namespace
-
 TEST_CASE("golden picture of the whole window") {
-  const auto gl = context_or_skip();
+  const auto gl = test::context_or_skip();
   if (!gl) return;
   const Document document = test::must(demo_document(Organ::kidney, 1));
   std::vector<DrawnItem> items;
@@ -64,7 +40,7 @@ TEST_CASE("golden picture of the whole window") {
   const Picture whole = picture(nullptr);
   std::vector<test::PicturePart> parts{test::part_drawn("the outlines", whole, without_outline),
                                        test::part_drawn("the surface", whole, without_surface, 0.02)};
-  add_items(parts, items, whole);
+  test::add_items(parts, items, whole);
   CHECK(parts.size() > 100);
   test::check_golden(whole, "window", parts);
   // The button that is dark then is no outline.
@@ -93,7 +69,7 @@ struct ShownStudy {
 }  // namespace
 
 TEST_CASE("a study is drawn in a window of any size") {
-  const auto gl = context_or_skip();
+  const auto gl = test::context_or_skip();
   if (!gl) return;
   ShownStudy study;
   for (const auto& [width, height] : {std::pair(960, 640), std::pair(900, 600), std::pair(640, 480)}) {
@@ -104,7 +80,7 @@ TEST_CASE("a study is drawn in a window of any size") {
 }
 
 TEST_CASE("nothing of a grid before is left between the cells of the gallery") {
-  const auto gl = context_or_skip();
+  const auto gl = test::context_or_skip();
   if (!gl) return;
   const auto renderer = test::must(Renderer::make());
   const Mesh ball = icosphere(3, 40);
@@ -135,7 +111,7 @@ TEST_CASE("nothing of a grid before is left between the cells of the gallery") {
 }
 
 TEST_CASE("golden picture of the models") {
-  const auto gl = context_or_skip();
+  const auto gl = test::context_or_skip();
   if (!gl) return;
   ShownStudy study;
   std::vector<DrawnItem> items;
@@ -148,12 +124,12 @@ TEST_CASE("golden picture of the models") {
   study.options.items = nullptr;
   const auto without_glyphs = test::must(study.draw());
   std::vector<test::PicturePart> parts{test::part_drawn("the glyphs", picture, without_glyphs)};
-  add_items(parts, items, picture);
+  test::add_items(parts, items, picture);
   test::check_golden(picture, "models", parts);
 }
 
 TEST_CASE("an exported picture of the window is what is on the screen without what the pointer adds") {
-  const auto gl = context_or_skip();
+  const auto gl = test::context_or_skip();
   if (!gl) return;
   const ImGuiOnOpenGl imgui;
   EditorApp app([] {});
@@ -185,7 +161,7 @@ TEST_CASE("an exported picture of the window is what is on the screen without wh
 }
 
 TEST_CASE("a view is exported on a dark and a light and a transparent ground with captions or without") {
-  const auto gl = context_or_skip();
+  const auto gl = test::context_or_skip();
   if (!gl) return;
   const ImGuiOnOpenGl imgui;
   EditorApp app([] {});
@@ -214,7 +190,7 @@ TEST_CASE("a view is exported on a dark and a light and a transparent ground wit
 }
 
 TEST_CASE("the gallery and the modes are exported with their captions on any ground") {
-  const auto gl = context_or_skip();
+  const auto gl = test::context_or_skip();
   if (!gl) return;
   const ShownStudy study;
   const ImGuiOnOpenGl imgui;

@@ -1,9 +1,12 @@
 #include <doctest/doctest.h>
 
 #include <chrono>
+#include <functional>
 #include <set>
 #include <thread>
 
+#include "app/editor/update/file_purposes.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
@@ -46,6 +49,21 @@ class Operator {
  public:
   explicit Operator(Driver& driver) : driver_(driver) {}
 
+  /// Operates all controls of a part of the window that is shown anew for each of them: a dialog or a menu.
+  void operate_each(const std::string& part, const std::function<void()>& show) {
+    for (int k = 0; k < 100; ++k) {
+      tidy();
+      show();
+      driver_.settle();
+      const auto next = wanted(part);
+      if (!next) return;
+      done_.insert(next->pattern);
+      const std::string before = fingerprint();
+      use(*next);
+      if (fingerprint() == before) dead_ += "\n  " + next->path;
+    }
+    FAIL("the controls of " << part << " come to no end");
+  }
   /// Operates all controls of a part of the window, also those that appear meanwhile.
   void operate(const std::string& part) {
     for (int k = 0; k < 300; ++k) {
@@ -104,9 +122,9 @@ class Operator {
 
   /// What a person could see of a change, and what is written of it.
   std::string fingerprint() const {
-    std::string all = std::to_string(driver_.app().log().lines().size()) + ' ' +
-                      std::to_string(driver_.app().snapshot().committed) + ' ' +
-                      std::to_string(driver_.state().notices.size());
+    std::string all =
+        std::to_string(driver_.app().log().lines().size()) + ' ' + std::to_string(driver_.app().snapshot().committed) +
+        ' ' + std::to_string(driver_.state().notices.size()) + ' ' + std::to_string(driver_.app().wants_to_quit());
     for (const DrawnItem& item : driver_.items())
       if (item.kind != DrawnItem::Kind::tip) all += '\n' + item.path + '=' + item.value;
     return all;
@@ -123,7 +141,96 @@ class Operator {
   std::string dead_;
 };
 
+/// A dialog as it is shown, and what its window is called.
+struct ShownDialog {
+  std::string title;
+  Dialog dialog;
+};
+
+/// Each kind at least once.
+std::vector<ShownDialog> all_dialogs(const fs::path& folder) {
+  const FileDialog opens{FilePurpose::open, browse(file_purpose(FilePurpose::open).files, folder)};
+  const FileDialog adds{FilePurpose::add_shapes, browse(file_purpose(FilePurpose::add_shapes).files, folder)};
+  const FileDialog saves{FilePurpose::export_mesh,
+                         browse(file_purpose(FilePurpose::export_mesh).files, folder, "a.ply")};
+  const auto title = [](const FileDialog& files) { return std::string(file_purpose(files.purpose).title); };
+  SeriesInfo series;
+  series.uid = "1.2.3";
+  series.files = 4;
+  RecoverDialog recover;
+  recover.found = {{folder / "gone.homolog", "ct.nii", "12 edits"}};
+  RecoverDialog asked = recover;
+  asked.to_discard = recover.found.front().journal;
+  return {{"Keys and mouse", KeysDialog{}},
+          {title(opens), opens},
+          {title(adds), adds},
+          {title(saves), saves},
+          {"Replace the file?", ReplaceDialog{saves, folder / "a.ply"}},
+          {"This folder contains several series", SeriesDialog{{}, {series}}},
+          {"Are the mesh's coordinates RAS?", FlipDialog{"ball", {}, Box(Vec3::Zero(), Vec3::Ones())}},
+          {"Cases that were not saved", recover},
+          {"Cases that were not saved", asked},
+          {"This case was not saved", QuitDialog{}},
+          {"The study was not saved", QuitDialog{folder / "a.study.json"}},
+          {"How large is a voxel?", SpacingDialog{}}};
+}
+
 }  // namespace
+
+TEST_CASE("every control of every dialog does something") {
+  const BallScene scene;
+  const fs::path files = scene.folder.path / "files";
+  fs::create_directory(files);
+  fs::create_directory(files / "inner");
+  REQUIRE(write_mesh(icosphere(1), files / "a.ply"));
+  std::set<std::size_t> kinds;
+  std::size_t operated = 0;
+  for (const ShownDialog& one : all_dialogs(files)) {
+    kinds.insert(one.dialog.index());
+    Driver driver(scene.document);
+    Operator hands(driver);
+    hands.operate_each(one.title, [&] {
+      driver.state().quitting = Quitting::no;
+      driver.state().dialog = one.dialog;
+    });
+    CHECK_MESSAGE(hands.operated() > 0, one.title);
+    CHECK_MESSAGE(hands.dead().empty(), "These do nothing:", hands.dead());
+    operated += hands.operated();
+  }
+  CHECK(kinds.size() == std::variant_size_v<Dialog>);
+  CHECK(operated > 40);
+}
+
+TEST_CASE("every item of every menu and every button of a card does something") {
+  const BallScene scene;
+  Driver driver(scene.document);
+  driver.app().send(ApplyEdit{SetStiffnessBase{7}});
+  driver.app().send(ApplyEdit{Confirm{Vec3(0, 0, 40), 8, true}});
+  driver.settle();
+  Operator hands(driver);
+  hands.operate_each("top bar/history/", [&] { driver.click("top bar/history"); });
+  driver.app().send(OpenPhantomStudy{});
+  driver.wait_until("the model is made", [&] { return driver.state().models.model != nullptr; });
+  hands.operate_each("cases/study menu/", [&] {
+    driver.app().send(ShowModels{true});
+    driver.settle();
+    driver.click("Study");
+  });
+  driver.app().send(ShowModels{false});
+  driver.settle();
+  hands.operate_each("guide/", [&] {
+    driver.state().guide = guide_to(driver.document().mesh(), 1.2 * *driver.document().shape().points);
+    driver.state().guide->at = 2;
+  });
+  driver.state().guide.reset();
+  hands.operate_each("notice 0/", [&] {
+    Notice notice{"a.homolog could not be read."};
+    notice.case_before = scene.folder.path / "before.homolog";
+    driver.state().notices = {notice};
+  });
+  CHECK(hands.operated() > 12);
+  CHECK_MESSAGE(hands.dead().empty(), "These do nothing:", hands.dead());
+}
 
 TEST_CASE("every control of the case does something") {
   const BallScene scene;

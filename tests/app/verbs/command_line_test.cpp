@@ -3,8 +3,12 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/base/picture_io.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
+#include "core/model/study.h"
+#include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"
 #include "tests/real_data.h"
@@ -230,6 +234,90 @@ TEST_CASE("pictures are written at the size asked for") {
   check_refused(run(folder, "picture correspondence a.ply c.ply -o ac.png"), "c.ply");
   CHECK(run(folder, "picture correspondence a.ply -o a.png --view sideways").status == 2);
   CHECK(run(folder, "picture correspondence a.ply -o a.png --size 9").status == 2);
+}
+
+namespace {
+
+/// The colour of a picture's upper left corner, and how many of its pixels are not of that colour.
+struct Drawn {
+  std::vector<int> ground;
+  std::size_t others = 0;
+
+  explicit Drawn(const fs::path& file) {
+    const Picture picture = read_picture(file).value();
+    ground.assign(picture.rgba.begin(), picture.rgba.begin() + 4);
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4)
+      others += !std::equal(ground.begin(), ground.end(), picture.rgba.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+};
+
+/// 2 mm voxels, 120 mm wide.
+VolumeGeometry grid_about_origin() {
+  VolumeGeometry grid;
+  grid.dims = {60, 60, 60};
+  grid.spacing_mm.setConstant(2);
+  grid.origin_mm.setConstant(-59);
+  return grid;
+}
+
+/// Whether a picture is on the ground that is asked for, and captions add to it.
+void check_grounds(const TemporaryFolder& folder, const std::string& picture) {
+  const auto drawn = [&](const std::string& options) {
+    const Ran ran = run(folder, picture + " -o x.png --size 320x240 " + options);
+    REQUIRE_MESSAGE(ran.status == 0, picture, ": ", ran.errors);
+    return Drawn(folder.path / "x.png");
+  };
+  CAPTURE(picture);
+  CHECK(drawn("--ground transparent").ground == std::vector<int>(4, 0));
+  const Drawn plain = drawn("--ground light"), captioned = drawn("--ground light --captions");
+  CHECK(captioned.ground == std::vector<int>(4, 255));
+  CHECK(captioned.others > plain.others + 50);
+}
+
+}  // namespace
+
+TEST_CASE("pictures are made on any ground with captions or without") {
+  const TemporaryFolder folder;
+  Study study;
+  std::string balls;
+  for (const double stretch : {1.0, 1.2, 1.3}) {
+    Mesh ball = icosphere(3, 40);
+    ball.points.col(2) *= stretch;
+    const std::string name = "ball" + std::to_string(static_cast<int>(10 * stretch));
+    REQUIRE(write_mesh(ball, folder.path / (name + ".ply")));
+    study.cases.push_back({name, folder.path / (name + ".ply")});
+    balls += name + ".ply ";
+  }
+  REQUIRE(write_study(study, folder.path / "a.study.json"));
+  const Volume image = label_map(icosphere(3, 38), grid_about_origin(), 1);
+  REQUIRE(write_volume(image, folder.path / "image.nii"));
+  const auto the_template = load_template((folder.path / "ball10.ply").string()).value();
+  const auto volume = std::make_shared<const Volume>(image);
+  REQUIRE(
+      create_case(new_document((folder.path / "image.nii").string(), volume, the_template), folder.path / "a.homolog"));
+  if (cannot_draw(run(folder, "picture case a.homolog -o case.png"))) return;
+  REQUIRE(run(folder, "model " + balls + "-o m.h5").status == 0);
+  check_grounds(folder, "picture correspondence " + balls);
+  check_grounds(folder, "picture modes m.h5");
+  check_grounds(folder, "picture case a.homolog");
+  check_grounds(folder, "picture window a.homolog --only 3d");
+  check_grounds(folder, "picture study a.study.json --only gallery");
+  check_grounds(folder, "picture study a.study.json --only modes");
+  CHECK(run(folder, "picture window a.homolog -o x.png --ground light").status == 2);
+  CHECK(run(folder, "picture window a.homolog -o x.png --only upside").status == 2);
+  CHECK(run(folder, "picture modes m.h5 -o x.png --ground light --transparent").status == 2);
+}
+
+TEST_CASE("the bench times the editor's frames with every tool of a stroke") {
+  const TemporaryFolder folder;
+  const Ran ran = run(folder, "bench --editor --json");
+  REQUIRE_MESSAGE(ran.status == 0, ran.errors);
+  const Json rows = ran.json()["editor"];
+  REQUIRE(rows.size() == 6);
+  for (const Json& row : rows) {
+    CHECK(row["frame_ms"].get<double>() > 0.01);
+    CHECK(row["slowest_frame_ms"].get<double>() >= row["frame_ms"].get<double>());
+  }
 }
 
 TEST_CASE("the demo plays the whole job without a display") {

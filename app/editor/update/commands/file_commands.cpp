@@ -3,6 +3,7 @@
 #include <memory>
 #include <system_error>
 
+#include "app/editor/state/status.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/imports.h"
@@ -24,6 +25,14 @@ Document as_done(const Editing& editing) {
   Document document = *editing.shown.snapshot().document;
   document.frame = editing.shown.document().frame;
   return document;
+}
+
+/// Says so where the case has no template.
+bool lacks_template(Editing& editing) {
+  const Document& document = *editing.shown.snapshot().document;
+  if (document.the_template) return false;
+  add_notice(editing.state, why_no_mesh(document), false);
+  return true;
 }
 
 void no_mesh_to_export(Editing& editing) {
@@ -168,10 +177,11 @@ void ExportLandmarks::run(Editing& editing) const {
 }
 
 void ExportTemplate::run(Editing& editing) const {
-  save_template(editing, path);
+  if (!lacks_template(editing)) save_template(editing, path);
 }
 
 void ExportTemplateLandmarks::run(Editing& editing) const {
+  if (lacks_template(editing)) return;
   write_beside(editing, path, [landmarks = as_done(editing).the_template->landmarks](const auto& to, Progress&) {
     return write_landmarks(landmarks, to);
   });
@@ -203,11 +213,11 @@ void OpenFitModel::run(Editing& editing) const {
 }
 
 void ImportStiffness::run(Editing& editing) const {
-  import_stiffness(editing, path);
+  if (!lacks_template(editing)) import_stiffness(editing, path);
 }
 
 void ImportTemplateLandmarks::run(Editing& editing) const {
-  import_template_landmarks(editing, path);
+  if (!lacks_template(editing)) import_template_landmarks(editing, path);
 }
 
 }  // namespace homolog

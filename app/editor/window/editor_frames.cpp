@@ -1,0 +1,182 @@
+#include "app/editor/window/editor_frames.h"
+
+#include <imgui.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <thread>
+#include <vector>
+
+#include "app/editor/update/controls.h"
+#include "app/editor/widgets/imgui_context.h"
+#include "app/editor/window/input_router.h"
+#include "app/editor/work/demo.h"
+#include "core/session/case_file.h"
+#include "render/offscreen.h"
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int width_px = 1280, height_px = 800;
+constexpr double frame_seconds = 1.0 / 60;
+
+/// The time that the calling thread has had a core.
+double thread_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The editor with a hand on the mouse. `framebuffer` is null where nothing is drawn.
+class Hand {
+ public:
+  Hand(EditorApp& app, Framebuffer* framebuffer) : app_(app), input_(app), framebuffer_(framebuffer) {}
+
+  void frame() {
+    seconds_ += frame_seconds;
+    app_.update(seconds_);
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {width_px, height_px};
+    io.DeltaTime = static_cast<float>(frame_seconds);
+    input_.feed(io, {}, seconds_);
+    if (framebuffer_ != nullptr) framebuffer_->bind();
+    app_.draw(width_px, height_px, 0);
+  }
+  void rest() {
+    do {
+      frame();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    } while (!app_.at_rest() || input_.busy());
+  }
+  void move(const Eigen::Vector2d& to) { input_.move(to.x(), to.y(), {}, seconds_); }
+  void button(bool down) { input_.button(MouseButton::left, down, {}, seconds_); }
+  void key(int code) { input_.press({code}, seconds_); }
+
+ private:
+  EditorApp& app_;
+  InputRouter input_;
+  Framebuffer* framebuffer_;
+  double seconds_ = 0;
+};
+
+/// px of the outline's leftmost point in the axial view.
+Eigen::Vector2d on_outline(EditorApp& app, Hand& hand) {
+  const Points& points = *app.snapshot().document->shape().points;
+  Eigen::Index vertex = 0;
+  points.col(0).maxCoeff(&vertex);
+  const Vec3 at = points.row(vertex);
+  app.send(LookAt{at});
+  hand.rest();
+  return view_map(app.state(), app.layout(), *app.snapshot().document, ViewKind::axial).to_px(at).value();
+}
+
+/// The cost of each frame of one drag on a circle about the outline's point.
+std::vector<double> drag_ms(EditorApp& app, Hand& hand, int tool, int frames) {
+  hand.key(tool);
+  const Eigen::Vector2d start = on_outline(app, hand);
+  hand.move(start);
+  hand.rest();
+  hand.button(true);
+  hand.rest();
+  std::vector<double> times;
+  int event = 0;
+  for (int k = 0; k < frames; ++k) {
+    const double before = thread_ms();
+    for (int i = 0; i < events_a_frame; ++i) {
+      const double turn = 2 * std::numbers::pi * ++event / (60.0 * events_a_frame);  // once in a second
+      hand.move(start + 12 * Eigen::Vector2d(std::cos(turn) - 1, std::sin(turn)));
+    }
+    hand.frame();
+    times.push_back(thread_ms() - before);
+    // The solver has its time too, as between two frames of a display.
+    std::this_thread::sleep_for(std::chrono::milliseconds(8));
+  }
+  hand.button(false);
+  hand.rest();
+  app.send(ApplyEdit{Undo{}});
+  hand.rest();
+  return times;
+}
+
+struct Tool {
+  const char* name;
+  int key;
+};
+constexpr std::array<Tool, 6> tools{
+    {{"pull", 'P'}, {"grab", 'G'}, {"slide", 'S'}, {"relax", 'R'}, {"stiffness brush", 'B'}, {"confirm brush", 'C'}}};
+
+/// A folder that is gone with its bench.
+struct BenchFolder {
+  fs::path path = fs::temp_directory_path() / ("homolog-bench-editor-" + std::to_string(::getpid()));
+  BenchFolder() {
+    std::error_code ignored;
+    fs::create_directories(path, ignored);
+  }
+  ~BenchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+};
+
+Result<EditSession> demo_session(const fs::path& file) {
+  auto document = demo_document(Organ::kidney, 1);
+  if (!document) return fail(document.error());
+  return create_case(*document, file);
+}
+
+/// Every tool's frames, in the order of `tools`.
+std::vector<std::vector<double>> all_drags(EditorApp& app, Framebuffer* framebuffer, int frames) {
+  Hand hand(app, framebuffer);
+  hand.rest();
+  std::vector<std::vector<double>> times;
+  for (const Tool& tool : tools) times.push_back(drag_ms(app, hand, tool.key, frames));
+  return times;
+}
+
+}  // namespace
+
+Result<std::vector<FrameCost>> frame_costs() {
+  const BenchFolder folder;
+  std::vector<FrameCost> costs;
+  {
+    auto session = demo_session(folder.path / "plain.homolog");
+    if (!session) return fail(session.error());
+    const ImGuiAlone imgui;
+    EditorApp app([] {});
+    app.start_without_pictures(1);
+    app.start_session(std::move(*session));
+    constexpr int frames = 40;
+    const auto times = all_drags(app, nullptr, frames);
+    for (std::size_t k = 0; k < tools.size(); ++k)
+      costs.push_back({tools[k].name, median(times[k]), *std::max_element(times[k].begin(), times[k].end()), {}});
+  }
+  const auto gl = OffscreenContext::make();
+  if (!gl) return costs;
+  auto session = demo_session(folder.path / "drawn.homolog");
+  if (!session) return fail(session.error());
+  const ImGuiOnOpenGl imgui;
+  EditorApp app([] {});
+  const auto framebuffer = Framebuffer::make(width_px, height_px, 1);
+  if (!framebuffer || !app.start_drawing(1)) return costs;
+  app.start_session(std::move(*session));
+  constexpr int frames = 8;
+  const auto times = all_drags(app, framebuffer->get(), frames);
+  for (std::size_t k = 0; k < tools.size(); ++k) costs[k].drawn_frame_ms = median(times[k]);
+  return costs;
+}
+
+}  // namespace homolog

@@ -1,6 +1,7 @@
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/mesh/isosurface.h"
 
 // The automatic fit to the label map that is shown, in the section Place, and to the mesh's own surface, in the section
 // Correspondence.
@@ -54,9 +55,9 @@ std::string model_refusal(const UiContext& ui) {
 void draw_fit_settings(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   FitSettings settings = ui.state.fit_settings;
-  bool changed = label_choice(ui, settings.label), released = false;
-  changed |= slider(theme, "Closing", settings.closing_mm, {0, 10, "%.1f", "mm", false},
-                    "Radius. Clefts of the label narrower than twice the radius are filled before the fit", released);
+  bool changed = label_choice(ui, settings.label, settings.all_labels);
+  changed |= ball_slider(ui, "Closing", settings.closing_mm, settings.all_labels ? every_label : settings.label,
+                         "Radius. Clefts of the label narrower than twice the radius are filled before the fit");
   int start = settings.as_placed ? 1 : 0;
   if (choice(theme, "fit start", {"Find the place", "As placed"}, start,
              {"The fit finds position, size and rotation by itself, near the patient's axes. Placed landmarks help. "

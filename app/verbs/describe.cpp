@@ -1,5 +1,6 @@
 #include "app/verbs/describe.h"
 
+#include "app/verbs/mended.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
@@ -128,6 +129,26 @@ Result<Report> describe(const MeshFile& file, const std::filesystem::path& path)
   return report;
 }
 
+namespace {
+
+/// With what repair-mesh would mend. Errors: no sound surface; the sentence says what would be mended too.
+Result<Report> describe_surface(const std::filesystem::path& path) {
+  const auto file = read_mesh_to_mend(path);
+  if (!file) return fail(file.error());
+  const auto finite = read_mesh_file(path);
+  auto report = finite ? describe(*finite, path) : fail(finite.error());
+  if (file->triangles.rows() == 0) return report;
+  const auto repair = repaired(*file, {small_rim_share});
+  if (!repair || !repair->mended.any()) return report;
+  const std::string would_mend = "repair-mesh would mend it: " + repair->mended.words();
+  if (!report) return fail(report.error().subject, report.error().what + " (" + would_mend + ")");
+  report->values["would_mend"] = json_of(repair->mended);
+  report->warnings.push_back(path.string() + ": " + would_mend);
+  return report;
+}
+
+}  // namespace
+
 Json describe(const Volume& volume) {
   const VolumeGeometry& g = volume.geometry;
   Json direction = Json::array();
@@ -151,10 +172,7 @@ Json describe(const Volume& volume) {
 Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options) {
   if (path.extension() == ".homolog") return describe_case(path, options.progress);
   if (is_model_name(path)) return describe_model(path);
-  if (is_mesh_name(path)) {
-    const auto file = read_mesh_file(path);
-    return file ? describe(*file, path) : fail(file.error());
-  }
+  if (is_mesh_name(path)) return describe_surface(path);
   if (is_landmark_name(path)) {
     auto landmarks = read_landmarks(path);
     if (!landmarks) return fail(landmarks.error());

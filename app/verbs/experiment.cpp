@@ -84,19 +84,16 @@ void add_user(CLI::App& study, CommandLine& asked) {
 }  // namespace
 
 void add_target_options(CLI::App& verb, TargetOptions& options) {
-  verb.add_option("--label", options.label, "Which label of the mask, where it holds several")
-      ->check(CLI::PositiveNumber);
-  verb.add_option("--closing-mm", options.closing_mm, "Clefts narrower than twice this radius (mm) are filled")
-      ->check(CLI::Range(0.0, 20.0))
-      ->capture_default_str();
+  add_label_option(verb, options.labels, "Which label of the mask, where it holds several; 1,2: both together");
+  add_ball_option(verb, "--closing-mm", options.closing_mm, "Clefts narrower than twice this radius (mm) are filled");
 }
 
 Result<ExperimentSubject> mask_subject(const fs::path& path, const TargetOptions& options, const Template& the_template,
                                        Progress& progress) {
-  auto mask = read_mask(path, options.label, 0, progress);
+  auto mask = read_mask(path, options.labels, 0, progress);
   if (!mask) return fail(mask.error());
   auto boundary = label_boundary(mask->volume, mask->label, 0, options.closing_mm, the_template.points.rows());
-  if (!boundary) return fail(path.string(), boundary.error().what);
+  if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
   ExperimentSubject subject;
   subject.target = std::move(boundary->surface);
   subject.visible_mm = mask->volume.geometry.spacing_mm.maxCoeff();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "app/verbs/verb.h"
 #include "core/case/document.h"
@@ -12,8 +13,8 @@ namespace homolog {
 
 /// Which label of a mask is the target, and how it is worked on.
 struct TargetOptions {
-  int label = 0;          ///< 0: the only one
-  double closing_mm = 1;  ///< as in `fit`
+  std::vector<int> labels;           ///< none: the only one
+  std::optional<double> closing_mm;  ///< as in `fit`
 };
 void add_target_options(CLI::App& verb, TargetOptions& options);
 

@@ -1,6 +1,7 @@
 #include <filesystem>
 
 #include "app/verbs/describe.h"
+#include "app/verbs/read_image.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
@@ -34,14 +35,12 @@ VolumeReadOptions read_options(const std::string& series, const std::vector<doub
   return options;
 }
 
-/// The 0.5 isosurface of a label of a label map, as it is; `label` 0: the only one.
-Result<Mesh> read_labelled_surface(const fs::path& path, int label, Progress& progress) {
-  const auto mask = read_volume(path, read_options("", {}, progress));
+/// The 0.5 isosurface of a label of a label map, or of several together, as it is; without any: of the only one.
+Result<Mesh> read_labelled_surface(const fs::path& path, const std::vector<int>& labels, Progress& progress) {
+  const auto mask = read_mask(path, labels, 0, progress);
   if (!mask) return fail(mask.error());
-  const auto chosen = label != 0 ? Result<int>(label) : only_label(mask->volume);
-  if (!chosen) return fail(path.string(), chosen.error().what);
-  auto surface = mask_surface(mask->volume, *chosen);
-  if (!surface) return fail(path.string(), surface.error().what);
+  auto surface = mask_surface(mask->volume, mask->label);
+  if (!surface) return fail(path.string(), mask->named(surface.error().what));
   return surface;
 }
 
@@ -62,7 +61,7 @@ Result<Report> describe_and_write(const fs::path& in, const fs::path& out,
 void add_info(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path file, mask;
-    int label = 0;
+    std::vector<int> labels;
     std::string series;
     std::vector<double> spacing_mm;
   };
@@ -72,13 +71,13 @@ void add_info(CLI::App& app, CommandLine& asked) {
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
   add_spacing(*verb, options->spacing_mm);
   auto* mask = verb->add_option("--mask", options->mask, "A label map: also measure the mesh's distance to it");
-  verb->add_option("--label", options->label, "Which label of the mask")->check(CLI::PositiveNumber)->needs(mask);
+  add_label_option(*verb, options->labels, "Which label of the mask; 1,2: both together")->needs(mask);
   const auto info = [options](Progress& progress) -> Result<Report> {
     auto report = describe_file(options->file, read_options(options->series, options->spacing_mm, progress));
     if (!report || options->mask.empty()) return report;
     const auto mesh = read_mesh(options->file);
     if (!mesh) return fail(mesh.error());
-    const auto target = read_labelled_surface(options->mask, options->label, progress);
+    const auto target = read_labelled_surface(options->mask, options->labels, progress);
     if (!target) return fail(target.error());
     report->values["distance_to_mask_mm"] = json_of(surface_distance(*mesh, *target));
     report->values["distance_from_mask_mm"] = json_of(surface_distance(*target, *mesh));
@@ -205,15 +204,13 @@ Result<Mesh> surface_of(const MeshFile& file, const fs::path& path) {
 void add_compare(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path mesh, mask, other;
-    int label = 0;
+    std::vector<int> labels;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "compare", "How well a mesh agrees with a mask or another mesh");
   verb->add_option("MESH", options->mesh, "The mesh, or a case for its mesh")->required();
   auto* mask_option = verb->add_option("--mask", options->mask, "A label map to compare with");
-  verb->add_option("--label", options->label, "Which label of the mask")
-      ->check(CLI::PositiveNumber)
-      ->needs(mask_option);
+  add_label_option(*verb, options->labels, "Which label of the mask; 1,2: both together")->needs(mask_option);
   verb->add_option("--mesh", options->other, "Another mesh or case to compare with")->excludes(mask_option);
   const auto compare = [options](Progress& progress) -> Result<Report> {
     const auto file = read_shape(options->mesh);
@@ -230,12 +227,10 @@ void add_compare(CLI::App& app, CommandLine& asked) {
         report.values["landmarks_mm"] = landmarks;
       return report;
     }
-    auto mask = read_volume(options->mask, read_options("", {}, progress));
+    const auto mask = read_mask(options->mask, options->labels, 0, progress);
     if (!mask) return fail(mask.error());
-    const auto label = options->label != 0 ? Result<int>(options->label) : only_label(mask->volume);
-    if (!label) return fail(options->mask.string(), label.error().what);
-    const auto agreement = compare_with_mask(*mesh, mask->volume, *label);
-    if (!agreement) return fail(options->mask.string(), agreement.error().what);
+    const auto agreement = compare_with_mask(*mesh, mask->volume, mask->label);
+    if (!agreement) return fail(options->mask.string(), mask->named(agreement.error().what));
     return Report{describe(*agreement), mask->warnings};
   };
   verb->callback([options, compare, &asked] {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
@@ -30,7 +31,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double one_place_mm = 1e-3;  ///< landmarks nearer to each other were placed by mistake
+/// Of two landmarks' distance in the template: so near to each other they were placed by mistake.
+constexpr double one_place_share = 1e-4;
 
 struct Options {
   std::string template_source, orientation = "patient";
@@ -38,8 +40,8 @@ struct Options {
   fs::path image, out, placement, landmarks, model;
   double beyond = 1;
   SnapArguments snap;  ///< for an image
-  int label = 0;
-  double closing_mm = 1;
+  std::vector<int> labels;
+  std::optional<double> closing_mm;
   bool mirror = false;
 
   bool to_meshes() const { return !meshes.empty(); }
@@ -101,15 +103,19 @@ struct Target {
 
 Result<Target> read_target(const Options& options, const fs::path& path, Eigen::Index vertices, Progress& progress) {
   if (options.to_meshes()) {
-    const auto mesh = read_mesh(path);
-    if (!mesh) return fail(mesh.error());
-    return Target{Clock::now(), mesh_boundary(*mesh), std::nullopt, 0};
+    const auto file = read_mesh_to_mend(path);
+    if (!file) return fail(file.error());
+    const auto started = Clock::now();
+    auto boundary = surface_boundary(*file, vertices);
+    if (!boundary) return fail(path.string(), boundary.error().what);
+    return Target{started, std::move(*boundary), std::nullopt, 0};
   }
-  auto mask = read_mask(path, options.label, options.snap.frame, progress);
+  auto mask = read_mask(path, options.labels, options.snap.frame, progress);
   if (!mask) return fail(mask.error());
   const auto started = Clock::now();
   auto boundary = label_boundary(mask->volume, mask->label, options.snap.frame, options.closing_mm, vertices);
-  if (!boundary) return fail(path.string(), boundary.error().what);
+  if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
+  boundary->warnings = mask->named(std::move(boundary->warnings));
   boundary->warnings.insert(boundary->warnings.begin(), mask->warnings.begin(), mask->warnings.end());
   return Target{started, std::move(*boundary), std::move(mask->volume), mask->label};
 }
@@ -130,8 +136,9 @@ struct CaseLandmarks {
 /// The file of a case's landmarks: the one given, or that of the case's name in the folder given; empty without one.
 fs::path landmark_file(const Options& options, const fs::path& path) {
   if (!fs::is_directory(options.landmarks)) return options.landmarks;
-  for (const char* extension : {".mrk.json", ".json"})
-    if (const fs::path file = options.landmarks / (case_name(path) + extension); fs::exists(file)) return file;
+  for (const std::string_view extension : landmark_extensions)
+    if (const fs::path file = options.landmarks / (case_name(path) + std::string(extension)); fs::exists(file))
+      return file;
   return {};
 }
 
@@ -143,13 +150,16 @@ std::string quoted(const std::vector<std::string>& names) {
 
 /// Takes out landmarks that lie at one place with another, since nobody knows which of them is right; gives their
 /// names.
-std::vector<std::string> take_coincident(std::map<std::string, Vec3>& places) {
+std::vector<std::string> take_coincident(const Template& the_template, std::map<std::string, Vec3>& places) {
+  std::map<std::string, Vec3> own;
+  for (const Landmark& landmark : the_template.landmarks) own[landmark.name] = landmark.position;
   std::vector<std::string> coincident;
-  for (const auto& one : places)
-    if (std::any_of(places.begin(), places.end(), [&](const auto& other) {
-          return other.first != one.first && (other.second - one.second).norm() < one_place_mm;
+  for (const auto& [one, at] : places)
+    if (std::any_of(places.begin(), places.end(), [&, one = one, at = at](const auto& other) {
+          return other.first != one &&
+                 (other.second - at).norm() <= one_place_share * (own.at(other.first) - own.at(one)).norm();
         }))
-      coincident.push_back(one.first);
+      coincident.push_back(one);
   for (const std::string& name : coincident) places.erase(name);
   return coincident;
 }
@@ -162,8 +172,8 @@ Result<CaseLandmarks> landmarks_of(const Options& options, const Template& the_t
   const bool several = options.cases().size() > 1;
   const fs::path file = landmark_file(options, path);
   if (file.empty()) {
-    const std::string what = "has no landmark file in " + options.landmarks.string() + " (" + case_name(path) +
-                             ".mrk.json or " + case_name(path) + ".json)";
+    const std::string what =
+        "has no landmark file in " + options.landmarks.string() + " (" + case_name(path) + ".mrk.json, .fcsv or .json)";
     if (!several) return fail(path.string(), what + "; put one there, or name the file itself");
     landmarks.warnings.push_back(what + ", so it was fitted without landmarks");
     return landmarks;
@@ -183,7 +193,7 @@ Result<CaseLandmarks> landmarks_of(const Options& options, const Template& the_t
     else
       landmarks.places[landmark.name] = landmark.position;
   }
-  if (const auto names = take_coincident(landmarks.places); !names.empty()) {
+  if (const auto names = take_coincident(the_template, landmarks.places); !names.empty()) {
     const std::string what = "has " + quoted(names) + " at one place";
     if (!several) return fail(file.string(), what + "; place each where it belongs, or keep only one of them");
     landmarks.warnings.push_back("its landmark file " + what + "; they were left out");
@@ -344,6 +354,25 @@ Result<std::vector<fs::path>> outputs_of(const Options& options) {
   return outputs;
 }
 
+/// Files of the landmark folder that belong to no case, which is most often a name that was written differently.
+std::vector<std::string> landmarks_of_no_case(const Options& options) {
+  if (!fs::is_directory(options.landmarks)) return {};
+  std::set<fs::path> used;
+  for (const fs::path& path : options.cases()) used.insert(landmark_file(options, path));
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(options.landmarks, error))
+    if (is_landmark_name(entry.path()) && !used.contains(entry.path()))
+      names.push_back(entry.path().filename().string());
+  if (names.empty()) return {};
+  std::sort(names.begin(), names.end());
+  const std::size_t all = names.size(), most = 5;
+  names.resize(std::min(all, most));
+  return {options.landmarks.string() + ": holds " + quoted(names) +
+          (all > most ? " and " + std::to_string(all - most) + " more" : "") +
+          ", which belongs to no case; give each file its case's name"};
+}
+
 Result<Report> fit_many(const Options& options, const Shared& shared, Progress& progress) {
   const auto outputs = outputs_of(options);
   if (!outputs) return fail(outputs.error());
@@ -355,6 +384,7 @@ Result<Report> fit_many(const Options& options, const Shared& shared, Progress& 
       [&](std::size_t i, Progress& own) { return fit_case(options, shared, paths[i], (*outputs)[i], own); }, progress);
   if (progress.cancelled()) return fail("", "the fit was cancelled; the meshes finished so far are kept");
   Report report;
+  report.warnings = landmarks_of_no_case(options);
   Json cases = Json::array();
   std::size_t failed = 0;
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -394,8 +424,8 @@ void check(const Options& options) {
     throw CLI::ValidationError("--output", "must be a folder, since several cases are given");
   if (!options.placement.empty()) throw CLI::ValidationError("--placement", "is for one case only");
   if (!options.landmarks.empty() && !fs::is_directory(options.landmarks))
-    throw CLI::ValidationError(
-        "--landmarks", "must be a folder with a file CASE.mrk.json for each case, since several cases are given");
+    throw CLI::ValidationError("--landmarks",
+                               "must be a folder with a file CASE.mrk.json for a case, since several cases are given");
 }
 
 }  // namespace
@@ -411,17 +441,14 @@ void add_fit(CLI::App& app, CommandLine& asked) {
   verb->add_option("--image", options->image, "The grey-value image to fit to; needs --placement or --landmarks");
   verb->add_option("-o,--output", options->out, "The mesh to write, or a folder that gets one mesh for each case")
       ->required();
-  verb->add_option("--label", options->label, "Which label of the mask, where it holds several")
-      ->check(CLI::PositiveNumber)
+  add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together")
       ->needs(mask);
-  verb->add_option("--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
-      ->check(CLI::Range(0.0, 20.0))
-      ->needs(mask)
-      ->capture_default_str();
+  add_ball_option(*verb, "--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
+      ->needs(mask);
   verb->add_option("--placement", options->placement,
                    "Where to start: a JSON file with rotation, scale and translation, as in a case file");
   verb->add_option("--landmarks", options->landmarks,
-                   "Named places on the organ (.mrk.json, .json), or a folder with a file of each case's name");
+                   "Named places on the organ (.mrk.json, .fcsv, .json), or a folder with a file of each case's name");
   verb->add_option("--orientation", options->orientation,
                    "patient: rotations near the patient's axes; any: all rotations")
       ->check(CLI::IsMember({"patient", "any"}))

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "app/verbs/verb.h"
 #include "core/volume/volume_io.h"
@@ -12,10 +13,23 @@ namespace homolog {
 /// The image, of which `frame` must exist.
 Result<VolumeRead> read_image(const std::filesystem::path& path, int frame, Progress& progress);
 
+/// Adds `--label N`, or `--label N,N…` for what several labels cover together.
+CLI::Option* add_label_option(CLI::App& verb, std::vector<int>& labels, const std::string& help);
+
+/// Adds `--NAME-mm R`, the radius of a ball; without it `radius_mm` stays empty: a share of the organ's size.
+CLI::Option* add_ball_option(CLI::App& verb, const std::string& name, std::optional<double>& radius_mm,
+                             const std::string& help);
+
 struct MaskRead : VolumeRead {
-  int label = 0;
+  int label = 0;          ///< of the union, where several were asked for: the first of them
+  std::vector<int> from;  ///< the labels that it holds
+
+  /// A sentence about `label` that names all of `from`: "label 1+2".
+  std::string named(std::string sentence) const;
+  std::vector<std::string> named(std::vector<std::string> sentences) const;
 };
-/// A label map and which label of the frame is meant: `label`, or the only one where that is 0.
-Result<MaskRead> read_mask(const std::filesystem::path& path, int label, int frame, Progress& progress);
+/// A label map and which label of the frame is meant: the union of `labels`, or the only one where they are none.
+Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<int>& labels, int frame,
+                           Progress& progress);
 
 }  // namespace homolog

@@ -1,12 +1,17 @@
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
+#include <optional>
 
 #include "app/verbs/describe.h"
+#include "app/verbs/mended.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/verb.h"
-#include "core/mesh/mesh_faults.h"
+#include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/surface_search.h"
 #include "core/template_making/mesh_template.h"
 #include "core/template_making/template_file.h"
 #include "core/volume/volume_io.h"
@@ -19,10 +24,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr double far_share = 0.05;  ///< of the diagonal: a landmark farther from the surface is said
+constexpr double away_share = 0.5;  ///< so far from the nearest of them, the landmarks are of another place
+
 struct TemplateJob {
-  fs::path in, out;
-  int label = 0, frame = 0, vertices = 2500;
-  double closing_mm = MaskTemplateOptions{}.closing_mm, opening_mm = MaskTemplateOptions{}.opening_mm;
+  fs::path in, out, landmarks;
+  std::vector<int> labels;
+  int frame = 0, vertices = 2500;
+  std::optional<double> closing_mm, opening_mm;
   std::string genus = "auto";
   bool tube = false, capped = false;
   int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;
@@ -33,22 +42,42 @@ std::string how_cut(const CutTunnel& tunnel) {
   return tunnel.how == CutTunnel::How::filled ? "filled" : "severed";
 }
 
-/// What is wrong with a template that was made, each a sentence.
-std::vector<std::string> faults_of(const MeshFile& file, const fs::path& out) {
-  const auto topology = Topology::make(file.points.rows(), file.triangles);
-  if (!topology) return {};
-  const MeshFaults faults = mesh_faults({*topology, file.points});
-  std::vector<std::string> sentences;
-  if (faults.any())
-    sentences.push_back(out.string() + ": has " + faults.words() +
-                        ", so fits with it will have faults too; repair the surface, or ask for more vertices");
-  if (faults.riddled())
-    sentences.push_back(out.string() + ": has " + std::to_string(faults.tunnels) +
-                        " tunnels, more than organs have; use --closing-mm or --genus to close tunnels of a label map");
-  return sentences;
+std::string whole_mm(double mm) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0f mm", mm);
+  return text;
 }
 
-Result<Report> finish(const MeshFile& file, const fs::path& out, Json further, std::vector<std::string> warnings) {
+/// Gives a template the landmarks of a file; one of a name that it has already takes the other's place. Errors: no
+/// points; all of them far away.
+Result<void> add_landmarks_of(const fs::path& path, MeshFile& file, std::vector<std::string>& warnings) {
+  const auto landmarks = read_landmarks(path);
+  if (!landmarks) return fail(landmarks.error());
+  if (landmarks->empty()) return fail(path.string(), "holds no points; place the landmarks and save it again");
+  const auto topology = Topology::make(file.points.rows(), file.triangles);
+  if (!topology) return fail(topology.error());
+  const SurfaceSearch search({*topology, file.points});
+  const double diagonal_mm = bounds_of(file.points).diagonal().norm();
+  double nearest_mm = std::numeric_limits<double>::infinity();
+  for (const Landmark& landmark : *landmarks) {
+    const double mm = search.nearest(landmark.position).distance_mm;
+    nearest_mm = std::min(nearest_mm, mm);
+    if (mm > far_share * diagonal_mm)
+      warnings.push_back(path.string() + ": \"" + landmark.name + "\" lies " + whole_mm(mm) +
+                         " from the template's surface; check its place");
+    std::erase_if(file.landmarks, [&](const Landmark& other) { return other.name == landmark.name; });
+    file.landmarks.push_back(landmark);
+  }
+  if (nearest_mm <= away_share * diagonal_mm) return {};
+  return fail(path.string(), "has its points " + whole_mm(nearest_mm) +
+                                 " and more from the surface; check that both are of one scan and in one space (LPS or "
+                                 "RAS)");
+}
+
+Result<Report> finish(MeshFile file, const TemplateJob& options, Json further, std::vector<std::string> warnings) {
+  const fs::path& out = options.out;
+  if (!options.landmarks.empty())
+    if (auto added = add_landmarks_of(options.landmarks, file, warnings); !added) return fail(added.error());
   auto report = describe(file, out);
   if (!report) return report;
   for (std::string& fault : faults_of(file, out)) warnings.push_back(std::move(fault));
@@ -58,26 +87,25 @@ Result<Report> finish(const MeshFile& file, const fs::path& out, Json further, s
   return report;
 }
 
-GenusRule genus_rule(const std::string& text) {
-  GenusRule rule;
-  if (text == "auto") return rule;
-  rule.kind = text == "keep" ? GenusRule::Kind::keep : GenusRule::Kind::number;
-  if (rule.kind == GenusRule::Kind::number) rule.genus = std::stoi(text);  // checked when parsed
-  return rule;
+/// The labels in a template's provenance: a number, or several.
+void name_labels(const MaskRead& mask, Json& provenance) {
+  if (mask.from.size() > 1) provenance["label"] = mask.from;
 }
 
-Result<Report> from_mask(const TemplateJob& options, const Volume& mask, int label, std::vector<std::string> warnings,
-                         Progress& progress) {
+Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progress& progress) {
   MaskTemplateOptions making;
-  making.label = label;
+  making.label = mask.label;
   making.frame = options.frame;
   making.vertices = options.vertices;
   making.closing_mm = options.closing_mm;
   making.opening_mm = options.opening_mm;
   making.genus = genus_rule(options.genus);
-  const auto made = make_mask_template(mask, making, &progress);
-  if (!made) return fail(options.in.string(), made.error().what);
-  for (std::string& warning : about(options.in, made->warnings)) warnings.push_back(std::move(warning));
+  const auto made = make_mask_template(mask.volume, making, &progress);
+  if (!made) return fail(options.in.string(), mask.named(made.error().what));
+  std::vector<std::string> warnings = mask.warnings;
+  for (std::string& warning : about(options.in, mask.named(made->warnings))) warnings.push_back(std::move(warning));
+  making.closing_mm = made->closing_mm;
+  making.opening_mm = made->opening_mm;
 
   Json tunnels = Json::array();
   for (const CutTunnel& tunnel : made->tunnels)
@@ -86,19 +114,22 @@ Result<Report> from_mask(const TemplateJob& options, const Volume& mask, int lab
                      {"cavities", made->cavities},
                      {"cavities_ml", made->cavities_ml},
                      {"tunnels", tunnels}};
-  const Json provenance = provenance_of(options.in.filename().string(), making);
-  return finish(template_file(made->mesh, provenance), options.out,
+  Json provenance = provenance_of(options.in.filename().string(), making);
+  name_labels(mask, provenance);
+  return finish(template_file(made->mesh, provenance), options,
                 {{"distance_to_mask_mm", json_of(made->to_mask)},
                  {"distance_from_mask_mm", json_of(made->from_mask)},
                  {"resampled_mm", made->resampled_mm},
+                 {"closing_mm", made->closing_mm},
+                 {"opening_mm", made->opening_mm},
                  {"missed", {{"ml", made->missed_ml}, {"share", made->missed_share}}},
                  {"removed", removed}},
                 std::move(warnings));
 }
 
-Result<Report> tube(const TemplateJob& options, const Volume& mask, int label, std::vector<std::string> warnings) {
+Result<Report> tube(const TemplateJob& options, const MaskRead& mask) {
   TubeTemplateOptions making;
-  making.label = label;
+  making.label = mask.label;
   making.frame = options.frame;
   making.rings = options.rings;
   making.sectors = options.sectors;
@@ -106,11 +137,13 @@ Result<Report> tube(const TemplateJob& options, const Volume& mask, int label, s
   if (options.outer_label != 0) making.outer_label = options.outer_label;
   if (!options.axis.empty()) making.axis = Vec3(options.axis.data());
   if (!options.base.empty()) making.base_and_apex = {Vec3(options.base.data()), Vec3(options.apex.data())};
-  const auto made = make_tube_template(mask, making);
-  if (!made) return fail(options.in.string(), made.error().what);
-  for (std::string& warning : about(options.in, made->warnings)) warnings.push_back(std::move(warning));
-  const Json provenance = provenance_of(options.in.filename().string(), making);
-  return finish(template_file(made->mesh, provenance), options.out,
+  const auto made = make_tube_template(mask.volume, making);
+  if (!made) return fail(options.in.string(), mask.named(made.error().what));
+  std::vector<std::string> warnings = mask.warnings;
+  for (std::string& warning : about(options.in, mask.named(made->warnings))) warnings.push_back(std::move(warning));
+  Json provenance = provenance_of(options.in.filename().string(), making);
+  name_labels(mask, provenance);
+  return finish(template_file(made->mesh, provenance), options,
                 {{"distance_to_mask_mm", json_of(made->to_mask)},
                  {"distance_from_mask_mm", json_of(made->from_mask)},
                  {"axis", json_of(made->axis)}},
@@ -118,16 +151,24 @@ Result<Report> tube(const TemplateJob& options, const Volume& mask, int label, s
 }
 
 Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
-  const auto surface = read_mesh_file(options.in);
+  const auto surface = read_mesh_to_mend(options.in);
   if (!surface) return fail(surface.error());
-  auto made = make_mesh_template(*surface, options.vertices, &progress);
+  MeshTemplateOptions making;
+  making.vertices = options.vertices;
+  making.genus = genus_rule(options.genus);
+  making.closing_mm = options.closing_mm;
+  making.opening_mm = options.opening_mm;
+  auto made = make_mesh_template(*surface, making, &progress);
   if (!made) return fail(options.in.string(), made.error().what);
-  MeshFile file =
-      template_file(made->mesh, {{"source", options.in.filename().string()}, {"vertices", options.vertices}});
+  Json provenance{{"source", options.in.filename().string()}, {"vertices", options.vertices}};
+  if (made->rebuilt) provenance["rebuilt"] = json_of(*made->rebuilt);
+  MeshFile file = template_file(made->mesh, provenance);
   file.landmarks = surface->landmarks;
-  return finish(file, options.out,
-                {{"distance_to_mesh_mm", json_of(made->to_mesh)}, {"distance_from_mesh_mm", json_of(made->from_mesh)}},
-                about(options.in, std::move(made->warnings)));
+  Json further{{"distance_to_mesh_mm", json_of(made->to_mesh)},
+               {"distance_from_mesh_mm", json_of(made->from_mesh)},
+               {"mended", json_of(made->mended)}};
+  if (made->rebuilt) further["rebuilt"] = json_of(*made->rebuilt);
+  return finish(std::move(file), options, std::move(further), about(options.in, std::move(made->warnings)));
 }
 
 Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
@@ -136,10 +177,9 @@ Result<Report> make_template_file(const TemplateJob& options, Progress& progress
       return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
     return from_mesh(options, progress);
   }
-  const auto mask = read_mask(options.in, options.label, options.frame, progress);
+  const auto mask = read_mask(options.in, options.labels, options.frame, progress);
   if (!mask) return fail(mask.error());
-  return options.tube ? tube(options, mask->volume, mask->label, mask->warnings)
-                      : from_mask(options, mask->volume, mask->label, mask->warnings, progress);
+  return options.tube ? tube(options, *mask) : from_mask(options, *mask, progress);
 }
 
 }  // namespace
@@ -150,23 +190,20 @@ void add_template(CLI::App& app, CommandLine& asked) {
   verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over")->required();
   verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness, regions and landmarks)")
       ->required();
-  verb->add_option("--label", options->label, "Which label of the mask, where it holds several")
-      ->check(CLI::PositiveNumber);
+  verb->add_option("--landmarks", options->landmarks,
+                   "Named points for the template (.mrk.json, .fcsv, .json), in the space of MASK");
+  add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together");
   verb->add_option("--frame", options->frame, "Which frame of a cine label map, from 0")->check(CLI::NonNegativeNumber);
   verb->add_option("--vertices", options->vertices, "How many vertices")
       ->check(CLI::Range(100, 200000))
       ->capture_default_str();
-  verb->add_option("--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
-      ->check(CLI::Range(0.0, 20.0))
-      ->capture_default_str();
-  verb->add_option("--opening-mm", options->opening_mm, "Spurs thinner than twice this radius (mm) are removed")
-      ->check(CLI::Range(0.0, 20.0))
-      ->capture_default_str();
-  verb->add_option("--genus", options->genus,
-                   "Tunnels. auto: cut those narrower than 5 mm; keep: cut none; a number: cut the narrowest until so "
-                   "many are left")
-      ->check(CLI::IsMember({"auto", "keep"}) | CLI::Range(0, 1000))
-      ->capture_default_str();
+  add_ball_option(*verb, "--closing-mm", options->closing_mm,
+                  "Clefts narrower than twice this radius (mm) are filled; of a surface only where given");
+  add_ball_option(*verb, "--opening-mm", options->opening_mm,
+                  "Spurs thinner than twice this radius (mm) are removed; of a surface only where given");
+  add_genus_option(*verb, options->genus,
+                   "Tunnels. auto: cut those narrower than 0.035 of the organ's size (of a surface, where it has more "
+                   "than 16); keep: cut none; a number: cut the narrowest until so many are left");
   auto* tube_flag =
       verb->add_flag("--tube", options->tube, "A ring × sector grid along the main axis (left ventricle)");
   verb->add_option("--rings", options->rings, "Rings of a tube, base to apex")

@@ -10,12 +10,23 @@ namespace homolog {
 
 namespace {
 
-constexpr double least_dice = 0.9, most_share = 0.04;
+constexpr double least_dice = 0.9;
+constexpr double most_share = 0.04, most_mean_share = 0.01;  ///< of the diagonal
 constexpr double most_doubt = 0.06;  ///< real organs of the template's kind come to 0.02 to 0.04
 
 bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
-  return agreement.dice < least_dice ||
-         agreement.hd95_mm > most_share * bounds_of(boundary.surface.points).diagonal().norm();
+  const double diagonal_mm = bounds_of(boundary.surface.points).diagonal().norm();
+  return agreement.dice < least_dice || agreement.hd95_mm > most_share * diagonal_mm ||
+         agreement.assd_mm > most_mean_share * diagonal_mm;
+}
+
+/// A template of many tunnels is the surface of noise or trabeculae: no two organs have the same ones.
+std::optional<std::string> riddled(const Template& the_template) {
+  MeshFaults faults;
+  faults.tunnels = the_template.topology->genus();
+  if (!faults.riddled()) return std::nullopt;
+  return "the template has " + std::to_string(faults.tunnels) +
+         " tunnels, more than organs have, so vertices of its fits do not correspond; make it again with --genus";
 }
 
 /// Why the fit is doubtful.
@@ -49,6 +60,7 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
     judgement.warnings.emplace_back(
         "the organ looks like the template's mirror image; use the template of the other side (fit --mirror, or Mirror "
         "left and right in the editor)");
+  if (auto many = riddled(the_template)) judgement.warnings.push_back(std::move(*many));
   const bool tangled = fit.turned_triangles + fit.self_intersections > 0;
   if (!judgement.doubtful && !tangled) return judgement;
   const MeshFaults faults = mesh_faults({the_template.topology, the_template.points});

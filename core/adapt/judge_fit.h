@@ -11,11 +11,12 @@ namespace homolog {
 
 /// How good a fit is, and what a person should look at.
 struct FitJudgement {
-  Agreement agreement;     ///< of the fitted mesh with the boundary
-  bool doubtful = false;   ///< Dice below 0.9, a 95 % distance above 4 % of the boundary's diagonal, a mean doubt
-                           ///< above 6 % of the root of its area, or mirrored
-  double doubt_share = 0;  ///< the fit's mean doubt, as a share of the root of the boundary's area
-  bool mirrored = false;   ///< the template's mirror image fits clearly better: see looks_mirrored
+  Agreement agreement;  ///< of the fitted mesh with the boundary
+  /// Dice below 0.9, a mean distance above 1 % of the boundary's diagonal, a 95 % distance above 4 %, a mean doubt above
+  /// 6 % of the root of its area, or mirrored.
+  bool doubtful = false;
+  double doubt_share = 0;             ///< the fit's mean doubt, as a share of the root of the boundary's area
+  bool mirrored = false;              ///< the template's mirror image fits clearly better: see looks_mirrored
   std::vector<std::string> warnings;  ///< the boundary's, the fit's and those of this; each a sentence
 };
 

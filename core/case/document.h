@@ -47,6 +47,13 @@ VertexScalars known_vertices(const Shape& shape);
 /// edit.
 Points unaided_points(const Shape& shape);
 
+/// How landmarks carry a template. A case keeps the rule that it was begun with, so that it replays to the same points.
+enum class LandmarkRule {
+  closed_form,  ///< the nearest similarity places; the warp's lengths are mm
+  weighed,      ///< they place by how well they determine each rotation (likely_similarity); the warp's lengths are mm
+  by_size       ///< the same, and the warp's lengths are shares of the organ's size
+};
+
 /// Everything of a case that is saved, as a value: a copy is a few reference counts, and undo keeps copies.
 struct Document {
   std::string volume_source;  ///< path, or the name of a phantom [core/catalogue]; empty without an image
@@ -62,9 +69,7 @@ struct Document {
   int paper_events = 1;     ///< mouse events a stroke counts for in the scheme `paper`
   double even_spacing = 0;  ///< strength 0…1 of keeping vertices evenly spread along with an edit
   LandmarkPull landmark_pull = LandmarkPull::warp;
-  /// Landmarks place by how well they determine each rotation (likely_similarity). False in cases begun before that
-  /// was so: there the closed form alone places, so that they replay to the same points.
-  bool weighs_landmarks = true;
+  LandmarkRule landmark_rule = LandmarkRule::by_size;
   /// The mesh is held where it has come to meet a placed landmark [held_landmarks.h]. The editor's new cases do so;
   /// older ones, and those of scripts, do not.
   bool holds_landmarks = false;

@@ -17,8 +17,12 @@ bool usable(const Similarity& s) {
 }
 
 /// Warps a shape that is as before any edit. Gives a sentence where the warp could not be followed.
-std::string warp(const Template& the_template, const Points& from, const Points& to, Shape& shape) {
-  WarpedReference warped = warp_to_landmarks(*the_template.topology, *shape.placed, shape.placement.apply(from), to);
+std::string warp(const Template& the_template, const Points& from, const Points& to, LandmarkRule rule, Shape& shape) {
+  const double diagonal_mm = bounds_of(*shape.placed).diagonal().norm();
+  const WarpLengths lengths =
+      rule == LandmarkRule::by_size ? warp_lengths(diagonal_mm) : older_warp_lengths(diagonal_mm);
+  WarpedReference warped =
+      warp_to_landmarks(*the_template.topology, *shape.placed, shape.placement.apply(from), to, lengths);
   if (warped.share > 0) shape.points = shape.reference = std::make_shared<const Points>(std::move(warped.points));
   return warped.folds ? "The mesh does not reach all landmarks, because it would fold. Check the place of each "
                         "landmark."
@@ -55,7 +59,7 @@ void start_anew(const Template& the_template, Shape& shape) {
   shape.strokes = 0;
 }
 
-Result<EditReport> carry_to_landmarks(const Template& the_template, LandmarkPull fit, bool weighs, Shape& shape) {
+Result<EditReport> carry_to_landmarks(const Template& the_template, LandmarkPull fit, LandmarkRule rule, Shape& shape) {
   EditReport report;
   if (fit == LandmarkPull::off) return report;
   if (shape.strokes > 0) {
@@ -66,14 +70,15 @@ Result<EditReport> carry_to_landmarks(const Template& the_template, LandmarkPull
   const auto [from, to] = matched_landmarks(the_template, shape.landmarks);
   if (from.rows() == 0) return report;
   const Similarity placement =
-      weighs ? likely_similarity(from, to, {shape.before_landmarks}, bounds_of(the_template.points).diagonal().norm())
-             : nearest_similarity(from, to, shape.placement);
+      rule != LandmarkRule::closed_form
+          ? likely_similarity(from, to, {shape.before_landmarks}, bounds_of(the_template.points).diagonal().norm())
+          : nearest_similarity(from, to, shape.placement);
   if (!usable(placement) || placement.scale < 1e-3) {
     return fail("landmarks", "contradict each other, so that the template would shrink to nothing; check their places");
   }
   shape.placement = placement;
   start_anew(the_template, shape);
-  if (fit == LandmarkPull::warp) report.message = warp(the_template, from, to, shape);
+  if (fit == LandmarkPull::warp) report.message = warp(the_template, from, to, rule, shape);
   return report;
 }
 

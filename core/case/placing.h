@@ -17,7 +17,7 @@ Shape shape_of_frame(const Document& document, int frame);
 Result<void> check_frame(const Document& document, int frame);
 
 /// Before the first stroke, landmarks carry the template along as `fit` says; after it the report says why they do not.
-/// `weighs` is Document::weighs_landmarks. Errors: landmarks that collapse the template to nothing.
-Result<EditReport> carry_to_landmarks(const Template& the_template, LandmarkPull fit, bool weighs, Shape& shape);
+/// Errors: landmarks that collapse the template to nothing.
+Result<EditReport> carry_to_landmarks(const Template& the_template, LandmarkPull fit, LandmarkRule rule, Shape& shape);
 
 }  // namespace homolog

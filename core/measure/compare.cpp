@@ -13,6 +13,7 @@ namespace homolog {
 namespace {
 
 constexpr double dice_spacing_mm = 0.5;
+constexpr double least_voxels_across = 128;    ///< of the grid for Dice; finer where meshes are smaller
 constexpr double largest_grid = 0x1p31;        ///< voxels of the grid for Dice; coarser beyond
 constexpr std::size_t slab_voxels = 1u << 24;  ///< voxelised at a time
 constexpr double samples_per_surface = 20000;
@@ -117,6 +118,8 @@ double dice_of_meshes(const Mesh& a, const Mesh& b) {
   if (!box_a.intersects(box_b)) return 0;
   const Box box = box_a.merged(box_b);
   double spacing = dice_spacing_mm;
+  const double longest_mm = box.sizes().maxCoeff();
+  while (longest_mm > 0 && spacing * least_voxels_across > longest_mm) spacing /= 2;
   while ((box.sizes() / spacing + Vec3::Ones()).prod() > largest_grid) spacing *= 2;
   VolumeGeometry grid;
   grid.spacing_mm.setConstant(spacing);

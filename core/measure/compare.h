@@ -25,8 +25,8 @@ struct SurfaceDistance {
 };
 SurfaceDistance surface_distance(const Mesh& from, const Mesh& to);
 
-/// Against another mesh; Dice on a 0.5 mm grid, open meshes capped flat (coarser by powers of 2 beyond 2³¹ voxels; 1
-/// where both meshes are too small to hold a voxel).
+/// Against another mesh; Dice on a 0.5 mm grid, open meshes capped flat (coarser by powers of 2 beyond 2³¹ voxels,
+/// finer where both meshes together are less than 64 mm long; 1 where both are too flat to hold a voxel).
 Agreement compare_meshes(const Mesh& a, const Mesh& b);
 
 /// `assd_mm` of compare_meshes alone.

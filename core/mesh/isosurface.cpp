@@ -156,8 +156,7 @@ Result<Mesh> mask_surface(const Volume& mask, int label, int frame) {
         mask.data);
   };
   auto surface = marched(mask.geometry, fill_slice, [](const std::array<int, 3>&, unsigned) { return 0.5; });
-  if (!occurs)
-    return fail("", "label " + std::to_string(label) + " does not occur in the label map; name one that does");
+  if (!occurs) return fail("", label_name(label) + " does not occur in the label map; name one that does");
   return surface;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <span>
+#include <string>
 #include <type_traits>
 
 #include "core/base/result.h"
@@ -10,9 +11,18 @@
 
 namespace homolog {
 
+/// In place of a label: every value but 0.
+inline constexpr int every_label = -1;
+
+/// "label 3", as sentences name it.
+inline std::string label_name(int label) {
+  return label == every_label ? "the union of all labels" : "label " + std::to_string(label);
+}
+
 /// Whether a voxel of a label map has a label; floats are rounded, as labels_of() does.
 template <class T>
 bool has_label(T voxel, int label) {
+  if (label == every_label) return !has_label(voxel, 0);
   if constexpr (std::is_floating_point_v<T>)
     return std::rint(voxel) == static_cast<T>(label);
   else

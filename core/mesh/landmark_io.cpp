@@ -1,5 +1,7 @@
 #include "core/mesh/landmark_io.h"
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <set>
 
@@ -38,6 +40,104 @@ Result<Landmark> landmark_of(std::string name, const Json* coordinates) {
   return landmark;
 }
 
+/// The fields of a line of CSV; a field in double quotes may hold commas, and quotes written twice.
+std::vector<std::string> csv_fields(std::string_view line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (std::size_t at = 0; at < line.size(); ++at) {
+    const char c = line[at];
+    if (c == '"' && quoted && at + 1 < line.size() && line[at + 1] == '"')
+      fields.back() += line[++at];
+    else if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      fields.emplace_back();
+    else
+      fields.back() += c;
+  }
+  return fields;
+}
+
+/// What a line "# key = value" of a .fcsv says; empty for another key.
+std::string_view fcsv_value(std::string_view line, std::string_view key) {
+  const auto bare = [](std::string_view text) {
+    while (!text.empty() && (text.front() == ' ' || text.front() == '#')) text.remove_prefix(1);
+    while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+    return text;
+  };
+  const std::size_t equals = line.find('=');
+  if (equals == std::string_view::npos || bare(line.substr(0, equals)) != key) return {};
+  return bare(line.substr(equals + 1));
+}
+
+/// The columns of a .fcsv that a landmark is read from.
+struct FcsvColumns {
+  std::size_t id = 0, x = 1, label = 11;
+};
+
+Result<FcsvColumns> fcsv_columns(std::string_view names) {
+  const auto fields = csv_fields(names);
+  const auto find = [&](std::string_view name) {
+    return static_cast<std::size_t>(std::find(fields.begin(), fields.end(), name) - fields.begin());
+  };
+  const FcsvColumns columns{find("id"), find("x"), find("label")};
+  if (columns.x + 2 >= fields.size() || fields[columns.x + 1] != "y" || fields[columns.x + 2] != "z")
+    return fail("", "has no columns x, y and z; save it in 3D Slicer again");
+  return columns;
+}
+
+Result<std::vector<Landmark>> fcsv_landmarks(std::string_view text) {
+  std::vector<Landmark> landmarks;
+  FcsvColumns columns;
+  bool ras = true, known = false;  // files without a line about it are older than LPS
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    if (line.starts_with('#')) {
+      known = known || line.find("Markups fiducial file") != std::string_view::npos;
+      if (const auto space = fcsv_value(line, "CoordinateSystem"); !space.empty()) {
+        if (space != "LPS" && space != "1" && space != "RAS" && space != "0")
+          return fail("", "gives its points in \"" + excerpt(space) + "\"; save it in LPS or RAS");
+        ras = space == "RAS" || space == "0";
+      }
+      if (const auto names = fcsv_value(line, "columns"); !names.empty()) {
+        const auto read = fcsv_columns(names);
+        if (!read) return fail(read.error());
+        columns = *read;
+      }
+      continue;
+    }
+    if (line.find_first_not_of(' ') == std::string_view::npos) continue;
+    const auto fields = csv_fields(line);
+    const auto field = [&](std::size_t column) { return column < fields.size() ? fields[column] : std::string(); };
+    Json coordinates = Json::array();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::string number = field(columns.x + axis);
+      double value = 0;
+      const auto [after, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+      if (error == std::errc() && after == number.data() + number.size() && !number.empty())
+        coordinates.push_back(value);
+    }
+    const std::string label = field(columns.label);
+    auto landmark = landmark_of(label.empty() ? field(columns.id) : label, &coordinates);
+    if (!landmark) return fail(landmark.error());
+    if (ras) landmark->position.head<2>() *= -1;
+    landmarks.push_back(std::move(*landmark));
+  }
+  if (!known) return fail("", "is no fiducial file of 3D Slicer; export the points as .mrk.json");
+  return landmarks;
+}
+
+Result<void> check_names(const std::vector<Landmark>& landmarks) {
+  std::set<std::string> names;
+  for (const Landmark& landmark : landmarks)
+    if (!names.insert(landmark.name).second)
+      return fail("", "has two points named \"" + excerpt(landmark.name) + "\"; give every point a name of its own");
+  return {};
+}
+
 Result<void> add_slicer_markup(const Json& markup, std::vector<Landmark>& landmarks) {
   const std::string space = text_of(markup, "coordinateSystem");
   if (space != "LPS" && space != "RAS" && !space.empty())
@@ -74,11 +174,26 @@ Result<std::vector<Landmark>> landmarks_of(const Json& json) {
   } else {
     return fail("", "holds neither markups of 3D Slicer nor landmarks of scalismo; export the points as one of these");
   }
-  std::set<std::string> names;
-  for (const Landmark& landmark : landmarks)
-    if (!names.insert(landmark.name).second)
-      return fail("", "has two points named \"" + excerpt(landmark.name) + "\"; give every point a name of its own");
   return landmarks;
+}
+
+std::string fcsv_text(const std::vector<Landmark>& landmarks) {
+  std::string text =
+      "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
+      "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n";
+  std::size_t id = 0;
+  for (const Landmark& landmark : landmarks) {
+    text += std::to_string(++id);
+    for (const double x : landmark.position) {
+      char digits[32];
+      text += ',' + std::string(digits, std::to_chars(digits, digits + sizeof digits, x).ptr);
+    }
+    std::string name;
+    for (const char c : landmark.name) name += c == '"' ? "\"\"" : std::string(1, c == '\n' || c == '\r' ? ' ' : c);
+    const bool quotes = name.find_first_of(",\"") != std::string::npos;
+    text += ",0,0,0,1,1,1,0," + (quotes ? '"' + name + '"' : name) + ",,\n";
+  }
+  return text;
 }
 
 Json slicer_json(const std::vector<Landmark>& landmarks) {
@@ -98,6 +213,12 @@ Json slicer_json(const std::vector<Landmark>& landmarks) {
           {"markups", Json::array({markup})}};
 }
 
+Result<std::vector<Landmark>> json_landmarks(std::string_view text) {
+  const auto json = read_json<Json>(text);
+  if (!json) return fail("", json.error().what + "; export it again");
+  return landmarks_of(*json);
+}
+
 Json scalismo_json(const std::vector<Landmark>& landmarks) {
   Json points = Json::array();
   for (const Landmark& landmark : landmarks)
@@ -111,16 +232,16 @@ Json scalismo_json(const std::vector<Landmark>& landmarks) {
 Result<std::vector<Landmark>> read_landmarks(const std::filesystem::path& path) {
   const auto text = read_whole_file(path, std::uintmax_t{1} << 26);
   if (!text) return fail(text.error());
-  const auto json = read_json<Json>(*text);
-  if (!json) return fail(path.string(), json.error().what + "; export it again");
-  auto landmarks = landmarks_of(*json);
+  auto landmarks = path.extension() == ".fcsv" ? fcsv_landmarks(*text) : json_landmarks(*text);
   if (!landmarks) return fail(path.string(), landmarks.error().what);
+  if (auto checked = check_names(*landmarks); !checked) return fail(path.string(), checked.error().what);
   return landmarks;
 }
 
 Result<void> write_landmarks(const std::vector<Landmark>& landmarks, const std::filesystem::path& path) {
+  if (path.extension() == ".fcsv") return write_whole_file(path, fcsv_text(landmarks));
   if (path.extension() != ".json")
-    return fail(path.string(), "is not a landmark file; use .mrk.json (3D Slicer) or .json (scalismo)");
+    return fail(path.string(), "is not a landmark file; use .mrk.json or .fcsv (3D Slicer) or .json (scalismo)");
   const bool slicer = path.stem().extension() == ".mrk";
   const Json json = slicer ? slicer_json(landmarks) : scalismo_json(landmarks);
   return write_whole_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');

@@ -41,12 +41,17 @@ Result<void> check_arrays(const MeshFile& mesh) {
   return {};
 }
 
+Result<void> check_finite(const Points& points) {
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    if (!points.row(i).allFinite())
+      return fail("", "vertex " + std::to_string(i) +
+                          " has a coordinate that is no finite number; mend it with repair-mesh, or export it again");
+  return {};
+}
+
 Result<void> check(const MeshFile& mesh, bool needs_faces) {
   if (mesh.points.rows() == 0) return fail("", "holds no points; export it again");
   if (needs_faces && mesh.triangles.rows() == 0) return fail("", "holds no faces; export it as a surface of triangles");
-  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
-    if (!mesh.points.row(i).allFinite())
-      return fail("", "vertex " + std::to_string(i) + " has a coordinate that is no finite number; export it again");
   for (const std::int32_t v : mesh.triangles.reshaped<Eigen::RowMajor>())
     if (v < 0 || v >= mesh.points.rows())
       return fail("", "a face names vertex " + std::to_string(v) + " of " + std::to_string(mesh.points.rows()) +
@@ -73,7 +78,7 @@ Result<void> check_seams(const Mesh& mesh) {
 
 }  // namespace
 
-Result<MeshFile> read_mesh_file(const std::filesystem::path& path) {
+Result<MeshFile> read_mesh_to_mend(const std::filesystem::path& path) {
   const auto format = format_of(path);
   if (!format) return fail(format.error());
   const auto bytes = read_whole_file(path);
@@ -82,6 +87,13 @@ Result<MeshFile> read_mesh_file(const std::filesystem::path& path) {
   auto mesh = (*format)->read(*bytes);
   if (!mesh) return fail(path.string(), mesh.error().what);
   if (auto checked = check(*mesh, (*format)->has_faces); !checked) return fail(path.string(), checked.error().what);
+  return mesh;
+}
+
+Result<MeshFile> read_mesh_file(const std::filesystem::path& path) {
+  auto mesh = read_mesh_to_mend(path);
+  if (!mesh) return mesh;
+  if (auto checked = check_finite(mesh->points); !checked) return fail(path.string(), checked.error().what);
   return mesh;
 }
 
@@ -94,13 +106,19 @@ Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& 
   });
 }
 
+Result<Mesh> sound_mesh(const MeshFile& file) {
+  auto topology = Topology::make(file.points.rows(), file.triangles);
+  if (!topology) return fail(topology.error());
+  Mesh mesh{std::move(*topology), file.points};
+  if (auto checked = check_seams(mesh); !checked) return fail(checked.error());
+  return mesh;
+}
+
 Result<Mesh> read_mesh(const std::filesystem::path& path) {
-  auto file = read_mesh_file(path);
+  const auto file = read_mesh_file(path);
   if (!file) return fail(file.error());
-  auto topology = Topology::make(file->points.rows(), std::move(file->triangles));
-  if (!topology) return fail(path.string(), topology.error().what);
-  Mesh mesh{std::move(*topology), std::move(file->points)};
-  if (auto checked = check_seams(mesh); !checked) return fail(path.string(), checked.error().what);
+  auto mesh = sound_mesh(*file);
+  if (!mesh) return fail(path.string(), mesh.error().what);
   return mesh;
 }
 

@@ -46,6 +46,9 @@ struct MeshFile {
 /// file's size belies, NaN or infinite coordinates, an index out of range.
 Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 
+/// The same of a file to be mended [mesh_repair.h]: coordinates need not be finite.
+Result<MeshFile> read_mesh_to_mend(const std::filesystem::path& path);
+
 /// Writes the format of the extension (binary, with double coordinates where it can), tagged SPACE=LPS where the format
 /// can, whole or not at all. Landmarks, stiffness, regions and comments are kept by PLY only.
 Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& path);
@@ -53,7 +56,10 @@ Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& 
 /// Whether the name ends as one of the formats that read_mesh_file takes does.
 bool is_mesh_name(const std::filesystem::path& path);
 
-/// read_mesh_file, then Topology::make with the file named in the error.
+/// The faces of a file as a mesh. Errors: Topology::make's; a seam of duplicate vertices that was never closed.
+Result<Mesh> sound_mesh(const MeshFile& file);
+
+/// read_mesh_file, then sound_mesh with the file named in the error.
 Result<Mesh> read_mesh(const std::filesystem::path& path);
 Result<void> write_mesh(const Mesh& mesh, const std::filesystem::path& path);
 

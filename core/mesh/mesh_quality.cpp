@@ -20,6 +20,13 @@ Vec3 centre_of(const std::vector<std::int32_t>& loop, const Points& points) {
   return sum / static_cast<double>(loop.size());
 }
 
+double length_of(const std::vector<std::int32_t>& loop, const Points& points) {
+  double length = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    length += (points.row(loop[(i + 1) % loop.size()]) - points.row(loop[i])).norm();
+  return length;
+}
+
 void measure_edges(const Mesh& mesh, MeshQuality& quality) {
   const auto& edges = mesh.topology->edges();
   double sum = 0, squares = 0;
@@ -119,6 +126,12 @@ Mesh largest_part(const Mesh& mesh) {
   return {Topology::make(points.rows(), std::move(faces)).value(), std::move(points)};
 }
 
+double surface_area_mm2(const Mesh& mesh) {
+  double twice = 0;
+  for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f) twice += area_normal(mesh, f).norm();
+  return twice / 2;
+}
+
 double enclosed_volume_ml(const Mesh& mesh) {
   // Tetrahedra from a point nearby: far from the origin they would cancel badly.
   const Vec3 apex = mesh.points.row(0);
@@ -135,8 +148,10 @@ double enclosed_volume_ml(const Mesh& mesh) {
   return six_volumes / 6 / 1000;
 }
 
-Mesh capped(const Mesh& mesh) {
-  const auto& loops = mesh.topology->rims();
+Mesh capped(const Mesh& mesh, double longest_mm) {
+  std::vector<std::vector<std::int32_t>> loops;
+  for (const auto& loop : mesh.topology->rims())
+    if (length_of(loop, mesh.points) <= longest_mm) loops.push_back(loop);
   if (loops.empty()) return mesh;
   const Eigen::Index vertices = mesh.points.rows(), faces = mesh.topology->triangles().rows();
   Eigen::Index rim = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "core/mesh/topology.h"
@@ -50,12 +51,15 @@ Points vertex_normals(const Mesh& mesh);
 /// Of the parts that hang together, the one with the most area, its vertices renumbered in their order.
 Mesh largest_part(const Mesh& mesh);
 
+/// Area of all faces in mm².
+double surface_area_mm2(const Mesh& mesh);
+
 /// Enclosed volume in ml, each boundary loop capped flat (fan around its centroid); negative where faces look inward.
 double enclosed_volume_ml(const Mesh& mesh);
 
-/// The same shape with every boundary loop closed by a fan around the loop's centroid (one new vertex a loop,
-/// appended).
-Mesh capped(const Mesh& mesh);
+/// The same shape with every boundary loop of at most `longest_mm` closed by a fan around the loop's centroid (one new
+/// vertex a loop, appended).
+Mesh capped(const Mesh& mesh, double longest_mm = std::numeric_limits<double>::infinity());
 
 /// Mean edge length in mm.
 double mean_edge_mm(const Topology& topology, const Points& points);

@@ -8,26 +8,35 @@ namespace homolog {
 
 namespace {
 
-constexpr double reach_share = 0.25;    // of the template's bounding-box diagonal
-constexpr double bump_mm = 6;           // what a landmark typically is off by after the similarity
+constexpr double reach_share = 0.25, bump_share = 0.045, noise_share = 0.005;
 constexpr double stretch_share = 0.03;  // typical stretch or shear of an organ against its template's similarity
 
 }  // namespace
+
+WarpLengths warp_lengths(double diagonal_mm) {
+  return {reach_share * diagonal_mm, bump_share * diagonal_mm, noise_share * diagonal_mm};
+}
+
+WarpLengths older_warp_lengths(double diagonal_mm) {
+  return {reach_share * diagonal_mm, 6, 0.7};
+}
 
 Eigen::MatrixXd WarpKernel::operator()(const Points& a, const Points& b) const {
   const Points from = a.rowwise() - centre_, to = b.rowwise() - centre_;
   const Eigen::MatrixXd products = from * to.transpose();
   const Eigen::VectorXd a2 = from.rowwise().squaredNorm(), b2 = to.rowwise().squaredNorm();
   const Eigen::MatrixXd distance2 = (-2 * products).colwise() + a2;
-  return bump_mm * bump_mm *
-             (-(distance2.rowwise() + b2.transpose()).array() / (2 * length_mm_ * length_mm_)).exp().matrix() +
+  return lengths_.bump_mm * lengths_.bump_mm *
+             (-(distance2.rowwise() + b2.transpose()).array() / (2 * lengths_.reach_mm * lengths_.reach_mm))
+                 .exp()
+                 .matrix() +
          stretch_share * stretch_share * products;
 }
 
-LandmarkWarp::LandmarkWarp(const Points& from, const Points& to, double length_mm)
-    : from_(from), kernel_(from.colwise().mean(), length_mm) {
+LandmarkWarp::LandmarkWarp(const Points& from, const Points& to, const WarpLengths& lengths)
+    : from_(from), kernel_(from.colwise().mean(), lengths) {
   Eigen::MatrixXd k = kernel_(from_, from_);
-  k.diagonal().array() += landmark_noise_mm * landmark_noise_mm;
+  k.diagonal().array() += lengths.noise_mm * lengths.noise_mm;
   weights_ = k.llt().solve(Eigen::MatrixX3d(to - from));
 }
 
@@ -42,10 +51,10 @@ WarpedReference without_folds(const Topology& topology, const Points& placed, co
   return {at(share), share, share < 1};
 }
 
-WarpedReference warp_to_landmarks(const Topology& topology, const Points& placed, const Points& from,
-                                  const Points& to) {
+WarpedReference warp_to_landmarks(const Topology& topology, const Points& placed, const Points& from, const Points& to,
+                                  const WarpLengths& lengths) {
   if (from.rows() < fewest_warp_landmarks) return {placed};
-  const LandmarkWarp warp(from, to, reach_share * bounds_of(placed).diagonal().norm());
+  const LandmarkWarp warp(from, to, lengths);
   return without_folds(topology, placed, warp.apply(placed) - placed);
 }
 

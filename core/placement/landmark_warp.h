@@ -6,8 +6,17 @@ namespace homolog {
 
 /// Fewer landmarks tell a similarity only.
 inline constexpr Eigen::Index fewest_warp_landmarks = 4;
-/// How well a person clicks a landmark, each coordinate.
-inline constexpr double landmark_noise_mm = 0.7;
+
+/// What a warp takes for usual.
+struct WarpLengths {
+  double reach_mm;  ///< how far what is known at a place reaches
+  double bump_mm;   ///< what a landmark typically is off by after the similarity
+  double noise_mm;  ///< how well a person clicks a landmark, each coordinate
+};
+/// For an organ with a bounding box of this diagonal: shares of it, which for a kidney are 35, 6 and 0.7 mm.
+WarpLengths warp_lengths(double diagonal_mm);
+/// Of cases begun when bump and noise were mm: 6 and 0.7 whatever the size.
+WarpLengths older_warp_lengths(double diagonal_mm);
 
 /// How an organ differs from its template under a similarity, as a Gaussian process: the covariance of each coordinate
 /// of the displacement at two places is a Gaussian bump plus a linear part kept small. What the linear part's prior
@@ -15,21 +24,19 @@ inline constexpr double landmark_noise_mm = 0.7;
 /// stretch the mesh [docs/method.md §5].
 class WarpKernel {
  public:
-  /// `length_mm`: how far what is known at a place reaches.
-  WarpKernel(const Eigen::RowVector3d& centre, double length_mm) : centre_(centre), length_mm_(length_mm) {}
+  WarpKernel(const Eigen::RowVector3d& centre, const WarpLengths& lengths) : centre_(centre), lengths_(lengths) {}
   Eigen::MatrixXd operator()(const Points& a, const Points& b) const;  ///< in mm²; a row for each of `a`
 
  private:
   Eigen::RowVector3d centre_;
-  double length_mm_;
+  WarpLengths lengths_;
 };
 
 /// A smooth displacement of space, regressed over landmarks, with a noise term.
 class LandmarkWarp {
  public:
   /// `from`, `to`: k×3, where landmarks are (under the similarity) and where they belong, mm.
-  /// `length_mm`: how far a landmark's pull reaches (0.25 of the template's bounding-box diagonal serves organs).
-  LandmarkWarp(const Points& from, const Points& to, double length_mm);
+  LandmarkWarp(const Points& from, const Points& to, const WarpLengths& lengths);
 
   Points apply(const Points& points) const;
 
@@ -51,6 +58,7 @@ WarpedReference without_folds(const Topology& topology, const Points& placed, co
 
 /// The landmark warp of a reference, as far as it turns no triangle over. `placed`: n×3, the template under its
 /// similarity; `from`, `to`: as for LandmarkWarp, mm.
-WarpedReference warp_to_landmarks(const Topology& topology, const Points& placed, const Points& from, const Points& to);
+WarpedReference warp_to_landmarks(const Topology& topology, const Points& placed, const Points& from, const Points& to,
+                                  const WarpLengths& lengths);
 
 }  // namespace homolog

@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr int format_version = 1;
-constexpr const char* weighed_landmarks = "weighed";  ///< "landmarks" in the header: see Document::weighs_landmarks
+/// "landmarks" in the header, by LandmarkRule; the oldest cases have none.
+constexpr std::array landmark_rules{"", "weighed", "by size"};
 
 std::string relative_to(const fs::path& folder, const std::string& source) {
   if (!names_file(source)) return source;
@@ -136,8 +137,12 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const s
   Document document = new_document(volume_source, std::move(volume), std::move(the_template));
   // Homolog always wrote "connectivity"; without it the header was written by a person, and nothing is to be kept to.
   const auto landmarks = header.find("landmarks");
-  document.weighs_landmarks =
-      landmarks != header.end() ? *landmarks == weighed_landmarks : !header.contains("connectivity");
+  if (landmarks != header.end() || header.contains("connectivity")) {
+    document.landmark_rule = LandmarkRule::closed_form;
+    for (std::size_t rule = 1; rule < landmark_rules.size(); ++rule)
+      if (landmarks != header.end() && *landmarks == landmark_rules[rule])
+        document.landmark_rule = static_cast<LandmarkRule>(rule);
+  }
   const auto held = header.find("held_landmarks");
   document.holds_landmarks = held != header.end() && *held == true;
   return document;
@@ -148,7 +153,8 @@ std::string case_header(const Document& document, const fs::path& folder) {
   if (!document.volume_source.empty()) header["volume"] = relative_to(folder, document.volume_source);
   if (document.the_template) header["template"] = relative_to(folder, document.the_template->source);
   if (document.has_shape()) header["placement"] = to_json(document.shape().placement);
-  if (document.weighs_landmarks) header["landmarks"] = weighed_landmarks;
+  if (document.landmark_rule != LandmarkRule::closed_form)
+    header["landmarks"] = landmark_rules[static_cast<std::size_t>(document.landmark_rule)];
   if (document.holds_landmarks) header["held_landmarks"] = true;
   if (document.the_template) {
     header["vertices"] = document.the_template->topology->vertices();

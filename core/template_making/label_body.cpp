@@ -15,6 +15,8 @@ namespace homolog {
 namespace {
 
 constexpr double most_voxels = 16e6;
+/// What a surface has of the area of its voxels' faces, on average over all directions.
+constexpr double face_share = 2.0 / 3.0;
 
 /// Calls `visit(i, j, k)` for every voxel that has the label.
 template <class Visit>
@@ -91,8 +93,49 @@ LabelExtent label_extent(const Volume& mask, int label, int frame) {
         });
       },
       mask.data);
-  extent.area_mm2 *= 2.0 / 3.0;  // what faces of voxels show too much of, on average over all directions
+  extent.area_mm2 *= face_share;
   return extent;
+}
+
+double organ_size_mm(const LabelExtent& extent) {
+  return std::sqrt(extent.area_mm2);
+}
+
+std::map<int, double> label_sizes_mm(const Volume& mask, int frame) {
+  const auto& dims = mask.geometry.dims;
+  const Vec3& spacing = mask.geometry.spacing_mm;
+  const std::array<double, 3> face_mm2{spacing[1] * spacing[2], spacing[0] * spacing[2], spacing[0] * spacing[1]};
+  const std::array<std::size_t, 3> stride{1, index(dims[0]), index(dims[0]) * index(dims[1])};
+  std::map<int, double> area;
+  std::visit(
+      [&](const auto& voxels) {
+        const auto* data = voxels.data() + index(frame) * mask.geometry.voxels();
+        const auto add = [&](int one, int other, double mm2) {
+          if (one == other) return;
+          if (one != 0) area[one] += mm2;
+          if (other != 0) area[other] += mm2;
+          if ((one == 0) != (other == 0)) area[every_label] += mm2;
+        };
+        const auto label_at = [&](std::size_t v) {
+          const double value = std::rint(static_cast<double>(data[v]));
+          return std::abs(value) < 0x1p31 ? static_cast<int>(value) : 0;
+        };
+        for (int k = 0; k < dims[2]; ++k)
+          for (int j = 0; j < dims[1]; ++j)
+            for (int i = 0; i < dims[0]; ++i) {
+              const std::array<int, 3> at{i, j, k};
+              const std::size_t v = index(i) + index(j) * stride[1] + index(k) * stride[2];
+              for (std::size_t axis = 0; axis < 3; ++axis) {
+                if (at[axis] == 0) add(0, label_at(v), face_mm2[axis]);
+                const bool last = at[axis] + 1 == dims[axis];
+                if (last || data[v] != data[v + stride[axis]])
+                  add(label_at(v), last ? 0 : label_at(v + stride[axis]), face_mm2[axis]);
+              }
+            }
+      },
+      mask.data);
+  for (auto& [label, size] : area) size = std::sqrt(size * face_share);
+  return area;
 }
 
 double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double edge_mm, double margin_mm) {
@@ -106,8 +149,7 @@ double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double e
 
 Result<LabelBody> label_body(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
                              double margin_mm) {
-  if (extent.area_mm2 <= 0)
-    return fail("", "label " + std::to_string(label) + " does not occur in the label map; name one that does");
+  if (extent.area_mm2 <= 0) return fail("", label_name(label) + " does not occur in the label map; name one that does");
   const VolumeGeometry& whole = mask.geometry;
   Blocks blocks = blocks_of(whole, extent, spacing_mm, margin_mm);
   while (blocks.count() > most_voxels) {
@@ -185,7 +227,7 @@ std::optional<std::string> several_parts(const LabelBody& region, int label) {
   char sizes[64];
   std::snprintf(sizes, sizeof sizes, "(%.1f and %.1f ml)", voxel_ml * static_cast<double>(region.body.body),
                 voxel_ml * static_cast<double>(islands.front()));
-  return "label " + std::to_string(label) + " has several parts of about one size " + sizes +
+  return label_name(label) + " has several parts of about one size " + sizes +
          "; the largest was taken; give the others labels of their own to use them";
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/parallel.h"
 #include "core/correspondence/colours.h"
+#include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/remesh.h"
 #include "core/template_making/label_body.h"
@@ -14,8 +15,9 @@
 namespace homolog {
 namespace {
 
-constexpr double auto_width_mm = 5;
-constexpr double widest_mm = 40;  ///< that is looked for where a number of tunnels is asked for
+// Shares of the organ's size.
+constexpr double auto_width_share = 0.035;
+constexpr double widest_share = 0.4;  ///< that is looked for where a number of tunnels is asked for
 
 std::string number(double value, int digits = 1) {
   char text[32];
@@ -53,8 +55,11 @@ class Making {
   Result<void> resample() {
     const LabelExtent extent = label_extent(mask_, options_.label, options_.frame);
     edge_mm_ = spread_edge_mm(extent.area_mm2, options_.vertices);
-    const double ball_mm = options_.genus.kind == GenusRule::Kind::number ? widest_mm / 2 : fill_below_mm() / 2;
-    const double margin_mm = std::max(options_.closing_mm, ball_mm) + edge_mm_;
+    size_mm_ = organ_size_mm(extent);
+    made_.closing_mm = options_.closing_mm.value_or(ball_share * size_mm_);
+    made_.opening_mm = options_.opening_mm.value_or(ball_share * size_mm_);
+    const double ball_mm = options_.genus.kind == GenusRule::Kind::number ? widest_mm() / 2 : fill_below_mm() / 2;
+    const double margin_mm = std::max(made_.closing_mm, ball_mm) + edge_mm_;
     const double spacing_mm = worked_spacing_mm(mask_, extent, edge_mm_, margin_mm);
     auto cut_out = label_body(mask_, options_.label, options_.frame, extent, spacing_mm, margin_mm);
     if (!cut_out) return fail(cut_out.error());
@@ -68,8 +73,8 @@ class Making {
     made_.cavities_ml = static_cast<double>(region_.body.cavity_voxels) * voxel_ml;
     if (auto several = several_parts(region_, options_.label)) made_.warnings.push_back(std::move(*several));
     if (const std::string sides = sides_touched(region_); !sides.empty())
-      made_.warnings.push_back("label " + std::to_string(options_.label) + " touches the edge of the label map (" +
-                               sides + "); the organ is closed flat there; use a map that holds the whole organ");
+      made_.warnings.push_back(label_name(options_.label) + " touches the edge of the label map (" + sides +
+                               "); the organ is closed flat there; use a map that holds the whole organ");
     surface_ = resampled(signed_distance(region_.inside, region_.grid), spacing_mm);
     auto target = boundary_of(region_);
     if (!target) return fail(target.error());
@@ -78,20 +83,20 @@ class Making {
   }
 
   Result<void> smooth() {
-    surface_ = closed_by(surface_, options_.closing_mm);
+    surface_ = closed_by(surface_, made_.closing_mm);
     if (auto shown = show(TemplateStage::closed, 0.3); !shown) return shown;
     const float deepest = *std::min_element(surface_.values().begin(), surface_.values().end());
-    surface_ = opened_by(surface_, options_.opening_mm);
+    surface_ = opened_by(surface_, made_.opening_mm);
     if (!(*std::min_element(surface_.values().begin(), surface_.values().end()) < 0))
       return fail("", "nothing of label " + std::to_string(options_.label) + " is left after the opening by " +
-                          number(options_.opening_mm) + " mm, since it is at most " + number(-2.0 * deepest) +
+                          number(made_.opening_mm) + " mm, since it is at most " + number(-2.0 * deepest) +
                           " mm thick; use an opening radius below " + number(std::max(0.0, -1.0 * deepest)) + " mm");
     if (auto shown = show(TemplateStage::opened, 0.4); !shown) return shown;
     LevelSet smooth = smoothed(surface_, smoothing_ * edge_mm_);
     make_one_body(smooth);
     if (!(*std::min_element(smooth.values().begin(), smooth.values().end()) < 0))
-      return fail("", "label " + std::to_string(options_.label) + " is too thin for " +
-                          std::to_string(options_.vertices) + " vertices; ask for more vertices");
+      return fail("", label_name(options_.label) + " is too thin for " + std::to_string(options_.vertices) +
+                          " vertices; ask for more vertices");
     surface_ = std::move(smooth);
     return show(TemplateStage::smoothed, 0.5);
   }
@@ -102,13 +107,14 @@ class Making {
     const bool automatic = rule.kind == GenusRule::Kind::automatic;
     TunnelLimits limits;
     limits.keep = automatic ? 0 : rule.genus;
-    limits.fill_below_mm = automatic ? fill_below_mm() : widest_mm;
+    limits.first_below_mm = auto_width_share * size_mm_;
+    limits.fill_below_mm = automatic ? fill_below_mm() : widest_mm();
     // A strand that is thinner than the mesh can show would be meshed badly, wherever it leads.
-    limits.sever_below_mm = automatic ? 1.5 * edge_mm_ : widest_mm;
+    limits.sever_below_mm = !options_.severs ? 0 : automatic ? 1.5 * edge_mm_ : widest_mm();
     limits.reach_mm = 0.5 * edge_mm_;
     TunnelCut cut = cut_tunnels(surface_, limits);
     if (!automatic && cut.genus != rule.genus)
-      return fail("", "label " + std::to_string(options_.label) + " has " + std::to_string(cut.genus_before) +
+      return fail("", label_name(options_.label) + " has " + std::to_string(cut.genus_before) +
                           (cut.genus < rule.genus ? " tunnels, fewer than --genus "
                                                   : " tunnels, and cannot be brought to --genus ") +
                           std::to_string(rule.genus) + "; use --genus keep or a smaller closing radius");
@@ -138,9 +144,8 @@ class Making {
     }
     const auto count = made_.mesh.points.rows();
     if (std::abs(static_cast<double>(count) - options_.vertices) > 0.02 * options_.vertices)
-      return fail("", "label " + std::to_string(options_.label) + " cannot be meshed with " +
-                          std::to_string(options_.vertices) + " vertices; ask for " + std::to_string(count) +
-                          " or more");
+      return fail("", label_name(options_.label) + " cannot be meshed with " + std::to_string(options_.vertices) +
+                          " vertices; ask for " + std::to_string(count) + " or more");
     if (show_) show_(TemplateStage::remeshed, made_.mesh);
     if (progress_) progress_->report(0.9);
     say_what_is_missed();
@@ -163,12 +168,13 @@ class Making {
     made_.warnings.push_back(number(100 * made_.missed_share) + " % of label " + std::to_string(options_.label) + " (" +
                              number(made_.missed_ml) +
                              " ml) lies more than two voxels from the mesh: parts thinner than the opening of " +
-                             number(options_.opening_mm) + " mm or the edges of " + number(edge_mm_) +
+                             number(made_.opening_mm) + " mm or the edges of " + number(edge_mm_) +
                              " mm; use a smaller opening radius or more vertices");
   }
 
   /// Two edges across, a tunnel is no more than a crease in the mesh; and the smoothing has widened it by about σ.
-  double fill_below_mm() const { return std::max(auto_width_mm, 2 * edge_mm_) + smoothing_ * edge_mm_; }
+  double fill_below_mm() const { return std::max(auto_width_share * size_mm_, 2 * edge_mm_) + smoothing_ * edge_mm_; }
+  double widest_mm() const { return widest_share * size_mm_; }
 
   /// Where faces meet each other or have a small angle.
   static std::vector<Vec3> badly_meshed(const Mesh& mesh) {
@@ -206,7 +212,7 @@ class Making {
   const MaskTemplateOptions& options_;
   Progress* progress_;
   const ShowStage& show_;
-  double edge_mm_ = 0;
+  double edge_mm_ = 0, size_mm_ = 0;
   LevelSet surface_;
   LabelBody region_;
   Mesh target_;  ///< the boundary of the label's largest part, cavities filled

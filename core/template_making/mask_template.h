@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@ namespace homolog {
 /// What becomes of tunnels through the organ.
 struct GenusRule {
   enum class Kind {
-    automatic,  ///< tunnels narrower than 5 mm or than two edges are cut; a vertebral canal stays
+    automatic,  ///< tunnels narrower than 0.035 of the size or than two edges are cut; a vertebral canal stays
     keep,       ///< every tunnel stays
     number      ///< the narrowest are cut until `genus` are left
   };
@@ -26,8 +27,9 @@ struct MaskTemplateOptions {
   int label = 1;
   int frame = 0;
   int vertices = 2500;
-  double closing_mm = 1, opening_mm = 1;  ///< radii of the balls; 0: none
+  std::optional<double> closing_mm, opening_mm;  ///< radii of the balls; 0: none; without: ball_share of the size
   GenusRule genus;
+  bool severs = true;  ///< tunnels are opened too, where the strand around them is thin; false: only filled
 };
 
 /// The steps of the making, in turn.
@@ -47,8 +49,9 @@ struct MaskTemplate {
   /// Of the label's largest part: what lies outside of the mesh and farther than two voxels from it, thin parts that
   /// the mesh does not have.
   double missed_ml = 0, missed_share = 0;
-  double resampled_mm = 0;            ///< voxel size that was worked on
-  std::vector<std::string> warnings;  ///< each a sentence
+  double resampled_mm = 0;                ///< voxel size that was worked on
+  double closing_mm = 0, opening_mm = 0;  ///< radii that were used
+  std::vector<std::string> warnings;      ///< each a sentence
 };
 
 /// A reference mesh of a complex organ from a label of a label map [Erdt 2009, §2.1; method note §7]: signed distances

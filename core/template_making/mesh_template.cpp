@@ -1,96 +1,142 @@
 #include "core/template_making/mesh_template.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
-#include <optional>
+#include <cstdio>
 
+#include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/remesh.h"
 #include "core/mesh/surface_search.h"
-#include "core/template_making/mask_template.h"
+#include "core/template_making/rasterise.h"
 
 namespace homolog {
 namespace {
 
-/// Number of each vertex once those within a millionth of the surface's size are one.
-std::vector<std::int32_t> welded(const Points& points, Eigen::Index& count) {
-  const Box box = bounds_of(points);
-  const double cell_mm = std::max(1e-6 * box.diagonal().norm(), 1e-12);
-  std::map<std::array<std::int64_t, 3>, std::int32_t> places;
-  std::vector<std::int32_t> number;
-  for (Eigen::Index v = 0; v < points.rows(); ++v) {
-    const Vec3 at = (Vec3(points.row(v)) - box.min()) / cell_mm;
-    const std::array<std::int64_t, 3> cell{std::llround(at[0]), std::llround(at[1]), std::llround(at[2])};
-    number.push_back(places.try_emplace(cell, static_cast<std::int32_t>(places.size())).first->second);
-  }
-  count = static_cast<Eigen::Index>(places.size());
-  return number;
+constexpr double wreck_share = 0.005;  ///< of the faces: so many faults, and the mesh is of no use
+constexpr double far_share = 0.01;     ///< of the diagonal: so far from the surface on average, and it is said
+
+std::string in_mm(double mm) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g mm", mm);
+  return text;
 }
 
-Result<Mesh> cleaned(const MeshFile& surface, std::vector<std::string>& warnings) {
-  Eigen::Index count = 0;
-  const auto number = welded(surface.points, count);
-  std::vector<std::int32_t> corners, used(static_cast<std::size_t>(count), -1);
-  std::int32_t vertices = 0;
-  for (Eigen::Index f = 0; f < surface.triangles.rows(); ++f) {
-    std::array<std::int32_t, 3> face{};
-    for (int k = 0; k < 3; ++k)
-      face[static_cast<std::size_t>(k)] = number[static_cast<std::size_t>(surface.triangles(f, k))];
-    if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) continue;
-    for (const std::int32_t v : face) {
-      auto& index = used[static_cast<std::size_t>(v)];
-      if (index < 0) index = vertices++;
-      corners.push_back(index);
-    }
-  }
-  Points points(vertices, 3);
-  for (Eigen::Index v = 0; v < surface.points.rows(); ++v)
-    if (const auto index = used[static_cast<std::size_t>(number[static_cast<std::size_t>(v)])]; index >= 0)
-      points.row(index) = surface.points.row(v);
-  if (vertices < surface.points.rows())
-    warnings.push_back(std::to_string(surface.points.rows() - vertices) +
-                       " vertices that coincide or belong to no face were left out");
-  Triangles triangles = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
-  auto topology = Topology::make(points.rows(), std::move(triangles));
-  if (!topology) return fail(topology.error());
-  if (const auto parts = (*topology)->components(); parts > 1)
-    warnings.push_back("the surface has " + std::to_string(parts) + " parts; the largest was taken");
-  Mesh mesh = largest_part({*topology, std::move(points)});
-  if (!mesh.topology->closed()) {
-    warnings.push_back(
-        "the surface has " + std::to_string(mesh.topology->rims().size()) +
-        (mesh.topology->rims().size() == 1 ? " hole; it was closed flat" : " holes; they were closed flat"));
-    mesh = capped(mesh);
-  }
-  if (enclosed_volume_ml(mesh) < 0) {
-    Triangles turned = mesh.topology->triangles();
-    turned.col(1).swap(turned.col(2));
-    mesh.topology = Topology::make(mesh.points.rows(), std::move(turned)).value();
-    warnings.push_back("the surface looked inward; its faces were turned");
-  }
-  return mesh;
+bool is_wreck(const MeshFaults& faults, const Mesh& mesh) {
+  const auto faces = static_cast<double>(mesh.topology->triangles().rows());
+  return !faults.all_intersections ||
+         static_cast<double>(faults.intersections + faults.turned + faults.flat) > wreck_share * faces;
 }
+
+class Meshing {
+ public:
+  Meshing(const MeshTemplateOptions& options, Progress* progress) : options_(options), progress_(progress) {}
+
+  Result<MeshTemplate> run(const MeshFile& surface) {
+    auto repair = repaired(surface);
+    if (!repair) return fail(repair.error());
+    made_.warnings = surface.warnings;
+    made_.mended = repair->mended;
+    if (repair->mended.any()) made_.warnings.push_back("was mended: " + repair->mended.words());
+    if (const auto parts = repair->mesh.topology->components(); parts > 1)
+      made_.warnings.push_back("the surface has " + std::to_string(parts) + " parts; the largest was taken");
+    surface_ = largest_part(repair->mesh);
+    whole_ = std::move(repair->mesh);
+    if (auto done = mesh_surface(); !done) return fail(done.error());
+    if (progress_ && progress_->cancelled()) return fail("", "making the template was cancelled");
+    made_.to_mesh = surface_distance(made_.mesh, made_.rebuilt ? whole_ : surface_);
+    made_.from_mesh = surface_distance(surface_, made_.mesh);
+    say_what_is_far();
+    return std::move(made_);
+  }
+
+ private:
+  Result<void> mesh_surface() {
+    const int genus = surface_.topology->genus();
+    const GenusRule& rule = options_.genus;
+    const bool by_number = rule.kind == GenusRule::Kind::number, automatic = rule.kind == GenusRule::Kind::automatic;
+    if (by_number && genus < rule.genus)
+      return fail("", "has " + std::to_string(genus) + " tunnels, fewer than --genus " + std::to_string(rule.genus) +
+                          "; use --genus keep");
+    MeshFaults faults;
+    faults.tunnels = genus;
+    if (options_.closing_mm || options_.opening_mm || (by_number && genus > rule.genus) ||
+        (automatic && faults.riddled()))
+      return rebuild();
+    made_.mesh = spread_over(surface_);
+    if (progress_ && progress_->cancelled()) return {};
+    if (rule.kind == GenusRule::Kind::keep || !is_wreck(mesh_faults(made_.mesh), made_.mesh)) return {};
+    return rebuild();
+  }
+
+  Mesh spread_over(const Mesh& surface) const {
+    const SurfaceSearch search(surface);
+    const auto project = [&search, hint = std::int32_t{0}](const Vec3& p) mutable {
+      const auto nearest = search.nearest(p, hint);
+      hint = nearest.at.face;
+      return nearest.position;
+    };
+    return renumbered_from_top(remesh_to_count(surface, options_.vertices, project, progress_));
+  }
+
+  /// From voxels, as a label is.
+  Result<void> rebuild() {
+    const Rasterising how = rasterising_for(surface_, options_.vertices);
+    const Volume voxels = rasterised(whole_, how);
+    MaskTemplateOptions as_label;
+    as_label.vertices = options_.vertices;
+    as_label.closing_mm = options_.closing_mm;
+    as_label.opening_mm = options_.opening_mm.value_or(0);
+    as_label.genus = options_.genus;
+    as_label.severs = false;  // walls are as thin as a strand that would be severed
+    auto made = make_mask_template(voxels, as_label, progress_);
+    if (!made && options_.genus.kind == GenusRule::Kind::number) {
+      as_label.severs = true;
+      made = make_mask_template(voxels, as_label, progress_);
+    }
+    if (!made) return fail("", of_surface(made.error().what));
+    made_.mesh = std::move(made->mesh);
+    made_.rebuilt = {voxels.geometry.spacing_mm[0], how.wall_mm, surface_.topology->genus(), made->closing_mm,
+                     made->opening_mm};
+    made_.warnings.push_back("the surface of " + std::to_string(made_.rebuilt->genus_before) +
+                             " tunnels was rebuilt from voxels of " + in_mm(made_.rebuilt->voxel_mm) +
+                             ": clefts below " + in_mm(2 * made->closing_mm) + " filled, walls thinner than " +
+                             in_mm(how.wall_mm) + " made so thick, " + std::to_string(made_.mesh.topology->genus()) +
+                             " tunnels left");
+    for (const std::string& warning : made->warnings)
+      if (warning.find("voxels from the mesh") == std::string::npos)  // the distance to the surface says that better
+        made_.warnings.push_back(of_surface(warning));
+    return {};
+  }
+
+  /// A sentence about label 1, which is what the voxels have, as one about the surface.
+  static std::string of_surface(std::string sentence) {
+    constexpr std::string_view label = "label 1";
+    for (std::size_t at = sentence.find(label); at != std::string::npos; at = sentence.find(label, at))
+      sentence.replace(at, label.size(), "the surface");
+    return sentence;
+  }
+
+  void say_what_is_far() {
+    const double diagonal_mm = bounds_of(surface_.points).diagonal().norm();
+    const double mean_mm = std::max(made_.to_mesh.mean_mm, made_.from_mesh.mean_mm);
+    if (mean_mm <= far_share * diagonal_mm) return;
+    made_.warnings.push_back("the template lies " + in_mm(mean_mm) + " from the surface on average, at most " +
+                             in_mm(std::max(made_.to_mesh.max_mm, made_.from_mesh.max_mm)) +
+                             "; ask for more vertices if you need what is missing");
+  }
+
+  const MeshTemplateOptions& options_;
+  Progress* progress_;
+  Mesh whole_, surface_;  ///< as it was mended, and its largest part
+  MeshTemplate made_;
+};
 
 }  // namespace
 
-Result<MeshTemplate> make_mesh_template(const MeshFile& surface, int vertices, Progress* progress) {
-  MeshTemplate made;
-  made.warnings = surface.warnings;
-  const auto clean = cleaned(surface, made.warnings);
-  if (!clean) return fail(clean.error());
-  const SurfaceSearch search(*clean);
-  const auto project = [&search, hint = std::int32_t{0}](const Vec3& p) mutable {
-    const auto nearest = search.nearest(p, hint);
-    hint = nearest.at.face;
-    return nearest.position;
-  };
-  made.mesh = renumbered_from_top(remesh_to_count(*clean, vertices, project, progress));
-  if (progress && progress->cancelled()) return fail("", "making the template was cancelled");
-  made.to_mesh = surface_distance(made.mesh, *clean);
-  made.from_mesh = surface_distance(*clean, made.mesh);
-  return made;
+Result<MeshTemplate> make_mesh_template(const MeshFile& surface, const MeshTemplateOptions& options,
+                                        Progress* progress) {
+  return Meshing(options, progress).run(surface);
 }
 
 }  // namespace homolog

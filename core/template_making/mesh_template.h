@@ -1,23 +1,45 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/progress.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/mesh_repair.h"
+#include "core/template_making/mask_template.h"
 
 namespace homolog {
 
-struct MeshTemplate {
-  Mesh mesh;                           ///< closed, one component, numbered breadth-first, in the given mesh's frame
-  SurfaceDistance to_mesh, from_mesh;  ///< from the template to the given surface, and back
-  std::vector<std::string> warnings;   ///< what was mended, each a sentence
+struct MeshTemplateOptions {
+  int vertices = 2500;
+  /// automatic: a surface of up to 16 tunnels keeps them; of one with more, narrow ones are filled.
+  GenusRule genus;
+  std::optional<double> closing_mm, opening_mm;  ///< as of a label; where one is given the surface is rebuilt
 };
 
-/// A reference mesh from an existing surface: vertices at (nearly) one place are made one, faces without area and all
-/// but the largest part are left out, holes are closed flat, and `vertices` are spread evenly over it. Errors: no
-/// faces, edges with more than two faces or faces that look both ways; cancelled.
-Result<MeshTemplate> make_mesh_template(const MeshFile& surface, int vertices, Progress* progress = nullptr);
+/// A surface that was made anew from voxels.
+struct Rebuilt {
+  double voxel_mm = 0, wall_mm = 0;  ///< of the voxels; thinner walls were made so thick
+  int genus_before = 0;              ///< of the surface
+  double closing_mm = 0, opening_mm = 0;
+};
+
+struct MeshTemplate {
+  Mesh mesh;                           ///< closed, one component, numbered breadth-first, in the given mesh's frame
+  SurfaceDistance to_mesh, from_mesh;  ///< from the template to the surface as it was mended, and back
+  MendedFaults mended;
+  std::optional<Rebuilt> rebuilt;
+  std::vector<std::string> warnings;  ///< what was mended, left out or rebuilt, each a sentence
+};
+
+/// A reference mesh from an existing surface. The surface is mended [mesh_repair.h], its largest part is taken, holes
+/// are closed flat, and `vertices` are spread evenly over it. A surface that is riddled with tunnels, or of which only
+/// a wreck would come, is rebuilt: rasterised [rasterise.h], walls too thin for the mesh made thicker, and meshed as a
+/// label is [mask_template.h]. So is one whose tunnels are to be cut. Errors: no faces; fewer tunnels than asked for;
+/// cancelled.
+Result<MeshTemplate> make_mesh_template(const MeshFile& surface, const MeshTemplateOptions& options,
+                                        Progress* progress = nullptr);
 
 }  // namespace homolog

@@ -27,12 +27,13 @@ std::string genus_text(const GenusRule& rule) {
 }
 
 Json provenance_of(const std::string& source, const MaskTemplateOptions& options) {
+  const auto radius = [](const std::optional<double>& mm) { return mm ? Json(*mm) : Json("auto"); };
   return {{"source", source},
           {"label", options.label},
           {"frame", options.frame},
           {"vertices", options.vertices},
-          {"closing_mm", options.closing_mm},
-          {"opening_mm", options.opening_mm},
+          {"closing_mm", radius(options.closing_mm)},
+          {"opening_mm", radius(options.opening_mm)},
           {"genus", genus_text(options.genus)}};
 }
 

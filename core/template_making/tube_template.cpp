@@ -253,9 +253,7 @@ Result<TubeTemplate> make_tube_template(const Volume& mask, const TubeTemplateOp
                                 ? std::vector<std::vector<int>>{{options.label}, {options.label, *options.outer_label}}
                                 : std::vector<std::vector<int>>{{options.label}}) {
     auto body = body_of(with_labels(mask, labels, options.frame), labels.back());
-    if (!body)
-      return fail("",
-                  "label " + std::to_string(labels.back()) + " does not occur in the label map; name one that does");
+    if (!body) return fail("", label_name(labels.back()) + " does not occur in the label map; name one that does");
     if (!bodies.empty()) body->wall = around(body->wall, bodies.front().wall, mask.geometry.spacing_mm.minCoeff());
     bodies.push_back(std::move(*body));
   }

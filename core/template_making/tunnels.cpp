@@ -257,11 +257,11 @@ TunnelCut cut_tunnels(const LevelSet& surface, const TunnelLimits& limits) {
   const auto distances = [&cut] { return signed_distance(inside_of(cut.surface), cut.surface.grid()); };
   if (cut.genus <= limits.keep) return cut;
   LevelSet distance = distances();
-  for (double width_mm = std::min(5.0, widest_mm); cut.genus > limits.keep; width_mm *= 1.4) {
+  for (double width_mm = std::min(limits.first_below_mm, widest_mm); cut.genus > limits.keep; width_mm *= 1.4) {
     const double fill_mm = std::min(width_mm, limits.fill_below_mm),
                  sever_mm = std::min(width_mm, limits.sever_below_mm);
-    if (cut_at(cut, distance, CutTunnel::How::filled, fill_mm, limits)) distance = distances();
-    if (cut.genus > limits.keep && cut_at(cut, distance, CutTunnel::How::severed, sever_mm, limits))
+    if (fill_mm > 0 && cut_at(cut, distance, CutTunnel::How::filled, fill_mm, limits)) distance = distances();
+    if (cut.genus > limits.keep && sever_mm > 0 && cut_at(cut, distance, CutTunnel::How::severed, sever_mm, limits))
       distance = distances();
     if (width_mm >= widest_mm) break;
   }

@@ -22,8 +22,9 @@ struct TunnelCut {
 
 struct TunnelLimits {
   int keep = 0;               ///< genus to end with
-  double fill_below_mm = 0;   ///< tunnels narrower than this are filled
-  double sever_below_mm = 0;  ///< strands thinner than this are severed
+  double first_below_mm = 5;  ///< the width that is looked for first; then wider ones, up to the next two
+  double fill_below_mm = 0;   ///< tunnels narrower than this are filled; 0: none
+  double sever_below_mm = 0;  ///< strands thinner than this are severed; 0: none
   double reach_mm = 0;        ///< to which a cut extends to either side of the narrowest place
 };
 

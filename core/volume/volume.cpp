@@ -100,6 +100,20 @@ std::string geometry_hash(const VolumeGeometry& geometry) {
   return text;
 }
 
+void unite_labels(Volume& label_map, std::span<const int> labels) {
+  if (labels.size() < 2) return;
+  std::visit(
+      [&]<class T>(std::vector<T>& voxels) {
+        const auto first = static_cast<T>(labels.front());
+        for (T& voxel : voxels) {
+          const auto value = static_cast<double>(voxel);
+          if (std::any_of(labels.begin(), labels.end(), [&](int label) { return std::rint(value) == label; }))
+            voxel = first;
+        }
+      },
+      label_map.data);
+}
+
 const char* voxel_type_name(const VoxelData& data) {
   static constexpr std::array<const char*, 4> names{"uint8", "int16", "uint16", "float32"};
   return names[data.index()];

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -74,5 +75,9 @@ std::pair<double, double> default_window(const Volume& volume);
 /// Label values other than 0 that occur in a label map's frame, with the number of voxels of each; floats are rounded
 /// to the nearest label. A volume with more than 65,535 distinct values returns the first 65,535.
 std::map<int, std::size_t> labels_of(const Volume& label_map, int frame = 0);
+
+/// Gives the voxels of any of `labels` the first of them, in all frames, so that it stands for their union. All must
+/// occur in the label map; does nothing where there are none.
+void unite_labels(Volume& label_map, std::span<const int> labels);
 
 }  // namespace homolog

@@ -268,6 +268,7 @@ UiContext Drawing::ui_context(const EditorState& state, double fps) const {
           shown_.labels().volume,
           shown_.labels().name,
           shown_.labels().values,
+          shown_.labels().sizes_mm,
           work_.template_maker,
           work_.fitter,
           work_.propagator,

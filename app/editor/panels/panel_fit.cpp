@@ -5,6 +5,7 @@
 #include "app/editor/widgets/widgets.h"
 #include "core/case/actions/confirm.h"
 #include "core/case/held_landmarks.h"
+#include "core/mesh/isosurface.h"
 
 // The automatic fit to the label map that is shown, in the section Place, and to the mesh's own surface, in the section
 // Correspondence.
@@ -68,14 +69,12 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   FitSettings settings = ui.state.fit_settings;
   // While none was chosen for this map, it is the one that the mesh lies in.
-  int label = fit_label(ui);
-  bool changed = false, released = false;
-  if (const int before = label; label_choice(ui, label), label != before) {
-    settings.label = label;
-    changed = true;
-  }
-  changed |= slider(theme, "Closing", settings.closing_mm, {0, 10, "%.1f", "mm", false},
-                    "Radius. Clefts of the label narrower than twice the radius are filled before the fit", released);
+  const int own = fit_label(ui);
+  int label = own;
+  bool changed = label_choice(ui, label, settings.all_labels);
+  if (label != own) settings.label = label;
+  changed |= ball_slider(ui, "Closing", settings.closing_mm, settings.all_labels ? every_label : label,
+                         "Radius. Clefts of the label narrower than twice the radius are filled before the fit");
   int start = settings.as_placed ? 1 : 0;
   if (choice(theme, "fit start", {"Find the place", "As placed"}, start,
              {"The fit finds position, size and rotation by itself, near the patient's axes. Placed landmarks help. "

@@ -4,6 +4,8 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
 #include "render/label_colours.h"
+#include "core/mesh/isosurface.h"
+#include "core/template_making/label_body.h"
 
 // The making of a template from the label map that is shown, in the section Template.
 
@@ -21,21 +23,21 @@ void whole_number(const Theme& theme, const char* label, int& value, const Slide
   }
 }
 
-void draw_organ_settings(const Theme& theme, MaskTemplateOptions& options, bool& changed) {
-  bool released = false;
+void draw_organ_settings(const UiContext& ui, int label, MaskTemplateOptions& options, bool& changed) {
+  const Theme& theme = ui.theme;
   whole_number(theme, "Vertices", options.vertices, {500, 40000, "%.0f", "", true},
                "How many vertices the template gets", changed);
-  changed |= slider(theme, "Closing", options.closing_mm, {0, 10, "%.1f", "mm", false},
-                    "Radius. Fills clefts that are narrower than twice the radius", released);
-  changed |= slider(theme, "Opening", options.opening_mm, {0, 10, "%.1f", "mm", false},
-                    "Radius. Removes spurs that are thinner than twice the radius", released);
+  changed |= ball_slider(ui, "Closing", options.closing_mm, label,
+                         "Radius. Fills clefts that are narrower than twice the radius");
+  changed |= ball_slider(ui, "Opening", options.opening_mm, label,
+                         "Radius. Removes spurs that are thinner than twice the radius");
   int rule = options.genus.kind == GenusRule::Kind::automatic ? 0
              : options.genus.kind == GenusRule::Kind::keep    ? 1
              : options.genus.genus == 0                       ? 2
                                                               : 3;
   if (choice(theme, "tunnels", {"Auto", "Keep", "None", "One"}, rule,
-             {"Cuts tunnels narrower than 5 mm. A vertebral canal stays", "Every tunnel stays", "Cuts all tunnels",
-              "Keeps the widest tunnel and cuts all others, as for a vertebra"})) {
+             {"Cuts tunnels narrower than 3.5 % of the organ's size. A vertebral canal stays", "Every tunnel stays",
+              "Cuts all tunnels", "Keeps the widest tunnel and cuts all others, as for a vertebra"})) {
     options.genus = rule == 0   ? GenusRule{}
                     : rule == 1 ? GenusRule{GenusRule::Kind::keep, 0}
                                 : GenusRule{GenusRule::Kind::number, rule == 2 ? 0 : 1};
@@ -107,7 +109,17 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
 
 }  // namespace
 
-bool label_choice(const UiContext& ui, int& label) {
+bool ball_slider(const UiContext& ui, const char* name, std::optional<double>& radius_mm, int label,
+                 const std::string& tip) {
+  const auto size = ui.label_sizes_mm.find(label);
+  double radius = radius_mm.value_or(size == ui.label_sizes_mm.end() ? 1 : ball_share * size->second);
+  bool released = false;
+  if (!slider(ui.theme, name, radius, {0, 10, "%.1f", "mm", false}, tip, released)) return false;
+  radius_mm = radius;
+  return true;
+}
+
+bool label_choice(const UiContext& ui, int& label, bool& all_labels) {
   const auto& known = ui.label_values;
   if (known.empty()) {
     // The list is there before it has anything to choose: what lies below stays where it is.
@@ -123,14 +135,20 @@ bool label_choice(const UiContext& ui, int& label) {
   label = *now;
   std::vector<std::string> names;
   std::vector<ImU32> swatches;
-  for (const int value : known) {
-    const Rgb colour = label_colour(value);
-    names.push_back(format("Label %d", value));
+  const auto swatch = [&](const Rgb& colour) {
     swatches.push_back(ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], 1}));
+  };
+  for (const int value : known) {
+    names.push_back(format("Label %d", value));
+    swatch(label_colour(value));
   }
-  int chosen = static_cast<int>(now - known.begin());
+  names.emplace_back("All labels");
+  swatch({0.5f, 0.5f, 0.5f});
+  const int all = static_cast<int>(known.size());
+  int chosen = all_labels ? all : static_cast<int>(now - known.begin());
   const bool changed = combo(ui.theme, "label", names, chosen, swatches);
-  label = known[static_cast<std::size_t>(chosen)];
+  all_labels = chosen == all;
+  if (!all_labels) label = known[static_cast<std::size_t>(chosen)];
   return absent || changed;
 }
 
@@ -153,7 +171,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   caption(theme, "From a label map");
   TemplateSettings settings = ui.state.template_settings;
-  bool changed = label_choice(ui, settings.label);
+  bool changed = label_choice(ui, settings.label, settings.all_labels);
   int kind = settings.tube ? 1 : 0;
   if (choice(theme, "template kind", {"Organ", "Tube"}, kind,
              {"For any shape: vertices are spread evenly over the surface",
@@ -164,7 +182,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   if (settings.tube)
     draw_tube_settings(ui, settings, changed);
   else
-    draw_organ_settings(theme, settings.mask, changed);
+    draw_organ_settings(ui, settings.all_labels ? every_label : settings.label, settings.mask, changed);
   if (changed) out.send(SetTemplate{settings});
 
   const float width = ImGui::GetContentRegionAvail().x;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -45,7 +46,8 @@ struct UiContext {
   std::vector<RunningWork> running;
   std::shared_ptr<const Volume> labels;  ///< the overlay; null without one
   std::string labels_name;
-  const std::vector<int>& label_values;  ///< of the overlay, without 0
+  const std::vector<int>& label_values;         ///< of the overlay, without 0
+  const std::map<int, double>& label_sizes_mm;  ///< of each and of every_label together
   const TemplateMaker& template_maker;
   const Fitter& fitter;
   const Propagator& propagator;
@@ -98,8 +100,12 @@ void draw_snap(const UiContext& ui, Outbox& out);
 void draw_regions(const UiContext& ui, Outbox& out);
 void draw_template_landmarks(const UiContext& ui, Outbox& out);
 void draw_template_making(const UiContext& ui, Outbox& out);
-/// The labels of the overlay to choose from; one that it does not hold becomes its first. True where it changed.
-bool label_choice(const UiContext& ui, int& label);
+/// The labels of the overlay to choose from, and all together; one that it does not hold becomes its first. True where
+/// it changed.
+bool label_choice(const UiContext& ui, int& label, bool& all_labels);
+/// The radius of a ball; without one the share of the organ's size that is used then is shown. True where it changed.
+bool ball_slider(const UiContext& ui, const char* name, std::optional<double>& radius_mm, int label,
+                 const std::string& tip);
 /// In the section Deform: what the study's model makes of the rest.
 void draw_model_help(const UiContext& ui, Outbox& out);
 /// In the section Place: the fit to the overlay.

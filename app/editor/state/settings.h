@@ -17,16 +17,18 @@ enum class FitModel { none, study, file };
 
 /// What the panel says about a fit.
 struct FitSettings {
-  int label = 0;           ///< 0: the label map's first
-  double closing_mm = 1;   ///< radius: narrower clefts are filled
-  bool as_placed = false;  ///< starts where the template is; else its place is found
+  int label = 0;                     ///< 0: the label map's first
+  bool all_labels = false;           ///< all labels together, in place of `label`
+  std::optional<double> closing_mm;  ///< radius: narrower clefts are filled; without: ball_share of the label's size
+  bool as_placed = false;            ///< starts where the template is; else its place is found
   FitModel model = FitModel::none;
   double beyond = 1;  ///< 0…1: how far the fit leaves the model's shape for the label
 };
 
 /// What a template is to be made of, as the panel holds it.
 struct TemplateSettings {
-  int label = 0;  ///< 0: the label map's first
+  int label = 0;            ///< 0: the label map's first
+  bool all_labels = false;  ///< all labels together, in place of `label`
   bool tube = false;
   MaskTemplateOptions mask;
   TubeTemplateOptions tube_options;

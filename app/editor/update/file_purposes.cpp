@@ -43,7 +43,7 @@ const std::vector<FilePurposeKind>& file_purposes() {
   static const Extensions exported = mesh_format_extensions();
   static const Extensions shapes = joined(shape_extensions(), {case_extension});
   static const Extensions templates = mesh_format_extensions(&MeshFormat::keeps_template);
-  static const Extensions landmarks{".mrk.json", ".json"};
+  static const Extensions landmarks{".mrk.json", ".fcsv", ".json"};
   static const std::vector<FilePurposeKind> all{
       {FilePurpose::open, "open", "Open an image, a case or a template", {false, openable, true}, to<OpenFiles>},
       {FilePurpose::open_template, "open template", "Load a template mesh", {false, meshes}, template_of},

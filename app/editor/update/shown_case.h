@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,7 +19,8 @@ namespace homolog {
 struct ShownLabels {
   std::shared_ptr<const Volume> volume;  ///< null without one
   std::string name;
-  std::vector<int> values;  ///< without 0
+  std::vector<int> values;         ///< without 0
+  std::map<int, double> sizes_mm;  ///< of each and of every_label together [organ_size_mm]
 };
 
 /// Whether there are edits of a case that has no file of its own.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/editor/work/model_help.h"
+#include "core/mesh/isosurface.h"
 #include "core/adapt/judge_fit.h"
 #include "core/assist/assist.h"
 #include "core/model/model_prior.h"
@@ -84,8 +85,8 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
   if (!allowed) return fail(allowed.error());
   options.allowed = *allowed;
   const int frame = std::min(document.frame, labels.volume->frames - 1);
-  auto boundary =
-      label_boundary(*labels.volume, settings.label, frame, settings.closing_mm, the_template.points.rows());
+  auto boundary = label_boundary(*labels.volume, settings.all_labels ? every_label : settings.label, frame,
+                                 settings.closing_mm, the_template.points.rows());
   if (!boundary) return fail(labels.name, boundary.error().what);
   auto fit = fit_document(document, *boundary, settings.as_placed, options);
   if (!fit) return fail(labels.name, fit.error().what);

@@ -13,6 +13,7 @@
 #include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
+#include "core/template_making/label_body.h"
 
 namespace homolog {
 
@@ -39,6 +40,8 @@ Error second_image(const std::string& path, const std::string& why) {
 
 void take_labels(Opened& opened, Volume labels) {
   for (const auto& [value, voxels] : labels_of(labels)) opened.label_values.push_back(value);
+  constexpr std::size_t most_sized = 256;  // a grey image has thousands of values, and no sizes that anybody wants
+  if (opened.label_values.size() <= most_sized) opened.label_sizes_mm = label_sizes_mm(labels, 0);
   opened.labels = std::make_shared<const Volume>(std::move(labels));
 }
 

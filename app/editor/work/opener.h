@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,7 +33,8 @@ struct Opened {
   std::shared_ptr<const Volume> volume;
   std::shared_ptr<const Template> the_template;  ///< beside a case: the one that it saved; null where it saved none
   std::shared_ptr<const Volume> labels;
-  std::vector<int> label_values;  ///< those that `labels` holds, without 0
+  std::vector<int> label_values;         ///< those that `labels` holds, without 0
+  std::map<int, double> label_sizes_mm;  ///< of each and of every_label together [organ_size_mm]
   std::vector<std::string> warnings;
   std::vector<SeriesInfo> series;  ///< the folder holds several and none was chosen: nothing was opened
   bool needs_spacing = false;      ///< a stack of pictures, whose voxel size was not told: nothing was opened

@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
+#include "core/measure/compare.h"
+#include "core/mesh/isosurface.h"
+#include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/mesh_repair.h"
 #include "core/mesh/remesh.h"
 #include "core/template_making/label_body.h"
 #include "core/template_making/level_set.h"
+#include "core/template_making/rasterise.h"
 #include "core/template_making/voxel_components.h"
 
 namespace homolog {
@@ -52,8 +58,10 @@ bool Boundary::shows(const Vec3& p) const {
                       [&](const ScanEdge& edge) { return edge.outward.dot(p) > edge.offset_mm - edge.doubt_mm; });
 }
 
-Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double closing_mm, Eigen::Index vertices) {
+Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> asked_closing_mm,
+                                Eigen::Index vertices) {
   const LabelExtent extent = label_extent(mask, label, frame);
+  const double closing_mm = asked_closing_mm.value_or(ball_share * organ_size_mm(extent));
   const double edge_mm = spread_edge_mm(extent.area_mm2, vertices), margin_mm = closing_mm + edge_mm;
   const double spacing_mm = worked_spacing_mm(mask, extent, edge_mm, margin_mm);
   const auto region = label_body(mask, label, frame, extent, spacing_mm, margin_mm);
@@ -64,15 +72,14 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double
   make_one_body(surface);
   auto mesh = surface_of(surface);
   if (!mesh)
-    return fail("", "label " + std::to_string(label) + " is too small for " + std::to_string(vertices) +
+    return fail("", label_name(label) + " is too small for " + std::to_string(vertices) +
                         " vertices; use a template with fewer vertices, or another label");
   Boundary boundary;
   boundary.surface = std::move(*mesh);
   boundary.scan_edges = edges_of(*region, mask.geometry);
   if (!boundary.scan_edges.empty())
     boundary.warnings.push_back(
-        "label " + std::to_string(label) +
-        " is cut off by the edge of the label map; the mesh beyond the edge follows the template");
+        label_name(label) + " is cut off by the edge of the label map; the mesh beyond the edge follows the template");
   if (auto several = several_parts(*region, label)) boundary.warnings.push_back(std::move(*several));
   return boundary;
 }
@@ -82,6 +89,31 @@ Boundary mesh_boundary(const Mesh& mesh) {
   boundary.surface = largest_part(mesh);
   if (const auto parts = mesh.topology->components(); parts > 1)
     boundary.warnings.push_back("has " + std::to_string(parts) + " parts; the largest was taken");
+  return boundary;
+}
+
+Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices) {
+  const auto repair = mended_if_broken(surface);
+  if (!repair) return fail(repair.error());
+  const std::string mended = repair->mended.any() ? "was mended: " + repair->mended.words() : "";
+  MeshFaults faults;
+  faults.tunnels = repair->mesh.topology->genus();
+  Boundary boundary;
+  if (faults.riddled()) {
+    const Volume voxels =
+        rasterised(repair->mesh, rasterising_for(largest_part(repair->mesh), static_cast<int>(vertices)));
+    auto rebuilt = label_boundary(voxels, 1, 0, std::nullopt, vertices);
+    if (!rebuilt) return fail(rebuilt.error());
+    boundary = std::move(*rebuilt);
+    char mm[32];
+    std::snprintf(mm, sizeof mm, "%.3g mm", mean_surface_distance_mm(boundary.surface, repair->mesh));
+    boundary.warnings = {"has " + std::to_string(faults.tunnels) +
+                         " tunnels, so it was rebuilt from voxels for the fit, which lies " + mm +
+                         " from it on average; mend it by repair-mesh --genus to see what is fitted to"};
+  } else {
+    boundary = mesh_boundary(repair->mesh);
+  }
+  if (!mended.empty()) boundary.warnings.insert(boundary.warnings.begin(), mended);
   return boundary;
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/mesh/mesh_io.h"
 #include "core/mesh/topology.h"
 #include "core/volume/volume.h"
 
@@ -28,11 +30,17 @@ struct Boundary {
 };
 
 /// The boundary of a label: its largest part with cavities filled, and with everything that a ball of radius
-/// `closing_mm` cannot reach from outside. Computed on isotropic voxels of about a third of the mean edge of a mesh of
-/// `vertices` vertices. Errors: the label does not occur.
-Result<Boundary> label_boundary(const Volume& mask, int label, int frame, double closing_mm, Eigen::Index vertices);
+/// `closing_mm` (without: ball_share of the label's size) cannot reach from outside. Computed on isotropic voxels of
+/// about a third of the mean edge of a mesh of `vertices` vertices. Errors: the label does not occur.
+Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> closing_mm,
+                                Eigen::Index vertices);
 
 /// The largest part of a surface as a boundary.
 Boundary mesh_boundary(const Mesh& mesh);
+
+/// The same of whatever surface a file holds: mended where it is broken [mesh_repair.h]. One that is riddled with
+/// tunnels is rebuilt from voxels [rasterise.h], as fine as a mesh of `vertices` vertices shows, with a warning that
+/// says how far that lies from it. Errors: no face is left.
+Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices);
 
 }  // namespace homolog

@@ -12,8 +12,7 @@ namespace homolog {
 
 namespace {
 
-constexpr double reach_share = 0.3;  // of the bounding-box diagonal
-constexpr double boundary_noise_mm = 2;
+constexpr double reach_share = 0.3, boundary_noise_share = 0.015;  // of the bounding-box diagonal
 constexpr int rounds = 8;
 constexpr Eigen::Index most_samples = 260;
 /// One of few landmarks carries a large part of the organ with it, also where it is off: below this many, each is
@@ -52,10 +51,13 @@ struct Observations {
 Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed, const Points& from,
                         const Points& to, const VertexScalars& trust, BoundarySearch& search) {
   if (from.rows() < fewest_placing_landmarks) return placed;
-  const WarpKernel kernel(placed.colwise().mean(), reach_share * bounds_of(placed).diagonal().norm());
+  const double diagonal_mm = bounds_of(placed).diagonal().norm();
+  WarpLengths lengths = warp_lengths(diagonal_mm);
+  lengths.reach_mm = reach_share * diagonal_mm;
+  const WarpKernel kernel(placed.colwise().mean(), lengths);
   const Eigen::Index stride = std::max<Eigen::Index>(1, placed.rows() / most_samples);
   const double few = std::max(1.0, enough_landmarks / static_cast<double>(from.rows()));
-  const double landmark_mm = landmark_noise_mm * std::pow(few, 1.5);
+  const double landmark_mm = lengths.noise_mm * std::pow(few, 1.5), boundary_mm = boundary_noise_share * diagonal_mm;
   Points warped = placed;
   for (int round = 0; round < rounds; ++round) {
     const BoundaryPull there = search.nearest({topology, warped});
@@ -71,7 +73,7 @@ Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const P
     for (Eigen::Index v = 0; v < placed.rows(); v += stride) {
       if (there.weights[v] == 0 || (there.targets.row(v) - warped.row(v)).norm() > farthest) continue;
       const Eigen::RowVector3d normal = there.normals.row(v);
-      known.add(placed.row(v), normal, (there.targets.row(v) - placed.row(v)).dot(normal), boundary_noise_mm);
+      known.add(placed.row(v), normal, (there.targets.row(v) - placed.row(v)).dot(normal), boundary_mm);
     }
     warped = placed + known.regress(placed, kernel);
   }

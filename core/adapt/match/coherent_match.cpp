@@ -132,7 +132,8 @@ CoherentMatch::Drawn CoherentMatch::drawn(const Points& own, const Points& norma
 Points CoherentMatch::match(const MatchFreedom& freedom, const KnownMatches& known) const {
   const Eigen::MatrixXd own_basis = basis(own_.points, freedom), basis_of_all = basis(placed_.points, freedom),
                         known_basis = basis(known.from, freedom);
-  const VertexScalars sure = known.trust / (landmark_noise_mm * landmark_noise_mm);
+  const double noise_mm = warp_lengths(bounds_of(placed_.points).diagonal().norm()).noise_mm;
+  const VertexScalars sure = known.trust / (noise_mm * noise_mm);
   const Eigen::MatrixXd known_information = known_basis.transpose() * sure.asDiagonal() * known_basis,
                         known_pull = known_basis.transpose() * (sure.asDiagonal() * (known.to - known.from));
   const double a_sample = static_cast<double>(own_.points.rows()) / (2 * size_mm_ * size_mm_ * freedom.together);

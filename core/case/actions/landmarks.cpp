@@ -40,14 +40,14 @@ Result<EditReport> apply_landmark(const PlaceLandmark& action, Edit& edit) {
       return EditReport{};
     }
   }
-  return carry_to_landmarks(the_template, edit.before.landmark_pull, edit.before.weighs_landmarks, shape);
+  return carry_to_landmarks(the_template, edit.before.landmark_pull, edit.before.landmark_rule, shape);
 }
 
 Result<EditReport> apply_landmark_pull(const SetLandmarkPull& action, Edit& edit) {
   edit.after.landmark_pull = action.fit;
   Shape& shape = edit.shape();
   if (shape.strokes == 0) start_anew(*edit.before.the_template, shape);
-  return carry_to_landmarks(*edit.before.the_template, action.fit, edit.before.weighs_landmarks, shape);
+  return carry_to_landmarks(*edit.before.the_template, action.fit, edit.before.landmark_rule, shape);
 }
 
 Result<EditReport> apply_template_landmark(const SetTemplateLandmark& action, Edit& edit) {

@@ -16,7 +16,7 @@ Result<EditReport> apply_mirror(const MirrorTemplate&, Edit& edit) {
   for (auto& [frame, shape] : edit.after.shapes) {
     shape.confirmed.reset();
     start_anew(**made, shape);
-    if (auto report = carry_to_landmarks(**made, before.landmark_pull, before.weighs_landmarks, shape); !report)
+    if (auto report = carry_to_landmarks(**made, before.landmark_pull, before.landmark_rule, shape); !report)
       return fail(report.error());
   }
   return EditReport{};

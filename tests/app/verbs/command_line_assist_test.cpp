@@ -8,40 +8,12 @@
 #include "core/mesh/mirror.h"
 #include "core/phantom/phantom.h"
 #include "core/volume/volume_io.h"
+#include "tests/ball_folder.h"
 #include "tests/command_line.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
 
 namespace homolog {
-
-namespace {
-
-/// A folder with a ball as a mesh and as a label map.
-struct BallFolder : TemporaryFolder {
-  Mesh ball = icosphere(3, 20);
-  VolumeGeometry grid;
-
-  BallFolder() {
-    grid.dims = {30, 30, 30};
-    grid.spacing_mm.setConstant(2);
-    grid.origin_mm.setConstant(-29);
-    REQUIRE(write_mesh(ball, path / "ball.ply"));
-    REQUIRE(write_volume(label_map(ball, grid), path / "good.nii.gz"));
-  }
-};
-
-/// … and as a mesh with landmarks, named.ply, a second label map and a folder for landmark files.
-struct NamedBallFolder : BallFolder {
-  NamedBallFolder() {
-    MeshFile named{ball.points, ball.topology->triangles()};
-    named.landmarks = {{"top", {0, 0, 20}}, {"left", {20, 0, 0}}, {"back", {0, 20, 0}}};
-    REQUIRE(write_mesh_file(named, path / "named.ply"));
-    fs::create_directory(path / "places");
-    fs::copy(path / "good.nii.gz", path / "other.nii.gz");
-  }
-};
-
-}  // namespace
 
 TEST_CASE("fit does every case of a folder that can be done and reports the others") {
   const BallFolder folder;
@@ -92,7 +64,7 @@ TEST_CASE("fit refuses landmarks that the template lacks and says how many it us
   CHECK(cases[1]["landmarks_used"] == 1);
   CHECK(cases[2]["landmarks_used"] == 0);
   CHECK(many.errors.find("other.nii.gz: its landmark file names \"apex\"") != std::string::npos);
-  CHECK(many.errors.find("plain.nii.gz: has no landmark file in places (plain.mrk.json or plain.json)") !=
+  CHECK(many.errors.find("plain.nii.gz: has no landmark file in places (plain.mrk.json, .fcsv or .json)") !=
         std::string::npos);
   CHECK(run(folder, "fit named.ply --mask good.nii.gz other.nii.gz -o out --landmarks places/good.json").status == 2);
 }
@@ -134,9 +106,13 @@ TEST_CASE("fit says that an organ looks mirrored and does not with the template 
 TEST_CASE("template says what is wrong with the surface it was made of") {
   const TemporaryFolder folder;
   REQUIRE(write_mesh(shapes::torus(48, 32, 5, 8), folder.path / "spindle.ply"));
-  const Ran ran = run(folder, "template spindle.ply --vertices 400 -o T.ply");
+  const Ran ran = run(folder, "template spindle.ply --vertices 400 --genus keep -o T.ply");
   CHECK(ran.status == 0);
   CHECK(ran.errors.find("faces that cut each other") != std::string::npos);
+  // Nobody asked to keep it as it is: it is made anew.
+  const Ran anew = run(folder, "template spindle.ply --vertices 400 -o T.ply --json");
+  CHECK(anew.json()["self_intersections"] == 0);
+  CHECK(anew.errors.find("was rebuilt from voxels") != std::string::npos);
 }
 
 TEST_CASE("fit starts where a placement file says") {

@@ -430,6 +430,52 @@ TEST_CASE("a real kidney that moves by a billionth of a millimetre moves its fit
   }
 }
 
+TEST_CASE("the fit of a scaled copy is the scaled fit") {
+  const MeshFile own = phantom_truth(Organ::kidney, 3).front(), other = phantom_truth(Organ::kidney, 5).front();
+  MeshTemplateOptions few;
+  few.vertices = 300;
+  MeshFile file;
+  const Mesh mesh = make_mesh_template(own, few).value().mesh;
+  file.points = mesh.points;
+  file.triangles = mesh.topology->triangles();
+  file.landmarks = own.landmarks;
+  std::map<std::string, Vec3> places;
+  for (const Landmark& landmark : other.landmarks) places[landmark.name] = landmark.position;
+  const auto fitted = [&](double template_scale, double scale, bool landmarks) {
+    MeshFile scaled = file;
+    scaled.points *= template_scale;
+    for (Landmark& landmark : scaled.landmarks) landmark.position *= template_scale;
+    const auto the_template = make_template(scaled, "scaled").value();
+    const Boundary boundary =
+        mesh_boundary({Topology::make(other.points.rows(), other.triangles).value(), scale * other.points});
+    FitOptions options;
+    for (const auto& [name, place] : places)
+      if (landmarks) options.landmarks[name] = scale * place;
+    const FitResult fit = fit_to_boundary(*the_template, boundary, options).value();
+    CHECK_FALSE(judge_fit(*the_template, boundary, options, fit).doubtful);
+    return Points(fit.mesh.points / scale);
+  };
+  const double size_mm = bounds_of(other.points).diagonal().norm();
+  for (const bool landmarks : {true, false}) {
+    const Points usual = fitted(1, 1, landmarks);
+    CHECK(largest_difference(fitted(20, 20, landmarks), usual) < 1e-6 * size_mm);
+    CHECK(largest_difference(fitted(1, 1.0 / 16, landmarks), usual) < 1e-6 * size_mm);
+    if (!landmarks) continue;
+    CHECK(largest_difference(fitted(0.05, 0.05, landmarks), usual) < 1e-6 * size_mm);
+    CHECK(largest_difference(fitted(1, 20, landmarks), usual) < 1e-6 * size_mm);
+  }
+}
+
+TEST_CASE("the boundary of a scaled label map is the scaled boundary") {
+  Volume mask = label_map(icosphere(3, 20), grid_around(icosphere(3, 20).points, 1));
+  const Points usual = label_boundary(mask, 1, 0, std::nullopt, 600).value().surface.points;
+  mask.geometry.spacing_mm /= 16;
+  mask.geometry.origin_mm /= 16;
+  const Points small = label_boundary(mask, 1, 0, std::nullopt, 600).value().surface.points;
+  REQUIRE(small.rows() == usual.rows());
+  CHECK(largest_difference(16 * small, usual) < 1e-6 * 70);
+}
+
 TEST_CASE("a surface or a template that is flat or has no size is named as the cause") {
   const Mesh ball = icosphere(2, 20);
   const auto sound = make_template({ball.points, ball.topology->triangles()}, "ball").value();

@@ -102,25 +102,27 @@ TEST_CASE("landmarks near a line place without spinning and in any order alike")
   CHECK(largest_difference(poles_last, placed({"inferior pole", "hilum", "superior pole"})) < 1e-9);
 }
 
-TEST_CASE("a case begun before landmarks were weighed replays to the same points") {
+TEST_CASE("a case begun by an older rule for landmarks replays to the same points") {
   const CaseFolder folder;
-  const auto replayed = [&](bool weighs) {
+  const auto replayed = [&](LandmarkRule rule) {
+    fs::remove(folder.case_path);
     Document document = folder.document();
-    document.weighs_landmarks = weighs;
+    document.landmark_rule = rule;
     auto session = create_case(std::move(document), folder.case_path).value();
-    for (const auto& [name, at] :
-         {std::pair("north", Vec3(2, 1, 45)), std::pair("south", Vec3(0, 9, -43)), std::pair("east", Vec3(44, 2, 0))})
+    for (const auto& [name, at] : {std::pair("north", Vec3(2, 1, 45)), std::pair("south", Vec3(0, 9, -43)),
+                                   std::pair("east", Vec3(44, 2, 0)), std::pair("front", Vec3(1, -48, 5))})
       test::must(session.apply(PlaceLandmark{name, at}));
     auto read = read_case(folder.case_path);
     REQUIRE(read);
-    CHECK(read->session.document().weighs_landmarks == weighs);
+    CHECK(read->session.document().landmark_rule == rule);
     CHECK(largest_difference(*read->session.document().shape().points, *session.document().shape().points) < 1e-12);
-    return session.document().shape().placement;
+    return session.document().shape();
   };
-  const Similarity before = replayed(false);
-  fs::remove(folder.case_path);
-  const Similarity now = replayed(true);
-  CHECK(before.rotation.angularDistance(now.rotation) > 1e-4);
+  const Shape oldest = replayed(LandmarkRule::closed_form), older = replayed(LandmarkRule::weighed),
+              now = replayed(LandmarkRule::by_size);
+  CHECK(oldest.placement.rotation.angularDistance(older.placement.rotation) > 1e-4);
+  CHECK(older.placement == now.placement);
+  CHECK(largest_difference(*older.points, *now.points) > 1e-4);
 }
 
 TEST_CASE("undo takes back everything one by one and redo does it again") {

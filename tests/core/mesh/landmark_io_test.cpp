@@ -32,7 +32,7 @@ const std::vector<Landmark> two_poles{{"superior pole", Vec3(1.25, -2.5, 0.1)},
 
 TEST_CASE("landmarks survive a round trip through the files of 3D Slicer and of scalismo") {
   const LandmarkFolder folder;
-  for (const char* name : {"points.mrk.json", "points.json"}) {
+  for (const char* name : {"points.mrk.json", "points.fcsv", "points.json"}) {
     REQUIRE(write_landmarks(two_poles, folder.path / name));
     CHECK(read_landmarks(folder.path / name).value() == two_poles);
   }
@@ -46,6 +46,30 @@ TEST_CASE("landmarks that Slicer saved in RAS are turned to LPS and those not pl
                         {"id": "7", "label": "", "position": [4, 5, 6]}]}]})"));
   REQUIRE(read);
   CHECK(*read == std::vector<Landmark>{{"hilum", Vec3(-1, -2, 3)}, {"7", Vec3(-4, -5, 6)}});
+}
+
+TEST_CASE("the older list of fiducials of Slicer is read whatever its columns and space") {
+  const LandmarkFolder folder;
+  const std::string head = "# Markups fiducial file version = 4.10\r\n";
+  const auto read = [&](const std::string& text) { return read_landmarks(folder.file("f.fcsv", text)); };
+  const std::string columns = "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\r\n";
+  const std::string points = "F-1,1,2,3,0,0,0,1,1,1,0,hilum,,\r\nF-2,4,5,6,0,0,0,1,1,1,0,\"a \"\"b\"\", c\",,\r\n";
+  const std::vector<Landmark> turned{{"hilum", Vec3(-1, -2, 3)}, {"a \"b\", c", Vec3(-4, -5, 6)}};
+  CHECK(read(head + "# CoordinateSystem = 0\r\n" + columns + points).value() == turned);
+  CHECK(read(head + "# CoordinateSystem = RAS\r\n" + columns + points).value() == turned);
+  CHECK(read(head + points).value() == turned);
+  CHECK(read(head + "# CoordinateSystem = LPS\n" + columns + points).value().front().position == Vec3(1, 2, 3));
+  CHECK(read(head + "# CoordinateSystem = LPS\n# columns = label,x,y,z\nhilum,1,2,3\n").value() ==
+        std::vector<Landmark>{{"hilum", Vec3(1, 2, 3)}});
+  const auto refusal = [&](const std::string& text) {
+    const auto landmarks = read(text);
+    return landmarks ? "" : landmarks.error().what;
+  };
+  CHECK(refusal(head + "# CoordinateSystem = IJK\n" + points).find("IJK") != std::string::npos);
+  CHECK(refusal(head + "F-1,1,two,3,0,0,0,1,1,1,0,hilum,,\n").find("three coordinates") != std::string::npos);
+  CHECK(refusal(head + points + points).find("two points named") != std::string::npos);
+  CHECK(refusal("hello\n") != "");
+  CHECK(refusal("").find("no fiducial file") != std::string::npos);
 }
 
 TEST_CASE("a landmark file that cannot be understood is refused with a sentence") {

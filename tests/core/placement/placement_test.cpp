@@ -121,11 +121,11 @@ TEST_CASE("landmarks that are few or lie together place as far as they know") {
 }
 
 TEST_CASE("the warp brings landmarks close and is nothing where they meet already") {
-  CHECK(largest_difference(LandmarkWarp(corners, corners, 50).apply(corners), corners) < 1e-12);
+  CHECK(largest_difference(LandmarkWarp(corners, corners, {50, 6, 0.7}).apply(corners), corners) < 1e-12);
   Points to = corners;
   to.row(2) += Eigen::RowVector3d(5, 0, 0);
   to.row(4) += Eigen::RowVector3d(0, -4, 0);
-  const double left = (LandmarkWarp(corners, to, 50).apply(corners) - to).rowwise().norm().maxCoeff();
+  const double left = (LandmarkWarp(corners, to, {50, 6, 0.7}).apply(corners) - to).rowwise().norm().maxCoeff();
   CHECK(left < 1);
 }
 
@@ -133,7 +133,7 @@ TEST_CASE("four near-coplanar landmarks with some error do not stretch space") {
   const Points from = rows({{40, 0, 0.5}, {-40, 0, -0.5}, {0, 40, 0.3}, {0, -40, -0.2}});
   Points to = from;
   to.col(2) += Eigen::Vector4d(3, -3, -3, 3);
-  const LandmarkWarp warp(from, to, 50);
+  const LandmarkWarp warp(from, to, {50, 6, 0.7});
   for (const Vec3& p : {Vec3(0, 0, 0), Vec3(20, 10, 30), Vec3(-30, 20, -30), Vec3(40, 0, 0)}) {
     const Points probe = rows({p, p + Vec3(0, 0, 1), p + Vec3(1, 0, 0), p + Vec3(0, 1, 0)});
     const Points warped = warp.apply(probe);

@@ -3,10 +3,11 @@
 #include <cmath>
 #include <random>
 
+#include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/template_making/distance_map.h"
+#include "core/template_making/label_body.h"
 #include "core/template_making/mask_template.h"
-#include "core/template_making/mesh_template.h"
 #include "core/template_making/tube_template.h"
 #include "tests/shapes.h"
 
@@ -118,8 +119,8 @@ TEST_CASE("a ball becomes a template with the asked count and even edges on its 
 }
 
 TEST_CASE("a narrow tunnel is filled and a wide one stays unless a number is asked for") {
-  const Volume narrow = mask_where([](const Vec3& p) { return in_torus(p, 10, 8); });  // a hole 4 mm wide
-  const Volume wide = mask_where([](const Vec3& p) { return in_torus(p, 18, 7); });    // 22 mm
+  const Volume narrow = mask_where([](const Vec3& p) { return in_torus(p, 9, 8); });  // a hole 2 mm wide
+  const Volume wide = mask_where([](const Vec3& p) { return in_torus(p, 18, 7); });   // 22 mm
   MaskTemplateOptions unclosed = options_with(1500);
   unclosed.closing_mm = unclosed.opening_mm = 0;
   const auto filled = make_mask_template(narrow, unclosed);
@@ -288,28 +289,28 @@ TEST_CASE("a tube template is a grid of rings perpendicular to its axis") {
   CHECK_FALSE(make_tube_template(mask, options));
 }
 
-TEST_CASE("a template from an existing mesh keeps its frame and takes what is broken out") {
-  const Mesh ball = icosphere(3, 20);
-  MeshFile soup;  // every face with corners of its own, as STL has them, and one face without area
-  const Triangles& triangles = ball.topology->triangles();
-  soup.points.resize(3 * triangles.rows(), 3);
-  soup.triangles.resize(triangles.rows() + 1, 3);
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      soup.points.row(3 * f + k) = ball.points.row(triangles(f, k)) + Eigen::RowVector3d(100, -50, 7);
-      soup.triangles(f, k) = static_cast<std::int32_t>(3 * f + k);
-    }
-  soup.triangles.row(triangles.rows()) << 0, 0, 1;
-  const auto made = make_mesh_template(soup, 900);
-  REQUIRE(made);
-  CHECK(made->mesh.points.rows() == 900);
-  CHECK((made->mesh.points.colwise().mean() - Eigen::RowVector3d(100, -50, 7)).norm() < 0.3);
-  CHECK(made->to_mesh.max_mm < 0.5);
-  CHECK(made->warnings.size() == 1);
+TEST_CASE("a template of a scaled label map is the scaled template") {
+  Volume mask = mask_where([](const Vec3& p) { return in_torus(p, 16, 8) || in_torus(p - Vec3(0, 0, 20), 6, 4.5); });
+  for (const GenusRule& rule : {GenusRule{}, GenusRule{GenusRule::Kind::number, 0}}) {
+    const MaskTemplate usual = make_mask_template(mask, options_with(300, rule)).value();
+    Volume small = mask;
+    small.geometry.spacing_mm /= 16;
+    small.geometry.origin_mm /= 16;
+    const MaskTemplate made = make_mask_template(small, options_with(300, rule)).value();
+    CHECK(made.tunnels.size() == usual.tunnels.size());
+    REQUIRE(made.mesh.topology->hash() == usual.mesh.topology->hash());
+    CHECK(largest_difference(16 * made.mesh.points, usual.mesh.points) < 1e-6 * 60);
+  }
+}
 
-  MeshFile open{ball.points, triangles.topRows(triangles.rows() - 1), {}, 10, {}, {}, {}};
-  const auto closed = make_mesh_template(open, 600);
-  REQUIRE(closed);
-  CHECK(closed->mesh.topology->closed());
-  CHECK(closed->warnings.size() == 1);
+TEST_CASE("sizes of labels are those that their extents say") {
+  Volume mask = mask_where([](const Vec3& p) { return p.norm() < 20; });
+  auto& voxels = std::get<std::vector<std::uint8_t>>(mask.data);
+  const double whole_mm = organ_size_mm(label_extent(mask, 1, 0));
+  for (std::size_t v = 0; v < voxels.size() / 2; ++v) voxels[v] = static_cast<std::uint8_t>(7 * voxels[v]);
+  const auto sizes = label_sizes_mm(mask, 0);
+  CHECK(sizes.size() == 3);
+  for (const int label : {1, 7}) CHECK(sizes.at(label) == doctest::Approx(organ_size_mm(label_extent(mask, label, 0))));
+  CHECK(sizes.at(every_label) == doctest::Approx(whole_mm));
+  CHECK(organ_size_mm(label_extent(mask, every_label, 0)) == doctest::Approx(whole_mm));
 }

@@ -31,7 +31,8 @@ void spell_choice_or_null(Fields& line, const char* key, const std::array<const 
 
 inline void spell_fit(Fields& line, FitSettings& fit) {
   line.member("label", fit.label);
-  line.member("closing_mm", fit.closing_mm);
+  line.optional("all_labels", fit.all_labels, fit.all_labels);
+  line.or_null("closing_mm", fit.closing_mm);
   line.member("as_placed", fit.as_placed);
   static constexpr std::array model_names{"none", "study", "file"};
   if (!line.reads() || line.has("model")) spell_choice(line, "model", model_names, fit.model);
@@ -41,11 +42,12 @@ inline void spell_fit(Fields& line, FitSettings& fit) {
 inline void spell_template(Fields& line, TemplateSettings& settings) {
   static constexpr std::array tunnel_names{"automatic", "keep", "number"};
   line.member("label", settings.label);
+  line.optional("all_labels", settings.all_labels, settings.all_labels);
   line.member("tube", settings.tube);
   Fields mask = line.object("organ_options");
   mask.member("vertices", settings.mask.vertices);
-  mask.member("closing_mm", settings.mask.closing_mm);
-  mask.member("opening_mm", settings.mask.opening_mm);
+  mask.or_null("closing_mm", settings.mask.closing_mm);
+  mask.or_null("opening_mm", settings.mask.opening_mm);
   spell_choice(mask, "tunnels", tunnel_names, settings.mask.genus.kind);
   mask.member("genus", settings.mask.genus.genus);
   Fields tube = line.object("tube_options");

@@ -5,6 +5,7 @@
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/imports.h"
+#include "core/mesh/isosurface.h"
 
 namespace homolog {
 
@@ -25,7 +26,7 @@ void MakeTemplate::run(Editing& editing) const {
   EditorState& state = editing.state;
   TemplateSettings chosen = settings;
   if (chosen.label == 0 && !labels.values.empty()) chosen.label = labels.values.front();
-  chosen.mask.label = chosen.tube_options.label = chosen.label;
+  chosen.mask.label = chosen.tube_options.label = chosen.all_labels ? every_label : chosen.label;
   chosen.mask.frame = chosen.tube_options.frame = std::min(editing.shown.document().frame, labels.volume->frames - 1);
   chosen.tube_options.outer_label = chosen.outer_label != 0 ? std::optional<int>(chosen.outer_label) : std::nullopt;
   if (axis) chosen.tube_options.base_and_apex = {axis->from, axis->to};

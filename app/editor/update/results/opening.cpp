@@ -96,7 +96,7 @@ void look_as(EditorState& state, const View& view) {
 }
 
 ShownLabels labels_of(const Opened& opened) {
-  return {opened.labels, opened.request.labels.filename().string(), opened.label_values};
+  return {opened.labels, opened.request.labels.filename().string(), opened.label_values, opened.label_sizes_mm};
 }
 
 /// An image, a template or a demo: a new case with what is open besides.

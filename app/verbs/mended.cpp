@@ -1,0 +1,57 @@
+#include "app/verbs/mended.h"
+
+#include "core/mesh/mesh_faults.h"
+
+namespace homolog {
+
+Json json_of(const MendedFaults& mended) {
+  return {{"not_finite", mended.not_finite},
+          {"duplicate_vertices", mended.duplicate_vertices},
+          {"unused_vertices", mended.unused_vertices},
+          {"degenerate_faces", mended.degenerate_faces},
+          {"duplicate_faces", mended.duplicate_faces},
+          {"non_manifold_edges", mended.non_manifold_edges},
+          {"non_manifold_vertices", mended.non_manifold_vertices},
+          {"turned_faces", mended.turned_faces},
+          {"crumbs", mended.crumbs},
+          {"cavities", mended.cavities},
+          {"holes", mended.holes}};
+}
+
+Json json_of(const Rebuilt& rebuilt) {
+  return {{"voxel_mm", rebuilt.voxel_mm},
+          {"wall_mm", rebuilt.wall_mm},
+          {"closing_mm", rebuilt.closing_mm},
+          {"opening_mm", rebuilt.opening_mm},
+          {"genus_before", rebuilt.genus_before}};
+}
+
+GenusRule genus_rule(const std::string& text) {
+  GenusRule rule;
+  if (text == "auto") return rule;
+  rule.kind = text == "keep" ? GenusRule::Kind::keep : GenusRule::Kind::number;
+  if (rule.kind == GenusRule::Kind::number) rule.genus = std::stoi(text);
+  return rule;
+}
+
+void add_genus_option(CLI::App& verb, std::string& genus, const std::string& help) {
+  verb.add_option("--genus", genus, help)
+      ->check(CLI::IsMember({"auto", "keep"}) | CLI::Range(0, 1000))
+      ->capture_default_str();
+}
+
+std::vector<std::string> faults_of(const MeshFile& file, const std::filesystem::path& path) {
+  const auto topology = Topology::make(file.points.rows(), file.triangles);
+  if (!topology) return {};
+  const MeshFaults faults = mesh_faults({*topology, file.points});
+  std::vector<std::string> sentences;
+  if (faults.any())
+    sentences.push_back(path.string() + ": has " + faults.words() +
+                        ", so fits with it will have faults too; repair the surface, or ask for more vertices");
+  if (faults.riddled())
+    sentences.push_back(path.string() + ": has " + std::to_string(faults.tunnels) +
+                        " tunnels, more than organs have; use --genus auto or a number, or --closing-mm");
+  return sentences;
+}
+
+}  // namespace homolog

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "app/verbs/verb.h"
+#include "core/mesh/mesh_repair.h"
+#include "core/template_making/mesh_template.h"
+
+namespace homolog {
+
+// What verbs say of surfaces that were mended.
+
+/// Counts by name, as `mended` in the reports of `repair-mesh`, `template` and `info`.
+Json json_of(const MendedFaults& mended);
+/// What a surface made anew from voxels is: `rebuilt` in reports.
+Json json_of(const Rebuilt& rebuilt);
+
+/// `--genus auto|keep|N`, checked when parsed.
+GenusRule genus_rule(const std::string& text);
+void add_genus_option(CLI::App& verb, std::string& genus, const std::string& help);
+
+/// What is wrong with a mesh that was made, each a sentence about `path`.
+std::vector<std::string> faults_of(const MeshFile& file, const std::filesystem::path& path);
+
+}  // namespace homolog

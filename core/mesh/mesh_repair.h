@@ -1,0 +1,58 @@
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/mesh/mesh_io.h"
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+/// What was wrong with a surface, counted. All of it was mended.
+struct MendedFaults {
+  std::size_t not_finite = 0;             ///< vertices with a coordinate that is no finite number: left out
+  std::size_t duplicate_vertices = 0;     ///< at (nearly) one place with another: made one
+  std::size_t unused_vertices = 0;        ///< of no face: left out
+  std::size_t degenerate_faces = 0;       ///< without area: left out, or their longest edge was flipped
+  std::size_t duplicate_faces = 0;        ///< of the same three corners as another: left out
+  std::size_t non_manifold_edges = 0;     ///< of more than two faces: the sheets that met there were parted
+  std::size_t non_manifold_vertices = 0;  ///< where sheets met at a point alone: parted
+  std::size_t turned_faces = 0;           ///< that looked against their neighbours, or inward: turned
+  std::size_t crumbs = 0;                 ///< parts of next to no area: left out
+  std::size_t cavities = 0;               ///< parts within another that look inward: filled
+  std::size_t holes = 0;                  ///< closed flat
+
+  bool any() const;
+  /// "2 vertices that are no numbers left out and 3 holes closed"; empty without any.
+  std::string words() const;
+};
+
+struct RepairOptions {
+  /// Holes whose rim is longer stay open. A share of the diagonal of the surface's bounding box.
+  double longest_rim_share = std::numeric_limits<double>::infinity();
+};
+
+/// The rim of a small hole, as a share of the diagonal: the open base of a ventricle is none.
+inline constexpr double small_rim_share = 0.5;
+
+struct MeshRepair {
+  Mesh mesh;  ///< manifold, consistently oriented, outward; its parts in the order of their first vertices
+  MendedFaults mended;
+};
+
+/// The parts of a mesh that hang together, each as a mesh of its own, by first vertex.
+std::vector<Mesh> parts_of(const Mesh& mesh);
+
+/// A manifold surface from whatever faces a file holds. Vertices within a millionth of the size are made one unless the
+/// surface is sound as it is. Where more than two faces meet at an edge they are paired so that solids that only touch
+/// there come apart [Gueziec 2001, Cutting and Stitching], by a hundredth of an edge. Parts of less than a hundredth of the largest part's area
+/// are crumbs. A sound surface comes back with the same vertices in the same order. Tunnels stay. Errors: no face is
+/// left.
+Result<MeshRepair> repaired(const MeshFile& surface, const RepairOptions& options = {});
+
+/// The mesh as it is where it is sound; else mended, small holes closed.
+Result<MeshRepair> mended_if_broken(const MeshFile& surface);
+
+}  // namespace homolog

@@ -1,0 +1,160 @@
+// The command-line contract of docs/commands.md: broken surfaces, unions of labels, landmarks in and out.
+#include <fstream>
+#include <limits>
+
+#include "tests/ball_folder.h"
+
+namespace homolog {
+
+TEST_CASE("repair-mesh mends a broken surface and says what it did") {
+  const TemporaryFolder folder;
+  const Mesh ball = icosphere(3, 10);
+  MeshFile broken{ball.points, ball.topology->triangles()};
+  broken.points.conservativeResize(ball.points.rows() + 1, 3);
+  broken.points.bottomRows(1) =
+      0.55 * (ball.points.row(broken.triangles(0, 0)) + ball.points.row(broken.triangles(0, 1)));
+  broken.triangles.conservativeResize(broken.triangles.rows() + 1, 3);
+  broken.triangles.bottomRows(1) << broken.triangles(0, 0), broken.triangles(0, 1),
+      static_cast<std::int32_t>(ball.points.rows());
+  broken.points(77, 0) = std::numeric_limits<double>::quiet_NaN();
+  REQUIRE(write_mesh_file(broken, folder.path / "broken.ply"));
+  check_refused(run(folder, "convert broken.ply out.ply"), "mend it with repair-mesh");
+
+  check_refused(run(folder, "info broken.ply"), "repair-mesh would mend it: one vertex that is no number left out");
+  MeshFile pierced{ball.points, ball.topology->triangles().topRows(ball.topology->triangles().rows() - 1)};
+  REQUIRE(write_mesh_file(pierced, folder.path / "pierced.ply"));
+  const Ran info = run(folder, "info pierced.ply --json");
+  CHECK(info.json()["would_mend"]["holes"] == 1);
+  CHECK(info.errors.find("pierced.ply: repair-mesh would mend it: one hole closed flat") != std::string::npos);
+  const Ran mended = run(folder, "repair-mesh broken.ply -o mended.ply --json");
+  CHECK(mended.status == 0);
+  CHECK(mended.json()["mended"]["non_manifold_edges"] == 1);
+  CHECK(mended.json()["mended"]["crumbs"] == 1);
+  CHECK(mended.json()["mended"]["holes"] == 1);
+  CHECK(mended.json()["closed"] == true);
+  CHECK(mended.json()["components"] == 1);
+  const Ran again = run(folder, "info mended.ply --json");
+  CHECK_FALSE(again.json().contains("would_mend"));
+  CHECK(again.errors.empty());
+  // A fit and a template take the broken one too, and say so.
+  REQUIRE(write_mesh(icosphere(2, 12), folder.path / "T.ply"));
+  const Ran fitted = run(folder, "fit T.ply --mesh broken.ply -o M.ply --json");
+  CHECK(fitted.status == 0);
+  CHECK(fitted.json()["dice"] > 0.97);
+  CHECK(fitted.errors.find("broken.ply: was mended: one vertex") != std::string::npos);
+  CHECK(run(folder, "template broken.ply -o U.ply --vertices 300 --json").json()["mended"]["crumbs"] == 1);
+}
+
+TEST_CASE("repair-mesh leaves a sound template as it is and cuts tunnels on request") {
+  const NamedBallFolder folder;
+  CHECK(run(folder, "repair-mesh named.ply -o same.ply").errors.empty());
+  CHECK(read_whole_file(folder.path / "same.ply").value() == read_whole_file(folder.path / "named.ply").value());
+  REQUIRE(write_mesh(shapes::torus(48, 24, 20, 8), folder.path / "ring.ply"));
+  CHECK(run(folder, "repair-mesh ring.ply -o out.ply --json").json()["genus"] == 1);
+  const Ran cut = run(folder, "repair-mesh ring.ply -o out.ply --genus 0 --vertices 800 --json");
+  CHECK(cut.json()["genus"] == 0);
+  CHECK(cut.json()["vertices"] == 800);
+  CHECK(cut.json()["rebuilt"]["genus_before"] == 1);
+  CHECK(cut.json()["distance_to_mesh_mm"]["mean"].is_number());
+  CHECK(run(folder, "template ring.ply -o out.ply --genus 0 --vertices 800 --json").json()["genus"] == 0);
+  check_refused(run(folder, "template ring.ply -o out.ply --genus 3"), "has 1 tunnels, fewer than --genus 3");
+}
+
+TEST_CASE("a fit with a template of many tunnels never comes without a warning") {
+  const TemporaryFolder folder;
+  // A ball with dozens of shafts through it.
+  const Mesh other = icosphere(3, 20);
+  Volume voxels = label_map(other, [] {
+    VolumeGeometry grid;
+    grid.dims = {64, 64, 64};
+    grid.origin_mm = Vec3::Constant(-31.5);
+    return grid;
+  }());
+  auto& set = std::get<std::vector<std::uint8_t>>(voxels.data);
+  for (int k = 0; k < 64; ++k)
+    for (int i = 0; i < 64; ++i)
+      for (int j = 0; j < 64; ++j)
+        if (i % 6 < 3 && j % 6 < 3) set[static_cast<std::size_t>((k * 64 + j) * 64 + i)] = 0;
+  REQUIRE(write_volume(voxels, folder.path / "riddled.nii.gz"));
+  REQUIRE(run(folder, "template riddled.nii.gz -o T.ply --genus keep --closing-mm 0 --opening-mm 0 --vertices 4000")
+              .errors.find("tunnels, more than organs have") != std::string::npos);
+  REQUIRE(write_mesh(other, folder.path / "ball.ply"));
+  const Ran ran = run(folder, "fit T.ply --mesh ball.ply -o M.ply");
+  CHECK(ran.status == 0);
+  CHECK(ran.errors.find("so vertices of its fits do not correspond") != std::string::npos);
+}
+
+TEST_CASE("several labels are taken together by every verb that takes one") {
+  const TemporaryFolder folder;
+  VolumeGeometry grid;
+  grid.dims = {60, 60, 60};
+  grid.origin_mm = Vec3::Constant(-29.5);
+  const Mesh ball = icosphere(4, 20);
+  Volume one = label_map(ball, grid, 3);
+  REQUIRE(write_volume(one, folder.path / "one.nii.gz"));
+  auto& voxels = std::get<std::vector<std::uint8_t>>(one.data);
+  for (std::size_t v = 0; v < voxels.size(); ++v)  // its upper part is another label
+    if (voxels[v] == 3 && v / 3600 > 36) voxels[v] = 5;
+  REQUIRE(write_volume(one, folder.path / "two.nii.gz"));
+  const std::string options = " -o T.ply --vertices 400 --json";
+  const Ran whole = run(folder, "template one.nii.gz" + options);
+  fs::rename(folder.path / "T.ply", folder.path / "one.ply");
+  check_refused(run(folder, "template two.nii.gz" + options), "holds several labels (3, 5)");
+  const Ran together = run(folder, "template two.nii.gz --label 5,3" + options);
+  CHECK(together.json()["volume_ml"] == whole.json()["volume_ml"]);
+  CHECK(run(folder, "info T.ply --mask two.nii.gz --label 3,5 --json").json()["distance_to_mask_mm"]["mean"] ==
+        run(folder, "info one.ply --mask one.nii.gz --json").json()["distance_to_mask_mm"]["mean"]);
+  CHECK(run(folder, "compare T.ply --mask two.nii.gz --label 3,5 --json").out ==
+        run(folder, "compare one.ply --mask one.nii.gz --json").out);
+  const auto fitted = [&](const std::string& mask) {
+    Json report = run(folder, "fit one.ply --mask " + mask + " -o M.ply --json").json();
+    report.erase("seconds");
+    return report;
+  };
+  CHECK(fitted("two.nii.gz --label 3,5") == fitted("one.nii.gz"));
+  CHECK(fitted("one.nii.gz --label 3,5") == fitted("one.nii.gz"));  // a kidney without a tumour
+  check_refused(run(folder, "fit one.ply --mask two.nii.gz --label 7,8 -o M.ply"), "label 7+8 does not occur");
+  for (const char* wrong : {"3,", ",3", "3;5", "0", "3,-5", "a"})
+    CHECK(run(folder, "fit one.ply --mask two.nii.gz -o M.ply --label " + std::string("'") + wrong + "'").status == 2);
+}
+
+TEST_CASE("landmarks go into a template and come out of fits") {
+  const NamedBallFolder folder;
+  std::ofstream(folder.path / "places.fcsv")
+      << "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
+         "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
+         "1,0,0,20,0,0,0,1,1,1,0,top,,\n2,20,0,0,0,0,0,1,1,1,0,\"left, outer\",,\n3,0,35,0,0,0,0,1,1,1,0,far,,\n";
+  for (const std::string in : {"ball.ply", "good.nii.gz"}) {
+    CAPTURE(in);
+    const Ran made = run(folder, "template " + in + " -o T.ply --vertices 500 --landmarks places.fcsv --json");
+    CHECK(made.status == 0);
+    CHECK(made.json()["landmarks"] == Json({"top", "left, outer", "far"}));
+    CHECK(made.errors.find("places.fcsv: \"far\" lies 15 mm from the template's surface") != std::string::npos);
+    const Ran fitted = run(folder, "fit T.ply --mesh ball.ply -o M.ply --landmarks places.fcsv --json");
+    CHECK(fitted.json()["landmarks_used"] >= 2);
+  }
+  // Those of the surface itself stay; one of the same name is replaced.
+  CHECK(run(folder, "template named.ply -o T.ply --vertices 500 --landmarks places.fcsv --json").json()["landmarks"] ==
+        Json({"left", "back", "top", "left, outer", "far"}));
+  std::ofstream(folder.path / "away.json") << R"([{"id":"top","coordinates":[300,0,20]}])";
+  check_refused(run(folder, "template ball.ply -o T.ply --landmarks away.json"), "mm and more from the surface");
+  CHECK(run(folder, "template good.nii.gz -o U.ply --tube --landmarks places.fcsv --json").json()["landmarks"].size() ==
+        3);
+}
+
+TEST_CASE("a folder of landmarks may lack some cases and hold others") {
+  const NamedBallFolder folder;
+  std::ofstream(folder.path / "places/good.fcsv")
+      << "# Markups fiducial file version = 4.11\n# CoordinateSystem = RAS\n"
+         "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
+         "1,0,0,20,0,0,0,1,1,1,0,top,,\n2,-20,0,0,0,0,0,1,1,1,0,left,,\n3,0,-20,0,0,0,0,1,1,1,0,back,,\n";
+  std::ofstream(folder.path / "places/godo.json") << "[]";
+  const Ran many = run(folder, "fit named.ply --mask good.nii.gz other.nii.gz -o out --landmarks places --json");
+  CHECK(many.status == 0);
+  CHECK(many.json()["cases"][0]["landmarks_used"] == 3);
+  CHECK(many.json()["cases"][1]["landmarks_used"] == 0);
+  CHECK(many.errors.find("places: holds \"godo.json\", which belongs to no case") != std::string::npos);
+  CHECK(many.errors.find("other.nii.gz: has no landmark file") != std::string::npos);
+}
+
+}  // namespace homolog

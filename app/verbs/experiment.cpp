@@ -118,10 +118,12 @@ Json json_of(const SchemeRun& run) {
 }
 
 void add_study(CLI::App& app, CommandLine& asked) {
-  CLI::App* study = app.add_subcommand("study", "Experiments with a scripted user");
+  CLI::App* study = app.add_subcommand("study", "Experiments: a scripted user, templates, experts' landmarks");
   study->require_subcommand(1);
   add_user(*study, asked);
   add_study_schemes(*study, asked);
+  add_study_bias(*study, asked);
+  add_study_experts(*study, asked);
 }
 
 }  // namespace homolog

@@ -26,5 +26,7 @@ Result<ExperimentSubject> mask_subject(const std::filesystem::path& path, const 
 Json json_of(const SchemeRun& run);
 
 void add_study_schemes(CLI::App& study, CommandLine& asked);
+void add_study_bias(CLI::App& study, CommandLine& asked);
+void add_study_experts(CLI::App& study, CommandLine& asked);
 
 }  // namespace homolog

@@ -4,9 +4,11 @@
 
 #include "app/verbs/verb.h"
 #include "core/base/listed.h"
+#include "core/groupwise/optimise.h"
 #include "core/mesh/formats/formats.h"
 #include "core/model/evaluation.h"
 #include "core/model/model_files.h"
+#include "core/model/shape_files.h"
 #include "core/model/statismo.h"
 #include "core/model/training_set.h"
 
@@ -48,20 +50,24 @@ struct Training {
   std::vector<std::string> warnings;
 };
 
-Result<Training> train(const TrainingVerb& options, Progress& progress) {
-  auto read = read_training_set(options.files, options.reading, &progress);
-  if (!read) return fail(read.error());
+Result<Training> train(TrainingSetRead read, const TrainingVerb& options) {
   Training training;
-  training.names = std::move(read->set.names);
-  training.topology = read->set.topology;
-  training.warnings = std::move(read->warnings);
-  align(read->set.shapes, options.alignment());
-  training.components = principal_components(std::move(read->set.shapes));
+  training.names = std::move(read.set.names);
+  training.topology = read.set.topology;
+  training.warnings = std::move(read.warnings);
+  align(read.set.shapes, options.alignment());
+  training.components = principal_components(std::move(read.set.shapes));
   if (training.components.scatter.size() == 0) {
     return fail(training.names.front(),
                 "differs from the other shapes by its pose alone, so there is nothing to model; give different shapes");
   }
   return training;
+}
+
+Result<Training> train(const TrainingVerb& options, Progress& progress) {
+  auto read = read_training_set(options.files, options.reading, &progress);
+  if (!read) return fail(read.error());
+  return train(std::move(*read), options);
 }
 
 Json cumulative(const Eigen::VectorXd& variances) {
@@ -73,13 +79,94 @@ Json cumulative(const Eigen::VectorXd& variances) {
 
 struct ModelOptions {
   TrainingVerb training;
-  fs::path out, tables, aligned;
+  fs::path out, tables, aligned, optimised;
   double variance = 0.95;
+  bool optimise = false, free_landmarks = false;
+
+  /// Where optimised meshes go: as asked, or beside the model under its name.
+  fs::path optimised_folder() const {
+    if (!optimised.empty()) return optimised;
+    const std::string name = out.filename().string();
+    return out.parent_path() / (name.substr(0, name.find(".h5")) + "-optimised");
+  }
 };
+
+Json figures_json(const SetFigures& figures) {
+  Json json{{"bits", figures.bits}, {"position_bits", figures.position_bits}};
+  if (figures.modes > 0)
+    json.update(Json{{"compactness", figures.compactness},
+                     {"generalization_rms", figures.generalisation_rms},
+                     {"specificity_rms", figures.specificity_rms}});
+  return json;
+}
+
+/// The files of a training set as they were read, in its order.
+Result<std::vector<MeshFile>> files_of(const TrainingVerb& options, Progress& progress) {
+  const auto sources = shape_sources(options.files, options.reading.group);
+  if (!sources) return fail(sources.error());
+  std::vector<MeshFile> files;
+  const auto take = [&](const std::string&, const MeshFile& mesh) {
+    files.push_back(mesh);
+    return Result<void>();
+  };
+  if (auto read = read_shapes(*sources, options.reading.all_frames, take, &progress); !read) return fail(read.error());
+  return files;
+}
+
+/// Slides the set's vertices and writes the meshes; the set then holds the optimised shapes.
+Result<Json> optimise(const ModelOptions& options, TrainingSetRead& read, Progress& progress) {
+  progress.part(0, 0.1);
+  auto files = files_of(options.training, progress);
+  if (!files) return fail(files.error());
+  progress.part(0.1, 0.9);
+  GroupwiseOptions sliding;
+  sliding.alignment = options.training.alignment();
+  sliding.progress = &progress;
+  if (read.set.topology)
+    for (const MeshFile& file : *files)
+      sliding.held.push_back(held_vertices(file, *read.set.topology, !options.free_landmarks));
+  auto optimised = optimise_set(read.set, sliding);
+  if (!optimised) return fail(optimised.error());
+  const auto names = shape_names(read.set.names);
+  std::vector<NamedShape> shapes;
+  Json slides = Json::array();
+  for (std::size_t k = 0; k < files->size(); ++k) {
+    Points points = points_of(optimised->shapes, static_cast<Eigen::Index>(k));
+    const bool flipped = options.training.reading.flip_mirrored && std::find(read.mirrored.begin(), read.mirrored.end(),
+                                                                             read.set.names[k]) != read.mirrored.end();
+    if (flipped) points.col(0) *= -1;
+    MeshFile& file = (*files)[k];
+    file.points = std::move(points);
+    if (file.triangles.rows() == 0) file.triangles = read.set.topology->triangles();
+    shapes.push_back({names[k], std::make_shared<const MeshFile>(std::move(file)), {}, true});
+    slides.push_back({{"name", names[k]}, {"largest_slide_mm", optimised->largest_slide_mm[k]}});
+  }
+  const fs::path folder = options.optimised_folder();
+  if (auto written = write_shapes(shapes, ".ply", folder, nullptr); !written) return fail(written.error());
+  read.set.shapes = std::move(optimised->shapes);
+  progress.part(0.9, 1);
+  return Json{
+      {"modes", optimised->before.modes},
+      {"before", figures_json(optimised->before)},
+      {"after", figures_json(optimised->after)},
+      {"largest_slide_mm", *std::max_element(optimised->largest_slide_mm.begin(), optimised->largest_slide_mm.end())},
+      {"surface_moved_mm", optimised->surface_moved_mm},
+      {"turned_triangles", optimised->turned_triangles},
+      {"meshes", folder.string()},
+      {"shapes", std::move(slides)}};
+}
 
 Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   if (!is_model_name(options.out)) return fail(options.out.string(), "is not the name of a model; use .h5.json or .h5");
-  auto training = train(options.training, progress);
+  auto read = read_training_set(options.training.files, options.training.reading, &progress);
+  if (!read) return fail(read.error());
+  Json optimised;
+  if (options.optimise) {
+    auto done = optimise(options, *read, progress);
+    if (!done) return fail(done.error());
+    optimised = std::move(*done);
+  }
+  auto training = train(std::move(*read), options.training);
   if (!training) return fail(training.error());
   const PrincipalComponents& components = training->components;
   const auto names = shape_names(training->names);
@@ -100,6 +187,7 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
                    {"modes", model.modes()},
                    {"variances", std::vector<double>(variances.begin(), variances.end())},
                    {"explained", cumulative(variances)}};
+  if (options.optimise) report.values["optimise"] = std::move(optimised);
   return report;
 }
 
@@ -168,6 +256,13 @@ void add_model(CLI::App& app, CommandLine& asked) {
       ->check(CLI::Range(0.01, 1.0));
   verb->add_option("--csv", options->tables, "Folder for mean.csv, variances.csv and scores.csv");
   verb->add_option("--aligned", options->aligned, "Folder for the aligned shapes as .ply and .particles");
+  auto* optimise = verb->add_flag("--optimise", options->optimise,
+                                  "First slide the vertices along their surfaces, so that the set is shorter to "
+                                  "describe. Named landmarks and confirmed regions stay");
+  verb->add_option("--optimised", options->optimised,
+                   "Folder for the optimised meshes (default: NAME-optimised beside the model)")
+      ->needs(optimise);
+  verb->add_flag("--free-landmarks", options->free_landmarks, "Vertices at named landmarks slide too")->needs(optimise);
   verb->callback(
       [options, &asked] { asked.run = [options](Progress& progress) { return make_and_write(*options, progress); }; });
 }

@@ -8,6 +8,7 @@
 #include "app/verbs/describe.h"
 #include "app/verbs/mended.h"
 #include "app/verbs/read_image.h"
+#include "app/verbs/subjects.h"
 #include "app/verbs/verb.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
@@ -29,6 +30,8 @@ constexpr double away_share = 0.5;  ///< so far from the nearest of them, the la
 
 struct TemplateJob {
   fs::path in, out, landmarks;
+  std::vector<fs::path> consensus;
+  bool flip_mirrored = false;
   std::vector<int> labels;
   int frame = 0, vertices = 2500;
   std::optional<double> closing_mm, opening_mm;
@@ -171,7 +174,35 @@ Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
   return finish(std::move(file), options, std::move(further), about(options.in, std::move(made->warnings)));
 }
 
+Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
+  progress.part(0, 0.05);
+  auto read = read_subjects(
+      {options.consensus, {}, options.labels, options.closing_mm, options.vertices, options.flip_mirrored}, progress);
+  if (!read) return fail(read.error());
+  progress.part(0, 1);
+  Progress making(progress, 0.95);
+  std::vector<Boundary> subjects;
+  for (BiasSubject& subject : read->subjects) subjects.push_back(std::move(subject.boundary));
+  const auto made = consensus_template(subjects, {.vertices = options.vertices, .progress = &making});
+  if (!made) return fail(options.consensus.front().string(), made.error().what);
+  std::vector<std::string> warnings = std::move(read->warnings);
+  Json names = Json::array();
+  for (const BiasSubject& subject : read->subjects) names.push_back(subject.name);
+  for (const std::size_t k : made->left_out)
+    warnings.push_back(read->subjects[k].name + ": could not be fitted, so the template is made without it");
+  if (!made->rests)
+    warnings.push_back("the mean still moved in the last round; the subjects differ much, so look at the template");
+  return finish(template_file(made->mesh, {{"consensus", names}, {"vertices", options.vertices}}), options,
+                {{"subjects", subjects.size()},
+                 {"rounds", made->rounds},
+                 {"moved_mm", made->moved_mm},
+                 {"rests", made->rests},
+                 {"flipped", read->flipped}},
+                std::move(warnings));
+}
+
 Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
+  if (!options.consensus.empty()) return from_consensus(options, progress);
   if (is_mesh_name(options.in)) {
     if (options.tube)
       return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
@@ -187,7 +218,14 @@ Result<Report> make_template_file(const TemplateJob& options, Progress& progress
 void add_template(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<TemplateJob>();
   CLI::App* verb = add_verb(app, "template", "A template from a label map or from a surface");
-  verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over")->required();
+  auto* in = verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over");
+  auto* consensus = verb->add_option("--consensus", options->consensus,
+                                     "Surfaces or label maps of several subjects: their mean shape, which does not "
+                                     "depend on any of them alone")
+                        ->excludes(in)
+                        ->expected(2, 1000000);
+  verb->add_flag("--flip-mirrored", options->flip_mirrored, "Flip subjects that are mirror images of most others")
+      ->needs(consensus);
   verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness, regions and landmarks)")
       ->required();
   verb->add_option("--landmarks", options->landmarks,
@@ -233,6 +271,10 @@ void add_template(CLI::App& app, CommandLine& asked) {
       ->check(CLI::PositiveNumber)
       ->needs(tube_flag);
   verb->callback([options, &asked] {
+    if (options->in.empty() && options->consensus.empty())
+      throw CLI::RequiredError("MASK, or --consensus with several subjects");
+    if (options->tube && !options->consensus.empty())
+      throw CLI::ValidationError("--consensus", "is not for --tube, whose rings are alike in all subjects");
     if (!options->axis.empty() && Vec3(options->axis.data()).norm() < 1e-9)
       throw CLI::ValidationError("--axis", "needs a direction other than 0,0,0");
     if (options->base == options->apex && !options->base.empty())

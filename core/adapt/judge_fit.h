@@ -12,8 +12,8 @@ namespace homolog {
 /// How good a fit is, and what a person should look at.
 struct FitJudgement {
   Agreement agreement;  ///< of the fitted mesh with the boundary
-  /// Dice below 0.9, a mean distance above 1 % of the boundary's diagonal, a 95 % distance above 4 %, a mean doubt above
-  /// 6 % of the root of its area, or mirrored.
+  /// Dice below 0.9, a mean distance above 1 % of the boundary's diagonal, a 95 % distance above 4 %, a mean doubt
+  /// above 6 % of the root of its area, or mirrored.
   bool doubtful = false;
   double doubt_share = 0;             ///< the fit's mean doubt, as a share of the root of the boundary's area
   bool mirrored = false;              ///< the template's mirror image fits clearly better: see looks_mirrored

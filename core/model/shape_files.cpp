@@ -68,6 +68,7 @@ ShapesOfFile shapes_of(const Document& document) {
     // Those that nobody placed lie where the mesh has carried them.
     for (Landmark& landmark : carried_landmarks(*document.the_template, file.points))
       if (!shape.landmarks.contains(landmark.name)) file.landmarks.push_back(std::move(landmark));
+    if (shape.confirmed) file.arrays["confirmed"] = *shape.confirmed;
     shapes.frames[frame] = std::make_shared<const MeshFile>(std::move(file));
     if (shape.strokes > 0) shapes.edited.push_back(frame);
   }

@@ -29,7 +29,7 @@ struct ShapesOfFile {
 };
 
 /// The meshes of a case that is open. A landmark that was placed in the image lies there; the template's others where
-/// the mesh has them.
+/// the mesh has them. What is confirmed is the array `confirmed`, 0 free … 1 held.
 ShapesOfFile shapes_of(const Document& document);
 /// Reads a mesh (PLY, VTK, VTP, OBJ), `.particles`, or the meshes of a case file. Errors: read_mesh_file's,
 /// read_case's, an STL file, which keeps no vertices.

@@ -3,9 +3,9 @@
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
-#include "render/label_colours.h"
 #include "core/mesh/isosurface.h"
 #include "core/template_making/label_body.h"
+#include "render/label_colours.h"
 
 // The making of a template from the label map that is shown, in the section Template.
 

@@ -2,6 +2,7 @@
 #include <fstream>
 
 #include "core/mesh/label_map.h"
+#include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"
@@ -66,6 +67,91 @@ TEST_CASE("a training set becomes a model that info and evaluate know") {
   CHECK(run(folder, "evaluate" + files + " --modes 1,3 --samples 50 --json").json() == measures);
   CHECK(run(folder, "evaluate" + files + " --modes 1,3 --samples 50 --seed 2 --json").json() != measures);
   CHECK(run(folder, "evaluate" + files + " --modes all --json").json()["modes"] == Json::array({1, 2, 3, 4}));
+}
+
+TEST_CASE("model --optimise slides vertices and writes the meshes and what it gained") {
+  const TemporaryFolder folder;
+  const std::string files = put_training_set(folder.path);
+  MeshFile marked = read_mesh_file(folder.path / "k2.ply").value();
+  marked.landmarks = {{"tip", marked.points.row(7).transpose()}};
+  REQUIRE(write_mesh_file(marked, folder.path / "k2.ply"));
+  const Ran made = run(folder, "model" + files + " --optimise -o m.h5.json --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  const Json report = made.json()["optimise"];
+  CHECK(report["after"]["bits"].get<double>() < report["before"]["bits"].get<double>());
+  for (const std::string key : {"position_bits", "compactness", "generalization_rms", "specificity_rms"})
+    CHECK(report["after"][key].get<double>() > 0);
+  CHECK(report["turned_triangles"] == 0);
+  CHECK(report["largest_slide_mm"].get<double>() > 0);
+  CHECK(report["shapes"].size() == 6);
+  CHECK(report["meshes"] == "m-optimised");
+  const auto slid = read_mesh_file(folder.path / "m-optimised/k2.ply");
+  REQUIRE(slid);
+  CHECK(slid->points.row(7) == marked.points.row(7));
+  CHECK(slid->points != marked.points);
+  CHECK(slid->landmarks == marked.landmarks);
+  const Ran again = run(folder, "model" + files + " --optimise --optimised there --jobs 1 -o n.h5.json --json");
+  REQUIRE_MESSAGE(again.status == 0, again.errors);
+  for (const char* name : {"k0.ply", "k5.ply"})
+    CHECK(read_whole_file(folder.path / "m-optimised" / name).value() ==
+          read_whole_file(folder.path / "there" / name).value());
+  CHECK(run(folder, "model" + files + " --optimised there -o n.h5.json").status == 2);
+}
+
+TEST_CASE("template --consensus takes several subjects in any order") {
+  const TemporaryFolder folder;
+  put_training_set(folder.path);
+  const Ran made = run(folder, "template --consensus k0.ply k1.ply k3.ply -o t.ply --vertices 300 --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  CHECK(made.json()["vertices"] == 300);
+  CHECK(made.json()["subjects"] == 3);
+  CHECK(made.json()["rounds"].get<int>() >= 1);
+  CHECK(made.json()["moved_mm"].get<double>() > 0);
+  CHECK(made.json()["closed"] == true);
+  REQUIRE(run(folder, "template --consensus k3.ply k0.ply k1.ply -o u.ply --vertices 300 --jobs 1").status == 0);
+  CHECK(read_whole_file(folder.path / "t.ply").value() == read_whole_file(folder.path / "u.ply").value());
+  CHECK(run(folder, "template -o t.ply").status == 2);
+  CHECK(run(folder, "template k0.ply --consensus k1.ply k3.ply -o t.ply").status == 2);
+  check_refused(run(folder, "template --consensus k0.ply absent.ply -o t.ply"), "absent.ply");
+}
+
+TEST_CASE("studies of templates and experts report landmarks by name and the script prints their tables") {
+  const TemporaryFolder folder;
+  put_training_set(folder.path);
+  fs::create_directory(folder.path / "bones");
+  for (const char* name : {"k0", "k1", "k3"}) {
+    const auto shape = read_mesh_file(folder.path / (std::string(name) + ".ply"));
+    REQUIRE(shape);
+    const std::vector<Landmark> landmarks{{"tip", shape->points.row(7).transpose()},
+                                          {"side", shape->points.row(90).transpose()}};
+    REQUIRE(write_landmarks(landmarks, folder.path / "bones" / (std::string(name) + ".mrk.json")));
+    fs::copy_file(folder.path / (std::string(name) + ".ply"), folder.path / "bones" / (std::string(name) + ".ply"));
+  }
+  const std::string files = " bones/k0.ply bones/k1.ply bones/k3.ply --landmarks bones ";
+  const Ran bias = run(folder, "study bias" + files + "--vertices 200 --json");
+  REQUIRE_MESSAGE(bias.status == 0, bias.errors);
+  CHECK(bias.json()["spread_mm"]["mean"].get<double>() > 0);
+  CHECK(bias.json()["spread_of_mm"].contains("tip"));
+  CHECK(bias.json()["rv"].get<double>() <= 1);
+  CHECK(run(folder, "study bias" + files + "--vertices 200 --json --jobs 1").out == bias.out);
+
+  REQUIRE(write_whole_file(folder.path / "bones/raters.csv", "landmark,mm\ntip,1.25\n"));
+  const Ran experts =
+      run(folder, "study experts" + files + "--raters bones/raters.csv --shown side --vertices 200 -o out --json");
+  REQUIRE_MESSAGE(experts.status == 0, experts.errors);
+  CHECK(experts.json()["methods"].size() == 8);
+  CHECK(experts.json()["landmarks"].size() == 1);
+  CHECK(experts.json()["landmarks"][0]["raters_mm"] == 1.25);
+  CHECK(fs::exists(folder.path / experts.json()["worst"]["mesh"].get<std::string>()));
+  check_refused(run(folder, "study experts k0.ply k2.ply --landmarks bones"), "k2");
+
+  const std::string script = "cd '" + folder.path.string() +
+                             "' && env -u DISPLAY HOMOLOG='" HOMOLOG_PROGRAM "' '" HOMOLOG_SOURCE_DIR
+                             "/scripts/benchmark-experts.sh' bones --vertices 200 --templates 1 > tables 2>errors";
+  REQUIRE(std::system(script.c_str()) == 0);
+  const std::string tables = read_whole_file(folder.path / "tables").value();
+  CHECK(tables.find("| k0 | point drift |") != std::string::npos);
+  CHECK(tables.find("| tip | 1.25 |") != std::string::npos);
 }
 
 TEST_CASE("the modes of a model are drawn at the size asked for") {

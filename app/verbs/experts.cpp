@@ -1,0 +1,315 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include "app/verbs/case_pool.h"
+#include "app/verbs/experiment.h"
+#include "app/verbs/median.h"
+#include "app/verbs/subjects.h"
+#include "core/adapt/fit.h"
+#include "core/base/files.h"
+#include "core/experiment/baselines.h"
+#include "core/measure/compare.h"
+
+// The verb `study experts`: fits and baselines against landmarks that experts set.
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ExpertsJob {
+  SubjectFiles subjects;
+  int templates = 2;
+  std::vector<std::string> shown;
+  fs::path raters, out;
+};
+
+enum class ExpertMethod { fit, fit_shown, closest_points, point_drift };
+
+const char* method_name(ExpertMethod method) {
+  switch (method) {
+    case ExpertMethod::fit:
+      return "fit";
+    case ExpertMethod::fit_shown:
+      return "fit --landmarks";
+    case ExpertMethod::closest_points:
+      return "similarity + closest points";
+    case ExpertMethod::point_drift:
+      return "point drift";
+  }
+  return "";
+}
+
+/// One template fitted to one subject in one way.
+struct ExpertRun {
+  std::string of_template, subject;
+  ExpertMethod method = ExpertMethod::fit;
+  std::map<std::string, double> errors_mm;  ///< of the landmarks that were not shown
+  double mean_mm = 0, assd_mm = 0, seconds = 0;
+  fs::path mesh;
+};
+
+double mean_error(const std::map<std::string, double>& errors) {
+  double sum = 0;
+  for (const auto& [name, error] : errors) sum += error;
+  return errors.empty() ? 0 : sum / static_cast<double>(errors.size());
+}
+
+Result<std::shared_ptr<const Template>> expert_template(const BiasSubject& subject, int vertices) {
+  const auto mesh = own_template(subject.boundary, vertices);
+  if (!mesh) return fail(subject.name, mesh.error().what);
+  MeshFile file{mesh->points, mesh->topology->triangles()};
+  file.landmarks = subject.landmarks;
+  return make_template(std::move(file), subject.name);
+}
+
+Result<Points> fitted_points(const Template& the_template, const BiasSubject& subject, ExpertMethod method,
+                             const ExpertsJob& options, Progress& progress) {
+  if (method == ExpertMethod::closest_points) return closest_points_fit(the_template, subject.boundary);
+  if (method == ExpertMethod::point_drift)
+    return point_drift_fit(the_template, subject.boundary, {.progress = &progress});
+  FitOptions fitting;
+  fitting.progress = &progress;
+  if (method == ExpertMethod::fit_shown)
+    for (const Landmark& landmark : subject.landmarks)
+      if (std::find(options.shown.begin(), options.shown.end(), landmark.name) != options.shown.end())
+        fitting.landmarks[landmark.name] = landmark.position;
+  auto fit = fit_to_boundary(the_template, subject.boundary, fitting);
+  if (!fit) return fail(fit.error());
+  return std::move(fit->mesh.points);
+}
+
+Result<Report> measure_run(const Template& the_template, const BiasSubject& subject, const ExpertsJob& options,
+                           ExpertRun& run, Progress& progress) {
+  const auto started = std::chrono::steady_clock::now();
+  const auto points = fitted_points(the_template, subject, run.method, options, progress);
+  run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  if (!points) return fail(subject.name, points.error().what);
+  const auto carried = carried_landmarks(the_template, *points);
+  for (const Landmark& truth : subject.landmarks) {
+    if (std::find(options.shown.begin(), options.shown.end(), truth.name) != options.shown.end()) continue;
+    for (const Landmark& one : carried)
+      if (one.name == truth.name) run.errors_mm[truth.name] = (one.position - truth.position).norm();
+  }
+  run.mean_mm = mean_error(run.errors_mm);
+  run.assd_mm = mean_surface_distance_mm({the_template.topology, *points}, subject.boundary.surface);
+  if (options.out.empty()) return Report{};
+  run.mesh = options.out / (run.of_template + "-to-" + run.subject + "-" +
+                            (run.method == ExpertMethod::fit              ? "fit"
+                             : run.method == ExpertMethod::fit_shown      ? "shown"
+                             : run.method == ExpertMethod::closest_points ? "closest"
+                                                                          : "drift") +
+                            ".ply");
+  MeshFile file = to_mesh_file(the_template);
+  file.points = *points;
+  file.landmarks = carried;
+  if (auto written = write_mesh_file(file, run.mesh); !written) return fail(written.error());
+  return Report{};
+}
+
+/// Landmark → the raters' own mean distance: lines `name,mm`. What is no number is a title.
+Result<std::map<std::string, double>> raters_of(const fs::path& path) {
+  std::map<std::string, double> raters;
+  if (path.empty()) return raters;
+  const auto text = read_whole_file(path, 1 << 20);
+  if (!text) return fail(text.error());
+  std::istringstream in(*text);
+  for (std::string line; std::getline(in, line);) {
+    const auto comma = line.rfind(',');
+    if (comma == std::string::npos) continue;
+    char* end = nullptr;
+    const std::string number = line.substr(comma + 1);
+    const double mm = std::strtod(number.c_str(), &end);
+    if (end != number.c_str() && std::isfinite(mm)) raters[line.substr(0, comma)] = mm;
+  }
+  if (raters.empty()) return fail(path.string(), "has no line NAME,MM; write one for each landmark");
+  return raters;
+}
+
+std::string mm_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", value);
+  return text;
+}
+
+/// The runs of one template and method.
+std::vector<const ExpertRun*> runs_of(const std::vector<ExpertRun>& runs, const std::string& of_template,
+                                      ExpertMethod method) {
+  std::vector<const ExpertRun*> found;
+  for (const ExpertRun& run : runs)
+    if (run.of_template == of_template && run.method == method && !run.errors_mm.empty()) found.push_back(&run);
+  return found;
+}
+
+Json row_of_runs(const std::vector<const ExpertRun*>& runs) {
+  std::vector<double> errors, means, assd, seconds;
+  for (const ExpertRun* run : runs) {
+    for (const auto& [name, error] : run->errors_mm) errors.push_back(error);
+    means.push_back(run->mean_mm);
+    assd.push_back(run->assd_mm);
+    seconds.push_back(run->seconds);
+  }
+  double sum = 0;
+  for (const double error : errors) sum += error;
+  return {{"template", runs.front()->of_template},
+          {"method", method_name(runs.front()->method)},
+          {"mean_mm", sum / static_cast<double>(errors.size())},
+          {"median_mm", median_of(errors)},
+          {"max_mm", *std::max_element(errors.begin(), errors.end())},
+          {"worst_subject_mm", *std::max_element(means.begin(), means.end())},
+          {"assd_mm", median_of(assd)},
+          {"seconds", median_of(seconds)}};
+}
+
+std::string experts_table(const std::vector<Json>& rows, const std::vector<Json>& landmarks,
+                          const std::vector<ExpertMethod>& methods) {
+  std::string text =
+      "| template | method | mean | median | max | worst subject | surface | s |\n|---|---|---|---|---|---|---|---|\n";
+  for (const Json& row : rows) {
+    text += "| " + row["template"].get<std::string>() + " | " + row["method"].get<std::string>();
+    for (const char* key : {"mean_mm", "median_mm", "max_mm", "worst_subject_mm", "assd_mm", "seconds"})
+      text += " | " + mm_text(row[key].get<double>());
+    text += " |\n";
+  }
+  text += "\n| landmark | raters |";
+  std::string rule = "|---|---|";
+  for (const ExpertMethod method : methods) {
+    text += std::string(" ") + method_name(method) + " |";
+    rule += "---|";
+  }
+  text += "\n" + rule + "\n";
+  for (const Json& landmark : landmarks) {
+    text += "| " + landmark["name"].get<std::string>() + " | " +
+            (landmark["raters_mm"].is_null() ? "–" : mm_text(landmark["raters_mm"].get<double>())) + " |";
+    for (const ExpertMethod method : methods) {
+      const Json& value = landmark["mm"][method_name(method)];
+      text += " " + (value.is_null() ? "–" : mm_text(value.get<double>())) + " |";
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::vector<Json> landmark_rows(const std::vector<ExpertRun>& runs, const std::map<std::string, double>& raters,
+                                const std::vector<ExpertMethod>& methods) {
+  std::map<std::string, std::map<std::string, std::vector<double>>> errors;
+  for (const ExpertRun& run : runs)
+    for (const auto& [name, error] : run.errors_mm) errors[name][method_name(run.method)].push_back(error);
+  std::vector<Json> rows;
+  for (const auto& [name, by_method] : errors) {
+    Json row{{"name", name}, {"raters_mm", raters.contains(name) ? Json(raters.at(name)) : Json()}};
+    for (const ExpertMethod method : methods) {
+      const auto found = by_method.find(method_name(method));
+      double sum = 0;
+      if (found != by_method.end())
+        for (const double error : found->second) sum += error;
+      row["mm"][method_name(method)] =
+          found == by_method.end() ? Json() : Json(sum / static_cast<double>(found->second.size()));
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Result<Report> study_experts(const ExpertsJob& options, Progress& progress) {
+  const auto raters = raters_of(options.raters);
+  if (!raters) return fail(raters.error());
+  std::optional<Result<ResultFolder>> folder;
+  if (!options.out.empty()) folder.emplace(ResultFolder::make(options.out));
+  if (folder && !*folder) return fail(folder->error());
+  progress.part(0, 0.05);
+  auto read = read_subjects(options.subjects, progress);
+  if (!read) return fail(read.error());
+  const auto& subjects = read->subjects;
+  std::vector<ExpertMethod> methods{ExpertMethod::fit};
+  if (!options.shown.empty()) methods.push_back(ExpertMethod::fit_shown);
+  methods.insert(methods.end(), {ExpertMethod::closest_points, ExpertMethod::point_drift});
+
+  std::vector<std::shared_ptr<const Template>> templates;
+  std::vector<ExpertRun> runs;
+  std::vector<std::pair<std::size_t, std::size_t>> of_run;  // template, subject
+  const std::size_t count = std::min(static_cast<std::size_t>(options.templates), subjects.size());
+  for (std::size_t t = 0; t < count; ++t) {
+    const std::size_t own = t * subjects.size() / count;  // spread over the names
+    auto the_template = expert_template(subjects[own], options.subjects.vertices);
+    if (!the_template) return fail(the_template.error());
+    for (const ExpertMethod method : methods)
+      for (std::size_t k = 0; k < subjects.size(); ++k) {
+        if (k == own) continue;
+        runs.push_back({.of_template = subjects[own].name, .subject = subjects[k].name, .method = method});
+        of_run.emplace_back(t, k);
+      }
+    templates.push_back(std::move(*the_template));
+  }
+  progress.part(0.05, 1);
+  const auto results = run_cases(
+      runs.size(),
+      [&](std::size_t k, Progress& own) {
+        return measure_run(*templates[of_run[k].first], subjects[of_run[k].second], options, runs[k], own);
+      },
+      progress);
+  if (progress.cancelled()) return fail("", "the study was cancelled");
+  Report report;
+  report.warnings = std::move(read->warnings);
+  for (const auto& result : results)
+    if (!result) report.warnings.push_back(result.error().sentence());
+  std::vector<Json> rows;
+  for (const auto& the_template : templates)
+    for (const ExpertMethod method : methods)
+      if (const auto own = runs_of(runs, the_template->source, method); !own.empty()) rows.push_back(row_of_runs(own));
+  if (rows.empty())
+    return fail(options.subjects.files.front().string(), "and the others share no landmarks to measure");
+  const auto landmarks = landmark_rows(runs, *raters, methods);
+  const ExpertRun* worst = nullptr;
+  for (const ExpertRun& run : runs)
+    if (run.method == ExpertMethod::fit && (worst == nullptr || run.mean_mm > worst->mean_mm)) worst = &run;
+  const std::string table = experts_table(rows, landmarks, methods);
+  report.values = {{"methods", rows},
+                   {"landmarks", landmarks},
+                   {"worst",
+                    {{"template", worst->of_template},
+                     {"subject", worst->subject},
+                     {"mean_mm", worst->mean_mm},
+                     {"mesh", worst->mesh.string()}}},
+                   {"flipped", read->flipped}};
+  if (options.out.empty()) return report;
+  if (auto written = write_whole_file(options.out / "experts.md", table); !written) return fail(written.error());
+  report.values["table"] = (options.out / "experts.md").string();
+  return report;
+}
+
+}  // namespace
+
+void add_study_experts(CLI::App& study, CommandLine& asked) {
+  auto options = std::make_shared<ExpertsJob>();
+  options->subjects.vertices = 5000;
+  CLI::App* verb = add_verb(study, "experts", "Fits, closest points and point drift against experts' landmarks");
+  verb->add_option("SHAPE", options->subjects.files, "Surfaces of at least two subjects, or a folder of them")
+      ->required();
+  verb->add_option("--landmarks", options->subjects.landmarks, "Folder with NAME.mrk.json or NAME.json for each")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  verb->add_option("--templates", options->templates, "From how many of the subjects templates are made")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  verb->add_option("--vertices", options->subjects.vertices, "How many vertices the templates have")
+      ->check(CLI::Range(100, 200000))
+      ->capture_default_str();
+  verb->add_option("--shown", options->shown,
+                   "Names of landmarks that `fit --landmarks` is shown; no error counts there")
+      ->delimiter(',');
+  verb->add_option("--raters", options->raters, "Lines NAME,MM: how far raters lie from their consensus");
+  verb->add_flag("--flip-mirrored", options->subjects.flip_mirrored,
+                 "Flip subjects that are mirror images of most others");
+  verb->add_option("-o,--output", options->out, "Folder for experts.md and the fitted meshes");
+  verb->callback(
+      [options, &asked] { asked.run = [options](Progress& progress) { return study_experts(*options, progress); }; });
+}
+
+}  // namespace homolog

@@ -1,0 +1,109 @@
+#include "app/verbs/subjects.h"
+
+#include <algorithm>
+
+#include "app/verbs/case_pool.h"
+#include "app/verbs/describe.h"
+#include "app/verbs/read_image.h"
+#include "core/mesh/landmark_io.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Result<std::vector<Landmark>> landmarks_beside(const SubjectFiles& files, const std::string& name) {
+  if (files.landmarks.empty()) return std::vector<Landmark>();
+  for (const char* extension : {".mrk.json", ".json"})
+    if (const fs::path file = files.landmarks / (name + extension); fs::exists(file)) return read_landmarks(file);
+  return fail(name, "has no landmark file in " + files.landmarks.string() + " (" + name + ".mrk.json or " + name +
+                        ".json); put one there, or leave the case out");
+}
+
+Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& path,
+                                     std::vector<std::string>& warnings, Progress& progress) {
+  BiasSubject subject;
+  subject.name = subject_name(path);
+  if (is_mesh_name(path)) {
+    const auto mesh = read_mesh(path);
+    if (!mesh) return fail(mesh.error());
+    subject.boundary = mesh_boundary(*mesh);
+  } else {
+    auto mask = read_mask(path, files.labels, 0, progress);
+    if (!mask) return fail(mask.error());
+    auto boundary = label_boundary(mask->volume, mask->label, 0, files.closing_mm, files.vertices);
+    if (!boundary) return fail(path.string(), boundary.error().what);
+    subject.boundary = std::move(*boundary);
+  }
+  for (std::string& warning : about(path, subject.boundary.warnings)) warnings.push_back(std::move(warning));
+  auto landmarks = landmarks_beside(files, subject.name);
+  if (!landmarks) return fail(landmarks.error());
+  subject.landmarks = std::move(*landmarks);
+  return subject;
+}
+
+/// Files as they are; a folder stands for the surfaces in it.
+std::vector<fs::path> with_folders_opened(const std::vector<fs::path>& files) {
+  std::vector<fs::path> all;
+  for (const fs::path& file : files) {
+    std::error_code error;
+    if (!fs::is_directory(file, error)) {
+      all.push_back(file);
+      continue;
+    }
+    for (const auto& entry : fs::directory_iterator(file))
+      if (is_mesh_name(entry.path())) all.push_back(entry.path());
+  }
+  return all;
+}
+
+void flip_subject(BiasSubject& subject) {
+  subject.boundary = mirrored_boundary(subject.boundary);
+  for (Landmark& landmark : subject.landmarks) landmark.position.x() *= -1;
+}
+
+}  // namespace
+
+std::string subject_name(const fs::path& path) {
+  fs::path name = path.filename();
+  if (name.extension() == ".gz") name = name.stem();
+  return name.stem().string();
+}
+
+Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress) {
+  std::vector<fs::path> paths = with_folders_opened(files.files);
+  std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {
+    return std::pair(subject_name(a), a.string()) < std::pair(subject_name(b), b.string());
+  });
+  for (std::size_t k = 1; k < paths.size(); ++k)
+    if (subject_name(paths[k]) == subject_name(paths[k - 1]))
+      return fail(paths[k].string(), "has the name of " + paths[k - 1].string() + "; rename one of them");
+  if (paths.empty()) return fail(files.files.front().string(), "holds no surfaces; name the files themselves");
+  SubjectsRead read;
+  read.subjects.resize(paths.size());
+  std::vector<std::vector<std::string>> warnings(paths.size());
+  const auto results = run_cases(
+      paths.size(),
+      [&](std::size_t k, Progress& own) -> Result<Report> {
+        auto subject = read_one_subject(files, paths[k], warnings[k], own);
+        if (!subject) return fail(subject.error());
+        read.subjects[k] = std::move(*subject);
+        return Report{};
+      },
+      progress);
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    if (!results[k]) return fail(results[k].error());
+    read.warnings.insert(read.warnings.end(), warnings[k].begin(), warnings[k].end());
+  }
+  if (!files.flip_mirrored) return read;
+  std::vector<Boundary> boundaries;
+  for (const BiasSubject& subject : read.subjects) boundaries.push_back(subject.boundary);
+  for (const std::size_t k : mirrored_subjects(boundaries)) {
+    flip_subject(read.subjects[k]);
+    read.flipped.push_back(read.subjects[k].name);
+  }
+  return read;
+}
+
+}  // namespace homolog

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "app/verbs/verb.h"
+#include "core/groupwise/template_bias.h"
+
+namespace homolog {
+
+/// Organs to make a template of or to study: surfaces, or label maps.
+struct SubjectFiles {
+  std::vector<std::filesystem::path> files;  ///< a folder stands for the surfaces in it
+  std::filesystem::path landmarks;           ///< a folder with NAME.mrk.json or NAME.json for each; empty: none
+  std::vector<int> labels;                   ///< of label maps: see read_mask
+  std::optional<double> closing_mm;          ///< see label_boundary
+  int vertices = 2500;
+  bool flip_mirrored = false;
+};
+
+struct SubjectsRead {
+  std::vector<BiasSubject> subjects;  ///< by name
+  std::vector<std::string> flipped;
+  std::vector<std::string> warnings;
+};
+
+/// Reads all, several at a time, in the order of their names. With `flip_mirrored` those that look like mirror images
+/// of most others are flipped with their landmarks. Errors: a file that cannot be read, two of one name, a folder
+/// without surfaces, cancelled.
+Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress);
+
+/// "case_1" of "folder/case_1.nii.gz".
+std::string subject_name(const std::filesystem::path& path);
+
+}  // namespace homolog

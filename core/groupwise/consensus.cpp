@@ -1,0 +1,148 @@
+#include "core/groupwise/consensus.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "core/adapt/fit.h"
+#include "core/base/parallel.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/mesh/mirror.h"
+#include "core/mesh/remesh.h"
+#include "core/mesh/surface_search.h"
+#include "core/model/procrustes.h"
+#include "core/placement/similarity_fit.h"
+#include "core/template_making/mask_template.h"
+#include "core/template_making/mesh_template.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr int coarse_vertices = 800;  ///< enough to tell left from right
+
+double area_mm2(const Mesh& mesh) {
+  double twice = 0;
+  for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f) twice += area_normal(mesh, f).norm();
+  return twice / 2;
+}
+
+/// The subjects by size, equal ones by their points: an order that no list of files decides.
+std::vector<std::size_t> by_size(const std::vector<Boundary>& subjects) {
+  std::vector<double> areas;
+  for (const Boundary& subject : subjects) areas.push_back(area_mm2(subject.surface));
+  std::vector<std::size_t> order(subjects.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    if (areas[a] != areas[b]) return areas[a] < areas[b];
+    const Points &p = subjects[a].surface.points, &q = subjects[b].surface.points;
+    return std::lexicographical_compare(p.data(), p.data() + p.size(), q.data(), q.data() + q.size());
+  });
+  return order;
+}
+
+Result<std::shared_ptr<const Template>> template_of(const Mesh& mesh) {
+  return make_template({mesh.points, mesh.topology->triangles()}, "consensus");
+}
+
+/// The same surface with its vertices spread evenly.
+Mesh made_even(const Mesh& mesh, int vertices) {
+  const SurfaceSearch search(mesh);
+  const auto project = [&search, hint = std::int32_t{0}](const Vec3& p) mutable {
+    const auto nearest = search.nearest(p, hint);
+    hint = nearest.at.face;
+    return nearest.position;
+  };
+  return renumbered_from_top(remesh_to_count(mesh, vertices, project));
+}
+
+/// The mean of fits (3n×M), centred on 0, upright as the fits are on average.
+Points mean_of(const ShapeMatrix& fits) {
+  Points upright = Points::Zero(fits.rows() / 3, 3);
+  for (Eigen::Index k = 0; k < fits.cols(); ++k) {
+    const Points fit = points_of(fits, k);
+    upright += (fit.rowwise() - fit.colwise().mean()) / static_cast<double>(fits.cols());
+  }
+  ShapeMatrix aligned = fits;
+  align(aligned, Alignment::similarity);
+  const Eigen::VectorXd mean = aligned.rowwise().mean();
+  const Points points = points_of(mean);
+  const Similarity turn{nearest_similarity(points, upright, {}).rotation, 1, Vec3::Zero()};
+  return turn.apply(points);
+}
+
+}  // namespace
+
+Result<Mesh> own_template(const Boundary& subject, int vertices) {
+  auto made = make_mesh_template({subject.surface.points, subject.surface.topology->triangles()}, vertices);
+  if (!made) return fail(made.error());
+  return std::move(made->mesh);
+}
+
+Boundary mirrored_boundary(const Boundary& subject) {
+  const MeshFile file = mirrored({subject.surface.points, subject.surface.topology->triangles()});
+  Boundary other = subject;
+  other.surface = {Topology::make(file.points.rows(), file.triangles).value(), file.points};
+  for (ScanEdge& edge : other.scan_edges) edge.outward.x() *= -1;
+  return other;
+}
+
+std::vector<std::size_t> mirrored_subjects(const std::vector<Boundary>& subjects) {
+  std::vector<std::size_t> like, unlike;
+  if (subjects.empty()) return like;
+  const auto mesh = own_template(subjects[by_size(subjects)[subjects.size() / 2]], coarse_vertices);
+  const auto start = mesh ? template_of(*mesh) : tl::make_unexpected(mesh.error());
+  if (!start) return like;
+  std::vector<char> mirrored(subjects.size());
+  for_each_in_parallel(subjects.size(), [&](std::size_t k) { mirrored[k] = looks_mirrored(**start, subjects[k]); });
+  for (std::size_t k = 0; k < subjects.size(); ++k) (mirrored[k] ? unlike : like).push_back(k);
+  return unlike.size() > like.size() ? like : unlike;
+}
+
+Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, const ConsensusOptions& options) {
+  if (subjects.size() < 2) return fail("", "one subject alone has no consensus; give at least two");
+  const auto order = by_size(subjects);
+  auto mesh = own_template(subjects[options.start.value_or(order[order.size() / 2])], options.vertices);
+  if (!mesh) return fail(mesh.error());
+  Consensus consensus;
+  consensus.mesh = std::move(*mesh);
+  while (!consensus.rests && consensus.rounds < options.most_rounds) {
+    const auto the_template = template_of(consensus.mesh);
+    if (!the_template) return fail(the_template.error());
+    std::vector<std::optional<Points>> fits(order.size());
+    const double share = 1.0 / options.most_rounds / static_cast<double>(order.size());
+    for_each_in_parallel(order.size(), [&](std::size_t k) {
+      FitOptions fitting;
+      std::optional<Progress> own;
+      if (options.progress != nullptr) fitting.progress = &own.emplace(*options.progress, share);
+      if (auto fit = fit_to_boundary(**the_template, subjects[order[k]], fitting))
+        fits[k] = std::move(fit->mesh.points);
+      if (own) own->report(1);
+    });
+    if (options.progress != nullptr && options.progress->cancelled())
+      return fail("", "the making of the template was cancelled");
+    consensus.left_out.clear();
+    ShapeMatrix shapes(consensus.mesh.points.size(), 0);
+    for (std::size_t k = 0; k < fits.size(); ++k) {
+      if (!fits[k]) {
+        consensus.left_out.push_back(order[k]);
+        continue;
+      }
+      shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
+      shapes.rightCols(1) = fits[k]->reshaped<Eigen::RowMajor>();
+    }
+    if (shapes.cols() < 2) return fail("", "fewer than two subjects could be fitted; check that they are one organ");
+    const Points mean = mean_of(shapes);
+    const Points before = aligned_to(consensus.mesh.points, mean, Alignment::similarity);
+    consensus.moved_mm = std::sqrt((mean - before).squaredNorm() / static_cast<double>(mean.rows()));
+    consensus.mesh.points = mean;
+    consensus.rests = consensus.moved_mm < options.rests_share * std::sqrt(area_mm2(consensus.mesh));
+    consensus.mesh = made_even(consensus.mesh, options.vertices);
+    ++consensus.rounds;
+  }
+  return consensus;
+}
+
+}  // namespace homolog

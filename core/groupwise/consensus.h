@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/adapt/boundary/boundary.h"
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/mesh/topology.h"
+
+namespace homolog {
+
+struct ConsensusOptions {
+  int vertices = 2500;
+  int most_rounds = 6;
+  double rests_share = 2e-3;         ///< of the square root of the area: a mean that moves less rests
+  std::optional<std::size_t> start;  ///< the subject to start from; absent: the one of median size
+  Progress* progress = nullptr;
+};
+
+struct Consensus {
+  Mesh mesh;                          ///< upright as the subjects are on average, its centroid at 0, mm
+  int rounds = 0;                     ///< in which all subjects were fitted
+  double moved_mm = 0;                ///< root mean square of what the mean's vertices moved in the last round
+  bool rests = false;                 ///< less than `rests_share`
+  std::vector<std::size_t> left_out;  ///< subjects that could not be fitted in the last round
+};
+
+/// A template that no subject decides: the start, made even, is fitted to all subjects; their mean shape, made even, is
+/// the next start, until the mean rests. The order of the subjects does not matter to the bit; the start does little
+/// (docs/templates.md). Errors: fewer than two subjects or fits; no template can be made of the start; cancelled.
+Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, const ConsensusOptions& options = {});
+
+/// A mesh of about `vertices` even triangles on the subject's surface, as a template of its own. Errors: as
+/// make_mesh_template.
+Result<Mesh> own_template(const Boundary& subject, int vertices);
+
+/// Which subjects look like mirror images of most others.
+std::vector<std::size_t> mirrored_subjects(const std::vector<Boundary>& subjects);
+/// The subject of the other side: x negated, faces turned.
+Boundary mirrored_boundary(const Boundary& subject);
+
+}  // namespace homolog

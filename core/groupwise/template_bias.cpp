@@ -1,0 +1,170 @@
+#include "core/groupwise/template_bias.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/adapt/fit.h"
+#include "core/base/parallel.h"
+#include "core/base/statistics.h"
+#include "core/mesh/surface_search.h"
+#include "core/model/procrustes.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr Eigen::Index stand_in_places = 40;
+
+/// What one start gave: its template's faces, and the fit to each subject (3n×M).
+struct Start {
+  std::shared_ptr<const Topology> topology;
+  ShapeMatrix fits;
+};
+
+std::vector<Landmark> places_of(const BiasSubject& subject) {
+  if (!subject.landmarks.empty()) return subject.landmarks;
+  std::vector<Landmark> places;
+  const Points& points = subject.boundary.surface.points;
+  for (Eigen::Index k = 0; k < stand_in_places; ++k)
+    places.push_back({"", points.row(k * points.rows() / stand_in_places).transpose()});
+  return places;
+}
+
+Result<std::shared_ptr<const Template>> template_from(std::size_t start, const std::vector<Boundary>& boundaries,
+                                                      const BiasOptions& options, Progress* progress) {
+  Result<Mesh> mesh = Mesh{};
+  if (options.consensus) {
+    ConsensusOptions making{.vertices = options.vertices, .start = start, .progress = progress};
+    auto consensus = consensus_template(boundaries, making);
+    if (!consensus) return fail(consensus.error());
+    mesh = std::move(consensus->mesh);
+  } else {
+    mesh = own_template(boundaries[start], options.vertices);
+  }
+  if (!mesh) return fail(mesh.error());
+  return make_template({mesh->points, mesh->topology->triangles()}, "start");
+}
+
+/// Empty where the template could not be made or fitted.
+std::optional<Start> run_start(std::size_t start, const std::vector<Boundary>& boundaries, const BiasOptions& options) {
+  const double share = 1.0 / static_cast<double>(boundaries.size());
+  std::optional<Progress> own;
+  if (options.progress != nullptr) own.emplace(*options.progress, options.consensus ? 0.85 * share : 0);
+  const auto the_template = template_from(start, boundaries, options, own ? &*own : nullptr);
+  if (!the_template) return std::nullopt;
+  Start run{(*the_template)->topology, ShapeMatrix((*the_template)->points.size(), std::ssize(boundaries))};
+  std::vector<char> fitted(boundaries.size());
+  for_each_in_parallel(boundaries.size(), [&](std::size_t k) {
+    std::optional<Progress> of_fit;
+    FitOptions fitting;
+    if (options.progress != nullptr)
+      fitting.progress = &of_fit.emplace(*options.progress, (options.consensus ? 0.15 : 1) * share * share);
+    const auto fit = fit_to_boundary(**the_template, boundaries[k], fitting);
+    if (of_fit) of_fit->report(1);
+    fitted[k] = fit.has_value();
+    if (fit) run.fits.col(static_cast<Eigen::Index>(k)) = fit->mesh.points.reshaped<Eigen::RowMajor>();
+  });
+  if (std::find(fitted.begin(), fitted.end(), 0) != fitted.end()) return std::nullopt;
+  return run;
+}
+
+/// M×M, of the aligned and centred shapes.
+Eigen::MatrixXd products_of(ShapeMatrix shapes) {
+  align(shapes, Alignment::similarity);
+  const Eigen::VectorXd mean = shapes.rowwise().mean();
+  shapes.colwise() -= mean;
+  return shapes.transpose() * shapes;
+}
+
+/// The spread of the answers where the places of subject `from` lie on all other subjects; by place, all subjects of a
+/// place one after the other.
+std::vector<std::vector<double>> spreads_of(const std::vector<Landmark>& places, std::size_t from,
+                                            const std::vector<Start>& starts) {
+  const Eigen::Index subjects = starts.front().fits.cols();
+  std::vector<std::vector<SurfacePoint>> at(starts.size());
+  for (std::size_t s = 0; s < starts.size(); ++s) {
+    const SurfaceSearch search({starts[s].topology, points_of(starts[s].fits, static_cast<Eigen::Index>(from))});
+    for (const Landmark& place : places) at[s].push_back(search.nearest(place.position).at);
+  }
+  std::vector<std::vector<double>> spreads(places.size());
+  for (std::size_t k = 0; k < places.size(); ++k)
+    for (Eigen::Index to = 0; to < subjects; ++to) {
+      if (to == static_cast<Eigen::Index>(from)) continue;
+      Points answers(std::ssize(starts), 3);
+      for (std::size_t s = 0; s < starts.size(); ++s)
+        answers.row(static_cast<Eigen::Index>(s)) =
+            at[s][k].interpolate(*starts[s].topology, points_of(starts[s].fits, to));
+      const Eigen::RowVector3d mean = answers.colwise().mean();
+      spreads[k].push_back(std::sqrt((answers.rowwise() - mean).rowwise().squaredNorm().mean()));
+    }
+  return spreads;
+}
+
+}  // namespace
+
+double modified_rv(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  Eigen::MatrixXd p = a, q = b;
+  p.diagonal().setZero();
+  q.diagonal().setZero();
+  const double size = p.norm() * q.norm();
+  return size > 0 ? p.cwiseProduct(q).sum() / size : 0;
+}
+
+Result<TemplateBias> template_bias(const std::vector<BiasSubject>& subjects, const BiasOptions& options) {
+  if (subjects.size() < 3) return fail("", "needs at least three subjects");
+  std::vector<Boundary> boundaries;
+  for (const BiasSubject& subject : subjects) boundaries.push_back(subject.boundary);
+  std::vector<std::optional<Start>> runs(subjects.size());
+  for_each_in_parallel(subjects.size(), [&](std::size_t s) {
+    if (options.progress == nullptr || !options.progress->cancelled()) runs[s] = run_start(s, boundaries, options);
+  });
+  if (options.progress != nullptr && options.progress->cancelled()) return fail("", "the study was cancelled");
+  TemplateBias bias;
+  std::vector<Start> starts;
+  for (std::size_t s = 0; s < runs.size(); ++s) {
+    if (runs[s])
+      starts.push_back(std::move(*runs[s]));
+    else
+      bias.failed.push_back(subjects[s].name);
+  }
+  if (starts.size() < 2) return fail("", "fewer than two subjects gave templates that fit all others; check them");
+
+  std::vector<double> all;
+  std::map<std::string, std::vector<double>> by_name;
+  std::vector<std::vector<std::vector<double>>> spreads(subjects.size());
+  for_each_in_parallel(subjects.size(),
+                       [&](std::size_t from) { spreads[from] = spreads_of(places_of(subjects[from]), from, starts); });
+  for (std::size_t from = 0; from < subjects.size(); ++from) {
+    const auto places = places_of(subjects[from]);
+    for (std::size_t k = 0; k < places.size(); ++k)
+      for (const double spread : spreads[from][k]) {
+        all.push_back(spread);
+        if (!places[k].name.empty()) by_name[places[k].name].push_back(spread);
+      }
+  }
+  const auto mean = [](const std::vector<double>& values) {
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return sum / static_cast<double>(values.size());
+  };
+  bias.spread_mm = mean(all);
+  bias.spread_p95_mm = quantile(all, 0.95);
+  bias.spread_max_mm = *std::max_element(all.begin(), all.end());
+  for (const auto& [name, values] : by_name) bias.spread_of_mm[name] = mean(values);
+
+  std::vector<Eigen::MatrixXd> products;
+  for (const Start& start : starts) products.push_back(products_of(start.fits));
+  bias.rv_least = 1;
+  int pairs = 0;
+  for (std::size_t a = 0; a < products.size(); ++a)
+    for (std::size_t b = a + 1; b < products.size(); ++b, ++pairs) {
+      const double rv = modified_rv(products[a], products[b]);
+      bias.rv += rv;
+      bias.rv_least = std::min(bias.rv_least, rv);
+    }
+  bias.rv /= pairs;
+  return bias;
+}
+
+}  // namespace homolog

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Measures fits and baselines against experts' landmarks: scripts/benchmark-experts.sh FOLDER [OPTIONS of `study experts`]
+# FOLDER holds NAME.ply and NAME.mrk.json (or NAME.json) of each subject, and where there is one raters.csv with lines
+# NAME,MM: how far the raters lie from their consensus. Subjects without landmarks are left out. The tables go to the
+# screen and, with the fitted meshes and pictures of the worst fit, into a folder (OUT, else ./benchmark-experts).
+# HOMOLOG names the program (else build/release/homolog).
+set -euo pipefail
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+homolog=${HOMOLOG:-$root/build/release/homolog}
+out=${OUT:-benchmark-experts}
+if [ $# -lt 1 ] || [ ! -d "$1" ]; then
+  echo "usage: $0 FOLDER [--templates N] [--shown NAME,NAME] [--flip-mirrored] [--vertices N]" >&2
+  exit 2
+fi
+folder=$1
+shift
+
+shapes=()
+for mesh in "$folder"/*.ply; do
+  name=${mesh%.ply}
+  if [ -e "$name.mrk.json" ] || [ -e "$name.json" ]; then shapes+=("$mesh"); fi
+done
+if [ ${#shapes[@]} -lt 2 ]; then
+  echo "$folder: holds fewer than two surfaces NAME.ply with landmarks NAME.mrk.json" >&2
+  exit 1
+fi
+raters=()
+if [ -e "$folder/raters.csv" ]; then raters=(--raters "$folder/raters.csv"); fi
+
+report=$("$homolog" study experts "${shapes[@]}" --landmarks "$folder" "${raters[@]}" -o "$out" "$@" --json)
+cat "$out/experts.md"
+
+# The worst fit, and beside it point drift to the same subject: the same hue is the same vertex.
+worst=$(printf '%s' "$report" | sed -n 's/.*"worst":{"template":"[^"]*","subject":"[^"]*","mean_mm":[^,]*,"mesh":"\([^"]*\)".*/\1/p')
+if [ -n "$worst" ]; then
+  echo
+  if "$homolog" picture correspondence "$worst" "${worst%-fit.ply}-drift.ply" -o "$out/worst.png" > /dev/null; then
+    echo "Worst fit: $worst, drawn in $out/worst.png (left the fit, right point drift)"
+  else
+    echo "Worst fit: $worst (no picture of it could be drawn)"
+  fi
+fi

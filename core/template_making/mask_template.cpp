@@ -17,7 +17,7 @@ namespace {
 
 // Shares of the organ's size.
 constexpr double auto_width_share = 0.035;
-constexpr double widest_share = 0.4;  ///< that is looked for where a number of tunnels is asked for
+constexpr double widest_share = 0.6;  ///< that is looked for where a number of tunnels is asked for
 
 std::string number(double value, int digits = 1) {
   char text[32];

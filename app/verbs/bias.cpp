@@ -1,4 +1,5 @@
 #include "app/verbs/experiment.h"
+#include "app/verbs/read_image.h"
 #include "app/verbs/subjects.h"
 
 // The verb `study bias`: how much results depend on the subject that the template was made from.

@@ -555,7 +555,7 @@ TEST_CASE("a femur keeps its small features when it is fitted to another") {
     return file;
   };
   const MeshFile own = femur("fem_z009_R"), there = femur("fem_z066_R");
-  MeshFile even = template_file(make_mesh_template(own, 2500).value().mesh, {});
+  MeshFile even = template_file(make_mesh_template(own, {.vertices = 2500}).value().mesh, {});
   even.landmarks = own.landmarks;
   const Mesh surface{Topology::make(there.points.rows(), there.triangles).value(), there.points};
   const auto fit = fit_to_boundary(*make_template(even, "femur").value(), mesh_boundary(surface)).value();

@@ -15,7 +15,7 @@ using namespace homolog;
 namespace {
 
 /// An organ with two bumps, not in correspondence with the others: each lies on a sphere of its own vertices.
-Boundary organ(int subject) {
+Boundary bias_organ(int subject) {
   Mesh mesh = icosphere(3, 40);
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
     const Eigen::AngleAxisd turn(0.3 * subject, Vec3(1, 2, 3).normalized());
@@ -32,7 +32,7 @@ Boundary organ(int subject) {
 
 std::vector<Boundary> organs(int count) {
   std::vector<Boundary> all;
-  for (int k = 0; k < count; ++k) all.push_back(organ(k));
+  for (int k = 0; k < count; ++k) all.push_back(bias_organ(k));
   return all;
 }
 
@@ -71,7 +71,7 @@ TEST_CASE("a consensus template does not depend on the order of its subjects and
 TEST_CASE("template bias is small where templates agree and the same for any number of threads") {
   std::vector<BiasSubject> subjects;
   for (int k = 0; k < 3; ++k) {
-    subjects.push_back({"s" + std::to_string(k), organ(k), {}});
+    subjects.push_back({"s" + std::to_string(k), bias_organ(k), {}});
     const Points& points = subjects.back().boundary.surface.points;
     subjects.back().landmarks = {{"left", points.row(5).transpose()}, {"right", points.row(60).transpose()}};
   }
@@ -102,7 +102,7 @@ TEST_CASE("the modified RV coefficient is 1 for one morphospace and 0 for none i
 TEST_CASE("mirror images among subjects are found and flipped back") {
   std::vector<Boundary> subjects;
   for (int k = 0; k < 3; ++k) {
-    Boundary one = organ(k);
+    Boundary one = bias_organ(k);
     for (Eigen::Index i = 0; i < one.surface.points.rows(); ++i) {
       auto p = one.surface.points.row(i);
       p.x() += 0.01 * p.y() * p.z() + 0.006 * p.y() * p.y();  // no plane of symmetry
@@ -119,7 +119,7 @@ TEST_CASE("mirror images among subjects are found and flipped back") {
 
 TEST_CASE("a consensus of one subject is refused and a cancelled one says so") {
   CHECK(consensus_template(organs(1)).error().what.find("two") != std::string::npos);
-  CHECK(template_bias({{"a", organ(0), {}}, {"b", organ(1), {}}}).error().what.find("three") != std::string::npos);
+  CHECK(template_bias({{"a", bias_organ(0), {}}, {"b", bias_organ(1), {}}}).error().what.find("three") != std::string::npos);
   Progress progress;
   progress.cancel();
   CHECK(consensus_template(organs(2), {.vertices = 200, .progress = &progress}).error().what.find("cancelled") !=

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <doctest/doctest.h>
+#include <filesystem>
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +61,7 @@ struct OrganScan {
       const double turn = 2.1 * static_cast<double>(k);
       file.landmarks.push_back({names[k], 20 * Vec3(std::sin(turn), 0, std::cos(turn))});
     }
-    const fs::path path = folder.path / file_name;
+    const std::filesystem::path path = folder.path / file_name;
     REQUIRE(write_mesh_file(file, path));
     return new_document((folder.path / "scan.nii").string(), image(), test::must(load_template(path.string())));
   }

@@ -13,6 +13,7 @@
 namespace homolog {
 namespace {
 
+constexpr int most_parts = 200;        ///< that are rebuilt together
 constexpr double wreck_share = 0.005;  ///< of the faces: so many faults, and the mesh is of no use
 constexpr double far_share = 0.01;     ///< of the diagonal: so far from the surface on average, and it is said
 
@@ -82,7 +83,8 @@ class Meshing {
   /// From voxels, as a label is.
   Result<void> rebuild() {
     const Rasterising how = rasterising_for(surface_, options_.vertices);
-    const Volume voxels = rasterised(whole_, how);
+    // Each part is rasterised by itself: of very many only the largest is.
+    const Volume voxels = rasterised(whole_.topology->components() > most_parts ? surface_ : whole_, how);
     MaskTemplateOptions as_label;
     as_label.vertices = options_.vertices;
     as_label.closing_mm = options_.closing_mm;

@@ -68,6 +68,7 @@ void check_job(const Desktop& desktop, std::size_t files, const Job& job, int re
     const auto replayed = desktop.take_files();
     CHECK(replayed.size() == by_hand.size());
     for (const auto& [name, bytes] : by_hand) {
+      if (name.ends_with(".h5.json")) continue;  // it holds the time at which it was made
       REQUIRE_MESSAGE(replayed.contains(name), name);
       CHECK_MESSAGE(replayed.at(name) == bytes, name, " is another");
     }
@@ -83,10 +84,9 @@ void pick_file(Driver& driver, const fs::path& file) {
 void open_image(Driver& driver, const fs::path& image, const char* button) {
   driver.app().send(OpenFiles{{image}});  // dropped on the window
   driver.settle();
-  driver.click("side panel/Template");
+  if (!driver.has(button)) driver.click("side panel/Template");
   driver.click(button);
   driver.settle();
-  driver.click("side panel/Template");
   REQUIRE(driver.document().has_shape());
 }
 
@@ -245,7 +245,7 @@ TEST_CASE("a template of one's own comes out of its log with the same bytes") {
   check_job(desktop, 2, [&](Driver& driver) {
     driver.app().send(OpenFiles{{image}});
     driver.settle();
-    driver.click("side panel/Template");
+    if (!driver.has("Template/Open a label map…")) driver.click("side panel/Template");
     driver.click("Template/Open a label map…");
     pick_file(driver, labels);
     driver.type_into("Template/Vertices/value", "600");
@@ -258,6 +258,7 @@ TEST_CASE("a template of one's own comes out of its log with the same bytes") {
     driver.wait_until("the case has it", [&] { return driver.document().has_shape(); });
     driver.settle();
     // A region is painted and a landmark named, and the template saved with both.
+    if (!driver.has("Template/Add")) driver.click("side panel/Template");
     driver.type_into("new region", "pole");
     driver.click("Template/Add");
     driver.settle();
@@ -269,7 +270,7 @@ TEST_CASE("a template of one's own comes out of its log with the same bytes") {
     pick_file(driver, desktop.out / "mine.ply");
     driver.settle();
     driver.click("side panel/Template");
-    driver.click("side panel/Place");
+    if (!driver.has("Place/Fit to the label")) driver.click("side panel/Place");
     driver.click("Place/Fit to the label");
     driver.wait_until("the fit is done", [&] { return driver.state().last_fit.has_value(); });
     driver.settle();

@@ -76,7 +76,8 @@ Points mean_of(const ShapeMatrix& fits) {
 }  // namespace
 
 Result<Mesh> own_template(const Boundary& subject, int vertices) {
-  auto made = make_mesh_template({subject.surface.points, subject.surface.topology->triangles()}, {.vertices = vertices});
+  auto made =
+      make_mesh_template({subject.surface.points, subject.surface.topology->triangles()}, {.vertices = vertices});
   if (!made) return fail(made.error());
   return std::move(made->mesh);
 }

@@ -47,9 +47,9 @@ std::vector<Mesh> parts_of(const Mesh& mesh);
 
 /// A manifold surface from whatever faces a file holds. Vertices within a millionth of the size are made one unless the
 /// surface is sound as it is. Where more than two faces meet at an edge they are paired so that solids that only touch
-/// there come apart [Gueziec 2001, Cutting and Stitching], by a hundredth of an edge. Parts of less than a hundredth of the largest part's area
-/// are crumbs. A sound surface comes back with the same vertices in the same order. Tunnels stay. Errors: no face is
-/// left.
+/// there come apart [Gueziec 2001, Cutting and Stitching], by a hundredth of an edge. Parts of less than a hundredth of
+/// the largest part's area are crumbs. A sound surface comes back with the same vertices in the same order. Tunnels
+/// stay. Errors: no face is left.
 Result<MeshRepair> repaired(const MeshFile& surface, const RepairOptions& options = {});
 
 /// The mesh as it is where it is sound; else mended, small holes closed.

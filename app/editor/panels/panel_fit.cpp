@@ -133,7 +133,7 @@ void draw_last_fit(const Theme& theme, const Fitted& fitted) {
 /// How far the fit is, or how good the last one was; always of the same height, so that nothing below moves.
 void draw_fit_figures(const UiContext& ui) {
   const Theme& theme = ui.theme;
-  const float end_px = ImGui::GetCursorPosY() + 2 * theme.px(22);
+  const float end_px = ImGui::GetCursorPosY() + 3 * theme.px(22);
   const bool fitting = ui.fitter.busy() && !ui.fitter.refining();
   if (fitting) {
     explanation(theme, format("Fitting: %.0f %%", 100 * ui.fitter.fraction()));

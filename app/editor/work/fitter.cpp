@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "app/editor/work/model_help.h"
-#include "core/mesh/isosurface.h"
 #include "core/adapt/judge_fit.h"
 #include "core/assist/assist.h"
+#include "core/mesh/isosurface.h"
 #include "core/model/model_prior.h"
 
 namespace homolog {

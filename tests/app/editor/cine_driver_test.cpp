@@ -87,7 +87,7 @@ TEST_CASE("frames in doubt are shown one after the other and volumes are written
     if (frame % 2 == 0) carried.doubt = "shows less of the boundary than other frames";
     REQUIRE(session.apply(carried));
   }
-  Driver driver(session.document());
+  Driver driver(session.document(), {1280, 1400, 1});
   driver.point_at("Cine/Next in doubt");
   CHECK(driver.shows("2 of 4"));
   driver.click("Cine/Next in doubt");

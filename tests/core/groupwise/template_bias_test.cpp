@@ -119,7 +119,8 @@ TEST_CASE("mirror images among subjects are found and flipped back") {
 
 TEST_CASE("a consensus of one subject is refused and a cancelled one says so") {
   CHECK(consensus_template(organs(1)).error().what.find("two") != std::string::npos);
-  CHECK(template_bias({{"a", bias_organ(0), {}}, {"b", bias_organ(1), {}}}).error().what.find("three") != std::string::npos);
+  CHECK(template_bias({{"a", bias_organ(0), {}}, {"b", bias_organ(1), {}}}).error().what.find("three") !=
+        std::string::npos);
   Progress progress;
   progress.cancel();
   CHECK(consensus_template(organs(2), {.vertices = 200, .progress = &progress}).error().what.find("cancelled") !=

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <set>
 
+#include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
 #include "app/verbs/read_image.h"
@@ -16,7 +16,6 @@
 #include "core/base/statistics.h"
 #include "core/case/action_json.h"
 #include "core/catalogue/catalogue.h"
-#include "core/mesh/landmark_io.h"
 #include "core/mesh/mirror.h"
 #include "core/model/model_prior.h"
 #include "core/model/statismo.h"
@@ -31,9 +30,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Of two landmarks' distance in the template: so near to each other they were placed by mistake.
-constexpr double one_place_share = 1e-4;
-
 struct Options {
   std::string template_source, orientation = "patient";
   std::vector<fs::path> masks, meshes;
@@ -46,6 +42,7 @@ struct Options {
 
   bool to_meshes() const { return !meshes.empty(); }
   const std::vector<fs::path>& cases() const { return to_meshes() ? meshes : masks; }
+  LandmarkFiles landmark_files() const { return {landmarks, template_source, cases().size() > 1}; }
 };
 
 /// What all cases of a run share, read once.
@@ -120,92 +117,6 @@ Result<Target> read_target(const Options& options, const fs::path& path, Eigen::
   return Target{started, std::move(*boundary), std::move(mask->volume), mask->label};
 }
 
-/// "case_1" of "folder/case_1.nii.gz".
-std::string case_name(const fs::path& path) {
-  fs::path name = path.filename();
-  if (name.extension() == ".gz") name = name.stem();
-  return name.stem().string();
-}
-
-/// The landmarks of a case, by the template's names.
-struct CaseLandmarks {
-  std::map<std::string, Vec3> places;
-  std::vector<std::string> warnings;
-};
-
-/// The file of a case's landmarks: the one given, or that of the case's name in the folder given; empty without one.
-fs::path landmark_file(const Options& options, const fs::path& path) {
-  if (!fs::is_directory(options.landmarks)) return options.landmarks;
-  for (const std::string_view extension : landmark_extensions)
-    if (const fs::path file = options.landmarks / (case_name(path) + std::string(extension)); fs::exists(file))
-      return file;
-  return {};
-}
-
-std::string quoted(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "\"" : ", \"") + name + "\"";
-  return text;
-}
-
-/// Takes out landmarks that lie at one place with another, since nobody knows which of them is right; gives their
-/// names.
-std::vector<std::string> take_coincident(const Template& the_template, std::map<std::string, Vec3>& places) {
-  std::map<std::string, Vec3> own;
-  for (const Landmark& landmark : the_template.landmarks) own[landmark.name] = landmark.position;
-  std::vector<std::string> coincident;
-  for (const auto& [one, at] : places)
-    if (std::any_of(places.begin(), places.end(), [&, one = one, at = at](const auto& other) {
-          return other.first != one &&
-                 (other.second - at).norm() <= one_place_share * (own.at(other.first) - own.at(one)).norm();
-        }))
-      coincident.push_back(one);
-  for (const std::string& name : coincident) places.erase(name);
-  return coincident;
-}
-
-/// Errors, where one case is fitted: no points, names that the template lacks, several points at one place. Among
-/// several cases these are warnings.
-Result<CaseLandmarks> landmarks_of(const Options& options, const Template& the_template, const fs::path& path) {
-  CaseLandmarks landmarks;
-  if (options.landmarks.empty()) return landmarks;
-  const bool several = options.cases().size() > 1;
-  const fs::path file = landmark_file(options, path);
-  if (file.empty()) {
-    const std::string what =
-        "has no landmark file in " + options.landmarks.string() + " (" + case_name(path) + ".mrk.json, .fcsv or .json)";
-    if (!several) return fail(path.string(), what + "; put one there, or name the file itself");
-    landmarks.warnings.push_back(what + ", so it was fitted without landmarks");
-    return landmarks;
-  }
-  const auto read = read_landmarks(file);
-  if (!read) return fail(read.error());
-  if (read->empty()) {
-    if (!several) return fail(file.string(), "holds no points; place the landmarks and save it again");
-    landmarks.warnings.push_back("its landmark file holds no points, so it was fitted without landmarks");
-    return landmarks;
-  }
-  std::vector<std::string> known, unknown;
-  for (const Landmark& landmark : the_template.landmarks) known.push_back(landmark.name);
-  for (const Landmark& landmark : *read) {
-    if (std::find(known.begin(), known.end(), landmark.name) == known.end())
-      unknown.push_back(landmark.name);
-    else
-      landmarks.places[landmark.name] = landmark.position;
-  }
-  if (const auto names = take_coincident(the_template, landmarks.places); !names.empty()) {
-    const std::string what = "has " + quoted(names) + " at one place";
-    if (!several) return fail(file.string(), what + "; place each where it belongs, or keep only one of them");
-    landmarks.warnings.push_back("its landmark file " + what + "; they were left out");
-  }
-  if (unknown.empty()) return landmarks;
-  const std::string what = "names " + quoted(unknown) + ", which the template " + options.template_source + " lacks; " +
-                           (known.empty() ? "it has no landmarks" : "it has " + quoted(known));
-  if (!several) return fail(file.string(), what + "; rename each as in the template, or leave it out");
-  landmarks.warnings.push_back("its landmark file " + what + "; they were left out");
-  return landmarks;
-}
-
 MeshFile fitted_file(const Template& the_template, const FitResult& fit) {
   MeshFile file = to_mesh_file(the_template);
   file.points = fit.mesh.points;
@@ -224,17 +135,12 @@ Json described_allowed(const Points& allowed, const Mesh& mesh, const Mesh& boun
 
 /// How far vertices and landmarks may lie from where they belong.
 Json described_doubt(const Template& the_template, const FitResult& fit) {
-  std::vector<double> sorted(fit.doubt_mm.begin(), fit.doubt_mm.end());
-  std::sort(sorted.begin(), sorted.end());
-  Json doubt{{"mean", fit.doubt_mm.mean()}, {"p95", quantile(sorted, 0.95)}, {"max", fit.doubt_mm.maxCoeff()}};
+  const std::vector<double> each(fit.doubt_mm.begin(), fit.doubt_mm.end());
+  Json doubt{{"mean", fit.doubt_mm.mean()}, {"p95", quantile(each, 0.95)}, {"max", fit.doubt_mm.maxCoeff()}};
   if (the_template.landmarks.empty()) return doubt;
   Json of_landmarks = Json::object();
   for (std::size_t k = 0; k < the_template.landmarks.size(); ++k) {
-    const auto& at = the_template.landmark_points[k];
-    const auto corners = the_template.topology->triangles().row(at.face);
-    double mm = 0;
-    for (int c = 0; c < 3; ++c) mm += at.weights[c] * fit.doubt_mm[corners[c]];
-    of_landmarks[the_template.landmarks[k].name] = mm;
+    of_landmarks[the_template.landmarks[k].name] = value_at_landmark(the_template, k, fit.doubt_mm);
   }
   doubt["landmarks"] = std::move(of_landmarks);
   return doubt;
@@ -265,7 +171,7 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
                         Progress& progress) {
   auto target = read_target(options, path, shared.the_template->points.rows(), progress);
   if (!target) return fail(target.error());
-  auto landmarks = landmarks_of(options, *shared.the_template, path);
+  auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, path);
   if (!landmarks) return fail(landmarks.error());
   FitOptions fitting = shared.fit;
   fitting.landmarks = std::move(landmarks->places);
@@ -297,7 +203,7 @@ Result<Similarity> start_in_image(const Shared& shared, const CaseLandmarks& lan
 }
 
 Result<Report> fit_image(const Options& options, const Shared& shared, Progress& progress) {
-  const auto landmarks = landmarks_of(options, *shared.the_template, options.image);
+  const auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, options.image);
   if (!landmarks) return fail(landmarks.error());
   const auto placement = start_in_image(shared, *landmarks);
   if (!placement) return fail(options.image.string(), placement.error().what);
@@ -346,31 +252,12 @@ Result<std::vector<fs::path>> outputs_of(const Options& options) {
   std::map<std::string, fs::path> taken;
   std::vector<fs::path> outputs;
   for (const fs::path& path : options.cases()) {
-    const auto [other, is_new] = taken.emplace(case_name(path), path);
+    const auto [other, is_new] = taken.emplace(case_name_of(path), path);
     if (!is_new)
       return fail(path.string(), "would be written to the same file as " + other->second.string() + "; rename one");
     outputs.push_back(options.out / (other->first + ".ply"));
   }
   return outputs;
-}
-
-/// Files of the landmark folder that belong to no case, which is most often a name that was written differently.
-std::vector<std::string> landmarks_of_no_case(const Options& options) {
-  if (!fs::is_directory(options.landmarks)) return {};
-  std::set<fs::path> used;
-  for (const fs::path& path : options.cases()) used.insert(landmark_file(options, path));
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(options.landmarks, error))
-    if (is_landmark_name(entry.path()) && !used.contains(entry.path()))
-      names.push_back(entry.path().filename().string());
-  if (names.empty()) return {};
-  std::sort(names.begin(), names.end());
-  const std::size_t all = names.size(), most = 5;
-  names.resize(std::min(all, most));
-  return {options.landmarks.string() + ": holds " + quoted(names) +
-          (all > most ? " and " + std::to_string(all - most) + " more" : "") +
-          ", which belongs to no case; give each file its case's name"};
 }
 
 Result<Report> fit_many(const Options& options, const Shared& shared, Progress& progress) {
@@ -384,7 +271,7 @@ Result<Report> fit_many(const Options& options, const Shared& shared, Progress& 
       [&](std::size_t i, Progress& own) { return fit_case(options, shared, paths[i], (*outputs)[i], own); }, progress);
   if (progress.cancelled()) return fail("", "the fit was cancelled; the meshes finished so far are kept");
   Report report;
-  report.warnings = landmarks_of_no_case(options);
+  report.warnings = landmarks_of_no_case(options.landmark_files(), options.cases());
   Json cases = Json::array();
   std::size_t failed = 0;
   for (std::size_t i = 0; i < results.size(); ++i) {

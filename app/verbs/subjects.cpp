@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
 #include "app/verbs/read_image.h"
@@ -15,16 +16,15 @@ namespace {
 
 Result<std::vector<Landmark>> landmarks_beside(const SubjectFiles& files, const std::string& name) {
   if (files.landmarks.empty()) return std::vector<Landmark>();
-  for (const char* extension : {".mrk.json", ".json"})
-    if (const fs::path file = files.landmarks / (name + extension); fs::exists(file)) return read_landmarks(file);
-  return fail(name, "has no landmark file in " + files.landmarks.string() + " (" + name + ".mrk.json or " + name +
-                        ".json); put one there, or leave the case out");
+  if (const fs::path file = landmark_file_in(files.landmarks, name); !file.empty()) return read_landmarks(file);
+  return fail(name, "has no landmark file in " + files.landmarks.string() + " (" + name +
+                        ".mrk.json, .fcsv or .json); put one there, or leave the case out");
 }
 
 Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& path,
                                      std::vector<std::string>& warnings, Progress& progress) {
   BiasSubject subject;
-  subject.name = subject_name(path);
+  subject.name = case_name_of(path);
   if (is_mesh_name(path)) {
     const auto mesh = read_mesh(path);
     if (!mesh) return fail(mesh.error());
@@ -65,19 +65,13 @@ void flip_subject(BiasSubject& subject) {
 
 }  // namespace
 
-std::string subject_name(const fs::path& path) {
-  fs::path name = path.filename();
-  if (name.extension() == ".gz") name = name.stem();
-  return name.stem().string();
-}
-
 Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress) {
   std::vector<fs::path> paths = with_folders_opened(files.files);
   std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {
-    return std::pair(subject_name(a), a.string()) < std::pair(subject_name(b), b.string());
+    return std::pair(case_name_of(a), a.string()) < std::pair(case_name_of(b), b.string());
   });
   for (std::size_t k = 1; k < paths.size(); ++k)
-    if (subject_name(paths[k]) == subject_name(paths[k - 1]))
+    if (case_name_of(paths[k]) == case_name_of(paths[k - 1]))
       return fail(paths[k].string(), "has the name of " + paths[k - 1].string() + "; rename one of them");
   if (paths.empty()) return fail(files.files.front().string(), "holds no surfaces; name the files themselves");
   SubjectsRead read;

@@ -12,7 +12,7 @@ namespace homolog {
 /// Organs to make a template of or to study: surfaces, or label maps.
 struct SubjectFiles {
   std::vector<std::filesystem::path> files;  ///< a folder stands for the surfaces in it
-  std::filesystem::path landmarks;           ///< a folder with NAME.mrk.json or NAME.json for each; empty: none
+  std::filesystem::path landmarks;           ///< a folder with a file for each [landmark_file_in]; empty: none
   std::vector<int> labels;                   ///< of label maps: see read_mask
   std::optional<double> closing_mm;          ///< see label_boundary
   int vertices = 2500;
@@ -29,8 +29,5 @@ struct SubjectsRead {
 /// of most others are flipped with their landmarks. Errors: a file that cannot be read, two of one name, a folder
 /// without surfaces, cancelled.
 Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress);
-
-/// "case_1" of "folder/case_1.nii.gz".
-std::string subject_name(const std::filesystem::path& path);
 
 }  // namespace homolog

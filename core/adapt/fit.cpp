@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <span>
 
 #include "core/adapt/annealing.h"
@@ -43,12 +44,6 @@ struct FitStart {
   Points points;  ///< n×3, LPS mm
   Annealing annealing;
 };
-
-double area_mm2(const Mesh& mesh) {
-  double area = 0;
-  for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f) area += area_normal(mesh, f).norm() / 2;
-  return area;
-}
 
 /// What an adaptation made of a start.
 struct Adapted {
@@ -172,22 +167,21 @@ class Fitting {
 
   /// Several ways onto the boundary, averaged by how little they strain the shape.
   Result<void> adapt_from_starts() {
-    std::vector<Adapted>& ways = ways_;
     const std::vector<FitStart> all = starts();
     for (const FitStart& start : all) {
-      part_of_progress_ = {ways.size(), all.size() + 1};
+      part_of_progress_ = {ways_.size(), all.size() + 1};
       auto adapted = adapt(start);
       if (!adapted) return fail(adapted.error());
-      ways.push_back(std::move(*adapted));
+      ways_.push_back(std::move(*adapted));
     }
-    part_of_progress_ = {ways.size(), all.size() + 1};
-    const Adapted& plain = ways.front();
+    part_of_progress_ = {ways_.size(), all.size() + 1};
+    const Adapted& plain = ways_.front();
     const auto keep_plain = [&] {
       shape_ = plain.shape;
       return Result<void>{};
     };
     // Landmarks have told the plain fit where things belong, so that it counts like the others.
-    const std::span matched = std::span(ways).subspan(warped() ? 0 : 1);
+    const std::span matched = std::span(ways_).subspan(warped() ? 0 : 1);
     if (matched.empty() || !average(matched, plain.force_mm2)) return keep_plain();
     start_ = rest_of(shape_.mesh.points);
     if (auto done = settle(); !done || warped()) return done;
@@ -202,15 +196,19 @@ class Fitting {
 
   /// The mean of those that lie on the boundary; false where there is none. `force_mm2`: that the plain fit left.
   bool average(std::span<const Adapted> ways, double force_mm2) {
+    const auto counts = [&](const Adapted& way) { return way.force_mm2 <= no_nearer * force_mm2 && way.strain > 0; };
+    double least_strain = std::numeric_limits<double>::infinity();
+    for (const Adapted& way : ways)
+      if (counts(way)) least_strain = std::min(least_strain, way.strain);
     Points sum = Points::Zero(reference_.points.rows(), 3);
     double weights = 0;
     for (const Adapted& way : ways) {
-      if (way.force_mm2 > no_nearer * force_mm2 || !(way.strain > 0)) continue;
-      const double weight = std::pow(way.strain, -less_strain_counts);
+      if (!counts(way)) continue;
+      const double weight = std::pow(least_strain / way.strain, less_strain_counts);
       sum += weight * way.shape.mesh.points;
       weights += weight;
     }
-    if (!(weights > 0)) return false;
+    if (weights == 0) return false;
     shape_.mesh.points = sum / weights;
     shape_.refit();
     return true;
@@ -310,7 +308,7 @@ class Fitting {
     if (!ways_.empty()) spread_mm2 /= static_cast<double>(ways_.size());
     const double strained = ways_.empty() ? strain() : ways_.front().strain;
     const double everywhere = least_doubt * least_doubt + doubt_by_strain * doubt_by_strain * strained;
-    return (spread_mm2.array() + everywhere * area_mm2(mesh)).sqrt();
+    return (spread_mm2.array() + everywhere * surface_area_mm2(mesh)).sqrt();
   }
 
   FitResult finish() {

@@ -47,10 +47,8 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
                        const FitResult& fit) {
   FitJudgement judgement;
   judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
-  double area_mm2 = 0;
-  for (Eigen::Index f = 0; f < boundary.surface.topology->triangles().rows(); ++f)
-    area_mm2 += area_normal(boundary.surface, f).norm() / 2;
-  if (fit.doubt_mm.size() > 0) judgement.doubt_share = fit.doubt_mm.mean() / std::sqrt(area_mm2);
+  if (fit.doubt_mm.size() > 0)
+    judgement.doubt_share = fit.doubt_mm.mean() / std::sqrt(surface_area_mm2(boundary.surface));
   judgement.mirrored = looks_mirrored(the_template, boundary, options.orientation);
   judgement.doubtful =
       judgement.mirrored || judgement.doubt_share > most_doubt || is_doubtful(judgement.agreement, boundary);

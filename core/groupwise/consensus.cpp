@@ -23,16 +23,10 @@ namespace {
 
 constexpr int coarse_vertices = 800;  ///< enough to tell left from right
 
-double area_mm2(const Mesh& mesh) {
-  double twice = 0;
-  for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f) twice += area_normal(mesh, f).norm();
-  return twice / 2;
-}
-
 /// The subjects by size, equal ones by their points: an order that no list of files decides.
 std::vector<std::size_t> by_size(const std::vector<Boundary>& subjects) {
   std::vector<double> areas;
-  for (const Boundary& subject : subjects) areas.push_back(area_mm2(subject.surface));
+  for (const Boundary& subject : subjects) areas.push_back(surface_area_mm2(subject.surface));
   std::vector<std::size_t> order(subjects.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -139,7 +133,7 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
     const Points before = aligned_to(consensus.mesh.points, mean, Alignment::similarity);
     consensus.moved_mm = std::sqrt((mean - before).squaredNorm() / static_cast<double>(mean.rows()));
     consensus.mesh.points = mean;
-    consensus.rests = consensus.moved_mm < options.rests_share * std::sqrt(area_mm2(consensus.mesh));
+    consensus.rests = consensus.moved_mm < options.rests_share * std::sqrt(surface_area_mm2(consensus.mesh));
     consensus.mesh = made_even(consensus.mesh, options.vertices);
     ++consensus.rounds;
   }

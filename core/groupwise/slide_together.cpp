@@ -20,16 +20,6 @@ constexpr double step = 0.5;  ///< of the way to what is expected, since all sha
 
 using Row6 = Eigen::Matrix<double, 1, 6>;
 
-double area_mm2(const Topology& topology, const Points& points) {
-  double twice = 0;
-  for (Eigen::Index f = 0; f < topology.triangles().rows(); ++f) {
-    const auto t = topology.triangles().row(f);
-    const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
-    twice += (b - a).cross(c - a).norm();
-  }
-  return twice / 2;
-}
-
 /// Mean over the rows of the variance over the columns.
 double variance_over_shapes(const ShapeMatrix& shapes) {
   const Eigen::VectorXd mean = shapes.rowwise().mean();
@@ -80,7 +70,7 @@ class Sliding {
     double size_mm = 0, edge_mm = 0;
     const auto count = static_cast<double>(shapes_.cols());
     for (Eigen::Index k = 0; k < shapes_.cols(); ++k) {
-      size_mm += std::sqrt(area_mm2(*topology_, points_of(aligned_, k))) / count;
+      size_mm += std::sqrt(surface_area_mm2({topology_, points_of(aligned_, k)})) / count;
       edge_mm += mean_edge_mm(*topology_, points_of(aligned_, k)) / count;
     }
     const double deviation_mm = std::sqrt(variance_over_shapes(aligned_));

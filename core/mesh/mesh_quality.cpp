@@ -68,10 +68,9 @@ MeshQuality mesh_quality(const Mesh& mesh) {
   MeshQuality quality;
   measure_edges(mesh, quality);
   quality.min_angle_deg = 180;
-  for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f) {
-    quality.area_mm2 += area_normal(mesh, f).norm() / 2;
+  for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f)
     quality.min_angle_deg = std::min(quality.min_angle_deg, smallest_angle_deg(mesh, f));
-  }
+  quality.area_mm2 = surface_area_mm2(mesh);
   const Eigen::Index vertices = mesh.topology->vertices();
   quality.valence_min = static_cast<int>(vertices);
   for (Eigen::Index i = 0; i < vertices; ++i) {

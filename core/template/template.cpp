@@ -53,6 +53,10 @@ Vec3 carried_landmark(const Template& the_template, std::size_t landmark, const 
   return the_template.landmark_points[landmark].interpolate(*the_template.topology, points).transpose();
 }
 
+double value_at_landmark(const Template& the_template, std::size_t landmark, const VertexScalars& values) {
+  return the_template.landmark_points[landmark].interpolate(*the_template.topology, values)[0];
+}
+
 std::vector<Landmark> carried_landmarks(const Template& the_template, const Points& points) {
   std::vector<Landmark> carried = the_template.landmarks;
   for (std::size_t k = 0; k < carried.size(); ++k) carried[k].position = carried_landmark(the_template, k, points);

@@ -40,4 +40,7 @@ std::pair<Points, Points> matched_landmarks(const Template& the_template, const 
 Vec3 carried_landmark(const Template& the_template, std::size_t landmark, const Points& points);
 std::vector<Landmark> carried_landmarks(const Template& the_template, const Points& points);
 
+/// What a value given per vertex is at a landmark of the template.
+double value_at_landmark(const Template& the_template, std::size_t landmark, const VertexScalars& values);
+
 }  // namespace homolog

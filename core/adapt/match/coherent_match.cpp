@@ -54,8 +54,7 @@ Eigen::MatrixXd squared_distances(const Points& a, const Points& b) {
 
 CoherentMatch::Samples CoherentMatch::samples_of(const Mesh& mesh, const std::vector<Index>& at) {
   Samples samples{mesh.points(at, Eigen::all), vertex_normals(mesh)(at, Eigen::all), {}};
-  double area_mm2 = 0;
-  for (Index f = 0; f < mesh.topology->triangles().rows(); ++f) area_mm2 += area_normal(mesh, f).norm() / 2;
+  const double area_mm2 = surface_area_mm2(mesh);
   // The denser the samples, the less each stands for. A count of what lies nearest to each would hang on ties.
   const double spacing_mm2 = area_mm2 / static_cast<double>(at.size());
   const Eigen::VectorXd share = (squared_distances(samples.points, samples.points).array() / (-2 * spacing_mm2))

@@ -12,7 +12,6 @@ namespace {
 
 constexpr double least_dice = 0.9;
 constexpr double most_share = 0.04, most_mean_share = 0.01;  ///< of the diagonal
-constexpr double most_doubt = 0.06;  ///< real organs of the template's kind come to 0.02 to 0.04
 
 bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
   const double diagonal_mm = bounds_of(boundary.surface.points).diagonal().norm();
@@ -31,7 +30,7 @@ std::optional<std::string> riddled(const Template& the_template) {
 
 /// Why the fit is doubtful.
 std::string poor_fit(const Agreement& agreement, double doubt_share) {
-  if (agreement.dice < least_dice || doubt_share > most_doubt)
+  if (agreement.dice < least_dice || doubt_share > most_doubt_share)
     return "the fit is poor; check that the template is not of another organ or side, and that the label is right";
   char text[200];
   std::snprintf(text, sizeof text,
@@ -51,7 +50,7 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
     judgement.doubt_share = fit.doubt_mm.mean() / std::sqrt(surface_area_mm2(boundary.surface));
   judgement.mirrored = looks_mirrored(the_template, boundary, options.orientation);
   judgement.doubtful =
-      judgement.mirrored || judgement.doubt_share > most_doubt || is_doubtful(judgement.agreement, boundary);
+      judgement.mirrored || judgement.doubt_share > most_doubt_share || is_doubtful(judgement.agreement, boundary);
   judgement.warnings = boundary.warnings;
   judgement.warnings.insert(judgement.warnings.end(), fit.warnings.begin(), fit.warnings.end());
   if (judgement.mirrored)

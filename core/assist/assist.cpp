@@ -40,6 +40,7 @@ Result<FitEdit> fit_document(const Document& document, const Boundary& boundary,
   if (!fit) return fail(fit.error());
   FitEdit edit;
   edit.action = points_edit(document, fit->mesh.points, "fit", fit->placement);
+  edit.action.doubt_mm = doubt_on_grid(fit->doubt_mm);
   edit.result = std::move(*fit);
   return edit;
 }
@@ -66,7 +67,7 @@ Result<SnapEdit> snap_document(const Document& document, const std::optional<Sna
   auto result = snap(*document.volume, document.frame, start, learned);
   if (!result) return fail(result.error());
   SnapEdit edit;
-  edit.action = points_edit(document, result->points, "snap");
+  edit.action = points_edit(document, result->points, by_snap);
   edit.result = std::move(*result);
   edit.result.points = *edit.action.points;
   return edit;

@@ -16,7 +16,13 @@ MeshFile to_mesh_file(const Document& document, int frame) {
   file.points = *shape.points;
   file.landmarks.clear();
   for (const auto& [name, position] : shape.landmarks) file.landmarks.push_back({name, position});
+  if (VertexScalars doubt_mm = doubt_left_mm(shape); doubt_mm.size() > 0) file.doubt_mm = std::move(doubt_mm);
   return file;
+}
+
+VertexScalars doubt_left_mm(const Shape& shape) {
+  if (!shape.doubt_mm) return {};
+  return shape.confirmed ? shape.doubt_mm->cwiseProduct((1 - shape.confirmed->array()).matrix()) : *shape.doubt_mm;
 }
 
 bool frame_is_known(const Shape& shape) {

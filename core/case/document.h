@@ -31,8 +31,12 @@ struct Shape {
   std::shared_ptr<const Points> unaided;           ///< see unaided_points; null: no model moved anything
   int strokes = 0;                                 ///< edits of P since it was last equal to R
   std::shared_ptr<const Points> carried;           ///< P as it came from other frames of a cine; null: it did not
-  std::string doubt;  ///< why what was carried here has to be looked at; empty: it need not
+  std::string doubt;                              ///< why what was carried here has to be looked at; empty: it need not
+  std::shared_ptr<const VertexScalars> doubt_mm;  ///< of the last fit [FitResult::doubt_mm]; null: there is none
 };
+
+/// What is still in doubt of `doubt_mm`: nothing where a vertex is confirmed. Empty where there is no doubt_mm.
+VertexScalars doubt_left_mm(const Shape& shape);
 
 /// Whether a person made a frame's mesh what it is: it was edited or confirmed since it came from other frames.
 bool frame_is_known(const Shape& shape);

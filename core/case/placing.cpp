@@ -56,6 +56,7 @@ void start_anew(const Template& the_template, Shape& shape) {
   shape.points = shape.reference = shape.placed;
   shape.decided.reset();
   shape.unaided.reset();
+  shape.doubt_mm.reset();
   shape.strokes = 0;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/base/json.h"
+#include "core/base/same_values.h"
 #include "core/case/action_json.h"
 #include "core/case/packed.h"
 #include "core/case/placing.h"
@@ -31,10 +32,6 @@ std::shared_ptr<const Array> unpacked_array(const Json& value, Eigen::Index rows
   return std::make_shared<const Array>(Eigen::Map<const Array>(numbers->data(), rows, columns));
 }
 
-bool same_values(const auto& a, const auto& b) {
-  return a == b || (a && b && *a == *b);
-}
-
 bool same_landmarks(const std::vector<Landmark>& a, const std::vector<Landmark>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const Landmark& x, const Landmark& y) { return x.name == y.name && x.position == y.position; });
@@ -51,7 +48,7 @@ bool same_shape(const Shape& a, const Shape& b) {
          same_values(a.placed, b.placed) && same_values(a.reference, b.reference) && same_values(a.points, b.points) &&
          same_values(a.confirmed, b.confirmed) && same_values(a.decided, b.decided) &&
          same_values(a.unaided, b.unaided) && same_values(a.carried, b.carried) && a.doubt == b.doubt &&
-         (a.reference == a.placed) == (b.reference == b.placed) &&
+         same_values(a.doubt_mm, b.doubt_mm) && (a.reference == a.placed) == (b.reference == b.placed) &&
          (a.points == a.reference) == (b.points == b.reference);
 }
 
@@ -93,6 +90,7 @@ Json json_of(const Shape& shape) {
   if (shape.carried)
     json["carried"] = same_values(shape.carried, shape.points) ? "points" : packed_array(*shape.carried);
   if (!shape.doubt.empty()) json["doubt"] = shape.doubt;
+  if (shape.doubt_mm) json["doubt_mm"] = packed_array(*shape.doubt_mm);
   return json;
 }
 
@@ -117,6 +115,7 @@ Shape shape_of(const Json& json, const Template& the_template) {
   shape.unaided = points("unaided", nullptr);
   shape.carried = json.value("carried", "") == "points" ? shape.points : points("carried", nullptr);
   shape.doubt = json.value("doubt", "");
+  shape.doubt_mm = scalars("doubt_mm");
   shape.strokes = json.at("strokes").get<int>();
   return shape;
 }
@@ -187,7 +186,7 @@ bool is_sound(const Shape& shape) {
   const auto finite = [](const auto& values) { return !values || values->allFinite(); };
   return check_placement(shape.placement) && finite(shape.points) && finite(shape.reference) &&
          finite(shape.confirmed) && finite(shape.decided) && finite(shape.unaided) && finite(shape.carried) &&
-         shape.strokes >= 0;
+         finite(shape.doubt_mm) && shape.strokes >= 0;
 }
 
 /// Whether a document is one that actions can make: a line that was damaged may be read and hold anything.

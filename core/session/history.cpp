@@ -31,6 +31,7 @@ void visit_arrays(const Document& document, const Visit& visit) {
     doubles(shape.decided);
     doubles(shape.unaided);
     doubles(shape.carried);
+    doubles(shape.doubt_mm);
   }
 }
 

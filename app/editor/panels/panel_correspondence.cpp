@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "app/editor/panels/ui_context.h"
@@ -67,14 +68,16 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
                 "Load a template first (Template). Then this section shows whether the mesh keeps its correspondence.");
     return;
   }
-  std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Regions", "Triangles", "Known"};
+  std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Regions", "Triangles", "Known", "Doubt"};
   std::vector<std::string> tips{"Each vertex in its own hue, the same in all cases",
                                 "Edge length: blue is shorter than on the template, red is longer",
                                 "How far each vertex has moved since placement and warp",
                                 "Stiffness factor: dark is soft, bright is stiff. Confirmed vertices are white",
                                 "Regions of the template in their colours",
                                 "Shape of the triangles: red is thin or turned over",
-                                "Which vertices are known: confirmed, or moved there by a stroke, a fit or a snap"};
+                                "Which vertices are known: confirmed, or moved there by a stroke, a fit or a snap",
+                                "How far from its place each vertex may lie along the surface (mm), as the last fit "
+                                "found. Confirmed vertices are white"};
   const Colouring shown = shown_colouring(ui.state);
   if (ui.state.confidence) {
     names.emplace_back("Confidence");
@@ -115,6 +118,17 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   faults("Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg),
          "Smallest angle of all triangles. Below 10\xc2\xb0 a triangle counts as thin", FindingKind::thin,
          q.min_angle_deg < thin_below_deg, palette::amber);
+  const char* doubt_tip =
+      "How far from its place a vertex may lie, as the last fit found: the mean, and the largest. Nine in ten lie "
+      "within "
+      "about 1.44 times this";
+  const bool much_doubt = std::any_of(q.findings.begin(), q.findings.end(),
+                                      [](const Finding& one) { return one.kind == FindingKind::doubtful; });
+  if (q.doubt_mean_mm)
+    faults("Doubt", format("%.1f mm, at most %.1f mm", *q.doubt_mean_mm, q.doubt_max_mm), doubt_tip,
+           FindingKind::doubtful, much_doubt, palette::amber);
+  else
+    figure(theme, "Doubt", "not known", doubt_tip);
   figure(theme, "Moved", format("%.1f mm, at most %.1f mm", q.moved_mean_mm, q.moved_max_mm),
          "How far vertices have moved since placement and warp: the mean, and the largest");
   faults("Turned triangles", format("%zu", q.turned),

@@ -49,14 +49,28 @@ const std::vector<Rgb>& confidence_scale() {
   return scale;
 }
 
+/// From sure to doubtful: the confidence, read from its other end.
+const std::vector<Rgb>& doubt_scale() {
+  static const std::vector<Rgb> scale(confidence_scale().rbegin(), confidence_scale().rend());
+  return scale;
+}
+
 constexpr double stretch_octaves = 1;  // the scale's ends: half and double the length
 
-/// The largest distance of the scale: a round number that the mesh fills.
-double moved_scale_mm(const Document& document) {
-  const double largest = moved_mm(document).maxCoeff();
+/// The largest distance of a scale: a round number that the mesh fills.
+double scale_mm(double largest) {
   for (const double step : {2.0, 5.0, 10.0, 20.0, 50.0})
     if (largest <= step) return step;
   return 100;
+}
+
+double moved_scale_mm(const Document& document) {
+  return scale_mm(moved_mm(document).maxCoeff());
+}
+
+double doubt_scale_mm(const Document& document) {
+  const VertexScalars doubt_mm = doubt_left_mm(document.shape());
+  return doubt_mm.size() == 0 ? 2 : scale_mm(doubt_mm.maxCoeff());
 }
 
 /// The largest factor of the scale; the factor 1 stays well below the white of confirmed regions.
@@ -162,6 +176,14 @@ std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, con
       whiten_confirmed();
       break;
     }
+    case Colouring::doubt: {
+      const VertexScalars doubt_mm = doubt_left_mm(document.shape());
+      std::fill(colours.begin(), colours.end(), no_region);
+      if (doubt_mm.size() > 0)
+        colour_by(doubt_mm, doubt_scale(), [most = doubt_scale_mm(document)](double mm) { return mm / most; });
+      whiten_confirmed();
+      break;
+    }
     case Colouring::confidence:
       if (confidence != nullptr) colour_by(*confidence, confidence_scale(), [](double sure) { return sure; });
       whiten_confirmed();
@@ -207,6 +229,10 @@ Legend colouring_legend(const Document& document, Colouring colouring) {
     case Colouring::known:
       return {
           "", "", "", {{1, 1, 1}, decided, left_open}, {"confirmed", "decided by hand, fit or snap", "not known yet"}};
+    case Colouring::doubt:
+      if (!document.shape().doubt_mm)
+        return {"", "", "", {no_region}, {"not known: fit the mesh to a label map first"}};
+      return {"0 mm", "", figure_text("%.0f mm", doubt_scale_mm(document)), doubt_scale(), {}};
     case Colouring::confidence:
       return {"no edge seen", "", "clear edge", confidence_scale()};
     case Colouring::quality:

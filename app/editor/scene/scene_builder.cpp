@@ -46,11 +46,12 @@ void SceneBuilder::update_mesh(const Input& input) {
   }
   const Colouring colouring = shown_colouring(input.state);
   const bool follows_shape = colouring == Colouring::edge_stretch || colouring == Colouring::moved ||
-                             colouring == Colouring::quality || colouring == Colouring::known;
+                             colouring == Colouring::quality || colouring == Colouring::known ||
+                             colouring == Colouring::doubt;
   // Frames may share their points but differ in what these are compared with, and in which of them are decided.
   const Shape& shape = document.shape();
-  const bool other_shape =
-      moved || decided_ != shape.decided || placed_ != shape.placed || compared_ != shape.reference;
+  const bool other_shape = moved || decided_ != shape.decided || doubt_mm_ != shape.doubt_mm ||
+                           placed_ != shape.placed || compared_ != shape.reference;
   const bool same = colours_ && colouring_ == colouring && response_ == response && stopped_ == stopped &&
                     stiffness_ == document.stiffness && regions_ == document.regions && confirmed_ == shape.confirmed &&
                     confidence_ == input.state.confidence && !(other_shape && follows_shape);
@@ -62,6 +63,7 @@ void SceneBuilder::update_mesh(const Input& input) {
   regions_ = document.regions;
   confirmed_ = shape.confirmed;
   decided_ = shape.decided;
+  doubt_mm_ = shape.doubt_mm;
   placed_ = shape.placed;
   compared_ = shape.reference;
   confidence_ = input.state.confidence;

@@ -51,6 +51,24 @@ void large_first(std::vector<Finding>& findings) {
                    [](const Finding& a, const Finding& b) { return a.count > b.count; });
 }
 
+/// The vertices for which something holds, in groups that hang together.
+std::vector<Finding> places_where(FindingKind kind, const Mesh& mesh,
+                                  const Eigen::Array<bool, Eigen::Dynamic, 1>& holds) {
+  Groups groups;
+  for (Eigen::Index v = 0; v < holds.size(); ++v) {
+    if (!holds[v]) continue;
+    const auto vertex = static_cast<std::int32_t>(v);
+    groups.join(vertex, vertex);
+    for (const std::int32_t next : mesh.topology->one_ring(v))
+      if (holds[next]) groups.join(vertex, next);
+  }
+  std::vector<Finding> findings;
+  for (const auto& [first, group] : groups.all())
+    findings.push_back({kind, middle_of(mesh.points, group), {}, group.size()});
+  large_first(findings);
+  return findings;
+}
+
 }  // namespace
 
 std::vector<Finding> findings_of(FindingKind kind, const Mesh& mesh, const std::vector<FacePair>& pairs) {
@@ -87,19 +105,11 @@ std::vector<Finding> findings_of(FindingKind kind, const Mesh& mesh, const std::
 }
 
 std::vector<Finding> unclear_edges(const Mesh& mesh, const VertexScalars& confidence) {
-  Groups groups;
-  for (Eigen::Index v = 0; v < confidence.size(); ++v) {
-    if (confidence[v] >= unclear_below) continue;
-    const auto vertex = static_cast<std::int32_t>(v);
-    groups.join(vertex, vertex);
-    for (const std::int32_t next : mesh.topology->one_ring(v))
-      if (confidence[next] < unclear_below) groups.join(vertex, next);
-  }
-  std::vector<Finding> findings;
-  for (const auto& [first, group] : groups.all())
-    findings.push_back({FindingKind::unclear, middle_of(mesh.points, group), {}, group.size()});
-  large_first(findings);
-  return findings;
+  return places_where(FindingKind::unclear, mesh, confidence.array() < unclear_below);
+}
+
+std::vector<Finding> doubtful_places(const Mesh& mesh, const VertexScalars& doubt_mm, double most_mm) {
+  return places_where(FindingKind::doubtful, mesh, doubt_mm.array() > most_mm);
 }
 
 std::string finding_words(FindingKind kind) {
@@ -112,6 +122,8 @@ std::string finding_words(FindingKind kind) {
       return "Thin triangles";
     case FindingKind::unclear:
       return "No clear edge in the image";
+    case FindingKind::doubtful:
+      return "In doubt since the fit";
     case FindingKind::suspicious:
       return "Unusual in the study";
   }

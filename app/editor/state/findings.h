@@ -15,6 +15,7 @@ enum class FindingKind {
   turned,        ///< triangles that look inwards
   thin,          ///< triangles with an angle below `thin_below_deg`
   unclear,       ///< vertices at which the last snap saw no clear edge
+  doubtful,      ///< vertices that the last fit leaves in much doubt
   suspicious     ///< unusual among the shapes of the study
 };
 inline constexpr double thin_below_deg = 10, unclear_below = 0.3;
@@ -34,6 +35,8 @@ using FacePair = std::array<std::int32_t, 2>;
 std::vector<Finding> findings_of(FindingKind kind, const Mesh& mesh, const std::vector<FacePair>& pairs);
 /// Where the confidence (one a vertex, 0…1) is below `unclear_below`; large ones first.
 std::vector<Finding> unclear_edges(const Mesh& mesh, const VertexScalars& confidence);
+/// Where the doubt (mm, one a vertex) is above `most_mm`; large ones first.
+std::vector<Finding> doubtful_places(const Mesh& mesh, const VertexScalars& doubt_mm, double most_mm);
 
 /// One that is looked at, and marked in all views.
 struct ShownFinding {

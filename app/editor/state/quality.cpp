@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/adapt/judge_fit.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
 
@@ -68,6 +69,12 @@ QualityFigures quality_figures(const Document& document) {
   const auto turned = turned_triangles(topology, placed, p);
   figures.turned = turned.size();
   figures.findings = findings(mesh, figures, turned);
+  const VertexScalars doubt_mm = doubt_left_mm(shape);
+  if (doubt_mm.size() == 0) return figures;
+  figures.doubt_mean_mm = doubt_mm.mean();
+  figures.doubt_max_mm = doubt_mm.maxCoeff();
+  const double most_mm = most_doubt_share * std::sqrt(quality.area_mm2);
+  for (Finding& place : doubtful_places(mesh, doubt_mm, most_mm)) figures.findings.push_back(std::move(place));
   return figures;
 }
 

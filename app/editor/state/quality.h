@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "app/editor/state/findings.h"
@@ -22,7 +23,9 @@ struct QualityFigures {
   bool all_intersecting = true;  ///< false: at least so many
   double moved_mean_mm = 0, moved_max_mm = 0;
   double volume_ml = 0;
-  std::vector<Finding> findings;  ///< what `turned`, `intersecting` and `min_angle_deg` are about, kind by kind
+  std::optional<double> doubt_mean_mm;  ///< over the vertices, of the last fit; none without one
+  double doubt_max_mm = 0;
+  std::vector<Finding> findings;  ///< what the figures above are about, kind by kind
   bool operator==(const QualityFigures&) const = default;
 };
 QualityFigures quality_figures(const Document& document);

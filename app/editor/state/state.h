@@ -27,7 +27,7 @@ namespace homolog {
 enum class MouseTool { pull, grab, slide, relax, place, landmark, stiffness, confirm, ruler, template_landmark };
 
 /// What the colours of the mesh mean.
-enum class Colouring { vertex_hue, edge_stretch, moved, stiffness, regions, quality, known, confidence };
+enum class Colouring { vertex_hue, edge_stretch, moved, stiffness, regions, quality, known, doubt, confidence };
 
 /// Where a slice view looks within its plane; the plane itself goes through the cross-hair.
 struct SlicePan {

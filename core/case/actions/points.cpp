@@ -1,5 +1,7 @@
 #include "core/case/actions/points.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "core/case/actions/decided.h"
@@ -12,6 +14,24 @@ namespace homolog {
 
 namespace {
 
+constexpr double doubt_steps_per_mm = 256;
+
+void spell_doubt_mm(Fields& line, std::size_t vertices, std::shared_ptr<const VertexScalars>& doubt_mm) {
+  std::string text;
+  if (doubt_mm) {
+    std::vector<std::uint32_t> steps;
+    for (const double mm : *doubt_mm) steps.push_back(static_cast<std::uint32_t>(mm * doubt_steps_per_mm));
+    text = packed<std::uint32_t>(steps);
+  }
+  line.optional("doubt_mm", text, doubt_mm != nullptr);
+  if (!line.reads() || text.empty()) return;
+  const auto steps = unpacked<std::uint32_t>(text, vertices);
+  if (!steps) throw Unreadable{steps.error().what};
+  VertexScalars read(static_cast<Eigen::Index>(vertices));
+  std::transform(steps->begin(), steps->end(), read.begin(), [](auto step) { return step / doubt_steps_per_mm; });
+  doubt_mm = std::make_shared<const VertexScalars>(std::move(read));
+}
+
 void spell_points(Fields& line, SetPoints& set) {
   std::vector<double> numbers;
   if (set.points) numbers.assign(set.points->data(), set.points->data() + set.points->size());
@@ -21,6 +41,7 @@ void spell_points(Fields& line, SetPoints& set) {
   line.optional("placement", set.placement);
   line.optional("of_frame", set.of_frame);
   line.optional("doubt", set.doubt, !set.doubt.empty());
+  spell_doubt_mm(line, numbers.size() / 3, set.doubt_mm);
   if (line.reads())
     set.points = std::make_shared<const Points>(
         Eigen::Map<const Points>(numbers.data(), static_cast<Eigen::Index>(numbers.size() / 3), 3));
@@ -38,10 +59,16 @@ void spell_moves(Fields& line, MovePoints& move) {
   constexpr std::int64_t most_vertices = 1 << 27;
   if (line.reads() && (vertices < 1 || vertices > most_vertices)) throw Unreadable{"\"landmarks\" is out of range"};
   moved.member("steps", steps);
-  if (!line.reads()) return;
+  if (!line.reads()) return spell_doubt_mm(line, static_cast<std::size_t>(vertices), move.doubt_mm);
   auto moves = unpacked<std::uint32_t>(steps, 3 * static_cast<std::size_t>(vertices));
   if (!moves) throw Unreadable{moves.error().what};
   move.moves = std::make_shared<const std::vector<std::uint32_t>>(std::move(*moves));
+  spell_doubt_mm(line, static_cast<std::size_t>(vertices), move.doubt_mm);
+}
+
+/// Whether vertices still lie where a fit put them along the surface: of that its doubt speaks.
+bool keeps_doubt(const std::string& by) {
+  return by == by_model || by == by_snap;
 }
 
 /// What an edit by `action` leaves of the shape without the model's help.
@@ -65,6 +92,8 @@ Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
                               std::to_string(the_template.points.rows()) + " vertices");
   }
   if (!action.points->allFinite()) return fail("points", "hold a coordinate that is no finite number");
+  if (action.doubt_mm && action.doubt_mm->size() != the_template.points.rows())
+    return fail("doubt_mm", "does not hold one number for each vertex");
   if (action.placement)
     if (auto usable = check_placement(*action.placement); !usable) return fail(usable.error());
   const int frame = action.of_frame.value_or(edit.before.frame);
@@ -83,6 +112,7 @@ Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
   shape.points = action.points;
   shape.carried = action.by == by_propagation ? action.points : nullptr;
   shape.doubt = action.doubt;
+  if (!keeps_doubt(action.by)) shape.doubt_mm = action.doubt_mm;
   ++shape.strokes;
   return EditReport{};
 }
@@ -110,7 +140,7 @@ const ActionKind<SetPoints>& action_kind(const SetPoints&) {
           "Vertices that moved count as known, except with `\"by\":\"model help\"` and "
           "`\"by\":\"refine\"`. `\"of_frame\":K`: of that frame of a cine, whichever is shown. "
           "`\"by\":\"propagate\"` says that the mesh came from other frames, and `\"doubt\"` why it has to be looked "
-          "at",
+          "at. `\"doubt_mm\":\"…\"`: a fit's doubt at each vertex, in steps of 2⁻⁸ mm, packed as `steps` are",
       .name = [](const SetPoints& set) { return name_of_points(set.by); },
       .spell = spell_points,
       .apply = apply_points};
@@ -128,6 +158,12 @@ const ActionKind<MovePoints>& action_kind(const MovePoints&) {
   return kind;
 }
 
+std::shared_ptr<const VertexScalars> doubt_on_grid(const VertexScalars& doubt_mm) {
+  constexpr double most_steps = std::numeric_limits<std::uint32_t>::max();
+  return std::make_shared<const VertexScalars>(
+      (doubt_mm * doubt_steps_per_mm).array().max(0).min(most_steps).round().matrix() / doubt_steps_per_mm);
+}
+
 SetPoints points_edit(const Document& document, const Points& points, std::string by,
                       const std::optional<Similarity>& placement) {
   SetPoints edit = points_edit(document, document.frame, points, std::move(by));
@@ -140,7 +176,7 @@ SetPoints points_edit(const Document& document, int frame, const Points& points,
   Points rounded = *shape_of_frame(document, frame).points;
   for (Eigen::Index k = 0; k < rounded.size(); ++k)
     if (const double to = points.data()[k]; to != rounded.data()[k]) rounded.data()[k] = on_grid(to);
-  return {std::move(by), std::nullopt, std::make_shared<const Points>(std::move(rounded)), frame, {}};
+  return {std::move(by), std::nullopt, std::make_shared<const Points>(std::move(rounded)), frame, {}, {}};
 }
 
 }  // namespace homolog

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/same_values.h"
 #include "core/case/actions/kind.h"
 
 namespace homolog {
@@ -14,6 +15,8 @@ namespace homolog {
 /// moved along the surface.
 inline constexpr const char* by_model = "model help";
 inline constexpr const char* by_refinement = "refine";
+/// Vertices went along their normals to the edge in the image.
+inline constexpr const char* by_snap = "snap";
 /// The mesh came from other frames of a cine: it does not make the frame a known one.
 inline constexpr const char* by_propagation = "propagate";
 /// Puts every vertex where an automatic step found it: a fit, a snap, a shape model. The points themselves are kept, so
@@ -24,9 +27,10 @@ struct SetPoints {
   std::shared_ptr<const Points> points;  ///< n×3, LPS mm
   std::optional<int> of_frame{};         ///< of a cine, where it is not the one that is shown
   std::string doubt{};                   ///< of a frame that was carried there: see Shape::doubt
+  std::shared_ptr<const VertexScalars> doubt_mm{};  ///< of a fit: see Shape::doubt_mm; on doubt_on_grid's grid
   bool operator==(const SetPoints& other) const {
     return by == other.by && placement == other.placement && of_frame == other.of_frame && doubt == other.doubt &&
-           (points == other.points || (points && other.points && *points == *other.points));
+           same_values(points, other.points) && same_values(doubt_mm, other.doubt_mm);
   }
 };
 const ActionKind<SetPoints>& action_kind(const SetPoints&);
@@ -38,12 +42,16 @@ struct MovePoints {
   std::shared_ptr<const std::vector<std::uint32_t>> moves;  ///< 3n, landmark by landmark; 0 stays
   std::optional<int> of_frame{};
   std::string doubt{};
+  std::shared_ptr<const VertexScalars> doubt_mm{};
   bool operator==(const MovePoints& other) const {
     return by == other.by && placement == other.placement && of_frame == other.of_frame && doubt == other.doubt &&
-           (moves == other.moves || (moves && other.moves && *moves == *other.moves));
+           same_values(moves, other.moves) && same_values(doubt_mm, other.doubt_mm);
   }
 };
 const ActionKind<MovePoints>& action_kind(const MovePoints&);
+
+/// A fit's doubt (mm, a value a vertex) as an edit keeps it: in steps of 2⁻⁸ mm.
+std::shared_ptr<const VertexScalars> doubt_on_grid(const VertexScalars& doubt_mm);
 
 /// The edit that gives a document this shape; coordinates that differ from those of `document` are rounded to 2⁻¹⁶ mm
 /// [moved_points.h].

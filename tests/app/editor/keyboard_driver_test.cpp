@@ -118,8 +118,8 @@ TEST_CASE("a whole job is done with keys alone") {
 
   const Points pulled = *driver.document().shape().points;
   driver.press('N');  // where the pointer was
-  driver.wait_until("the mesh has snapped", [&] { return driver.state().snapped.has_value(); });
-  CHECK((*driver.document().shape().points - pulled).rowwise().norm().maxCoeff() > 0.5);
+  driver.wait_until("the mesh has snapped",
+                    [&] { return (*driver.document().shape().points - pulled).rowwise().norm().maxCoeff() > 0.5; });
 
   // A menu: what was done is listed, and the last of it is taken back.
   driver.go_to("top bar/history");

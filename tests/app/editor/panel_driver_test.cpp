@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include "app/editor/scene/mesh_colouring.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/volume/volume_io.h"
@@ -57,6 +58,36 @@ TEST_CASE("nothing in the panel moves when a label map is opened or closed or fi
   driver.app().send(CloseLabels{});
   driver.settle();
   CHECK(moved() == "");
+}
+
+TEST_CASE("the doubt of a fit is an overlay with a legend and a figure") {
+  VolumeGeometry grid;
+  grid.dims = {50, 50, 50};
+  grid.spacing_mm.setConstant(1.6);
+  grid.origin_mm.setConstant(-40);
+  const TemporaryFolder folder;
+  const Volume labels = label_map(icosphere(3, 24), grid, 1);
+  const auto file = folder.path / "label.nii.gz";
+  REQUIRE(write_volume(labels, file));
+  Driver driver(new_document("", std::make_shared<const Volume>(labels), ball_template(20)), {1280, 3600, 1});
+  for (const char* section : {"Place", "Correspondence"}) driver.app().send(OpenSection{section, true});
+  driver.app().send(open_labels(file));
+  driver.wait_until("the label map is open", [&] { return driver.has("Place/Fit to the label"); });
+  driver.click("Correspondence/overlay/Doubt");
+  driver.settle();
+  CHECK(driver.shows("not known: fit the mesh to a label map first"));
+
+  driver.click("Place/Fit to the label");
+  driver.wait_until("the fit is done", [&] { return driver.shows("Dice"); });
+  driver.settle();
+  CHECK_FALSE(driver.shows("not known: fit the mesh to a label map first"));
+  driver.wait_until("the figure is there", [&] { return driver.shows(" mm, at most 1"); });
+  CHECK(driver.state().colouring == Colouring::doubt);
+  const Document& document = driver.document();
+  REQUIRE(document.shape().doubt_mm);
+  const auto colours = mesh_colours(document, Colouring::doubt, {}, 1);
+  CHECK(colouring_legend(document, Colouring::doubt).high == "2 mm");
+  CHECK(std::any_of(colours.begin(), colours.end(), [&](const Rgb& one) { return one != colours.front(); }));
 }
 
 TEST_CASE("a section that is opened at the panel's end is scrolled into view") {

@@ -280,6 +280,34 @@ TEST_CASE("what edits alone made of a shape goes along with edits of the aided o
   CHECK(shape().unaided == nullptr);
 }
 
+TEST_CASE("the doubt of a fit is kept until vertices are put elsewhere along the surface") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  const auto shape = [&]() -> const Shape& { return session.document().shape(); };
+  const Eigen::Index n = shape().points->rows();
+  SetPoints fit{"fit", std::nullopt, found_points(1.1)};
+  fit.doubt_mm = doubt_on_grid(VertexScalars::LinSpaced(n, 0.2, 4));
+  CHECK(doubt_left_mm(shape()).size() == 0);
+  REQUIRE(session.apply(fit));
+  CHECK((doubt_left_mm(shape()) - VertexScalars::LinSpaced(n, 0.2, 4)).cwiseAbs().maxCoeff() < 0.002);
+  REQUIRE(session.apply(SetPoints{by_snap, std::nullopt, found_points(1.12)}));
+  REQUIRE(session.apply(Confirm{Vec3(0, 0, -40), 12, true}));
+
+  const VertexScalars left = doubt_left_mm(shape());
+  REQUIRE(left.size() == n);
+  for (Eigen::Index i = 0; i < n; ++i) CHECK(left[i] == (*fit.doubt_mm)[i] * (1 - (*shape().confirmed)[i]));
+  CHECK(left.minCoeff() == 0);
+  CHECK(*to_mesh_file(session.document(), 0).doubt_mm == left);
+  CHECK(doubt_left_mm(read_case(folder.case_path)->session.document().shape()) == left);
+
+  REQUIRE(session.apply(SetPoints{by_propagation, std::nullopt, found_points(1)}));
+  CHECK(doubt_left_mm(shape()).size() == 0);
+  REQUIRE(session.apply(Undo{}));
+  CHECK(doubt_left_mm(shape()) == left);
+  fit.doubt_mm = doubt_on_grid(VertexScalars::Ones(n - 1));
+  CHECK_FALSE(session.apply(fit));
+}
+
 TEST_CASE("a stroke is kept exactly as its preview showed it") {
   const CaseFolder folder;
   EditSession session = folder.create();

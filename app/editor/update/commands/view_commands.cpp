@@ -11,9 +11,9 @@ namespace homolog {
 
 namespace {
 
-constexpr std::array finding_names{"intersecting", "turned", "thin", "unclear", "suspicious"};
-constexpr std::array colouring_names{"landmark hue", "edge stretch", "moved", "stiffness",
-                                     "regions",      "quality",      "known", "confidence"};
+constexpr std::array finding_names{"intersecting", "turned", "thin", "unclear", "doubtful", "suspicious"};
+constexpr std::array colouring_names{"landmark hue", "edge stretch", "moved", "stiffness", "regions",
+                                     "quality",      "known",        "doubt", "confidence"};
 
 }  // namespace
 

@@ -38,7 +38,7 @@ struct Options {
   SnapArguments snap;  ///< for an image
   std::vector<int> labels;
   std::optional<double> closing_mm;
-  bool mirror = false;
+  bool mirror = false, partial = false;
 
   bool to_meshes() const { return !meshes.empty(); }
   const std::vector<fs::path>& cases() const { return to_meshes() ? meshes : masks; }
@@ -78,6 +78,7 @@ Result<Shared> shared_of(const Options& options) {
     if (!placement) return fail(placement.error());
     shared.fit.placement = *placement;
   }
+  shared.fit.partial = options.partial;
   if (options.model.empty()) return shared;
   const auto model = read_model(options.model);
   if (!model) return fail(model.error());
@@ -117,11 +118,15 @@ Result<Target> read_target(const Options& options, const fs::path& path, Eigen::
   return Target{started, std::move(*boundary), std::move(mask->volume), mask->label};
 }
 
-MeshFile fitted_file(const Template& the_template, const FitResult& fit) {
+MeshFile fitted_file(const Template& the_template, const FitResult& fit, bool partial) {
   MeshFile file = to_mesh_file(the_template);
   file.points = fit.mesh.points;
   file.landmarks = fit.landmarks;
   if (fit.doubt_mm.size() > 0) file.doubt_mm = fit.doubt_mm;
+  if (partial) {
+    file.outlier = VertexScalars::Zero(fit.mesh.points.rows());
+    for (const std::int32_t i : fit.outliers) (*file.outlier)[i] = 1;
+  }
   if (!fit.unseen.empty()) file.comments.push_back("homolog.unseen " + Json(fit.unseen).dump());
   return file;
 }
@@ -147,7 +152,7 @@ Json described_doubt(const Template& the_template, const FitResult& fit) {
 }
 
 Report report_of(const Target& target, const Template& the_template, const FitResult& fit,
-                 const FitJudgement& judgement, int frame, double seconds) {
+                 const FitJudgement& judgement, bool partial, int frame, double seconds) {
   const Agreement& agreement = judgement.agreement;
   Report report;
   report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", agreement.dice}};
@@ -162,6 +167,10 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
                             {"placement", to_json(fit.placement)},
                             {"seconds", seconds}});
   report.values["doubt_mm"] = described_doubt(the_template, fit);
+  if (partial) {
+    report.values["outliers"] = fit.outliers.size();
+    report.values["sound_mm"] = judgement.sound_mm;
+  }
   if (fit.allowed.size() > 0)
     report.values["model"] = described_allowed(fit.allowed, fit.mesh, target.boundary.surface);
   return report;
@@ -179,10 +188,11 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
   const auto fit = fit_to_boundary(*shared.the_template, target->boundary, fitting);
   if (!fit) return fail(path.string(), fit.error().what);
   const double seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
-  if (auto written = write_mesh_file(fitted_file(*shared.the_template, *fit), out); !written)
+  if (auto written = write_mesh_file(fitted_file(*shared.the_template, *fit, options.partial), out); !written)
     return fail(written.error());
   const FitJudgement judgement = judge_fit(*shared.the_template, target->boundary, fitting, *fit);
-  Report report = report_of(*target, *shared.the_template, *fit, judgement, options.snap.frame, seconds);
+  Report report =
+      report_of(*target, *shared.the_template, *fit, judgement, options.partial, options.snap.frame, seconds);
   report.warnings = std::move(landmarks->warnings);
   report.warnings.insert(report.warnings.end(), judgement.warnings.begin(), judgement.warnings.end());
   report.warnings = about(path, std::move(report.warnings));
@@ -233,7 +243,7 @@ Result<Report> fit_image(const Options& options, const Shared& shared, Progress&
   fit.mesh = mesh;
   fit.unseen = snapped->unseen;
   fit.landmarks = carried_landmarks(the_template, mesh.points);
-  if (auto written = write_mesh_file(fitted_file(the_template, fit), options.out); !written)
+  if (auto written = write_mesh_file(fitted_file(the_template, fit, false), options.out); !written)
     return fail(written.error());
   Report report = snap_report(*snapped, mesh, placed, options.image);
   report.values["placement"] = to_json(nearest_similarity(the_template.points, mesh.points, *placement));
@@ -305,6 +315,8 @@ Result<Report> fit(const Options& options, Progress& progress) {
 void check(const Options& options) {
   const int kinds = !options.masks.empty() + !options.meshes.empty() + !options.image.empty();
   if (kinds != 1) throw CLI::RequiredError("exactly one of --mask, --mesh and --image");
+  if (!options.image.empty() && options.partial)
+    throw CLI::ValidationError("--partial", "is for label maps and surfaces");
   if (!options.image.empty()) return;
   if (options.cases().size() == 1) return;
   if (is_mesh_name(options.out))
@@ -349,6 +361,9 @@ void add_fit(CLI::App& app, CommandLine& asked) {
       ->needs(model)
       ->capture_default_str();
   add_snap_arguments(*verb, options->snap);
+  verb->add_flag("--partial", options->partial,
+                 "Parts of the organ may be missing: they are found, left to the template's shape or the model's, and "
+                 "marked as outlier in the mesh");
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->callback([options, &asked] {
     check(*options);

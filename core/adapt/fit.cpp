@@ -9,6 +9,7 @@
 #include "core/adapt/annealing.h"
 #include "core/adapt/boundary/boundary_search.h"
 #include "core/adapt/boundary/boundary_warp.h"
+#include "core/adapt/boundary/cut_faces.h"
 #include "core/adapt/match/coherent_match.h"
 #include "core/adapt/untangle.h"
 #include "core/deform/fold_guard.h"
@@ -35,6 +36,8 @@ constexpr double less_strain_counts = 12;  ///< the power of the strain by which
 constexpr double least_doubt = 0.012, doubt_by_strain = 0.12;
 constexpr double no_nearer = 1.5;  ///< times the force left: a mesh farther off the boundary counts for nothing
 constexpr int settling_steps = 3;
+/// Of the mesh's diagonal: how far a partial fit looks for counterparts, at first and at last.
+constexpr double widest_reach = 0.1, closest_reach = 0.015;
 constexpr double easing_edges = 1;      ///< mean edges: folds of the template finer than about this are eased
 constexpr double landmark_weight = 10;  ///< of a named place against a vertex on the boundary
 constexpr double trusted = 0.5;         ///< a landmark below is called a blunder
@@ -44,6 +47,41 @@ struct FitStart {
   Points points;  ///< n×3, LPS mm
   Annealing annealing;
 };
+
+/// The vertices without a counterpart (`found` is 0), as most of their surroundings are.
+std::vector<std::int32_t> missing_places(const Mesh& mesh, VertexScalars found) {
+  constexpr int rounds = 5;
+  constexpr double fewest = 0.005;  // of the vertices, else none is missing
+  for (int round = 0; round < rounds; ++round) {
+    const VertexScalars before = found;
+    for (Eigen::Index i = 0; i < found.size(); ++i) {
+      double sum = before[i], count = 1;
+      for (const std::int32_t j : mesh.topology->one_ring(i)) sum += before[j], ++count;
+      found[i] = 2 * sum > count ? 1 : 0;
+    }
+  }
+  std::vector<std::int32_t> missing;
+  for (Eigen::Index i = 0; i < found.size(); ++i)
+    if (found[i] == 0) missing.push_back(static_cast<std::int32_t>(i));
+  return static_cast<double>(missing.size()) < fewest * static_cast<double>(found.size()) ? std::vector<std::int32_t>()
+                                                                                          : missing;
+}
+
+/// The boundary with those of its flat faces marked that are cuts through the organ.
+Boundary without_cuts(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
+  Boundary own = boundary;
+  const auto flat = flat_faces(boundary.surface);
+  if (flat.empty()) return own;
+  const Placed placed =
+      find_placement(the_template, boundary, {options.landmarks, options.orientation, options.placement, true});
+  const Mesh there{the_template.topology, placed.placement.apply(the_template.points)};
+  for (const auto& face : flat) {
+    if (!is_cut(boundary.surface, face, there)) continue;
+    own.cut.resize(static_cast<std::size_t>(boundary.surface.topology->triangles().rows()), 0);
+    for (const std::int32_t f : face) own.cut[static_cast<std::size_t>(f)] = 1;
+  }
+  return own;
+}
 
 /// What an adaptation made of a start.
 struct Adapted {
@@ -56,9 +94,9 @@ class Fitting {
  public:
   Fitting(const Template& the_template, const Boundary& boundary, const FitOptions& options)
       : reference_(the_template),
-        boundary_(boundary),
         options_(options),
-        search_(boundary, the_template.points.rows()),
+        boundary_(options.partial ? without_cuts(the_template, boundary, options) : boundary),
+        search_(boundary_, the_template.points.rows()),
         solver_(the_template.topology) {
     shape_.factors = the_template.stiffness / the_template.stiffness.mean();
   }
@@ -108,8 +146,8 @@ class Fitting {
             "",
             "the placement puts the template beside the organ; correct it, or leave it out to let the fit find one");
     }
-    const Placed found =
-        find_placement(reference_, boundary_, {options_.landmarks, options_.orientation, options_.placement});
+    const Placed found = find_placement(
+        reference_, boundary_, {options_.landmarks, options_.orientation, options_.placement, options_.partial});
     shape_.placement = found.placement;
     trust_ = found.trust.size() == own.rows() ? found.trust : VertexScalars::Ones(own.rows());
     say_of_landmarks((shape_.placement.apply(own) - there).rowwise().norm());
@@ -150,7 +188,7 @@ class Fitting {
   /// cuts the organ off there is no whole to match with.
   std::vector<FitStart> starts() const {
     std::vector<FitStart> all{{shape_.mesh.points, from_placement}};
-    if (!boundary_.scan_edges.empty()) return all;
+    if (!boundary_.scan_edges.empty() || options_.partial) return all;
     KnownMatches known{Points(trust_.size(), 3), matched_landmarks(reference_, options_.landmarks).second, trust_};
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < reference_.landmarks.size(); ++k)
@@ -239,8 +277,18 @@ class Fitting {
 
   Result<void> anneal_to_boundary(const Annealing& annealing) {
     return anneal(
-        shape_, solver_, annealing, [this](const Mesh& mesh, double) { return force(mesh); },
+        shape_, solver_, annealing,
+        [this](const Mesh& mesh, double share) {
+          if (options_.partial) search_.set_reach_mm(reach_mm(share));
+          return force(mesh);
+        },
         [this](double share) { return show(0.1 + 0.7 * share); });
+  }
+
+  /// How far apart counterparts may lie while parts may be missing. It shrinks as the mesh comes to the boundary.
+  double reach_mm(double share) const {
+    const double size_mm = bounds_of(shape_.placement.apply(reference_.points)).diagonal().norm();
+    return widest_reach * std::pow(closest_reach / widest_reach, share) * size_mm;
   }
 
   /// Smooths the reference that the annealing keeps to. A deep fold that the case does not have would stay behind:
@@ -321,6 +369,7 @@ class Fitting {
     result.self_intersections = self_intersections(mesh).size();
     for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
       if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
+    if (options_.partial) result.outliers = missing_places(mesh, search_.nearest(mesh).weights);
     result.landmarks = carried_landmarks(reference_, mesh.points);
     result.landmarks_used = static_cast<std::size_t>((trust_.array() >= trusted).count());
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
@@ -338,8 +387,8 @@ class Fitting {
   }
 
   const Template& reference_;
-  const Boundary& boundary_;
   const FitOptions& options_;
+  const Boundary boundary_;
   BoundarySearch search_;
   ShapeSolver solver_;
   Adapting shape_;             ///< its reference is `start_`, eased while the mesh anneals

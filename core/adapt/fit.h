@@ -18,6 +18,8 @@ struct FitOptions {
   std::optional<Similarity> placement;    ///< where to start; found where absent
   std::map<std::string, Vec3> landmarks;  ///< named places on the organ, LPS mm; others' names are left out
   Orientation orientation = Orientation::patient;
+  /// The boundary may lack parts of the organ, or have what is not the organ's: see FitResult::outliers.
+  bool partial = false;
   std::shared_ptr<const AllowedShapes> allowed;  ///< shapes to look among first; null: any
   Progress* progress = nullptr;
   /// Called after each step with the shape so far, on the thread that fits.
@@ -34,6 +36,8 @@ struct FitResult {
   Points allowed;                    ///< the nearest of the allowed shapes (n×3); empty where any was allowed
   std::vector<Landmark> landmarks;   ///< the template's, carried along on the surface
   std::vector<std::int32_t> unseen;  ///< vertices beyond the scan's edge, where the shape follows the template
+  /// Of a partial fit, in rising order: vertices whose places the boundary lacks; the shape follows the template there.
+  std::vector<std::int32_t> outliers;
   std::size_t turned_triangles = 0, self_intersections = 0;
   std::size_t landmarks_used = 0;     ///< of those given: that pulled on the mesh
   bool landmarks_place = false;       ///< three or more were used, so that they had a say in the placement too

@@ -5,6 +5,7 @@
 
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/surface_search.h"
 
 namespace homolog {
 
@@ -40,6 +41,23 @@ std::string poor_fit(const Agreement& agreement, double doubt_share) {
   return text;
 }
 
+/// Judges what the boundary shows of a partial fit.
+void judge_partial(const Boundary& boundary, const FitResult& fit, FitJudgement& judgement) {
+  constexpr double most_missing = 0.6;
+  const Points& points = fit.mesh.points;
+  const SurfaceSearch search(boundary.surface);
+  std::vector<char> missing(static_cast<std::size_t>(points.rows()), 0);
+  for (const std::int32_t i : fit.outliers) missing[static_cast<std::size_t>(i)] = 1;
+  double sum_mm = 0;
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    if (missing[static_cast<std::size_t>(i)] == 0)
+      sum_mm += (search.nearest(points.row(i)).position - Vec3(points.row(i))).norm();
+  const auto there = static_cast<double>(points.rows() - std::ssize(fit.outliers));
+  judgement.sound_mm = there > 0 ? sum_mm / there : 0;
+  judgement.doubtful = there < (1 - most_missing) * static_cast<double>(points.rows()) ||
+                       judgement.sound_mm > most_mean_share * bounds_of(boundary.surface.points).diagonal().norm();
+}
+
 }  // namespace
 
 FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, const FitOptions& options,
@@ -48,9 +66,10 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
   if (fit.doubt_mm.size() > 0)
     judgement.doubt_share = fit.doubt_mm.mean() / std::sqrt(surface_area_mm2(boundary.surface));
-  judgement.mirrored = looks_mirrored(the_template, boundary, options.orientation);
+  judgement.mirrored = !options.partial && looks_mirrored(the_template, boundary, options.orientation);
   judgement.doubtful =
       judgement.mirrored || judgement.doubt_share > most_doubt_share || is_doubtful(judgement.agreement, boundary);
+  if (options.partial) judge_partial(boundary, fit, judgement);
   judgement.warnings = boundary.warnings;
   judgement.warnings.insert(judgement.warnings.end(), fit.warnings.begin(), fit.warnings.end());
   if (judgement.mirrored)

@@ -32,6 +32,7 @@ struct MeshFile {
   Triangles triangles;                             ///< m×3; empty for a `.particles` file
   std::optional<VertexScalars> stiffness;          ///< per-vertex factors, > 0
   double stiffness_base = default_stiffness_base;  ///< `comment homolog.stiffness_base B`; w_i = base × factor_i
+  std::optional<VertexScalars> outlier;            ///< of a partial fit, 1: see FitResult::outliers; kept by PLY only
   std::optional<VertexScalars> doubt_mm;           ///< of a fit, per vertex: see FitResult; kept by PLY only
   Regions regions;                    ///< `comment homolog.region {"name":…,"factor":…,"colour":"#rrggbb"}`
   std::vector<Landmark> landmarks;    ///< `comment homolog.landmark {"name":…,"position":[x,y,z]}`

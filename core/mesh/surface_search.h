@@ -23,6 +23,15 @@ struct SurfacePoint {
   }
 };
 
+/// Whether a point lies on a boundary loop of the surface.
+inline bool on_rim(const Topology& topology, const SurfacePoint& at) {
+  constexpr double nothing = 1e-9;
+  const auto t = topology.triangles().row(at.face);
+  for (int c = 0; c < 3; ++c)
+    if (at.weights[c] > nothing && !topology.on_rim(t[c])) return false;
+  return true;
+}
+
 /// Bounding-volume hierarchy over the faces of one shape; a picture of the points at construction (or last refit).
 class SurfaceSearch {
  public:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,9 +25,13 @@ struct Boundary {
   Mesh surface;                       ///< outward oriented
   std::vector<ScanEdge> scan_edges;   ///< where the organ is cut off by the scan
   std::vector<std::string> warnings;  ///< each a sentence
+  /// Of each face: 1 where it is a cut through the organ and not its boundary [cut_faces.h]; empty: none is.
+  std::vector<std::uint8_t> cut;
 
   /// Whether the scan shows what is at `p`: false beyond a scan edge, and on the flat face that the cut leaves.
   bool shows(const Vec3& p) const;
+  /// Whether a face of the surface is the organ's own.
+  bool is_own(std::int32_t face) const { return cut.empty() || cut[static_cast<std::size_t>(face)] == 0; }
 };
 
 /// The boundary of a label: its largest part with cavities filled, and with everything that a ball of radius

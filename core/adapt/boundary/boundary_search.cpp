@@ -24,7 +24,7 @@ BoundarySearch::BoundarySearch(const Boundary& boundary, Eigen::Index vertices)
   const Eigen::Index stride = 1 + count / vertices;
   for (Eigen::Index v = 0; v < count; v += stride) {
     const Vec3 position = surface.points.row(v);
-    if (boundary.shows(position))
+    if (boundary.shows(position) && boundary.is_own(surface.topology->faces_of(v).front()))
       samples_.push_back({position, normals_.row(v), static_cast<double>(stride) * area[v], {}});
   }
   likely_faces_.assign(static_cast<std::size_t>(vertices), 0);
@@ -51,6 +51,9 @@ std::optional<BoundarySearch::Counterpart> BoundarySearch::counterpart(const Vec
     }
   }
   if (!found || !boundary_.shows(found->position)) return std::nullopt;
+  if (partial() && ((found->position - p).norm() > reach_mm_ || !boundary_.is_own(found->at.face) ||
+                    on_rim(*boundary_.surface.topology, found->at)))
+    return std::nullopt;
   return Counterpart{found->position, normal_at(found->at).stableNormalized()};
 }
 
@@ -87,7 +90,8 @@ BoundaryPull BoundarySearch::pull(const Mesh& mesh) {
     // Of normals that go on over edges: a sample that lies nearest to a corner is as near to several faces, and which
     // of them is named hangs on rounding.
     const Vec3 facing = own.at.interpolate(*mesh.topology, normals).transpose().stableNormalized();
-    if (facing.dot(sample.normal) < same_way) continue;
+    if (facing.dot(sample.normal) < same_way || (partial() && (own.position - sample.position).norm() > reach_mm_))
+      continue;
     const auto corners = mesh.topology->triangles().row(own.at.face);
     for (int c = 0; c < 3; ++c) {
       const double weight = own.at.weights[c] * sample.area_mm2 / area_a_vertex;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -17,6 +19,10 @@ class BoundarySearch {
   /// `boundary` outlives the search; `vertices`: of the meshes to come, which decides the number of samples.
   BoundarySearch(const Boundary& boundary, Eigen::Index vertices);
 
+  /// From now on the boundary may lack parts: counterparts farther apart than this count for nothing, nor do those on
+  /// the rim of an opening.
+  void set_reach_mm(double reach_mm) { reach_mm_ = reach_mm; }
+
   BoundaryPull pull(const Mesh& mesh);
 
   /// The nearest boundary point to each vertex that faces the same way and that the scan shows; the weight is 0 where
@@ -29,6 +35,7 @@ class BoundarySearch {
     double area_mm2 = 0;
     SurfaceSearch::Nearest on_mesh;  ///< at the last call
   };
+  bool partial() const { return std::isfinite(reach_mm_); }
   Vec3 normal_at(const SurfacePoint& at) const;
   struct Counterpart {
     Vec3 position, normal;
@@ -39,7 +46,7 @@ class BoundarySearch {
   SurfaceSearch search_;
   Points normals_;
   std::vector<Sample> samples_;
-  double area_mm2_ = 0;
+  double area_mm2_ = 0, reach_mm_ = std::numeric_limits<double>::infinity();
   std::optional<SurfaceSearch> mesh_;       ///< refitted from call to call
   std::vector<std::int32_t> likely_faces_;  ///< of the boundary, per vertex
 };

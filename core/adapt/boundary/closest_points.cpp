@@ -15,7 +15,9 @@ constexpr Eigen::Index surface_samples = 300;  ///< of each surface
 /// how many places on it one may say so independently.
 constexpr double surface_deviation_share = 0.02, independent_places = 100;
 constexpr double blunders = 0.05;  ///< share of named places that are no places of that name
-constexpr int most_steps = 100;
+/// Of the diagonal: surfaces farther apart have no counterpart, where parts may be missing. And how much a place of the
+/// template counts there against one of the boundary, which is mostly the organ's.
+constexpr double missing_share = 0.05, missing_counts = 0.4;
 
 constexpr double near_the_end = 2e-3;  ///< of the organ's size: such steps and shorter ones are near the end
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
@@ -33,6 +35,7 @@ struct ClosestPoints::State {
   struct Gap {
     Vec3 at, normal;  ///< of the placed template; away from the boundary along `normal`
     double mm = 0;
+    double weight = 1;  ///< less where one of the surfaces seems to lack the place
   };
   Similarity placement;
   std::vector<Gap> gaps;
@@ -50,8 +53,11 @@ struct ClosestPoints::System {
   }
 };
 
-ClosestPoints::ClosestPoints(const Template& the_template, const Boundary& boundary)
-    : boundary_(boundary), on_boundary_(boundary.surface), on_template_({the_template.topology, the_template.points}) {
+ClosestPoints::ClosestPoints(const Template& the_template, const Boundary& boundary, bool partial)
+    : boundary_(boundary),
+      on_boundary_(boundary.surface),
+      on_template_({the_template.topology, the_template.points}),
+      partial_(partial) {
   const auto sampled = [](const Points& points, std::vector<Vec3>& samples) {
     const Eigen::Index stride = 1 + points.rows() / surface_samples;
     for (Eigen::Index i = 0; i < points.rows(); i += stride) samples.push_back(points.row(i));
@@ -59,6 +65,8 @@ ClosestPoints::ClosestPoints(const Template& the_template, const Boundary& bound
   sampled(the_template.points, own_);
   sampled(boundary.surface.points, there_);
   std::erase_if(there_, [&](const Vec3& p) { return !boundary.shows(p); });
+  if (!boundary.cut.empty())
+    std::erase_if(there_, [&](const Vec3& p) { return !boundary.is_own(on_boundary_.nearest(p).at.face); });
   diagonal_mm_ = bounds_of(boundary.surface.points).diagonal().norm();
   const double deviation_mm = surface_deviation_share * diagonal_mm_;
   sample_weight_ =
@@ -71,11 +79,14 @@ ClosestPoints::State ClosestPoints::look(const Similarity& placement, const Plac
   State state{placement, {}, likely_faces, VertexScalars::Ones(places.own.rows()), 0, 0};
   state.faces.resize(own_.size() + there_.size(), 0);
   auto face = state.faces.begin();
-  const auto add = [&](const Vec3& at, const Vec3& apart, const auto& facing) {
+  const double missing_mm = missing_share * diagonal_mm_;
+  const auto add = [&](const Vec3& at, const Vec3& apart, const auto& facing, double counts) {
     const double mm = apart.norm();
     constexpr double touching = 1e-9;
-    state.gaps.push_back({at, mm > touching * diagonal_mm_ ? Vec3(apart / mm) : facing(), mm});
-    state.squares_mm2 += mm * mm;
+    // Geman and McClure's: the square of a short distance, and missing_mm's of any long one.
+    const double kept = partial_ ? 1 / (1 + mm * mm / (missing_mm * missing_mm)) : 1;
+    state.gaps.push_back({at, mm > touching * diagonal_mm_ ? Vec3(apart / mm) : facing(), mm, counts * kept * kept});
+    state.squares_mm2 += counts * kept * mm * mm;
   };
   for (const Vec3& p : own_) {
     const Vec3 placed = placement.apply(p);
@@ -84,8 +95,14 @@ ClosestPoints::State ClosestPoints::look(const Similarity& placement, const Plac
     const auto nearest = on_boundary_.nearest(placed, likely);
     likely = nearest.at.face;
     if (!boundary_.shows(nearest.position)) continue;
-    add(placed, placed - nearest.position,
-        [&] { return area_normal(on_boundary_.mesh(), nearest.at.face).stableNormalized(); });
+    if (partial_ && (!boundary_.is_own(nearest.at.face) || on_rim(*boundary_.surface.topology, nearest.at))) {
+      state.squares_mm2 += missing_counts * missing_mm * missing_mm;
+      continue;
+    }
+    add(
+        placed, placed - nearest.position,
+        [&] { return area_normal(on_boundary_.mesh(), nearest.at.face).stableNormalized(); },
+        partial_ ? missing_counts : 1);
   }
   const Similarity back = placement.inverse();
   for (const Vec3& p : there_) {
@@ -93,9 +110,10 @@ ClosestPoints::State ClosestPoints::look(const Similarity& placement, const Plac
     const auto nearest = on_template_.nearest(back.apply(p), likely);
     likely = nearest.at.face;
     const Vec3 placed = placement.apply(nearest.position);
-    add(placed, placed - p, [&] {
-      return Vec3(placement.rotation * area_normal(on_template_.mesh(), nearest.at.face).stableNormalized());
-    });
+    add(
+        placed, placed - p,
+        [&] { return Vec3(placement.rotation * area_normal(on_template_.mesh(), nearest.at.face).stableNormalized()); },
+        1);
   }
   const double noise_mm = landmark_deviation_share * diagonal_mm_;
   const double noise_volume = std::pow(2 * std::numbers::pi, 1.5) * std::pow(landmark_deviation_share, 3);
@@ -117,7 +135,8 @@ ClosestPoints::System ClosestPoints::system_at(const State& state, const Placeme
                                                const KnownPlaces& places) const {
   System system;
   const Vec3 centre = state.placement.apply(Vec3(on_template_.mesh().points.colwise().mean()));
-  for (const State::Gap& gap : state.gaps) system.add(moved_along(gap.normal, gap.at - centre), gap.mm, sample_weight_);
+  for (const State::Gap& gap : state.gaps)
+    system.add(moved_along(gap.normal, gap.at - centre), gap.mm, gap.weight * sample_weight_);
   const double noise_mm = landmark_deviation_share * diagonal_mm_;
   for (Eigen::Index k = 0; k < places.own.rows(); ++k) {
     const Vec3 at = state.placement.apply(Vec3(places.own.row(k)));
@@ -146,7 +165,7 @@ Similarity ClosestPoints::moved(const Similarity& placement, const Step& way) co
 }
 
 Placed ClosestPoints::refined(const Similarity& start, double most_turn, const PlacementPrior& prior,
-                              const KnownPlaces& places, double rest) const {
+                              const KnownPlaces& places, double rest, int most_steps) const {
   State state = look(start, prior, places, {});
   System system = system_at(state, prior, places);
   double damping = 1e-3;

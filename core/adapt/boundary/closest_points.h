@@ -26,14 +26,15 @@ struct Placed {
 /// named places lie, and what is known before. The template stays where it is, so that its search tree is made once.
 class ClosestPoints {
  public:
-  /// Both outlive this.
-  ClosestPoints(const Template& the_template, const Boundary& boundary);
+  /// Both outlive this. `partial`: either surface may lack what the other has, so no distance counts for more than a
+  /// missing place does, and those that are missing in the boundary count less.
+  ClosestPoints(const Template& the_template, const Boundary& boundary, bool partial = false);
 
   /// The likeliest placement near `start`, by Gauss-Newton steps until one is shorter than `rest` times the organ's
   /// size; it ends before one that would turn it away from the prior's rotation by more than `most_turn` (radians). A
   /// named place is what a person knows, or with a small probability a blunder.
   Placed refined(const Similarity& start, double most_turn, const PlacementPrior& prior, const KnownPlaces& places,
-                 double rest) const;
+                 double rest, int most_steps = 100) const;
 
  private:
   /// A movement of all placed points: a turn about the template's centre (radians), a shift (mm), a growth (of the
@@ -50,6 +51,7 @@ class ClosestPoints {
   SurfaceSearch on_boundary_, on_template_;
   std::vector<Vec3> own_, there_;
   double diagonal_mm_, sample_weight_;
+  bool partial_;
 };
 
 }  // namespace homolog

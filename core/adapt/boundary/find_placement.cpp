@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/base/statistics.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
 #include "core/mesh/surface_search.h"
@@ -28,7 +29,9 @@ struct Moments {
   double size_mm = 0;            ///< root mean square distance from the centre
 };
 
-Moments moments_of(const Mesh& mesh) {
+/// `keeps`: whether a face with this middle counts.
+template <class Keeps>
+Moments moments_of(const Mesh& mesh, const Keeps& keeps) {
   const Triangles& triangles = mesh.topology->triangles();
   double area = 0;
   Vec3 first = Vec3::Zero();
@@ -38,6 +41,7 @@ Moments moments_of(const Mesh& mesh) {
                c = mesh.points.row(triangles(f, 2));
     const double part = area_normal(mesh, f).norm() / 2;
     const Vec3 middle = (a + b + c) / 3;
+    if (!keeps(middle)) continue;
     area += part;
     first += part * middle;
     second += part * middle * middle.transpose();
@@ -50,6 +54,28 @@ Moments moments_of(const Mesh& mesh) {
   moments.axes = solver.eigenvectors().rowwise().reverse();
   if (moments.axes.determinant() < 0) moments.axes.col(2) *= -1;
   return moments;
+}
+
+Moments moments_of(const Mesh& mesh) {
+  return moments_of(mesh, [](const Vec3&) { return true; });
+}
+
+/// The moments of what may be left of a template: the whole, and without its ends along axes and diagonals.
+std::vector<Moments> moments_of_parts(const Mesh& mesh, const Moments& whole) {
+  std::vector<Moments> parts{whole};
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const Vec3 along = (whole.axes * Vec3(x, y, z)).normalized();
+        const Eigen::VectorXd height = mesh.points * along;
+        std::vector<double> heights(height.begin(), height.end());
+        for (const double left : {0.85, 0.65}) {
+          const double limit = quantile(heights, left);
+          parts.push_back(moments_of(mesh, [&](const Vec3& middle) { return middle.dot(along) <= limit; }));
+        }
+      }
+  return parts;
 }
 
 /// The 24 proper rotations that carry the axes of a frame to axes.
@@ -89,14 +115,33 @@ struct Start {
   double farthest;  ///< that it may turn away from what is likely beforehand, radians
 };
 
+/// Of many starts, those that a few steps bring nearest.
+void keep_promising(const ClosestPoints& closest, const PlacementPrior& prior, const KnownPlaces& places,
+                    std::vector<Start>& starts) {
+  constexpr int few_steps = 8;
+  constexpr std::size_t most = 4;
+  std::vector<std::pair<double, std::size_t>> costs;
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const Placed found = closest.refined(starts[k].placement, starts[k].farthest, prior, places, nearly, few_steps);
+    starts[k].placement = found.placement;
+    costs.emplace_back(found.cost, k);
+  }
+  std::sort(costs.begin(), costs.end());
+  std::vector<Start> promising;
+  for (std::size_t k = 0; k < std::min(most, costs.size()); ++k) promising.push_back(starts[costs[k].second]);
+  starts = std::move(promising);
+}
+
 /// find_placement; `rest`: the last step, as a share of the organ's size.
 Placed placed(const Template& the_template, const Boundary& boundary, const PlacementHints& hints, double rest) {
-  const ClosestPoints closest(the_template, boundary);
-  const Moments from = moments_of({the_template.topology, the_template.points}), to = moments_of(boundary.surface);
-  const auto at = [&](const Eigen::Quaterniond& rotation) {
-    const double scale = to.size_mm / from.size_mm;
-    return Similarity{rotation, scale, to.centre - scale * (rotation * from.centre)};
+  const ClosestPoints closest(the_template, boundary, hints.partial);
+  const Mesh reference{the_template.topology, the_template.points};
+  const Moments from = moments_of(reference), to = moments_of(boundary.surface);
+  const auto on = [&](const Moments& part, const Eigen::Quaterniond& rotation) {
+    const double scale = to.size_mm / part.size_mm;
+    return Similarity{rotation, scale, to.centre - scale * (rotation * part.centre)};
   };
+  const auto at = [&](const Eigen::Quaterniond& rotation) { return on(from, rotation); };
   const bool any = hints.orientation == Orientation::any && !hints.start;
   const PlacementPrior prior{hints.start.value_or(at(Eigen::Quaterniond::Identity())),
                              any ? any_turn : PlacementPrior{}.turn_rad};
@@ -106,8 +151,9 @@ Placed placed(const Template& the_template, const Boundary& boundary, const Plac
   if (hints.start) {
     starts.push_back({*hints.start, farthest});
   } else {
-    for (const Eigen::Quaterniond& start : starts_of(from, to, hints.orientation))
-      starts.push_back({at(start), farthest});
+    for (const Moments& part : hints.partial ? moments_of_parts(reference, from) : std::vector{from})
+      for (const Eigen::Quaterniond& start : starts_of(part, to, hints.orientation))
+        starts.push_back({on(part, start), farthest});
   }
   KnownPlaces places;
   if (auto [own, there] = matched_landmarks(the_template, hints.landmarks); own.rows() >= fewest_placing_landmarks) {
@@ -116,6 +162,7 @@ Placed placed(const Template& the_template, const Boundary& boundary, const Plac
         likely_similarity(places.own, places.there, prior, bounds_of(the_template.points).diagonal().norm());
     if (likely.scale > 0) starts.push_back({likely, everywhere});
   }
+  if (hints.partial) keep_promising(closest, prior, places, starts);
   Placed best;
   best.cost = std::numeric_limits<double>::infinity();
   double farthest_of_best = 0;

@@ -343,6 +343,8 @@ Result<MeshFile> read_ply(std::string_view bytes) {
       mesh.stiffness = array;
     else if (name == "doubt_mm")
       mesh.doubt_mm = array;
+    else if (name == "outlier")
+      mesh.outlier = array;
     else if (name == "region")
       for (const double value : values) mesh.regions.of_vertex.push_back(region_index(value));
     else
@@ -387,6 +389,7 @@ void write_ply(const MeshFile& mesh, std::ostream& out) {
            "\nproperty double x\nproperty double y\nproperty double z\n";
   if (mesh.stiffness) bytes += "property float stiffness\n";
   if (mesh.doubt_mm) bytes += "property float doubt_mm\n";
+  if (mesh.outlier) bytes += "property uchar outlier\n";
   const bool regions = !mesh.regions.list.empty();
   if (regions) bytes += "property uchar region\n";
   bytes += "element face " + std::to_string(mesh.triangles.rows()) +
@@ -395,6 +398,7 @@ void write_ply(const MeshFile& mesh, std::ostream& out) {
     for (const double x : mesh.points.row(i)) store(x, std::endian::little, bytes);
     if (mesh.stiffness) store(as_stiffness((*mesh.stiffness)[i]), std::endian::little, bytes);
     if (mesh.doubt_mm) store(static_cast<float>((*mesh.doubt_mm)[i]), std::endian::little, bytes);
+    if (mesh.outlier) store(static_cast<std::uint8_t>((*mesh.outlier)[i] > 0), std::endian::little, bytes);
     if (regions) store(mesh.regions.of_vertex[static_cast<std::size_t>(i)], std::endian::little, bytes);
   }
   for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {

@@ -1,0 +1,173 @@
+#include "core/adapt/boundary/cut_faces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/mesh/mesh_quality.h"
+#include "core/mesh/surface_search.h"
+
+namespace homolog {
+
+namespace {
+
+// Lengths are shares of the surface's diagonal.
+constexpr double flat_within = 0.008, flat_cosine = 0.95;  ///< of one plane, and of its normal
+constexpr double smallest_share = 0.03;                    ///< of the surface's area
+constexpr double edge_width = 0.025, edge_cosine = 0.87;   ///< behind a sharp edge the surface has turned by 30°
+constexpr double sharp_share = 0.6;                        ///< of the way around
+constexpr double flat_template = 0.94, template_cosine = 0.6;
+constexpr double smoothing_width = 0.024;
+constexpr double as_in_template = 0.5;  ///< of a flat face: more lies where the template is flat by nature
+constexpr Eigen::Index seeds = 2000;
+
+/// Of each face, unit length, without the steps that voxels leave.
+Points smooth_normals(const Mesh& mesh) {
+  Points normals = vertex_normals(mesh);
+  const auto rounds = std::lround(smoothing_width * bounds_of(mesh.points).diagonal().norm() /
+                                  mean_edge_mm(*mesh.topology, mesh.points));
+  for (long round = 0; round < rounds; ++round) {
+    Points next = normals;
+    for (Eigen::Index i = 0; i < normals.rows(); ++i)
+      for (const std::int32_t j : mesh.topology->one_ring(i)) next.row(i) += normals.row(j);
+    for (Eigen::Index i = 0; i < normals.rows(); ++i) normals.row(i) = next.row(i).stableNormalized();
+  }
+  const Triangles& t = mesh.topology->triangles();
+  Points of_faces(t.rows(), 3);
+  for (Eigen::Index f = 0; f < t.rows(); ++f)
+    of_faces.row(f) = (normals.row(t(f, 0)) + normals.row(t(f, 1)) + normals.row(t(f, 2))).stableNormalized();
+  return of_faces;
+}
+
+class FlatFaces {
+ public:
+  explicit FlatFaces(const Mesh& surface)
+      : topology_(*surface.topology), normals_(smooth_normals(surface)), taken_(faces(), 0) {
+    middles_.resize(static_cast<Eigen::Index>(faces()), 3);
+    areas_.resize(static_cast<Eigen::Index>(faces()));
+    for (Eigen::Index f = 0; f < middles_.rows(); ++f) {
+      const auto t = topology_.triangles().row(f);
+      middles_.row(f) = (surface.points.row(t[0]) + surface.points.row(t[1]) + surface.points.row(t[2])) / 3;
+      areas_[f] = area_normal(surface, f).norm() / 2;
+    }
+    diagonal_mm_ = bounds_of(surface.points).diagonal().norm();
+    edge_mm_ = mean_edge_mm(topology_, surface.points);
+  }
+
+  std::vector<std::vector<std::int32_t>> all() {
+    std::vector<std::vector<std::int32_t>> found;
+    const auto count = static_cast<Eigen::Index>(faces());
+    const double smallest = smallest_share * areas_.sum();
+    for (Eigen::Index seed = 0; seed < count; seed += 1 + count / seeds) {
+      if (taken_[static_cast<std::size_t>(seed)] != 0) continue;
+      // The seed's own plane is that of a few faces; the second one is that of all around it.
+      auto flat = grown(seed, middles_.row(seed), normals_.row(seed));
+      Vec3 normal;
+      for (int k = 0; k < 3 && !flat.empty(); ++k) {
+        const auto plane = plane_of(flat);
+        normal = plane.second;
+        flat = grown(seed, plane.first, normal);
+      }
+      if (area_of(flat) < smallest || sharp_edge_share(flat, normal) < sharp_share) {
+        continue;
+      }
+      for (const std::int32_t f : flat) taken_[static_cast<std::size_t>(f)] |= 1;
+      std::sort(flat.begin(), flat.end());
+      found.push_back(std::move(flat));
+    }
+    return found;
+  }
+
+ private:
+  std::size_t faces() const { return static_cast<std::size_t>(topology_.triangles().rows()); }
+
+  std::vector<std::int32_t> grown(Eigen::Index seed, const Vec3& middle, const Vec3& normal) const {
+    const auto is_flat = [&](Eigen::Index f) {
+      return normals_.row(f).dot(normal) > flat_cosine &&
+             std::abs((middles_.row(f).transpose() - middle).dot(normal)) < flat_within * diagonal_mm_;
+    };
+    std::vector<std::int32_t> flat;
+    std::vector<char> seen(faces(), 0);
+    const auto visit = [&](std::int32_t f) {
+      if (f < 0 || seen[static_cast<std::size_t>(f)] != 0 || (taken_[static_cast<std::size_t>(f)] & 1) != 0) return;
+      seen[static_cast<std::size_t>(f)] = 1;
+      if (is_flat(f)) flat.push_back(f);
+    };
+    visit(static_cast<std::int32_t>(seed));
+    for (std::size_t k = 0; k < flat.size(); ++k)
+      for (const std::int32_t f : topology_.neighbours(flat[k])) visit(f);
+    return flat;
+  }
+
+  std::pair<Vec3, Vec3> plane_of(const std::vector<std::int32_t>& some) const {
+    Vec3 middle = Vec3::Zero(), normal = Vec3::Zero();
+    for (const std::int32_t f : some) {
+      middle += areas_[f] * middles_.row(f).transpose();
+      normal += areas_[f] * normals_.row(f).transpose();
+    }
+    return {middle / std::max(area_of(some), 1e-300), normal.stableNormalized()};
+  }
+
+  double area_of(const std::vector<std::int32_t>& some) const {
+    double area = 0;
+    for (const std::int32_t f : some) area += areas_[f];
+    return area;
+  }
+
+  /// Of the faces a little way beyond the rim: how many have turned away. An opening counts as an edge.
+  double sharp_edge_share(const std::vector<std::int32_t>& flat, const Vec3& normal) const {
+    std::vector<char> seen(faces(), 0);
+    for (const std::int32_t f : flat) seen[static_cast<std::size_t>(f)] = 1;
+    std::vector<std::int32_t> front = flat;
+    const int layers = std::max(2, static_cast<int>(edge_width * diagonal_mm_ / (edge_mm_ / 2)));
+    for (int layer = 0; layer < layers; ++layer) {
+      std::vector<std::int32_t> next;
+      for (const std::int32_t f : front)
+        for (const std::int32_t g : topology_.neighbours(f))
+          if (g >= 0 && seen[static_cast<std::size_t>(g)] == 0) {
+            seen[static_cast<std::size_t>(g)] = 1;
+            next.push_back(g);
+          }
+      front = std::move(next);
+    }
+    if (front.empty()) return 1;
+    const auto turned = std::count_if(front.begin(), front.end(),
+                                      [&](std::int32_t f) { return normals_.row(f).dot(normal) < edge_cosine; });
+    return static_cast<double>(turned) / static_cast<double>(front.size());
+  }
+
+  const Topology& topology_;
+  Points normals_, middles_;
+  Eigen::VectorXd areas_;
+  std::vector<char> taken_;
+  double diagonal_mm_ = 0, edge_mm_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::vector<std::int32_t>> flat_faces(const Mesh& surface) {
+  return FlatFaces(surface).all();
+}
+
+bool is_cut(const Mesh& surface, const std::vector<std::int32_t>& flat_face, const Mesh& placed_template) {
+  const SurfaceSearch search(placed_template);
+  const Points template_normals = vertex_normals(placed_template);
+  std::vector<char> flat_by_nature(static_cast<std::size_t>(placed_template.topology->triangles().rows()), 0);
+  for (const auto& face : flat_faces(placed_template))
+    for (const std::int32_t f : face) flat_by_nature[static_cast<std::size_t>(f)] = 1;
+  double cosines = 0, natural = 0;
+  Vec3 sum = Vec3::Zero();
+  for (const std::int32_t f : flat_face) {
+    const auto t = surface.topology->triangles().row(f);
+    const Vec3 middle = (surface.points.row(t[0]) + surface.points.row(t[1]) + surface.points.row(t[2])) / 3;
+    const SurfacePoint at = search.nearest(middle).at;
+    const Vec3 normal = at.interpolate(*placed_template.topology, template_normals).transpose().stableNormalized();
+    natural += flat_by_nature[static_cast<std::size_t>(at.face)];
+    cosines += normal.dot(area_normal(surface, f).stableNormalized());
+    sum += normal;
+  }
+  const auto count = static_cast<double>(flat_face.size());
+  if (natural / count > as_in_template) return false;
+  return sum.norm() / count < flat_template || cosines / count < template_cosine;
+}
+
+}  // namespace homolog

@@ -1,0 +1,116 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "core/adapt/boundary/cut_faces.h"
+#include "core/adapt/judge_fit.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/isosurface.h"
+#include "core/mesh/surface_search.h"
+#include "core/phantom/phantom.h"
+
+// Fits to organs of which parts are missing.
+
+namespace homolog {
+
+namespace {
+
+const std::shared_ptr<const Template>& kidney() {
+  static const auto made = make_template(built_in_template(Organ::kidney), "built-in:kidney").value();
+  return made;
+}
+
+/// A phantom kidney without the part where `along · p` is largest.
+struct CutKidney {
+  Points truth;
+  std::vector<char> missing;  ///< of each true vertex
+
+  CutKidney(int subject, const Vec3& along, double share) : truth(phantom_truth(Organ::kidney, subject)[0].points) {
+    const Eigen::VectorXd height = truth * along;
+    std::vector<double> sorted(height.begin(), height.end());
+    std::sort(sorted.begin(), sorted.end());
+    const double limit = sorted[static_cast<std::size_t>((1 - share) * static_cast<double>(sorted.size() - 1))];
+    for (const double h : height) missing.push_back(h > limit ? 1 : 0);
+  }
+
+  /// What is left, open where it was cut.
+  Boundary open() const {
+    MeshFile left;
+    left.points = truth;
+    const Triangles& all = kidney()->topology->triangles();
+    left.triangles.resize(all.rows(), 3);
+    Eigen::Index count = 0;
+    for (Eigen::Index f = 0; f < all.rows(); ++f)
+      if (std::none_of(all.row(f).begin(), all.row(f).end(),
+                       [&](std::int32_t v) { return missing[static_cast<std::size_t>(v)] != 0; }))
+        left.triangles.row(count++) = all.row(f);
+    left.triangles.conservativeResize(count, 3);
+    return surface_boundary(left, kidney()->points.rows()).value();
+  }
+
+  /// F1 of the vertices that a fit calls missing.
+  double f1(const FitResult& fit) const {
+    double right = 0;
+    for (const std::int32_t i : fit.outliers) right += missing[static_cast<std::size_t>(i)];
+    const auto all = static_cast<double>(std::count(missing.begin(), missing.end(), 1));
+    return 2 * right / (static_cast<double>(fit.outliers.size()) + all);
+  }
+};
+
+FitResult partial_fit(const Boundary& boundary) {
+  FitOptions options;
+  options.partial = true;
+  return fit_to_boundary(*kidney(), boundary, options).value();
+}
+
+}  // namespace
+
+TEST_CASE("a partial fit finds what is missing and lies on what is there") {
+  const CutKidney cut(5, Vec3(0.2, 0.1, 1).normalized(), 0.3);
+  const FitResult fit = partial_fit(cut.open());
+  CHECK(cut.f1(fit) > 0.9);
+  CHECK(fit.turned_triangles == 0);
+
+  const SurfaceSearch whole(Mesh{kidney()->topology, cut.truth});
+  double sound_mm = 0, missing_mm = 0;
+  for (Eigen::Index i = 0; i < cut.truth.rows(); ++i) {
+    const double off_mm = (whole.nearest(fit.mesh.points.row(i)).position - Vec3(fit.mesh.points.row(i))).norm();
+    (cut.missing[static_cast<std::size_t>(i)] != 0 ? missing_mm : sound_mm) += off_mm;
+  }
+  CHECK(sound_mm / static_cast<double>(cut.truth.rows()) < 0.2);
+  CHECK(missing_mm / static_cast<double>(cut.truth.rows()) < 1.5);  // where only the template's shape speaks
+}
+
+TEST_CASE("a partial fit of a whole organ misses nothing") {
+  const Boundary whole = mesh_boundary({kidney()->topology, phantom_truth(Organ::kidney, 5)[0].points});
+  const FitResult fit = partial_fit(whole);
+  CHECK(fit.outliers.empty());
+  FitOptions options;
+  options.partial = true;
+  CHECK_FALSE(judge_fit(*kidney(), whole, options, fit).doubtful);
+}
+
+TEST_CASE("a ball that was cut has one flat face where the whole ball has none") {
+  const auto cut_ball = [](double at) {
+    constexpr int n = 64;
+    Volume volume;
+    volume.geometry.dims = {n, n, n};
+    volume.geometry.origin_mm.setConstant(-32);
+    std::vector<std::uint8_t> inside;
+    for (int z = 0; z < n; ++z)
+      for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) {
+          const Vec3 p(x - 32, y - 32, z - 32);
+          inside.push_back(p.norm() < 24 && p.dot(Vec3(0.3, 0.2, 1).normalized()) < at ? 1 : 0);
+        }
+    volume.data = std::move(inside);
+    return label_boundary(volume, 1, 0, std::nullopt, 2500).value().surface;
+  };
+  CHECK(flat_faces(cut_ball(100)).empty());
+  const Mesh cut = cut_ball(12);
+  const auto flat = flat_faces(cut);
+  REQUIRE(flat.size() == 1);
+  CHECK(is_cut(cut, flat.front(), icosphere(3, 24)));
+}
+
+}  // namespace homolog

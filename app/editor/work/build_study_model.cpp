@@ -29,9 +29,7 @@ ReadFile open_file(const StudyModelRequest& request) {
   if (known == request.known.end()) return open;
   for (auto& [frame, mesh] : open.shapes.frames) {
     const auto before = known->second.shapes.frames.find(frame);
-    if (before != known->second.shapes.frames.end() && before->second->points == mesh->points &&
-        before->second->landmarks == mesh->landmarks)
-      mesh = before->second;
+    if (before != known->second.shapes.frames.end() && same_shape(*before->second, *mesh)) mesh = before->second;
   }
   return open;
 }

@@ -1,10 +1,12 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "app/editor/state/models/gallery.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/work/build_study_model.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
@@ -115,6 +117,32 @@ TEST_CASE("shapes that are known already are not read again") {
   const auto again = build_study_model(request, progress);
   REQUIRE(again.shapes.size() == 4);
   for (const auto& [name, shape] : again.shapes) CHECK(shape == first.shapes.at(name));
+}
+
+TEST_CASE("what is confirmed in the open case is so in the study") {
+  Balls balls;
+  const fs::path file = balls.folder.path / "c.homolog";
+  std::ofstream(file) << "there is a file";
+  const auto the_template = test::must(load_template((balls.folder.path / "a1.ply").string()));
+  auto open = std::make_shared<Document>(new_document("", nullptr, the_template));
+  REQUIRE(open->has_shape());
+  add_cases(balls.state, {file});
+  Progress progress;
+  StudyModelRequest request;
+  request.cases = balls.state.study.cases;
+  request.open_file = file;
+  request.open_document = open;
+  const StudyModelBuilt before = build_study_model(request, progress);
+  REQUIRE(before.shapes.contains("c"));
+  request.known = before.known;
+  CHECK(build_study_model(request, progress).shapes.at("c") == before.shapes.at("c"));
+  auto confirmed = std::make_shared<Document>(*open);
+  confirmed->shapes.at(0).confirmed =
+      std::make_shared<const VertexScalars>(VertexScalars::Ones(the_template->points.rows()));
+  request.open_document = confirmed;
+  const StudyModelBuilt after = build_study_model(request, progress);
+  CHECK(after.shapes.at("c")->arrays.contains("confirmed"));
+  CHECK_FALSE(same_shape(*after.shapes.at("c"), *before.shapes.at("c")));
 }
 
 TEST_CASE("a mirrored shape is listed and no more once it is flipped") {

@@ -43,6 +43,9 @@ struct StudyModel {
   std::vector<Eigen::Index> of_group(const std::string& group) const;
 };
 
+/// Whether both have the same vertices, faces, named landmarks and confirmed vertices.
+bool same_shape(const MeshFile& a, const MeshFile& b);
+
 /// Mean of group `to` minus mean of group `from` along the normals of the mean shape, mm; outwards is positive. Both
 /// must be comparable.
 VertexScalars difference_of_groups_mm(const StudyModel& model, const std::string& from, const std::string& to);

@@ -145,6 +145,43 @@ TEST_CASE("what is confirmed in the open case is so in the study") {
   CHECK_FALSE(same_shape(*after.shapes.at("c"), *before.shapes.at("c")));
 }
 
+TEST_CASE("what was optimised is over when the shapes or their alignment are others") {
+  Balls balls;
+  const auto shapes_of_study = [&] {
+    StudyModelBuilt built = balls.build(Alignment::similarity);
+    REQUIRE(built.model);
+    return ShapesOfStudy{std::move(built.shapes), std::move(built.sizes), std::move(built.model)};
+  };
+  const StudyToOptimise of{shapes_of_study(), Alignment::similarity};
+  const auto why = [&](const ShapesOfStudy& now) { return why_outdated(of, now, Alignment::similarity); };
+  CHECK(why(shapes_of_study()).empty());
+  CHECK(why_outdated(of, of.fitted, Alignment::rigid) == "the alignment was changed");
+  ShapesOfStudy now = of.fitted;
+  MeshFile moved = *now.shapes.at("a2");
+  moved.landmarks.push_back({"pole", Vec3(0, 0, 9.5)});
+  now.shapes["a2"] = std::make_shared<const MeshFile>(moved);
+  CHECK(why(now) == "a2 has changed");
+  find_case(balls.state.study, "b2")->flipped = true;
+  CHECK(why(shapes_of_study()) == "b2 has changed");
+  find_case(balls.state.study, "b2")->flipped = false;
+  remove_case(balls.state, "b1");
+  CHECK(why(shapes_of_study()) == "b1 is not in the model any more");
+  add_cases(balls.state, {balls.write("c", {12, 11, 11})});
+  CHECK(why(shapes_of_study()) == "c was added");
+  CHECK(why({}) == "a1 is not in the model any more");
+
+  // The state drops it too, and shows what was fitted.
+  ModelsState& state = balls.state;
+  CHECK(take_fitted(state, of.fitted).empty());
+  state.optimisation.of = std::make_shared<const StudyToOptimise>(of);
+  take_optimised(state, {of.fitted, {}, {}, 1, 1});
+  CHECK(state.optimisation.shown);
+  CHECK(take_fitted(state, shapes_of_study()) ==
+        "The optimised shapes were dropped, because c was added. Optimise again.");
+  CHECK_FALSE(state.optimisation.of);
+  CHECK(state.model == state.fitted.model);
+}
+
 TEST_CASE("a mirrored shape is listed and no more once it is flipped") {
   Balls balls;
   MeshFile lopsided;

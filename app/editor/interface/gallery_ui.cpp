@@ -89,7 +89,9 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   float x = rect.x + theme.px(12);
   const std::string title = "Correspondence";
   const std::string shown =
-      state.model ? format("%zu shapes, %td vertices", state.model->names.size(), state.model->vertices()) : "";
+      state.model ? format("%zu %s, %td vertices", state.model->names.size(),
+                           state.optimisation.shown ? "optimised shapes" : "shapes", state.model->vertices())
+                  : "";
   const float title_width = text_size(theme.strong, title).x;
   if (x + title_width <= buttons) {
     text_at(draw, theme.strong, {x, text_y}, palette::text, title);
@@ -258,7 +260,7 @@ void draw_difference_legend(const UiContext& ui, const RectPx& rect) {
 std::string model_title(const ModelsState& state) {
   if (state.show_difference) return state.compared[1] + " against " + state.compared[0];
   const bool mean = std::all_of(state.deviations.begin(), state.deviations.end(), [](double d) { return d == 0; });
-  return mean ? "Mean shape" : "Shape of the model";
+  return std::string(mean ? "Mean shape" : "Shape of the model") + (state.optimisation.shown ? ", optimised" : "");
 }
 
 }  // namespace

@@ -59,6 +59,10 @@ std::string study_stem(const ModelsState& state) {
   return name.empty() ? "study" : name.substr(0, name.find('.'));
 }
 
+std::string of_optimised(const ModelsState& state) {
+  return state.optimisation.shown ? ". Of the optimised shapes, as they are shown" : "";
+}
+
 void draw_mode_switch(const UiContext& ui, Outbox& out) {
   ImGui::BeginChild("mode", {ui.theme.px(140), ui.theme.px(28)});
   int mode = ui.state.models.shown ? 1 : 0;

@@ -51,7 +51,9 @@ void draw_study_menu(const UiContext& ui, Outbox& out) {
   if (!state.shapes.empty()) {
     menu_line();
     const auto export_as = [&](const char* label, const char* extension) {
-      if (!menu_item(theme, label, nullptr)) return;
+      const char* const what = state.optimisation.shown ? "Writes the optimised shapes, as they are shown"
+                                                        : "Writes every shape of the study";
+      if (!menu_item(theme, label, nullptr, what)) return;
       out.send(ChooseShapesFolder{extension, study_stem(state) + "-shapes"});
     };
     export_as("Export shapes as imported\xe2\x80\xa6", "");

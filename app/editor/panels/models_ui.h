@@ -22,6 +22,7 @@ void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out);
 // Sections of the panel.
 void draw_model_section(const UiContext& ui, Outbox& out);
 void draw_measures_section(const UiContext& ui, Outbox& out);
+void draw_optimise_section(const UiContext& ui, Outbox& out);
 void draw_sizes_section(const UiContext& ui, Outbox& out);
 void draw_observers_section(const UiContext& ui, Outbox& out);
 void draw_suspicion_section(const UiContext& ui, Outbox& out);
@@ -29,5 +30,7 @@ void draw_study_pictures_section(const UiContext& ui, Outbox& out);
 
 /// What files made of the study are called after.
 std::string study_stem(const ModelsState& state);
+/// What a button says that writes what is shown, after its own tip: nothing, or that the shapes are the optimised ones.
+std::string of_optimised(const ModelsState& state);
 
 }  // namespace homolog

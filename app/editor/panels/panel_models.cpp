@@ -127,8 +127,8 @@ void draw_model_section(const UiContext& ui, Outbox& out) {
   draw_poses(ui, out);
   draw_mode_sliders(ui, out);
   draw_difference(ui, out);
-  if (button(theme, "Export the model\xe2\x80\xa6", "statismo / scalismo 0.9: .h5.json or .h5", {},
-             ImGui::GetContentRegionAvail().x))
+  if (button(theme, "Export the model\xe2\x80\xa6", "statismo / scalismo 0.9: .h5.json or .h5" + of_optimised(state),
+             {}, ImGui::GetContentRegionAvail().x))
     ask_for_file(out, FilePurpose::export_model, study_stem(state) + ".h5.json");
 }
 
@@ -181,7 +181,10 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
     explanation(theme, "Compactness, generalisation and specificity at every number of modes.");
     if (button(theme, std::string(icon::chart) + "  Measure",
                "Measures the model. Specificity takes 1,000 random shapes (seed 1)",
-               enough ? "" : "At least three shapes are needed: one is left out each time.", width, true))
+               !enough                     ? "At least three shapes are needed: one is left out each time."
+               : state.optimisation.runs() ? "Wait until the shapes are optimised."
+                                           : "",
+               width, true))
       out.send(StartEvaluation{});
     return;
   }
@@ -209,10 +212,11 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
   figure(theme, "Specificity, vertices", mean_mm("specificity"), "Mean Euclidean distance of the vertices, mm");
   draw_shapeworks_measures(theme, evaluation);
   const float half = std::floor((width - theme.px(8)) / 2);
-  if (button(theme, "Table\xe2\x80\xa6", "All measures with their standard errors: .csv or .json", {}, half))
+  if (button(theme, "Table\xe2\x80\xa6", "All measures with their standard errors: .csv or .json" + of_optimised(state),
+             {}, half))
     ask_for_file(out, FilePurpose::export_measures, study_stem(state) + "-measures.csv");
   ImGui::SameLine(0, theme.px(8));
-  if (button(theme, "Plots\xe2\x80\xa6", "The three plots side by side: .png", {}, half))
+  if (button(theme, "Plots\xe2\x80\xa6", "The three plots side by side: .png" + of_optimised(state), {}, half))
     ask_for_file(out, FilePurpose::export_plots, study_stem(state) + "-measures.png");
 }
 
@@ -235,8 +239,9 @@ void draw_study_pictures_section(const UiContext& ui, Outbox& out) {
 }
 
 void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out) {
-  static constexpr std::array<PanelSection, 6> sections{{{"Model", draw_model_section, true},
+  static constexpr std::array<PanelSection, 7> sections{{{"Model", draw_model_section, true},
                                                          {"Measures", draw_measures_section, true},
+                                                         {"Optimise", draw_optimise_section, false},
                                                          {"Sizes", draw_sizes_section, false},
                                                          {"Observers", draw_observers_section, false},
                                                          {"To check", draw_suspicion_section, true},

@@ -124,10 +124,12 @@ void draw_sizes_section(const UiContext& ui, Outbox& out) {
       ui, table, listed.names, [&](std::size_t k) { return figures_of(listed.sizes[k], pair); }, out);
   draw_spreads(table, listed.sizes, pair);
   const float half = std::floor((ImGui::GetContentRegionAvail().x - theme.px(8)) / 2);
-  if (button(theme, "Table\xe2\x80\xa6", "Volume, area and every distance between landmarks: .csv", {}, half))
+  if (button(theme, "Table\xe2\x80\xa6",
+             "Volume, area and every distance between landmarks: .csv" + of_optimised(ui.state.models), {}, half))
     out.send(ShowFileDialog{FilePurpose::export_sizes, study_stem(ui.state.models) + "-sizes.csv"});
   ImGui::SameLine(0, theme.px(8));
-  if (button(theme, "Landmarks\xe2\x80\xa6", "The landmarks of all cases: .tps for geomorph, .csv for MorphoJ",
+  if (button(theme, "Landmarks\xe2\x80\xa6",
+             "The landmarks of all cases: .tps for geomorph, .csv for MorphoJ" + of_optimised(ui.state.models),
              pairs.empty() ? "No case has two named landmarks." : "", half))
     out.send(ShowFileDialog{FilePurpose::export_landmark_table, study_stem(ui.state.models) + "-landmarks.tps"});
 }

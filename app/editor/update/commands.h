@@ -8,6 +8,7 @@
 #include "app/editor/update/commands/dialog_commands.h"
 #include "app/editor/update/commands/file_commands.h"
 #include "app/editor/update/commands/models_commands.h"
+#include "app/editor/update/commands/optimise_commands.h"
 #include "app/editor/update/commands/template_commands.h"
 #include "app/editor/update/commands/tool_commands.h"
 #include "app/editor/update/commands/view_commands.h"
@@ -46,7 +47,7 @@ using Command = std::variant<
     CycleCaseState, TypeCaseText, SetCaseText, FlipCases, AddFrames, FilterCases, SortCases, LookFromSideInGallery,
     ShowAllShapes, TurnGallery, PanGallery, LetGoOfGallery, ZoomGallery, PointAtVertex, PinVertex, ShowGalleryGlyphs,
     SpaceGalleryGlyphs, ShowMean, ShowSample, ShowSelectedShape, SetMode, AnimateMode, ShowAllModes, ShowDifference,
-    CompareGroup, ChooseAlignment>;
+    CompareGroup, ChooseAlignment, StartOptimisation, CancelOptimisation, ShowOptimised, DiscardOptimised>;
 
 /// Commands in the order they were given.
 class Outbox {

@@ -18,6 +18,7 @@
 #include "app/editor/work/recovery.h"
 #include "app/editor/work/snaps.h"
 #include "app/editor/work/study_appearance.h"
+#include "app/editor/work/study_optimiser.h"
 #include "app/editor/work/template_maker.h"
 #include "app/editor/work/worklist.h"
 #include "core/base/picture_io.h"
@@ -47,6 +48,7 @@ struct Work {
   Snaps snaps;
   TemplateMaker template_maker;
   StudyAppearance study_appearance;
+  StudyOptimiser study_optimiser;
   ModelHelp model_help;
   Models models;
   Worklist worklist;

@@ -215,13 +215,16 @@ void Models::export_shapes(const ExportShapes& command, const ModelsState& model
     const auto shape = models.shapes.find(one.name);
     if (shape == models.shapes.end()) continue;
     const bool is_case = is_case_file(one.file);
-    shapes.push_back({one.name, shape->second, is_case ? one.imported : one.file, is_case || one.flipped});
+    const auto fitted = models.fitted.shapes.find(one.name);
+    const bool slid = fitted != models.fitted.shapes.end() && fitted->second != shape->second;
+    shapes.push_back({one.name, shape->second, is_case ? one.imported : one.file, is_case || one.flipped || slid});
   }
+  const std::string says = "Written: " + command.folder.string() + (models.optimisation.shown ? " (optimised)" : "");
   exporter_.start(command.folder.string(),
-                  [shapes = std::move(shapes), command](Progress& progress) -> Result<fs::path> {
+                  [shapes = std::move(shapes), command, says](Progress& progress) -> Result<std::string> {
                     if (auto written = write_shapes(shapes, command.extension, command.folder, &progress); !written)
                       return fail(written.error());
-                    return command.folder;
+                    return says;
                   });
 }
 
@@ -258,10 +261,10 @@ void Models::build(EditorState& state, const Snapshot& snapshot) {
 
 void Models::show_built(EditorState& state, StudyModelBuilt built) {
   state.models.files = std::move(built.known);
-  state.models.shapes = std::move(built.shapes);
-  state.models.sizes = std::move(built.sizes);
   state.models.mirrored = std::move(built.mirrored);
-  show_model(state.models, std::move(built.model));
+  const std::string over =
+      take_fitted(state.models, {std::move(built.shapes), std::move(built.sizes), std::move(built.model)});
+  if (!over.empty()) add_notice(state, over, false);
   state.models.model_error = std::move(built.error);
   // Where nothing can be read the window says so itself.
   if (state.models.model || state.models.model_error.empty() || !state.models.shapes.empty())
@@ -296,7 +299,7 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
     changed = true;
   }
   if (auto exported = exporter_.take()) {
-    tell(state, exported.value().map([](const fs::path&) {}), *exported ? **exported : fs::path());
+    add_notice(state, *exported ? **exported : exported->error().sentence(), !*exported);
     changed = true;
   }
   // One writing at a time: what is edited meanwhile goes into the next.

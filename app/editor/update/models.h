@@ -85,8 +85,8 @@ class Models {
   Worker<StudyModelBuilt> builder_;
   Worker<Evaluated> evaluator_;
   Worker<std::filesystem::path> phantoms_;
-  Worker<std::filesystem::path> exporter_;
-  Worker<FileDone> files_;  ///< the study's file and the cases made beside it, in order; none is dropped
+  Worker<std::string> exporter_;  ///< gives the sentence that says what was written
+  Worker<FileDone> files_;        ///< the study's file and the cases made beside it, in order; none is dropped
   std::uint64_t built_revision_ = 0;
   std::uint64_t written_revision_ = 0;  ///< the last that was asked to be written
   std::filesystem::path unwritten_;     ///< see unwritten(); the next change, or closing, tries again

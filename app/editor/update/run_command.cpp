@@ -15,6 +15,7 @@ Work::Work(const std::function<void()>& wake)
       propagator(wake),
       template_maker(wake),
       study_appearance(wake),
+      study_optimiser(wake),
       model_help(wake),
       models(wake),
       worklist(wake),
@@ -23,8 +24,8 @@ Work::Work(const std::function<void()>& wake)
 
 bool Work::busy() const {
   return opener.busy() || imports.busy() || exports.busy() || template_maker.busy() || fitter.busy() ||
-         propagator.busy() || observers.busy() || study_appearance.busy() || model_help.busy() || models.busy() ||
-         worklist.busy() || snaps.busy();
+         propagator.busy() || observers.busy() || study_appearance.busy() || study_optimiser.busy() ||
+         model_help.busy() || models.busy() || worklist.busy() || snaps.busy();
 }
 
 bool run_on_state(const Command& command, EditorState& state, const ControlsContext& context, Outbox& out) {

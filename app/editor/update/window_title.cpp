@@ -15,6 +15,7 @@ std::string running_words(const EditorState& state, const Work& work) {
   if (work.snaps.busy()) return "snapping";
   if (work.exports.running()) return "writing";
   if (state.models.evaluating) return "measuring";
+  if (state.models.optimisation.runs()) return "optimising";
   if (state.models.modelling) return "making the model";
   return {};
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 
 #include "app/editor/widgets/widgets.h"
 
@@ -22,7 +24,7 @@ std::string mark_text(double value, double step) {
 /// How values lie in a plot's field.
 struct Field {
   ImVec2 low, high;
-  double most = 1;
+  double least = 0, most = 1;
   std::size_t count = 1;
 
   float x(std::size_t m) const {
@@ -31,12 +33,12 @@ struct Field {
     return low.x + inset + share * (high.x - low.x - 2 * inset);
   }
   float y(double value) const {
-    return high.y - static_cast<float>(std::clamp(value / most, 0.0, 1.0)) * (high.y - low.y);
+    return high.y - static_cast<float>(std::clamp((value - least) / (most - least), 0.0, 1.0)) * (high.y - low.y);
   }
 };
 
-void draw_axes(ImDrawList& draw, const Theme& theme, const Field& field, const std::vector<double>& marks) {
-  const double step = marks.size() > 1 ? marks[1] : 1;
+void draw_axes(ImDrawList& draw, const Theme& theme, const Field& field, const std::vector<double>& marks, int first) {
+  const double step = marks.size() > 1 ? marks[1] - marks[0] : 1;
   for (const double mark : marks) {
     const float y = std::round(field.y(mark));
     draw.AddLine({field.low.x, y}, {field.high.x, y}, mark == 0 ? palette::faint : palette::line);
@@ -48,7 +50,7 @@ void draw_axes(ImDrawList& draw, const Theme& theme, const Field& field, const s
   const auto every = static_cast<std::size_t>(
       std::max(1.0f, std::ceil(room * static_cast<float>(field.count) / (field.high.x - field.low.x))));
   for (std::size_t m = 0; m < field.count; m += every) {
-    const std::string text = std::to_string(m + 1);
+    const std::string text = std::to_string(first + static_cast<int>(m));
     const float x = field.x(m);
     draw.AddLine({x, field.high.y}, {x, field.high.y + theme.px(3)}, palette::faint);
     put_text(draw, theme.small, {x - text_size(theme.small, text).x / 2, field.high.y + theme.px(4)}, palette::dim,
@@ -62,37 +64,45 @@ void draw_values(ImDrawList& draw, const Theme& theme, const Field& field, const
   for (std::size_t m = 0; m < plot.measures.size(); ++m) {
     const Measured& value = plot.measures[m];
     const float x = field.x(m);
+    line.push_back({x, field.y(plot.factor * value.mean)});
+    if (!plot.has_errors) continue;
     const float low = field.y(plot.factor * (value.mean - value.standard_error));
     const float high = field.y(plot.factor * (value.mean + value.standard_error));
     const ImU32 bar = with_alpha(palette::accent, 0.45f);
     draw.AddLine({x, low}, {x, high}, bar, thick);
     draw.AddLine({x - cap, low}, {x + cap + 1, low}, bar, thick);
     draw.AddLine({x - cap, high}, {x + cap + 1, high}, bar, thick);
-    line.push_back({x, field.y(plot.factor * value.mean)});
   }
   draw.AddPolyline(line.data(), static_cast<int>(line.size()), palette::accent, 0, 1.5f * thick);
   for (std::size_t m = 0; m < line.size(); ++m) {
-    const bool marked = plot.mark_modes == static_cast<int>(m) + 1;
+    const bool marked = plot.mark_modes == plot.first + static_cast<int>(m);
     draw.AddCircleFilled(line[m], theme.px(marked ? 4 : 2), marked ? palette::text : palette::accent);
   }
 }
 
+/// "3 modes: 1.25 ± 0.10 mm"
+std::string value_text(const Plot& plot, std::size_t entry) {
+  const Measured& value = plot.measures[entry];
+  const int count = plot.first + static_cast<int>(entry);
+  const std::string over = count == 1 ? std::string(plot.over).substr(0, std::strlen(plot.over) - 1) : plot.over;
+  const std::string at = format("%d %s: ", count, over.c_str());
+  const double mean = plot.factor * value.mean, error = plot.factor * value.standard_error;
+  if (!plot.has_errors) return format("%s%.*f %s", at.c_str(), plot.decimals, mean, plot.unit.c_str());
+  // A share goes from nothing to all: there a deviation that does not fit on one side would mislead.
+  return plot.whole ? format("%s%.*f %s (%.0f to %.0f)", at.c_str(), plot.decimals, mean, plot.unit.c_str(),
+                             std::max(mean - error, 0.0), std::min(mean + error, *plot.whole))
+                    : format("%s%.*f \xc2\xb1 %.*f %s", at.c_str(), plot.decimals, mean, plot.decimals, error,
+                             plot.unit.c_str());
+}
+
 void draw_pointed(ImDrawList& draw, const Theme& theme, const Field& field, const Plot& plot, ImVec2 pointer) {
   std::size_t nearest = 0;
-  for (std::size_t m = 1; m < field.count; ++m)
+  for (std::size_t m = 1; m < plot.measures.size(); ++m)
     if (std::abs(field.x(m) - pointer.x) < std::abs(field.x(nearest) - pointer.x)) nearest = m;
-  const Measured& value = plot.measures[nearest];
-  const float x = field.x(nearest), y = field.y(plot.factor * value.mean);
+  const float x = field.x(nearest), y = field.y(plot.factor * plot.measures[nearest].mean);
   draw.AddLine({x, field.low.y}, {x, field.high.y}, with_alpha(palette::text, 0.35f));
   draw.AddCircle({x, y}, theme.px(5), palette::text, 0, 1.5f);
-  const std::string modes = format("%zu %s: ", nearest + 1, nearest == 0 ? "mode" : "modes");
-  const double mean = plot.factor * value.mean, error = plot.factor * value.standard_error;
-  // A share goes from nothing to all: there a deviation that does not fit on one side would mislead.
-  const std::string text =
-      plot.whole ? format("%s%.*f %s (%.0f to %.0f)", modes.c_str(), plot.decimals, mean, plot.unit.c_str(),
-                          std::max(mean - error, 0.0), std::min(mean + error, *plot.whole))
-                 : format("%s%.*f \xc2\xb1 %.*f %s", modes.c_str(), plot.decimals, mean, plot.decimals, error,
-                          plot.unit.c_str());
+  const std::string text = value_text(plot, nearest);
   const ImVec2 size = text_size(theme.small, text);
   const float pad = theme.px(6);
   const float at_x =
@@ -104,16 +114,44 @@ void draw_pointed(ImDrawList& draw, const Theme& theme, const Field& field, cons
   put_text(draw, theme.small, {at_x, at_y}, palette::text, text);
 }
 
+/// The least of 1, 2 and 5 times a power of ten that goes into `range` at most `count` times.
+double round_step(double range, int count) {
+  const double rough = range / count, decade = std::pow(10, std::floor(std::log10(rough)));
+  double step = 10 * decade;
+  for (const double part : {5.0, 2.0, 1.0})
+    if (part * decade >= rough * (1 - 1e-12)) step = part * decade;
+  return step;
+}
+
+/// The marks of a plot's axis; its first and last are the axis' ends unless the plot has a `whole`.
+std::vector<double> marks_of(const Plot& plot, int steps) {
+  constexpr double least_share = 0.05;  // of the largest value: what an axis covers that does not begin at 0
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (const Measured& value : plot.measures) {
+    least = std::min(least, plot.factor * (value.mean - value.standard_error));
+    most = std::max(most, plot.factor * (value.mean + value.standard_error));
+  }
+  if (!plot.from_zero && most > 0) return axis_marks_between(std::min(least, (1 - least_share) * most), most, steps);
+  std::vector<double> marks = axis_marks(plot.whole ? *plot.whole : most, steps);
+  if (plot.whole) std::erase_if(marks, [&](double mark) { return mark > *plot.whole; });
+  return marks;
+}
+
 }  // namespace
 
 std::vector<double> axis_marks(double most, int count) {
   if (!(most > 0)) most = 1;
-  const double rough = most / count, decade = std::pow(10, std::floor(std::log10(rough)));
-  double step = 10 * decade;
-  for (const double part : {5.0, 2.0, 1.0})
-    if (part * decade >= rough * (1 - 1e-12)) step = part * decade;
+  const double step = round_step(most, count);
   std::vector<double> marks;
   for (int k = 0; marks.empty() || marks.back() < most * (1 - 1e-9); ++k) marks.push_back(k * step);
+  return marks;
+}
+
+std::vector<double> axis_marks_between(double least, double most, int count) {
+  const double step = round_step(most - least, count);
+  std::vector<double> marks;
+  for (double k = std::floor(least / step); marks.empty() || marks.back() < most - 1e-9 * step; ++k)
+    marks.push_back(k * step);
   return marks;
 }
 
@@ -127,24 +165,19 @@ std::vector<Plot> plots_of(const Evaluation& evaluation) {
 
 void draw_plot(ImDrawList& draw, const Theme& theme, const RectPx& rect, const Plot& plot,
                std::optional<ImVec2> pointer) {
-  double most = 0;
-  for (const Measured& value : plot.measures) most = std::max(most, plot.factor * (value.mean + value.standard_error));
-  const int steps = rect.height > static_cast<float>(theme.px(200)) ? 5 : 3;
-  std::vector<double> marks = axis_marks(plot.whole ? *plot.whole : most, steps);
-  const double end = plot.whole ? std::max(*plot.whole, 1e-300) : marks.back();
-  if (plot.whole) std::erase_if(marks, [&](double mark) { return mark > end; });
-
+  const std::vector<double> marks = marks_of(plot, rect.height > static_cast<float>(theme.px(200)) ? 5 : 3);
   const float line = theme.small->FontSize;
   put_text(draw, theme.strong, {rect.x, rect.y}, palette::text, plot.title);
   const ImVec2 axis = text_size(theme.small, plot.axis);
   put_text(draw, theme.small, {rect.x + rect.width - axis.x, rect.y + theme.px(2)}, palette::dim, plot.axis);
   const Field field{{rect.x + theme.px(36), rect.y + theme.strong->FontSize + theme.px(10)},
                     {rect.x + rect.width, rect.y + rect.height - line - theme.px(8)},
-                    end,
-                    std::max<std::size_t>(plot.measures.size(), 1)};
-  draw_axes(draw, theme, field, marks);
-  const std::string modes = "modes";
-  put_text(draw, theme.small, {rect.x, field.high.y + theme.px(4)}, palette::dim, modes);
+                    marks.front(),
+                    plot.whole ? std::max(*plot.whole, 1e-300) : marks.back(),
+                    std::max<std::size_t>({plot.measures.size(), plot.room, 1})};
+  draw_axes(draw, theme, field, marks, plot.first);
+  if (plot.from_zero)  // else the lowest mark lies there
+    put_text(draw, theme.small, {rect.x, field.high.y + theme.px(4)}, palette::dim, plot.over);
   draw.PushClipRect({field.low.x, field.low.y - theme.px(6)}, {field.high.x, field.high.y + theme.px(6)}, true);
   draw_values(draw, theme, field, plot);
   draw.PopClipRect();

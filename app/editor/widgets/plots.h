@@ -11,21 +11,29 @@
 
 namespace homolog {
 
-/// A measure over the number of modes, as a plot: values joined by a line, standard errors as bars.
+/// A measure over the number of modes, or of rounds, as a plot: values joined by a line, standard errors as bars.
 struct Plot {
   std::string title, unit;  ///< "Generalisation", "mm"
   std::string axis;         ///< of the values: "RMS distance, mm"
-  Measures measures;        ///< entry m − 1 is at m modes
+  Measures measures;        ///< entry k is at first + k modes
   double factor = 1;        ///< shown = factor · measured
   int decimals = 2;
   std::optional<double> whole;    ///< the axis ends here, where it is known
   std::optional<int> mark_modes;  ///< the model's own number of modes
+  const char* over = "modes";     ///< what is counted along the plot, in the plural
+  int first = 1;
+  std::size_t room = 0;    ///< for how many entries there is room at least, as they come one after the other
+  bool from_zero = true;   ///< else the axis begins near the least value, so that small differences are seen
+  bool has_errors = true;  ///< the standard errors are known
 };
 /// Compactness, generalisation and specificity.
 std::vector<Plot> plots_of(const Evaluation& evaluation);
 
 /// Round values for the marks of an axis from 0 to at least `most`, at most `count` steps.
 std::vector<double> axis_marks(double most, int count);
+
+/// The same from about `least`, which is below `most`.
+std::vector<double> axis_marks_between(double least, double most, int count);
 
 /// Draws a plot; the value under the pointer is shown beside its point.
 void draw_plot(ImDrawList& draw, const Theme& theme, const RectPx& rect, const Plot& plot,

@@ -6,7 +6,6 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
 #include "core/model/groups.h"
-#include "core/model/training_set.h"
 
 namespace homolog {
 
@@ -29,9 +28,7 @@ ReadFile open_file(const StudyModelRequest& request) {
   if (known == request.known.end()) return open;
   for (auto& [frame, mesh] : open.shapes.frames) {
     const auto before = known->second.shapes.frames.find(frame);
-    if (before != known->second.shapes.frames.end() && before->second->points == mesh->points &&
-        before->second->landmarks == mesh->landmarks)
-      mesh = before->second;
+    if (before != known->second.shapes.frames.end() && same_shape(*before->second, *mesh)) mesh = before->second;
   }
   return open;
 }
@@ -165,35 +162,42 @@ StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& pr
   }
   built.warnings.insert(built.warnings.end(), read->warnings.begin(), read->warnings.end());
   built.mirrored = std::move(read->mirrored);
+  std::vector<std::string> groups;
+  for (const StudyCase* one : gathered.cases) groups.push_back(one->group);
+  if (!read->set.topology)
+    read->set.topology = template_faces(request.template_file, read->set.shapes.rows() / 3, built);
+  auto model = make_study_model(std::move(read->set), std::move(groups), request.alignment, progress);
+  if (model)
+    built.model = std::move(*model);
+  else
+    built.error = model.error().sentence();
+  return built;
+}
+
+Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std::vector<std::string> groups,
+                                                           Alignment alignment, const Progress& progress) {
   auto model = std::make_shared<StudyModel>();
-  for (const StudyCase* one : gathered.cases) {
-    model->names.push_back(one->name);
-    model->groups.push_back(one->group);
-  }
-  model->topology = read->set.topology;
-  if (!model->topology) model->topology = template_faces(request.template_file, read->set.shapes.rows() / 3, built);
-  align(read->set.shapes, request.alignment);
-  model->centre_mm = points_of(Eigen::VectorXd(read->set.shapes.rowwise().mean())).colwise().mean();
-  for (Eigen::Index k = 0; k < read->set.shapes.cols(); ++k) {
-    model->shapes.push_back(std::make_shared<const Points>(points_of(read->set.shapes, k)));
+  model->names = std::move(set.names);
+  model->groups = std::move(groups);
+  model->topology = std::move(set.topology);
+  align(set.shapes, alignment);
+  model->centre_mm = points_of(Eigen::VectorXd(set.shapes.rowwise().mean())).colwise().mean();
+  for (Eigen::Index k = 0; k < set.shapes.cols(); ++k) {
+    model->shapes.push_back(std::make_shared<const Points>(points_of(set.shapes, k)));
     model->radius_mm = std::max(
         model->radius_mm, (model->shapes.back()->rowwise() - model->centre_mm.transpose()).rowwise().norm().maxCoeff());
   }
-  auto components = principal_components(std::move(read->set.shapes));
-  if (components.scatter.size() == 0) {
-    built.error = model->names.front() +
-                  ": differs from the other shapes by its pose alone, so there is nothing to model; give different "
-                  "shapes";
-    return built;
-  }
+  auto components = principal_components(std::move(set.shapes));
+  if (components.scatter.size() == 0)
+    return fail(model->names.front(),
+                "differs from the other shapes by its pose alone, so there is nothing to model; give different shapes");
   model->model = make_model(components, share_held, model->topology, model->names);
   model->mean = {model->topology, points_of(components.mean)};
   model->components = std::make_shared<const PrincipalComponents>(std::move(components));
   model->hues = std::make_shared<const std::vector<float>>(hues_of(*model));
-  if (progress.cancelled()) return built;
+  if (progress.cancelled()) return fail("", "was stopped");
   find_doubts(*model);
-  built.model = std::move(model);
-  return built;
+  return model;
 }
 
 }  // namespace homolog

@@ -8,6 +8,7 @@
 
 #include "app/editor/state/models/study_model.h"
 #include "core/base/progress.h"
+#include "core/model/training_set.h"
 
 namespace homolog {
 
@@ -35,5 +36,9 @@ struct StudyModelBuilt {
 /// Reads what is not known yet and builds the model. A case that cannot be read, has no mesh yet, or is not in
 /// correspondence with the rest is left out and said so.
 StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& progress);
+
+/// The model of shapes in correspondence, each of one of `groups`. Errors: they differ by pose alone; cancelled.
+Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std::vector<std::string> groups,
+                                                           Alignment alignment, const Progress& progress);
 
 }  // namespace homolog

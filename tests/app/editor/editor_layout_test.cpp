@@ -172,7 +172,7 @@ class Screens {
 
   void prepare() {
     for (const char* section : {"Case", "Template", "Place", "Deform", "Correspondence", "Export", "Model", "Measures",
-                                "To check", "Pictures"})
+                                "Optimise", "To check", "Pictures"})
       state().preferences.sections_open[section] = true;
     state().preferences.show.glyphs = true;
     if (named_.names.empty()) return;
@@ -243,11 +243,26 @@ class Screens {
       state().models.all_modes = true;
       look("Models, all modes");
     }
+    look_at_optimisation();
     state().picture.study = StudyPicture::modes;
     look("Models, a picture of the modes");
     state().picture.study.reset();
     state().models.show_difference = false;
     state().models.shown = false;
+  }
+
+  void look_at_optimisation() {
+    StudyOptimisation& optimisation = state().models.optimisation;
+    optimisation.of = std::make_shared<const StudyToOptimise>(StudyToOptimise{state().models.fitted});
+    optimisation.bits = {123.45, 120.1};
+    look("Models, an optimisation runs");
+    auto done = std::make_shared<OptimisedStudy>();
+    done->before = {123.456, 1, 3, 0.8, 12.3456, 10.1234};
+    done->after = {120.1, 1, 3, 0.9, 10.1, 10.1};
+    optimisation.done = std::move(done);
+    optimisation.shown = true;
+    look("Models, optimised");
+    optimisation = {};
   }
 
   void show(Dialog dialog, const char* screen) {

@@ -1,10 +1,12 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "app/editor/state/models/gallery.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/work/build_study_model.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
@@ -115,6 +117,69 @@ TEST_CASE("shapes that are known already are not read again") {
   const auto again = build_study_model(request, progress);
   REQUIRE(again.shapes.size() == 4);
   for (const auto& [name, shape] : again.shapes) CHECK(shape == first.shapes.at(name));
+}
+
+TEST_CASE("what is confirmed in the open case is so in the study") {
+  Balls balls;
+  const fs::path file = balls.folder.path / "c.homolog";
+  std::ofstream(file) << "there is a file";
+  const auto the_template = test::must(load_template((balls.folder.path / "a1.ply").string()));
+  auto open = std::make_shared<Document>(new_document("", nullptr, the_template));
+  REQUIRE(open->has_shape());
+  add_cases(balls.state, {file});
+  Progress progress;
+  StudyModelRequest request;
+  request.cases = balls.state.study.cases;
+  request.open_file = file;
+  request.open_document = open;
+  const StudyModelBuilt before = build_study_model(request, progress);
+  REQUIRE(before.shapes.contains("c"));
+  request.known = before.known;
+  CHECK(build_study_model(request, progress).shapes.at("c") == before.shapes.at("c"));
+  auto confirmed = std::make_shared<Document>(*open);
+  confirmed->shapes.at(0).confirmed =
+      std::make_shared<const VertexScalars>(VertexScalars::Ones(the_template->points.rows()));
+  request.open_document = confirmed;
+  const StudyModelBuilt after = build_study_model(request, progress);
+  CHECK(after.shapes.at("c")->arrays.contains("confirmed"));
+  CHECK_FALSE(same_shape(*after.shapes.at("c"), *before.shapes.at("c")));
+}
+
+TEST_CASE("what was optimised is over when the shapes or their alignment are others") {
+  Balls balls;
+  const auto shapes_of_study = [&] {
+    StudyModelBuilt built = balls.build(Alignment::similarity);
+    REQUIRE(built.model);
+    return ShapesOfStudy{std::move(built.shapes), std::move(built.sizes), std::move(built.model)};
+  };
+  const StudyToOptimise of{shapes_of_study(), Alignment::similarity};
+  const auto why = [&](const ShapesOfStudy& now) { return why_outdated(of, now, Alignment::similarity); };
+  CHECK(why(shapes_of_study()).empty());
+  CHECK(why_outdated(of, of.fitted, Alignment::rigid) == "the alignment was changed");
+  ShapesOfStudy now = of.fitted;
+  MeshFile moved = *now.shapes.at("a2");
+  moved.landmarks.push_back({"pole", Vec3(0, 0, 9.5)});
+  now.shapes["a2"] = std::make_shared<const MeshFile>(moved);
+  CHECK(why(now) == "a2 has changed");
+  find_case(balls.state.study, "b2")->flipped = true;
+  CHECK(why(shapes_of_study()) == "b2 has changed");
+  find_case(balls.state.study, "b2")->flipped = false;
+  remove_case(balls.state, "b1");
+  CHECK(why(shapes_of_study()) == "b1 is not in the model any more");
+  add_cases(balls.state, {balls.write("c", {12, 11, 11})});
+  CHECK(why(shapes_of_study()) == "c was added");
+  CHECK(why({}) == "a1 is not in the model any more");
+
+  // The state drops it too, and shows what was fitted.
+  ModelsState& state = balls.state;
+  CHECK(take_fitted(state, of.fitted).empty());
+  state.optimisation.of = std::make_shared<const StudyToOptimise>(of);
+  take_optimised(state, {of.fitted, {}, {}, 1, 1});
+  CHECK(state.optimisation.shown);
+  CHECK(take_fitted(state, shapes_of_study()) ==
+        "The optimised shapes were dropped, because c was added. Optimise again.");
+  CHECK_FALSE(state.optimisation.of);
+  CHECK(state.model == state.fitted.model);
 }
 
 TEST_CASE("a mirrored shape is listed and no more once it is flipped") {

@@ -8,8 +8,10 @@
 #include <stdexcept>
 
 #include "app/editor/state/models/models_state.h"
+#include "app/editor/work/build_study_model.h"
 #include "app/editor/work/opener.h"
 #include "app/editor/work/quality_monitor.h"
+#include "app/editor/work/study_optimiser.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
@@ -254,6 +256,52 @@ TEST_CASE("files are sorted and named where the working folder is gone") {
   fs::current_path(before);
   CHECK(test::must(request).case_file == "some.homolog");
   CHECK(state.study.template_file == "some.ply");
+}
+
+TEST_CASE("the rounds of an optimisation come before its result and one that was given up leaves none") {
+  auto study = std::make_shared<StudyToOptimise>();
+  TrainingSet set;
+  set.topology = icosphere(2, 20).topology;
+  set.shapes.resize(3 * set.topology->vertices(), 4);
+  for (int k = 0; k < 4; ++k) {
+    Points points = icosphere(2, 20).points;
+    points.col(0) *= 1 + 0.1 * k;
+    points.col(2) += 0.004 * k * k * points.col(0).cwiseAbs2();
+    set.names.push_back(std::to_string(k));
+    set.shapes.col(k) = points.reshaped<Eigen::RowMajor>();
+    study->fitted.shapes[set.names.back()] =
+        std::make_shared<const MeshFile>(MeshFile{points, set.topology->triangles()});
+  }
+  Progress progress;
+  study->fitted.model = test::must(make_study_model(set, {"", "", "", ""}, Alignment::similarity, progress));
+  std::atomic<int> woken = 0;
+  StudyOptimiser optimiser([&] { ++woken; });
+  optimiser.start(study);
+  std::size_t rounds = 0;
+  std::optional<Result<OptimisedStudy>> done;
+  REQUIRE(test::wait_until([&] {
+    if (const auto more = optimiser.take_rounds()) {
+      CHECK(more->size() > rounds);
+      rounds = more->size();
+    }
+    if (optimiser.busy()) return false;
+    if (const auto last = optimiser.take_rounds()) rounds = last->size();
+    done = optimiser.take();
+    return true;
+  }));
+  REQUIRE(done);
+  const OptimisedStudy optimised = test::must(std::move(*done));
+  CHECK(rounds == 21);
+  CHECK(woken >= 21);
+  CHECK(optimised.after.bits < optimised.before.bits);
+  CHECK(optimised.shapes.shapes.size() == 4);
+  CHECK(optimised.shapes.sizes.size() == 4);
+  CHECK(optimised.shapes.model->names == set.names);
+
+  optimiser.start(study);
+  optimiser.cancel();
+  CHECK_FALSE(optimiser.busy());
+  CHECK_FALSE(optimiser.take());
 }
 
 }  // namespace homolog

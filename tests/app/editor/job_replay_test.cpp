@@ -288,7 +288,7 @@ TEST_CASE("a model made of a study comes out of its log with the same bytes") {
     REQUIRE(
         write_mesh(ball, desktop.folder.path / ("ball" + std::to_string(static_cast<int>(100 * stretch)) + ".ply")));
   }
-  check_job(desktop, 3, [&](Driver& driver) {
+  check_job(desktop, 8, [&](Driver& driver) {
     driver.press(key::tab);
     driver.settle();
     driver.click("Study");
@@ -310,6 +310,18 @@ TEST_CASE("a model made of a study comes out of its log with the same bytes") {
     driver.settle();
     driver.click("Table…");
     pick_file(driver, desktop.out / "balls.csv");
+    driver.click("models panel/Optimise");
+    driver.click("Optimise/Optimise");
+    driver.wait_until("the shapes are optimised", [&] { return driver.state().models.optimisation.done != nullptr; });
+    driver.settle();
+    driver.click("Study");
+    driver.click("study menu/Export shapes as .ply…");
+    pick_file(driver, desktop.out / "optimised");
+    driver.click("shapes/As fitted");
+    driver.click("models panel/Sizes");
+    driver.click("Sizes/Table…");
+    pick_file(driver, desktop.out / "sizes.csv");
+    driver.click("Optimise/Discard");
   });
 }
 

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -234,6 +235,22 @@ TEST_CASE("golden pictures of the gallery and the worklist") {
   }
   driver.state().notices.clear();
   check_screen(driver, "worklist");
+}
+
+TEST_CASE("golden picture of optimised shapes") {
+  const auto gl = test::context_or_skip();
+  if (!gl) return;
+  const OrganScan scan;
+  Driver driver(scan.document(), {1024, 860, 1});
+  show_balls(driver, scan.folder.path, {"anna", "bert", "carl", "dora"});
+  for (const char* title : {"Model", "Measures", "To check"}) driver.state().preferences.sections_open[title] = false;
+  driver.state().preferences.sections_open["Optimise"] = true;
+  // Figures of the test's own, which are the same on every machine.
+  ModelsState& models = driver.state().models;
+  models.optimisation.of = std::make_shared<const StudyToOptimise>(StudyToOptimise{models.fitted, models.alignment});
+  for (int round = 0; round <= 20; ++round) models.optimisation.bits.push_back(9 + 0.5 * std::exp(-0.3 * round));
+  take_optimised(models, {models.fitted, {9.5, 4, 2, 0.981, 1.608, 1.283}, {9, 4, 2, 0.984, 1.555, 1.251}, 1.23, 0.2});
+  check_screen(driver, "optimised");
 }
 
 }  // namespace homolog

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/state/models/study_model.h"
+#include "app/editor/state/models/study_optimisation.h"
 #include "app/editor/state/view_geometry.h"
 #include "core/model/evaluation.h"
 #include "core/model/observers.h"
@@ -51,16 +51,19 @@ struct ModelsState {
   std::string selected;  ///< name of a case; empty: none
   std::optional<CaseTextEdit> text_edit;
 
-  ReadFiles files;                                                ///< the cases' files as they were read
-  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< of every case that has one, as it lies
-  std::map<std::string, ShapeSizes> sizes;                        ///< of those that have faces
-  std::size_t distance_shown = 0;                                 ///< of the pairs of landmarks, in the list of sizes
+  ReadFiles files;       ///< the cases' files as they were read
+  ShapesOfStudy fitted;  ///< the shapes of those files
+  /// What is shown, measured and written: the fitted shapes, or the optimised ones in place of those.
+  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;
+  std::map<std::string, ShapeSizes> sizes;
+  std::size_t distance_shown = 0;               ///< of the pairs of landmarks, in the list of sizes
   std::optional<ObserverComparison> observers;  ///< with another observer's study, where one was asked for
   std::filesystem::path other_observer;         ///< that study
   std::vector<std::string> mirrored;            ///< cases that are mirror images of most others
 
   Alignment alignment = Alignment::similarity;
-  std::shared_ptr<const StudyModel> model;
+  std::shared_ptr<const StudyModel> model;  ///< of `shapes`
+  StudyOptimisation optimisation;
   std::string model_error;
   bool modelling = false;
   double modelling_fraction = 0;
@@ -137,6 +140,18 @@ void select_next_case(ModelsState& state);
 void show_study(ModelsState& state, Study study, std::filesystem::path file);
 /// Takes a model in: keeps the camera where one was shown, the coefficients where they fit.
 void show_model(ModelsState& state, std::shared_ptr<const StudyModel> model);
+
+/// Takes in the study's shapes as they were read, and their model. An optimisation of other shapes is over; gives the
+/// sentence that says so and why.
+std::string take_fitted(ModelsState& state, ShapesOfStudy fitted);
+/// Why the shapes cannot be optimised now; empty where they can.
+std::string why_not_optimise(const ModelsState& state);
+/// Takes in what came of the optimisation that runs, and shows it.
+void take_optimised(ModelsState& state, OptimisedStudy optimised);
+/// Shows the optimised shapes and their model, where there are some, or again those that were fitted.
+void show_optimised(ModelsState& state, bool shown);
+/// Gives up an optimisation or its result. The fitted shapes are shown.
+void discard_optimised(ModelsState& state);
 
 /// Looks at all shapes, from the front.
 void show_all_shapes(ModelsState& state);

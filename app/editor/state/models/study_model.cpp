@@ -28,6 +28,16 @@ std::vector<Eigen::Index> StudyModel::of_group(const std::string& group) const {
   return found;
 }
 
+bool same_shape(const MeshFile& a, const MeshFile& b) {
+  const auto same = [](const auto& one, const auto& other) { return one.rows() == other.rows() && one == other; };
+  const auto confirmed = [](const MeshFile& file) {
+    const auto found = file.arrays.find("confirmed");
+    return found == file.arrays.end() ? VertexScalars() : found->second;
+  };
+  return same(a.points, b.points) && same(a.triangles, b.triangles) && a.landmarks == b.landmarks &&
+         same(confirmed(a), confirmed(b));
+}
+
 VertexScalars difference_of_groups_mm(const StudyModel& model, const std::string& from, const std::string& to) {
   return outward_mm(model.mean, group_difference_mm(*model.components, model.of_group(from), model.of_group(to)));
 }

@@ -43,6 +43,16 @@ struct StudyModel {
   std::vector<Eigen::Index> of_group(const std::string& group) const;
 };
 
+/// The shapes of a study by the names of their cases, and the model of them.
+struct ShapesOfStudy {
+  std::map<std::string, std::shared_ptr<const MeshFile>> shapes;  ///< of every case that has one, as it lies
+  std::map<std::string, ShapeSizes> sizes;                        ///< of those that have faces
+  std::shared_ptr<const StudyModel> model;                        ///< null where there is none
+};
+
+/// Whether both have the same vertices, faces, named landmarks and confirmed vertices.
+bool same_shape(const MeshFile& a, const MeshFile& b);
+
 /// Mean of group `to` minus mean of group `from` along the normals of the mean shape, mm; outwards is positive. Both
 /// must be comparable.
 VertexScalars difference_of_groups_mm(const StudyModel& model, const std::string& from, const std::string& to);

@@ -89,7 +89,7 @@ void StartFit::run(Editing& editing) const {
   ModelOfFit model;
   if (chosen.model == FitModel::file) model.model = editing.state.fit_model;
   if (chosen.model == FitModel::study) {
-    model.study = editing.state.models.model;
+    model.study = editing.state.models.fitted.model;
     const StudyCase* one = find_case(editing.state.models, snapshot.file, snapshot.document->frame);
     if (one != nullptr) model.left_out = one->name;
   }

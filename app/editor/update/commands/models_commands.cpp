@@ -103,7 +103,7 @@ void CompareObservers::run(Editing& editing) const {
   ModelsState& models = editing.state.models;
   models.observers.reset();
   models.other_observer = path;
-  editing.work.observers.start(path.string(), [path = path, mine = models.shapes](Progress& progress) {
+  editing.work.observers.start(path.string(), [path = path, mine = models.fitted.shapes](Progress& progress) {
     const auto read = read_observer(path, &progress);
     if (!read) return Result<ObserverComparison>(fail(read.error()));
     auto compared = compare_observers(mine, read->shapes, &progress);

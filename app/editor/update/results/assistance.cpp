@@ -28,7 +28,7 @@ void take_fit(Editing& editing, Fitted fitted) {
 void ask_model(Editing& editing) {
   const Snapshot& snapshot = editing.shown.snapshot();
   const StudyCase* one = find_case(editing.state.models, snapshot.file, snapshot.document->frame);
-  editing.work.model_help.ask(editing.state.models.model, one != nullptr ? one->name : std::string());
+  editing.work.model_help.ask(editing.state.models.fitted.model, one != nullptr ? one->name : std::string());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "app/editor/update/results/assistance.h"
 #include "app/editor/update/results/opening.h"
+#include "app/editor/update/results/optimisation.h"
 #include "app/editor/update/results/quitting.h"
 #include "app/editor/update/results/worklist.h"
 
@@ -173,6 +174,7 @@ bool take_results(Editing& editing, double seconds) {
   update_learning(editing);
   changed |= show_snap(editing);
   changed |= work.models.update(state, editing.shown.snapshot(), seconds, editing.out);
+  changed |= update_optimisation(editing);
   changed |= take_worklist(editing);
   update_quit(editing);
   changed |= update_quality(editing);

@@ -78,6 +78,14 @@ std::string hint(const EditorState& state, const Document& shown, bool making_sh
   }
 }
 
+/// Why the frame that is shown has to be looked at; empty where it need not, or while something is in hand.
+std::string doubt_of(const EditorState& state, const Document& shown) {
+  const auto& frames = state.volume_curve.frames;
+  const auto here = frames.find(shown.frame);
+  if (here == frames.end() || here->second.doubt.empty() || state.drag || state.playing) return {};
+  return "Frame " + std::to_string(shown.frame) + " " + here->second.doubt + ".";
+}
+
 }  // namespace
 
 std::string why_no_mesh(const Document& shown) {
@@ -93,6 +101,8 @@ Status status_of(const EditorState& state, const Snapshot& snapshot, const Docum
   } else if (!snapshot.message.empty() && state.said_in == situation_of(state, shown)) {
     return {snapshot.message};
   }
+  // The panel says it too, but perhaps out of sight.
+  if (std::string doubt = making_shown ? "" : doubt_of(state, shown); !doubt.empty()) return {std::move(doubt), true};
   return {hint(state, shown, making_shown)};
 }
 

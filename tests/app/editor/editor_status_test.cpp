@@ -98,7 +98,7 @@ TEST_CASE("what the last edit said goes as soon as something else is in hand") {
   snapshot.preview = EditReport{};
   CHECK(status_of(state, snapshot, document).text != snapshot.message);
   snapshot.preview->stopped_by_guard = true;
-  CHECK(status_of(state, snapshot, document).stopped);
+  CHECK(status_of(state, snapshot, document).warns);
 }
 
 TEST_CASE("the status line says whether the landmark under the pointer is held") {

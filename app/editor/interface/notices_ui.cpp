@@ -15,9 +15,13 @@ float card_width(const UiContext& ui) {
   return std::min(static_cast<float>(theme.px(400)), ui.layout.panel.x - theme.px(32));
 }
 
-void begin_card(const UiContext& ui, const char* id, float height_px, float bottom_px, ImU32 edge) {
+float top_of_cards(const UiContext& ui) {
+  return ui.layout.top_bar.y + ui.layout.top_bar.height + ui.theme.px(layout_units::header_height + 8);
+}
+
+void begin_card(const UiContext& ui, const char* id, float height_px, float bottom_px, ImU32 edge, bool hangs) {
   const Theme& theme = ui.theme;
-  ImGui::SetNextWindowPos({ui.layout.panel.x - theme.px(16), bottom_px}, ImGuiCond_Always, {1, 1});
+  ImGui::SetNextWindowPos({ui.layout.panel.x - theme.px(16), bottom_px}, ImGuiCond_Always, {1, hangs ? 0.0f : 1.0f});
   ImGui::SetNextWindowSize({card_width(ui), height_px});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, palette::raised);
   ImGui::PushStyleColor(ImGuiCol_Border, with_alpha(edge, 0.7f));

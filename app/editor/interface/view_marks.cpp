@@ -345,19 +345,32 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
                   palette::mark, format("%.1f mm", ruler.length_mm()));
 }
 
-/// From the outline to where the guide's pull should bring it.
+/// From a dot on the outline, which is to be taken hold of, an arrow the way that the guide's pull goes, with a bar
+/// where it should end. A short way has an arrow of some length all the same, beyond its bar; in other slices it is
+/// faint.
 void draw_guide_arrow(const UiContext& ui, const GuideStep& step, const ViewMap& map, ImDrawList& draw) {
   const auto from = map.to_px(pulled_from(step, ui.document().mesh())), to = map.to_px(step.to_mm);
   if (!from || !to) return;
+  const double off_mm = std::abs(map.into_screen().dot(step.to_mm - map.slice().centre));
+  const bool here = off_mm <= slice_step_mm(geometry_of(ui.document()), map.into_screen());
+  const ImU32 colour = with_alpha(palette::accent, here ? 1.0f : 0.35f), edge = IM_COL32(0, 0, 0, here ? 190 : 60);
   const Eigen::Vector2d way = *to - *from;
-  const double length = way.norm(), head = ui.theme.px(9);
-  draw.AddCircle(to_im(*to), ui.theme.px(7), palette::accent, 0, ui.theme.px(2));
-  if (length < head) return;
-  const Eigen::Vector2d along = way / length, across(-along.y(), along.x());
-  const Eigen::Vector2d tip = *to - ui.theme.px(7) * along, neck = tip - head * along;
-  draw.AddLine(to_im(*from), to_im(neck), palette::accent, ui.theme.px(2.5f));
-  draw.AddTriangleFilled(to_im(tip), to_im(Eigen::Vector2d(neck + 0.6 * head * across)),
-                         to_im(Eigen::Vector2d(neck - 0.6 * head * across)), palette::accent);
+  const double length = way.norm(), head = ui.theme.px(11), shortest = ui.theme.px(36), bar = ui.theme.px(8);
+  const float thick = ui.theme.px(3), rim = ui.theme.px(2);
+  if (length > 0.5) {
+    const Eigen::Vector2d along = way / length, across(-along.y(), along.x());
+    const Eigen::Vector2d tip = *from + std::max(length, shortest) * along, neck = tip - head * along;
+    const ImVec2 low = to_im(neck + 0.6 * head * across), high = to_im(neck - 0.6 * head * across);
+    const ImVec2 left = to_im(*to + bar * across), right = to_im(*to - bar * across);
+    draw.AddLine(to_im(*from), to_im(neck), edge, thick + rim);
+    draw.AddLine(left, right, edge, thick + rim);
+    draw.AddTriangle(to_im(tip), low, high, edge, rim);
+    draw.AddLine(to_im(*from), to_im(neck), colour, thick);
+    draw.AddTriangleFilled(to_im(tip), low, high, colour);
+    draw.AddLine(left, right, colour, thick);
+  }
+  draw.AddCircleFilled(to_im(*from), ui.theme.px(4), with_alpha(IM_COL32_WHITE, here ? 1.0f : 0.35f));
+  draw.AddCircle(to_im(*from), ui.theme.px(4.5f), edge, 0, ui.theme.px(1.5f));
 }
 
 void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {

@@ -213,6 +213,12 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
 
 }  // namespace
 
+std::string placed_in_words(const UiContext& ui) {
+  if (!ui.has_shape()) return {};
+  const std::size_t all = ui.document().the_template->landmarks.size();
+  return all == 0 ? "" : format("%zu of %zu landmarks", ui.document().shape().landmarks.size(), all);
+}
+
 void draw_place_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!ui.has_shape()) {

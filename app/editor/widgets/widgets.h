@@ -28,8 +28,8 @@ bool is_explained(ImGuiHoveredFlags hovered = 0);
 void tooltip(const Theme& theme, const std::string& text);
 
 /// A section of the side panel with a title that folds it; true while it is open. `open` is what it is now;
-/// `toggled` is set where the user clicked.
-bool section(const Theme& theme, const char* title, bool open, bool& toggled);
+/// `toggled` is set where the user clicked. While it is folded, `holds` says what is in it.
+bool section(const Theme& theme, const char* title, bool open, bool& toggled, const std::string& holds = {});
 
 bool button(const Theme& theme, const std::string& label, const std::string& tip, const std::string& refusal = {},
             float width_px = 0, bool primary = false);

@@ -7,6 +7,7 @@
 #include "tests/ball.h"
 #include "tests/driver.h"
 #include "tests/must.h"
+#include "tests/organ_scan.h"
 
 // What lies in the side panel stays where a person saw it, and what is opened is seen.
 
@@ -109,6 +110,17 @@ TEST_CASE("a section that is opened at the panel's end is scrolled into view") {
   driver.click("side panel/Case");
   driver.settle();
   CHECK(driver.control("side panel/Case").rect.y == at);
+}
+
+TEST_CASE("a folded section says what is in it") {
+  const OrganScan scan;
+  Driver driver(scan.document(), {1280, 2400, 1});
+  REQUIRE(driver.control("side panel/Place").value == "off");
+  CHECK(driver.shows("0 of 3 landmarks"));
+  driver.click("side panel/Place");
+  CHECK_FALSE(driver.shows("0 of 3 landmarks"));
+  if (driver.control("side panel/Template").value == "on") driver.click("side panel/Template");
+  CHECK(driver.shows("organ.ply"));
 }
 
 }  // namespace homolog

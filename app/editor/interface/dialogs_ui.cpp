@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "app/editor/interface/dialog_frame.h"
 #include "app/editor/update/controls.h"
@@ -173,6 +174,32 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
   end_dialog();
 }
 
+/// Which label of the maps is the organ.
+void draw_labels_to_fit(const UiContext& ui, const LabelDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  constexpr std::size_t most_rows = 8, columns = 3;
+  const std::size_t rows = (dialog.labels.size() + columns - 1) / columns;
+  if (!begin_dialog(ui, "Which label is the organ?", 520, 0)) close_dialog(out);
+  explanation(theme,
+              dialog.map + format(" holds %zu labels. The one that you choose is fitted in every case that waits.",
+                                  dialog.labels.size()));
+  gap(theme, 4);
+  const float spacing = ImGui::GetStyle().ItemSpacing.y;
+  ImGui::BeginChild("labels", {0, (theme.px(28) + spacing) * static_cast<float>(std::min(rows, most_rows)) - spacing});
+  const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * theme.px(8)) / columns);
+  for (std::size_t k = 0; k < dialog.labels.size(); ++k) {
+    if (k % columns > 0) ImGui::SameLine(0, theme.px(8));
+    const Part part(std::to_string(dialog.labels[k]), "label");
+    if (button(theme, format("Label %d", dialog.labels[k]), "Fits this label in all cases", {}, width))
+      out.send(FitWaiting{dialog.labels[k]});
+  }
+  ImGui::EndChild();
+  if (button(theme, "All labels together", "Fits all labels of each map as one organ", {},
+             ImGui::GetContentRegionAvail().x))
+    out.send(FitWaiting{0, true});
+  end_dialog();
+}
+
 void draw_replace(const UiContext& ui, const ReplaceDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "Replace the file?", 520, 0)) close_dialog(out);
@@ -257,6 +284,8 @@ void draw_dialogs(const UiContext& ui, Outbox& out) {
     draw_flip(ui, *flip, out);
   else if (const auto* recover = std::get_if<RecoverDialog>(&dialog))
     draw_recover(ui, *recover, out);
+  else if (const auto* labels = std::get_if<LabelDialog>(&dialog))
+    draw_labels_to_fit(ui, *labels, out);
   else if (const auto* spacing = std::get_if<SpacingDialog>(&dialog))
     draw_spacing(ui, *spacing, out);
   else if (const auto* quit = std::get_if<QuitDialog>(&dialog); quit->study.empty())

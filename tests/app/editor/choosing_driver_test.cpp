@@ -1,0 +1,89 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "app/editor/update/file_purposes.h"
+#include "core/catalogue/catalogue.h"
+#include "core/mesh/icosphere.h"
+#include "core/mesh/label_map.h"
+#include "core/mesh/mesh_io.h"
+#include "core/session/case_file.h"
+#include "core/volume/volume_io.h"
+#include "tests/ball.h"
+#include "tests/driver.h"
+#include "tests/must.h"
+
+// What a person chooses for several cases at once: files in the dialog, and the label of a worklist's maps.
+
+namespace homolog {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+VolumeGeometry map_grid() {
+  VolumeGeometry grid;
+  grid.dims = {60, 60, 60};
+  grid.origin_mm.setConstant(-29.5);
+  return grid;
+}
+
+/// Label 1 is a ball of 8 mm aside, label 2 one of `radius_mm` in the middle; 0: there is none.
+void write_two_labels(const fs::path& file, double radius_mm) {
+  Mesh aside = icosphere(3, 8);
+  aside.points.rowwise() += Eigen::RowVector3d(19, 19, 19);
+  Volume map = label_map(aside, map_grid(), 1);
+  if (radius_mm > 0) {
+    const Volume ball = label_map(icosphere(4, radius_mm), map_grid(), 2);
+    auto& voxels = std::get<std::vector<std::uint8_t>>(map.data);
+    const auto& others = std::get<std::vector<std::uint8_t>>(ball.data);
+    for (std::size_t v = 0; v < voxels.size(); ++v) voxels[v] = std::max(voxels[v], others[v]);
+  }
+  REQUIRE(write_volume(map, file));
+}
+
+double height_of(const fs::path& case_file) {
+  return bounds_of(*test::must(read_case(case_file)).session.document().shape().points).sizes().z();
+}
+
+/// A case of a ball that is read from a file, as what is opened again must be.
+Document ball_of_file(const TemporaryFolder& folder) {
+  const fs::path file = folder.path / "ball.ply";
+  REQUIRE(write_mesh(icosphere(3, 20), file));
+  return new_document("", nullptr, test::must(load_template(file.string())));
+}
+
+}  // namespace
+
+TEST_CASE("where maps hold several labels one is asked for and fitted in every case that waits") {
+  const TemporaryFolder folder;
+  const fs::path scans = folder.path / "scans";
+  fs::create_directory(scans);
+  write_two_labels(scans / "a.nii", 15);
+  write_two_labels(scans / "b.nii", 20);
+  write_two_labels(scans / "c.nii", 0);  // one label only: there is nothing to choose
+  Driver driver(ball_of_file(folder));
+  driver.press(key::tab);
+  driver.app().send(AddScans{{scans}});
+  driver.wait_until("the scans are cases", [&] { return driver.state().models.study.cases.size() == 3; });
+  driver.settle();
+  driver.click("Fit waiting (3)");
+  driver.wait_until("it is asked", [&] { return driver.has("All labels together"); });
+  CHECK(waiting_cases(driver.state().models) == 3);
+  CHECK(driver.shows("a.nii holds 2 labels"));
+  driver.settle();
+  driver.click("Label 2");
+  CHECK_FALSE(driver.state().dialog);
+  CHECK(driver.shows("Label 2 is fitted where a map holds several."));
+  driver.wait_until("all are fitted", [&] { return waiting_cases(driver.state().models) == 0; });
+  driver.settle();
+  for (const auto& [name, height_mm] : std::map<std::string, double>{{"a", 30}, {"b", 40}, {"c", 16}}) {
+    CAPTURE(name);
+    const StudyCase* one = find_case(driver.state().models.study, name);
+    REQUIRE(one != nullptr);
+    CHECK(height_of(one->file) == doctest::Approx(height_mm).epsilon(0.1));
+  }
+}
+
+}  // namespace homolog

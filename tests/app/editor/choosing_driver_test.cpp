@@ -47,11 +47,28 @@ double height_of(const fs::path& case_file) {
   return bounds_of(*test::must(read_case(case_file)).session.document().shape().points).sizes().z();
 }
 
+std::vector<std::string> names_of_cases(Driver& driver) {
+  std::vector<std::string> names;
+  for (const StudyCase& one : driver.state().models.study.cases) names.push_back(one.name);
+  return names;
+}
+
 /// A case of a ball that is read from a file, as what is opened again must be.
 Document ball_of_file(const TemporaryFolder& folder) {
   const fs::path file = folder.path / "ball.ply";
   REQUIRE(write_mesh(icosphere(3, 20), file));
   return new_document("", nullptr, test::must(load_template(file.string())));
+}
+
+/// The folder that the open dialog shows.
+void go_to_folder(Driver& driver, const fs::path& folder) {
+  driver.type_into("name", folder.string());
+  driver.press(key::enter);
+  driver.settle();
+}
+
+const FileBrowser& browser_of(Driver& driver) {
+  return std::get<FileDialog>(*driver.state().dialog).browser;
 }
 
 }  // namespace
@@ -83,6 +100,60 @@ TEST_CASE("where maps hold several labels one is asked for and fitted in every c
     const StudyCase* one = find_case(driver.state().models.study, name);
     REQUIRE(one != nullptr);
     CHECK(height_of(one->file) == doctest::Approx(height_mm).epsilon(0.1));
+  }
+}
+
+TEST_CASE("with Ctrl and Shift several files are chosen and a worklist takes just those") {
+  const TemporaryFolder folder;
+  for (const char* name : {"anna", "bert", "carl", "dora"}) {
+    REQUIRE(write_mesh(icosphere(2, 20), folder.path / (std::string(name) + ".ply")));
+    REQUIRE(write_volume(label_map(icosphere(2, 12), map_grid(), 1), folder.path / (std::string(name) + ".nii")));
+  }
+  const fs::path files = folder.path;
+  Driver driver(new_document("", nullptr, ball_template(20)));
+  driver.press(key::tab);
+  driver.click("Meshes…");
+  go_to_folder(driver, files);
+  driver.click("anna.ply/row");
+  driver.hold_keys({false, true, false});
+  driver.click("carl.ply/row");
+  driver.click("dora.ply/row");
+  driver.click("dora.ply/row");  // and not, after all
+  driver.hold_keys({});
+  driver.click("Add 2");
+  driver.settle();
+  CHECK(names_of_cases(driver) == std::vector<std::string>{"anna", "carl"});
+
+  driver.click("Scans…");
+  go_to_folder(driver, files);
+  driver.click("anna.nii/row");
+  driver.hold_keys({true, false, false});
+  driver.click("carl.nii/row");
+  driver.hold_keys({});
+  driver.press(key::down, {true, false, false});  // Shift with an arrow: one more
+  CHECK(driver.has("Add 4"));
+  driver.click("bert.nii/row");  // alone again
+  CHECK_FALSE(driver.has("Add 4"));
+  driver.press(key::down, {true, false, false});
+  driver.click("Add 2");
+  driver.wait_until("the scans are cases", [&] { return driver.state().models.study.cases.size() == 4; });
+  driver.settle();
+  CHECK(names_of_cases(driver) == std::vector<std::string>{"anna", "carl", "bert", "carl-2"});
+}
+
+TEST_CASE("a folder that is chosen in a dialog is entered by its button whatever the dialog is for") {
+  Driver driver(new_document("", nullptr, ball_template(20)));
+  const fs::path inner = driver.folder() / "inner";
+  fs::create_directory(inner);
+  for (const FilePurpose purpose : {FilePurpose::open, FilePurpose::open_template, FilePurpose::add_scans,
+                                    FilePurpose::add_shapes, FilePurpose::export_mesh}) {
+    driver.app().send(ShowFileDialog{purpose, purpose == FilePurpose::export_mesh ? "a.ply" : ""});
+    driver.settle();
+    driver.click("inner/row");
+    const std::string title = file_purpose(purpose).title;
+    driver.click(title + "/Open");
+    CHECK(browser_of(driver).folder == inner);
+    driver.press(key::escape);
   }
 }
 

@@ -31,12 +31,17 @@ void begin_card(const UiContext& ui, const char* id, float height_px, float bott
                    ImGuiWindowFlags_NoFocusOnAppearing | (height_px > 0 ? 0 : ImGuiWindowFlags_AlwaysAutoResize));
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(2);
+  // The card has the colour that buttons have elsewhere.
+  ImGui::PushStyleColor(ImGuiCol_Button, palette::hovered);
+  ImGui::PushStyleColor(ImGuiCol_ButtonHovered, palette::pressed);
+  ImGui::PushStyleColor(ImGuiCol_ButtonActive, palette::faint);
   enter_part(id);
 }
 
 void end_card(const UiContext& ui, float& bottom_px) {
   bottom_px -= ImGui::GetWindowHeight() + ui.theme.px(8);
   leave_part();
+  ImGui::PopStyleColor(3);
   ImGui::End();
 }
 

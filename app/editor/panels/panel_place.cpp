@@ -204,6 +204,7 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
   if (button(theme, "Export…", "Saves the placed landmarks for 3D Slicer (.mrk.json) or scalismo (.json)",
              ui.document().shape().landmarks.empty() ? "No landmark is placed yet." : "", half))
     ask(FilePurpose::export_landmarks, case_name(ui.snapshot.file, ui.document()) + "-landmarks.mrk.json");
+  caption(theme, "How landmarks move the template");
   int fit = static_cast<int>(ui.document().landmark_pull);
   if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,
              {"Landmarks do not move the template", "Landmarks move, turn and scale the template",

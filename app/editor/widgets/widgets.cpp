@@ -228,9 +228,9 @@ bool choice(const Theme& theme, const char* id, const std::vector<std::string>& 
 }
 
 bool number_field(const Theme& theme, const char* id, double& value, double per_px, const char* pattern,
-                  const char* unit, float width_px, const std::string& tip, bool& released) {
+                  const char* unit, float width_px, const std::string& tip, bool& released, float height_units) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float height = theme.px(24);
+  const float height = theme.px(height_units);
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {theme.px(6), (height - ImGui::GetFontSize()) / 2});
   ImGui::SetNextItemWidth(width_px);
   ImGui::PushID(id);

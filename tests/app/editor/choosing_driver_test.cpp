@@ -157,4 +157,19 @@ TEST_CASE("a folder that is chosen in a dialog is entered by its button whatever
   }
 }
 
+TEST_CASE("a case that was not saved is recovered by a click on its row and only one button stands beside it") {
+  const TemporaryFolder folder;
+  const fs::path journal = folder.path / "gone.homolog";
+  REQUIRE(create_case(ball_of_file(folder), journal));
+  Driver driver(new_document({}, nullptr, nullptr));
+  driver.state().dialog = RecoverDialog{{{journal, "ct.nii", "12 edits"}}, {}};
+  driver.settle();
+  std::size_t buttons = 0;
+  for (const DrawnItem& item : driver.items())
+    buttons += item.kind == DrawnItem::Kind::button && item.path.find("gone.homolog") != std::string::npos;
+  CHECK(buttons == 1);
+  driver.click("gone.homolog/Recover");
+  driver.wait_until("the case is open", [&] { return driver.case_file() == journal; });
+}
+
 }  // namespace homolog

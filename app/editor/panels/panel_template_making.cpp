@@ -83,9 +83,10 @@ void draw_stages(const UiContext& ui, const TemplateMaking& making, Outbox& out)
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float room = ImGui::GetContentRegionAvail().x, time_width = ImGui::CalcTextSize(time.c_str()).x;
     const float height = theme.px(24);
-    if (list_row(theme, name, shown, {room - time_width - theme.px(4), height}).clicked) out.send(ShowTemplateStage{i});
-    text_at(*ImGui::GetWindowDrawList(), {at.x + room - time_width, at.y + (height - ImGui::GetFontSize()) / 2},
-            palette::dim, time);
+    if (list_row(theme, shortened(name, room - time_width - theme.px(16)), shown, {room, height}).clicked)
+      out.send(ShowTemplateStage{i});
+    text_at(*ImGui::GetWindowDrawList(),
+            {at.x + room - time_width - theme.px(4), at.y + (height - ImGui::GetFontSize()) / 2}, palette::dim, time);
   }
 }
 

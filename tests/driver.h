@@ -57,6 +57,8 @@ class Driver {
   void button(MouseButton button, bool down);
   void wheel(double steps);
   void press(int key, const InputRouter::Held& held = {});
+  /// Shift, Ctrl or Alt stay down while the mouse works, until other ones are.
+  void hold_keys(const InputRouter::Held& held) { held_ = held; }
   void type(std::string_view text);
   /// Brings the keys to a control by pressing them: F6 to its part of the window, then Tab.
   void go_to(std::string_view name);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "app/editor/interface/dialog_frame.h"
 #include "app/editor/update/controls.h"
@@ -138,38 +139,86 @@ void draw_flip(const UiContext& ui, const FlipDialog& dialog, Outbox& out) {
   end_dialog();
 }
 
+/// A button without a fill until it is pointed at.
+bool quiet_button(const Theme& theme, const std::string& label, const std::string& tip, float width_px) {
+  ImGui::PushStyleColor(ImGuiCol_Button, IM_COL32_BLACK_TRANS);
+  ImGui::PushStyleColor(ImGuiCol_Text, palette::dim);
+  const bool pressed = button(theme, label, tip, {}, width_px);
+  ImGui::PopStyleColor(2);
+  return pressed;
+}
+
+/// A case that was not saved: a click on its row recovers it. Where its deletion was asked for, the second word for it
+/// is not where the first click was.
+void draw_unsaved_case(const UiContext& ui, const RecoverDialog::Found& found, bool asked, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const Part part(found.journal.string(), "unsaved case");
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float whole = ImGui::GetContentRegionAvail().x, height = theme.px(44), gap_px = theme.px(4);
+  const float first = theme.px(90), second = theme.px(82), buttons = asked ? first + gap_px + second : first;
+  const float width = whole - buttons - theme.px(8), top = ImGui::GetCursorPosY(), left = ImGui::GetCursorPosX();
+  const AreaState row = area(theme, "Recover", {width, height}, "Click to open it as it was");
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  if (row.hovered) draw.AddRectFilled(at, {at.x + width, at.y + height}, palette::raised, theme.px(4));
+  const float line = ImGui::GetTextLineHeight();
+  text_at(draw, {at.x + theme.px(8), at.y + theme.px(4)}, row.hovered ? palette::accent : palette::text,
+          shortened(found.name, width - theme.px(16)));
+  ImGui::PushFont(theme.small);
+  text_at(draw, {at.x + theme.px(8), at.y + theme.px(6) + line}, palette::dim,
+          shortened(found.details, width - theme.px(16)));
+  ImGui::PopFont();
+  if (row.clicked) {
+    out.send(open_case_file(found.journal));
+    close_dialog(out);
+  }
+  ImGui::SetCursorPos({left + whole - buttons, top + std::floor((height - theme.px(28)) / 2)});
+  const auto ask_for = [&](const std::filesystem::path& journal) { out.send(AskToDiscard{journal}); };
+  if (asked) {
+    if (quiet_button(theme, "Delete it", "The work in it is lost for good", first))
+      out.send(DiscardCase{found.journal});
+    ImGui::SameLine(0, gap_px);
+    if (button(theme, "Keep it", "It is offered again at the next start", {}, second, true)) ask_for({});
+  } else if (quiet_button(theme, "Discard…", "Asks first, then deletes the case", first)) {
+    ask_for(found.journal);
+  }
+  ImGui::SetCursorPos({left, top + height + ImGui::GetStyle().ItemSpacing.y / 2});
+}
+
 void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "Cases that were not saved", 560, 0)) close_dialog(out);
-  explanation(theme, "The program ended before these cases were saved. Every finished edit is kept.");
-  for (const auto& found : dialog.found) {
-    const Part part(found.journal.string(), "unsaved case");
-    const float buttons = ImGui::GetWindowWidth() - theme.px(200), top = ImGui::GetCursorPosY();
-    text_line(shortened(found.name, buttons - theme.px(28)));
-    ImGui::SetCursorPosY(top + ImGui::GetTextLineHeight());
-    explanation(theme, found.details);
-    ImGui::SetCursorPos({buttons, top + theme.px(4)});
-    // The word that deletes is not where the first click was.
-    const bool asked = dialog.to_discard == found.journal;
-    const auto ask_for = [&](const std::filesystem::path& journal) { out.send(AskToDiscard{journal}); };
-    if (asked) {
-      if (button(theme, "Delete it", "The work in it is lost for good", {}, theme.px(90)))
-        out.send(DiscardCase{found.journal});
-      ImGui::SameLine(0, theme.px(4));
-      if (button(theme, "Keep it", "It is offered again at the next start", {}, theme.px(82), true)) ask_for({});
-    } else {
-      if (button(theme, "Recover", "Open it as it was", {}, theme.px(90), true)) {
-        out.send(open_case_file(found.journal));
-        close_dialog(out);
-      }
-      ImGui::SameLine(0, theme.px(4));
-      if (button(theme, "Discard…", "Asks first, then deletes the case", {}, theme.px(82))) ask_for(found.journal);
-    }
-    gap(theme, 0);
-  }
+  explanation(theme,
+              "The program ended before these cases were saved. Every finished edit is kept. Click one to open it.");
+  for (const auto& found : dialog.found) draw_unsaved_case(ui, found, dialog.to_discard == found.journal, out);
   gap(theme, 4);
   if (button(theme, "Later", "They are offered again at the next start", {}, ImGui::GetContentRegionAvail().x))
     close_dialog(out);
+  end_dialog();
+}
+
+/// Which label of the maps is the organ.
+void draw_labels_to_fit(const UiContext& ui, const LabelDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  constexpr std::size_t most_rows = 8, columns = 3;
+  const std::size_t rows = (dialog.labels.size() + columns - 1) / columns;
+  if (!begin_dialog(ui, "Which label is the organ?", 520, 0)) close_dialog(out);
+  explanation(theme,
+              dialog.map + format(" holds %zu labels. The one that you choose is fitted in every case that waits.",
+                                  dialog.labels.size()));
+  gap(theme, 4);
+  const float spacing = ImGui::GetStyle().ItemSpacing.y;
+  ImGui::BeginChild("labels", {0, (theme.px(28) + spacing) * static_cast<float>(std::min(rows, most_rows)) - spacing});
+  const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * theme.px(8)) / columns);
+  for (std::size_t k = 0; k < dialog.labels.size(); ++k) {
+    if (k % columns > 0) ImGui::SameLine(0, theme.px(8));
+    const Part part(std::to_string(dialog.labels[k]), "label");
+    if (button(theme, format("Label %d", dialog.labels[k]), "Fits this label in all cases", {}, width))
+      out.send(FitWaiting{dialog.labels[k]});
+  }
+  ImGui::EndChild();
+  if (button(theme, "All labels together", "Fits all labels of each map as one organ", {},
+             ImGui::GetContentRegionAvail().x))
+    out.send(FitWaiting{0, true});
   end_dialog();
 }
 
@@ -257,6 +306,8 @@ void draw_dialogs(const UiContext& ui, Outbox& out) {
     draw_flip(ui, *flip, out);
   else if (const auto* recover = std::get_if<RecoverDialog>(&dialog))
     draw_recover(ui, *recover, out);
+  else if (const auto* labels = std::get_if<LabelDialog>(&dialog))
+    draw_labels_to_fit(ui, *labels, out);
   else if (const auto* spacing = std::get_if<SpacingDialog>(&dialog))
     draw_spacing(ui, *spacing, out);
   else if (const auto* quit = std::get_if<QuitDialog>(&dialog); quit->study.empty())

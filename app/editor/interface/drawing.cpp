@@ -4,6 +4,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "app/editor/interface/study_picture.h"
@@ -37,18 +38,31 @@ bool Drawing::letters_wait() const {
   return !std::ranges::includes(letters_, controls_memory().unknown_letters);
 }
 
+namespace {
+
+/// Whether a code point is of Chinese, Japanese or Korean.
+bool is_east_asian(unsigned letter) {
+  constexpr std::array<std::pair<unsigned, unsigned>, 5> ranges{
+      {{0x1100, 0x11FF}, {0x2E80, 0x9FFF}, {0xA960, 0xD7FF}, {0xF900, 0xFAFF}, {0xFE30, 0xFFEF}}};
+  return std::any_of(ranges.begin(), ranges.end(),
+                     [&](const auto& range) { return letter >= range.first && letter <= range.second; });
+}
+
+}  // namespace
+
 void Drawing::find_letters() {
   std::set<unsigned> met = std::exchange(controls_memory().unknown_letters, {});
   letters_.insert(met.begin(), met.end());
   set_scale(scale_);
-  const bool any_missing = std::any_of(met.begin(), met.end(), [&](unsigned letter) {
-    return theme_->body->FindGlyphNoFallback(static_cast<ImWchar>(letter)) == nullptr;
-  });
-  if (any_missing)
-    add_notice(state_,
-               "Some names are in letters that the program's own font lacks; install the Debian package "
-               "fonts-droid-fallback and start Homolog again to read them.",
-               false);
+  std::erase_if(
+      met, [&](unsigned letter) { return theme_->body->FindGlyphNoFallback(static_cast<ImWchar>(letter)) != nullptr; });
+  if (met.empty()) return;
+  add_notice(state_,
+             std::all_of(met.begin(), met.end(), is_east_asian)
+                 ? "Some names are in Chinese, Japanese or Korean letters that no font here has; install the Debian "
+                   "package fonts-noto-cjk and start Homolog again to read them."
+                 : "Some names are in letters that Homolog has no font for; they are shown as \"?\".",
+             false);
 }
 
 void Drawing::forget() {
@@ -157,6 +171,7 @@ void Drawing::draw_view_picture(const PictureOptions& options) {
   const double smaller = std::max(rect.width / width, rect.height / height);
   EditorState state = state_;
   state.hover.reset();
+  state.preferences.light = options.light;  // of the picture's ground, not of the window
   if (kind != ViewKind::space) state.slices[index_of(kind)].mm_per_px *= smaller;
   const Target target{0, 0, options.width, options.height, static_cast<float>(scale_ / smaller)};
   const SceneBuilder::Input input = scene_input(state);

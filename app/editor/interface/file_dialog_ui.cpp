@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 
 #include "app/editor/interface/dialog_frame.h"
@@ -87,6 +88,12 @@ std::string endings_of(const FileKind& kind) {
   return kind.extensions.empty() ? std::string() : ": " + listed(kind.extensions, " or ");
 }
 
+/// What a click with the keys that are held chooses.
+Choosing choosing_now() {
+  const ImGuiIO& io = ImGui::GetIO();
+  return io.KeyShift ? Choosing::up_to : io.KeyCtrl ? Choosing::also : Choosing::alone;
+}
+
 void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
   const Theme& theme = ui.theme;
   const OutOfKeysReach has_the_arrows;
@@ -105,9 +112,9 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
       const auto state = row(theme,
                              {entry.folder ? icon::folder : icon::file, entry.name, date_text(entry.changed),
                               entry.folder ? std::string() : size_text(entry.bytes)},
-                             browser.selected == shown);
-      if (state.clicked) out.send(SelectFile{shown});
-      if (state.doubled) out.send(AcceptFile{});
+                             browser.is_chosen(shown));
+      if (state.clicked) out.send(SelectFile{shown, choosing_now()});
+      if (state.doubled && choosing_now() == Choosing::alone) out.send(AcceptFile{});
     }
   }
   if (browser.selected >= 0 && browser.scroll_to_selected)
@@ -147,6 +154,13 @@ std::string refusal_of(const FileBrowser& browser) {
   return browser.kind.saves ? "Type a name first." : "Choose a file first.";
 }
 
+/// Whether a folder of the list is chosen, so that accepting goes there.
+bool enters_folder(const FileBrowser& browser) {
+  const auto shown = browser.visible();
+  const auto at = static_cast<std::size_t>(browser.selected);
+  return browser.selected >= 0 && at < shown.size() && browser.entries[static_cast<std::size_t>(shown[at])].folder;
+}
+
 }  // namespace
 
 void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out) {
@@ -170,8 +184,8 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   gap(theme, 2);
 
   const bool saving = browser.kind.saves;
-  const bool several = dialog.purpose == FilePurpose::add_shapes;
-  const float buttons = theme.px(96) * 2 + theme.px(8) + (several ? theme.px(132) : 0);
+  const bool adds_all = dialog.purpose == FilePurpose::add_shapes;
+  const float buttons = theme.px(96) * 2 + theme.px(8) + (adds_all ? theme.px(132) : 0);
   const float room = ImGui::GetContentRegionAvail().x - buttons - theme.px(12);
   std::string name = browser.name;
   // The field has the keyboard from the start: typing filters (or names) at once.
@@ -184,7 +198,7 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
   ImGui::SameLine(0, theme.px(12));
   if (button(theme, "Cancel", "Escape", {}, theme.px(96))) out.send(CloseDialog{});
   ImGui::SameLine(0, theme.px(8));
-  if (several) {
+  if (adds_all) {
     const auto files = visible_files(browser);
     if (button(theme, format("Add all %zu", files.size()),
                "Adds all files in the list. Type part of a name to list fewer",
@@ -195,12 +209,16 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
     ImGui::SameLine(0, theme.px(8));
   }
   const bool opens_folder = dialog.purpose == FilePurpose::open && browser.selected < 0 && browser.name.empty();
-  if (button(theme,
-             saving         ? "Save"
-             : several      ? "Add"
-             : opens_folder ? "Open folder"
-                            : "Open",
-             opens_folder ? "Open this folder as a DICOM series" : "Enter",
+  const std::size_t together = chosen_files(browser).size();
+  const char* verb = saving ? "Save" : adds_all || dialog.purpose == FilePurpose::add_scans ? "Add" : "Open";
+  const std::string label = together > 1             ? format("%s %zu", verb, together)
+                            : enters_folder(browser) ? "Open"
+                            : opens_folder           ? "Open folder"
+                                                     : verb;
+  if (button(theme, label,
+             opens_folder             ? "Open this folder as a DICOM series"
+             : enters_folder(browser) ? "Goes to the chosen folder (Enter)"
+                                      : "Enter",
              opens_folder ? std::string() : refusal_of(browser), theme.px(96), true)) {
     if (opens_folder) {
       out.send(OpenFiles{{browser.folder}});
@@ -210,6 +228,14 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
     }
   }
   bool all = browser.show_all;
+  const bool takes_several = file_purpose(dialog.purpose).command_of_several != nullptr;
+  if (takes_several) {
+    const float y = ImGui::GetCursorPosY();
+    ImGui::SetCursorPosY(y + std::floor((theme.px(24) - ImGui::GetFontSize()) / 2));
+    text_line("Ctrl or Shift with a click chooses several files.", palette::dim);
+    ImGui::SameLine(ImGui::GetWindowWidth() - theme.px(260));
+    ImGui::SetCursorPosY(y);
+  }
   if (toggle(theme, "All files, also hidden ones", all, "Shows files of other kinds too")) out.send(ShowAllFiles{all});
   end_dialog();
 }

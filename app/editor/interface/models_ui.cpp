@@ -39,7 +39,8 @@ void draw_models_status(const UiContext& ui) {
   const RectPx& bar = ui.layout.status_line;
   const float y = begin_status_line(ui);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
-  std::string left = "Add meshes of one template, or open a study.";
+  std::string left = waiting_cases(state) > 0 ? "Cases wait: Fit waiting fits them to their label maps, or open one."
+                                              : "Add meshes of one template, or open a study.";
   if (state.modelling)
     left = format("Making the model: %.0f %%", 100 * state.modelling_fraction);
   else if (!state.model_error.empty())

@@ -15,9 +15,13 @@ float card_width(const UiContext& ui) {
   return std::min(static_cast<float>(theme.px(400)), ui.layout.panel.x - theme.px(32));
 }
 
-void begin_card(const UiContext& ui, const char* id, float height_px, float bottom_px, ImU32 edge) {
+float top_of_cards(const UiContext& ui) {
+  return ui.layout.top_bar.y + ui.layout.top_bar.height + ui.theme.px(layout_units::header_height + 8);
+}
+
+void begin_card(const UiContext& ui, const char* id, float height_px, float bottom_px, ImU32 edge, bool hangs) {
   const Theme& theme = ui.theme;
-  ImGui::SetNextWindowPos({ui.layout.panel.x - theme.px(16), bottom_px}, ImGuiCond_Always, {1, 1});
+  ImGui::SetNextWindowPos({ui.layout.panel.x - theme.px(16), bottom_px}, ImGuiCond_Always, {1, hangs ? 0.0f : 1.0f});
   ImGui::SetNextWindowSize({card_width(ui), height_px});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, palette::raised);
   ImGui::PushStyleColor(ImGuiCol_Border, with_alpha(edge, 0.7f));
@@ -27,12 +31,17 @@ void begin_card(const UiContext& ui, const char* id, float height_px, float bott
                    ImGuiWindowFlags_NoFocusOnAppearing | (height_px > 0 ? 0 : ImGuiWindowFlags_AlwaysAutoResize));
   ImGui::PopStyleVar();
   ImGui::PopStyleColor(2);
+  // The card has the colour that buttons have elsewhere.
+  ImGui::PushStyleColor(ImGuiCol_Button, palette::hovered);
+  ImGui::PushStyleColor(ImGuiCol_ButtonHovered, palette::pressed);
+  ImGui::PushStyleColor(ImGuiCol_ButtonActive, palette::faint);
   enter_part(id);
 }
 
 void end_card(const UiContext& ui, float& bottom_px) {
   bottom_px -= ImGui::GetWindowHeight() + ui.theme.px(8);
   leave_part();
+  ImGui::PopStyleColor(3);
   ImGui::End();
 }
 

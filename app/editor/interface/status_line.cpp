@@ -63,23 +63,26 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   const float y = begin_status_line(ui);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   const float left = bar.x + theme.px(12), middle = bar.x + std::max(theme.px(300), std::round(bar.width * 0.36f));
-  text_at(draw, {left, y}, palette::text, shortened(read_out(ui), middle - left - theme.px(12)));
-
   const auto& snapshot = ui.snapshot;
   const Status status = status_of(ui.state, snapshot, ui.document(), ui.making_shown);
-  const ImU32 colour = status.stopped ? palette::amber : palette::dim;
-  const std::string message = status.stopped ? std::string(icon::warning) + "  " + status.text : status.text;
+  const ImU32 colour = status.warns ? palette::amber : palette::dim;
+  const std::string message = status.warns ? std::string(icon::warning) + "  " + status.text : status.text;
 
   std::string right;
   if (snapshot.solver_ms > 0) right = format("%.2f ms", snapshot.solver_ms);
   if (ui.frames_per_second > 0) right += format("    %.0f fps", ui.frames_per_second);
   const ImVec2 size = ImGui::CalcTextSize(right.c_str());
   const ImVec2 at{bar.x + bar.width - theme.px(12) - size.x, y};
-  const std::string fitting = shortened(message, at.x - theme.px(12) - middle);
-  text_at(draw, {middle, y}, colour, fitting);
+  const float end = at.x - theme.px(12), wanted = ImGui::CalcTextSize(message.c_str()).x;
+  // A warning is said whole: where there is too little room, over the place of what lies at the pointer.
+  const bool all_of_it = status.warns && wanted > end - middle;
+  const float from = all_of_it ? std::max(left, end - wanted) : middle;
+  if (!all_of_it) text_at(draw, {left, y}, palette::text, shortened(read_out(ui), middle - left - theme.px(12)));
+  const std::string fitting = shortened(message, end - from);
+  text_at(draw, {from, y}, colour, fitting);
   if (fitting != message) {
-    ImGui::SetCursorScreenPos({middle, y});
-    area(theme, "message", {at.x - theme.px(12) - middle, size.y}, message);
+    ImGui::SetCursorScreenPos({from, y});
+    area(theme, "message", {end - from, size.y}, message);
   }
   text_at(draw, at, palette::dim, right);
   ImGui::SetCursorScreenPos(at);

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string>
+#include <tuple>
 #include <vector>
 
 #include "app/editor/update/controls.h"
@@ -45,20 +47,35 @@ void draw_letters(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   for (const Letters& one : letters_of(ui, map)) shadowed_text(draw, ui.theme.strong, one.at, palette::mark, one.text);
 }
 
+std::string length_text(double length_mm) {
+  return length_mm >= 10 ? format("%.0f mm", length_mm) : format("%g mm", length_mm);
+}
+
+/// At the lower left, clear of the letter in the middle of the lower edge; above it where there is no room beside it.
 void draw_scale_bar(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const RectPx& rect = map.rect();
+  const Theme& theme = ui.theme;
   const double mm_per_px = map.mm_per_px(ui.state.crosshair_mm);
-  const double length_mm = scale_bar_mm(mm_per_px, 0.25 * rect.width);
+  const float x = rect.x + theme.px(12), aside = theme.px(8), tick = theme.px(4);
+  float y = rect.y + rect.height - theme.px(14), longest_px = 0.25f * rect.width;
+  if (ui.state.preferences.show.letters) {
+    const Letters below = letters_of(ui, map)[3];
+    const float text_px = text_size(theme.small, length_text(scale_bar_mm(mm_per_px, longest_px))).x;
+    const float room = below.at.x - aside - text_px - aside - x;
+    if (room >= 0.5f * longest_px)
+      longest_px = std::min(longest_px, room);
+    else
+      y = below.at.y - theme.px(8);
+  }
+  const double length_mm = scale_bar_mm(mm_per_px, longest_px);
   const auto length_px = static_cast<float>(std::round(length_mm / mm_per_px));
-  const float x = rect.x + ui.theme.px(12), y = rect.y + rect.height - ui.theme.px(14), tick = ui.theme.px(4);
   for (const auto& [shift, colour] : {std::pair(1.0f, IM_COL32(0, 0, 0, 160)), std::pair(0.0f, palette::mark)}) {
     draw.AddLine({x + shift, y + shift}, {x + length_px + shift, y + shift}, colour);
     draw.AddLine({x + shift, y - tick + shift}, {x + shift, y + 1 + shift}, colour);
     draw.AddLine({x + length_px + shift, y - tick + shift}, {x + length_px + shift, y + 1 + shift}, colour);
   }
-  const std::string text = length_mm >= 10 ? format("%.0f mm", length_mm) : format("%g mm", length_mm);
-  shadowed_text(draw, ui.theme.small, {x + length_px + ui.theme.px(8), std::round(y - ui.theme.small->FontSize / 2)},
-                palette::mark, text);
+  shadowed_text(draw, theme.small, {x + length_px + aside, std::round(y - theme.small->FontSize / 2)}, palette::mark,
+                length_text(length_mm));
 }
 
 /// Lines of the other two planes, in their hues, with a gap around the cross-hair's middle.
@@ -345,19 +362,32 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
                   palette::mark, format("%.1f mm", ruler.length_mm()));
 }
 
-/// From the outline to where the guide's pull should bring it.
+/// From a dot on the outline, which is to be taken hold of, an arrow the way that the guide's pull goes, with a bar
+/// where it should end. A short way has an arrow of some length all the same, beyond its bar; in other slices it is
+/// faint.
 void draw_guide_arrow(const UiContext& ui, const GuideStep& step, const ViewMap& map, ImDrawList& draw) {
   const auto from = map.to_px(pulled_from(step, ui.document().mesh())), to = map.to_px(step.to_mm);
   if (!from || !to) return;
+  const double off_mm = std::abs(map.into_screen().dot(step.to_mm - map.slice().centre));
+  const bool here = off_mm <= slice_step_mm(geometry_of(ui.document()), map.into_screen());
+  const ImU32 colour = with_alpha(palette::accent, here ? 1.0f : 0.35f), edge = IM_COL32(0, 0, 0, here ? 190 : 60);
   const Eigen::Vector2d way = *to - *from;
-  const double length = way.norm(), head = ui.theme.px(9);
-  draw.AddCircle(to_im(*to), ui.theme.px(7), palette::accent, 0, ui.theme.px(2));
-  if (length < head) return;
-  const Eigen::Vector2d along = way / length, across(-along.y(), along.x());
-  const Eigen::Vector2d tip = *to - ui.theme.px(7) * along, neck = tip - head * along;
-  draw.AddLine(to_im(*from), to_im(neck), palette::accent, ui.theme.px(2.5f));
-  draw.AddTriangleFilled(to_im(tip), to_im(Eigen::Vector2d(neck + 0.6 * head * across)),
-                         to_im(Eigen::Vector2d(neck - 0.6 * head * across)), palette::accent);
+  const double length = way.norm(), head = ui.theme.px(11), shortest = ui.theme.px(36), bar = ui.theme.px(8);
+  const float thick = ui.theme.px(3), rim = ui.theme.px(2);
+  if (length > 0.5) {
+    const Eigen::Vector2d along = way / length, across(-along.y(), along.x());
+    const Eigen::Vector2d tip = *from + std::max(length, shortest) * along, neck = tip - head * along;
+    const ImVec2 low = to_im(neck + 0.6 * head * across), high = to_im(neck - 0.6 * head * across);
+    const ImVec2 left = to_im(*to + bar * across), right = to_im(*to - bar * across);
+    draw.AddLine(to_im(*from), to_im(neck), edge, thick + rim);
+    draw.AddLine(left, right, edge, thick + rim);
+    draw.AddTriangle(to_im(tip), low, high, edge, rim);
+    draw.AddLine(to_im(*from), to_im(neck), colour, thick);
+    draw.AddTriangleFilled(to_im(tip), low, high, colour);
+    draw.AddLine(left, right, colour, thick);
+  }
+  draw.AddCircleFilled(to_im(*from), ui.theme.px(4), with_alpha(IM_COL32_WHITE, here ? 1.0f : 0.35f));
+  draw.AddCircle(to_im(*from), ui.theme.px(4.5f), edge, 0, ui.theme.px(1.5f));
 }
 
 void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
@@ -396,6 +426,23 @@ void draw_empty_state(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   text_at(draw, ui.theme.body, {std::round(x - b.x / 2), y + ui.theme.px(4)}, palette::mark_dim, text, wrap);
 }
 
+/// While it lives, marks are dark on light: over the ground of the 3D view in the light theme.
+class MarksOnGround {
+ public:
+  explicit MarksOnGround(bool light) {
+    if (!light) return;
+    palette::mark = palette::text;
+    palette::mark_dim = palette::dim;
+    palette::mark_shadow = IM_COL32(255, 255, 255, 220);
+  }
+  ~MarksOnGround() { std::tie(palette::mark, palette::mark_dim, palette::mark_shadow) = before_; }
+  MarksOnGround(const MarksOnGround&) = delete;
+  MarksOnGround& operator=(const MarksOnGround&) = delete;
+
+ private:
+  std::tuple<ImU32, ImU32, ImU32> before_{palette::mark, palette::mark_dim, palette::mark_shadow};
+};
+
 }  // namespace
 
 void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
@@ -403,21 +450,24 @@ void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const auto& show = ui.state.preferences.show;
   const bool nothing = !ui.document().volume && !ui.has_shape();
   if (nothing) return draw_empty_state(ui, kind, draw);
-  if (show.crosshair && map.is_slice()) draw_crosshair(ui, kind, map, draw);
-  if (ui.state.ruler) draw_ruler(ui, map, draw);
-  if (ui.has_shape()) {
-    draw_landmarks(ui, map, draw);
-    if (ui.state.tool == MouseTool::place) draw_placement_handles(ui, map, draw);
-    if (ui.state.finding) draw_finding(ui, map, draw);
-    const auto& guide = ui.state.guide;
-    if (guide && guide->shown && guide->at < guide->steps.size() && guide->steps[guide->at].view == kind)
-      draw_guide_arrow(ui, guide->steps[guide->at], map, draw);
+  {
+    const MarksOnGround marks(!map.is_slice() && ui.state.preferences.light);
+    if (show.crosshair && map.is_slice()) draw_crosshair(ui, kind, map, draw);
+    if (ui.state.ruler) draw_ruler(ui, map, draw);
+    if (ui.has_shape()) {
+      draw_landmarks(ui, map, draw);
+      if (ui.state.tool == MouseTool::place) draw_placement_handles(ui, map, draw);
+      if (ui.state.finding) draw_finding(ui, map, draw);
+    }
+    if (show.letters) draw_letters(ui, map, draw);
+    if (map.is_slice()) draw_scale_bar(ui, map, draw);
   }
+  const auto& guide = ui.state.guide;
+  const bool pulls = guide && guide->shown && guide->at < guide->steps.size() && ui.has_shape();
+  if (pulls && guide->steps[guide->at].view == kind) draw_guide_arrow(ui, guide->steps[guide->at], map, draw);
   const auto* stroke = ui.state.drag ? std::get_if<StrokeDrag>(&*ui.state.drag) : nullptr;
   if (stroke != nullptr && stroke->view == kind) draw_stroke(ui, *stroke, map, draw);
   if (!ui.state.drag && ui.state.hover && ui.state.hover->view == kind) draw_hover(ui, map, draw);
-  if (show.letters) draw_letters(ui, map, draw);
-  if (map.is_slice()) draw_scale_bar(ui, map, draw);
   draw_hints(ui, kind, draw);
 }
 

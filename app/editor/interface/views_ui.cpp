@@ -73,6 +73,12 @@ ImGuiMouseCursor pointer_shape(const EditorState& state) {
   return of_view ? ImGuiMouseCursor_ResizeAll : ImGuiMouseCursor_Hand;
 }
 
+/// Whether the guide's next pull is done in a view.
+bool has_guides_pull(const UiContext& ui, ViewKind kind) {
+  const auto& guide = ui.state.guide;
+  return guide && guide->shown && guide->at < guide->steps.size() && guide->steps[guide->at].view == kind;
+}
+
 }  // namespace
 
 void draw_views(const UiContext& ui, Outbox& out) {
@@ -90,6 +96,7 @@ void draw_views(const UiContext& ui, Outbox& out) {
     draw.PopClipRect();
     const bool under_pointer = ui.state.hover && ui.state.hover->view == kind;
     draw.AddRect(low, high, with_alpha(view_hue(kind), under_pointer ? 0.9f : 0.35f));
+    if (has_guides_pull(ui, kind)) draw.AddRect(low, high, palette::accent, 0, 0, ui.theme.px(2));
     draw_header(ui, kind, out);
   }
   if (ui.state.drag || ui.state.hover) ImGui::SetMouseCursor(pointer_shape(ui.state));

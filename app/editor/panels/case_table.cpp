@@ -37,7 +37,7 @@ void draw_study_menu(const UiContext& ui, Outbox& out) {
   const ModelsState& state = ui.state.models;
   if (!begin_menu(theme, "study menu")) return;
   const auto ask = [&](FilePurpose purpose, std::string name = {}) { out.send(ShowFileDialog{purpose, name}); };
-  if (menu_item(theme, "New study\xe2\x80\xa6", nullptr)) ask(FilePurpose::new_study, "study.study.json");
+  if (menu_item(theme, "New study\xe2\x80\xa6", nullptr)) ask(FilePurpose::new_study, "cohort.study.json");
   if (menu_item(theme, "Open study\xe2\x80\xa6", "Ctrl+O")) ask(FilePurpose::open_study);
   if (!state.study_file.empty()) {
     if (menu_item(theme, "Save study as\xe2\x80\xa6", "Ctrl+S"))

@@ -58,7 +58,7 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
         std::exchange(controls_memory().place_shown, ui.state.place_wanted) != ui.state.place_wanted)
       ImGui::SetScrollFromPosY(ImGui::GetCursorScreenPos().y - ImGui::GetWindowPos().y, 0);
     const float top_px = ImGui::GetCursorPosY();
-    const bool shown = section(theme, one.title, open, toggled);
+    const bool shown = section(theme, one.title, open, toggled, one.holds != nullptr ? one.holds(ui) : "");
     bool& opens = *ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID(one.title));  // since the click that opens it
     if (toggled) {
       out.send(OpenSection{one.title, !open});
@@ -84,6 +84,9 @@ void draw_place_section(const UiContext& ui, Outbox& out);
 void draw_deform_section(const UiContext& ui, Outbox& out);
 void draw_correspondence_section(const UiContext& ui, Outbox& out);
 void draw_export_section(const UiContext& ui, Outbox& out);
+// What some of them say while they are folded.
+std::string template_in_words(const UiContext& ui);
+std::string placed_in_words(const UiContext& ui);
 
 void draw_side_panel(const UiContext& ui, Outbox& out) {
   // In the order of the work.
@@ -97,8 +100,8 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
   static constexpr std::array<PanelSection, 7> sections{
       {{"Case", draw_case_section, true},
        {"Cine", draw_cine_section, true, is_cine},
-       {"Template", draw_template_section, false, nullptr, is_own_scan},
-       {place_section, draw_place_section, false},
+       {"Template", draw_template_section, false, nullptr, is_own_scan, template_in_words},
+       {place_section, draw_place_section, false, nullptr, nullptr, placed_in_words},
        {"Deform", draw_deform_section, true},
        {"Correspondence", draw_correspondence_section, true},
        {"Export", draw_export_section, false}}};

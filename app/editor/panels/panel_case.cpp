@@ -36,6 +36,10 @@ void draw_window_presets(const UiContext& ui, Outbox& out) {
   const auto& volume = ui.document().volume;
   const bool ct = volume && (volume->modality == "CT" || volume->range_min < -500);
   const std::string refusal = !volume ? ui.needs_volume() : ct ? "" : "Only for CT images: their values are in HU.";
+  const double centre = (ui.state.window_low + ui.state.window_high) / 2;
+  const double window_width = ui.state.window_high - ui.state.window_low;
+  figure(theme, "Window", format("%.4g \xc2\xb1 %.4g", centre, window_width / 2),
+         "Centre and half width of the grey values shown. A right-drag in a slice changes them");
   const float width = (ImGui::GetContentRegionAvail().x - 3 * theme.px(4)) / 4;
   for (const WindowPreset& preset : ct_presets) {
     if (button(theme, preset.label, preset.tip, refusal, width))
@@ -48,10 +52,6 @@ void draw_window_presets(const UiContext& ui, Outbox& out) {
     const auto [low, high] = default_window(*volume);
     out.send(SetWindow{low, high});
   }
-  const double centre = (ui.state.window_low + ui.state.window_high) / 2;
-  const double window_width = ui.state.window_high - ui.state.window_low;
-  figure(theme, "Window", format("%.4g \xc2\xb1 %.4g", centre, window_width / 2),
-         "Centre and half width of the grey values shown. A right-drag in a slice changes them");
 }
 
 }  // namespace

@@ -87,6 +87,7 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   }
   const bool brush = ui.state.tool == MouseTool::confirm || ui.state.tool == MouseTool::stiffness;
   int colouring = static_cast<int>(shown);
+  caption(theme, "Colours of the mesh");
   if (choice(theme, "overlay", names, colouring, tips,
              brush ? "While you hold a brush, the mesh shows what the brush paints." : ""))
     out.send(ChooseColouring{static_cast<Colouring>(colouring)});

@@ -14,6 +14,7 @@ void draw_sigma(const UiContext& ui, Outbox& out) {
   const auto& presets = ui.state.sigma_presets_mm;
   int chosen = ui.state.wheel_sigma_mm ? -1 : static_cast<int>(ui.state.sigma_preset);
   const auto label = [&](std::size_t i) { return format("%zu   %.1f mm", i + 1, presets[i]); };
+  caption(theme, "Width of a stroke");
   if (choice(theme, "sigma", {label(0), label(1), label(2)}, chosen,
              {"Small: a spot (key 1, also while dragging)", "Medium: a part of the organ (key 2)",
               "Large: a whole end of the organ (key 3)"},
@@ -61,6 +62,7 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
   const Theme& theme = ui.theme;
   bool released = false, changed = false;
   int paints = static_cast<int>(brush.paints);
+  caption(theme, "The brush paints");
   if (choice(theme, "paints", {"Factor", "Region", "Smooth", "Fill"}, paints,
              {"Paints a stiffness factor", "Paints a region, with its factor. Alt erases", "Smooths the stiffness",
               "Fills the connected part under the pointer. Alt takes it out of its region"})) {
@@ -79,6 +81,7 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
     brush.soft = soft / 100;
   }
   if (brush.paints == BrushPaints::fill) {
+    caption(theme, "Fill what is connected by");
     int by = static_cast<int>(brush.fill_by);
     if (choice(theme, "fill by", {"Region", "Curvature"}, by,
                {"Everything connected in the same region", "The same, but only where the surface is curved alike"})) {
@@ -101,6 +104,7 @@ void draw_brush(const UiContext& ui, Outbox& out) {
   if (ui.state.tool == MouseTool::stiffness) {
     changed |= draw_paints(ui, brush);
   } else {
+    caption(theme, "The brush");
     int frees = brush.hold ? 0 : 1;
     changed |= choice(theme, "confirm", {"Hold", "Free"}, frees,
                       {"Later edits do not move what you paint", "Later edits move what you paint again"});
@@ -113,6 +117,7 @@ void draw_scheme(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const Document& document = *ui.snapshot.document;
   int scheme = static_cast<int>(document.scheme);
+  caption(theme, "How edits are solved");
   if (choice(theme, "scheme", {"Anchored", "Paper", "Raw"}, scheme,
              {"An edit never takes back an earlier one. The default",
               "The scheme of the paper, word for word: every solve pulls the mesh back towards the template",

@@ -18,6 +18,7 @@ bool draw_picture_options(const Theme& theme, PictureOptions& options) {
   options.width = static_cast<int>(std::clamp(width, 64.0, 8192.0));
   options.height = static_cast<int>(std::clamp(height, 64.0, 8192.0));
   int ground = options.transparent ? 2 : options.light ? 1 : 0;
+  caption(theme, "Ground");
   if (choice(theme, "ground", {"Dark ground", "Light", "Transparent"}, ground,
              {"For the screen", "For paper", "What is not drawn on stays transparent"})) {
     options.transparent = ground == 2;

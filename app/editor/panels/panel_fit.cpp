@@ -75,6 +75,7 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
   if (label != own) settings.label = label;
   changed |= ball_slider(ui, "Closing", settings.closing_mm, settings.all_labels ? every_label : label,
                          "Radius. Clefts of the label narrower than twice the radius are filled before the fit");
+  caption(theme, "Where the fit starts");
   int start = settings.as_placed ? 1 : 0;
   if (choice(theme, "fit start", {"Find the place", "As placed"}, start,
              {"The fit finds position, size and rotation by itself, near the patient's axes. Placed landmarks help. "

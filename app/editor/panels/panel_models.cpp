@@ -110,6 +110,7 @@ void draw_model_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   int alignment = static_cast<int>(state.alignment);
+  caption(theme, "Alignment of the shapes");
   if (choice(theme, "alignment", {"Similarity", "Rigid", "As they lie"}, alignment,
              {"Generalised Procrustes: position, turn and size are taken out",
               "Position and turn are taken out; size is part of the model", "Shapes stay where they are"}))
@@ -224,6 +225,7 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
 void draw_study_pictures_section(const UiContext& ui, Outbox& out) {
   PictureOptions options = ui.state.picture;
   int what = options.study ? static_cast<int>(*options.study) + 1 : 0;
+  caption(ui.theme, "Picture of");
   bool changed = choice(ui.theme, "picture of", {"Window", "Gallery", "Modes"}, what,
                         {"The whole window, as it is on the screen", "All shapes, seen from where you look at them",
                          "The first modes of the model: \xe2\x88\x92"

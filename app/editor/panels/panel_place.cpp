@@ -204,6 +204,7 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
   if (button(theme, "Export…", "Saves the placed landmarks for 3D Slicer (.mrk.json) or scalismo (.json)",
              ui.document().shape().landmarks.empty() ? "No landmark is placed yet." : "", half))
     ask(FilePurpose::export_landmarks, case_name(ui.snapshot.file, ui.document()) + "-landmarks.mrk.json");
+  caption(theme, "How landmarks move the template");
   int fit = static_cast<int>(ui.document().landmark_pull);
   if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,
              {"Landmarks do not move the template", "Landmarks move, turn and scale the template",
@@ -212,6 +213,12 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
 }
 
 }  // namespace
+
+std::string placed_in_words(const UiContext& ui) {
+  if (!ui.has_shape()) return {};
+  const std::size_t all = ui.document().the_template->landmarks.size();
+  return all == 0 ? "" : format("%zu of %zu landmarks", ui.document().shape().landmarks.size(), all);
+}
 
 void draw_place_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;

@@ -33,6 +33,7 @@ bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
   changed |= slider(theme, "Search", snap.reach_mm, {1, 30, "%.1f", "mm", true},
                     "How far from the mesh a snap looks for the boundary, on both sides", released);
   int polarity = static_cast<int>(snap.polarity);
+  caption(theme, "Inside the edge");
   if (choice(theme, "polarity", {"Auto", "Bright", "Dark", "Either"}, polarity,
              {"Finds by itself whether the organ is brighter or darker. In a cine it takes the nearest edited frame",
               "The organ is brighter than what surrounds it", "The organ is darker than what surrounds it",

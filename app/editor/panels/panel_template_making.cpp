@@ -31,6 +31,7 @@ void draw_organ_settings(const UiContext& ui, int label, MaskTemplateOptions& op
                          "Radius. Fills clefts that are narrower than twice the radius");
   changed |= ball_slider(ui, "Opening", options.opening_mm, label,
                          "Radius. Removes spurs that are thinner than twice the radius");
+  caption(theme, "Tunnels through the organ");
   int rule = options.genus.kind == GenusRule::Kind::automatic ? 0
              : options.genus.kind == GenusRule::Kind::keep    ? 1
              : options.genus.genus == 0                       ? 2
@@ -79,12 +80,13 @@ void draw_stages(const UiContext& ui, const TemplateMaking& making, Outbox& out)
     const bool shown = ui.state.shown_stage ? *ui.state.shown_stage == i : i + 1 == making.stages.size();
     const std::string name = format("%zu  %s", i + 1, stage.name.c_str());
     const std::string time = format("%.2f s", stage.seconds);
+    const ImVec2 at = ImGui::GetCursorScreenPos();
     const float room = ImGui::GetContentRegionAvail().x, time_width = ImGui::CalcTextSize(time.c_str()).x;
-    if (list_row(theme, name, shown, {room - time_width - theme.px(4), theme.px(24)}).clicked)
+    const float height = theme.px(24);
+    if (list_row(theme, shortened(name, room - time_width - theme.px(16)), shown, {room, height}).clicked)
       out.send(ShowTemplateStage{i});
-    ImGui::SameLine(0, theme.px(4));
-    ImGui::AlignTextToFramePadding();
-    text_line(time, palette::faint);
+    text_at(*ImGui::GetWindowDrawList(),
+            {at.x + room - time_width - theme.px(4), at.y + (height - ImGui::GetFontSize()) / 2}, palette::dim, time);
   }
 }
 
@@ -172,6 +174,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   caption(theme, "From a label map");
   TemplateSettings settings = ui.state.template_settings;
   bool changed = label_choice(ui, settings.label, settings.all_labels);
+  caption(theme, "What the label is");
   int kind = settings.tube ? 1 : 0;
   if (choice(theme, "template kind", {"Organ", "Tube"}, kind,
              {"For any shape: vertices are spread evenly over the surface",

@@ -118,9 +118,10 @@ void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality
 struct PanelSection {
   const char* title;
   void (*draw)(const UiContext&, Outbox&);
-  bool open_at_first;                          ///< until the user folds or unfolds it
-  bool (*wanted)(const UiContext&) = nullptr;  ///< whether it has anything to show; null: always
-  bool (*opens)(const UiContext&) = nullptr;   ///< in place of `open_at_first`, where that depends on the case
+  bool open_at_first;                                ///< until the user folds or unfolds it
+  bool (*wanted)(const UiContext&) = nullptr;        ///< whether it has anything to show; null: always
+  bool (*opens)(const UiContext&) = nullptr;         ///< in place of `open_at_first`, where that depends on the case
+  std::string (*holds)(const UiContext&) = nullptr;  ///< what its title says while it is folded
 };
 /// A panel of sections in `rect`.
 void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, std::span<const PanelSection> sections,

@@ -103,7 +103,13 @@ struct SpacingDialog {
   Vec3 spacing_mm = Vec3::Ones();
 };
 
+/// Label maps hold several labels: one is chosen for all cases that wait.
+struct LabelDialog {
+  std::string map;  ///< name of the first such file
+  std::vector<int> labels;
+};
+
 using Dialog = std::variant<KeysDialog, FileDialog, ReplaceDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog,
-                            SpacingDialog>;
+                            SpacingDialog, LabelDialog>;
 
 }  // namespace homolog

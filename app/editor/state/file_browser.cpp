@@ -62,6 +62,15 @@ std::vector<int> FileBrowser::visible() const {
   return result;
 }
 
+std::vector<fs::path> chosen_files(const FileBrowser& browser) {
+  std::vector<fs::path> files;
+  for (const int index : browser.visible()) {
+    const auto& entry = browser.entries[static_cast<std::size_t>(index)];
+    if (browser.together.contains(entry.name)) files.push_back(browser.folder / entry.name);
+  }
+  return files;
+}
+
 std::vector<fs::path> visible_files(const FileBrowser& browser) {
   std::vector<fs::path> files;
   for (const int index : browser.visible()) {
@@ -105,6 +114,7 @@ void make_folder(FileBrowser& browser) {
 void refresh(FileBrowser& browser) {
   browser.entries.clear();
   browser.selected = -1;
+  browser.together.clear();
   browser.error.clear();
   std::error_code error;
   fs::directory_iterator entry(browser.folder, error);
@@ -128,18 +138,43 @@ void refresh(FileBrowser& browser) {
   });
 }
 
-void select_entry(FileBrowser& browser, int index) {
-  browser.selected = index;
-  const auto& entry = browser.entries[static_cast<std::size_t>(browser.visible()[static_cast<std::size_t>(index)])];
-  if (browser.kind.saves && !entry.folder) browser.name = entry.name;
+bool FileBrowser::is_chosen(int index) const {
+  if (together.empty()) return index == selected;
+  const auto shown = visible();
+  return together.contains(entries[static_cast<std::size_t>(shown[static_cast<std::size_t>(index)])].name);
 }
 
-void press_key(FileBrowser& browser, BrowserKey key) {
+void select_entry(FileBrowser& browser, int index, Choosing how) {
+  const auto shown = browser.visible();
+  const int count = static_cast<int>(shown.size());
+  if (index < 0 || index >= count) return;
+  const auto at = [&](int k) -> const FileBrowser::Entry& {
+    return browser.entries[static_cast<std::size_t>(shown[static_cast<std::size_t>(k)])];
+  };
+  const int before = browser.selected < count ? browser.selected : -1;
+  browser.selected = index;
+  if (browser.kind.saves && !at(index).folder) browser.name = at(index).name;
+  auto& together = browser.together;
+  if (how == Choosing::alone || before < 0) {
+    together.clear();
+    return;
+  }
+  if (together.empty() && !at(before).folder) together.insert(at(before).name);
+  if (how == Choosing::up_to) {
+    for (int k = std::min(before, index); k <= std::max(before, index); ++k)
+      if (!at(k).folder) together.insert(at(k).name);
+  } else if (!at(index).folder && !together.insert(at(index).name).second) {
+    together.erase(at(index).name);
+  }
+}
+
+void press_key(FileBrowser& browser, BrowserKey key, bool extends) {
   constexpr int page = 10;
   browser.scroll_to_selected = true;
   const int count = static_cast<int>(browser.visible().size());
   const auto select = [&](int index) {
-    if (count > 0) select_entry(browser, std::clamp(index, 0, count - 1));
+    const Choosing how = extends ? Choosing::up_to : Choosing::alone;
+    if (count > 0) select_entry(browser, std::clamp(index, 0, count - 1), how);
   };
   switch (key) {
     case BrowserKey::up:

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct FileBrowser {
   std::vector<Place> places;              ///< home, working folder, roots of mounted media
   std::string name;                       ///< typed: filters when opening, the new file's name when saving
   int selected = -1;                      ///< index into visible(); −1 nothing
+  std::set<std::string> together;         ///< names of the files that are chosen together; empty: only `selected` is
   bool scroll_to_selected = false;        ///< the keyboard moved the selection
   bool show_all = false;                  ///< also files of other kinds and hidden ones
   std::string error;                      ///< why the folder cannot be read; empty where it can
@@ -42,6 +44,8 @@ struct FileBrowser {
 
   /// Indices of the entries that the typed name leaves: those that hold it, in any case.
   std::vector<int> visible() const;
+  /// Whether the entry at a place in visible() is chosen, alone or with others.
+  bool is_chosen(int index) const;
 };
 
 FileBrowser browse(FileKind kind, const std::filesystem::path& folder, std::string name = {});
@@ -52,14 +56,21 @@ void refresh(FileBrowser& browser);
 void make_folder(FileBrowser& browser);
 
 enum class BrowserKey { up, down, page_up, page_down, parent };
+/// How a click chooses, where several files may be taken: in place of all, one more or one less (Ctrl), or all from the
+/// one that was clicked last (Shift).
+enum class Choosing { alone, also, up_to };
 /// Selects the entry at a place in visible(); when saving, a file's name becomes the name.
-void select_entry(FileBrowser& browser, int index);
-void press_key(FileBrowser& browser, BrowserKey key);
+void select_entry(FileBrowser& browser, int index, Choosing how = Choosing::alone);
+/// `extends`: the selection grows by the files on the way.
+void press_key(FileBrowser& browser, BrowserKey key, bool extends = false);
 
 /// What accepting gives: a chosen path, or nothing where a folder was entered instead (or nothing is chosen).
 /// When saving, only the typed name counts (choosing a file copies its name), and the kind's extension is added
 /// where it has none that fits.
 std::optional<std::filesystem::path> accept(FileBrowser& browser);
+
+/// The files that are chosen together, in the order of the list; none where one alone is chosen.
+std::vector<std::filesystem::path> chosen_files(const FileBrowser& browser);
 
 /// The files that the typed name leaves, for dialogs that take several.
 std::vector<std::filesystem::path> visible_files(const FileBrowser& browser);

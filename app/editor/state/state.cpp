@@ -172,8 +172,14 @@ void show_all(EditorState& state, const Document& document, const Layout& layout
 
 void look_at_step(EditorState& state) {
   if (!state.guide || !state.guide->shown || state.guide->at >= state.guide->steps.size()) return;
-  state.crosshair_mm = state.guide->steps[state.guide->at].to_mm;
+  const GuideStep& step = state.guide->steps[state.guide->at];
+  state.crosshair_mm = step.to_mm;
   state.hover.reset();
+  if (state.maximised) state.maximised = step.view;
+  // A view that was moved off the place comes back to it.
+  SlicePan& pan = state.slices[index_of(step.view)];
+  constexpr double share_seen = 0.4;
+  if ((step.to_mm - pan.centre_mm).norm() > share_seen * pan.side_px * pan.mm_per_px) pan.centre_mm = step.to_mm;
 }
 
 void look_closely(EditorState& state, const Mesh& mesh, std::int32_t vertex) {

@@ -1,5 +1,6 @@
 #include "app/editor/state/status.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "core/case/held_landmarks.h"
@@ -45,9 +46,14 @@ std::string brush_hint(const EditorState& state, const Document& shown) {
   const bool regions = state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill;
   if (state.tool == MouseTool::stiffness && regions) {
     if (shown.regions->list.empty()) return "There is no region to paint yet. Add one first (Template, Regions).";
-    if (state.brush.region.empty()) return "No region is chosen: the brush erases regions.";
-    return state.brush.paints == BrushPaints::fill ? "Click to fill " + quoted(state.brush.region) + "; Alt empties."
-                                                   : "Paint " + quoted(state.brush.region) + "; Alt erases.";
+    if (state.brush.erases) return "The brush takes vertices out of their region.";
+    // As the brush does: the first one where none of that name is there.
+    const auto& list = shown.regions->list;
+    const bool known =
+        std::any_of(list.begin(), list.end(), [&](const Region& one) { return one.name == state.brush.region; });
+    const std::string region = quoted(known ? state.brush.region : list.front().name);
+    return state.brush.paints == BrushPaints::fill ? "Click to fill " + region + "; Alt empties."
+                                                   : "Paint " + region + "; Alt erases.";
   }
   if (state.tool == MouseTool::confirm && !state.brush.hold) return "Paint what strokes may move again.";
   return "Paint on the outline or on the surface.";
@@ -78,6 +84,14 @@ std::string hint(const EditorState& state, const Document& shown, bool making_sh
   }
 }
 
+/// Why the frame that is shown has to be looked at; empty where it need not, or while something is in hand.
+std::string doubt_of(const EditorState& state, const Document& shown) {
+  const auto& frames = state.volume_curve.frames;
+  const auto here = frames.find(shown.frame);
+  if (here == frames.end() || here->second.doubt.empty() || state.drag || state.playing) return {};
+  return "Frame " + std::to_string(shown.frame) + " " + here->second.doubt + ".";
+}
+
 }  // namespace
 
 std::string why_no_mesh(const Document& shown) {
@@ -93,6 +107,8 @@ Status status_of(const EditorState& state, const Snapshot& snapshot, const Docum
   } else if (!snapshot.message.empty() && state.said_in == situation_of(state, shown)) {
     return {snapshot.message};
   }
+  // The panel says it too, but perhaps out of sight.
+  if (std::string doubt = making_shown ? "" : doubt_of(state, shown); !doubt.empty()) return {std::move(doubt), true};
   return {hint(state, shown, making_shown)};
 }
 

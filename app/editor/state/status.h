@@ -11,7 +11,7 @@ namespace homolog {
 
 struct Status {
   std::string text;
-  bool stopped = false;  ///< the running gesture was stopped before the surface would fold
+  bool warns = false;  ///< the running gesture was stopped before the surface would fold, or a frame is in doubt
 };
 
 /// What the last edit or the running gesture said, for as long as that is news; else what the hand can do now.

@@ -19,6 +19,11 @@ Command to(const fs::path& chosen, const EditorState&) {
   return C{{chosen}};
 }
 
+template <class C>
+Command to_several(const std::vector<fs::path>& chosen) {
+  return C{chosen};
+}
+
 Command template_of(const fs::path& chosen, const EditorState&) {
   return open_template(chosen.string());
 }
@@ -45,7 +50,12 @@ const std::vector<FilePurposeKind>& file_purposes() {
   static const Extensions templates = mesh_format_extensions(&MeshFormat::keeps_template);
   static const Extensions landmarks{".mrk.json", ".fcsv", ".json"};
   static const std::vector<FilePurposeKind> all{
-      {FilePurpose::open, "open", "Open an image, a case or a template", {false, openable, true}, to<OpenFiles>},
+      {FilePurpose::open,
+       "open",
+       "Open an image, a case or a template",
+       {false, openable, true},
+       to<OpenFiles>,
+       to_several<OpenFiles>},
       {FilePurpose::open_template, "open template", "Load a template mesh", {false, meshes}, template_of},
       {FilePurpose::open_labels,
        "open labels",
@@ -78,12 +88,18 @@ const std::vector<FilePurposeKind>& file_purposes() {
        "Set the study's template",
        {false, meshes},
        to<SetStudyTemplate>},
-      {FilePurpose::add_shapes, "add shapes", "Add shapes to the study", {false, shapes}, to<AddCases>},
+      {FilePurpose::add_shapes,
+       "add shapes",
+       "Add shapes to the study",
+       {false, shapes},
+       to<AddCases>,
+       to_several<AddCases>},
       {FilePurpose::add_scans,
        "add scans",
-       "Add a folder of scans or label maps: choose one of them",
+       "Add scans or label maps: one file stands for its folder",
        {false, volumes, true},
-       to<AddScans>},
+       to<AddScans>,
+       to_several<AddScans>},
       {FilePurpose::save_case, "save case", "Save the case", {true, {case_extension}}, to<SaveCaseAs>},
       {FilePurpose::export_mesh, "export mesh", "Export the mesh", {true, exported}, to<ExportMesh>},
       {FilePurpose::export_label_map,

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "app/editor/state/file_browser.h"
 #include "app/editor/update/commands.h"
@@ -15,6 +16,8 @@ struct FilePurposeKind {
   const char* title;  ///< of the dialog
   FileKind files;
   Command (*command)(const std::filesystem::path& chosen, const EditorState& state);
+  /// For several files at once; null where one is wanted.
+  Command (*command_of_several)(const std::vector<std::filesystem::path>& chosen) = nullptr;
 };
 
 const FilePurposeKind& file_purpose(FilePurpose purpose);

@@ -9,7 +9,7 @@ namespace {
 using Given = std::optional<Command>;
 
 /// Keys of an open dialog; all keys stop there.
-Given dialog_command(const Dialog& dialog, int code) {
+Given dialog_command(const Dialog& dialog, int code, bool shift) {
   const auto* files = std::get_if<FileDialog>(&dialog);
   const bool names_folder = files != nullptr && files->browser.new_folder;
   if (code == key::escape) return names_folder ? Given(NameFolder{}) : CloseDialog{};
@@ -19,13 +19,13 @@ Given dialog_command(const Dialog& dialog, int code) {
   }
   switch (code) {
     case key::up:
-      return MoveInFiles{BrowserKey::up};
+      return MoveInFiles{BrowserKey::up, shift};
     case key::down:
-      return MoveInFiles{BrowserKey::down};
+      return MoveInFiles{BrowserKey::down, shift};
     case key::page_up:
-      return MoveInFiles{BrowserKey::page_up};
+      return MoveInFiles{BrowserKey::page_up, shift};
     case key::page_down:
-      return MoveInFiles{BrowserKey::page_down};
+      return MoveInFiles{BrowserKey::page_down, shift};
     case key::backspace:
       return files->browser.name.empty() && !names_folder ? Given(MoveInFiles{BrowserKey::parent}) : std::nullopt;
     case key::enter:
@@ -223,7 +223,7 @@ void press_key(const EditorState& state, const InputEvent& event, int key, const
   Given command;
   const bool dismisses = key == key::escape && !state.drag && !state.notices.empty();
   if (state.dialog)
-    command = dialog_command(*state.dialog, key);
+    command = dialog_command(*state.dialog, key, event.shift);
   else if (dismisses)
     command = DismissNotice{state.notices.size() - 1};
   else if (const KeyRow* row = row_of(key_rows(state.models.shown), {key, event.ctrl, event.shift}))

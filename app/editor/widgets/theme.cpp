@@ -30,24 +30,26 @@ constexpr ImWchar text_ranges[] = {0x20,   0x24F,  0x370,  0x3FF,  0x400,  0x4FF
                                    0x209C, 0x2190, 0x21FF, 0x2200, 0x22FF, 0x232B, 0x232B, 0};
 constexpr ImWchar icon_ranges[] = {0xF000, 0xF330, 0};
 
-/// The bytes of a font that has the letters of East Asia, where the system has one: of Debian's fonts-droid-fallback,
-/// or of the same file in the user's own fonts. Empty where there is none.
+/// The bytes of a font that has the letters of East Asia, where the system has one: of Debian's fonts-noto-cjk, which
+/// has Korean too, else of fonts-droid-fallback; or of the same files in the user's own fonts. Empty where there is
+/// none.
 std::string east_asian_font() {
   namespace fs = std::filesystem;
   const auto set_to = [](const char* name, const std::string& otherwise) {
     const char* value = std::getenv(name);
     return value != nullptr && value[0] != 0 ? std::string(value) : otherwise;
   };
-  constexpr const char* file = "DroidSansFallbackFull.ttf";
-  std::vector<fs::path> places{fs::path(set_to("XDG_DATA_HOME", (home_folder() / ".local/share").string())) / "fonts" /
-                               file};
-  std::istringstream folders(set_to("XDG_DATA_DIRS", "/usr/local/share:/usr/share"));
-  for (std::string folder; std::getline(folders, folder, ':');)
-    places.push_back(fs::path(folder) / "fonts/truetype/droid" / file);
-  for (const fs::path& place : places) {
-    std::error_code ignored;
-    if (!fs::is_regular_file(place, ignored)) continue;
-    if (auto bytes = read_whole_file(place)) return std::move(*bytes);
+  const fs::path own = fs::path(set_to("XDG_DATA_HOME", (home_folder() / ".local/share").string())) / "fonts";
+  const std::string shared = set_to("XDG_DATA_DIRS", "/usr/local/share:/usr/share");
+  for (const fs::path file : {"opentype/noto/NotoSansCJK-Regular.ttc", "truetype/droid/DroidSansFallbackFull.ttf"}) {
+    std::vector<fs::path> places{own / file.filename()};
+    std::istringstream folders(shared);
+    for (std::string folder; std::getline(folders, folder, ':');) places.push_back(fs::path(folder) / "fonts" / file);
+    for (const fs::path& place : places) {
+      std::error_code ignored;
+      if (!fs::is_regular_file(place, ignored)) continue;
+      if (auto bytes = read_whole_file(place)) return std::move(*bytes);
+    }
   }
   return {};
 }

@@ -102,7 +102,7 @@ void progress_bar(const Theme& theme, double fraction) {
   ImGui::Dummy({width, height});
 }
 
-bool section(const Theme& theme, const char* title, bool open, bool& toggled) {
+bool section(const Theme& theme, const char* title, bool open, bool& toggled, const std::string& holds) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size{available(), theme.px(36)};
   toggled = ImGui::InvisibleButton(title, size);
@@ -113,7 +113,13 @@ bool section(const Theme& theme, const char* title, bool open, bool& toggled) {
   const ImU32 colour = ImGui::IsItemHovered() ? palette::accent : palette::text;
   ImGui::PushFont(theme.strong);
   text_in(at, end, colour, title, 0);
+  const float taken = ImGui::CalcTextSize(title).x + theme.px(16), chevron = theme.px(18);
   ImGui::PopFont();
+  if (!open && !holds.empty()) {
+    ImGui::PushFont(theme.small);
+    text_in(at, {end.x - chevron, end.y}, palette::dim, shortened(holds, size.x - taken - chevron), 1);
+    ImGui::PopFont();
+  }
   text_in(at, end, palette::dim, open ? icon::down_angle : icon::right_angle, 1);
   return open;
 }
@@ -222,9 +228,9 @@ bool choice(const Theme& theme, const char* id, const std::vector<std::string>& 
 }
 
 bool number_field(const Theme& theme, const char* id, double& value, double per_px, const char* pattern,
-                  const char* unit, float width_px, const std::string& tip, bool& released) {
+                  const char* unit, float width_px, const std::string& tip, bool& released, float height_units) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float height = theme.px(24);
+  const float height = theme.px(height_units);
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {theme.px(6), (height - ImGui::GetFontSize()) / 2});
   ImGui::SetNextItemWidth(width_px);
   ImGui::PushID(id);

@@ -28,8 +28,8 @@ bool is_explained(ImGuiHoveredFlags hovered = 0);
 void tooltip(const Theme& theme, const std::string& text);
 
 /// A section of the side panel with a title that folds it; true while it is open. `open` is what it is now;
-/// `toggled` is set where the user clicked.
-bool section(const Theme& theme, const char* title, bool open, bool& toggled);
+/// `toggled` is set where the user clicked. While it is folded, `holds` says what is in it.
+bool section(const Theme& theme, const char* title, bool open, bool& toggled, const std::string& holds = {});
 
 bool button(const Theme& theme, const std::string& label, const std::string& tip, const std::string& refusal = {},
             float width_px = 0, bool primary = false);
@@ -55,11 +55,11 @@ bool slider(const Theme& theme, const char* label, double& value, const SliderRa
             bool& released, const std::string& refusal = {});
 /// A right-aligned number that is dragged sideways or typed.
 bool number_field(const Theme& theme, const char* id, double& value, double per_px, const char* format,
-                  const char* unit, float width_px, const std::string& tip, bool& released);
+                  const char* unit, float width_px, const std::string& tip, bool& released, float height_units = 24);
 
 /// A line of text to type; true while it changes.
 bool text_field(const Theme& theme, const char* name, std::string& text, const char* hint, float width_px,
-                float height_units = 24);
+                float height_units = 28);
 /// Whether Enter ended the typing in the field drawn last.
 bool enter_pressed();
 /// Whether the typing in the field drawn last has ended, and changed its text.

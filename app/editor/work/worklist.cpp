@@ -10,6 +10,7 @@
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/opener.h"
 #include "core/base/json.h"
+#include "core/base/listed.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
@@ -182,22 +183,25 @@ bool was_worked_on(EditSession& session) {
   return steps.size() > 1 || (steps.size() == 1 && steps.front() != "mirror");
 }
 
-Result<WorklistDone> cases_of(const fs::path& folder, const CaseStart& start, Progress& progress) {
+/// `asked`: one folder, or files.
+Result<WorklistDone> cases_of(const std::vector<fs::path>& asked, const CaseStart& start, Progress& progress) {
   WorklistDone done;
   std::vector<Scan> scans;
-  const auto paths = candidates(folder);
+  const auto paths = asked.size() == 1 ? candidates(asked.front()) : asked;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     progress.report(static_cast<double>(k) / static_cast<double>(paths.size()));
     Progress reading(progress, 0);
     auto scan = read_scan(paths[k], reading);
-    if (progress.cancelled()) return fail("", "The folder was not added: cancelled.");
+    if (progress.cancelled()) return fail("", "No scan was added: cancelled.");
     if (scan)
       scans.push_back(std::move(*scan));
     else
       done.warnings.push_back(scan.error().sentence());
   }
   if (scans.empty())
-    return fail(folder.string(), "holds no scan and no label map; choose a folder of images, one file for each");
+    return fail(asked.front().string(),
+                asked.size() == 1 ? "holds no scan and no label map; choose a folder of images, one file for each"
+                                  : "and the others are no scans and no label maps; choose images");
   std::error_code error;
   fs::create_directories(start.cases, error);
   const auto pairs = pairs_of(scans);
@@ -219,17 +223,23 @@ Result<WorklistDone> cases_of(const fs::path& folder, const CaseStart& start, Pr
   return done;
 }
 
-/// The label to fit to: the one that is asked for, where the map holds it, else its first.
-int label_in(const Volume& map, int wanted) {
-  const auto held = labels_of(map, 0);
-  if (wanted != 0 && held.contains(wanted)) return wanted;
-  for (const auto& [value, voxels] : held)
-    if (value != 0) return value;
-  return 0;
+/// The label to fit to: the one that is asked for, or the only one that the map holds. 0 where one has to be chosen
+/// first. Errors: the map holds none, or several without the one that is asked for.
+Result<int> label_in(const NamedLabels& map, int wanted, std::vector<int>& held) {
+  for (const auto& [value, voxels] : labels_of(*map.volume, 0))
+    if (value != 0) held.push_back(value);
+  if (held.empty()) return fail(map.name, "holds no label; segment the organ in it, or take the case off the study");
+  if (held.size() == 1) return held.front();
+  if (wanted == 0 || std::find(held.begin(), held.end(), wanted) != held.end()) return wanted;
+  std::vector<std::string> names;
+  for (const int value : held) names.push_back(std::to_string(value));
+  return fail(map.name, "holds the labels " + listed(names, " and ") + ", but no label " + std::to_string(wanted) +
+                            "; fit this case by itself, with another label");
 }
 
-/// Fits one case and writes it down there; what it says where that fails.
-Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progress& progress) {
+/// Fits one case and writes it down there; what it says where that fails. Where one of the map's labels has to be
+/// chosen first, it says that in `done` and leaves the case.
+Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progress& progress, WorklistDone& done) {
   auto read = open_case(one.file, &progress);
   if (!read) return fail(read.error());
   EditSession& session = read->session;
@@ -240,28 +250,35 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   auto labels = read_volume(one.labels, options);
   if (!labels) return fail(labels.error());
   const NamedLabels map{std::make_shared<const Volume>(std::move(labels->volume)), one.labels.filename().string()};
-  settings.label = label_in(*map.volume, settings.label);
-  if (settings.label == 0)
-    return fail(map.name, "holds no label; segment the organ in it, or take the case off the study");
+  std::vector<int> held;
+  const auto label = label_in(map, settings.all_labels ? 0 : settings.label, held);
+  if (!label) return fail(label.error());
+  if (*label == 0 && !settings.all_labels) {
+    done.map = map.name;
+    done.labels = std::move(held);
+    return std::string();
+  }
+  settings.label = *label != 0 ? *label : held.front();
   settings.as_placed = false;
   FitOptions fit;
   fit.progress = &progress;
   auto fitted = fit_to_labels(session.document(), map, settings, {}, fit);
   if (!fitted) return fail(fitted.error());
   const std::string remark = fitted->remarks.empty() ? std::string() : fitted->remarks.front();
-  if (auto done = session.apply(std::move(fitted->edit)); !done) return fail(done.error());
+  if (auto applied = session.apply(std::move(fitted->edit)); !applied) return fail(applied.error());
   if (!fitted->doubtful) return std::string();
   return remark.empty() ? "The fit is doubtful." : remark;
 }
 
 }  // namespace
 
-void Worklist::add_folder(const fs::path& folder, CaseStart start) {
+void Worklist::add(const std::vector<fs::path>& paths, CaseStart start) {
+  if (paths.empty()) return;
   if (!busy()) asked_ = done_ = 0;
   ++asked_;
-  worker_.queue(
-      folder.string(),
-      [folder, start = std::move(start)](Progress& progress) { return cases_of(folder, start, progress); }, "Reading");
+  worker_.queue((paths.size() == 1 ? paths.front() : paths.front().parent_path()).string(),
+                [paths, start = std::move(start)](Progress& progress) { return cases_of(paths, start, progress); },
+                "Reading");
 }
 
 void Worklist::fit(const std::vector<StudyCase>& cases, const FitSettings& settings) {
@@ -274,7 +291,7 @@ void Worklist::fit(const std::vector<StudyCase>& cases, const FitSettings& setti
           WorklistDone done;
           done.fitted = one.name;
           done.file = one.file;
-          const auto doubt = fit_case(one, settings, progress);
+          const auto doubt = fit_case(one, settings, progress, done);
           if (progress.cancelled()) return fail("", "The fits were cancelled.");
           if (doubt)
             done.doubt = *doubt;

@@ -22,6 +22,8 @@ struct WorklistDone {
   std::filesystem::path file;
   std::string doubt;                  ///< why a person has to look at it; empty: no doubt
   std::string fault;                  ///< why it could not be fitted, as a sentence; empty: it was
+  std::string map;                    ///< of which labels one has to be chosen first; empty: none has
+  std::vector<int> labels;            ///< that this map holds
   std::vector<std::string> warnings;  ///< sentences
 };
 
@@ -40,11 +42,12 @@ class Worklist {
   /// `wake` is called from the thread when something is done.
   explicit Worklist(std::function<void()> wake) : worker_(std::move(wake)) {}
 
-  /// Makes a case for every scan in `folder`: an image, with the label map on its voxels where there is one, or a label
-  /// map alone. Files that are there already stay; those that begin alike are taken, beside others a new one is made.
-  void add_folder(const std::filesystem::path& folder, CaseStart start);
-  /// Fits the template of each case to its label map, one after the other. The label is that of the settings, where the
-  /// map holds it, else the map's first.
+  /// Makes a case for every scan in a folder, or for every one of several files: an image, with the label map on its
+  /// voxels where there is one, or a label map alone. Case files that are there already stay; those that begin alike
+  /// are taken, beside others a new one is made.
+  void add(const std::vector<std::filesystem::path>& paths, CaseStart start);
+  /// Fits the template of each case to its label map, one after the other. The label is that of the settings, or the
+  /// only one that a map holds; where a map holds several and the settings name none, it is left until one is chosen.
   void fit(const std::vector<StudyCase>& cases, const FitSettings& settings);
   /// Gives up what goes on; what was fitted stays so.
   void cancel();

@@ -78,6 +78,28 @@ TEST_CASE("a propagation that is cancelled or overtaken by an edit leaves the me
   CHECK(driver.has("Cine/Propagate"));
 }
 
+TEST_CASE("why a frame is in doubt is said where a person sees it also where the panel ends before it") {
+  Document document = BeatingBall::document();
+  EditSession session(document);
+  for (const int frame : {1, 2, 3, 4}) {
+    SetPoints carried = points_edit(session.document(), frame, *document.shape().points, by_propagation);
+    if (frame == 3) carried.doubt = "does not show the boundary; its mesh is taken from the frames around it";
+    REQUIRE(session.apply(carried));
+  }
+  Driver driver(session.document(), {800, 600, 1});
+  driver.click("Cine/Next in doubt");
+  driver.settle();
+  REQUIRE(driver.document().frame == 3);
+  const std::string reason = "Frame 3 does not show the boundary; its mesh is taken from the frames around it.";
+  std::size_t hidden = 0, whole = 0;
+  for (const DrawnItem& item : driver.items()) {
+    if (item.name.find(reason) == std::string::npos) continue;
+    ++(item.seen.height >= item.rect.height && item.seen.width >= item.rect.width ? whole : hidden);
+  }
+  CHECK(hidden == 1);  // in the panel
+  CHECK(whole == 1);
+}
+
 TEST_CASE("frames in doubt are shown one after the other and volumes are written") {
   Document document = BeatingBall::document();
   EditSession session(document);

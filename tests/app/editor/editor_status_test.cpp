@@ -98,7 +98,7 @@ TEST_CASE("what the last edit said goes as soon as something else is in hand") {
   snapshot.preview = EditReport{};
   CHECK(status_of(state, snapshot, document).text != snapshot.message);
   snapshot.preview->stopped_by_guard = true;
-  CHECK(status_of(state, snapshot, document).stopped);
+  CHECK(status_of(state, snapshot, document).warns);
 }
 
 TEST_CASE("the status line says whether the landmark under the pointer is held") {
@@ -113,6 +113,22 @@ TEST_CASE("the status line says whether the landmark under the pointer is held")
   shape.landmarks["north"] = Vec3(0, 0, 60);
   shape.confirmed.reset();
   CHECK(holds_words(status_of(state, snapshot_of(document), document).text, "20.0 mm off \"north\""));
+}
+
+TEST_CASE("the status line names the region that the brush paints also before one was chosen") {
+  Document document = ball_with(0, 0);
+  auto regions = std::make_shared<Regions>(*document.regions);
+  regions->list = {{"cap", 2, {255, 0, 0}}, {"rim", 1, {0, 255, 0}}};
+  document.regions = regions;
+  EditorState state;
+  state.tool = MouseTool::stiffness;
+  state.brush.paints = BrushPaints::region;
+  const auto said = [&] { return status_of(state, snapshot_of(document), document).text; };
+  CHECK(said() == "Paint \"cap\"; Alt erases.");
+  state.brush.region = "rim";
+  CHECK(said() == "Paint \"rim\"; Alt erases.");
+  state.brush.erases = true;
+  CHECK(holds_words(said(), "out of their region"));
 }
 
 }  // namespace homolog

@@ -172,7 +172,8 @@ std::vector<ShownDialog> all_dialogs(const fs::path& folder) {
           {"Cases that were not saved", asked},
           {"This case was not saved", QuitDialog{}},
           {"The study was not saved", QuitDialog{folder / "a.study.json"}},
-          {"How large is a voxel?", SpacingDialog{}}};
+          {"How large is a voxel?", SpacingDialog{}},
+          {"Which label is the organ?", LabelDialog{"labels.nii", {1, 4}}}};
 }
 
 }  // namespace

@@ -242,7 +242,7 @@ TEST_CASE("a template of one's own comes out of its log with the same bytes") {
   ct.data = std::move(values);
   REQUIRE(write_volume(ct, image));
   REQUIRE(write_volume(label, labels));
-  check_job(desktop, 2, [&](Driver& driver) {
+  check_job(desktop, 3, [&](Driver& driver) {
     driver.app().send(OpenFiles{{image}});
     driver.settle();
     if (!driver.has("Template/Open a label map…")) driver.click("side panel/Template");
@@ -254,7 +254,7 @@ TEST_CASE("a template of one's own comes out of its log with the same bytes") {
     driver.wait_until("the template is made", [&] { return driver.has("Template/Save and use…"); });
     driver.settle();
     driver.click("Template/Save and use…");
-    pick_file(driver, desktop.folder.path / "ball-template.ply");  // from then on a file like any other
+    pick_file(driver, desktop.out / "ball-template.ply");  // the log writes it again: it is gone by then
     driver.wait_until("the case has it", [&] { return driver.document().has_shape(); });
     driver.settle();
     // A region is painted and a landmark named, and the template saved with both.

@@ -1,12 +1,18 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cctype>
+#include <map>
+
 #include "app/editor/scene/mesh_colouring.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
+#include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
 #include "tests/ball.h"
 #include "tests/driver.h"
 #include "tests/must.h"
+#include "tests/organ_scan.h"
 
 // What lies in the side panel stays where a person saw it, and what is opened is seen.
 
@@ -109,6 +115,117 @@ TEST_CASE("a section that is opened at the panel's end is scrolled into view") {
   driver.click("side panel/Case");
   driver.settle();
   CHECK(driver.control("side panel/Case").rect.y == at);
+}
+
+TEST_CASE("a folded section says what is in it") {
+  const OrganScan scan;
+  Driver driver(scan.document(), {1280, 2400, 1});
+  REQUIRE(driver.control("side panel/Place").value == "off");
+  CHECK(driver.shows("0 of 3 landmarks"));
+  driver.click("side panel/Place");
+  CHECK_FALSE(driver.shows("0 of 3 landmarks"));
+  if (driver.control("side panel/Template").value == "on") driver.click("side panel/Template");
+  CHECK(driver.shows("organ.ply"));
+}
+
+namespace {
+
+const DrawnItem* text_named(const Driver& driver, const std::string& words) {
+  const auto found = std::find_if(driver.items().begin(), driver.items().end(), [&](const DrawnItem& item) {
+    return item.kind == DrawnItem::Kind::text && item.name.find(words) != std::string::npos;
+  });
+  return found == driver.items().end() ? nullptr : &*found;
+}
+
+/// Groups of choices that have no heading right above them.
+std::string groups_without_heading(const Driver& driver) {
+  std::map<std::string, RectPx> groups;  // where each begins
+  for (const DrawnItem& item : driver.items())
+    if (item.kind == DrawnItem::Kind::choice) groups.try_emplace(item.path.substr(0, item.path.rfind('/')), item.rect);
+  std::string faults;
+  for (const auto& [path, first] : groups) {
+    const bool headed = std::any_of(driver.items().begin(), driver.items().end(), [&, &rect = first](const auto& item) {
+      const float above = rect.y - (item.rect.y + item.rect.height);
+      return item.kind == DrawnItem::Kind::text && std::abs(item.rect.x - rect.x) < 6 && above > -2 && above < 14;
+    });
+    // The modes of the window, and the states of the case whose name stands above, are clear.
+    if (!headed && !path.ends_with("mode") && !path.ends_with("state")) faults += path + "\n";
+  }
+  return faults;
+}
+
+}  // namespace
+
+TEST_CASE("every group of choices has a heading") {
+  const OrganScan scan;
+  const auto labels = scan.folder.path / "label.nii";
+  REQUIRE(write_volume(label_map(icosphere(3, 18), OrganScan::grid(), 1), labels));
+  Driver driver(scan.document(), {1280, 2600, 1});
+  for (const char* section : {"Template", "Place", "Export"}) driver.app().send(OpenSection{section, true});
+  driver.app().send(open_labels(labels));
+  driver.state().picture.view = ViewKind::axial;
+  driver.settle();
+  CHECK(groups_without_heading(driver) == "");
+  for (const BrushPaints paints : {BrushPaints::factor, BrushPaints::fill}) {
+    driver.state().brush.paints = paints;
+    for (const MouseTool tool : {MouseTool::stiffness, MouseTool::confirm}) {
+      driver.state().tool = tool;
+      driver.frames(2);
+      CHECK(groups_without_heading(driver) == "");
+    }
+  }
+  driver.app().send(OpenSection{"Pictures", true});
+  driver.state().models.shown = true;
+  driver.settle();
+  CHECK(groups_without_heading(driver) == "");
+}
+
+TEST_CASE("fields are as high as the buttons beside them and the rows of stages stand on one line") {
+  const OrganScan scan;
+  const auto labels = scan.folder.path / "label.nii";
+  REQUIRE(write_volume(label_map(icosphere(3, 18), OrganScan::grid(), 1), labels));
+  Driver driver(scan.document(), {1280, 1600, 1});
+  driver.state().preferences.sections_open = {{"Case", false}, {"Template", true}, {"Deform", false}};
+  driver.app().send(ApplyEdit{SetRegion{{"pole", 2, {255, 0, 0}}}});
+  driver.settle();
+  for (const auto& [field, button] :
+       {std::pair("Template/new region", "Template/Add"), std::pair("Template/new landmark", "Template/Name"),
+        std::pair("pole/factor", "pole/\xc3\x97")}) {
+    CHECK(driver.control(field).rect.y == driver.control(button).rect.y);
+    CHECK(driver.control(field).rect.height == driver.control(button).rect.height);
+  }
+  driver.app().send(open_labels(labels));
+  driver.settle();
+  driver.state().template_settings.mask.vertices = 500;
+  driver.app().send(MakeTemplate{driver.state().template_settings, {}});
+  driver.wait_until("it is made", [&] { return driver.has("Template/Save and use…"); });
+  driver.settle();
+  const DrawnItem* name = text_named(driver, "1  ");
+  REQUIRE(name != nullptr);
+  const auto time = std::find_if(driver.items().begin(), driver.items().end(), [&](const DrawnItem& item) {
+    return item.kind == DrawnItem::Kind::text && item.name.ends_with(" s") && std::isdigit(item.name.front()) &&
+           std::abs(item.rect.y - name->rect.y) < 12;
+  });
+  REQUIRE(time != driver.items().end());
+  CHECK(time->rect.y == name->rect.y);
+}
+
+TEST_CASE("Models says at its foot what comes next and a new study is not called a study's file") {
+  const OrganScan scan;
+  Driver driver(scan.document());
+  driver.state().models.shown = true;
+  driver.settle();
+  CHECK(driver.shows("Add meshes of one template, or open a study."));
+  REQUIRE(write_volume(label_map(icosphere(2, 18), OrganScan::grid(), 1), scan.folder.path / "anna.nii"));
+  driver.app().send(AddScans{{scan.folder.path}});
+  driver.wait_until("the scan is a case", [&] { return driver.state().models.study.cases.size() == 1; });
+  driver.settle();
+  CHECK(driver.shows("Cases wait: Fit waiting fits them to their label maps, or open one."));
+  CHECK_FALSE(driver.shows("or open a study."));
+  driver.click("Study");
+  driver.click("study menu/New study…");
+  driver.settle();
+  CHECK(driver.control("New study/name").value == "cohort.study.json");
 }
 
 }  // namespace homolog

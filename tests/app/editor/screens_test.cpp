@@ -206,6 +206,10 @@ TEST_CASE("golden pictures of long names and of names in East Asian letters") {
   }
   if (!fs::exists("/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf"))
     return test::skip("the Debian package fonts-droid-fallback is not installed");
+  // The font of the picture, whatever others there are.
+  fs::create_directories(scan.folder.path / "fonts/truetype");
+  fs::create_directory_symlink("/usr/share/fonts/truetype/droid", scan.folder.path / "fonts/truetype/droid");
+  const EnvironmentVariable only_these("XDG_DATA_DIRS", scan.folder.path);
   Driver driver(scan.document({"\xe8\x85\x8e\xe8\x87\x93\xe4\xb8\x8a\xe6\xa5\xb5", "\xe8\x85\x8e\xe9\x96\x80"},
                               "\xe8\x85\x8e\xe8\x87\x93.ply"),
                 {800, 600, 1});

@@ -19,6 +19,12 @@ Kind* open_dialog(EditorState& state) {
   return state.dialog ? std::get_if<Kind>(&*state.dialog) : nullptr;
 }
 
+/// Whether the file dialog that is open takes several files.
+bool takes_several(EditorState& state) {
+  const auto* files = open_dialog<FileDialog>(state);
+  return files != nullptr && file_purpose(files->purpose).command_of_several != nullptr;
+}
+
 FileBrowser* open_browser(EditorState& state) {
   auto* files = open_dialog<FileDialog>(state);
   return files != nullptr ? &files->browser : nullptr;
@@ -81,17 +87,20 @@ void EnterFolder::run(EditorState& state) const {
 void MoveInFiles::spell(Fields& line) {
   static constexpr std::array names{"up", "down", "page up", "page down", "parent"};
   spell_choice(line, "by", names, by);
+  line.optional("extends", extends, extends);
 }
 void MoveInFiles::run(EditorState& state) const {
-  if (auto* browser = open_browser(state)) press_key(*browser, by);
+  if (auto* browser = open_browser(state)) press_key(*browser, by, extends && takes_several(state));
 }
 
 void SelectFile::spell(Fields& line) {
+  static constexpr std::array names{"alone", "also", "up to"};
   line.member("index", index);
+  spell_choice(line, "how", names, how);
 }
 void SelectFile::run(EditorState& state) const {
   if (auto* browser = open_browser(state)) {
-    select_entry(*browser, index);
+    select_entry(*browser, index, takes_several(state) ? how : Choosing::alone);
     browser->scroll_to_selected = false;
   }
 }
@@ -102,6 +111,7 @@ void TypeFileName::spell(Fields& line) {
 void TypeFileName::run(EditorState& state) const {
   if (auto* browser = open_browser(state)) {
     browser->name = name;
+    browser->together.clear();
     browser->selected = browser->kind.saves || name.empty() ? -1 : 0;
   }
 }
@@ -130,6 +140,12 @@ void ShowAllFiles::run(EditorState& state) const {
 void AcceptFile::run(EditorState& state, const ControlsContext&, Outbox& out) const {
   auto* dialog = open_dialog<FileDialog>(state);
   if (dialog == nullptr) return;
+  if (const auto several = chosen_files(dialog->browser); several.size() > 1) {
+    state.preferences.folder = several.front().parent_path();
+    out.send(file_purpose(dialog->purpose).command_of_several(several));
+    state.dialog.reset();
+    return;
+  }
   const auto path = accept(dialog->browser);
   if (!path) return;
   state.preferences.folder = path->parent_path();

@@ -57,6 +57,7 @@ struct MoveInFiles {
   static constexpr const char* key = "move in files";
   static constexpr Logged logged = Logged::never;
   BrowserKey by = BrowserKey::down;
+  bool extends = false;  ///< files on the way are chosen too, where the dialog takes several
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
@@ -64,6 +65,7 @@ struct SelectFile {
   static constexpr const char* key = "select file";
   static constexpr Logged logged = Logged::never;
   int index = 0;  ///< of those that the dialog lists
+  Choosing how = Choosing::alone;
   void spell(Fields& line);
   void run(EditorState& state) const;
 };

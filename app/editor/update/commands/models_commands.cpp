@@ -163,18 +163,29 @@ void AddCases::run(Editing& editing) const {
   ModelsState& models = editing.state.models;
   std::error_code ignored;
   if (paths.size() == 1 && std::filesystem::is_directory(paths.front(), ignored))
-    return add_scans(editing, paths.front());  // dropped on the window
+    return add_scans(editing, paths);  // dropped on the window
   if (add_cases(models, paths) == 0) add_notice(editing.state, "All these shapes are in the study already.", false);
   if (models.study_file.empty()) models.study_file = new_study_file();
   if (editing.state.dialog && !paths.empty()) editing.state.preferences.folder = paths.front().parent_path();
 }
 
+void AddScans::spell(Fields& line) {
+  std::filesystem::path one = paths.size() == 1 ? paths.front() : std::filesystem::path();
+  line.optional("path", one, paths.size() == 1);
+  line.optional("paths", paths, paths.size() != 1);
+  if (line.reads() && !one.empty()) paths = {one};
+}
 void AddScans::run(Editing& editing) const {
-  add_scans(editing, path);
+  add_scans(editing, paths);
 }
 
+void FitWaiting::spell(Fields& line) {
+  line.optional("label", label, label != 0);
+  line.optional("all_labels", all_labels, all_labels);
+}
 void FitWaiting::run(Editing& editing) const {
-  fit_waiting(editing);
+  if (editing.state.dialog && std::holds_alternative<LabelDialog>(*editing.state.dialog)) editing.state.dialog.reset();
+  fit_waiting(editing, label, all_labels);
 }
 
 void CancelWorklist::run(Editing& editing) const {

@@ -121,14 +121,19 @@ struct AddCases {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
-/// Makes a case for every scan and label map in a folder; a file stands for the folder that it lies in.
-struct AddScans : FileCommand {
+/// Makes a case for every scan and label map: of a folder, for which one file stands too, or of several files.
+struct AddScans {
   static constexpr const char* key = "add scans";
+  std::vector<std::filesystem::path> paths;
+  void spell(Fields& line);
   void run(Editing& editing) const;
 };
 /// Fits the cases that wait to their label maps.
 struct FitWaiting {
   static constexpr const char* key = "fit waiting";
+  int label = 0;            ///< 0: asked for where a map holds several
+  bool all_labels = false;  ///< all labels together, in place of one
+  void spell(Fields& line);
   void run(Editing& editing) const;
 };
 struct CancelWorklist {

@@ -31,7 +31,7 @@ struct CloseTemplateMaking {
 /// Writes it and starts anew with it.
 struct UseMadeTemplate : FileCommand {
   static constexpr const char* key = "use template";
-  static constexpr Logged logged = Logged::never;
+  static constexpr Logged logged = Logged::when_done;  ///< once the file is open
   void run(Editing& editing) const;
 };
 /// Shows a stage of the making.

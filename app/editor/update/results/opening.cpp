@@ -185,7 +185,11 @@ void show_opened(Editing& editing, Opened opened) {
   const Snapshot& now = editing.shown.snapshot();
   if (has_unsaved_edits(now) && now.file.empty())
     return add_notice(state, "The open case could not be written to the disk. Save it before you open another.");
-  editing.log.is_done(command);
+  // A template that was made is logged as what it is: its line writes the file again, and opens it.
+  if (opened.request.template_in_place)
+    editing.log.is_done(UseMadeTemplate{{opened.request.template_source}});
+  else
+    editing.log.is_done(command);
   if (opened.opened_case) {
     start_session(editing, std::move(opened.opened_case->session));
     if (opened.the_template) editing.shown.adopt_template(std::move(opened.the_template));

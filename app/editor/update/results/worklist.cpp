@@ -48,6 +48,15 @@ void take_fitted(EditorState& state, const WorklistDone& done) {
   ++state.models.study_revision;
 }
 
+/// A map holds several labels, and none was chosen: nothing more is fitted until one is.
+void ask_for_label(Editing& editing, const WorklistDone& done) {
+  editing.work.worklist.cancel();
+  if (editing.state.dialog)
+    add_notice(editing.state, done.map + " holds several labels. Choose one with Fit waiting.", false);
+  else
+    editing.state.dialog = LabelDialog{done.map, done.labels};
+}
+
 /// Where the case files of scans go: a folder of the study's own, "NAME-cases" beside it, or where those lie that it
 /// has already.
 fs::path case_folder(const ModelsState& models) {
@@ -73,20 +82,22 @@ void tell_end(EditorState& state) {
 
 }  // namespace
 
-void add_scans(Editing& editing, const fs::path& folder) {
+void add_scans(Editing& editing, const std::vector<fs::path>& paths) {
+  if (paths.empty()) return;
   ModelsState& models = editing.state.models;
   const auto& the_template = editing.shown.loaded_template();
   if (!the_template)
     return add_notice(editing.state, "Load the template first (Tab, then Template); every scan starts from it.");
   if (models.study_file.empty()) models.study_file = new_study_file();
   std::error_code ignored;
-  const fs::path scans = fs::is_directory(folder, ignored) ? folder : folder.parent_path();
   CaseStart start{case_folder(models), the_template, editing.shown.template_is_mirrored(), {}};
   for (const StudyCase& one : models.study.cases) start.known.push_back(one.file);
-  editing.work.worklist.add_folder(scans, std::move(start));
+  if (paths.size() > 1) return editing.work.worklist.add(paths, std::move(start));
+  const fs::path& one = paths.front();
+  editing.work.worklist.add({fs::is_directory(one, ignored) ? one : one.parent_path()}, std::move(start));
 }
 
-void fit_waiting(Editing& editing) {
+void fit_waiting(Editing& editing, int label, bool all_labels) {
   const ModelsState& models = editing.state.models;
   std::vector<StudyCase> waiting;
   for (const StudyCase& one : models.study.cases) {
@@ -97,7 +108,14 @@ void fit_waiting(Editing& editing) {
       waiting.push_back(one);
   }
   if (waiting.empty()) return add_notice(editing.state, "No case with a label map waits for a fit.", false);
-  editing.work.worklist.fit(waiting, editing.state.fit_settings);
+  FitSettings settings = editing.state.fit_settings;
+  settings.label = label;
+  settings.all_labels = all_labels;
+  if (all_labels)
+    add_notice(editing.state, "All labels of each map are fitted together.", false);
+  else if (label != 0)
+    add_notice(editing.state, "Label " + std::to_string(label) + " is fitted where a map holds several.", false);
+  editing.work.worklist.fit(waiting, settings);
 }
 
 void cancel_worklist(Editing& editing) {
@@ -117,6 +135,10 @@ bool take_worklist(Editing& editing) {
       continue;
     }
     for (const std::string& warning : (*done)->warnings) add_notice(state, warning, false);
+    if (!(*done)->map.empty()) {
+      ask_for_label(editing, **done);
+      break;
+    }
     fitted = fitted || !(*done)->fitted.empty();
     if ((*done)->fitted.empty())
       take_added(state, std::move((*done)->added));

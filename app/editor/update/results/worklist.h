@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "app/editor/update/editing.h"
 
@@ -9,10 +10,12 @@ namespace homolog {
 
 // The study as a worklist: scans become cases, those that wait are fitted, and what a person spends on each is counted.
 
-/// Makes cases for the scans of a folder, with the study's template, else that of the case on the screen.
-void add_scans(Editing& editing, const std::filesystem::path& folder);
-/// Fits every case that waits to its label map.
-void fit_waiting(Editing& editing);
+/// Makes cases for scans, with the study's template, else that of the case on the screen. One path stands for its
+/// folder, several stand for themselves.
+void add_scans(Editing& editing, const std::vector<std::filesystem::path>& paths);
+/// Fits every case that waits to its label map: to that label, or to all together. Without one it is asked for as soon
+/// as a map holds several.
+void fit_waiting(Editing& editing, int label, bool all_labels);
 void cancel_worklist(Editing& editing);
 /// Takes in what the worklist did; true where there is something new to draw.
 bool take_worklist(Editing& editing);

@@ -16,6 +16,7 @@ field() { sed 's/^ *$/./; s/^/ /' "$1"; }
   printf '\nFiles: fonts\nCopyright: The Inter Project Authors, The Fork Awesome authors\nLicense: OFL-1.1\n'
   printf 'Comment: Inter and Fork Awesome are compiled into the program.\n\nLicense: OFL-1.1\n'
   field "$source/assets/licences/Inter-OFL.txt"
+  printf '\nFiles: assets/sample/*\nCopyright: Sunnybrook Health Sciences Centre\nLicense: CC0-1.0\nComment: the text is in /usr/share/common-licenses/CC0-1.0.\n'
   awk -F '\t' '!/^#/ && $5 == "inside" && $3 !~ /^OFL/ { printf "\nFiles: compiled-in/%s\nCopyright: the authors of %s\nLicense: %s\nComment: headers or a static library of the Debian package %s, where its text is.\n", $4, $2, $3, $4 }' \
     "$source/packaging/libraries.tsv"
 } > "$out/copyright"

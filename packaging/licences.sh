@@ -28,6 +28,7 @@ replace "$out/built_with.txt"
   printf '\nInside the program or the picture module:\n\n'
   { rows inside | sed 's/inside$/compiled in/'; rows "linked pictures" | sed 's/linked$/library/; s/pictures$/library, not in the portable archive/'; } |
     awk -F '\t' '{ printf "  %-18s %-24s %s\n", $2, $3, $5 }'
+  printf '  %-18s %-24s %s\n' 'Sunnybrook heart' CC0-1.0 'compiled in (homolog sample)'
   printf '\nThe licences of libraries lie in /usr/share/doc/PACKAGE/copyright, those of the portable archive in its folder licences.\n'
   for font in "$source"/assets/licences/*; do
     printf '\n======== %s\n\n' "$(basename "$font" .txt)"

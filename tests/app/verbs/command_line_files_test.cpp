@@ -329,3 +329,16 @@ TEST_CASE("the picture module is loaded from the folder of the program alone") {
   fs::rename(folder.path / module, bin / module);
   CHECK(run(folder, read).status == 0);
 }
+
+TEST_CASE("the sample is a heart with its label map and its licence") {
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, "sample -o s").status == 0);
+  const Json image = run(folder, "info s/heart.nii.gz --json").json(),
+             labels = run(folder, "info s/heart-labels.nii.gz --json").json();
+  CHECK(image["dims"] == Json({128, 128, 12}));
+  for (const char* key : {"dims", "spacing_mm", "origin_mm", "direction"}) CHECK(image[key] == labels[key]);
+  CHECK(labels["range"] == Json({0.0, 2.0}));
+  CHECK(read_whole_file(folder.path / "s/heart-licence.txt").value().find("CC0") != std::string::npos);
+  const Ran fit = run(folder, "fit built-in:ventricle --mask s/heart-labels.nii.gz --label 1 -o v.ply --json");
+  CHECK(fit.json()["dice"] > 0.98);
+}

@@ -8,7 +8,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 . scripts/packages.sh
 . scripts/count_tests.sh
-install_missing $build_packages git xvfb xdotool imagemagick clang-format || exit 1
+install_missing $build_packages git xvfb xdotool imagemagick clang-format python3-jsonschema || exit 1
 
 passed=0 failed=0 skipped=0
 # step NAME COMMAND…: one check that passes or fails as a whole.

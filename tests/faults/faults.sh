@@ -1,8 +1,8 @@
 #!/bin/bash
-# Every verb that writes, on a disk that fails: faults.sh PROGRAM FAILING_DISK MOST [all]. For each verb the disk fails at up to
+# Every verb that writes, on a disk that fails: faults.sh PROGRAM FAILING_DISK MOST [all|sample]. For each verb the disk fails at up to
 # MOST of the calls by which it changes files, spread evenly, with each of three errors in turn. Afterwards every file is what
 # it was or what the whole run makes of it, nothing else is left, and the program has said one line with status 1, or done
-# its work with status 0. `all`: also the verbs that take seconds. Closes with the number of faults. Status 77: skipped.
+# its work with status 0. `all`: also the verbs that take seconds; `sample`: only a few. Closes with the number of faults.
 set -u
 program=$1 library=$2 most=$3 which=${4:-quick}
 export LC_ALL=C
@@ -19,7 +19,14 @@ ln kidney-1-truth.ply a.ply; ln kidney-2-truth.ply b.ply; ln kidney-3-truth.ply 
 ln kidney-1-image.nii.gz image.nii.gz; ln kidney-1-labels.nii.gz mask.nii.gz
 "$program" study user built-in:kidney --mask mask.nii.gz --pulls 2 -o case.homolog > /dev/null || stop "no case"
 "$program" model a.ply b.ply c.ply -o m.h5 > /dev/null || stop "no model"
-printf '{"homolog_study":1,"cases":[{"case":"case.homolog"}]}\n' > s.study.json
+printf '%s\n' '{"homolog":1,"volume":"image.nii.gz","template":"a.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[0,0,0]}}' \
+  '{"tool":"pull","at":[-21,20,-9],"to":[-20,19,-9],"sigma_mm":10}' > imaged.homolog
+printf '{"homolog_study":1,"cases":[{"file":"a.ply"},{"file":"b.ply"},{"file":"c.ply"}]}\n' > s.study.json
+
+if [ "$which" = all ]; then
+  "$program" phantom ventricle --subject 1 -o . > /dev/null || stop "no cine"
+  mv ventricle-1-image.nii.gz cine.nii.gz; mv ventricle-1-truth-00.ply ventricle.ply; rm ventricle-1-*
+fi
 
 # A verb, and what it is given. Verbs that take seconds stand behind "slow".
 quick=(
@@ -29,18 +36,18 @@ quick=(
   "replay|case.homolog -o old.ply" "measure|a.ply b.ply --csv old.csv" "landmarks|a.ply b.ply --vertices -o old.tps"
   "observers|a.ply b.ply --csv old.csv" "model|a.ply b.ply c.ply -o old.h5" "model|a.ply b.ply c.ply -o old.h5.json --csv tables --aligned aligned"
   "evaluate|a.ply b.ply c.ply --samples 2 --csv old.csv" "phantom|kidney --subject 1 -o phantom" "fit|built-in:kidney --mask mask.nii.gz -o old.ply"
-  "snap|a.ply --image image.nii.gz -o old.ply" "snap|case.homolog -o old.ply" "refine|case.homolog -o old.ply"
+  "snap|a.ply --image image.nii.gz -o old.ply" "snap|imaged.homolog -o old.ply" "refine|case.homolog -o old.ply" "sample|-o sample"
 )
 slow=(
   "template|mask.nii.gz -o old.ply --vertices 300" "study user|built-in:kidney --mask mask.nii.gz --pulls 2 -o old.homolog"
   "fit|built-in:kidney --mask kidney-1-labels.nii.gz kidney-2-labels.nii.gz -o fitted"
   "demo|--headless -o demo" "picture correspondence|a.ply b.ply -o old.png" "picture modes|m.h5 -o old.png"
   "picture case|case.homolog -o old.png" "picture window|case.homolog -o old.png" "picture study|s.study.json -o old.png"
-  "propagate|a.ply --image image.nii.gz --frame 0 -o cine" "study schemes|built-in:kidney --mask mask.nii.gz --schemes anchored --pulls 2 -o tables"
-  "study bias|a.ply b.ply c.ply -o old.json" "study experts|a.ply b.ply -o tables" "model|a.ply b.ply c.ply --optimise -o old.h5.json"
+  "propagate|ventricle.ply --image cine.nii.gz --frame 0 -o cine" "study schemes|built-in:kidney --mask mask.nii.gz --schemes anchored --pulls 2 -o tables"
+  "model|a.ply b.ply c.ply --optimise -o old.h5.json"
 )
 # What cannot work on these inputs, or writes nothing: said here, so that a new verb is not forgotten.
-elsewhere=" info compare bench edit study experts "
+elsewhere=(info compare bench edit "study bias" "study experts")
 
 # Every verb of --help is in one of the lists.
 leaves() {
@@ -51,10 +58,11 @@ leaves() {
   done
 }
 while read -r verb; do
-  printf '%s\n' "${quick[@]}" "${slow[@]}" | grep -q "^$verb|" || [[ $elsewhere == *" $verb "* ]] || stop "the verb '$verb' is in no list of faults.sh"
+  printf '%s\n' "${quick[@]}" "${slow[@]}" | grep -q "^$verb|" || printf '%s\n' "${elsewhere[@]}" | grep -qx "$verb" || stop "the verb '$verb' is in no list of faults.sh"
 done < <(leaves)
 
 jobs=("${quick[@]}")
+[ "$which" = sample ] && jobs=("${quick[0]}" "${quick[5]}" "${quick[10]}" "${quick[12]}" "${quick[14]}" "${quick[15]}" "${quick[17]}" "${quick[20]}")
 [ "$which" = all ] && jobs+=("${slow[@]}")
 errors=(28 5 13)  # ENOSPC, EIO, EACCES
 tried=0 bad=0 turn=0
@@ -97,7 +105,9 @@ for job in "${jobs[@]}"; do
     done < <(find "$work/now" -type f -print0)
     (cd "$work/before" && find . -type f) | while IFS= read -r file; do [ -e "$work/now/$file" ] || echo "$file"; done > "$work/gone"
     [ ! -s "$work/gone" ] || say "$(cat "$work/gone") is gone"
-    [ $status = 1 ] || diff -rq "$work/now" "$work/whole" > "$work/diff" || say "says nothing, but $(head -n 1 "$work/diff")"
+    # A batch goes on without the case that failed, and warns.
+    [ $status = 1 ] || diff -rq "$work/now" "$work/whole" > "$work/diff" || grep -q '^homolog: warning: .*written' "$work/err" ||
+      say "says nothing, but $(head -n 1 "$work/diff")"
   done
   rm -rf "$work/before" "$work/whole"
 done

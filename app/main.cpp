@@ -23,6 +23,13 @@
 #include "core/base/parallel.h"
 #include "core/base/text.h"
 
+extern "C" {
+extern const unsigned char built_with_text[];
+extern const std::size_t built_with_text_size;
+extern const unsigned char licences_text[];
+extern const std::size_t licences_text_size;
+}
+
 namespace homolog {
 
 namespace {
@@ -168,12 +175,23 @@ bool limit_threads(const CLI::Option* jobs) {
   return false;
 }
 
+/// A text that was made when the program was built (packaging/licences.sh), without its last line break.
+std::string embedded(const unsigned char* bytes, std::size_t size) {
+  return {reinterpret_cast<const char*>(bytes), size - 1};
+}
+
 int run_main(int argc, char** argv) {
   CLI::App app(
       "Homolog: segment organs and put their meshes in correspondence in one stroke.\nWithout a verb it is the editor. "
       "With a verb it works without a display.",
       "homolog");
-  app.set_version_flag("--version", std::string("homolog ") + version);
+  app.set_version_flag("--version",
+                       std::string("homolog ") + version + "\n" + embedded(built_with_text, built_with_text_size),
+                       "Print the version and what the program was built with");
+  app.add_flag_callback(
+         "--licences", [] { throw CLI::CallForVersion(embedded(licences_text, licences_text_size), succeeded); },
+         "Print the licences of the program and of what is inside it")
+      ->configurable(false);
   app.require_subcommand(0, 1);
   app.fallthrough(false);
   CommandLine asked;

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # The one test command, from a bare Debian 12 on: builds the release, then runs the unit tests, the command-line contract, the
 # pictures and the real window, and checks the formatting. With --sanitizers also core and the editor's state under
-# AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer, which takes several times as long.
+# AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer, which takes several times as long, and fuzzes the readers.
 # Closes with "N passed, N failed, N skipped". Tests on real data are skipped where there is none (HOMOLOG_DATA, else
 # ../shared/data); any other test that is skipped counts as failed, since its packages are installed here.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 . scripts/packages.sh
 . scripts/count_tests.sh
-install_missing $build_packages git xvfb xdotool imagemagick clang-format || exit 1
+install_missing $build_packages git xvfb xdotool imagemagick clang-format python3-jsonschema || exit 1
 
 passed=0 failed=0 skipped=0
 # step NAME COMMAND…: one check that passes or fails as a whole.
@@ -34,6 +34,7 @@ step "formatting" bash -c 'git ls-files "*.cpp" "*.h" | xargs -r clang-format --
 if [ "${1:-}" = --sanitizers ]; then
   step "sanitized build (address, undefined)" build debug && suite debug
   step "sanitized build (thread)" build tsan && suite tsan
+  step "readers, fuzzed for five seconds each" scripts/fuzz.sh --seconds 5
 fi
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" = 0 ]

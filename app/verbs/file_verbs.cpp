@@ -35,6 +35,20 @@ VolumeReadOptions read_options(const std::string& series, const std::vector<doub
   return options;
 }
 
+/// A mesh has neither series nor spacing, and only a folder holds several series. What a volume's own header says is
+/// not overruled: that is a warning.
+Result<std::vector<std::string>> check_effect(const fs::path& path, const std::string& series, bool spacing) {
+  std::error_code ignored;
+  const bool mesh = is_mesh_name(path);
+  if (mesh && spacing) return fail(path.string(), "is a mesh, on which --spacing has no effect; leave it out");
+  if (!series.empty() && (mesh || (fs::exists(path, ignored) && !fs::is_directory(path, ignored))))
+    return fail(path.string(), "is no folder of DICOM images, so --series has no effect; leave it out");
+  std::vector<std::string> warnings;
+  if (spacing && !is_picture_stack(path))
+    warnings.push_back(path.string() + ": has a spacing of its own, so --spacing has no effect");
+  return warnings;
+}
+
 /// The 0.5 isosurface of a label of a label map, or of several together, as it is; without any: of the only one.
 Result<Mesh> read_labelled_surface(const fs::path& path, const std::vector<int>& labels, Progress& progress) {
   const auto mask = read_mask(path, labels, 0, progress);
@@ -73,7 +87,10 @@ void add_info(CLI::App& app, CommandLine& asked) {
   auto* mask = verb->add_option("--mask", options->mask, "A label map: also measure the mesh's distance to it");
   add_label_option(*verb, options->labels, "Which label of the mask; 1,2: both together")->needs(mask);
   const auto info = [options](Progress& progress) -> Result<Report> {
+    const auto warnings = check_effect(options->file, options->series, !options->spacing_mm.empty());
+    if (!warnings) return fail(warnings.error());
     auto report = describe_file(options->file, read_options(options->series, options->spacing_mm, progress));
+    if (report) report->warnings.insert(report->warnings.end(), warnings->begin(), warnings->end());
     if (!report || options->mask.empty()) return report;
     const auto mesh = read_mesh(options->file);
     if (!mesh) return fail(mesh.error());
@@ -104,13 +121,16 @@ void add_convert(CLI::App& app, CommandLine& asked) {
                   "is not of the same kind as " + options->in.string() +
                       "; use label-map to make a volume of a mesh, and template to make a mesh of a volume");
     }
+    auto warnings = check_effect(options->in, options->series, !options->spacing_mm.empty());
+    if (!warnings) return fail(warnings.error());
     if (is_mesh_name(options->in)) {
       return describe_and_write(options->in, options->out, [](MeshFile mesh) { return mesh; });
     }
     auto read = read_volume(options->in, read_options(options->series, options->spacing_mm, progress));
     if (!read) return fail(read.error());
     if (auto written = write_volume(read->volume, options->out, &progress); !written) return fail(written.error());
-    return Report{describe(read->volume), read->warnings};
+    warnings->insert(warnings->begin(), read->warnings.begin(), read->warnings.end());
+    return Report{describe(read->volume), std::move(*warnings)};
   };
   verb->callback([convert, &asked] { asked.run = convert; });
 }

@@ -80,6 +80,8 @@ void check(const SnapVerb& verb) {
   if (!verb.of_case() && verb.out.empty()) throw CLI::RequiredError("--output");
   if (verb.of_case() && !verb.image.empty())
     throw CLI::ValidationError("--image", "is for a mesh; a case has its own image");
+  if (verb.of_case() && verb.snap.frame != 0)
+    throw CLI::ValidationError("--frame", "is for a mesh; a case is snapped in the frame that it shows");
 }
 
 }  // namespace
@@ -92,11 +94,12 @@ void add_snap(CLI::App& app, CommandLine& asked) {
       ->required();
   verb->add_option("--image", options->image, "The image; only with a mesh, since a case has its own");
   verb->add_option("-o,--output", options->out, "The mesh to write");
-  verb->add_option("--at", options->at, "x,y,z in mm: only the part of the mesh around this point")
-      ->delimiter(',')
-      ->expected(3);
+  auto* at = verb->add_option("--at", options->at, "x,y,z in mm: only the part of the mesh around this point")
+                 ->delimiter(',')
+                 ->expected(3);
   verb->add_option("--sigma-mm", options->sigma_mm, "How wide that part is (mm)")
       ->check(CLI::Range(0.5, 200.0))
+      ->needs(at)
       ->capture_default_str();
   add_snap_arguments(*verb, options->snap);
   verb->callback([options, &asked] {

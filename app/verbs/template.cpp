@@ -204,6 +204,8 @@ Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
 Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
   if (!options.consensus.empty()) return from_consensus(options, progress);
   if (is_mesh_name(options.in)) {
+    if (!options.labels.empty() || options.frame != 0)
+      return fail(options.in.string(), "is a mesh, on which --label and --frame have no effect; leave them out");
     if (options.tube)
       return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
     return from_mesh(options, progress);

@@ -10,23 +10,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// From the program's own folder and no other, since what is loaded is run.
 Result<const PictureModule*> load_module() {
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path folder = program.parent_path();
+  const fs::path file = fs::read_symlink("/proc/self/exe", error).parent_path() / HOMOLOG_PICTURES;
   std::string reason = "not found";
-  // Beside the program; the tests lie one folder below it.
-  for (const fs::path& candidate : {folder / HOMOLOG_PICTURES, folder.parent_path() / HOMOLOG_PICTURES}) {
-    if (!fs::exists(candidate, error)) continue;
-    if (void* library = ::dlopen(candidate.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+  if (fs::exists(file, error)) {
+    if (void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
       if (void* entry = ::dlsym(library, picture_module_entry)) return reinterpret_cast<PictureModuleEntry>(entry)();
     }
     if (const char* text = ::dlerror()) reason = text;
   }
-  return fail((folder / HOMOLOG_PICTURES).string(),
-              "cannot be loaded (" + reason +
-                  "), so pictures can be neither read nor written; build or install "
-                  "the program again");
+  return fail(file.string(), "cannot be loaded (" + reason +
+                                 "), so pictures can be neither read nor written; build or install the program again");
 }
 
 }  // namespace

@@ -1,14 +1,15 @@
 #include "core/base/picture_module.h"
 
+#ifdef HOMOLOG_OPENIMAGEIO
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#endif
 
 #include "core/base/picture_readers.h"
 #include "core/base/text.h"
 
 namespace homolog {
 namespace fs = std::filesystem;
-namespace oiio = OIIO;
 
 namespace {
 
@@ -21,19 +22,32 @@ Result<Picture> read(const fs::path& path) {
   return read_png(path);
 }
 
+tl::unexpected<Error> no_kind_of_picture(const fs::path& path) {
+  return fail(path.string(), "is no kind of picture that can be written; end its name in .png");
+}
+
+#ifdef HOMOLOG_OPENIMAGEIO
 /// In memory, since OpenImageIO does not tell of a full disk.
-Result<std::vector<unsigned char>> encode(const Picture& picture, const fs::path& path) {
-  const auto output = oiio::ImageOutput::create(path.string());
-  if (!output || output->supports("ioproxy") == 0)
-    return fail(path.string(), "is no kind of picture that can be written; end its name in .png");
+Result<std::vector<unsigned char>> encode_other(const Picture& picture, const fs::path& path) {
+  const auto output = OIIO::ImageOutput::create(path.string());
+  if (!output || output->supports("ioproxy") == 0) return no_kind_of_picture(path);
   std::vector<unsigned char> bytes;
-  oiio::Filesystem::IOVecOutput file(bytes);
-  oiio::ImageSpec spec(picture.width, picture.height, 4, oiio::TypeUInt8);
+  OIIO::Filesystem::IOVecOutput file(bytes);
+  OIIO::ImageSpec spec(picture.width, picture.height, 4, OIIO::TypeUInt8);
   spec.attribute("oiio:UnassociatedAlpha", 1);
   if (!output->set_ioproxy(&file) || !output->open(path.string(), spec) ||
-      !output->write_image(oiio::TypeUInt8, picture.rgba.data()) || !output->close())
+      !output->write_image(OIIO::TypeUInt8, picture.rgba.data()) || !output->close())
     return fail(path.string(), "cannot be written (" + output->geterror() + "); end its name in .png");
   return bytes;
+}
+#else
+Result<std::vector<unsigned char>> encode_other(const Picture&, const fs::path& path) {
+  return no_kind_of_picture(path);
+}
+#endif
+
+Result<std::vector<unsigned char>> encode(const Picture& picture, const fs::path& path) {
+  return is_png_name(path) ? encode_png(picture, path) : encode_other(picture, path);
 }
 
 Result<PicturePages> pages(const fs::path& path) {

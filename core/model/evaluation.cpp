@@ -71,6 +71,9 @@ Result<Evaluation> evaluate_model(const PrincipalComponents& components,
                                   const std::shared_ptr<const Topology>& topology, const EvaluationOptions& options,
                                   Progress* progress) {
   const auto& [modes, samples, seed] = options;
+  const Eigen::Index most = components.shapes() - 2;
+  if (most < 1 || std::any_of(modes.begin(), modes.end(), [most](int m) { return m < 1 || m > most; }))
+    return fail("", "measures need three shapes that differ, and one more for each further mode; add shapes");
   Evaluation evaluation;
   evaluation.shapes = components.shapes();
   evaluation.vertices = components.vertices();

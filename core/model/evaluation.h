@@ -32,7 +32,8 @@ struct Evaluation {
   const Measures* find_shapeworks(const std::string& name) const;
 };
 
-/// All measures; the surface distance where there is a topology. Needs at least three shapes. Errors: cancelled.
+/// All measures; the surface distance where there is a topology. Errors: fewer than three shapes,
+/// no mode or one that is not 1…M−2; cancelled.
 Result<Evaluation> evaluate_model(const PrincipalComponents& components,
                                   const std::shared_ptr<const Topology>& topology, const EvaluationOptions& options,
                                   Progress* progress = nullptr);

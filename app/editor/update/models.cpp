@@ -149,6 +149,7 @@ void Models::open_phantom_study(Organ organ) {
 
 void Models::start_evaluation(const ModelsState& models) {
   if (!models.model) return;
+  if (models.model->components->shapes() < 3 || models.model->model.modes() < 1) return;  // there is nothing to measure
   evaluator_.start("The measures", [model = models.model](Progress& progress) -> Result<Evaluated> {
     const auto most = static_cast<int>(model->components->shapes()) - 2;
     const EvaluationOptions options{{std::min(most, static_cast<int>(model->model.modes()))}};

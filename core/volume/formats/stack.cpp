@@ -192,11 +192,12 @@ Result<VolumeRead> read_stack(const fs::path& path, const VolumeReadOptions& opt
   reserve_voxels(stored, geometry->voxels());
   std::int64_t slice = 0;
   Progress* const progress = options.progress;
+  const std::size_t page_voxels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const PageRoom room = [&]() -> Result<std::span<std::byte>> {
     if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
     if (progress) progress->report(static_cast<double>(slice) / static_cast<double>(slices));
     ++slice;
-    return add_voxels(stored, static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    return add_voxels(stored, page_voxels);
   };
   for (const fs::path& file : stack->files)
     if (const auto read = (*module)->read_pages(file, stack->pages, room); !read) return fail(read.error());

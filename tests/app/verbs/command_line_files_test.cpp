@@ -14,6 +14,7 @@
 #include "tests/command_line.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
+#include "tests/tiff_bytes.h"
 
 using namespace homolog;
 
@@ -296,4 +297,48 @@ TEST_CASE("real files that mean harm are refused or read rightly in little time 
     ++files;
   }
   CHECK(files > 15);
+}
+
+TEST_CASE("an option that has no effect on its input is said") {
+  const TemporaryFolder folder;
+  put_inputs(folder.path);
+  check_refused(run(folder, "info ball-1.ply --spacing 1,1,1"), "--spacing has no effect");
+  check_refused(run(folder, "convert ball-1.ply out.ply --spacing 1,1,1"), "--spacing has no effect");
+  check_refused(run(folder, "convert noise.nii out.nii --series 1.2"), "--series has no effect");
+  check_refused(run(folder, "template ball-1.ply -o out.ply --label 2"), "--label and --frame have no effect");
+  CHECK(run(folder, "snap ball-1.ply --image noise.nii -o out.ply --sigma-mm 3").status == 2);
+  CHECK(run(folder, "snap ball.homolog --frame 1").status == 2);
+  CHECK(!fs::exists(folder.path / "out.ply"));
+  const Ran own = run(folder, "convert noise.nii out.nii --spacing 1,1,1");
+  CHECK(own.status == 0);
+  CHECK(own.errors.find("warning: noise.nii: has a spacing of its own") != std::string::npos);
+}
+
+TEST_CASE("the picture module is loaded from the folder of the program alone") {
+  const TemporaryFolder folder;
+  const fs::path built = fs::path(HOMOLOG_PROGRAM).parent_path(), bin = folder.path / "bin";
+  constexpr const char* module = "homolog_pictures.so";
+  fs::create_directory(bin);
+  fs::copy_file(HOMOLOG_PROGRAM, bin / "homolog");
+  fs::copy_file(built / module, folder.path / module);
+  TiffBytes slice;
+  slice.pages = {{std::string(8, 'a')}};
+  write_bytes(folder.path / "slice.tif", slice.bytes());
+  const std::string read = "--version >/dev/null && bin/homolog info slice.tif --spacing 1,1,1";
+  check_refused(run(folder, read), "cannot be loaded (not found)");
+  fs::rename(folder.path / module, bin / module);
+  CHECK(run(folder, read).status == 0);
+}
+
+TEST_CASE("the sample is a heart with its label map and its licence") {
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, "sample -o s").status == 0);
+  const Json image = run(folder, "info s/heart.nii.gz --json").json(),
+             labels = run(folder, "info s/heart-labels.nii.gz --json").json();
+  CHECK(image["dims"] == Json({128, 128, 12}));
+  for (const char* key : {"dims", "spacing_mm", "origin_mm", "direction"}) CHECK(image[key] == labels[key]);
+  CHECK(labels["range"] == Json({0.0, 2.0}));
+  CHECK(read_whole_file(folder.path / "s/heart-licence.txt").value().find("CC0") != std::string::npos);
+  const Ran fit = run(folder, "fit built-in:ventricle --mask s/heart-labels.nii.gz --label 1 -o v.ply --json");
+  CHECK(fit.json()["dice"] > 0.98);
 }

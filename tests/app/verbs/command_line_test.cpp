@@ -303,6 +303,9 @@ TEST_CASE("pictures are made on any ground with captions or without") {
   check_grounds(folder, "picture window a.homolog --only 3d");
   check_grounds(folder, "picture study a.study.json --only gallery");
   check_grounds(folder, "picture study a.study.json --only modes");
+  study.cases.pop_back();
+  REQUIRE(write_study(study, folder.path / "two.study.json"));
+  CHECK(run(folder, "picture study two.study.json -o two.png").status == 0);
   CHECK(run(folder, "picture window a.homolog -o x.png --ground light").status == 2);
   CHECK(run(folder, "picture window a.homolog -o x.png --only upside").status == 2);
   CHECK(run(folder, "picture modes m.h5 -o x.png --ground light --transparent").status == 2);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/measure/compare.h"
+#include "core/model/evaluation.h"
 #include "core/model/leave_one_out.h"
 #include "core/model/measures.h"
 #include "tests/shapes.h"
@@ -299,6 +300,14 @@ TEST_CASE("the surface measure is the distance between the rebuilt surface and t
   }
   check_equal(measure, measured(direct));
   CHECK(measure.mean <= generalisation_mean(components, {2}).value()[0].mean);
+}
+
+TEST_CASE("measures of two shapes and of more modes than there are measures for are refused") {
+  CHECK(!evaluate_model(principal_components(random_shapes(25, 2)), nullptr, {{0}}));
+  const PrincipalComponents components = principal_components(random_shapes(25, 5));
+  CHECK(!evaluate_model(components, nullptr, {{4}}));
+  CHECK(!evaluate_model(components, nullptr, {{-1}}));
+  CHECK(evaluate_model(components, nullptr, {{3}}));
 }
 
 TEST_CASE("a stopped measure says so") {

@@ -1,0 +1,119 @@
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "core/base/files.h"
+#include "core/base/json.h"
+#include "core/base/picture_readers.h"
+#include "core/mesh/landmark_io.h"
+#include "core/mesh/mesh_io.h"
+#include "core/model/hdf_tree.h"
+#include "core/volume/volume_io.h"
+
+// Feeds made-up files to one reader, by libFuzzer. The reader is chosen by the program's own name: fuzz_nii reads
+// NIfTI. Whatever a file holds, a reader may refuse it or read it, and no more: no crash, no sanitizer's report, not
+// much memory.
+using namespace homolog;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What libFuzzer calls the reader by, how its files end, and what reads one.
+struct Reader {
+  std::string_view name;
+  const char* ending;
+  void (*read)(const fs::path&);
+};
+
+void volume(const fs::path& path) {
+  (void)read_volume(path, {{}, Vec3(1, 1, 1), nullptr});
+}
+
+void mesh(const fs::path& path) {
+  if (const auto file = read_mesh_file(path)) (void)sound_mesh(*file);
+}
+
+void landmarks(const fs::path& path) {
+  (void)read_landmarks(path);
+}
+
+/// Pages as volumes take them, in as much room as they say.
+template <auto pages_of, auto read_all>
+void pages(const fs::path& path) {
+  const auto found = pages_of(path);
+  constexpr std::size_t most = std::size_t{1} << 26;
+  if (!found) return;
+  constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  const double wanted = static_cast<double>(found->width) * found->height *
+                        static_cast<double>(sizes[static_cast<std::size_t>(found->values)]);
+  if (wanted > static_cast<double>(most)) return;
+  std::vector<std::byte> room(static_cast<std::size_t>(wanted));
+  (void)read_all(path, *found, [&]() -> Result<std::span<std::byte>> { return std::span(room); });
+}
+
+void png(const fs::path& path) {
+  (void)read_png(path);
+  pages<png_pages, read_png_page>(path);
+}
+
+void tree(const fs::path& path) {
+  (void)read_hdf5_json(
+      path, {{{"/version", "name"}}, {"/model/mean", "/model/pcaBasis", "/representer/cells"}, {"/model/b_"}});
+}
+
+void json(const fs::path& path) {
+  if (const auto text = read_whole_file(path)) (void)read_json<nlohmann::json>(*text);
+}
+
+constexpr Reader readers[] = {{"nii", ".nii", volume},
+                              {"niigz", ".nii.gz", volume},
+                              {"nrrd", ".nrrd", volume},
+                              {"mha", ".mha", volume},
+                              {"dcm", ".dcm", volume},
+                              {"png", ".png", png},
+                              {"tif", ".tif", pages<tiff_pages, read_tiff_pages>},
+                              {"ply", ".ply", mesh},
+                              {"vtk", ".vtk", mesh},
+                              {"vtp", ".vtp", mesh},
+                              {"obj", ".obj", mesh},
+                              {"stl", ".stl", mesh},
+                              {"particles", ".particles", mesh},
+                              {"mrk", ".mrk.json", landmarks},
+                              {"fcsv", ".fcsv", landmarks},
+                              {"h5json", ".h5.json", tree},
+                              {"json", ".json", json}};
+
+const Reader* chosen = nullptr;
+fs::path file;
+
+}  // namespace
+
+extern "C" int LLVMFuzzerInitialize(int*, char*** arguments) {
+  const std::string name = fs::path((*arguments)[0]).filename().string();
+  for (const Reader& reader : readers)
+    if (name == "fuzz_" + std::string(reader.name)) chosen = &reader;
+  if (chosen == nullptr) {
+    std::fprintf(stderr, "fuzz_readers: is called by the name of no reader (fuzz_nii, …); use scripts/fuzz.sh\n");
+    std::exit(2);
+  }
+  const char* const folder = std::getenv("TMPDIR");
+  file = fs::path(folder != nullptr ? folder : "/tmp") / (std::to_string(::getpid()) + chosen->ending);
+  std::atexit([] { ::unlink(file.c_str()); });
+  return 0;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  std::FILE* const out = std::fopen(file.c_str(), "wb");
+  if (out == nullptr) std::abort();
+  std::fwrite(data, 1, size, out);
+  std::fclose(out);
+  chosen->read(file);
+  return 0;
+}

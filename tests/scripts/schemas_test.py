@@ -1,0 +1,129 @@
+#!/usr/bin/python3
+"""What the program writes is what docs/schemas say: schemas_test.py PROGRAM SOURCE_FOLDER. Exit status 77: skipped."""
+
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+try:
+    import jsonschema
+except ImportError:
+    print("SKIPPED: python3-jsonschema is not installed")
+    sys.exit(77)
+
+program, source = sys.argv[1], pathlib.Path(sys.argv[2])
+folder = pathlib.Path(tempfile.mkdtemp())
+faults = []
+
+
+def strict(schema):
+    """The same schema, which also refuses keys that it does not name: what is written must be described."""
+    if isinstance(schema, list):
+        return [strict(part) for part in schema]
+    if not isinstance(schema, dict):
+        return schema
+    made = {key: strict(value) for key, value in schema.items()}
+    if isinstance(schema.get("properties"), dict) and schema.get("type") == "object":
+        made.setdefault("additionalProperties", False)
+    return made
+
+
+schemas = {}
+for name in ("case-line", "study", "template-comment", "reports"):
+    schema = json.loads((source / "docs/schemas" / f"{name}.schema.json").read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    schemas[name] = schema
+
+
+def check(value, name, what, part=None, valid=True):
+    schema = strict(schemas[name])
+    if part is not None:
+        if part not in schema["$defs"]:
+            return faults.append(f"{part} has no schema")
+        schema = {"$defs": schema["$defs"], "$ref": f"#/$defs/{part}"}
+    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(value))
+    if valid and error is not None:
+        faults.append(f"{what}: {error.message[:300]}")
+    if not valid and error is None:
+        faults.append(f"{what} should be refused")
+
+
+def run(verb, *arguments):
+    """Runs a verb; its report is checked against the schema of its name."""
+    words = [program, *verb.split(), *arguments, "--json"]
+    ran = subprocess.run(words, cwd=folder, capture_output=True, text=True)
+    if ran.returncode == 1 and "OpenGL" in ran.stderr:
+        return
+    if ran.returncode != 0:
+        return faults.append(f"{verb}: {ran.stderr[:300]}")
+    check(json.loads(ran.stdout), "reports", " ".join(words[1:]), verb.replace(" ", "_"))
+
+
+# Every line that the page on case files shows, every kind of line that the sources name, and a case that is written.
+page = (source / "docs/case-file.md").read_text()
+lines = re.findall(r"`(\{\".*?\})`", page) + re.findall(r"^(\{\".*\})$", page, re.M)
+lines = [line for line in lines if "…" not in line]
+if len(lines) < 25:
+    faults.append(f"docs/case-file.md shows {len(lines)} lines only")
+for line in lines:
+    check(json.loads(line), "case-line", f"docs/case-file.md, {line[:100]}")
+kinds = {key for path in (source / "core/case/actions").glob("*.cpp") for key in re.findall(r'\.key = "(\w+)"', path.read_text())}
+known = {key for part in schemas["case-line"]["$defs"].values() for key in part.get("required", [])}
+for key in sorted(kinds - known):
+    faults.append(f"a line of the kind '{key}' has no schema")
+for line in ('{"tool":"pull"}', '{"undo":1}', '{"landmark":{"at":[1,2,3]}}', '{"tool":"pull","at":[1,2],"sigma_mm":3}',
+             '{"placement":{"scale":1}}', '{"something":1}'):
+    check(json.loads(line), "case-line", line, valid=False)
+
+for subject in "12":
+    run("phantom", "kidney", "--subject", subject, "-o", ".")
+image, mask, one, two = "kidney-1-image.nii.gz", "kidney-1-labels.nii.gz", "kidney-1-truth.ply", "kidney-2-truth.ply"
+(folder / "hand.homolog").write_text(json.dumps({"homolog": 1, "volume": image, "template": one}) + "\n")
+run("study user", "built-in:kidney", "--mask", mask, "--pulls", "2", "-o", "case.homolog")
+run("snap", one, "--image", image, "-o", "snapped.ply")
+run("fit", "built-in:kidney", "--mask", mask, "-o", "fitted.ply")
+run("refine", "case.homolog")
+for file in (image, one, "case.homolog", "kidney-1-landmarks.mrk.json"):
+    run("info", file)
+run("sample", "-o", "sample")
+run("replay", "case.homolog", "-o", "replayed.ply")
+run("compare", one, "--mesh", two)
+run("measure", one, two)
+run("landmarks", one, two, "-o", "all.tps")
+run("observers", one, one)
+run("label-map", one, "--like", image, "-o", "map.nii.gz")
+run("mirror", one, "-o", "mirrored.ply")
+run("convert", image, "out.nrrd")
+run("convert", one, "out.vtp")
+run("repair-mesh", one, "-o", "out.obj")
+run("template", one, "-o", "template.ply", "--vertices", "500")
+run("model", one, two, "fitted.ply", "-o", "model.h5")
+run("info", "model.h5")
+run("evaluate", one, two, "fitted.ply", "--samples", "2")
+run("picture correspondence", one, two, "-o", "both.png", "--size", "200x200")
+for line in (folder / "case.homolog").read_text().splitlines():
+    check(json.loads(line), "case-line", f"a case that was written, {line[:100]}")
+
+# Comments of templates, and studies.
+for file in (one, "template.ply"):
+    head = (folder / file).read_bytes().split(b"end_header")[0].decode()
+    comments = re.findall(r"^comment homolog\.(\w+) (.*)$", head, re.M)
+    if not comments:
+        faults.append(f"{file} has no comments")
+    for key, text in comments:
+        check({key: text if key == "units" else json.loads(text)}, "template-comment", f"{file}: {key}")
+check({"region": {"name": "hilum"}}, "template-comment", "a region without a factor", valid=False)
+made = subprocess.run([program, "phantom", "ventricle", "--subject", "1", "-o", "."], cwd=folder, capture_output=True, text=True)
+run("propagate", "ventricle-1-truth-00.ply", "--image", "ventricle-1-image.nii.gz", "--frame", "0", "-o", "cine")
+for file in folder.glob("cine/*.study.json"):
+    check(json.loads(file.read_text()), "study", file.name)
+check({"cases": []}, "study", "a study without its stamp", valid=False)
+check({"homolog_study": 1, "cases": [{"file": "a", "state": "maybe"}]}, "study", "a case of no known state", valid=False)
+
+subprocess.run(["rm", "-rf", str(folder)])
+for fault in faults:
+    print("schemas_test:", fault)
+sys.exit(1 if faults else 0)

@@ -217,6 +217,32 @@ std::vector<Json> landmark_rows(const std::vector<ExpertRun>& runs, const std::m
   return rows;
 }
 
+/// Errors: one subject alone, a name to show that nobody has.
+Result<void> check_subjects(const ExpertsJob& options, const std::vector<BiasSubject>& subjects) {
+  if (subjects.size() < 2) return fail(subjects.front().name, "is one subject alone; give at least two");
+  for (const std::string& name : options.shown)
+    if (std::none_of(subjects.begin(), subjects.end(), [&](const BiasSubject& subject) {
+          return std::any_of(subject.landmarks.begin(), subject.landmarks.end(),
+                             [&](const Landmark& landmark) { return landmark.name == name; });
+        }))
+      return fail(options.subjects.landmarks.string(),
+                  "has no landmark \"" + name + "\" to show; name one as the files do");
+  return {};
+}
+
+/// The fit that lies farthest off; null where none was measured.
+Json described_worst(const std::vector<ExpertRun>& runs) {
+  const ExpertRun* worst = nullptr;
+  for (const ExpertRun& run : runs)
+    if (run.method == ExpertMethod::fit && !run.errors_mm.empty() && (worst == nullptr || run.mean_mm > worst->mean_mm))
+      worst = &run;
+  if (worst == nullptr) return nullptr;
+  return {{"template", worst->of_template},
+          {"subject", worst->subject},
+          {"mean_mm", worst->mean_mm},
+          {"mesh", worst->mesh.string()}};
+}
+
 Result<Report> study_experts(const ExpertsJob& options, Progress& progress) {
   const auto raters = raters_of(options.raters);
   if (!raters) return fail(raters.error());
@@ -227,6 +253,7 @@ Result<Report> study_experts(const ExpertsJob& options, Progress& progress) {
   auto read = read_subjects(options.subjects, progress);
   if (!read) return fail(read.error());
   const auto& subjects = read->subjects;
+  if (auto usable = check_subjects(options, subjects); !usable) return fail(usable.error());
   std::vector<ExpertMethod> methods{ExpertMethod::fit};
   if (!options.shown.empty()) methods.push_back(ExpertMethod::fit_shown);
   methods.insert(methods.end(), {ExpertMethod::closest_points, ExpertMethod::point_drift});
@@ -263,21 +290,15 @@ Result<Report> study_experts(const ExpertsJob& options, Progress& progress) {
   for (const auto& the_template : templates)
     for (const ExpertMethod method : methods)
       if (const auto own = runs_of(runs, the_template->source, method); !own.empty()) rows.push_back(row_of_runs(own));
-  if (rows.empty())
+  if (rows.empty()) {
+    for (const auto& result : results)
+      if (!result) return fail(result.error());
     return fail(options.subjects.files.front().string(), "and the others share no landmarks to measure");
+  }
   const auto landmarks = landmark_rows(runs, *raters, methods);
-  const ExpertRun* worst = nullptr;
-  for (const ExpertRun& run : runs)
-    if (run.method == ExpertMethod::fit && (worst == nullptr || run.mean_mm > worst->mean_mm)) worst = &run;
   const std::string table = experts_table(rows, landmarks, methods);
-  report.values = {{"methods", rows},
-                   {"landmarks", landmarks},
-                   {"worst",
-                    {{"template", worst->of_template},
-                     {"subject", worst->subject},
-                     {"mean_mm", worst->mean_mm},
-                     {"mesh", worst->mesh.string()}}},
-                   {"flipped", read->flipped}};
+  report.values = {
+      {"methods", rows}, {"landmarks", landmarks}, {"worst", described_worst(runs)}, {"flipped", read->flipped}};
   if (options.out.empty()) return report;
   if (auto written = write_whole_file(options.out / "experts.md", table); !written) return fail(written.error());
   report.values["table"] = (options.out / "experts.md").string();
@@ -292,7 +313,7 @@ void add_study_experts(CLI::App& study, CommandLine& asked) {
   CLI::App* verb = add_verb(study, "experts", "Fits, closest points and point drift against experts' landmarks");
   verb->add_option("SHAPE", options->subjects.files, "Surfaces of at least two subjects, or a folder of them")
       ->required();
-  verb->add_option("--landmarks", options->subjects.landmarks, "Folder with NAME.mrk.json or NAME.json for each")
+  verb->add_option("--landmarks", options->subjects.landmarks, "Folder with NAME.mrk.json, .fcsv or .json for each")
       ->required()
       ->check(CLI::ExistingDirectory);
   verb->add_option("--templates", options->templates, "From how many of the subjects templates are made")

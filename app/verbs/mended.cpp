@@ -1,5 +1,7 @@
 #include "app/verbs/mended.h"
 
+#include <charconv>
+
 #include "core/mesh/mesh_faults.h"
 
 namespace homolog {
@@ -30,13 +32,17 @@ GenusRule genus_rule(const std::string& text) {
   GenusRule rule;
   if (text == "auto") return rule;
   rule.kind = text == "keep" ? GenusRule::Kind::keep : GenusRule::Kind::number;
-  if (rule.kind == GenusRule::Kind::number) rule.genus = std::stoi(text);
+  if (rule.kind == GenusRule::Kind::number) std::from_chars(text.data(), text.data() + text.size(), rule.genus);
   return rule;
 }
 
 void add_genus_option(CLI::App& verb, std::string& genus, const std::string& help) {
   verb.add_option("--genus", genus, help)
       ->check(CLI::IsMember({"auto", "keep"}) | CLI::Range(0, 1000))
+      ->check([](const std::string& text) {
+        const bool plain = text == "auto" || text == "keep" || text.find_first_not_of("0123456789") == text.npos;
+        return plain ? std::string() : "is no number of tunnels; write it in digits, 2 for instance";
+      })
       ->capture_default_str();
 }
 

@@ -26,9 +26,11 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
   BiasSubject subject;
   subject.name = case_name_of(path);
   if (is_mesh_name(path)) {
-    const auto mesh = read_mesh(path);
+    const auto mesh = read_mesh_to_mend(path);
     if (!mesh) return fail(mesh.error());
-    subject.boundary = mesh_boundary(*mesh);
+    auto boundary = surface_boundary(*mesh, files.vertices);
+    if (!boundary) return fail(path.string(), boundary.error().what);
+    subject.boundary = std::move(*boundary);
   } else {
     auto mask = read_mask(path, files.labels, 0, progress);
     if (!mask) return fail(mask.error());
@@ -53,7 +55,7 @@ std::vector<fs::path> with_folders_opened(const std::vector<fs::path>& files) {
       continue;
     }
     for (const auto& entry : fs::directory_iterator(file))
-      if (is_mesh_name(entry.path())) all.push_back(entry.path());
+      if (is_mesh_name(entry.path()) && !entry.path().filename().string().starts_with('.')) all.push_back(entry.path());
   }
   return all;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 
 #include "core/base/index.h"
@@ -33,29 +34,42 @@ void leave_out_unfinite(Soup& soup, MendedFaults& mended) {
     if (finite[index(v)] == 0) soup.points.row(v).setZero();  // of no face now
 }
 
-/// Makes one of the vertices at one place.
-void weld(Soup& soup, MendedFaults& mended) {
-  std::vector<char> used(index(soup.points.rows()), 0);
+/// Calls `meet(v, w)` for every two of these vertices that lie at one place.
+template <class Meet>
+void at_one_place(const Points& points, const std::vector<std::int32_t>& vertices, const Meet& meet) {
   Box box;
-  for (const Corners3& face : soup.faces)
-    for (const std::int32_t v : face) {
-      used[index(v)] = 1;
-      box.extend(Vec3(soup.points.row(v)));
-    }
-  const double cell_mm = one_place_share * box.diagonal().norm();
-  if (!(cell_mm > 0)) return;
-  std::map<std::array<std::int64_t, 3>, std::int32_t> places;
-  std::vector<std::int32_t> first(used.size());
-  for (std::size_t v = 0; v < used.size(); ++v) {
-    first[v] = static_cast<std::int32_t>(v);
-    if (used[v] == 0) continue;
-    const Vec3 at = (Vec3(soup.points.row(static_cast<Eigen::Index>(v))) - box.min()) / cell_mm;
-    const std::array cell{std::llround(at[0]), std::llround(at[1]), std::llround(at[2])};
-    first[v] = places.try_emplace({cell[0], cell[1], cell[2]}, first[v]).first->second;
-    mended.duplicate_vertices += first[v] != static_cast<std::int32_t>(v);
-  }
+  for (const std::int32_t v : vertices) box.extend(Vec3(points.row(v)));
+  if (vertices.empty()) return;
+  const double near_mm = one_place_share * box.diagonal().norm();
+  // Along a direction in which no surface is flat few vertices are level.
+  const Vec3 along = Vec3(0.5377, 0.6261, 0.5648).normalized();
+  std::vector<std::pair<double, std::int32_t>> sorted;
+  for (const std::int32_t v : vertices) sorted.emplace_back(points.row(v).dot(along), v);
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t k = 0; k < sorted.size(); ++k)
+    for (std::size_t l = k + 1; l < sorted.size() && sorted[l].first - sorted[k].first <= near_mm; ++l)
+      if ((points.row(sorted[k].second) - points.row(sorted[l].second)).norm() <= near_mm)
+        meet(sorted[k].second, sorted[l].second);
+}
+
+/// Makes one of the vertices at one place: the first of them.
+void weld(Soup& soup, MendedFaults& mended) {
+  std::vector<std::int32_t> used, first(index(soup.points.rows()));
+  for (const Corners3& face : soup.faces) used.insert(used.end(), face.begin(), face.end());
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  std::iota(first.begin(), first.end(), 0);
+  const auto first_of = [&](std::int32_t v) {
+    while (first[index(v)] != v) v = first[index(v)] = first[index(first[index(v)])];
+    return v;
+  };
+  at_one_place(soup.points, used, [&](std::int32_t v, std::int32_t w) {
+    const std::int32_t a = first_of(v), b = first_of(w);
+    first[index(std::max(a, b))] = std::min(a, b);
+  });
+  for (const std::int32_t v : used) mended.duplicate_vertices += first_of(v) != v;
   for (Corners3& face : soup.faces)
-    for (std::int32_t& v : face) v = first[index(v)];
+    for (std::int32_t& v : face) v = first_of(v);
 }
 
 /// Which of the two ways round a face names its corners.
@@ -213,7 +227,13 @@ Mesh without_flat_faces(Mesh mesh, MendedFaults& mended) {
 std::optional<Mesh> as_it_is(const MeshFile& surface) {
   if (!surface.points.allFinite()) return std::nullopt;
   auto mesh = sound_mesh(surface);
-  return mesh ? std::optional(std::move(*mesh)) : std::nullopt;
+  if (!mesh) return std::nullopt;
+  // Rims that lie on each other are a seam that was never closed.
+  std::vector<std::int32_t> rims;
+  for (const auto& rim : mesh->topology->rims()) rims.insert(rims.end(), rim.begin(), rim.end());
+  bool torn = false;
+  at_one_place(mesh->points, rims, [&](std::int32_t, std::int32_t) { torn = true; });
+  return torn ? std::nullopt : std::optional(std::move(*mesh));
 }
 
 Result<Mesh> parted(const MeshFile& surface, MendedFaults& mended) {
@@ -295,6 +315,8 @@ Result<MeshRepair> repaired(const MeshFile& surface, const RepairOptions& option
     if (!mesh) return fail(mesh.error());
     repair.mesh = std::move(*mesh);
   }
+  if (!(bounds_of(repair.mesh.points).diagonal().norm() > 0))
+    return fail("", "has no extent: all its vertices lie at one place; export it again");
   const std::vector<Mesh> parts = sound_parts(parts_of(repair.mesh), repair.mended);
   if (std::ssize(parts) < repair.mesh.topology->components() || repair.mended.turned_faces > 0)
     repair.mesh = joined(parts);

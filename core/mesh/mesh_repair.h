@@ -34,7 +34,7 @@ struct RepairOptions {
   double longest_rim_share = std::numeric_limits<double>::infinity();
 };
 
-/// The rim of a small hole, as a share of the diagonal: the open base of a ventricle is none.
+/// The rim of a small hole, as a share of the diagonal: that of the open base of a ventricle is longer.
 inline constexpr double small_rim_share = 0.5;
 
 struct MeshRepair {
@@ -49,7 +49,7 @@ std::vector<Mesh> parts_of(const Mesh& mesh);
 /// surface is sound as it is. Where more than two faces meet at an edge they are paired so that solids that only touch
 /// there come apart [Gueziec 2001, Cutting and Stitching], by a hundredth of an edge. Parts of less than a hundredth of
 /// the largest part's area are crumbs. A sound surface comes back with the same vertices in the same order. Tunnels
-/// stay. Errors: no face is left.
+/// stay. Errors: no face is left, or no extent.
 Result<MeshRepair> repaired(const MeshFile& surface, const RepairOptions& options = {});
 
 /// The mesh as it is where it is sound; else mended, small holes closed.

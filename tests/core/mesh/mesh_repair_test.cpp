@@ -96,6 +96,29 @@ TEST_CASE("duplicate vertices and faces and faces without area are left out") {
   CHECK(repair.mesh.topology->genus() == 0);
 }
 
+TEST_CASE("triangles whose corners nearly meet are one surface") {
+  const Mesh ball = icosphere(2, 10);
+  std::mt19937 random(1);
+  // Both as near as the rounding of single precision and up to what counts as one place.
+  for (const double apart_mm : {2e-7, 5e-6}) {
+    std::uniform_real_distribution<double> jitter(-apart_mm, apart_mm);
+    MeshFile soup;
+    const Triangles& faces = ball.topology->triangles();
+    soup.points.resize(3 * faces.rows(), 3);
+    soup.triangles.resize(faces.rows(), 3);
+    for (Eigen::Index f = 0; f < faces.rows(); ++f)
+      for (int c = 0; c < 3; ++c) {
+        const Vec3 off(jitter(random), jitter(random), jitter(random));
+        soup.points.row(3 * f + c) = ball.points.row(faces(f, c)) + off.transpose();
+        soup.triangles(f, c) = static_cast<std::int32_t>(3 * f + c);
+      }
+    const MeshRepair repair = mended_if_broken(soup).value();
+    CHECK(repair.mesh.topology->closed());
+    CHECK(repair.mesh.points.rows() == ball.points.rows());
+    CHECK(repair.mended.holes == 0);
+  }
+}
+
 TEST_CASE("boxes that touch along an edge or at a corner come apart") {
   const MeshFile one = as_file(shapes::box());
   const auto apart = [&](const Vec3& low, const Vec3& high) {
@@ -239,6 +262,12 @@ TEST_CASE("random faces over few vertices become a manifold whatever they are") 
     // Topology::make has checked it; again it is sound as it is.
     CHECK(sound_mesh(as_file(repair->mesh)).has_value());
   }
+}
+
+TEST_CASE("a surface without extent is refused") {
+  MeshFile point = as_file(icosphere(0, 10));
+  point.points.setConstant(3);
+  CHECK(says(repaired(point), "has no extent"));
 }
 
 TEST_CASE("a surface without a face is refused") {

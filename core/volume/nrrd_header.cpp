@@ -19,6 +19,10 @@ namespace {
 constexpr std::size_t longest_header = std::size_t{16} << 20;
 constexpr std::int64_t most_files = 1000000;
 
+tl::unexpected<Error> no_header(const fs::path& path) {
+  return fail(path.string(), "is not an NRRD file, or its header is damaged; check what it is and export it again");
+}
+
 tl::unexpected<Error> bad_names(const fs::path& path, const std::string& value) {
   return fail(path.string(), "names its voxels' files in a way that cannot be followed (data file: " +
                                  value.substr(0, 60) + "); write it as slice%03d.raw MIN MAX STEP, or as a list");
@@ -177,6 +181,7 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
   while (!ended) {
     const auto line = lines.next();
     if (!line) break;
+    if (line->find('\0') != std::string::npos) return no_header(path);  // the library would stop reading there
     if (const auto value = field_value(*line, "datafile")) {
       if (auto added = add_data_files(path, *value, lines, header); !added) return fail(added.error());
       ended = is_list(*value);
@@ -189,8 +194,7 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
     ended = line->empty();
   }
   const bool whole = ended || (header.detached && text->size() < longest_header);
-  if (!whole || !text->starts_with("NRRD"))
-    return fail(path.string(), "is not an NRRD file, or its header is damaged; check what it is and export it again");
+  if (!whole || !text->starts_with("NRRD")) return no_header(path);
   header.voxels_begin = lines.position();
   return header;
 }

@@ -162,6 +162,8 @@ TEST_CASE("headers that end or begin otherwise than NRRD's are refused") {
     write_bytes(folder.path / "v.nrrd", text);
     CHECK(!read_volume(folder.path / "v.nrrd"));
   }
+  write_bytes(folder.path / "v.nrrd", whole + "# a" + std::string(1, '\0') + "b\n\nabcdefgh");
+  CHECK(says(read_volume(folder.path / "v.nrrd"), "its header is damaged"));
   std::string with_returns;
   for (const char c : whole + "\n") with_returns += c == '\n' ? std::string("\r\n") : std::string(1, c);
   write_bytes(folder.path / "v.nrrd", with_returns + "abcdefgh");

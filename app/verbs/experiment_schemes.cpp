@@ -14,7 +14,7 @@
 #include "core/model/model_files.h"
 #include "core/session/case_file.h"
 
-// The verb `study schemes`: the claims measured [docs/method.md §6].
+// The verb `study schemes`: the claims measured [docs/study.md].
 
 namespace homolog {
 

@@ -38,7 +38,7 @@ struct StrokeOutcome {
 /// triangle.
 enum class Pass { preview, commit };
 
-/// One running drag [docs/method.md §3–4]. The response is solved for when the falloff changes; a frame in which only
+/// One running drag [docs/method.md §2–3]. The response is solved for when the falloff changes; a frame in which only
 /// the cursor moved costs one n×3 update.
 class Gesture {
  public:

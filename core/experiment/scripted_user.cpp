@@ -239,7 +239,7 @@ Result<PullingResult> pull_to_target(EditSession& session, const Mesh& target, c
   while (result.pulls < options.most_pulls) {
     if (options.progress != nullptr) {
       options.progress->report(static_cast<double>(result.pulls) / options.most_pulls);
-      if (options.progress->cancelled()) return fail("", "The scripted user was stopped");
+      if (options.progress->cancelled()) return fail("", "the study was cancelled");
     }
     const auto pulled = pull_once(session, sight, seen, options.visible_mm);
     if (!pulled) return fail(pulled.error());

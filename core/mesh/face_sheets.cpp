@@ -14,7 +14,7 @@ namespace homolog {
 namespace {
 
 constexpr double drawn_apart = 0.01;      ///< of the way to its neighbours, for a vertex that was parted
-constexpr std::size_t most_at_edge = 32;  ///< faces: of more nobody knows which belong together
+constexpr std::size_t most_at_edge = 32;  ///< faces: where more meet, none are joined
 
 /// One side of an edge: of `face`, from its `corner` to the next.
 struct Side {

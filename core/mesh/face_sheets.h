@@ -17,9 +17,9 @@ struct Soup {
   std::vector<Corners3> faces;
 };
 
-/// A manifold of the same faces: joined in pairs across their edges, turned to agree, and parted everywhere else.
-/// Vertices keep their order; those that are parted are drawn a little apart. Faces must name three different vertices
-/// and no three of them twice. Counts what it did.
+/// A manifold of the same faces: joined in pairs across their edges, turned so that neighbours look the same way, and
+/// parted everywhere else. Vertices keep their order; those that are parted are drawn a little apart. Faces must name
+/// three different vertices and no three of them twice. Counts what it did.
 Soup parted_sheets(Soup soup, MendedFaults& mended);
 
 }  // namespace homolog

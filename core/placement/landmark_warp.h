@@ -21,7 +21,7 @@ WarpLengths older_warp_lengths(double diagonal_mm);
 /// How an organ differs from its template under a similarity, as a Gaussian process: the covariance of each coordinate
 /// of the displacement at two places is a Gaussian bump plus a linear part kept small. What the linear part's prior
 /// allows (a few per cent of stretch) is little enough that four near-coplanar landmarks with some mm of error do not
-/// stretch the mesh [docs/method.md §5].
+/// stretch the mesh [docs/method.md §4].
 class WarpKernel {
  public:
   WarpKernel(const Eigen::RowVector3d& centre, const WarpLengths& lengths) : centre_(centre), lengths_(lengths) {}

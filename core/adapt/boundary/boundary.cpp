@@ -31,7 +31,7 @@ std::vector<ScanEdge> edges_of(const LabelBody& region, const VolumeGeometry& wh
     ScanEdge edge;
     edge.outward = whole.direction.col(axis) * (last ? 1 : -1);
     edge.offset_mm = edge.outward.dot(whole.to_mm(face));
-    edge.doubt_mm = std::max(whole.spacing_mm[axis], region.grid.spacing_mm[axis]);
+    edge.tolerance_mm = std::max(whole.spacing_mm[axis], region.grid.spacing_mm[axis]);
     edges.push_back(edge);
   }
   return edges;
@@ -55,7 +55,7 @@ LevelSet closed_from_outside(const LevelSet& surface, double radius_mm) {
 
 bool Boundary::shows(const Vec3& p) const {
   return std::none_of(scan_edges.begin(), scan_edges.end(),
-                      [&](const ScanEdge& edge) { return edge.outward.dot(p) > edge.offset_mm - edge.doubt_mm; });
+                      [&](const ScanEdge& edge) { return edge.outward.dot(p) > edge.offset_mm - edge.tolerance_mm; });
 }
 
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> asked_closing_mm,

@@ -16,8 +16,8 @@ namespace homolog {
 struct ScanEdge {
   Vec3 outward = Vec3::UnitZ();
   double offset_mm = 0;
-  double doubt_mm =
-      0;  ///< half a slice or more: what lies nearer to the plane than this is the cut, not the organ's own boundary
+  /// What lies nearer to the plane than this is the cut and not the organ's own boundary: half a slice or more.
+  double tolerance_mm = 0;
 };
 
 /// The surface that a template is fitted to, LPS mm.

@@ -228,5 +228,5 @@ TEST_CASE("a run that is cancelled says so") {
   EditSession session = new_session();
   const auto run =
       run_scheme(session, stretched_ball(), working_scheme("anchored").value(), {std::nullopt, 30, &progress});
-  CHECK(says(run, "stopped"));
+  CHECK(says(run, "the study was cancelled"));
 }

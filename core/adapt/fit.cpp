@@ -48,39 +48,16 @@ struct FitStart {
   Annealing annealing;
 };
 
-/// The vertices without a counterpart (`found` is 0), as most of their surroundings are.
-std::vector<std::int32_t> missing_places(const Mesh& mesh, VertexScalars found) {
-  constexpr int rounds = 5;
-  constexpr double fewest = 0.005;  // of the vertices, else none is missing
-  for (int round = 0; round < rounds; ++round) {
-    const VertexScalars before = found;
-    for (Eigen::Index i = 0; i < found.size(); ++i) {
-      double sum = before[i], count = 1;
-      for (const std::int32_t j : mesh.topology->one_ring(i)) sum += before[j], ++count;
-      found[i] = 2 * sum > count ? 1 : 0;
-    }
-  }
-  std::vector<std::int32_t> missing;
-  for (Eigen::Index i = 0; i < found.size(); ++i)
-    if (found[i] == 0) missing.push_back(static_cast<std::int32_t>(i));
-  return static_cast<double>(missing.size()) < fewest * static_cast<double>(found.size()) ? std::vector<std::int32_t>()
-                                                                                          : missing;
-}
-
 /// The boundary with those of its flat faces marked that are cuts through the organ.
-Boundary without_cuts(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
-  Boundary own = boundary;
+Boundary with_cuts_marked(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
+  Boundary marked = boundary;
   const auto flat = flat_faces(boundary.surface);
-  if (flat.empty()) return own;
+  if (flat.empty()) return marked;
   const Placed placed =
       find_placement(the_template, boundary, {options.landmarks, options.orientation, options.placement, true});
   const Mesh there{the_template.topology, placed.placement.apply(the_template.points)};
-  for (const auto& face : flat) {
-    if (!is_cut(boundary.surface, face, there)) continue;
-    own.cut.resize(static_cast<std::size_t>(boundary.surface.topology->triangles().rows()), 0);
-    for (const std::int32_t f : face) own.cut[static_cast<std::size_t>(f)] = 1;
-  }
-  return own;
+  marked.cut = cut_faces(boundary.surface, flat, there);
+  return marked;
 }
 
 /// What an adaptation made of a start.
@@ -94,9 +71,9 @@ class Fitting {
  public:
   Fitting(const Template& the_template, const Boundary& boundary, const FitOptions& options)
       : reference_(the_template),
+        boundary_(boundary),
         options_(options),
-        boundary_(options.partial ? without_cuts(the_template, boundary, options) : boundary),
-        search_(boundary_, the_template.points.rows()),
+        search_(boundary, the_template.points.rows()),
         solver_(the_template.topology) {
     shape_.factors = the_template.stiffness / the_template.stiffness.mean();
   }
@@ -111,9 +88,9 @@ class Fitting {
  private:
   /// First the nearest of the allowed shapes; what follows keeps to that.
   Result<FitResult> among_allowed() {
-    const auto forces = [this](const Mesh& mesh, double) {
+    const auto forces = [this](const Mesh& mesh, double share) {
       shape_.mesh = mesh;
-      return force(mesh);
+      return force(mesh, share);
     };
     const auto after_step = [this](double share) { return show(0.1 + 0.4 * share); };
     const auto found = fit_allowed(*options_.allowed, reference_.topology, shape_.placement, forces, after_step);
@@ -277,11 +254,7 @@ class Fitting {
 
   Result<void> anneal_to_boundary(const Annealing& annealing) {
     return anneal(
-        shape_, solver_, annealing,
-        [this](const Mesh& mesh, double share) {
-          if (options_.partial) search_.set_reach_mm(reach_mm(share));
-          return force(mesh);
-        },
+        shape_, solver_, annealing, [this](const Mesh& mesh, double share) { return force(mesh, share); },
         [this](double share) { return show(0.1 + 0.7 * share); });
   }
 
@@ -303,7 +276,8 @@ class Fitting {
   }
 
   /// The pull of the boundary, in both directions, and that of the landmarks.
-  Force force(const Mesh& mesh) {
+  Force force(const Mesh& mesh, double share) {
+    if (options_.partial) search_.set_reach_mm(reach_mm(share));
     BoundaryPull pull = search_.pull(mesh);
     pull_landmarks(mesh, pull);
     const VertexScalars weights = pull.weights.cwiseMax(least_weight) / least_weight;
@@ -369,7 +343,7 @@ class Fitting {
     result.self_intersections = self_intersections(mesh).size();
     for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
       if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
-    if (options_.partial) result.outliers = missing_places(mesh, search_.nearest(mesh).weights);
+    if (options_.partial) result.outliers = search_.missing(mesh);
     result.landmarks = carried_landmarks(reference_, mesh.points);
     result.landmarks_used = static_cast<std::size_t>((trust_.array() >= trusted).count());
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
@@ -387,8 +361,8 @@ class Fitting {
   }
 
   const Template& reference_;
+  const Boundary& boundary_;
   const FitOptions& options_;
-  const Boundary boundary_;
   BoundarySearch search_;
   ShapeSolver solver_;
   Adapting shape_;             ///< its reference is `start_`, eased while the mesh anneals
@@ -400,12 +374,19 @@ class Fitting {
   std::vector<std::string> landmark_warnings_;
 };
 
+/// fit_to_boundary, with cuts marked where parts are missing.
+Result<FitResult> fit_within(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
+  if (!options.partial) return Fitting(the_template, boundary, options).run();
+  const Boundary marked = with_cuts_marked(the_template, boundary, options);
+  return Fitting(the_template, marked, options).run();
+}
+
 }  // namespace
 
 Result<FitResult> fit_to_boundary(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
-  if (!options.allowed) return Fitting(the_template, boundary, options).run();
+  if (!options.allowed) return fit_within(the_template, boundary, options);
   const auto mean = mean_template(the_template, *options.allowed);
-  auto fit = Fitting(*mean, boundary, options).run();
+  auto fit = fit_within(*mean, boundary, options);
   if (fit) fit->placement = nearest_similarity(the_template.points, fit->mesh.points, fit->placement);
   return fit;
 }

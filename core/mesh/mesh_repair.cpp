@@ -34,13 +34,10 @@ void leave_out_unfinite(Soup& soup, MendedFaults& mended) {
     if (finite[index(v)] == 0) soup.points.row(v).setZero();  // of no face now
 }
 
-/// Calls `meet(v, w)` for every two of these vertices that lie at one place.
+/// Calls `meet(v, w)` for every two of these vertices of a surface of `size_mm` that lie at one place.
 template <class Meet>
-void at_one_place(const Points& points, const std::vector<std::int32_t>& vertices, const Meet& meet) {
-  Box box;
-  for (const std::int32_t v : vertices) box.extend(Vec3(points.row(v)));
-  if (vertices.empty()) return;
-  const double near_mm = one_place_share * box.diagonal().norm();
+void at_one_place(const Points& points, const std::vector<std::int32_t>& vertices, double size_mm, const Meet& meet) {
+  const double near_mm = one_place_share * size_mm;
   // Along a direction in which no surface is flat few vertices are level.
   const Vec3 along = Vec3(0.5377, 0.6261, 0.5648).normalized();
   std::vector<std::pair<double, std::int32_t>> sorted;
@@ -63,7 +60,9 @@ void weld(Soup& soup, MendedFaults& mended) {
     while (first[index(v)] != v) v = first[index(v)] = first[index(first[index(v)])];
     return v;
   };
-  at_one_place(soup.points, used, [&](std::int32_t v, std::int32_t w) {
+  Box box;
+  for (const std::int32_t v : used) box.extend(Vec3(soup.points.row(v)));
+  at_one_place(soup.points, used, box.diagonal().norm(), [&](std::int32_t v, std::int32_t w) {
     const std::int32_t a = first_of(v), b = first_of(w);
     first[index(std::max(a, b))] = std::min(a, b);
   });
@@ -232,7 +231,8 @@ std::optional<Mesh> as_it_is(const MeshFile& surface) {
   std::vector<std::int32_t> rims;
   for (const auto& rim : mesh->topology->rims()) rims.insert(rims.end(), rim.begin(), rim.end());
   bool torn = false;
-  at_one_place(mesh->points, rims, [&](std::int32_t, std::int32_t) { torn = true; });
+  at_one_place(mesh->points, rims, bounds_of(mesh->points).diagonal().norm(),
+               [&](std::int32_t, std::int32_t) { torn = true; });
   return torn ? std::nullopt : std::optional(std::move(*mesh));
 }
 

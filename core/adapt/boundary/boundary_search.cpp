@@ -72,6 +72,25 @@ BoundaryPull BoundarySearch::nearest(const Mesh& mesh) {
   return pull;
 }
 
+std::vector<std::int32_t> BoundarySearch::missing(const Mesh& mesh) {
+  constexpr int rounds = 5;
+  constexpr double fewest = 0.005;  // of the vertices
+  VertexScalars found = nearest(mesh).weights;
+  for (int round = 0; round < rounds; ++round) {
+    const VertexScalars before = found;
+    for (Eigen::Index i = 0; i < found.size(); ++i) {
+      double sum = before[i], count = 1;
+      for (const std::int32_t j : mesh.topology->one_ring(i)) sum += before[j], ++count;
+      found[i] = 2 * sum > count ? 1 : 0;
+    }
+  }
+  std::vector<std::int32_t> missing;
+  for (Eigen::Index i = 0; i < found.size(); ++i)
+    if (found[i] == 0) missing.push_back(static_cast<std::int32_t>(i));
+  if (static_cast<double>(missing.size()) < fewest * static_cast<double>(found.size())) missing.clear();
+  return missing;
+}
+
 BoundaryPull BoundarySearch::pull(const Mesh& mesh) {
   BoundaryPull pull = nearest(mesh);
   const Points normals = vertex_normals(mesh);

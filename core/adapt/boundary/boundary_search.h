@@ -29,6 +29,10 @@ class BoundarySearch {
   /// there is none.
   BoundaryPull nearest(const Mesh& mesh);
 
+  /// In rising order: the vertices without a counterpart, as most of their surroundings are; none where they are next
+  /// to none.
+  std::vector<std::int32_t> missing(const Mesh& mesh);
+
  private:
   struct Sample {
     Vec3 position, normal;

@@ -15,9 +15,10 @@ constexpr double flat_within = 0.008, flat_cosine = 0.95;  ///< of one plane, an
 constexpr double smallest_share = 0.03;                    ///< of the surface's area
 constexpr double edge_width = 0.025, edge_cosine = 0.87;   ///< behind a sharp edge the surface has turned by 30°
 constexpr double sharp_share = 0.6;                        ///< of the way around
-constexpr double flat_template = 0.94, template_cosine = 0.6;
-constexpr double smoothing_width = 0.024;
-constexpr double as_in_template = 0.5;  ///< of a flat face: more lies where the template is flat by nature
+constexpr double smoothing_width = 0.024;                  ///< of the normals
+/// A cut is where the template's normals spread (the length of their mean), or on average look elsewhere, unless it is
+/// flat at more than this share of the face too.
+constexpr double flat_template = 0.94, template_cosine = 0.6, as_in_template = 0.5;
 constexpr Eigen::Index seeds = 2000;
 
 /// Of each face, unit length, without the steps that voxels leave.
@@ -41,7 +42,7 @@ Points smooth_normals(const Mesh& mesh) {
 class FlatFaces {
  public:
   explicit FlatFaces(const Mesh& surface)
-      : topology_(*surface.topology), normals_(smooth_normals(surface)), taken_(faces(), 0) {
+      : topology_(*surface.topology), normals_(smooth_normals(surface)), taken_(faces(), 0), seen_(faces(), 0) {
     middles_.resize(static_cast<Eigen::Index>(faces()), 3);
     areas_.resize(static_cast<Eigen::Index>(faces()));
     for (Eigen::Index f = 0; f < middles_.rows(); ++f) {
@@ -70,7 +71,7 @@ class FlatFaces {
       if (area_of(flat) < smallest || sharp_edge_share(flat, normal) < sharp_share) {
         continue;
       }
-      for (const std::int32_t f : flat) taken_[static_cast<std::size_t>(f)] |= 1;
+      for (const std::int32_t f : flat) taken_[static_cast<std::size_t>(f)] = 1;
       std::sort(flat.begin(), flat.end());
       found.push_back(std::move(flat));
     }
@@ -80,16 +81,16 @@ class FlatFaces {
  private:
   std::size_t faces() const { return static_cast<std::size_t>(topology_.triangles().rows()); }
 
-  std::vector<std::int32_t> grown(Eigen::Index seed, const Vec3& middle, const Vec3& normal) const {
+  std::vector<std::int32_t> grown(Eigen::Index seed, const Vec3& middle, const Vec3& normal) {
     const auto is_flat = [&](Eigen::Index f) {
       return normals_.row(f).dot(normal) > flat_cosine &&
              std::abs((middles_.row(f).transpose() - middle).dot(normal)) < flat_within * diagonal_mm_;
     };
     std::vector<std::int32_t> flat;
-    std::vector<char> seen(faces(), 0);
+    ++growth_;
     const auto visit = [&](std::int32_t f) {
-      if (f < 0 || seen[static_cast<std::size_t>(f)] != 0 || (taken_[static_cast<std::size_t>(f)] & 1) != 0) return;
-      seen[static_cast<std::size_t>(f)] = 1;
+      if (f < 0 || seen_[static_cast<std::size_t>(f)] == growth_ || taken_[static_cast<std::size_t>(f)] != 0) return;
+      seen_[static_cast<std::size_t>(f)] = growth_;
       if (is_flat(f)) flat.push_back(f);
     };
     visit(static_cast<std::int32_t>(seed));
@@ -138,8 +139,44 @@ class FlatFaces {
   const Topology& topology_;
   Points normals_, middles_;
   Eigen::VectorXd areas_;
-  std::vector<char> taken_;
+  std::vector<char> taken_;  ///< faces of those found
+  std::vector<int> seen_;    ///< by which growth last
+  int growth_ = 0;
   double diagonal_mm_ = 0, edge_mm_ = 0;
+};
+
+/// What a template says of a flat face that lies near it.
+class PlacedTemplate {
+ public:
+  explicit PlacedTemplate(const Mesh& mesh)
+      : search_(mesh),
+        normals_(vertex_normals(mesh)),
+        flat_(static_cast<std::size_t>(mesh.topology->triangles().rows()), 0) {
+    for (const auto& face : FlatFaces(mesh).all())
+      for (const std::int32_t f : face) flat_[static_cast<std::size_t>(f)] = 1;
+  }
+
+  bool is_cut(const Mesh& surface, const std::vector<std::int32_t>& flat_face) const {
+    double cosines = 0, natural = 0;
+    Vec3 sum = Vec3::Zero();
+    for (const std::int32_t f : flat_face) {
+      const auto t = surface.topology->triangles().row(f);
+      const Vec3 middle = (surface.points.row(t[0]) + surface.points.row(t[1]) + surface.points.row(t[2])) / 3;
+      const SurfacePoint at = search_.nearest(middle).at;
+      const Vec3 normal = at.interpolate(*search_.mesh().topology, normals_).transpose().stableNormalized();
+      natural += flat_[static_cast<std::size_t>(at.face)];
+      cosines += normal.dot(area_normal(surface, f).stableNormalized());
+      sum += normal;
+    }
+    const auto count = static_cast<double>(flat_face.size());
+    return natural / count <= as_in_template &&
+           (sum.norm() / count < flat_template || cosines / count < template_cosine);
+  }
+
+ private:
+  SurfaceSearch search_;
+  Points normals_;
+  std::vector<char> flat_;  ///< faces of the template that are flat by nature
 };
 
 }  // namespace
@@ -148,26 +185,16 @@ std::vector<std::vector<std::int32_t>> flat_faces(const Mesh& surface) {
   return FlatFaces(surface).all();
 }
 
-bool is_cut(const Mesh& surface, const std::vector<std::int32_t>& flat_face, const Mesh& placed_template) {
-  const SurfaceSearch search(placed_template);
-  const Points template_normals = vertex_normals(placed_template);
-  std::vector<char> flat_by_nature(static_cast<std::size_t>(placed_template.topology->triangles().rows()), 0);
-  for (const auto& face : flat_faces(placed_template))
-    for (const std::int32_t f : face) flat_by_nature[static_cast<std::size_t>(f)] = 1;
-  double cosines = 0, natural = 0;
-  Vec3 sum = Vec3::Zero();
-  for (const std::int32_t f : flat_face) {
-    const auto t = surface.topology->triangles().row(f);
-    const Vec3 middle = (surface.points.row(t[0]) + surface.points.row(t[1]) + surface.points.row(t[2])) / 3;
-    const SurfacePoint at = search.nearest(middle).at;
-    const Vec3 normal = at.interpolate(*placed_template.topology, template_normals).transpose().stableNormalized();
-    natural += flat_by_nature[static_cast<std::size_t>(at.face)];
-    cosines += normal.dot(area_normal(surface, f).stableNormalized());
-    sum += normal;
+std::vector<std::uint8_t> cut_faces(const Mesh& surface, const std::vector<std::vector<std::int32_t>>& flat,
+                                    const Mesh& placed_template) {
+  const PlacedTemplate placed(placed_template);
+  std::vector<std::uint8_t> cut;
+  for (const auto& face : flat) {
+    if (!placed.is_cut(surface, face)) continue;
+    cut.resize(static_cast<std::size_t>(surface.topology->triangles().rows()), 0);
+    for (const std::int32_t f : face) cut[static_cast<std::size_t>(f)] = 1;
   }
-  const auto count = static_cast<double>(flat_face.size());
-  if (natural / count > as_in_template) return false;
-  return sum.norm() / count < flat_template || cosines / count < template_cosine;
+  return cut;
 }
 
 }  // namespace homolog

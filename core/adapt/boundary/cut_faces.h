@@ -11,8 +11,9 @@ namespace homolog {
 /// scans that end within an organ have them, and so have vertebrae by nature. Each is a list of faces, in rising order.
 std::vector<std::vector<std::int32_t>> flat_faces(const Mesh& surface);
 
-/// Whether a flat face of `surface` is a cut through the organ: the placed template's surface near it faces other ways,
-/// or lies elsewhere. Both meshes LPS mm.
-bool is_cut(const Mesh& surface, const std::vector<std::int32_t>& flat_face, const Mesh& placed_template);
+/// Which faces of a surface belong to those of its flat faces that are cuts through the organ, 1 each: the placed
+/// template is not flat there, and its surface nearby looks other ways. Empty where none is. Both meshes LPS mm.
+std::vector<std::uint8_t> cut_faces(const Mesh& surface, const std::vector<std::vector<std::int32_t>>& flat,
+                                    const Mesh& placed_template);
 
 }  // namespace homolog

@@ -7,6 +7,9 @@
 #include "core/mesh/icosphere.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/surface_search.h"
+#include "core/model/model_prior.h"
+#include "core/model/procrustes.h"
+#include "core/model/shape_model.h"
 #include "core/phantom/phantom.h"
 
 // Fits to organs of which parts are missing.
@@ -81,6 +84,27 @@ TEST_CASE("a partial fit finds what is missing and lies on what is there") {
   CHECK(missing_mm / static_cast<double>(cut.truth.rows()) < 1.5);  // where only the template's shape speaks
 }
 
+TEST_CASE("a partial fit with a model finds what is missing and stays with the model where it is told to") {
+  ShapeMatrix shapes(3 * kidney()->points.rows(), 10);
+  for (int k = 0; k < 10; ++k) {
+    const Points points = phantom_truth(Organ::kidney, 10 + k)[0].points;
+    shapes.col(k) = Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
+  }
+  align(shapes, Alignment::similarity);
+  const ShapeModel model = make_model(principal_components(std::move(shapes)), 0.95, kidney()->topology, {});
+  const CutKidney cut(5, Vec3(0.2, 0.1, 1).normalized(), 0.3);
+  for (const double beyond : {0.0, 1.0}) {
+    auto allowed = allowed_by(model, *kidney()).value();
+    allowed.beyond = beyond;
+    FitOptions options;
+    options.partial = true;
+    options.allowed = std::make_shared<const AllowedShapes>(std::move(allowed));
+    const FitResult fit = fit_to_boundary(*kidney(), cut.open(), options).value();
+    CHECK(cut.f1(fit) > 0.85);
+    CHECK((fit.mesh.points == fit.allowed) == (beyond == 0));
+  }
+}
+
 TEST_CASE("a partial fit of a whole organ misses nothing") {
   const Boundary whole = mesh_boundary({kidney()->topology, phantom_truth(Organ::kidney, 5)[0].points});
   const FitResult fit = partial_fit(whole);
@@ -110,7 +134,10 @@ TEST_CASE("a ball that was cut has one flat face where the whole ball has none")
   const Mesh cut = cut_ball(12);
   const auto flat = flat_faces(cut);
   REQUIRE(flat.size() == 1);
-  CHECK(is_cut(cut, flat.front(), icosphere(3, 24)));
+  const auto marked = cut_faces(cut, flat, icosphere(3, 24));
+  REQUIRE(marked.size() == static_cast<std::size_t>(cut.topology->triangles().rows()));
+  CHECK(std::count(marked.begin(), marked.end(), 1) == std::ssize(flat.front()));
+  CHECK(cut_faces(cut, flat, cut).empty());  // a template that is flat there too
 }
 
 }  // namespace homolog

@@ -172,10 +172,18 @@ class Fitting {
       if (options_.landmarks.contains(reference_.landmarks[k].name))
         known.from.row(row++) = carried_landmark(reference_, k, shape_.mesh.points).transpose();
     const CoherentMatch whole(reference_.points, shape_.mesh, boundary_.surface);
-    for (const MatchFreedom& freedom : {loose_match, close_match}) {
-      Points points = whole.match(freedom, known);
-      // A template without extent in some direction has no smooth displacement.
+    // A template without extent in some direction has no smooth displacement.
+    const auto add = [&](Points points) {
       if (points.allFinite()) all.push_back({std::move(points), from_match});
+    };
+    for (const MatchFreedom& freedom : {loose_match, close_match}) {
+      CoherentMatch::Ways ways = whole.match(freedom, known);
+      if (warped()) {  // the landmarks have set the whole right, and what differs is averaged best at the end
+        add(std::move(ways.forth));
+        add(std::move(ways.back));
+      } else {
+        add(ways.mean());
+      }
     }
     return all;
   }

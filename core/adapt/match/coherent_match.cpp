@@ -16,26 +16,30 @@ namespace {
 using Eigen::Index;
 using Rows3f = Eigen::Matrix<float, Eigen::Dynamic, 3>;
 
-constexpr Index own_samples = 700, there_samples = 1200, nodes = 60;
-constexpr int matching_rounds = 25;
+constexpr Index moved_samples = 700, still_samples = 1200, nodes = 60;
+constexpr int matching_rounds = 25, turning_rounds = 10;
 constexpr double first_near = 0.06, last_near = 0.012;    ///< of the root of the surface's area
 constexpr double unmatched = 0.01;                        ///< of what a full match weighs: belonging to none
 constexpr double bend_length = 1, fine_length = 0.3;      ///< reach of the kernel's two scales, of the radius
 constexpr double fine_share = 0.05, stretch_share = 0.1;  ///< of the radius: fine displacement; stretch or turn
 constexpr float least_exponent = -25;                     ///< smaller probabilities would only cost time
 
-/// `count` vertices spread evenly: each the farthest from those before, the first one first.
+/// `count` vertices spread evenly: each the farthest from those before, the first one first. Squared distances count in
+/// whole steps, so that no pick hangs on the last bit of a coordinate.
 std::vector<Index> spread_vertices(const Points& points, Index count) {
+  constexpr double steps = 1e4;  // in the squared radius
+  const double radius2 = (points.rowwise() - points.colwise().mean()).rowwise().squaredNorm().mean();
   std::vector<Index> picked;
   Eigen::VectorXd away = Eigen::VectorXd::Constant(points.rows(), std::numeric_limits<double>::infinity());
   for (Index next = 0; std::ssize(picked) < std::min(count, points.rows()); away.maxCoeff(&next)) {
     picked.push_back(next);
-    away = away.cwiseMin((points.rowwise() - points.row(next)).rowwise().squaredNorm());
+    const VertexScalars from_next2 = (points.rowwise() - points.row(next)).rowwise().squaredNorm();
+    away = away.cwiseMin((from_next2 * (steps / radius2)).array().floor().matrix());
   }
   return picked;
 }
 
-/// About `count` vertices at equal steps of the numbering. They do not hang on the last bit of a coordinate.
+/// About `count` vertices at equal steps of the numbering.
 std::vector<Index> stepped_vertices(Index vertices, Index count) {
   std::vector<Index> picked;
   for (Index v = 0; v < vertices; v += 1 + vertices / count) picked.push_back(v);
@@ -52,8 +56,9 @@ Eigen::MatrixXd squared_distances(const Points& a, const Points& b) {
 
 }  // namespace
 
-CoherentMatch::Samples CoherentMatch::samples_of(const Mesh& mesh, const std::vector<Index>& at) {
-  Samples samples{mesh.points(at, Eigen::all), vertex_normals(mesh)(at, Eigen::all), {}};
+CoherentMatch::Samples CoherentMatch::samples_of(const Mesh& mesh, const Points& normals,
+                                                 const std::vector<Index>& at) {
+  Samples samples{mesh.points(at, Eigen::all), normals(at, Eigen::all), {}};
   const double area_mm2 = surface_area_mm2(mesh);
   // The denser the samples, the less each stands for. A count of what lies nearest to each would hang on ties.
   const double spacing_mm2 = area_mm2 / static_cast<double>(at.size());
@@ -67,46 +72,73 @@ CoherentMatch::Samples CoherentMatch::samples_of(const Mesh& mesh, const std::ve
   return samples;
 }
 
+CoherentMatch::Side CoherentMatch::side_of(const Mesh& mesh, const std::vector<Index>& moved) {
+  const Points normals = vertex_normals(mesh);
+  return {samples_of(mesh, normals, moved),
+          samples_of(mesh, normals, stepped_vertices(mesh.points.rows(), still_samples))};
+}
+
 CoherentMatch::CoherentMatch(const Points& reference, const Mesh& placed, const Mesh& surface)
-    : placed_(placed),
-      own_at_(spread_vertices(reference, own_samples)),
+    : placed_(placed.points),
       nodes_(placed.points(spread_vertices(reference, nodes), Eigen::all)),
-      own_(samples_of(placed, own_at_)),
-      there_(samples_of(surface, stepped_vertices(surface.points.rows(), there_samples))),
+      own_(side_of(placed, spread_vertices(reference, moved_samples))),
+      there_(side_of(surface, spread_vertices(surface.points, moved_samples))),
       centre_(placed.points.colwise().mean()),
       radius_mm_(std::sqrt((placed.points.rowwise() - centre_).rowwise().squaredNorm().mean())),
-      size_mm_(std::sqrt(there_.area_mm2.cast<double>().sum())) {}
+      size_mm_(std::sqrt(there_.still.area_mm2.cast<double>().sum())) {}
 
-Eigen::MatrixXd CoherentMatch::kernel(const Points& a, const Points& b, const MatchFreedom& freedom) const {
-  const Points from = a.rowwise() - centre_, to = b.rowwise() - centre_;
-  const Eigen::MatrixXd distances = squared_distances(from, to);
-  const auto bumps = [&](double reach_share) {
-    const double reach_mm = reach_share * radius_mm_;
-    return (distances.array() / (-2 * reach_mm * reach_mm)).exp();
+CoherentMatch::Basis CoherentMatch::basis(const Points& at, const MatchFreedom& freedom, bool with_slopes) const {
+  const Points from = nodes_.rowwise() - centre_, to = at.rowwise() - centre_;
+  const double bend_mm = freedom.bend_share * radius_mm_, bend_reach_mm = bend_length * radius_mm_,
+               fine_mm = fine_share * radius_mm_, fine_reach_mm = fine_length * radius_mm_,
+               stretch = stretch_share * stretch_share;
+  const auto bumps = [](const Eigen::MatrixXd& distances_mm2, double size_mm, double reach_mm) {
+    return Eigen::MatrixXd(size_mm * size_mm * (distances_mm2.array() / (-2 * reach_mm * reach_mm)).exp());
   };
-  const double bend_mm = freedom.bend_share * radius_mm_, fine_mm = fine_share * radius_mm_;
-  return (bend_mm * bend_mm * (1 + bumps(bend_length)) + fine_mm * fine_mm * bumps(fine_length)).matrix() +
-         stretch_share * stretch_share * from * to.transpose();
-}
-
-/// Functions of place whose sum with independent standard normal coefficients is the process, as the nodes see it.
-Eigen::MatrixXd CoherentMatch::basis(const Points& at, const MatchFreedom& freedom) const {
-  Eigen::MatrixXd covariance = kernel(nodes_, nodes_, freedom);
+  const auto kernel = [&](const Eigen::MatrixXd& bend, const Eigen::MatrixXd& fine, const Points& others) {
+    return Eigen::MatrixXd((bend + fine + stretch * from * others.transpose()).array() + bend_mm * bend_mm);
+  };
+  const Eigen::MatrixXd among = squared_distances(from, from), apart = squared_distances(from, to);
+  Eigen::MatrixXd covariance = kernel(bumps(among, bend_mm, bend_reach_mm), bumps(among, fine_mm, fine_reach_mm), from);
   covariance.diagonal().array() += 1e-6 * covariance.diagonal().maxCoeff();
   const Eigen::LLT<Eigen::MatrixXd> root(covariance);
-  return root.matrixL().solve(kernel(nodes_, at, freedom)).transpose();
+  const Eigen::MatrixXd bend = bumps(apart, bend_mm, bend_reach_mm), fine = bumps(apart, fine_mm, fine_reach_mm);
+  Basis basis{root.matrixL().solve(kernel(bend, fine, to)).transpose(), {}};
+  if (!with_slopes) return basis;
+  const Eigen::MatrixXd steepness = bend / (bend_reach_mm * bend_reach_mm) + fine / (fine_reach_mm * fine_reach_mm);
+  for (int d = 0; d < 3; ++d) {
+    const Eigen::MatrixXd away = (-to.col(d).transpose()).replicate(from.rows(), 1).colwise() + from.col(d);
+    const Eigen::MatrixXd slopes = steepness.cwiseProduct(away).colwise() + stretch * from.col(d);
+    basis.slope[static_cast<std::size_t>(d)] = root.matrixL().solve(slopes).transpose();
+  }
+  return basis;
 }
 
-CoherentMatch::Drawn CoherentMatch::drawn(const Points& own, const Points& normals, double near_mm,
+/// Normals turn by the inverse transpose of the displacement's derivative, which its cofactors are but for their size.
+CoherentMatch::Samples CoherentMatch::displaced(const Samples& samples, const Basis& basis, const Coefficients& by) {
+  Samples moved{samples.points + basis.value * by, samples.normals, samples.area_mm2};
+  const std::array<Points, 3> slope{basis.slope[0] * by, basis.slope[1] * by, basis.slope[2] * by};
+  for (Index i = 0; i < samples.points.rows(); ++i) {
+    const Vec3 x = Vec3::UnitX() + slope[0].row(i).transpose(), y = Vec3::UnitY() + slope[1].row(i).transpose(),
+               z = Vec3::UnitZ() + slope[2].row(i).transpose();
+    const auto& before = samples.normals.row(i);
+    const Vec3 normal = before.x() * y.cross(z) + before.y() * z.cross(x) + before.z() * x.cross(y);
+    const double length = normal.norm();
+    if (length > 0) moved.normals.row(i) = normal.transpose() / length;
+  }
+  return moved;
+}
+
+CoherentMatch::Drawn CoherentMatch::drawn(const Samples& own, const Samples& there, double near_mm,
                                           double facing) const {
   // The exponent of each pair is minus half the squared distance between rows of place and normal.
-  const auto joint = [&](const Points& points, const Points& facing_to) {
-    Eigen::MatrixXf rows(points.rows(), 6);
-    rows.leftCols(3) = ((points.rowwise() - centre_) / near_mm).cast<float>();
-    rows.rightCols(3) = (facing * facing_to).cast<float>();
+  const auto joint = [&](const Samples& samples) {
+    Eigen::MatrixXf rows(samples.points.rows(), 6);
+    rows.leftCols(3) = ((samples.points.rowwise() - centre_) / near_mm).cast<float>();
+    rows.rightCols(3) = (facing * samples.normals).cast<float>();
     return rows;
   };
-  const Eigen::MatrixXf a = joint(own, normals), b = joint(there_.points, there_.normals);
+  const Eigen::MatrixXf a = joint(own), b = joint(there);
   const Eigen::VectorXf a2 = a.rowwise().squaredNorm() / 2, b2 = b.rowwise().squaredNorm() / 2;
   Eigen::MatrixXf likely = a * b.transpose();
   likely.colwise() -= a2;
@@ -114,41 +146,56 @@ CoherentMatch::Drawn CoherentMatch::drawn(const Points& own, const Points& norma
   likely = likely.array().max(least_exponent).min(0).exp().matrix();
 
   const auto none = static_cast<float>(unmatched * 2 * std::numbers::pi * near_mm * near_mm);
-  const Eigen::VectorXf of_there = (likely.transpose() * own_.area_mm2).array() + none,
-                        of_own = (likely * there_.area_mm2).array() + none;
-  const Eigen::VectorXf back = there_.area_mm2.cwiseQuotient(of_there), forth = own_.area_mm2.cwiseQuotient(of_own);
-  const Rows3f places = (there_.points.rowwise() - centre_).cast<float>();
+  const Eigen::VectorXf of_there = (likely.transpose() * own.area_mm2).array() + none,
+                        of_own = (likely * there.area_mm2).array() + none;
+  const Eigen::VectorXf back = there.area_mm2.cwiseQuotient(of_there), forth = own.area_mm2.cwiseQuotient(of_own);
+  const Rows3f places = (there.points.rowwise() - centre_).cast<float>();
   const Eigen::VectorXf weights =
-      own_.area_mm2.cwiseProduct(likely * back) + forth.cwiseProduct(likely * there_.area_mm2);
-  const Rows3f sums = own_.area_mm2.asDiagonal() * (likely * (back.asDiagonal() * places)) +
-                      forth.asDiagonal() * (likely * (there_.area_mm2.asDiagonal() * places));
-  Drawn drawn{own, weights.cast<double>()};
-  for (Index i = 0; i < own.rows(); ++i)
+      own.area_mm2.cwiseProduct(likely * back) + forth.cwiseProduct(likely * there.area_mm2);
+  const Rows3f sums = own.area_mm2.asDiagonal() * (likely * (back.asDiagonal() * places)) +
+                      forth.asDiagonal() * (likely * (there.area_mm2.asDiagonal() * places));
+  Drawn drawn{own.points, weights.cast<double>()};
+  for (Index i = 0; i < own.points.rows(); ++i)
     if (weights[i] > 0) drawn.targets.row(i) = (sums.row(i) / weights[i]).cast<double>() + centre_;
   return drawn;
 }
 
-Points CoherentMatch::match(const MatchFreedom& freedom, const KnownMatches& known) const {
-  const Eigen::MatrixXd own_basis = basis(own_.points, freedom), basis_of_all = basis(placed_.points, freedom),
-                        known_basis = basis(known.from, freedom);
-  const double noise_mm = warp_lengths(bounds_of(placed_.points).diagonal().norm()).noise_mm;
+/// That of `own` which matches it with `there`.
+CoherentMatch::Coefficients CoherentMatch::displacement(const Samples& own, const Samples& there,
+                                                        const MatchFreedom& freedom, const KnownMatches& known) const {
+  const Basis at_own = basis(own.points, freedom, true);
+  const Eigen::MatrixXd at_known = basis(known.from, freedom, false).value;
+  const double noise_mm = warp_lengths(bounds_of(placed_).diagonal().norm()).noise_mm;
   const VertexScalars sure = known.trust / (noise_mm * noise_mm);
-  const Eigen::MatrixXd known_information = known_basis.transpose() * sure.asDiagonal() * known_basis,
-                        known_pull = known_basis.transpose() * (sure.asDiagonal() * (known.to - known.from));
-  const double a_sample = static_cast<double>(own_.points.rows()) / (2 * size_mm_ * size_mm_ * freedom.together);
-  Mesh mesh = placed_;
+  const Eigen::MatrixXd known_information = at_known.transpose() * sure.asDiagonal() * at_known,
+                        known_pull = at_known.transpose() * (sure.asDiagonal() * (known.to - known.from));
+  const double a_sample = static_cast<double>(own.points.rows()) / (2 * size_mm_ * size_mm_ * freedom.together);
+  Coefficients found = Coefficients::Zero(nodes_.rows(), 3);
   for (int round = 0; round < matching_rounds; ++round) {
     const double share = static_cast<double>(round) / (matching_rounds - 1);
     const double near_mm = size_mm_ * first_near * std::pow(last_near / first_near, share);
-    const auto [targets, weights] =
-        drawn(mesh.points(own_at_, Eigen::all), vertex_normals(mesh)(own_at_, Eigen::all), near_mm, freedom.facing);
+    const auto [targets, weights] = drawn(displaced(own, at_own, found), there, near_mm, freedom.facing);
     const VertexScalars believed = a_sample / (near_mm * near_mm) * weights;
-    Eigen::MatrixXd information = own_basis.transpose() * believed.asDiagonal() * own_basis + known_information;
+    Eigen::MatrixXd information = at_own.value.transpose() * believed.asDiagonal() * at_own.value + known_information;
     information.diagonal().array() += 1;
-    const Eigen::MatrixXd pull = own_basis.transpose() * (believed.asDiagonal() * (targets - own_.points)) + known_pull;
-    mesh.points = placed_.points + basis_of_all * information.llt().solve(pull);
+    const Eigen::MatrixXd pull =
+        at_own.value.transpose() * (believed.asDiagonal() * (targets - own.points)) + known_pull;
+    found = information.llt().solve(pull);
   }
-  return mesh.points;
+  return found;
+}
+
+CoherentMatch::Ways CoherentMatch::match(const MatchFreedom& freedom, const KnownMatches& known) const {
+  const auto displacement_at = [&](const Points& at, const Coefficients& by) {
+    return Points(basis(at, freedom, false).value * by);
+  };
+  const Coefficients to_surface = displacement(own_.moved, there_.still, freedom, known),
+                     to_shape = displacement(there_.moved, own_.still, freedom, {known.to, known.from, known.trust});
+  const Points forth = placed_ + displacement_at(placed_, to_surface);
+  // Each round comes nearer to what `to_shape` takes to where the shape is placed.
+  Points back = forth;
+  for (int round = 0; round < turning_rounds; ++round) back = placed_ - displacement_at(back, to_shape);
+  return {forth, back};
 }
 
 }  // namespace homolog

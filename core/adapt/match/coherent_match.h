@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "core/mesh/topology.h"
@@ -29,6 +30,9 @@ struct KnownMatches {
 /// as near falls. So differences of the whole (a twist, another length of a shaft) are found before details. A search
 /// for nearest points slides past them. [Myronenko and Song 2010, Coherent Point Drift; Hirose 2021, Bayesian coherent
 /// point drift; normals and both directions added.]
+/// The shape is displaced to the surface, and the surface to the shape. The mean of the first displacement and of the
+/// second one turned round does not depend on which shape is the template [Christensen and Johnson 2001, inverse
+/// consistency].
 /// All lengths are shares of the shapes' sizes. One thread, no random numbers.
 class CoherentMatch {
  public:
@@ -36,8 +40,13 @@ class CoherentMatch {
   /// under its similarity, LPS mm. `surface`: what it is matched with, outward oriented, LPS mm.
   CoherentMatch(const Points& reference, const Mesh& placed, const Mesh& surface);
 
-  /// The placed template displaced, n×3, LPS mm.
-  Points match(const MatchFreedom& freedom, const KnownMatches& known) const;
+  /// The placed template displaced, n×3, LPS mm: by what takes it to the surface, and against what takes the surface to
+  /// it.
+  struct Ways {
+    Points forth, back;
+    Points mean() const { return (forth + back) / 2; }
+  };
+  Ways match(const MatchFreedom& freedom, const KnownMatches& known) const;
 
  private:
   /// Points with their normals and the area that each stands for.
@@ -45,20 +54,34 @@ class CoherentMatch {
     Points points, normals;
     Eigen::VectorXf area_mm2;
   };
-  /// Where the samples of the shape are drawn to, and how much each is believed (area of both directions, mm²).
+  /// A surface has few samples, evenly spread, where it is displaced, and many where it stays.
+  struct Side {
+    Samples moved, still;
+  };
+  /// Where samples are drawn to, and how much each is believed (area of both directions, mm²).
   struct Drawn {
     Points targets;
     VertexScalars weights;
   };
-  static Samples samples_of(const Mesh& mesh, const std::vector<Eigen::Index>& at);
-  Drawn drawn(const Points& own, const Points& normals, double near_mm, double facing) const;
-  Eigen::MatrixXd kernel(const Points& a, const Points& b, const MatchFreedom& freedom) const;
-  Eigen::MatrixXd basis(const Points& at, const MatchFreedom& freedom) const;
+  /// Functions of place whose sum with independent standard normal coefficients is a displacement: their values at k
+  /// places, and their slopes there along x, y and z (k×nodes each).
+  struct Basis {
+    Eigen::MatrixXd value;
+    std::array<Eigen::MatrixXd, 3> slope;
+  };
+  using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, 3>;  ///< nodes×3: of a displacement
 
-  Mesh placed_;
-  std::vector<Eigen::Index> own_at_;  ///< vertices of the template that are sampled
-  Points nodes_;                      ///< where the displacement is represented
-  Samples own_, there_;
+  static Samples samples_of(const Mesh& mesh, const Points& normals, const std::vector<Eigen::Index>& at);
+  static Side side_of(const Mesh& mesh, const std::vector<Eigen::Index>& moved);
+  Basis basis(const Points& at, const MatchFreedom& freedom, bool with_slopes) const;
+  static Samples displaced(const Samples& samples, const Basis& basis, const Coefficients& by);
+  Drawn drawn(const Samples& own, const Samples& there, double near_mm, double facing) const;
+  Coefficients displacement(const Samples& own, const Samples& there, const MatchFreedom& freedom,
+                            const KnownMatches& known) const;
+
+  Points placed_;
+  Points nodes_;  ///< where a displacement is represented
+  Side own_, there_;
   Eigen::RowVector3d centre_;
   double radius_mm_, size_mm_;  ///< root mean square from the centre; root of the surface's area
 };

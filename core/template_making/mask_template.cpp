@@ -109,15 +109,16 @@ class Making {
     limits.keep = automatic ? 0 : rule.genus;
     limits.first_below_mm = auto_width_share * size_mm_;
     limits.fill_below_mm = automatic ? fill_below_mm() : widest_mm();
+    limits.fill_any = !automatic;
     // A strand that is thinner than the mesh can show would be meshed badly, wherever it leads.
     limits.sever_below_mm = !options_.severs ? 0 : automatic ? 1.5 * edge_mm_ : widest_mm();
     limits.reach_mm = 0.5 * edge_mm_;
     TunnelCut cut = cut_tunnels(surface_, limits);
     if (!automatic && cut.genus != rule.genus)
-      return fail("", label_name(options_.label) + " has " + std::to_string(cut.genus_before) +
-                          (cut.genus < rule.genus ? " tunnels, fewer than --genus "
-                                                  : " tunnels, and cannot be brought to --genus ") +
-                          std::to_string(rule.genus) + "; use --genus keep or a smaller closing radius");
+      return fail("", label_name(options_.label) + " has " + count_of_tunnels(cut.genus_before) +
+                          (cut.genus < rule.genus ? ", fewer than --genus " : ", and cannot be brought to --genus ") +
+                          std::to_string(rule.genus) + "; use --genus keep" +
+                          (cut.genus < rule.genus && made_.closing_mm > 0 ? " or a smaller closing radius" : ""));
     surface_ = std::move(cut.surface);
     made_.tunnels.insert(made_.tunnels.end(), cut.tunnels.begin(), cut.tunnels.end());
     return show(TemplateStage::tunnels_cut, fraction);

@@ -130,6 +130,12 @@ TEST_CASE("of a thin skull riddled with pores comes a template without faults th
   CHECK((made.from_mesh.mean_mm < 0.5 || said("from the surface on average")));
 }
 
+TEST_CASE("a thin skull that is rebuilt keeps its walls") {
+  const MeshTemplate made = make_mesh_template(thin_skull(0.12, 20, 0.2), with_vertices(5000)).value();
+  REQUIRE(made.rebuilt);
+  CHECK(made.from_mesh.max_mm < 1.2);
+}
+
 TEST_CASE("tunnels of a surface are cut to the number that is asked for") {
   const MeshFile ring = surface_file(shapes::torus(36, 18, 20, 8));
   CHECK(make_mesh_template(ring, with_vertices(400)).value().mesh.topology->genus() == 1);

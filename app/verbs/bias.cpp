@@ -23,6 +23,7 @@ Result<Report> study_bias(const BiasJob& options, Progress& progress) {
   if (!bias) return fail(options.subjects.files.front().string(), bias.error().what);
   Report report;
   report.warnings = std::move(read->warnings);
+  report.warnings.insert(report.warnings.end(), bias->warnings.begin(), bias->warnings.end());
   for (const std::string& name : bias->failed)
     report.warnings.push_back(name + ": its template did not fit all subjects, so it is left out as a start");
   report.values = {

@@ -61,10 +61,12 @@ double mean_error(const std::map<std::string, double>& errors) {
   return errors.empty() ? 0 : sum / static_cast<double>(errors.size());
 }
 
-Result<std::shared_ptr<const Template>> expert_template(const BiasSubject& subject, int vertices) {
-  const auto mesh = own_template(subject.boundary, vertices);
-  if (!mesh) return fail(subject.name, mesh.error().what);
-  MeshFile file{mesh->points, mesh->topology->triangles()};
+Result<std::shared_ptr<const Template>> expert_template(const BiasSubject& subject, int vertices,
+                                                        std::vector<std::string>& warnings) {
+  const auto own = own_template(subject.boundary, vertices);
+  if (!own) return fail(subject.name, own.error().what);
+  for (const std::string& warning : own->warnings) warnings.push_back(subject.name + ", as a template: " + warning);
+  MeshFile file{own->mesh.points, own->mesh.topology->triangles()};
   file.landmarks = subject.landmarks;
   return make_template(std::move(file), subject.name);
 }
@@ -264,7 +266,7 @@ Result<Report> study_experts(const ExpertsJob& options, Progress& progress) {
   const std::size_t count = std::min(static_cast<std::size_t>(options.templates), subjects.size());
   for (std::size_t t = 0; t < count; ++t) {
     const std::size_t own = t * subjects.size() / count;  // spread over the names
-    auto the_template = expert_template(subjects[own], options.subjects.vertices);
+    auto the_template = expert_template(subjects[own], options.subjects.vertices, read->warnings);
     if (!the_template) return fail(the_template.error());
     for (const ExpertMethod method : methods)
       for (std::size_t k = 0; k < subjects.size(); ++k) {

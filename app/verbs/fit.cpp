@@ -104,7 +104,7 @@ Result<Target> read_target(const Options& options, const fs::path& path, Eigen::
     const auto file = read_mesh_to_mend(path);
     if (!file) return fail(file.error());
     const auto started = Clock::now();
-    auto boundary = surface_boundary(*file, vertices);
+    auto boundary = surface_boundary(*file, vertices, &progress);
     if (!boundary) return fail(path.string(), boundary.error().what);
     return Target{started, std::move(*boundary), std::nullopt, 0};
   }
@@ -123,10 +123,7 @@ MeshFile fitted_file(const Template& the_template, const FitResult& fit, bool pa
   file.points = fit.mesh.points;
   file.landmarks = fit.landmarks;
   if (fit.doubt_mm.size() > 0) file.doubt_mm = fit.doubt_mm;
-  if (partial) {
-    file.outlier = VertexScalars::Zero(fit.mesh.points.rows());
-    for (const std::int32_t i : fit.outliers) (*file.outlier)[i] = 1;
-  }
+  if (partial) file.outlier = outlier_marks(fit);
   if (!fit.unseen.empty()) file.comments.push_back("homolog.unseen " + Json(fit.unseen).dump());
   return file;
 }

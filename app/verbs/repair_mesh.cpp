@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -7,6 +8,7 @@
 #include "app/verbs/mended.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/mesh_quality.h"
 
 // The verb `repair-mesh`: a manifold mesh from whatever faces a file holds.
 
@@ -29,12 +31,64 @@ double longest_rim_share(const std::string& holes) {
   return holes == "small" ? small_rim_share : std::numeric_limits<double>::infinity();
 }
 
-/// Whether the surface has more tunnels than the rule leaves.
-bool needs_rebuilding(const Mesh& mesh, const GenusRule& rule) {
+/// Whether a part has more tunnels than the rule leaves.
+bool needs_rebuilding(const Mesh& part, const GenusRule& rule) {
   MeshFaults faults;
-  faults.tunnels = mesh.topology->genus();
-  if (rule.kind == GenusRule::Kind::number) return faults.tunnels != rule.genus;
+  faults.tunnels = part.topology->genus();
+  if (rule.kind == GenusRule::Kind::number) return faults.tunnels > rule.genus;
   return rule.kind == GenusRule::Kind::automatic && faults.riddled();
+}
+
+/// A surface whose tunnels were cut where need be, with what is said of that.
+struct Cut {
+  Mesh mesh;
+  bool rebuilt = false;
+  Json further = Json::object();
+  std::vector<std::string> warnings;
+};
+
+int vertices_of(const RepairJob& job, const Mesh& group, double share) {
+  if (job.vertices > 0) return std::max(fewest_vertices, static_cast<int>(std::lround(share * job.vertices)));
+  return std::clamp(static_cast<int>(group.points.rows()), fewest_vertices, most_vertices);
+}
+
+/// The rule holds for each part by itself. Parts that lie together are made anew together.
+Result<Cut> tunnels_cut(const Mesh& surface, const RepairJob& job, Progress& progress) {
+  const GenusRule rule = genus_rule(job.genus);
+  const std::vector<Mesh> groups = neighbouring_parts(surface);
+  const int tunnels = largest_part(groups.front()).topology->genus();
+  if (rule.kind == GenusRule::Kind::number && tunnels < rule.genus)
+    return fail("", "has " + count_of_tunnels(tunnels) + ", fewer than --genus " + std::to_string(rule.genus) +
+                        "; use --genus keep");
+  const double area_mm2 = surface_area_mm2(surface);
+  Cut cut;
+  std::vector<Mesh> parts;
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    progress.part(static_cast<double>(k) / static_cast<double>(groups.size()),
+                  static_cast<double>(k + 1) / static_cast<double>(groups.size()));
+    if (!needs_rebuilding(largest_part(groups[k]), rule)) {
+      parts.push_back(groups[k]);
+      continue;
+    }
+    MeshTemplateOptions making;
+    making.genus = rule;
+    making.vertices = vertices_of(job, groups[k], surface_area_mm2(groups[k]) / area_mm2);
+    auto made = make_mesh_template({groups[k].points, groups[k].topology->triangles()}, making, &progress);
+    if (!made) return fail(made.error());
+    if (!groups[k].topology->closed())
+      cut.warnings.push_back("holes that --holes " + job.holes +
+                             " leaves open were closed flat, because what is made anew from voxels is closed");
+    cut.warnings.insert(cut.warnings.end(), made->warnings.begin(), made->warnings.end());
+    if (!cut.rebuilt) {  // of the largest
+      if (made->rebuilt) cut.further["rebuilt"] = json_of(*made->rebuilt);
+      cut.further["distance_to_mesh_mm"] = json_of(made->to_mesh);
+      cut.further["distance_from_mesh_mm"] = json_of(made->from_mesh);
+    }
+    cut.rebuilt = true;
+    parts.push_back(std::move(made->mesh));
+  }
+  cut.mesh = cut.rebuilt ? joined(parts) : surface;
+  return cut;
 }
 
 MeshFile file_of(const Mesh& mesh, const MeshFile& before, std::vector<std::string>& warnings) {
@@ -53,33 +107,17 @@ Result<Report> repair(const RepairJob& job, Progress& progress) {
   if (!before) return fail(before.error());
   const auto repair = repaired(*before, {longest_rim_share(job.holes)});
   if (!repair) return fail(job.in.string(), repair.error().what);
-  const GenusRule rule = genus_rule(job.genus);
+  const auto cut = tunnels_cut(repair->mesh, job, progress);
+  if (!cut) return fail(job.in.string(), cut.error().what);
   std::vector<std::string> warnings = before->warnings;
-  Json further{{"mended", json_of(repair->mended)}};
-  MeshFile file;
-  if (needs_rebuilding(repair->mesh, rule)) {
-    MeshTemplateOptions making;
-    making.genus = rule;
-    making.vertices = job.vertices > 0
-                          ? job.vertices
-                          : std::clamp(static_cast<int>(repair->mesh.points.rows()), fewest_vertices, most_vertices);
-    const auto made = make_mesh_template(*before, making, &progress);
-    if (!made) return fail(job.in.string(), made.error().what);
-    warnings = made->warnings;
-    file = file_of(made->mesh, *before, warnings);
-    further["mended"] = json_of(made->mended);
-    if (made->rebuilt) further["rebuilt"] = json_of(*made->rebuilt);
-    further["distance_to_mesh_mm"] = json_of(made->to_mesh);
-    further["distance_from_mesh_mm"] = json_of(made->from_mesh);
-  } else if (repair->mended.any()) {
-    warnings.push_back("was mended: " + repair->mended.words());
-    file = file_of(repair->mesh, *before, warnings);
-  } else {
-    file = *before;
-  }
+  if (repair->mended.any()) warnings.push_back("was mended: " + repair->mended.words());
+  warnings.insert(warnings.end(), cut->warnings.begin(), cut->warnings.end());
+  const bool changed = repair->mended.any() || cut->rebuilt;
+  const MeshFile file = changed ? file_of(cut->mesh, *before, warnings) : *before;
   auto report = describe(file, job.out);
   if (!report) return report;
-  report->values.update(further);
+  report->values["mended"] = json_of(repair->mended);
+  report->values.update(cut->further);
   report->warnings = about(job.in, std::move(warnings));
   for (std::string& fault : faults_of(file, job.out)) report->warnings.push_back(std::move(fault));
   if (auto written = write_mesh_file(file, job.out); !written) return fail(written.error());
@@ -97,10 +135,11 @@ void add_repair_mesh(CLI::App& app, CommandLine& asked) {
                    "small: holes with a rim of up to half the surface's diagonal are closed; all; keep: none is")
       ->check(CLI::IsMember({"small", "all", "keep"}))
       ->capture_default_str();
-  add_genus_option(*verb, job->genus,
-                   "Tunnels. keep: all stay; a number: the narrowest are cut until so many are left; auto: narrow ones "
-                   "are cut where there are more than 16. Cutting makes the surface anew from voxels");
-  verb->add_option("--vertices", job->vertices, "How many vertices, where the surface is made anew")
+  add_genus_option(
+      *verb, job->genus,
+      "Tunnels of each part. keep: all stay; a number: the narrowest are cut until so many are left; auto: "
+      "narrow ones are cut where there are more than 16. Cutting makes the part anew from voxels");
+  verb->add_option("--vertices", job->vertices, "How many vertices, where all of the surface is made anew")
       ->check(CLI::Range(100, 200000));
   verb->callback([job, &asked] { asked.run = [job](Progress& progress) { return repair(*job, progress); }; });
 }

@@ -28,7 +28,7 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
   if (is_mesh_name(path)) {
     const auto mesh = read_mesh_to_mend(path);
     if (!mesh) return fail(mesh.error());
-    auto boundary = surface_boundary(*mesh, files.vertices);
+    auto boundary = surface_boundary(*mesh, files.vertices, &progress);
     if (!boundary) return fail(path.string(), boundary.error().what);
     subject.boundary = std::move(*boundary);
   } else {

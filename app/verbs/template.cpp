@@ -188,6 +188,8 @@ Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
   std::vector<std::string> warnings = std::move(read->warnings);
   Json names = Json::array();
   for (const BiasSubject& subject : read->subjects) names.push_back(subject.name);
+  for (const std::string& warning : made->warnings)
+    warnings.push_back(read->subjects[made->start].name + ", where the consensus starts: " + warning);
   for (const std::size_t k : made->left_out)
     warnings.push_back(read->subjects[k].name + ": could not be fitted, so the template is made without it");
   if (!made->rests)

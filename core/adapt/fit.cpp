@@ -12,6 +12,7 @@
 #include "core/adapt/boundary/cut_faces.h"
 #include "core/adapt/match/coherent_match.h"
 #include "core/adapt/untangle.h"
+#include "core/base/index.h"
 #include "core/deform/fold_guard.h"
 #include "core/deform/gesture.h"
 #include "core/deform/local_rotations.h"
@@ -36,6 +37,13 @@ constexpr double less_strain_counts = 12;  ///< the power of the strain by which
 constexpr double least_doubt = 0.012, doubt_by_strain = 0.12;
 constexpr double no_nearer = 1.5;  ///< times the force left: a mesh farther off the boundary counts for nothing
 constexpr int settling_steps = 3;
+/// Where an end of an organ is missing, the placement tends to be too small and too near: other placements of a partial
+/// fit are tried, `growth` times as large and moved by `shift` (of the diagonal) towards what is missing.
+struct OtherPlacement {
+  double growth, shift;
+};
+constexpr OtherPlacement other_placements[] = {{1.06, 0}, {1.12, 0}, {1, 0.05}};
+constexpr double about_as_likely = 1.15;  ///< times the least strain of the ways that were tried
 /// Of the mesh's diagonal: how far a partial fit looks for counterparts, at first and at last.
 constexpr double widest_reach = 0.1, closest_reach = 0.015;
 constexpr double easing_edges = 1;      ///< mean edges: folds of the template finer than about this are eased
@@ -81,7 +89,8 @@ class Fitting {
   Result<FitResult> run() {
     if (auto placed = place(); !placed) return fail(placed.error());
     if (options_.allowed) return among_allowed();
-    if (auto done = adapt_from_starts(); !done) return fail(done.error());
+    const bool tries_placements = options_.partial && !warped();
+    if (auto done = tries_placements ? adapt_from_placements() : adapt_from_starts(); !done) return fail(done.error());
     return finish();
   }
 
@@ -186,6 +195,64 @@ class Fitting {
       }
     }
     return all;
+  }
+
+  /// What lies of a mesh where the boundary lacks the organ: 1 there, else 0.
+  VertexScalars missing_in(const Mesh& mesh) {
+    VertexScalars missing = VertexScalars::Zero(mesh.points.rows());
+    for (const std::int32_t i : search_.missing(mesh)) missing[i] = 1;
+    return missing;
+  }
+
+  /// The placements to try beside the one that was found. Each keeps the place that is farthest from what is missing.
+  std::vector<Similarity> other_placements_of(const Mesh& mesh, const VertexScalars& missing) const {
+    const VertexScalars there = (1 - missing.array()).matrix();
+    if (!(missing.sum() > 0) || !(there.sum() > 0)) return {};
+    const Vec3 towards = mesh.points.transpose() * (missing / missing.sum() - there / there.sum());
+    const Vec3 along = towards.stableNormalized();
+    Eigen::Index farthest = 0;
+    (mesh.points * along).minCoeff(&farthest);
+    const Vec3 kept = mesh.points.row(farthest);
+    const double size_mm = bounds_of(mesh.points).diagonal().norm();
+    std::vector<Similarity> placements;
+    for (const auto& [growth, shift] : other_placements) {
+      Similarity other = found_;
+      other.scale *= growth;
+      other.translation = kept + growth * (found_.translation - kept) + shift * size_mm * along;
+      placements.push_back(other);
+    }
+    return placements;
+  }
+
+  /// A partial fit: of several placements the one from which what is there is strained least.
+  Result<void> adapt_from_placements() {
+    part_of_progress_ = {0, 1 + std::size(other_placements)};
+    auto first = adapt({shape_.mesh.points, from_placement});
+    if (!first) return fail(first.error());
+    struct Tried {
+      Adapted way;
+      double strain;  ///< of what is there
+    };
+    std::vector<Tried> tried;
+    const auto add = [&](Adapted way, const VertexScalars& missing) {
+      const double there = std::max(1 - missing.mean(), 0.01);
+      tried.push_back({std::move(way), way.strain / there});
+    };
+    const VertexScalars missing = missing_in(first->shape.mesh);
+    const auto others = other_placements_of(first->shape.mesh, missing);
+    add(std::move(*first), missing);
+    for (const Similarity& placement : others) {
+      ++part_of_progress_.first;
+      found_ = placement;
+      auto way = adapt({placement.apply(reference_.points), from_placement});
+      if (!way) return fail(way.error());
+      if (way->force_mm2 <= no_nearer * tried.front().way.force_mm2) add(std::move(*way), missing_in(way->shape.mesh));
+    }
+    std::stable_sort(tried.begin(), tried.end(), [](const Tried& a, const Tried& b) { return a.strain < b.strain; });
+    for (const Tried& one : tried)
+      if (one.strain <= about_as_likely * tried.front().strain) ways_.push_back(one.way);
+    shape_ = ways_.front().shape;
+    return {};
   }
 
   /// Several ways onto the boundary, averaged by how little they strain the shape.
@@ -331,20 +398,30 @@ class Fitting {
     return show(0.95);
   }
 
-  VertexScalars doubt_mm() const {
+  /// `outliers`: what is not there may be strained as much as what is there, all the way from it.
+  VertexScalars doubt_mm(const std::vector<std::int32_t>& outliers) const {
     const Mesh& mesh = shape_.mesh;
     VertexScalars spread_mm2 = VertexScalars::Zero(mesh.points.rows());
     for (const Adapted& way : ways_) spread_mm2 += (way.shape.mesh.points - mesh.points).rowwise().squaredNorm();
     if (!ways_.empty()) spread_mm2 /= static_cast<double>(ways_.size());
     const double strained = ways_.empty() ? strain() : ways_.front().strain;
     const double everywhere = least_doubt * least_doubt + doubt_by_strain * doubt_by_strain * strained;
-    return (spread_mm2.array() + everywhere * surface_area_mm2(mesh)).sqrt();
+    VertexScalars doubt_mm2 = spread_mm2.array() + everywhere * surface_area_mm2(mesh);
+    std::vector<char> lacking(index(mesh.points.rows()), 0);
+    for (const std::int32_t i : outliers) lacking[index(i)] = 1;
+    for (const std::int32_t i : outliers) {
+      double nearest_mm2 = std::numeric_limits<double>::infinity();
+      for (Eigen::Index j = 0; j < mesh.points.rows(); ++j)
+        if (lacking[index(j)] == 0)
+          nearest_mm2 = std::min(nearest_mm2, (mesh.points.row(i) - mesh.points.row(j)).squaredNorm());
+      if (std::isfinite(nearest_mm2)) doubt_mm2[i] += strained * nearest_mm2;
+    }
+    return doubt_mm2.cwiseSqrt();
   }
 
   FitResult finish() {
     Mesh& mesh = shape_.mesh;
     FitResult result;
-    result.doubt_mm = doubt_mm();
     result.placement = nearest_similarity(reference_.points, mesh.points, shape_.placement);
     result.turned_triangles =
         turned_triangles(*mesh.topology, result.placement.apply(reference_.points), mesh.points).size();
@@ -352,6 +429,7 @@ class Fitting {
     for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
       if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
     if (options_.partial) result.outliers = search_.missing(mesh);
+    result.doubt_mm = doubt_mm(result.outliers);
     result.landmarks = carried_landmarks(reference_, mesh.points);
     result.landmarks_used = static_cast<std::size_t>((trust_.array() >= trusted).count());
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
@@ -390,6 +468,12 @@ Result<FitResult> fit_within(const Template& the_template, const Boundary& bound
 }
 
 }  // namespace
+
+VertexScalars outlier_marks(const FitResult& fit) {
+  VertexScalars marks = VertexScalars::Zero(fit.mesh.points.rows());
+  for (const std::int32_t i : fit.outliers) marks[i] = 1;
+  return marks;
+}
 
 Result<FitResult> fit_to_boundary(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
   if (!options.allowed) return fit_within(the_template, boundary, options);

@@ -31,7 +31,8 @@ struct FitResult {
   Mesh mesh;             ///< in the template's numbering, LPS mm
   /// Per vertex: the root mean square distance (mm, in 3D) from where it is to where it might belong. It is made of how
   /// far the ways onto the boundary lie apart, and of how much the shape is strained in all. The scale of the second
-  /// was set on experts' landmarks (docs/correspondence.md): about nine in ten lie within 1.44 times this.
+  /// was set on experts' landmarks (docs/correspondence.md): about nine in ten lie within 1.44 times this. Of a partial
+  /// fit outliers have more, the farther they lie from what is there.
   VertexScalars doubt_mm;
   Points allowed;                    ///< the nearest of the allowed shapes (n×3); empty where any was allowed
   std::vector<Landmark> landmarks;   ///< the template's, carried along on the surface
@@ -43,6 +44,9 @@ struct FitResult {
   bool landmarks_place = false;       ///< three or more were used, so that they had a say in the placement too
   std::vector<std::string> warnings;  ///< each a sentence
 };
+
+/// Of each vertex: 1 where it is an outlier, else 0.
+VertexScalars outlier_marks(const FitResult& fit);
 
 /// Adapts a template to a boundary without a hand: placed by a similarity, then annealed [annealing.h] with force
 /// targets on the boundary in both directions and on the landmarks; at the end vertices on the boundary, spread as in

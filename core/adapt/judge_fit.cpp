@@ -54,7 +54,12 @@ void judge_partial(const Boundary& boundary, const FitResult& fit, FitJudgement&
       sum_mm += (search.nearest(points.row(i)).position - Vec3(points.row(i))).norm();
   const auto there = static_cast<double>(points.rows() - std::ssize(fit.outliers));
   judgement.sound_mm = there > 0 ? sum_mm / there : 0;
-  judgement.doubtful = there < (1 - most_missing) * static_cast<double>(points.rows()) ||
+  // What is missing is in doubt by nature.
+  double sound_doubt_mm = 0;
+  for (Eigen::Index i = 0; i < fit.doubt_mm.size(); ++i)
+    if (missing[static_cast<std::size_t>(i)] == 0) sound_doubt_mm += fit.doubt_mm[i] / there;
+  const bool in_doubt = sound_doubt_mm > most_doubt_share * std::sqrt(surface_area_mm2(fit.mesh));
+  judgement.doubtful = in_doubt || there < (1 - most_missing) * static_cast<double>(points.rows()) ||
                        judgement.sound_mm > most_mean_share * bounds_of(boundary.surface.points).diagonal().norm();
 }
 

@@ -16,8 +16,8 @@ inline constexpr double most_doubt_share = 0.06;  ///< real organs of the templa
 struct FitJudgement {
   Agreement agreement;  ///< of the fitted mesh with the boundary
   /// Dice below 0.9, a mean distance above 1 % of the boundary's diagonal, a 95 % distance above 4 %, a mean doubt
-  /// above 6 % of the root of its area, or mirrored. A partial fit: the mean distance of what is there above 1 %, or
-  /// more than 60 % missing.
+  /// above 6 % of the root of its area, or mirrored. A partial fit: the mean distance of what is there above 1 %, its
+  /// mean doubt above 6 % of the root of the mesh's area, or more than 60 % missing.
   bool doubtful = false;
   double sound_mm = 0;                ///< of a partial fit: mean distance of the vertices that are no outliers
   double doubt_share = 0;             ///< the fit's mean doubt, as a share of the root of the boundary's area

@@ -41,6 +41,7 @@ Result<FitEdit> fit_document(const Document& document, const Boundary& boundary,
   FitEdit edit;
   edit.action = points_edit(document, fit->mesh.points, "fit", fit->placement);
   edit.action.doubt_mm = doubt_on_grid(fit->doubt_mm);
+  if (options.partial) edit.action.outlier = std::make_shared<const VertexScalars>(outlier_marks(*fit));
   edit.result = std::move(*fit);
   return edit;
 }

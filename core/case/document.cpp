@@ -17,6 +17,7 @@ MeshFile to_mesh_file(const Document& document, int frame) {
   file.landmarks.clear();
   for (const auto& [name, position] : shape.landmarks) file.landmarks.push_back({name, position});
   if (VertexScalars doubt_mm = doubt_left_mm(shape); doubt_mm.size() > 0) file.doubt_mm = std::move(doubt_mm);
+  if (shape.outlier) file.outlier = *shape.outlier;
   return file;
 }
 

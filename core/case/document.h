@@ -33,6 +33,9 @@ struct Shape {
   std::shared_ptr<const Points> carried;           ///< P as it came from other frames of a cine; null: it did not
   std::string doubt;                              ///< why what was carried here has to be looked at; empty: it need not
   std::shared_ptr<const VertexScalars> doubt_mm;  ///< of the last fit [FitResult::doubt_mm]; null: there is none
+  /// Of the last fit, where it was one to an organ that lacks parts: 1 where the scan lacks the vertex's place, else 0
+  /// [FitResult::outliers]; null: it was none.
+  std::shared_ptr<const VertexScalars> outlier;
 };
 
 /// What is still in doubt of `doubt_mm`: nothing where a vertex is confirmed. Empty where there is no doubt_mm.

@@ -39,7 +39,8 @@ std::optional<MovePoints> moves_of(const Points& before, const SetPoints& edit) 
         move_of(static_cast<std::int64_t>(std::nearbyint(from)), static_cast<std::int64_t>(to));
   }
   return MovePoints{edit.by,       edit.placement, std::make_shared<const std::vector<std::uint32_t>>(std::move(moves)),
-                    edit.of_frame, edit.doubt,     edit.doubt_mm};
+                    edit.of_frame, edit.doubt,     edit.doubt_mm,
+                    edit.outlier};
 }
 
 Result<SetPoints> points_of(const Points& before, const MovePoints& edit) {
@@ -52,7 +53,8 @@ Result<SetPoints> points_of(const Points& before, const MovePoints& edit) {
     if (const std::uint32_t move = (*edit.moves)[static_cast<std::size_t>(k)]; move != 0)
       points.data()[k] = moved(points.data()[k], move);
   return SetPoints{edit.by,       edit.placement, std::make_shared<const Points>(std::move(points)),
-                   edit.of_frame, edit.doubt,     edit.doubt_mm};
+                   edit.of_frame, edit.doubt,     edit.doubt_mm,
+                   edit.outlier};
 }
 
 }  // namespace homolog

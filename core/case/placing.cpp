@@ -57,6 +57,7 @@ void start_anew(const Template& the_template, Shape& shape) {
   shape.decided.reset();
   shape.unaided.reset();
   shape.doubt_mm.reset();
+  shape.outlier.reset();
   shape.strokes = 0;
 }
 

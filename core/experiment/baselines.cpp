@@ -49,15 +49,6 @@ Eigen::MatrixXd matches(const Points& moved, const Points& fixed, double varianc
   return match;
 }
 
-Points closest_on(const Boundary& boundary, const Points& points) {
-  const SurfaceSearch search(boundary.surface);
-  Points closest(points.rows(), 3);
-  in_parallel(points.rows(), [&](Eigen::Index first, Eigen::Index last) {
-    for (Eigen::Index i = first; i < last; ++i) closest.row(i) = search.nearest(points.row(i)).position;
-  });
-  return closest;
-}
-
 Points placed(const Template& the_template, const Boundary& boundary) {
   return find_placement(the_template, boundary).placement.apply(the_template.points);
 }
@@ -103,14 +94,14 @@ Result<Points> point_drift(const Points& moving, const Points& fixed, const Poin
 }
 
 Points closest_points_fit(const Template& the_template, const Boundary& boundary) {
-  return closest_on(boundary, placed(the_template, boundary));
+  return closest_places(boundary.surface, placed(the_template, boundary));
 }
 
 Result<Points> point_drift_fit(const Template& the_template, const Boundary& boundary,
                                const PointDriftOptions& options) {
   const auto drifted = point_drift(placed(the_template, boundary), boundary.surface.points, options);
   if (!drifted) return drifted;
-  return closest_on(boundary, *drifted);
+  return closest_places(boundary.surface, *drifted);
 }
 
 }  // namespace homolog

@@ -9,6 +9,7 @@
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/surface_search.h"
 
 namespace homolog {
 
@@ -61,21 +62,12 @@ Result<int> show_landmarks(EditSession& session, const std::vector<Landmark>& fe
   return 2 * *clicked;
 }
 
-/// Every vertex at the closest point of the target.
-Points projected(const Points& points, const Mesh& target) {
-  const SurfaceSearch search(target);
-  Points moved(points.rows(), 3);
-  for (Eigen::Index i = 0; i < points.rows(); ++i)
-    moved.row(i) = search.nearest(Vec3(points.row(i))).position.transpose();
-  return moved;
-}
-
 Result<void> adapt_without_hand(EditSession& session, const Mesh& target, Adaptation adaptation, Progress* progress) {
   const Document& document = session.document();
   SetPoints result;
   if (adaptation == Adaptation::projection) {
-    result =
-        points_edit(document, projected(*document.shape().points, target), "projection", document.shape().placement);
+    result = points_edit(document, closest_places(target, *document.shape().points), "projection",
+                         document.shape().placement);
   } else {
     FitOptions options;
     options.progress = progress;

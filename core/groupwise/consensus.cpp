@@ -10,12 +10,8 @@
 #include "core/base/parallel.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
-#include "core/mesh/remesh.h"
-#include "core/mesh/surface_search.h"
 #include "core/model/procrustes.h"
 #include "core/placement/similarity_fit.h"
-#include "core/template_making/mask_template.h"
-#include "core/template_making/mesh_template.h"
 
 namespace homolog {
 
@@ -41,17 +37,6 @@ Result<std::shared_ptr<const Template>> template_of(const Mesh& mesh) {
   return make_template({mesh.points, mesh.topology->triangles()}, "consensus");
 }
 
-/// The same surface with its vertices spread evenly.
-Mesh made_even(const Mesh& mesh, int vertices) {
-  const SurfaceSearch search(mesh);
-  const auto project = [&search, hint = std::int32_t{0}](const Vec3& p) mutable {
-    const auto nearest = search.nearest(p, hint);
-    hint = nearest.at.face;
-    return nearest.position;
-  };
-  return renumbered_from_top(remesh_to_count(mesh, vertices, project));
-}
-
 /// The mean of fits (3n×M), centred on 0, upright as the fits are on average.
 Points mean_of(const ShapeMatrix& fits) {
   Points upright = Points::Zero(fits.rows() / 3, 3);
@@ -69,11 +54,9 @@ Points mean_of(const ShapeMatrix& fits) {
 
 }  // namespace
 
-Result<Mesh> own_template(const Boundary& subject, int vertices) {
-  auto made =
-      make_mesh_template({subject.surface.points, subject.surface.topology->triangles()}, {.vertices = vertices});
-  if (!made) return fail(made.error());
-  return std::move(made->mesh);
+Result<MeshTemplate> own_template(const Boundary& subject, int vertices, Progress* progress) {
+  return make_mesh_template({subject.surface.points, subject.surface.topology->triangles()}, {.vertices = vertices},
+                            progress);
 }
 
 Boundary mirrored_boundary(const Boundary& subject) {
@@ -87,8 +70,8 @@ Boundary mirrored_boundary(const Boundary& subject) {
 std::vector<std::size_t> mirrored_subjects(const std::vector<Boundary>& subjects) {
   std::vector<std::size_t> like, unlike;
   if (subjects.empty()) return like;
-  const auto mesh = own_template(subjects[by_size(subjects)[subjects.size() / 2]], coarse_vertices);
-  const auto start = mesh ? template_of(*mesh) : tl::make_unexpected(mesh.error());
+  const auto own = own_template(subjects[by_size(subjects)[subjects.size() / 2]], coarse_vertices);
+  const auto start = own ? template_of(own->mesh) : tl::make_unexpected(own.error());
   if (!start) return like;
   std::vector<char> mirrored(subjects.size());
   for_each_in_parallel(subjects.size(), [&](std::size_t k) { mirrored[k] = looks_mirrored(**start, subjects[k]); });
@@ -99,10 +82,14 @@ std::vector<std::size_t> mirrored_subjects(const std::vector<Boundary>& subjects
 Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, const ConsensusOptions& options) {
   if (subjects.size() < 2) return fail("", "one subject alone has no consensus; give at least two");
   const auto order = by_size(subjects);
-  auto mesh = own_template(subjects[options.start.value_or(order[order.size() / 2])], options.vertices);
-  if (!mesh) return fail(mesh.error());
   Consensus consensus;
-  consensus.mesh = std::move(*mesh);
+  consensus.start = options.start.value_or(order[order.size() / 2]);
+  std::optional<Progress> making;  // next to no time, but it can be cancelled
+  if (options.progress != nullptr) making.emplace(*options.progress, 0);
+  auto first = own_template(subjects[consensus.start], options.vertices, making ? &*making : nullptr);
+  if (!first) return fail(first.error());
+  consensus.mesh = std::move(first->mesh);
+  consensus.warnings = std::move(first->warnings);
   while (!consensus.rests && consensus.rounds < options.most_rounds) {
     const auto the_template = template_of(consensus.mesh);
     if (!the_template) return fail(the_template.error());
@@ -134,7 +121,7 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
     consensus.moved_mm = std::sqrt((mean - before).squaredNorm() / static_cast<double>(mean.rows()));
     consensus.mesh.points = mean;
     consensus.rests = consensus.moved_mm < options.rests_share * std::sqrt(surface_area_mm2(consensus.mesh));
-    consensus.mesh = made_even(consensus.mesh, options.vertices);
+    consensus.mesh = spread_over(consensus.mesh, options.vertices);
     ++consensus.rounds;
   }
   return consensus;

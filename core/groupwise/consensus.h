@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/adapt/boundary/boundary.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/mesh/topology.h"
+#include "core/template_making/mesh_template.h"
 
 namespace homolog {
 
@@ -25,6 +27,8 @@ struct Consensus {
   double moved_mm = 0;                ///< root mean square of what the mean's vertices moved in the last round
   bool rests = false;                 ///< less than `rests_share`
   std::vector<std::size_t> left_out;  ///< subjects that could not be fitted in the last round
+  std::size_t start = 0;              ///< the subject that was started from
+  std::vector<std::string> warnings;  ///< of the start's own template, each a sentence
 };
 
 /// A template that no subject decides: the start, made even, is fitted to all subjects; their mean shape, made even, is
@@ -32,9 +36,8 @@ struct Consensus {
 /// (docs/templates.md). Errors: fewer than two subjects or fits; no template can be made of the start; cancelled.
 Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, const ConsensusOptions& options = {});
 
-/// A mesh of about `vertices` even triangles on the subject's surface, as a template of its own. Errors: as
-/// make_mesh_template.
-Result<Mesh> own_template(const Boundary& subject, int vertices);
+/// `vertices` spread evenly over the subject's surface: a template of its own. Errors: as make_mesh_template.
+Result<MeshTemplate> own_template(const Boundary& subject, int vertices, Progress* progress = nullptr);
 
 /// Which subjects look like mirror images of most others.
 std::vector<std::size_t> mirrored_subjects(const std::vector<Boundary>& subjects);

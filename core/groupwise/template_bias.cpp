@@ -31,27 +31,33 @@ std::vector<Landmark> places_of(const BiasSubject& subject) {
   return places;
 }
 
+/// `warnings`: takes those of the start's own template.
 Result<std::shared_ptr<const Template>> template_from(std::size_t start, const std::vector<Boundary>& boundaries,
-                                                      const BiasOptions& options, Progress* progress) {
-  Result<Mesh> mesh = Mesh{};
+                                                      const BiasOptions& options, Progress* progress,
+                                                      std::vector<std::string>& warnings) {
+  Mesh mesh;
   if (options.consensus) {
     ConsensusOptions making{.vertices = options.vertices, .start = start, .progress = progress};
     auto consensus = consensus_template(boundaries, making);
     if (!consensus) return fail(consensus.error());
+    warnings = std::move(consensus->warnings);
     mesh = std::move(consensus->mesh);
   } else {
-    mesh = own_template(boundaries[start], options.vertices);
+    auto own = own_template(boundaries[start], options.vertices, progress);
+    if (!own) return fail(own.error());
+    warnings = std::move(own->warnings);
+    mesh = std::move(own->mesh);
   }
-  if (!mesh) return fail(mesh.error());
-  return make_template({mesh->points, mesh->topology->triangles()}, "start");
+  return make_template({mesh.points, mesh.topology->triangles()}, "start");
 }
 
 /// Empty where the template could not be made or fitted.
-std::optional<Start> run_start(std::size_t start, const std::vector<Boundary>& boundaries, const BiasOptions& options) {
+std::optional<Start> run_start(std::size_t start, const std::vector<Boundary>& boundaries, const BiasOptions& options,
+                               std::vector<std::string>& warnings) {
   const double share = 1.0 / static_cast<double>(boundaries.size());
   std::optional<Progress> own;
   if (options.progress != nullptr) own.emplace(*options.progress, options.consensus ? 0.85 * share : 0);
-  const auto the_template = template_from(start, boundaries, options, own ? &*own : nullptr);
+  const auto the_template = template_from(start, boundaries, options, own ? &*own : nullptr, warnings);
   if (!the_template) return std::nullopt;
   Start run{(*the_template)->topology, ShapeMatrix((*the_template)->points.size(), std::ssize(boundaries))};
   std::vector<char> fitted(boundaries.size());
@@ -77,6 +83,14 @@ Eigen::MatrixXd products_of(ShapeMatrix shapes) {
   return shapes.transpose() * shapes;
 }
 
+/// Where a place of the template lies on a subject.
+Eigen::RowVector3d place_of(const Start& start, Eigen::Index subject, const SurfacePoint& at) {
+  const auto corners = start.topology->triangles().row(at.face);
+  Eigen::RowVector3d place = Eigen::RowVector3d::Zero();
+  for (int c = 0; c < 3; ++c) place += at.weights[c] * start.fits.col(subject).segment<3>(3 * corners[c]).transpose();
+  return place;
+}
+
 /// The spread of the answers where the places of subject `from` lie on all other subjects; by place, all subjects of a
 /// place one after the other.
 std::vector<std::vector<double>> spreads_of(const std::vector<Landmark>& places, std::size_t from,
@@ -93,8 +107,7 @@ std::vector<std::vector<double>> spreads_of(const std::vector<Landmark>& places,
       if (to == static_cast<Eigen::Index>(from)) continue;
       Points answers(std::ssize(starts), 3);
       for (std::size_t s = 0; s < starts.size(); ++s)
-        answers.row(static_cast<Eigen::Index>(s)) =
-            at[s][k].interpolate(*starts[s].topology, points_of(starts[s].fits, to));
+        answers.row(static_cast<Eigen::Index>(s)) = place_of(starts[s], to, at[s][k]);
       const Eigen::RowVector3d mean = answers.colwise().mean();
       spreads[k].push_back(std::sqrt((answers.rowwise() - mean).rowwise().squaredNorm().mean()));
     }
@@ -116,13 +129,17 @@ Result<TemplateBias> template_bias(const std::vector<BiasSubject>& subjects, con
   std::vector<Boundary> boundaries;
   for (const BiasSubject& subject : subjects) boundaries.push_back(subject.boundary);
   std::vector<std::optional<Start>> runs(subjects.size());
+  std::vector<std::vector<std::string>> warnings(subjects.size());
   for_each_in_parallel(subjects.size(), [&](std::size_t s) {
-    if (options.progress == nullptr || !options.progress->cancelled()) runs[s] = run_start(s, boundaries, options);
+    if (options.progress == nullptr || !options.progress->cancelled())
+      runs[s] = run_start(s, boundaries, options, warnings[s]);
   });
   if (options.progress != nullptr && options.progress->cancelled()) return fail("", "the study was cancelled");
   TemplateBias bias;
   std::vector<Start> starts;
   for (std::size_t s = 0; s < runs.size(); ++s) {
+    for (const std::string& warning : warnings[s])
+      bias.warnings.push_back(subjects[s].name + ", as a template: " + warning);
     if (runs[s])
       starts.push_back(std::move(*runs[s]));
     else

@@ -27,8 +27,9 @@ struct BiasOptions {
 struct TemplateBias {
   double spread_mm = 0, spread_p95_mm = 0, spread_max_mm = 0;  ///< over all places
   std::map<std::string, double> spread_of_mm;                  ///< mean of each landmark
-  double rv = 0, rv_least = 0;      ///< modified RV of the starts' morphospaces: mean over all pairs, and the least
-  std::vector<std::string> failed;  ///< starts that gave no template or could not be fitted to all, left out
+  double rv = 0, rv_least = 0;        ///< modified RV of the starts' morphospaces: mean over all pairs, and the least
+  std::vector<std::string> failed;    ///< starts that gave no template or could not be fitted to all, left out
+  std::vector<std::string> warnings;  ///< of the starts' own templates, each with its subject's name
 };
 
 /// Takes every subject once as the start: a template of it is fitted to all subjects. Then each start has its own

@@ -6,6 +6,8 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "core/base/index.h"
 #include "core/base/listed.h"
@@ -133,13 +135,12 @@ std::vector<Mesh> sound_parts(std::vector<Mesh> parts, MendedFaults& mended) {
     volume.push_back(enclosed_volume_ml(part));
   }
   const auto largest = index(std::max_element(area.begin(), area.end()) - area.begin());
-  if (volume[largest] < 0) {
-    // The surface as a whole is inside out: what looks outward now is a cavity then.
+  // Where the largest part is inside out, so is the surface as a whole: what looks outward now is a cavity then.
+  const bool inside_out = volume[largest] < 0;
+  if (inside_out) {
+    for (double& one : volume) one = -one;
     mended.turned_faces += static_cast<std::size_t>(parts[largest].topology->triangles().rows());
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      parts[p] = turned(parts[p]);
-      volume[p] = -volume[p];
-    }
+    parts[largest] = turned(parts[largest]);
   }
   const SurfaceSearch outer(parts[largest]);
   const Points normals = vertex_normals(parts[largest]);
@@ -152,31 +153,14 @@ std::vector<Mesh> sound_parts(std::vector<Mesh> parts, MendedFaults& mended) {
     mended.crumbs += crumb;
     mended.cavities += cavity;
     if (crumb || cavity) continue;
-    if (inward) {
+    // Two bones of which one was exported inside out: each has to look outward, whichever is the larger.
+    if (p != largest && inward != inside_out) {
       mended.turned_faces += static_cast<std::size_t>(parts[p].topology->triangles().rows());
       parts[p] = turned(parts[p]);
     }
     kept.push_back(std::move(parts[p]));
   }
   return kept;
-}
-
-Mesh joined(const std::vector<Mesh>& parts) {
-  if (parts.size() == 1) return parts.front();
-  Soup all;
-  Eigen::Index vertices = 0;
-  for (const Mesh& part : parts) vertices += part.points.rows();
-  all.points.resize(vertices, 3);
-  vertices = 0;
-  for (const Mesh& part : parts) {
-    all.points.middleRows(vertices, part.points.rows()) = part.points;
-    for (Eigen::Index f = 0; f < part.topology->triangles().rows(); ++f) {
-      const auto t = part.topology->triangles().row(f).array() + static_cast<std::int32_t>(vertices);
-      all.faces.push_back({t[0], t[1], t[2]});
-    }
-    vertices += part.points.rows();
-  }
-  return to_mesh(all).value();
 }
 
 /// The corner of a face without area that lies within its longest edge, so that flipping this edge helps; −1 for
@@ -197,7 +181,7 @@ Mesh without_flat_faces(Mesh mesh, MendedFaults& mended) {
   for (int round = 0; round < flip_rounds; ++round) {
     Triangles triangles = mesh.topology->triangles();
     std::vector<char> touched(index(triangles.rows()), 0);
-    std::size_t flips = 0;
+    std::set<std::pair<std::int32_t, std::int32_t>> made;  // edges
     for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
       const int k = flat_corner(mesh, f);
       const std::int32_t g = k < 0 ? -1 : mesh.topology->neighbours(f)[index((k + 1) % 3)];
@@ -207,16 +191,16 @@ Mesh without_flat_faces(Mesh mesh, MendedFaults& mended) {
       for (int c = 0; c < 3; ++c)
         if (triangles(g, c) != a && triangles(g, c) != b) d = triangles(g, c);
       const auto around = mesh.topology->one_ring(p);
-      if (d < 0 || std::binary_search(around.begin(), around.end(), d)) continue;
+      if (d < 0 || std::binary_search(around.begin(), around.end(), d) || !made.insert(std::minmax(p, d)).second)
+        continue;
       triangles.row(f) << p, a, d;
       triangles.row(g) << p, d, b;
       touched[index(f)] = touched[index(g)] = 1;
-      ++flips;
     }
-    if (flips == 0) break;
+    if (made.empty()) break;
     auto topology = Topology::make(mesh.points.rows(), std::move(triangles));
-    if (!topology) break;  // two flips made one edge
-    mended.degenerate_faces += flips;
+    if (!topology) break;
+    mended.degenerate_faces += made.size();
     mesh.topology = std::move(*topology);
   }
   return mesh;
@@ -274,6 +258,49 @@ std::vector<Mesh> parts_of(const Mesh& mesh) {
     parts.push_back(to_mesh(soups[p]).value());
   }
   return parts;
+}
+
+Mesh joined(const std::vector<Mesh>& parts) {
+  if (parts.size() == 1) return parts.front();
+  Soup all;
+  Eigen::Index vertices = 0;
+  for (const Mesh& part : parts) vertices += part.points.rows();
+  all.points.resize(vertices, 3);
+  vertices = 0;
+  for (const Mesh& part : parts) {
+    all.points.middleRows(vertices, part.points.rows()) = part.points;
+    for (Eigen::Index f = 0; f < part.topology->triangles().rows(); ++f) {
+      const auto t = part.topology->triangles().row(f).array() + static_cast<std::int32_t>(vertices);
+      all.faces.push_back({t[0], t[1], t[2]});
+    }
+    vertices += part.points.rows();
+  }
+  return to_mesh(all).value();
+}
+
+std::vector<Mesh> neighbouring_parts(const Mesh& mesh) {
+  std::vector<Mesh> parts = parts_of(mesh);
+  std::vector<double> area;
+  std::vector<Box> boxes;
+  for (const Mesh& part : parts) {
+    area.push_back(surface_area_mm2(part));
+    boxes.push_back(bounds_of(part.points));
+  }
+  std::vector<char> taken(parts.size(), 0);
+  std::vector<Mesh> groups;
+  while (std::find(taken.begin(), taken.end(), 0) != taken.end()) {
+    std::size_t largest = parts.size();
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      if (taken[p] == 0 && (largest == parts.size() || area[p] > area[largest])) largest = p;
+    std::vector<Mesh> group;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      if (taken[p] != 0 || !boxes[p].intersects(boxes[largest])) continue;
+      taken[p] = 1;
+      group.push_back(std::move(parts[p]));
+    }
+    groups.push_back(joined(group));
+  }
+  return groups;
 }
 
 bool MendedFaults::any() const {

@@ -45,6 +45,13 @@ struct MeshRepair {
 /// The parts of a mesh that hang together, each as a mesh of its own, by first vertex.
 std::vector<Mesh> parts_of(const Mesh& mesh);
 
+/// The parts that may belong together, each group as one mesh: that with the most area and those whose bounding boxes
+/// meet its own, then the same of the rest.
+std::vector<Mesh> neighbouring_parts(const Mesh& mesh);
+
+/// Several meshes as one, their vertices in turn.
+Mesh joined(const std::vector<Mesh>& parts);
+
 /// A manifold surface from whatever faces a file holds. Vertices within a millionth of the size are made one unless the
 /// surface is sound as it is. Where more than two faces meet at an edge they are paired so that solids that only touch
 /// there come apart [Gueziec 2001, Cutting and Stitching], by a hundredth of an edge. Parts of less than a hundredth of

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/base/nearest_on_segment.h"
+#include "core/base/parallel.h"
 
 namespace homolog {
 namespace {
@@ -102,6 +103,15 @@ Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   const double sum = va + vb + vc;  // |ab × ac|²
   if (va > 0 && vb > 0 && vc > 0 && sum > 1e-14 * ab.squaredNorm() * ac.squaredNorm()) return Vec3(va, vb, vc) / sum;
   return nearest_on_edges(p, {a, b, c});
+}
+
+Points closest_places(const Mesh& surface, const Points& points) {
+  const SurfaceSearch search(surface);
+  Points closest(points.rows(), 3);
+  in_parallel(points.rows(), [&](Eigen::Index first, Eigen::Index last) {
+    for (Eigen::Index i = first; i < last; ++i) closest.row(i) = search.nearest(points.row(i)).position;
+  });
+  return closest;
 }
 
 SurfaceSearch::Nearest nearest_on_surface(const Topology& topology, const Points& points, const Vec3& p) {

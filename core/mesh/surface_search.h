@@ -71,6 +71,9 @@ class SurfaceSearch {
   std::vector<std::int32_t> order_;
 };
 
+/// Of each point the nearest place on a surface.
+Points closest_places(const Mesh& surface, const Points& points);
+
 /// The surface point nearest to `p`, exactly, found by looking at every face: for one question, which is much less work
 /// than making a search.
 SurfaceSearch::Nearest nearest_on_surface(const Topology& topology, const Points& points, const Vec3& p);

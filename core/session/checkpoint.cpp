@@ -48,7 +48,8 @@ bool same_shape(const Shape& a, const Shape& b) {
          same_values(a.placed, b.placed) && same_values(a.reference, b.reference) && same_values(a.points, b.points) &&
          same_values(a.confirmed, b.confirmed) && same_values(a.decided, b.decided) &&
          same_values(a.unaided, b.unaided) && same_values(a.carried, b.carried) && a.doubt == b.doubt &&
-         same_values(a.doubt_mm, b.doubt_mm) && (a.reference == a.placed) == (b.reference == b.placed) &&
+         same_values(a.doubt_mm, b.doubt_mm) && same_values(a.outlier, b.outlier) &&
+         (a.reference == a.placed) == (b.reference == b.placed) &&
          (a.points == a.reference) == (b.points == b.reference);
 }
 
@@ -91,6 +92,7 @@ Json json_of(const Shape& shape) {
     json["carried"] = same_values(shape.carried, shape.points) ? "points" : packed_array(*shape.carried);
   if (!shape.doubt.empty()) json["doubt"] = shape.doubt;
   if (shape.doubt_mm) json["doubt_mm"] = packed_array(*shape.doubt_mm);
+  if (shape.outlier) json["outlier"] = packed_array(*shape.outlier);
   return json;
 }
 
@@ -116,6 +118,7 @@ Shape shape_of(const Json& json, const Template& the_template) {
   shape.carried = json.value("carried", "") == "points" ? shape.points : points("carried", nullptr);
   shape.doubt = json.value("doubt", "");
   shape.doubt_mm = scalars("doubt_mm");
+  shape.outlier = scalars("outlier");
   shape.strokes = json.at("strokes").get<int>();
   return shape;
 }
@@ -186,7 +189,7 @@ bool is_sound(const Shape& shape) {
   const auto finite = [](const auto& values) { return !values || values->allFinite(); };
   return check_placement(shape.placement) && finite(shape.points) && finite(shape.reference) &&
          finite(shape.confirmed) && finite(shape.decided) && finite(shape.unaided) && finite(shape.carried) &&
-         finite(shape.doubt_mm) && shape.strokes >= 0;
+         finite(shape.doubt_mm) && finite(shape.outlier) && shape.strokes >= 0;
 }
 
 /// Whether a document is one that actions can make: a line that was damaged may be read and hold anything.

@@ -32,6 +32,7 @@ void visit_arrays(const Document& document, const Visit& visit) {
     doubles(shape.unaided);
     doubles(shape.carried);
     doubles(shape.doubt_mm);
+    doubles(shape.outlier);
   }
 }
 

@@ -109,15 +109,16 @@ class Making {
     limits.keep = automatic ? 0 : rule.genus;
     limits.first_below_mm = auto_width_share * size_mm_;
     limits.fill_below_mm = automatic ? fill_below_mm() : widest_mm();
+    limits.fill_any = !automatic;
     // A strand that is thinner than the mesh can show would be meshed badly, wherever it leads.
     limits.sever_below_mm = !options_.severs ? 0 : automatic ? 1.5 * edge_mm_ : widest_mm();
     limits.reach_mm = 0.5 * edge_mm_;
     TunnelCut cut = cut_tunnels(surface_, limits);
     if (!automatic && cut.genus != rule.genus)
-      return fail("", label_name(options_.label) + " has " + std::to_string(cut.genus_before) +
-                          (cut.genus < rule.genus ? " tunnels, fewer than --genus "
-                                                  : " tunnels, and cannot be brought to --genus ") +
-                          std::to_string(rule.genus) + "; use --genus keep or a smaller closing radius");
+      return fail("", label_name(options_.label) + " has " + count_of_tunnels(cut.genus_before) +
+                          (cut.genus < rule.genus ? ", fewer than --genus " : ", and cannot be brought to --genus ") +
+                          std::to_string(rule.genus) + "; use --genus keep" +
+                          (cut.genus < rule.genus && made_.closing_mm > 0 ? " or a smaller closing radius" : ""));
     surface_ = std::move(cut.surface);
     made_.tunnels.insert(made_.tunnels.end(), cut.tunnels.begin(), cut.tunnels.end());
     return show(TemplateStage::tunnels_cut, fraction);
@@ -136,8 +137,11 @@ class Making {
       if (progress_ && progress_->cancelled()) return cancelled();
       const std::vector<Vec3> bad = badly_meshed(made_.mesh);
       if (bad.empty() || attempt == most_attempts) break;
-      // Clefts and rims finer than a triangle: smoothed away there, and only there.
-      surface_ = smoothed_near(surface_, 0.5 * edge_mm_, bad, 2 * edge_mm_);
+      // Clefts and rims finer than a triangle: smoothed away there, and only there. A wall as thin as the mesh can show
+      // would get holes by that, so its pores are filled first.
+      if (!options_.severs && attempt == 0) fill_pores();
+      const LevelSet smooth = smoothed_near(surface_, 0.5 * edge_mm_, bad, 2 * edge_mm_);
+      surface_ = !options_.severs && attempt == 0 ? united(surface_, smooth) : smooth;
       make_one_body(surface_);
       if (auto done = cut(to); !done) return fail(done.error());
       from = to;
@@ -170,6 +174,19 @@ class Making {
                              " ml) lies more than two voxels from the mesh: parts thinner than the opening of " +
                              number(made_.opening_mm) + " mm or the edges of " + number(edge_mm_) +
                              " mm; use a smaller opening radius or more vertices");
+  }
+
+  void fill_pores() {
+    constexpr double ball_edges = 2;
+    const LevelSet distance = signed_distance(inside_of(surface_), surface_.grid());
+    surface_ = united(surface_, closed_by(distance, ball_edges * edge_mm_));
+  }
+
+  /// What lies in either.
+  static LevelSet united(const LevelSet& a, const LevelSet& b) {
+    std::vector<float> values = a.values();
+    for (std::size_t v = 0; v < values.size(); ++v) values[v] = std::min(values[v], b.values()[v]);
+    return {a.grid(), std::move(values)};
   }
 
   /// Two edges across, a tunnel is no more than a crease in the mesh; and the smoothing has widened it by about σ.

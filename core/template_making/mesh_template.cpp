@@ -8,12 +8,11 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/remesh.h"
 #include "core/mesh/surface_search.h"
-#include "core/template_making/rasterise.h"
+#include "core/template_making/solid_voxels.h"
 
 namespace homolog {
 namespace {
 
-constexpr int most_parts = 200;        ///< that are rebuilt together
 constexpr double wreck_share = 0.005;  ///< of the faces: so many faults, and the mesh is of no use
 constexpr double far_share = 0.01;     ///< of the diagonal: so far from the surface on average, and it is said
 
@@ -42,10 +41,10 @@ class Meshing {
     if (const auto parts = repair->mesh.topology->components(); parts > 1)
       made_.warnings.push_back("the surface has " + std::to_string(parts) + " parts; the largest was taken");
     surface_ = largest_part(repair->mesh);
-    whole_ = std::move(repair->mesh);
+    together_ = neighbouring_parts(repair->mesh).front();
     if (auto done = mesh_surface(); !done) return fail(done.error());
     if (progress_ && progress_->cancelled()) return fail("", "making the template was cancelled");
-    made_.to_mesh = surface_distance(made_.mesh, made_.rebuilt ? whole_ : surface_);
+    made_.to_mesh = surface_distance(made_.mesh, made_.rebuilt ? together_ : surface_);
     made_.from_mesh = surface_distance(surface_, made_.mesh);
     say_what_is_far();
     return std::move(made_);
@@ -57,34 +56,25 @@ class Meshing {
     const GenusRule& rule = options_.genus;
     const bool by_number = rule.kind == GenusRule::Kind::number, automatic = rule.kind == GenusRule::Kind::automatic;
     if (by_number && genus < rule.genus)
-      return fail("", "has " + std::to_string(genus) + " tunnels, fewer than --genus " + std::to_string(rule.genus) +
+      return fail("", "has " + count_of_tunnels(genus) + ", fewer than --genus " + std::to_string(rule.genus) +
                           "; use --genus keep");
     MeshFaults faults;
     faults.tunnels = genus;
     if (options_.closing_mm || options_.opening_mm || (by_number && genus > rule.genus) ||
         (automatic && faults.riddled()))
       return rebuild();
-    made_.mesh = spread_over(surface_);
+    made_.mesh = spread_over(surface_, options_.vertices, progress_);
     if (progress_ && progress_->cancelled()) return {};
     if (rule.kind == GenusRule::Kind::keep || !is_wreck(mesh_faults(made_.mesh), made_.mesh)) return {};
     return rebuild();
   }
 
-  Mesh spread_over(const Mesh& surface) const {
-    const SurfaceSearch search(surface);
-    const auto project = [&search, hint = std::int32_t{0}](const Vec3& p) mutable {
-      const auto nearest = search.nearest(p, hint);
-      hint = nearest.at.face;
-      return nearest.position;
-    };
-    return renumbered_from_top(remesh_to_count(surface, options_.vertices, project, progress_));
-  }
-
   /// From voxels, as a label is.
   Result<void> rebuild() {
-    const Rasterising how = rasterising_for(surface_, options_.vertices);
-    // Each part is rasterised by itself: of very many only the largest is.
-    const Volume voxels = rasterised(whole_.topology->components() > most_parts ? surface_ : whole_, how);
+    // Parts far away would make the voxels coarse and the work long, and are left out in the end.
+    const SolidVoxels solid = solid_voxels(together_, solid_detail(surface_, options_.vertices), progress_);
+    if (progress_ && progress_->cancelled()) return {};
+    const Volume& voxels = solid.label_map;
     MaskTemplateOptions as_label;
     as_label.vertices = options_.vertices;
     as_label.closing_mm = options_.closing_mm;
@@ -98,13 +88,12 @@ class Meshing {
     }
     if (!made) return fail("", of_surface(made.error().what));
     made_.mesh = std::move(made->mesh);
-    made_.rebuilt = {voxels.geometry.spacing_mm[0], how.wall_mm, surface_.topology->genus(), made->closing_mm,
+    made_.rebuilt = {voxels.geometry.spacing_mm[0], solid.wall_mm, surface_.topology->genus(), made->closing_mm,
                      made->opening_mm};
-    made_.warnings.push_back("the surface of " + std::to_string(made_.rebuilt->genus_before) +
-                             " tunnels was rebuilt from voxels of " + in_mm(made_.rebuilt->voxel_mm) +
-                             ": clefts below " + in_mm(2 * made->closing_mm) + " filled, walls thinner than " +
-                             in_mm(how.wall_mm) + " made so thick, " + std::to_string(made_.mesh.topology->genus()) +
-                             " tunnels left");
+    made_.warnings.push_back("the surface of " + count_of_tunnels(made_.rebuilt->genus_before) +
+                             " was rebuilt from voxels of " + in_mm(made_.rebuilt->voxel_mm) + ": clefts below " +
+                             in_mm(2 * made->closing_mm) + " filled, walls thinner than " + in_mm(solid.wall_mm) +
+                             " made so thick, " + count_of_tunnels(made_.mesh.topology->genus()) + " left");
     for (const std::string& warning : made->warnings)
       if (warning.find("voxels from the mesh") == std::string::npos)  // the distance to the surface says that better
         made_.warnings.push_back(of_surface(warning));
@@ -130,11 +119,21 @@ class Meshing {
 
   const MeshTemplateOptions& options_;
   Progress* progress_;
-  Mesh whole_, surface_;  ///< as it was mended, and its largest part
+  Mesh surface_, together_;  ///< the largest part of what was mended, and that with its neighbouring_parts
   MeshTemplate made_;
 };
 
 }  // namespace
+
+Mesh spread_over(const Mesh& surface, int vertices, Progress* progress) {
+  const SurfaceSearch search(surface);
+  const auto project = [&search, hint = std::int32_t{0}](const Vec3& p) mutable {
+    const auto nearest = search.nearest(p, hint);
+    hint = nearest.at.face;
+    return nearest.position;
+  };
+  return renumbered_from_top(remesh_to_count(surface, vertices, project, progress));
+}
 
 Result<MeshTemplate> make_mesh_template(const MeshFile& surface, const MeshTemplateOptions& options,
                                         Progress* progress) {

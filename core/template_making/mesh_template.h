@@ -36,10 +36,13 @@ struct MeshTemplate {
 
 /// A reference mesh from an existing surface. The surface is mended [mesh_repair.h], its largest part is taken, holes
 /// are closed flat, and `vertices` are spread evenly over it. A surface that is riddled with tunnels, or of which only
-/// a wreck would come, is rebuilt: rasterised [rasterise.h], walls too thin for the mesh made thicker, and meshed as a
-/// label is [mask_template.h]. So is one whose tunnels are to be cut. Errors: no faces; fewer tunnels than asked for;
-/// cancelled.
+/// a wreck would come, is rebuilt: the largest part with its neighbouring_parts as voxels [solid_voxels.h], walls too
+/// thin for the mesh made thicker, and meshed as a label is [mask_template.h]. So is one whose tunnels are to be cut.
+/// Errors: no faces; fewer tunnels than asked for; cancelled.
 Result<MeshTemplate> make_mesh_template(const MeshFile& surface, const MeshTemplateOptions& options,
                                         Progress* progress = nullptr);
+
+/// The same surface with `vertices` spread evenly [remesh.h], numbered breadth-first. It must be closed.
+Mesh spread_over(const Mesh& surface, int vertices, Progress* progress = nullptr);
 
 }  // namespace homolog

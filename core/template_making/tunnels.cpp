@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <queue>
 
 #include "core/mesh/cube_cases.h"
@@ -181,14 +182,61 @@ Vec3 middle_of(const std::vector<std::size_t>& voxels, const VolumeGeometry& gri
   return grid.to_mm(sum / static_cast<double>(voxels.size()));
 }
 
-/// Makes the cuts of one kind at one width; says whether the surface has changed. `distance`: signed distances to the
-/// surface, whose own values need not be distances.
-bool cut_at(TunnelCut& cut, const LevelSet& distance, CutTunnel::How how, double width_mm, const TunnelLimits& limits) {
+/// What cuts are made of: those of one kind that lie within `limit`.
+struct Cuts {
+  CutTunnel::How how = CutTunnel::How::filled;
+  LevelSet limit;
+  std::optional<double> width_mm;  ///< absent: each cut's own
+};
+
+/// All that lies within the box around a body.
+LevelSet box_around(const LevelSet& distance) {
+  const auto& dims = distance.grid().dims;
+  std::array<int, 3> first = dims, last{};
+  const auto for_each = [&](const auto& visit) {
+    std::size_t v = 0;
+    for (int k = 0; k < dims[2]; ++k)
+      for (int j = 0; j < dims[1]; ++j)
+        for (int i = 0; i < dims[0]; ++i) visit(std::array<int, 3>{i, j, k}, v++);
+  };
+  for_each([&](const std::array<int, 3>& at, std::size_t v) {
+    if (!(distance.values()[v] < 0)) return;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      first[axis] = std::min(first[axis], at[axis]);
+      last[axis] = std::max(last[axis], at[axis]);
+    }
+  });
+  std::vector<float> values(distance.values().size());
+  for_each([&](const std::array<int, 3>& at, std::size_t v) {
+    int within = dims[0];  // voxels from the box's faces, negative outside
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      within = std::min({within, at[axis] - first[axis], last[axis] - at[axis]});
+    values[v] = static_cast<float>(-(within + 0.5) * distance.spacing_mm());
+  });
+  return {distance.grid(), std::move(values)};
+}
+
+/// The parts by how wide the tunnels are that they would close, and these widths.
+std::vector<std::pair<double, std::vector<std::size_t>>> by_width(std::vector<std::vector<std::size_t>> parts,
+                                                                  const LevelSet& distance) {
+  std::vector<std::pair<double, std::vector<std::size_t>>> sorted;
+  for (auto& part : parts) {
+    double deepest_mm = 0;
+    for (const std::size_t v : part)
+      deepest_mm = std::max(deepest_mm, std::abs(static_cast<double>(distance.values()[v])));
+    sorted.emplace_back(2 * deepest_mm, std::move(part));
+  }
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
+/// Makes cuts; says whether the surface has changed. `distance`: signed distances to the surface, whose own values need
+/// not be distances.
+bool cut_at(TunnelCut& cut, const LevelSet& distance, const Cuts& cuts, const TunnelLimits& limits) {
   const VolumeGeometry& grid = cut.surface.grid();
-  const bool fill = how == CutTunnel::How::filled;
+  const bool fill = cuts.how == CutTunnel::How::filled;
   const double sign = fill ? 1 : -1;
-  const LevelSet limit = fill ? closed_by(distance, width_mm / 2) : opened_by(distance, width_mm / 2);
-  std::vector<std::uint8_t> from = inside_of(limit);
+  std::vector<std::uint8_t> from = inside_of(cuts.limit);
   if (make_one_body(from, grid.dims).body == 0) return false;
   Solid body(inside_of(cut.surface), grid.dims);
   // Filled from what is far from the body to its surface, severed where it is thinnest.
@@ -198,7 +246,8 @@ bool cut_at(TunnelCut& cut, const LevelSet& distance, CutTunnel::How how, double
 
   std::vector<std::uint8_t> accepted(grid.voxels(), 0);
   const std::size_t before = cut.tunnels.size();
-  for (const auto& part : separators(body, Solid(std::move(from), grid.dims), urgency)) {
+  for (const auto& [width_mm, part] :
+       by_width(separators(body, Solid(std::move(from), grid.dims), urgency), distance)) {
     if (cut.genus <= limits.keep) break;
     const int gain = body.flip(part);
     if (gain <= 0 || cut.genus - gain < limits.keep) {  // a bridge, or more tunnels at once than asked for
@@ -207,7 +256,7 @@ bool cut_at(TunnelCut& cut, const LevelSet& distance, CutTunnel::How how, double
     }
     cut.genus -= gain;
     for (const std::size_t v : part) accepted[v] = 1;
-    cut.tunnels.push_back({how, middle_of(part, grid), width_mm});
+    cut.tunnels.push_back({cuts.how, middle_of(part, grid), cuts.width_mm.value_or(width_mm)});
   }
   if (cut.tunnels.size() == before) return false;
 
@@ -216,7 +265,7 @@ bool cut_at(TunnelCut& cut, const LevelSet& distance, CutTunnel::How how, double
   const auto cut_values = [&](double reach_mm) {
     std::vector<float> values = cut.surface.values();
     for (std::size_t v = 0; v < values.size(); ++v) {
-      const double thick = std::max(from_cut[v] - reach_mm, sign * limit.values()[v]);
+      const double thick = std::max(from_cut[v] - reach_mm, sign * cuts.limit.values()[v]);
       const double value = std::min(sign * values[v], thick);
       values[v] = static_cast<float>(sign * (accepted[v] != 0 ? std::min(value, -0.1 * grid.spacing_mm[0]) : value));
     }
@@ -246,6 +295,10 @@ bool is_simple(std::uint32_t inside) {
   return is_one_part(near_in, by_faces) && is_one_part(near_out, by_edges);
 }
 
+std::string count_of_tunnels(int genus) {
+  return genus == 1 ? "one tunnel" : std::to_string(genus) + " tunnels";
+}
+
 int genus_of(const std::vector<std::uint8_t>& inside, const std::array<int, 3>& dims) {
   return Solid(inside, dims).genus();
 }
@@ -260,11 +313,16 @@ TunnelCut cut_tunnels(const LevelSet& surface, const TunnelLimits& limits) {
   for (double width_mm = std::min(limits.first_below_mm, widest_mm); cut.genus > limits.keep; width_mm *= 1.4) {
     const double fill_mm = std::min(width_mm, limits.fill_below_mm),
                  sever_mm = std::min(width_mm, limits.sever_below_mm);
-    if (fill_mm > 0 && cut_at(cut, distance, CutTunnel::How::filled, fill_mm, limits)) distance = distances();
-    if (cut.genus > limits.keep && sever_mm > 0 && cut_at(cut, distance, CutTunnel::How::severed, sever_mm, limits))
+    using How = CutTunnel::How;
+    if (fill_mm > 0 && cut_at(cut, distance, {How::filled, closed_by(distance, fill_mm / 2), fill_mm}, limits))
+      distance = distances();
+    if (cut.genus > limits.keep && sever_mm > 0 &&
+        cut_at(cut, distance, {How::severed, opened_by(distance, sever_mm / 2), sever_mm}, limits))
       distance = distances();
     if (width_mm >= widest_mm) break;
   }
+  if (limits.fill_any && cut.genus > limits.keep)
+    cut_at(cut, distance, {CutTunnel::How::filled, box_around(distance), std::nullopt}, limits);
   return cut;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/template_making/level_set.h"
@@ -14,6 +15,9 @@ struct CutTunnel {
   double width_mm = 0;        ///< of the tunnel or the strand: a ball of this diameter does not pass
 };
 
+/// "one tunnel", "3 tunnels".
+std::string count_of_tunnels(int genus);
+
 struct TunnelCut {
   LevelSet surface;
   int genus_before = 0, genus = 0;
@@ -24,13 +28,15 @@ struct TunnelLimits {
   int keep = 0;               ///< genus to end with
   double first_below_mm = 5;  ///< the width that is looked for first; then wider ones, up to the next two
   double fill_below_mm = 0;   ///< tunnels narrower than this are filled; 0: none
+  bool fill_any = false;      ///< at last wider ones too, as a ring's
   double sever_below_mm = 0;  ///< strands thinner than this are severed; 0: none
   double reach_mm = 0;        ///< to which a cut extends to either side of the narrowest place
 };
 
 /// Cuts tunnels, the narrowest first, until the genus is `keep` or none is left within the limits. What is filled is
-/// what a ball of the tunnel's width cannot enter, what is removed is what such a ball does not fit into. The surface
-/// must be one body without cavities.
+/// what a ball of the tunnel's width cannot enter, what is removed is what such a ball does not fit into. A ball rolls
+/// far into the wide hole of a thin ring, however large it is: such holes are filled by a disc. The surface must be one
+/// body without cavities.
 TunnelCut cut_tunnels(const LevelSet& surface, const TunnelLimits& limits);
 
 /// Genus of the zero level of one body without cavities.

@@ -30,12 +30,7 @@ void draw_names(const Theme& theme, const Legend& legend) {
   ImGui::Dummy({right - left, at.y + row - ImGui::GetCursorScreenPos().y});
 }
 
-}  // namespace
-
-void draw_colouring_legend(const UiContext& ui) {
-  const Theme& theme = ui.theme;
-  const Legend legend = colouring_legend(ui.document(), shown_colouring(ui.state));
-  if (!legend.names.empty()) return draw_names(theme, legend);
+void draw_scale(const Theme& theme, const Legend& legend) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, bar = theme.px(6), height = theme.px(26);
   ImGui::Dummy({width, height});
@@ -59,6 +54,17 @@ void draw_colouring_legend(const UiContext& ui) {
   text_at(draw, {std::round(at.x + (width - middle) / 2), y}, palette::dim, legend.middle);
   text_at(draw, {at.x + width - high, y}, palette::dim, legend.high);
   ImGui::PopFont();
+}
+
+}  // namespace
+
+void draw_colouring_legend(const UiContext& ui) {
+  const Legend legend = colouring_legend(ui.document(), shown_colouring(ui.state));
+  if (legend.names.empty())
+    draw_scale(ui.theme, legend);
+  else
+    draw_names(ui.theme, legend);
+  if (legend.has_outliers) draw_names(ui.theme, {"", "", "", {outlier_grey}, {"the scan lacks this part"}});
 }
 
 void draw_correspondence_section(const UiContext& ui, Outbox& out) {

@@ -84,6 +84,9 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
     settings.as_placed = start == 1;
     changed = true;
   }
+  changed |= toggle(theme, "The scan cuts the organ", settings.partial,
+                    "Also where a piece is missing. The fit finds what the label lacks and leaves it to the template's "
+                    "shape or the model. The mesh is grey there");
   changed |= draw_fit_model(ui, settings, out);
   if (changed) out.send(SetFit{settings});
 }

@@ -79,6 +79,7 @@ double stiffness_scale(const Document& document) {
 }
 
 constexpr Rgb decided{0.30f, 0.72f, 0.62f}, left_open{0.62f, 0.52f, 0.85f};
+constexpr double outlier_share = 0.85;
 constexpr Rgb no_region{0.80f, 0.81f, 0.83f};
 
 Rgb rgb_of(const std::array<std::uint8_t, 3>& colour) {
@@ -192,6 +193,9 @@ std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, con
       colour_by(worst_triangle(document), quality_scale(), [](double quality) { return quality; });
       break;
   }
+  if (const auto& outlier = document.shape().outlier)
+    for (std::size_t i = 0; i < n; ++i)
+      colours[i] = mix(colours[i], outlier_grey, outlier_share * (*outlier)[static_cast<Eigen::Index>(i)]);
   return colours;
 }
 
@@ -204,7 +208,9 @@ std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response,
   return colours;
 }
 
-Legend colouring_legend(const Document& document, Colouring colouring) {
+namespace {
+
+Legend legend_of_colours(const Document& document, Colouring colouring) {
   switch (colouring) {
     case Colouring::vertex_hue: {
       Legend legend{
@@ -239,6 +245,15 @@ Legend colouring_legend(const Document& document, Colouring colouring) {
       return {"flat", "", "equilateral", quality_scale(), {}};
   }
   return {};
+}
+
+}  // namespace
+
+Legend colouring_legend(const Document& document, Colouring colouring) {
+  Legend legend = legend_of_colours(document, colouring);
+  const auto& outlier = document.shape().outlier;
+  legend.has_outliers = outlier && outlier->maxCoeff() > 0;
+  return legend;
 }
 
 }  // namespace homolog

@@ -10,7 +10,7 @@
 namespace homolog {
 
 /// Colour of every vertex for a colouring; `hues` are the template's vertex hues, shown at `saturation`; `confidence`
-/// is that of the last snap, which its colouring needs.
+/// is that of the last snap, which its colouring needs. Vertices whose place the scan lacks are greyed.
 std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, const std::vector<float>& hues,
                               float saturation, const VertexScalars* confidence = nullptr);
 /// Brightens vertices towards white by how far a gesture moves them (`response`, 0…1), and greys the others.
@@ -27,7 +27,10 @@ struct Legend {
   std::string low, middle, high;
   std::vector<Rgb> colours;        ///< evenly spaced from low to high, or one a name
   std::vector<std::string> names;  ///< of single colours, where there is no scale
+  bool has_outliers = false;       ///< some of the mesh is grey, because the scan lacks its place
 };
+/// Of the mesh where the scan lacks it: much of this grey, and some of the colouring.
+inline constexpr Rgb outlier_grey{0.42f, 0.43f, 0.46f};
 Legend colouring_legend(const Document& document, Colouring colouring);
 
 }  // namespace homolog

@@ -54,7 +54,8 @@ void SceneBuilder::update_mesh(const Input& input) {
                            placed_ != shape.placed || compared_ != shape.reference;
   const bool same = colours_ && colouring_ == colouring && response_ == response && stopped_ == stopped &&
                     stiffness_ == document.stiffness && regions_ == document.regions && confirmed_ == shape.confirmed &&
-                    confidence_ == input.state.confidence && !(other_shape && follows_shape);
+                    outlier_ == shape.outlier && confidence_ == input.state.confidence &&
+                    !(other_shape && follows_shape);
   if (same) return;
   colouring_ = colouring;
   response_ = response;
@@ -64,6 +65,7 @@ void SceneBuilder::update_mesh(const Input& input) {
   confirmed_ = shape.confirmed;
   decided_ = shape.decided;
   doubt_mm_ = shape.doubt_mm;
+  outlier_ = shape.outlier;
   placed_ = shape.placed;
   compared_ = shape.reference;
   confidence_ = input.state.confidence;

@@ -21,6 +21,7 @@ struct FitSettings {
   bool all_labels = false;           ///< all labels together, in place of `label`
   std::optional<double> closing_mm;  ///< radius: narrower clefts are filled; without: ball_share of the label's size
   bool as_placed = false;            ///< starts where the template is; else its place is found
+  bool partial = false;              ///< the scan cuts the organ, or parts of it are missing: FitOptions::partial
   FitModel model = FitModel::none;
   double beyond = 1;  ///< 0…1: how far the fit leaves the model's shape for the label
 };

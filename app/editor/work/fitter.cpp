@@ -84,6 +84,7 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
   auto allowed = allowed_shapes(the_template, model, settings.beyond);
   if (!allowed) return fail(allowed.error());
   options.allowed = *allowed;
+  options.partial = settings.partial;
   const int frame = std::min(document.frame, labels.volume->frames - 1);
   auto boundary = label_boundary(*labels.volume, settings.all_labels ? every_label : settings.label, frame,
                                  settings.closing_mm, the_template.points.rows());
@@ -102,6 +103,15 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
     std::snprintf(remark, sizeof remark,
                   "The model alone comes within %.2f mm of the label. The mesh lies %.2f mm beyond it on average.",
                   model_mm, beyond_mm);
+    done.remarks.emplace_back(remark);
+  }
+  if (settings.partial) {
+    const double share =
+        static_cast<double>(fit->result.outliers.size()) / static_cast<double>(the_template.points.rows());
+    char remark[160];
+    std::snprintf(remark, sizeof remark,
+                  "%.0f %% of the mesh lies where the label lacks the organ. What is there lies %.2f mm off.",
+                  100 * share, judgement.sound_mm);
     done.remarks.emplace_back(remark);
   }
   done.edit = std::move(fit->action);

@@ -12,7 +12,7 @@
 #include "core/mesh/remesh.h"
 #include "core/template_making/label_body.h"
 #include "core/template_making/level_set.h"
-#include "core/template_making/rasterise.h"
+#include "core/template_making/solid_voxels.h"
 #include "core/template_making/voxel_components.h"
 
 namespace homolog {
@@ -92,7 +92,7 @@ Boundary mesh_boundary(const Mesh& mesh) {
   return boundary;
 }
 
-Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices) {
+Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress) {
   const auto repair = mended_if_broken(surface);
   if (!repair) return fail(repair.error());
   const std::string mended = repair->mended.any() ? "was mended: " + repair->mended.words() : "";
@@ -100,13 +100,15 @@ Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices
   faults.tunnels = repair->mesh.topology->genus();
   Boundary boundary;
   if (faults.riddled()) {
-    const Volume voxels =
-        rasterised(repair->mesh, rasterising_for(largest_part(repair->mesh), static_cast<int>(vertices)));
-    auto rebuilt = label_boundary(voxels, 1, 0, std::nullopt, vertices);
+    const Mesh together = neighbouring_parts(repair->mesh).front();
+    const SolidVoxels solid =
+        solid_voxels(together, solid_detail(largest_part(together), static_cast<int>(vertices)), progress);
+    if (progress != nullptr && progress->cancelled()) return fail("", "reading the surface was cancelled");
+    auto rebuilt = label_boundary(solid.label_map, 1, 0, std::nullopt, vertices);
     if (!rebuilt) return fail(rebuilt.error());
     boundary = std::move(*rebuilt);
     char mm[32];
-    std::snprintf(mm, sizeof mm, "%.3g mm", mean_surface_distance_mm(boundary.surface, repair->mesh));
+    std::snprintf(mm, sizeof mm, "%.3g mm", mean_surface_distance_mm(boundary.surface, together));
     boundary.warnings = {"has " + std::to_string(faults.tunnels) +
                          " tunnels, so it was rebuilt from voxels for the fit, which lies " + mm +
                          " from it on average; mend it by repair-mesh --genus to see what is fitted to"};

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/topology.h"
@@ -44,8 +45,8 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::o
 Boundary mesh_boundary(const Mesh& mesh);
 
 /// The same of whatever surface a file holds: mended where it is broken [mesh_repair.h]. One that is riddled with
-/// tunnels is rebuilt from voxels [rasterise.h], as fine as a mesh of `vertices` vertices shows, with a warning that
-/// says how far that lies from it. Errors: no face is left.
-Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices);
+/// tunnels is rebuilt from voxels [solid_voxels.h], as fine as a mesh of `vertices` vertices shows, with a warning that
+/// says how far that lies from it. Errors: no face is left; cancelled.
+Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress = nullptr);
 
 }  // namespace homolog

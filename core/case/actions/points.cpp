@@ -32,6 +32,22 @@ void spell_doubt_mm(Fields& line, std::size_t vertices, std::shared_ptr<const Ve
   doubt_mm = std::make_shared<const VertexScalars>(std::move(read));
 }
 
+void spell_outlier(Fields& line, std::size_t vertices, std::shared_ptr<const VertexScalars>& outlier) {
+  std::string text;
+  if (outlier) {
+    std::vector<std::uint8_t> marks;
+    for (const double mark : *outlier) marks.push_back(mark > 0 ? 1 : 0);
+    text = packed<std::uint8_t>(marks);
+  }
+  line.optional("outlier", text, outlier != nullptr);
+  if (!line.reads() || text.empty()) return;
+  const auto marks = unpacked<std::uint8_t>(text, vertices);
+  if (!marks) throw Unreadable{marks.error().what};
+  VertexScalars read(static_cast<Eigen::Index>(vertices));
+  std::transform(marks->begin(), marks->end(), read.begin(), [](auto mark) { return mark > 0 ? 1 : 0; });
+  outlier = std::make_shared<const VertexScalars>(std::move(read));
+}
+
 void spell_points(Fields& line, SetPoints& set) {
   std::vector<double> numbers;
   if (set.points) numbers.assign(set.points->data(), set.points->data() + set.points->size());
@@ -42,6 +58,7 @@ void spell_points(Fields& line, SetPoints& set) {
   line.optional("of_frame", set.of_frame);
   line.optional("doubt", set.doubt, !set.doubt.empty());
   spell_doubt_mm(line, numbers.size() / 3, set.doubt_mm);
+  spell_outlier(line, numbers.size() / 3, set.outlier);
   if (line.reads())
     set.points = std::make_shared<const Points>(
         Eigen::Map<const Points>(numbers.data(), static_cast<Eigen::Index>(numbers.size() / 3), 3));
@@ -59,11 +76,12 @@ void spell_moves(Fields& line, MovePoints& move) {
   constexpr std::int64_t most_vertices = 1 << 27;
   if (line.reads() && (vertices < 1 || vertices > most_vertices)) throw Unreadable{"\"landmarks\" is out of range"};
   moved.member("steps", steps);
-  if (!line.reads()) return spell_doubt_mm(line, static_cast<std::size_t>(vertices), move.doubt_mm);
+  spell_doubt_mm(line, static_cast<std::size_t>(vertices), move.doubt_mm);
+  spell_outlier(line, static_cast<std::size_t>(vertices), move.outlier);
+  if (!line.reads()) return;
   auto moves = unpacked<std::uint32_t>(steps, 3 * static_cast<std::size_t>(vertices));
   if (!moves) throw Unreadable{moves.error().what};
   move.moves = std::make_shared<const std::vector<std::uint32_t>>(std::move(*moves));
-  spell_doubt_mm(line, static_cast<std::size_t>(vertices), move.doubt_mm);
 }
 
 /// Whether vertices still lie where a fit put them along the surface: of that its doubt speaks.
@@ -94,6 +112,8 @@ Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
   if (!action.points->allFinite()) return fail("points", "hold a coordinate that is no finite number");
   if (action.doubt_mm && action.doubt_mm->size() != the_template.points.rows())
     return fail("doubt_mm", "does not hold one number for each vertex");
+  if (action.outlier && action.outlier->size() != the_template.points.rows())
+    return fail("outlier", "does not hold one number for each vertex");
   if (action.placement)
     if (auto usable = check_placement(*action.placement); !usable) return fail(usable.error());
   const int frame = action.of_frame.value_or(edit.before.frame);
@@ -112,7 +132,10 @@ Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
   shape.points = action.points;
   shape.carried = action.by == by_propagation ? action.points : nullptr;
   shape.doubt = action.doubt;
-  if (!keeps_doubt(action.by)) shape.doubt_mm = action.doubt_mm;
+  if (!keeps_doubt(action.by)) {
+    shape.doubt_mm = action.doubt_mm;
+    shape.outlier = action.outlier;
+  }
   ++shape.strokes;
   return EditReport{};
 }
@@ -140,7 +163,8 @@ const ActionKind<SetPoints>& action_kind(const SetPoints&) {
           "Vertices that moved count as known, except with `\"by\":\"model help\"` and "
           "`\"by\":\"refine\"`. `\"of_frame\":K`: of that frame of a cine, whichever is shown. "
           "`\"by\":\"propagate\"` says that the mesh came from other frames, and `\"doubt\"` why it has to be looked "
-          "at. `\"doubt_mm\":\"…\"`: a fit's doubt at each vertex, in steps of 2⁻⁸ mm, packed as `steps` are",
+          "at. `\"doubt_mm\":\"…\"`: a fit's doubt at each vertex, in steps of 2⁻⁸ mm, packed as `steps` are. "
+          "`\"outlier\":\"…\"`: 1 for each vertex whose place the scan lacks, else 0, a byte each, packed likewise",
       .name = [](const SetPoints& set) { return name_of_points(set.by); },
       .spell = spell_points,
       .apply = apply_points};
@@ -176,7 +200,7 @@ SetPoints points_edit(const Document& document, int frame, const Points& points,
   Points rounded = *shape_of_frame(document, frame).points;
   for (Eigen::Index k = 0; k < rounded.size(); ++k)
     if (const double to = points.data()[k]; to != rounded.data()[k]) rounded.data()[k] = on_grid(to);
-  return {std::move(by), std::nullopt, std::make_shared<const Points>(std::move(rounded)), frame, {}, {}};
+  return {std::move(by), std::nullopt, std::make_shared<const Points>(std::move(rounded)), frame, {}, {}, {}};
 }
 
 }  // namespace homolog

@@ -28,9 +28,11 @@ struct SetPoints {
   std::optional<int> of_frame{};         ///< of a cine, where it is not the one that is shown
   std::string doubt{};                   ///< of a frame that was carried there: see Shape::doubt
   std::shared_ptr<const VertexScalars> doubt_mm{};  ///< of a fit: see Shape::doubt_mm; on doubt_on_grid's grid
+  std::shared_ptr<const VertexScalars> outlier{};   ///< of a fit: see Shape::outlier; 0 or 1 each
   bool operator==(const SetPoints& other) const {
     return by == other.by && placement == other.placement && of_frame == other.of_frame && doubt == other.doubt &&
-           same_values(points, other.points) && same_values(doubt_mm, other.doubt_mm);
+           same_values(points, other.points) && same_values(doubt_mm, other.doubt_mm) &&
+           same_values(outlier, other.outlier);
   }
 };
 const ActionKind<SetPoints>& action_kind(const SetPoints&);
@@ -42,10 +44,11 @@ struct MovePoints {
   std::shared_ptr<const std::vector<std::uint32_t>> moves;  ///< 3n, landmark by landmark; 0 stays
   std::optional<int> of_frame{};
   std::string doubt{};
-  std::shared_ptr<const VertexScalars> doubt_mm{};
+  std::shared_ptr<const VertexScalars> doubt_mm{}, outlier{};
   bool operator==(const MovePoints& other) const {
     return by == other.by && placement == other.placement && of_frame == other.of_frame && doubt == other.doubt &&
-           same_values(moves, other.moves) && same_values(doubt_mm, other.doubt_mm);
+           same_values(moves, other.moves) && same_values(doubt_mm, other.doubt_mm) &&
+           same_values(outlier, other.outlier);
   }
 };
 const ActionKind<MovePoints>& action_kind(const MovePoints&);

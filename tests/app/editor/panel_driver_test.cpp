@@ -96,6 +96,50 @@ TEST_CASE("the doubt of a fit is an overlay with a legend and a figure") {
   CHECK(std::any_of(colours.begin(), colours.end(), [&](const Rgb& one) { return one != colours.front(); }));
 }
 
+TEST_CASE("a fit to an organ that the scan cuts marks what is missing in grey") {
+  VolumeGeometry grid;
+  grid.dims = {50, 50, 50};
+  grid.spacing_mm.setConstant(1.6);
+  grid.origin_mm.setConstant(-40);
+  const TemporaryFolder folder;
+  Volume labels = label_map(icosphere(3, 24), grid, 1);
+  auto& voxels = std::get<std::vector<std::uint8_t>>(labels.data);
+  std::fill(voxels.begin() + 50 * 50 * 32, voxels.end(), std::uint8_t{0});  // above 11 mm
+  const auto file = folder.path / "label.nii.gz";
+  REQUIRE(write_volume(labels, file));
+  Driver driver(new_document("", std::make_shared<const Volume>(labels), ball_template(24)), {1280, 3600, 1});
+  for (const char* section : {"Place", "Correspondence"}) driver.app().send(OpenSection{section, true});
+  driver.app().send(open_labels(file));
+  driver.wait_until("the label map is open", [&] { return driver.has("Place/Fit to the label"); });
+  CHECK(driver.control("Place/The scan cuts the organ").value == "off");
+  driver.click("Place/The scan cuts the organ");
+  driver.settle();
+  CHECK(driver.state().fit_settings.partial);
+  driver.click("Place/Fit to the label");
+  driver.wait_until("the fit is done", [&] { return driver.shows("Dice"); });
+  driver.settle();
+  CHECK(driver.shows("of the mesh lies where the label lacks the organ"));
+  CHECK(driver.shows("the scan lacks this part"));
+
+  const Shape shape = driver.document().shape();
+  REQUIRE(shape.outlier);
+  const auto top = shape.points->col(2).array() > 16;
+  const auto below = shape.points->col(2).array() < 4;
+  CHECK((shape.outlier->array() * top.cast<double>()).sum() > 0.9 * static_cast<double>(top.count()));
+  CHECK((shape.outlier->array() * below.cast<double>()).sum() == 0);
+  const auto greyed = mesh_colours(driver.document(), Colouring::moved, {}, 1);
+  Document whole = driver.document();
+  whole.shapes.at(0).outlier.reset();
+  const auto plain = mesh_colours(whole, Colouring::moved, {}, 1);
+  for (std::size_t i = 0; i < plain.size(); ++i)
+    CHECK((greyed[i] == plain[i]) == ((*shape.outlier)[static_cast<Eigen::Index>(i)] == 0));
+
+  driver.app().send(ApplyEdit{Undo{}});
+  driver.settle();
+  CHECK_FALSE(driver.document().shape().outlier);
+  CHECK_FALSE(driver.shows("the scan lacks this part"));
+}
+
 TEST_CASE("a section that is opened at the panel's end is scrolled into view") {
   Driver driver(new_document("", nullptr, ball_template(20)), {1024, 700, 1});
   REQUIRE(driver.control("side panel/Export").value == "off");

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <limits>
 
+#include "core/mesh/mesh_repair.h"
 #include "tests/ball_folder.h"
 
 namespace homolog {
@@ -57,7 +58,33 @@ TEST_CASE("repair-mesh leaves a sound template as it is and cuts tunnels on requ
   CHECK(cut.json()["rebuilt"]["genus_before"] == 1);
   CHECK(cut.json()["distance_to_mesh_mm"]["mean"].is_number());
   CHECK(run(folder, "template ring.ply -o out.ply --genus 0 --vertices 800 --json").json()["genus"] == 0);
-  check_refused(run(folder, "template ring.ply -o out.ply --genus 3"), "has 1 tunnels, fewer than --genus 3");
+  check_refused(run(folder, "repair-mesh ring.ply -o out.ply --genus 3"), "has one tunnel, fewer than --genus 3");
+  check_refused(run(folder, "template ring.ply -o out.ply --genus 3"), "has one tunnel, fewer than --genus 3");
+}
+
+TEST_CASE("repair-mesh cuts the tunnels of each part and keeps the others") {
+  const TemporaryFolder folder;
+  const Mesh ring = shapes::torus(48, 24, 20, 8), ball = icosphere(3, 15);
+  const auto aside = [](Mesh mesh, double mm) {
+    mesh.points.rowwise() += Eigen::RowVector3d(mm, 0, 0);
+    return mesh;
+  };
+  REQUIRE(write_mesh(joined({ring, aside(ring, 100), aside(ball, 200)}), folder.path / "three.ply"));
+  const Json kept = run(folder, "repair-mesh three.ply -o kept.ply --genus 1 --json").json();
+  CHECK(kept["components"] == 3);
+  CHECK_FALSE(kept.contains("rebuilt"));
+  const Json cut = run(folder, "repair-mesh three.ply -o cut.ply --genus 0 --vertices 2000 --json").json();
+  CHECK(cut["components"] == 3);
+  CHECK(cut["genus"] == 0);
+  CHECK(cut["rebuilt"]["genus_before"] == 1);
+
+  // An open ring: what --holes keep leaves open cannot stay open where the surface is made anew.
+  MeshFile open{ring.points, ring.topology->triangles()};
+  open.triangles.conservativeResize(open.triangles.rows() - 1, 3);
+  REQUIRE(write_mesh_file(open, folder.path / "open.ply"));
+  const Ran closed = run(folder, "repair-mesh open.ply -o closed.ply --genus 0 --holes keep --vertices 800 --json");
+  CHECK(closed.json()["genus"] == 0);
+  CHECK(closed.errors.find("open.ply: holes that --holes keep leaves open were closed flat") != std::string::npos);
 }
 
 TEST_CASE("a fit with a template of many tunnels never comes without a warning") {

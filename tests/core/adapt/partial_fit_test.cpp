@@ -84,6 +84,17 @@ TEST_CASE("a partial fit finds what is missing and lies on what is there") {
   CHECK(missing_mm / static_cast<double>(cut.truth.rows()) < 1.5);  // where only the template's shape speaks
 }
 
+TEST_CASE("an end that is gone is found although the template is placed too small at first and is in more doubt") {
+  const CutKidney cut(3, Vec3(0.391, -0.311, 0.866).normalized(), 0.25);
+  const FitResult fit = partial_fit(cut.open());
+  CHECK(cut.f1(fit) > 0.9);
+  const VertexScalars gone = outlier_marks(fit);
+  const double gone_mm = fit.doubt_mm.dot(gone) / gone.sum();
+  const double there_mm = (fit.doubt_mm.sum() - fit.doubt_mm.dot(gone)) / (1 - gone.array()).sum();
+  CHECK(gone_mm > 1.2 * there_mm);
+  CHECK(fit.doubt_mm.minCoeff() > 0);
+}
+
 TEST_CASE("a partial fit with a model finds what is missing and stays with the model where it is told to") {
   ShapeMatrix shapes(3 * kidney()->points.rows(), 10);
   for (int k = 0; k < 10; ++k) {

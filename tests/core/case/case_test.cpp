@@ -308,6 +308,31 @@ TEST_CASE("the doubt of a fit is kept until vertices are put elsewhere along the
   CHECK_FALSE(session.apply(fit));
 }
 
+TEST_CASE("what a scan lacks is kept with the fit and goes into files") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  const auto shape = [&]() -> const Shape& { return session.document().shape(); };
+  VertexScalars marks = VertexScalars::Zero(shape().points->rows());
+  marks.head(5).setOnes();
+  SetPoints fit{"fit", std::nullopt, found_points(1.1)};
+  fit.outlier = std::make_shared<const VertexScalars>(marks);
+  REQUIRE(session.apply(fit));
+  REQUIRE(session.apply(SetPoints{by_snap, std::nullopt, found_points(1.12)}));
+  REQUIRE(shape().outlier);
+  CHECK(*shape().outlier == marks);
+  CHECK(*to_mesh_file(session.document(), 0).outlier == marks);
+  const auto again = read_case(folder.case_path);
+  REQUIRE(again);
+  CHECK(*again->session.document().shape().outlier == marks);
+
+  REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found_points(1)}));
+  CHECK_FALSE(shape().outlier);
+  REQUIRE(session.apply(Undo{}));
+  CHECK(*shape().outlier == marks);
+  fit.outlier = std::make_shared<const VertexScalars>(marks.head(4));
+  CHECK_FALSE(session.apply(fit));
+}
+
 TEST_CASE("a stroke is kept exactly as its preview showed it") {
   const CaseFolder folder;
   EditSession session = folder.create();

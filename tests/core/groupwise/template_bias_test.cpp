@@ -126,3 +126,19 @@ TEST_CASE("a consensus of one subject is refused and a cancelled one says so") {
   CHECK(consensus_template(organs(2), {.vertices = 200, .progress = &progress}).error().what.find("cancelled") !=
         std::string::npos);
 }
+
+TEST_CASE("what was mended of the subject that a template is made from is said") {
+  std::vector<Boundary> subjects = organs(3);
+  for (Boundary& subject : subjects) {
+    const Mesh& whole = subject.surface;
+    const Triangles faces = whole.topology->triangles().bottomRows(whole.topology->triangles().rows() - 1);
+    subject.surface = {Topology::make(whole.points.rows(), faces).value(), whole.points};
+  }
+  const Consensus consensus = test::must(consensus_template(subjects, {.vertices = 200, .most_rounds = 1}));
+  REQUIRE(consensus.warnings.size() == 1);
+  CHECK(consensus.warnings.front().find("one hole closed flat") != std::string::npos);
+  const TemplateBias bias = test::must(
+      template_bias({{"a", subjects[0], {}}, {"b", subjects[1], {}}, {"c", subjects[2], {}}}, {.vertices = 200}));
+  REQUIRE(bias.warnings.size() == 3);
+  CHECK(bias.warnings.front().starts_with("a, as a template: "));
+}

@@ -248,6 +248,46 @@ TEST_CASE("a face without area has its longest edge flipped") {
     CHECK(smallest_angle_deg(repair.mesh, f) > 1);
 }
 
+TEST_CASE("two flips that would make one edge do not keep others from being made") {
+  // Around a double pyramid two faces without area have their long edges opposite each other: flipping both would join
+  // the tips twice.
+  const Mesh pyramid =
+      shapes::make_mesh({{0, 0, 0}, {0, 0, -5}, {-5, 0, 0}, {5, 0, 0}, {0, -5, 0}, {0, 5, 0}},
+                        {{0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 2}, {1, 3, 2}, {1, 4, 3}, {1, 5, 4}, {1, 2, 5}});
+  Mesh ball = icosphere(2, 5);
+  const auto face = ball.topology->triangles().row(0);
+  ball.points.row(face[0]) = (ball.points.row(face[1]) + ball.points.row(face[2])) / 2;
+  ball.points.rowwise() += Eigen::RowVector3d(30, 0, 0);
+  const MeshRepair repair = repaired(as_file(joined({pyramid, ball}))).value();
+  CHECK(repair.mended.degenerate_faces == 2);
+}
+
+TEST_CASE("of two parts those inside out are turned and counted once whichever is the larger") {
+  const auto inside_out = [](MeshFile file) {
+    file.triangles.col(1).swap(file.triangles.col(2));
+    return file;
+  };
+  Mesh other = icosphere(2, 8);
+  other.points.rowwise() += Eigen::RowVector3d(30, 0, 0);
+  const MeshFile large = as_file(icosphere(2, 10)), small = as_file(other);
+  for (const MeshFile& file : {both(inside_out(large), small), both(large, inside_out(small))}) {
+    const MeshRepair repair = repaired(file).value();
+    CHECK(repair.mended.turned_faces == static_cast<std::size_t>(large.triangles.rows()));
+    CHECK(repair.mended.cavities == 0);
+    for (const Mesh& part : parts_of(repair.mesh)) CHECK(enclosed_volume_ml(part) > 0);
+  }
+}
+
+TEST_CASE("parts are grouped by boxes that meet and the largest group comes first") {
+  Mesh small = icosphere(1, 3), near = small, far = small;
+  near.points.rowwise() += Eigen::RowVector3d(10, 0, 0);
+  far.points.rowwise() += Eigen::RowVector3d(50, 0, 0);
+  const std::vector<Mesh> groups = neighbouring_parts(joined({far, near, icosphere(2, 10)}));
+  REQUIRE(groups.size() == 2);
+  CHECK(groups.front().topology->components() == 2);
+  CHECK(groups.back().points == far.points);
+}
+
 TEST_CASE("random faces over few vertices become a manifold whatever they are") {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     std::mt19937 random(seed);

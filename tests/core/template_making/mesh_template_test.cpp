@@ -11,8 +11,9 @@
 
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/template_making/rasterise.h"
+#include "core/template_making/solid_voxels.h"
 #include "core/template_making/tunnels.h"
+#include "tests/cpu_time.h"
 #include "tests/shapes.h"
 
 using namespace homolog;
@@ -129,6 +130,12 @@ TEST_CASE("of a thin skull riddled with pores comes a template without faults th
   CHECK((made.from_mesh.mean_mm < 0.5 || said("from the surface on average")));
 }
 
+TEST_CASE("a thin skull that is rebuilt keeps its walls") {
+  const MeshTemplate made = make_mesh_template(thin_skull(0.12, 20, 0.2), with_vertices(5000)).value();
+  REQUIRE(made.rebuilt);
+  CHECK(made.from_mesh.max_mm < 1.2);
+}
+
 TEST_CASE("tunnels of a surface are cut to the number that is asked for") {
   const MeshFile ring = surface_file(shapes::torus(36, 18, 20, 8));
   CHECK(make_mesh_template(ring, with_vertices(400)).value().mesh.topology->genus() == 1);
@@ -138,19 +145,63 @@ TEST_CASE("tunnels of a surface are cut to the number that is asked for") {
   CHECK(make_mesh_template(ring, with_vertices(400, {GenusRule::Kind::number, 1})).value().rebuilt == std::nullopt);
   const auto fewer = make_mesh_template(ring, with_vertices(400, {GenusRule::Kind::number, 2}));
   REQUIRE_FALSE(fewer);
-  CHECK(fewer.error().what == "has 1 tunnels, fewer than --genus 2; use --genus keep");
+  CHECK(fewer.error().what == "has one tunnel, fewer than --genus 2; use --genus keep");
 }
 
-TEST_CASE("a wall thinner than its voxels is rasterised and a solid stays as it is") {
+TEST_CASE("the wide hole of a thin ring is filled by a disc") {
+  const MeshFile ring = surface_file(shapes::torus(48, 16, 30, 6));
+  const MeshTemplate cut = make_mesh_template(ring, with_vertices(400, {GenusRule::Kind::number, 0})).value();
+  CHECK(cut.mesh.topology->genus() == 0);
+  CHECK_FALSE(mesh_faults(cut.mesh).any());
+  Box box = bounds_of(cut.mesh.points);
+  CHECK(box.sizes().z() < 15);  // and not by a lump
+}
+
+TEST_CASE("what is far away does not make a part that is rebuilt coarse") {
+  const Mesh ball = icosphere(3, 5);
+  Mesh far = icosphere(3, 4.9);
+  far.points.rowwise() += Eigen::RowVector3d(1000, 1000, 1000);
+  MeshTemplateOptions options = with_vertices(400);
+  options.closing_mm = 0.5;
+  const MeshTemplate made = make_mesh_template(surface_file(joined({ball, far})), options).value();
+  REQUIRE(made.rebuilt);
+  CHECK(made.rebuilt->voxel_mm < 0.5);
+  CHECK(surface_distance(made.mesh, ball).mean_mm < 0.1);
+  const auto one_of_two = [](const std::string& text) { return text.find("2 parts") != std::string::npos; };
+  CHECK(std::any_of(made.warnings.begin(), made.warnings.end(), one_of_two));
+}
+
+TEST_CASE("the thickness of walls that is reported is that which was made") {
+  // Two parts whose boxes meet, so that the voxels are coarse.
+  const Mesh plate = shapes::box(Vec3(0, 0, 0.1), Vec3(10, 10, 0.2));
+  Mesh long_one = shapes::box(Vec3(5, 5, 0.1), Vec3(4000, 4000, 0.2));
+  long_one.points.row(7) += Eigen::RowVector3d(0, 0, 4000);
+  const SolidVoxels solid = solid_voxels(joined({plate, long_one}), {.spacing_mm = 0.5, .wall_mm = 2});
+  CHECK(solid.label_map.geometry.spacing_mm[0] > 10);
+  CHECK(solid.wall_mm == 2 * solid.label_map.geometry.spacing_mm[0]);
+}
+
+TEST_CASE("making a solid can be cancelled and a long face takes little work") {
+  Progress progress;
+  progress.cancel();
+  const Mesh ball = icosphere(3, 10);
+  const SolidVoxels none = solid_voxels(ball, {.spacing_mm = 0.5, .wall_mm = 2}, &progress);
+  const auto& voxels = std::get<std::vector<std::uint8_t>>(none.label_map.data);
+  CHECK(std::count(voxels.begin(), voxels.end(), 1) == 0);
+  const Mesh beam = shapes::box(Vec3::Zero(), Vec3(20000, 2, 2));
+  CHECK(test::cpu_seconds_of([&] { solid_voxels(beam, {.spacing_mm = 1, .wall_mm = 1}); }) < 10);
+}
+
+TEST_CASE("a wall thinner than its voxels is kept and a solid stays as it is") {
   const Mesh plate = shapes::box(Vec3(0, 0, 0.41), Vec3(20, 20, 0.45));
-  const Volume thin = rasterised(plate, {.spacing_mm = 1, .wall_mm = 3});
+  const Volume thin = solid_voxels(plate, {.spacing_mm = 1, .wall_mm = 3}).label_map;
   const auto& voxels = std::get<std::vector<std::uint8_t>>(thin.data);
   const auto count = [](const std::vector<std::uint8_t>& set) { return std::count(set.begin(), set.end(), 1); };
   CHECK(count(voxels) > 2.4 * 20 * 20);
   CHECK(count(voxels) < 4.5 * 23 * 23);
   CHECK(genus_of(voxels, thin.geometry.dims) == 0);
   const Mesh ball = icosphere(3, 10);
-  const Volume solid = rasterised(ball, {.spacing_mm = 0.5, .wall_mm = 2});
+  const Volume solid = solid_voxels(ball, {.spacing_mm = 0.5, .wall_mm = 2}).label_map;
   const double inside_ml = static_cast<double>(count(std::get<std::vector<std::uint8_t>>(solid.data))) * 0.125 / 1000;
   CHECK(inside_ml == doctest::Approx(enclosed_volume_ml(ball)).epsilon(0.01));
 }

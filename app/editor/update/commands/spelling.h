@@ -36,6 +36,7 @@ inline void spell_fit(Fields& line, FitSettings& fit) {
   line.member("as_placed", fit.as_placed);
   static constexpr std::array model_names{"none", "study", "file"};
   if (!line.reads() || line.has("model")) spell_choice(line, "model", model_names, fit.model);
+  line.optional("partial", fit.partial, fit.partial);
   line.optional("beyond", fit.beyond);
 }
 

@@ -20,7 +20,7 @@ namespace homolog {
 /// does.
 using Command = std::variant<
     // edits of the case
-    PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineLandmarks, CancelFit, BlendModel,
+    PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineAlongSurface, CancelFit, BlendModel,
     CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
     // files
     OpenFiles, OpenRequested, CloseLabels, CancelOpening, CancelReading, CancelWriting, SaveCase, SaveCaseAs,

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # The one test command, from a bare Debian 12 on: builds the release, then runs the unit tests, the command-line contract, the
-# pictures and the real window, and checks the formatting. With --sanitizers also core and the editor's state under
-# AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer, which takes several times as long, and fuzzes the readers.
+# pictures and the real window, checks the formatting, and looks for mistakes with clang-tidy. With --sanitizers also core and
+# the editor's state under AddressSanitizer, UndefinedBehaviorSanitizer and ThreadSanitizer, which takes several times as
+# long, and fuzzes the readers.
 # Closes with "N passed, N failed, N skipped". Tests on real data are skipped where there is none (HOMOLOG_DATA, else
 # ../shared/data); any other test that is skipped counts as failed, since its packages are installed here.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 . scripts/packages.sh
 . scripts/count_tests.sh
-install_missing $build_packages git xvfb xdotool imagemagick clang-format python3-jsonschema || exit 1
+install_missing $build_packages git xvfb xdotool imagemagick clang-format clang-tidy python3-jsonschema || exit 1
 
 passed=0 failed=0 skipped=0
 # step NAME COMMAND…: one check that passes or fails as a whole.
@@ -31,6 +32,7 @@ suite() {
 
 step "release build" build release && suite release
 step "formatting" bash -c 'git ls-files "*.cpp" "*.h" | xargs -r clang-format --dry-run -Werror'
+step "clang-tidy" scripts/tidy.sh
 if [ "${1:-}" = --sanitizers ]; then
   step "sanitized build (address, undefined)" build debug && suite debug
   step "sanitized build (thread)" build tsan && suite tsan

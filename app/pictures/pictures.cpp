@@ -18,13 +18,13 @@ constexpr std::array<float, 4> dark{0.07f, 0.075f, 0.085f, 1}, light{1, 1, 1, 1}
 constexpr int gap_px = 4;
 
 /// Colours and glyphs of a topology, the same for every shape that has it.
-struct Colouring {
+struct MeshColours {
   std::vector<float> hues;
   std::shared_ptr<const std::vector<Rgb>> surface;
   std::vector<std::int32_t> glyphs;
   double glyph_radius_mm = 1;
 
-  Colouring(const Mesh& mesh, double spacing_mm) : hues(vertex_hues(*mesh.topology)) {
+  MeshColours(const Mesh& mesh, double spacing_mm) : hues(vertex_hues(*mesh.topology)) {
     std::vector<Rgb> colours;
     colours.reserve(hues.size());
     for (const float hue : hues) colours.push_back(hsv_to_rgb(hue, 0.4f, 1));
@@ -175,7 +175,7 @@ Result<MadePicture> montage(const std::vector<Mesh>& shapes, const std::vector<s
                             const MontageOptions& options) {
   auto studio = Studio::make(options);
   if (!studio) return fail(studio.error());
-  const Colouring colouring(shapes.front(), options.glyph_spacing_mm);
+  const MeshColours colouring(shapes.front(), options.glyph_spacing_mm);
   const int count = static_cast<int>(shapes.size());
   const int rows = (count + columns - 1) / columns;
   if (std::min(options.width_px / columns, options.height_px / rows) < 4 * gap_px) {
@@ -253,7 +253,7 @@ Result<MadePicture> case_picture(const Document& document, const MontageOptions&
   if (!studio) return fail(studio.error());
   const Mesh mesh = document.mesh();
   const Vec3 centre = mesh.points.colwise().mean();
-  const Colouring colouring(mesh, options.glyph_spacing_mm);
+  const MeshColours colouring(mesh, options.glyph_spacing_mm);
   Scene scene;
   scene.background = background(options);
   if (document.volume) {

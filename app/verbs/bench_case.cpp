@@ -31,11 +31,6 @@ struct Folder {
   }
 };
 
-double median(std::vector<double> times) {
-  std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
-  return times[times.size() / 2];
-}
-
 /// Gestures of a day: strokes, touches of the stiffness brush, and, two of five, what a snap of the whole mesh finds: a
 /// smooth way of half a millimetre and noise. (A real snap searches the image first, which is no matter of the case.)
 class Day {
@@ -80,7 +75,7 @@ Result<Json> work(EditSession session, Progress& progress) {
     progress.report(0.8 * k / gestures);
     if (progress.cancelled()) return fail("bench", "was stopped");
   }
-  return Json{{"stroke_ms", median(strokes)}, {"snap_ms", median(snaps)}};
+  return Json{{"stroke_ms", median_of(strokes)}, {"snap_ms", median_of(snaps)}};
 }
 
 }  // namespace

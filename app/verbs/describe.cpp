@@ -1,6 +1,6 @@
 #include "app/verbs/describe.h"
 
-#include "app/verbs/mended.h"
+#include "app/verbs/mending_report.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"

@@ -32,18 +32,17 @@ struct ExpertsJob {
 
 enum class ExpertMethod { fit, fit_shown, closest_points, point_drift };
 
-const char* method_name(ExpertMethod method) {
-  switch (method) {
-    case ExpertMethod::fit:
-      return "fit";
-    case ExpertMethod::fit_shown:
-      return "fit --landmarks";
-    case ExpertMethod::closest_points:
-      return "similarity + closest points";
-    case ExpertMethod::point_drift:
-      return "point drift";
-  }
-  return "";
+/// What a method is called in the report, and in the names of the meshes.
+struct MethodNames {
+  const char *shown, *in_files;
+};
+
+MethodNames names_of(ExpertMethod method) {
+  constexpr MethodNames names[] = {{"fit", "fit"},
+                                   {"fit --landmarks", "shown"},
+                                   {"similarity + closest points", "closest"},
+                                   {"point drift", "drift"}};
+  return names[static_cast<std::size_t>(method)];
 }
 
 /// One template fitted to one subject in one way.
@@ -54,12 +53,6 @@ struct ExpertRun {
   double mean_mm = 0, assd_mm = 0, seconds = 0;
   fs::path mesh;
 };
-
-double mean_error(const std::map<std::string, double>& errors) {
-  double sum = 0;
-  for (const auto& [name, error] : errors) sum += error;
-  return errors.empty() ? 0 : sum / static_cast<double>(errors.size());
-}
 
 Result<std::shared_ptr<const Template>> expert_template(const BiasSubject& subject, int vertices,
                                                         std::vector<std::string>& warnings) {
@@ -99,15 +92,10 @@ Result<Report> measure_run(const Template& the_template, const BiasSubject& subj
     for (const Landmark& one : carried)
       if (one.name == truth.name) run.errors_mm[truth.name] = (one.position - truth.position).norm();
   }
-  run.mean_mm = mean_error(run.errors_mm);
+  run.mean_mm = mean_of(run.errors_mm, [](const auto& one) { return one.second; });
   run.assd_mm = mean_surface_distance_mm({the_template.topology, *points}, subject.boundary.surface);
   if (options.out.empty()) return Report{};
-  run.mesh = options.out / (run.of_template + "-to-" + run.subject + "-" +
-                            (run.method == ExpertMethod::fit              ? "fit"
-                             : run.method == ExpertMethod::fit_shown      ? "shown"
-                             : run.method == ExpertMethod::closest_points ? "closest"
-                                                                          : "drift") +
-                            ".ply");
+  run.mesh = options.out / (run.of_template + "-to-" + run.subject + "-" + names_of(run.method).in_files + ".ply");
   MeshFile file = to_mesh_file(the_template);
   file.points = *points;
   file.landmarks = carried;
@@ -157,11 +145,9 @@ Json row_of_runs(const std::vector<const ExpertRun*>& runs) {
     assd.push_back(run->assd_mm);
     seconds.push_back(run->seconds);
   }
-  double sum = 0;
-  for (const double error : errors) sum += error;
   return {{"template", runs.front()->of_template},
-          {"method", method_name(runs.front()->method)},
-          {"mean_mm", sum / static_cast<double>(errors.size())},
+          {"method", names_of(runs.front()->method).shown},
+          {"mean_mm", mean_of(errors)},
           {"median_mm", median_of(errors)},
           {"max_mm", *std::max_element(errors.begin(), errors.end())},
           {"worst_subject_mm", *std::max_element(means.begin(), means.end())},
@@ -182,7 +168,7 @@ std::string experts_table(const std::vector<Json>& rows, const std::vector<Json>
   text += "\n| landmark | raters |";
   std::string rule = "|---|---|";
   for (const ExpertMethod method : methods) {
-    text += std::string(" ") + method_name(method) + " |";
+    text += std::string(" ") + names_of(method).shown + " |";
     rule += "---|";
   }
   text += "\n" + rule + "\n";
@@ -190,7 +176,7 @@ std::string experts_table(const std::vector<Json>& rows, const std::vector<Json>
     text += "| " + landmark["name"].get<std::string>() + " | " +
             (landmark["raters_mm"].is_null() ? "–" : mm_text(landmark["raters_mm"].get<double>())) + " |";
     for (const ExpertMethod method : methods) {
-      const Json& value = landmark["mm"][method_name(method)];
+      const Json& value = landmark["mm"][names_of(method).shown];
       text += " " + (value.is_null() ? "–" : mm_text(value.get<double>())) + " |";
     }
     text += "\n";
@@ -202,17 +188,13 @@ std::vector<Json> landmark_rows(const std::vector<ExpertRun>& runs, const std::m
                                 const std::vector<ExpertMethod>& methods) {
   std::map<std::string, std::map<std::string, std::vector<double>>> errors;
   for (const ExpertRun& run : runs)
-    for (const auto& [name, error] : run.errors_mm) errors[name][method_name(run.method)].push_back(error);
+    for (const auto& [name, error] : run.errors_mm) errors[name][names_of(run.method).shown].push_back(error);
   std::vector<Json> rows;
   for (const auto& [name, by_method] : errors) {
     Json row{{"name", name}, {"raters_mm", raters.contains(name) ? Json(raters.at(name)) : Json()}};
     for (const ExpertMethod method : methods) {
-      const auto found = by_method.find(method_name(method));
-      double sum = 0;
-      if (found != by_method.end())
-        for (const double error : found->second) sum += error;
-      row["mm"][method_name(method)] =
-          found == by_method.end() ? Json() : Json(sum / static_cast<double>(found->second.size()));
+      const auto found = by_method.find(names_of(method).shown);
+      row["mm"][names_of(method).shown] = found == by_method.end() ? Json() : Json(mean_of(found->second));
     }
     rows.push_back(std::move(row));
   }

@@ -1,20 +1,15 @@
 #pragma once
 
-#include <algorithm>
 #include <chrono>
 #include <utility>
 #include <vector>
+
+#include "core/base/statistics.h"
 
 namespace homolog {
 
 inline double milliseconds(std::chrono::steady_clock::duration d) {
   return std::chrono::duration<double, std::milli>(d).count();
-}
-
-inline double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Median time of `work(repetition)` in ms over enough repetitions to fill about `budget_ms`, at least 5.

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "app/verbs/describe.h"
-#include "app/verbs/mended.h"
+#include "app/verbs/mending_report.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "app/verbs/describe.h"
-#include "app/verbs/mended.h"
+#include "app/verbs/mending_report.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/subjects.h"
 #include "app/verbs/verb.h"

@@ -8,18 +8,16 @@
 
 #include "core/base/picture.h"
 #include "core/base/result.h"
+#include "core/base/scalar.h"
 
 // The border between the program and its picture module, the only part that knows OpenImageIO, libpng and libtiff. The
 // module is loaded when first needed.
 namespace homolog {
 
-/// The types of pixels; whole numbers of fewer than 8 bits are spread over 0…255.
-enum class PictureValues { Uint8, Int8, Uint16, Int16, Uint32, Int32, Float32, Float64 };
-
 /// One greyscale picture or a file of several pages.
 struct PicturePages {
   int width = 0, height = 0, pages = 0;
-  PictureValues values = PictureValues::Uint8;
+  Scalar values = Scalar::uint8;  ///< whole numbers of fewer than 8 bits are spread over 0…255
   bool operator==(const PicturePages&) const = default;
 };
 

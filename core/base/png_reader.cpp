@@ -114,7 +114,7 @@ class PngFile {
 Result<PicturePages> grey_page(PngFile& file, const fs::path& path) {
   if (auto header = file.read_header(); !header) return fail(header.error());
   if (file.coloured()) return fail(path.string(), "has colours; save it as a greyscale picture");
-  return PicturePages{file.width(), file.height(), 1, file.bits() == 16 ? PictureValues::Uint16 : PictureValues::Uint8};
+  return PicturePages{file.width(), file.height(), 1, file.bits() == 16 ? Scalar::uint16 : Scalar::uint8};
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ struct TiffCloser {
 
 /// One page's kind of pixels, and how they are stored.
 struct PageKind {
-  PicturePages pages{0, 0, 1, PictureValues::Uint8};
+  PicturePages pages{0, 0, 1, Scalar::uint8};
   TiffRow row;            ///< of as many pixels as the page is wide
   int orientation = 1;    ///< 1…4 [TIFF 6.0, "Orientation"]
   bool separate = false;  ///< samples lie in planes of their own; the first plane is read
@@ -73,18 +73,18 @@ T field(TIFF* tiff, std::uint32_t tag, T otherwise) {
   return TIFFGetFieldDefaulted(tiff, tag, &value) == 1 ? value : otherwise;
 }
 
-std::optional<PictureValues> values_of(int bits, int format) {
+std::optional<Scalar> values_of(int bits, int format) {
   if (format == SAMPLEFORMAT_UINT || format == SAMPLEFORMAT_VOID) {
-    if (bits == 1 || bits == 2 || bits == 4 || bits == 8) return PictureValues::Uint8;
-    if (bits == 10 || bits == 12 || bits == 14 || bits == 16) return PictureValues::Uint16;
-    if (bits == 32) return PictureValues::Uint32;
+    if (bits == 1 || bits == 2 || bits == 4 || bits == 8) return Scalar::uint8;
+    if (bits == 10 || bits == 12 || bits == 14 || bits == 16) return Scalar::uint16;
+    if (bits == 32) return Scalar::uint32;
   } else if (format == SAMPLEFORMAT_INT) {
-    if (bits == 8) return PictureValues::Int8;
-    if (bits == 16) return PictureValues::Int16;
-    if (bits == 32) return PictureValues::Int32;
+    if (bits == 8) return Scalar::int8;
+    if (bits == 16) return Scalar::int16;
+    if (bits == 32) return Scalar::int32;
   } else if (format == SAMPLEFORMAT_IEEEFP) {
-    if (bits == 32) return PictureValues::Float32;
-    if (bits == 64) return PictureValues::Float64;
+    if (bits == 32) return Scalar::float32;
+    if (bits == 64) return Scalar::float64;
   }
   return {};
 }

@@ -54,7 +54,7 @@ void unpack_row(const TiffRow& row, std::span<const std::byte> from, std::span<s
   else
     for (std::size_t p = 0; p < row.pixels; ++p)
       std::memcpy(to.data() + p * value_bytes, from.data() + p * samples * value_bytes, value_bytes);
-  if (row.white_is_0 && row.values == PictureValues::Uint8)
+  if (row.white_is_0 && row.values == Scalar::uint8)
     for (std::byte& value : to) value = ~value;
 }
 

@@ -13,7 +13,7 @@ struct TiffRow {
   int bits = 8;             ///< of one sample: 1…16, 32 or 64
   int samples = 1;          ///< of one pixel; the first is taken
   bool white_is_0 = false;  ///< whole numbers of up to 8 bits are turned round
-  PictureValues values = PictureValues::Uint8;
+  Scalar values = Scalar::uint8;
 };
 
 /// How many bytes the decoded row takes.

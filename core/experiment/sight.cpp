@@ -1,5 +1,6 @@
 #include "core/experiment/sight.h"
 
+#include "core/base/statistics.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {
@@ -12,15 +13,11 @@ constexpr Eigen::Index looked_at = 2500;
 }  // namespace
 
 double mean_mm(const std::vector<Deviation>& deviations) {
-  double sum = 0;
-  for (const Deviation& d : deviations) sum += d.distance_mm;
-  return sum / static_cast<double>(deviations.size());
+  return mean_of(deviations, &Deviation::distance_mm);
 }
 
 double mean_square_mm2(const std::vector<Deviation>& deviations) {
-  double sum = 0;
-  for (const Deviation& d : deviations) sum += d.distance_mm * d.distance_mm;
-  return sum / static_cast<double>(deviations.size());
+  return mean_of(deviations, [](const Deviation& d) { return d.distance_mm * d.distance_mm; });
 }
 
 Sight::Sight(const Mesh& target, std::shared_ptr<const Topology> topology)

@@ -160,15 +160,10 @@ Result<TemplateBias> template_bias(const std::vector<BiasSubject>& subjects, con
         if (!places[k].name.empty()) by_name[places[k].name].push_back(spread);
       }
   }
-  const auto mean = [](const std::vector<double>& values) {
-    double sum = 0;
-    for (const double value : values) sum += value;
-    return sum / static_cast<double>(values.size());
-  };
-  bias.spread_mm = mean(all);
+  bias.spread_mm = mean_of(all);
   bias.spread_p95_mm = quantile(all, 0.95);
   bias.spread_max_mm = *std::max_element(all.begin(), all.end());
-  for (const auto& [name, values] : by_name) bias.spread_of_mm[name] = mean(values);
+  for (const auto& [name, values] : by_name) bias.spread_of_mm[name] = mean_of(values);
 
   std::vector<Eigen::MatrixXd> products;
   for (const Start& start : starts) products.push_back(products_of(start.fits));

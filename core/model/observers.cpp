@@ -85,9 +85,9 @@ Result<ObserverRead> read_observer(const fs::path& path, Progress* progress) {
   if (!sources) return fail(sources.error());
   ObserverRead read;
   for (const auto& [name, source] : *sources) {
-    const auto take = [&, &called = name](const std::string&, const MeshFile& mesh) -> Result<void> {
+    const auto take = [&, &called = name, &origin = source](const std::string&, const MeshFile& mesh) -> Result<void> {
       if (read.shapes.contains(called))
-        read.warnings.push_back(source.file.string() + ": is a second file of the case " + called + " (left out)");
+        read.warnings.push_back(origin.file.string() + ": is a second file of the case " + called + " (left out)");
       else
         read.shapes[called] = std::make_shared<const MeshFile>(mesh);
       return {};

@@ -215,8 +215,8 @@ Points sheet_points(const LevelSet& wall, const Frame& frame, const std::vector<
 Vec3 towards_narrower_end(const Body& body) {
   const Frame frame = frame_of(body.main_axis);
   const auto [start, end] = inside_along(body.wall, body.centre, frame.axis);
-  const auto radius_at = [&](double share) {
-    return mean_radius(ring_at(body.wall, frame, 32, body.centre + (start + share * (end - start)) * frame.axis));
+  const auto radius_at = [&, from = start, to = end](double share) {
+    return mean_radius(ring_at(body.wall, frame, 32, body.centre + (from + share * (to - from)) * frame.axis));
   };
   return radius_at(0.85) <= radius_at(0.15) ? frame.axis : Vec3(-frame.axis);
 }

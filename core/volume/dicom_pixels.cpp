@@ -46,40 +46,35 @@ void take_stored_bits(std::span<std::byte> bytes, const DicomHeader& header) {
   }
 }
 
-void swap_pairs(std::span<std::byte> bytes, std::size_t size) {
-  for (std::size_t i = 0; i + size <= bytes.size(); i += size) std::reverse(&bytes[i], &bytes[i] + size);
-}
-
 /// take_stored_bits in the file's type.
-void take_stored_bits(std::span<std::byte> bytes, StoredType type, const DicomHeader& header) {
+void take_stored_bits(std::span<std::byte> bytes, Scalar type, const DicomHeader& header) {
   if (header.bits_stored == header.bits_allocated) return;
   switch (type) {
-    case StoredType::Uint8:
+    case Scalar::uint8:
       return take_stored_bits<std::uint8_t>(bytes, header);
-    case StoredType::Int8:
+    case Scalar::int8:
       return take_stored_bits<std::int8_t>(bytes, header);
-    case StoredType::Uint16:
+    case Scalar::uint16:
       return take_stored_bits<std::uint16_t>(bytes, header);
-    case StoredType::Int16:
+    case Scalar::int16:
       return take_stored_bits<std::int16_t>(bytes, header);
-    case StoredType::Uint32:
+    case Scalar::uint32:
       return take_stored_bits<std::uint32_t>(bytes, header);
     default:
       return take_stored_bits<std::int32_t>(bytes, header);
   }
 }
 
-std::size_t plane_bytes_of(const DicomHeader& header, StoredType type) {
-  return static_cast<std::size_t>(header.rows) * static_cast<std::size_t>(header.columns) * bytes_per_voxel(type);
+std::size_t plane_bytes_of(const DicomHeader& header, Scalar type) {
+  return static_cast<std::size_t>(header.rows) * static_cast<std::size_t>(header.columns) * size_of(type);
 }
 
-Result<void> read_plain(const DicomHeader& header, StoredType type, const Room& room, Progress* progress) {
+Result<void> read_plain(const DicomHeader& header, Scalar type, const Room& room, Progress* progress) {
   const std::size_t bytes = header.planes.size() * plane_bytes_of(header, type);
   if (header.pixels->bytes < bytes) return pixels_missing(header);
   const std::span<std::byte> out = room(bytes);
   if (auto read = read_block(header.pixels->block, out, progress); !read) return read;
-  if (const std::size_t size = bytes_per_voxel(type); size > 1 && header.big_endian != native_big_endian())
-    swap_pairs(out, size);
+  if (header.big_endian != native_big_endian()) swap_byte_order(out, type);
   take_stored_bits(out, type, header);
   return {};
 }
@@ -180,7 +175,7 @@ std::optional<std::vector<char>> encoded_plane(const DicomHeader& header, std::s
 }
 
 /// Decodes every plane from its fragments.
-Result<void> decode(const DicomHeader& header, StoredType type, const Room& room, Progress* progress) {
+Result<void> decode(const DicomHeader& header, Scalar type, const Room& room, Progress* progress) {
   const std::size_t planes = header.planes.size(), fragments = header.pixels->fragments.size();
   const bool run_lengths = header.transfer_syntax == rle_syntax;
   if (fragments < planes) return pixels_missing(header);
@@ -196,7 +191,7 @@ Result<void> decode(const DicomHeader& header, StoredType type, const Room& room
     if (!stream || !is_closed(header.transfer_syntax, *stream)) return pixels_missing(header);
     if (!run_lengths && !has_header_size(header, *stream)) return not_decodable(header);
     const std::span<std::byte> out = room(plane_bytes_of(header, type));
-    if (run_lengths ? !decode_rle(*stream, bytes_per_voxel(type), out) : !decode_jpeg(header, *stream, out))
+    if (run_lengths ? !decode_rle(*stream, size_of(type), out) : !decode_jpeg(header, *stream, out))
       return not_decodable(header);
     if (run_lengths) take_stored_bits(out, type, header);
   }
@@ -205,15 +200,15 @@ Result<void> decode(const DicomHeader& header, StoredType type, const Room& room
 
 }  // namespace
 
-Result<StoredType> dicom_stored_type(const DicomHeader& header) {
+Result<Scalar> dicom_stored_type(const DicomHeader& header) {
   const std::string name = header.path.string();
   if (header.samples_per_pixel != 1 || (!header.photometric.empty() && !header.photometric.starts_with("MONOCHROME")))
     return fail(name, "is a colour image; export it as greyscale");
   const bool sane = header.bits_stored >= 1 && header.bits_stored <= header.bits_allocated &&
                     header.high_bit >= header.bits_stored - 1 && header.high_bit < header.bits_allocated;
-  if (sane && header.bits_allocated == 8) return header.is_signed ? StoredType::Int8 : StoredType::Uint8;
-  if (sane && header.bits_allocated == 16) return header.is_signed ? StoredType::Int16 : StoredType::Uint16;
-  if (sane && header.bits_allocated == 32) return header.is_signed ? StoredType::Int32 : StoredType::Uint32;
+  if (sane && header.bits_allocated == 8) return header.is_signed ? Scalar::int8 : Scalar::uint8;
+  if (sane && header.bits_allocated == 16) return header.is_signed ? Scalar::int16 : Scalar::uint16;
+  if (sane && header.bits_allocated == 32) return header.is_signed ? Scalar::int32 : Scalar::uint32;
   return fail(name, "stores its pixels in " + std::to_string(header.bits_stored) + " of " +
                         std::to_string(header.bits_allocated) + " bits, which cannot be read; export it with 8 or 16");
 }

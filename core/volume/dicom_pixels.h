@@ -7,7 +7,7 @@
 namespace homolog {
 
 /// The type in which a file stores its pixels; fails on colour and on sizes other than 8, 16 and 32 bits.
-Result<StoredType> dicom_stored_type(const DicomHeader& header);
+Result<Scalar> dicom_stored_type(const DicomHeader& header);
 
 /// Reads and decodes all planes of a file, in its order, as rows · columns values of its stored type each, into room
 /// that is asked for as they arrive: what a header claims costs no memory before there are pixels for it. Fails where

@@ -72,7 +72,7 @@ Result<StoredVoxels> read_run(const VoxelRun& run, const VolumeGeometry& geometr
   const double voxels = claimed_voxels(geometry, frames), each = voxels / static_cast<double>(run.blocks.size());
   const ByteBlock& first = run.blocks.front();
   for (const ByteBlock& block : run.blocks)
-    if (const auto credible = check_claim(block, each * static_cast<double>(bytes_per_voxel(run.type))); !credible)
+    if (const auto credible = check_claim(block, each * static_cast<double>(size_of(run.type))); !credible)
       return fail(credible.error());
   if (const auto enough = check_memory(first.file, bytes_while_reading(run.type, voxels, rescaled)); !enough)
     return fail(enough.error());
@@ -81,8 +81,8 @@ Result<StoredVoxels> read_run(const VoxelRun& run, const VolumeGeometry& geometr
     return fail(first.file.string(), "and its voxel files do not hold equal numbers of voxels; export them again");
   StoredVoxels stored = make_stored_voxels(run.type, 0);
   reserve_voxels(stored, count);
-  const std::size_t block_bytes = count / run.blocks.size() * bytes_per_voxel(run.type);
-  const auto room = [&](std::size_t bytes) { return add_voxels(stored, bytes / bytes_per_voxel(run.type)); };
+  const std::size_t block_bytes = count / run.blocks.size() * size_of(run.type);
+  const auto room = [&](std::size_t bytes) { return add_voxels(stored, bytes / size_of(run.type)); };
   for (std::size_t b = 0; b < run.blocks.size(); ++b) {
     const bool alone = run.blocks.size() == 1;
     if (progress && !alone) progress->report(static_cast<double>(b) / static_cast<double>(run.blocks.size()));

@@ -23,7 +23,7 @@ Result<VolumeGeometry> make_geometry(const std::filesystem::path& path, const st
 /// own).
 struct VoxelRun {
   std::vector<ByteBlock> blocks;
-  StoredType type = StoredType::Uint8;
+  Scalar type = Scalar::uint8;
   bool other_byte_order = false;
 };
 

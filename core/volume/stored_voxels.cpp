@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -121,41 +120,15 @@ Result<void> convert(const std::vector<T>& values, const Rescale& rescale, const
   return {};
 }
 
-template <class T>
-void swap_values(std::vector<T>& values) {
-  if constexpr (sizeof(T) > 1) {
-    for (T& value : values) {
-      std::array<std::byte, sizeof(T)> bytes;
-      std::memcpy(bytes.data(), &value, sizeof(T));
-      std::reverse(bytes.begin(), bytes.end());
-      std::memcpy(&value, bytes.data(), sizeof(T));
-    }
-  }
-}
-
-template <std::size_t... I>
-StoredVoxels make_alternative(std::size_t index, std::size_t count, std::index_sequence<I...>) {
-  StoredVoxels voxels;
-  ((I == index ? static_cast<void>(voxels.emplace<I>(count)) : void()), ...);
-  return voxels;
-}
-
 }  // namespace
 
-std::size_t bytes_per_voxel(StoredType type) {
-  constexpr std::array<std::size_t, std::variant_size_v<StoredVoxels>> sizes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-  return sizes[static_cast<std::size_t>(type)];
+double bytes_while_reading(Scalar type, double voxels, bool rescaled) {
+  const bool kept = type == Scalar::uint8 || type == Scalar::int16 || type == Scalar::uint16 || type == Scalar::float32;
+  return voxels * (static_cast<double>(size_of(type)) + (kept && !rescaled ? 0.0 : 4.0));
 }
 
-double bytes_while_reading(StoredType type, double voxels, bool rescaled) {
-  const bool kept = type == StoredType::Uint8 || type == StoredType::Int16 || type == StoredType::Uint16 ||
-                    type == StoredType::Float32;
-  return voxels * (static_cast<double>(bytes_per_voxel(type)) + (kept && !rescaled ? 0.0 : 4.0));
-}
-
-StoredVoxels make_stored_voxels(StoredType type, std::size_t count) {
-  return make_alternative(static_cast<std::size_t>(type), count,
-                          std::make_index_sequence<std::variant_size_v<StoredVoxels>>());
+StoredVoxels make_stored_voxels(Scalar type, std::size_t count) {
+  return with_type(type, [count]<class T>(std::type_identity<T>) { return StoredVoxels(std::vector<T>(count)); });
 }
 
 std::span<std::byte> bytes_of(StoredVoxels& voxels) {
@@ -177,7 +150,8 @@ std::span<std::byte> add_voxels(StoredVoxels& voxels, std::size_t count) {
 }
 
 void swap_byte_order(StoredVoxels& voxels) {
-  std::visit([](auto& values) { swap_values(values); }, voxels);
+  std::visit([](auto& values) { swap_byte_order<sizeof(values[0])>(std::as_writable_bytes(std::span(values))); },
+             voxels);
 }
 
 Result<void> keep_voxels(StoredVoxels voxels, const Rescale& rescale, const std::string& subject, Volume& volume,

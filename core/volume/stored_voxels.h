@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/base/scalar.h"
 #include "core/volume/volume.h"
 
 namespace homolog {
@@ -18,17 +19,12 @@ using StoredVoxels =
                  std::vector<std::int16_t>, std::vector<std::uint32_t>, std::vector<std::int32_t>,
                  std::vector<std::uint64_t>, std::vector<std::int64_t>, std::vector<float>, std::vector<double>>;
 
-/// The alternatives of StoredVoxels, in its order.
-enum class StoredType { Uint8, Int8, Uint16, Int16, Uint32, Int32, Uint64, Int64, Float32, Float64 };
-
-std::size_t bytes_per_voxel(StoredType type);
-
 /// The most bytes that a volume of `voxels` occupies while it is read: the stored and, where another type is kept, the
 /// kept voxels.
-double bytes_while_reading(StoredType type, double voxels, bool rescaled);
+double bytes_while_reading(Scalar type, double voxels, bool rescaled);
 
 /// `count` voxels of value 0.
-StoredVoxels make_stored_voxels(StoredType type, std::size_t count);
+StoredVoxels make_stored_voxels(Scalar type, std::size_t count);
 
 std::span<std::byte> bytes_of(StoredVoxels& voxels);
 

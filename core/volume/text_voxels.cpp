@@ -77,7 +77,7 @@ tl::unexpected<Error> bad_text(const std::filesystem::path& file) {
 Result<StoredVoxels> read_text_voxels(const VoxelRun& run, VoxelText form, const VolumeGeometry& geometry,
                                       std::int64_t frames) {
   const double voxels = claimed_voxels(geometry, frames);
-  const auto value_bytes = static_cast<double>(bytes_per_voxel(run.type));
+  const auto value_bytes = static_cast<double>(size_of(run.type));
   // A number takes a digit and a separator, the last one perhaps only the digit.
   const double characters = form == VoxelText::Hex ? 2 * value_bytes * voxels : 2 * voxels - 1;
   double present = 0;

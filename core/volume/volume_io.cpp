@@ -48,7 +48,7 @@ bool is_lfs_pointer(const fs::path& path) {
 Result<void> check_path(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) {
-    fs::directory_iterator(path, error);
+    const fs::directory_iterator listed(path, error);
     if (error) return fail(path.string(), "cannot be listed (" + error.message() + "); check its permissions");
     return {};
   }

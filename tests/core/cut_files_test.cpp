@@ -48,20 +48,32 @@ void cut(const fs::path& path, const Check& same_or_refused) {
   CHECK(same_or_refused());
 }
 
+/// Writes what `write` writes under each name, reads it and cuts it: what is left is refused or `same` as the whole.
+template <class Write, class Read, class Same>
+void cut_each(const std::vector<std::string>& names, const Write& write, const Read& read, const Same& same) {
+  const TemporaryFolder folder;
+  for (const std::string& name : names) {
+    const fs::path path = folder.path / name;
+    REQUIRE(write(path));
+    const auto whole = read(path);
+    REQUIRE(whole);
+    cut(path, [&] {
+      const auto left = read(path);
+      return !left || same(*left, *whole);
+    });
+  }
+}
+
 }  // namespace
 
 TEST_CASE("an image that is cut short is refused or whole") {
-  const TemporaryFolder folder;
   const Volume volume = small_volume();
-  for (const char* name : {"v.nii", "v.nii.gz", "v.nrrd", "v.mha"}) {
-    const fs::path path = folder.path / name;
-    REQUIRE(write_volume(volume, path));
-    REQUIRE(read_volume(path));
-    cut(path, [&] {
-      const auto read = read_volume(path);
-      return !read || (read->volume.data == volume.data && same_grid(read->volume.geometry, volume.geometry));
-    });
-  }
+  cut_each(
+      {"v.nii", "v.nii.gz", "v.nrrd", "v.mha"}, [&](const fs::path& path) { return write_volume(volume, path); },
+      [](const fs::path& path) { return read_volume(path); },
+      [&](const VolumeRead& left, const VolumeRead&) {
+        return left.volume.data == volume.data && same_grid(left.volume.geometry, volume.geometry);
+      });
 }
 
 TEST_CASE("a bit that is turned over in the voxels of an image changes that voxel alone") {
@@ -87,43 +99,29 @@ TEST_CASE("a bit that is turned over in the voxels of an image changes that voxe
 }
 
 TEST_CASE("a mesh that is cut short is refused or whole") {
-  const TemporaryFolder folder;
   const Mesh ball = icosphere(1, 40);
-  for (const char* name : {"m.ply", "m.vtk", "m.vtp", "m.stl"}) {
-    const fs::path path = folder.path / name;
-    REQUIRE(write_mesh(ball, path));
-    const auto whole = read_mesh_file(path);
-    REQUIRE(whole);
-    cut(path, [&] {
-      const auto read = read_mesh_file(path);
-      return !read || (read->points == whole->points && read->triangles == whole->triangles);
-    });
-  }
+  cut_each(
+      {"m.ply", "m.vtk", "m.vtp", "m.stl"}, [&](const fs::path& path) { return write_mesh(ball, path); },
+      [](const fs::path& path) { return read_mesh_file(path); },
+      [](const MeshFile& left, const MeshFile& whole) {
+        return left.points == whole.points && left.triangles == whole.triangles;
+      });
 }
 
 TEST_CASE("landmarks and models that are cut short are refused or whole") {
-  const TemporaryFolder folder;
   const std::vector<Landmark> landmarks{{"apex", Vec3(1, 2, 3)}, {"base", Vec3(-4, 5.5, 6)}};
-  for (const char* name : {"l.mrk.json", "l.json"}) {
-    const fs::path path = folder.path / name;
-    REQUIRE(write_landmarks(landmarks, path));
-    cut(path, [&] {
-      const auto read = read_landmarks(path);
-      return !read || *read == landmarks;
-    });
-  }
+  cut_each(
+      {"l.mrk.json", "l.json"}, [&](const fs::path& path) { return write_landmarks(landmarks, path); },
+      [](const fs::path& path) { return read_landmarks(path); },
+      [&](const std::vector<Landmark>& left, const std::vector<Landmark>&) { return left == landmarks; });
   ShapeMatrix shapes(3 * 12, 3);
   std::mt19937 random(5);
   for (Eigen::Index i = 0; i < shapes.size(); ++i) shapes(i) = static_cast<double>(random() % 1000) / 8;
   const ShapeModel model = make_model(principal_components(shapes), 1, nullptr, {"a", "b", "c"});
-  for (const char* name : {"m.h5", "m.h5.json"}) {
-    const fs::path path = folder.path / name;
-    REQUIRE(write_model(model, path));
-    const auto whole = read_model(path);
-    REQUIRE(whole);
-    cut(path, [&] {
-      const auto read = read_model(path);
-      return !read || (read->mean == whole->mean && read->basis == whole->basis && read->variances == whole->variances);
-    });
-  }
+  cut_each(
+      {"m.h5", "m.h5.json"}, [&](const fs::path& path) { return write_model(model, path); },
+      [](const fs::path& path) { return read_model(path); },
+      [](const ShapeModel& left, const ShapeModel& whole) {
+        return left.mean == whole.mean && left.basis == whole.basis && left.variances == whole.variances;
+      });
 }

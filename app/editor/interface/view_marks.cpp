@@ -198,7 +198,7 @@ std::vector<ShownLandmark> shown_landmarks(const UiContext& ui, const ViewMap& m
     if (one.placed || one.carried) all.push_back(std::move(one));
   }
   for (const auto& [name, p_mm] : shape.landmarks) {  // of a template that named more
-    const auto is_it = [&](const Landmark& landmark) { return landmark.name == name; };
+    const auto is_it = [&called = name](const Landmark& landmark) { return landmark.name == called; };
     if (std::any_of(the_template.landmarks.begin(), the_template.landmarks.end(), is_it)) continue;
     const auto px = map.to_px(p_mm);
     const float alpha = px ? landmark_alpha(ui, map, p_mm, *px) : 0;

@@ -188,7 +188,7 @@ void draw_refinement(const UiContext& ui, Outbox& out) {
              "Then vertices move along the surface to their places on the template. The surface and confirmed "
              "vertices stay. One step to undo",
              busy.empty() ? ui.needs_shape() : busy, ImGui::GetContentRegionAvail().x))
-    out.send(RefineLandmarks{});
+    out.send(RefineAlongSurface{});
 }
 
 }  // namespace homolog

@@ -1,5 +1,5 @@
 #include "app/editor/panels/ui_context.h"
-#include "app/editor/state/file_extensions.h"
+#include "app/editor/state/files/file_extensions.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/base/listed.h"

@@ -14,9 +14,9 @@
 #include "app/editor/update/commands.h"
 #include "app/editor/widgets/theme.h"
 #include "app/editor/work/fitter.h"
+#include "app/editor/work/models/study_appearance.h"
 #include "app/editor/work/propagator.h"
 #include "app/editor/work/quality_monitor.h"
-#include "app/editor/work/study_appearance.h"
 #include "app/editor/work/template_maker.h"
 #include "core/session/session_thread.h"
 

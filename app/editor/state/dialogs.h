@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "app/editor/state/file_browser.h"
+#include "app/editor/state/files/file_browser.h"
 #include "app/editor/state/open_request.h"
 #include "app/editor/state/view_geometry.h"
 #include "core/volume/volume_io.h"

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <any>
+#include <optional>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -20,7 +23,7 @@ namespace homolog {
 /// does.
 using Command = std::variant<
     // edits of the case
-    PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineLandmarks, CancelFit, BlendModel,
+    PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineAlongSurface, CancelFit, BlendModel,
     CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
     // files
     OpenFiles, OpenRequested, CloseLabels, CancelOpening, CancelReading, CancelWriting, SaveCase, SaveCaseAs,
@@ -49,16 +52,33 @@ using Command = std::variant<
     SpaceGalleryGlyphs, ShowMean, ShowSample, ShowSelectedShape, SetMode, AnimateMode, ShowAllModes, ShowDifference,
     CompareGroup, ChooseAlignment, StartOptimisation, CancelOptimisation, ShowOptimised, DiscardOptimised>;
 
-/// Commands in the order they were given.
+/// Whether a type stands in the list.
+template <class One, class List>
+constexpr bool stands_in = false;
+template <class One, class... Listed>
+constexpr bool stands_in<One, std::variant<Listed...>> = (std::is_same_v<One, Listed> || ...);
+
+/// Commands in the order they were given. What knows the whole list is in outbox.cpp alone: a panel that sends a few
+/// commands would take three times as long to compile.
 class Outbox {
  public:
-  void send(Command command) { commands_.push_back(std::move(command)); }
-  void apply(Action action, bool joined = false) { send(ApplyEdit{std::move(action), joined}); }
-  void preview(std::optional<Action> action) { send(PreviewEdit{std::move(action)}); }
-  bool empty() const { return commands_.empty(); }
-  std::vector<Command> take() { return std::exchange(commands_, {}); }
+  /// Takes a command, or a Command that holds one.
+  template <class One>
+  void send(One command) {
+    static_assert(stands_in<One, Command> || std::is_same_v<One, Command>);
+    if constexpr (std::is_same_v<One, Command>)
+      add(std::move(command));
+    else
+      add_one(std::move(command));
+  }
+  void apply(Action action, bool joined = false);
+  void preview(std::optional<Action> action);
+  bool empty() const;
+  std::vector<Command> take();
 
  private:
+  void add(Command command);
+  void add_one(std::any command);
   std::vector<Command> commands_;
 };
 

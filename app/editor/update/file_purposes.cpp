@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "app/editor/state/file_extensions.h"
+#include "app/editor/state/files/file_extensions.h"
 #include "core/mesh/formats/formats.h"
 #include "core/volume/formats/formats.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/state/file_browser.h"
+#include "app/editor/state/files/file_browser.h"
 #include "app/editor/update/commands.h"
 
 namespace homolog {

@@ -6,7 +6,7 @@
 #include "core/base/files.h"
 #include "core/base/paths.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/model/repair.h"
+#include "core/model/case_of_shape.h"
 #include "core/model/statismo.h"
 
 namespace homolog {
@@ -186,7 +186,7 @@ void Models::repair_case(const StudyCase& one, const OpenCaseOfStudy& command, E
                      faces = models.model ? models.model->topology : nullptr,
                      folder = models.study_file.parent_path() / "repaired"](Progress& progress) -> Result<FileDone> {
     if (progress.cancelled()) return FileDone();
-    const auto made = make_repair_case(*mesh, faces, command.name, folder);
+    const auto made = make_case_of_shape(*mesh, faces, command.name, folder);
     if (!made) return fail(made.error());
     if (progress.cancelled()) return FileDone();
     return FileDone{{}, {}, [command, mesh_file, case_file = *made](EditorState& now, Outbox& out) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/editor/update/commands.h"
-#include "app/editor/work/build_study_model.h"
+#include "app/editor/work/models/build_study_model.h"
 #include "app/editor/work/worker.h"
 #include "core/session/session_thread.h"
 

@@ -16,6 +16,7 @@
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/window/input_router.h"
 #include "app/editor/work/demo.h"
+#include "core/base/statistics.h"
 #include "core/session/case_file.h"
 #include "render/offscreen.h"
 
@@ -33,12 +34,6 @@ double thread_ms() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// The editor with a hand on the mouse. `framebuffer` is null where nothing is drawn.
@@ -162,7 +157,7 @@ Result<std::vector<FrameCost>> frame_costs() {
     constexpr int frames = 40;
     const auto times = all_drags(app, nullptr, frames);
     for (std::size_t k = 0; k < tools.size(); ++k)
-      costs.push_back({tools[k].name, median(times[k]), *std::max_element(times[k].begin(), times[k].end()), {}});
+      costs.push_back({tools[k].name, median_of(times[k]), *std::max_element(times[k].begin(), times[k].end()), {}});
   }
   const auto gl = OffscreenContext::make();
   if (!gl) return costs;
@@ -175,7 +170,7 @@ Result<std::vector<FrameCost>> frame_costs() {
   app.start_session(std::move(*session));
   constexpr int frames = 8;
   const auto times = all_drags(app, framebuffer->get(), frames);
-  for (std::size_t k = 0; k < tools.size(); ++k) costs[k].drawn_frame_ms = median(times[k]);
+  for (std::size_t k = 0; k < tools.size(); ++k) costs[k].drawn_frame_ms = median_of(times[k]);
   return costs;
 }
 

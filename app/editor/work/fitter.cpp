@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "app/editor/work/model_help.h"
+#include "app/editor/work/models/model_help.h"
 #include "core/adapt/judge_fit.h"
 #include "core/assist/assist.h"
 #include "core/mesh/isosurface.h"

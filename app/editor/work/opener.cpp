@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include "app/editor/state/file_browser.h"
-#include "app/editor/state/file_extensions.h"
+#include "app/editor/state/files/file_browser.h"
+#include "app/editor/state/files/file_extensions.h"
 #include "app/editor/work/demo.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"

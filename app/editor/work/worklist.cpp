@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "app/editor/state/file_extensions.h"
+#include "app/editor/state/files/file_extensions.h"
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/opener.h"
 #include "core/base/json.h"

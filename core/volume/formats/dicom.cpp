@@ -69,7 +69,7 @@ Result<StoredVoxels> read_planes(const fs::path& path, const std::vector<DicomHe
   const std::size_t places = arrangement.planes.size();
   const std::size_t plane_voxels =
       static_cast<std::size_t>(headers.front().rows) * static_cast<std::size_t>(headers.front().columns);
-  const std::size_t plane_bytes = plane_voxels * bytes_per_voxel(*type);
+  const std::size_t plane_bytes = plane_voxels * size_of(*type);
   bool encoded = false;
   for (const DicomHeader& header : headers) {
     if (const auto credible = check_pixel_claim(header, plane_bytes); !credible) return fail(credible.error());
@@ -87,7 +87,7 @@ Result<StoredVoxels> read_planes(const fs::path& path, const std::vector<DicomHe
             [&](std::size_t a, std::size_t b) { return place_of[a].front() < place_of[b].front(); });
   StoredVoxels stored = make_stored_voxels(*type, 0);
   reserve_voxels(stored, places * plane_voxels);
-  const auto room = [&](std::size_t bytes) { return add_voxels(stored, bytes / bytes_per_voxel(*type)); };
+  const auto room = [&](std::size_t bytes) { return add_voxels(stored, bytes / size_of(*type)); };
   for (const std::size_t f : files) {
     if (progress) {
       if (progress->cancelled()) return fail(path.string(), "was not read: cancelled");

@@ -85,13 +85,13 @@ std::optional<Header> parse_header(std::string_view head) {
   return {};
 }
 
-std::optional<StoredType> stored_type(const std::string& name) {
-  static const std::map<std::string, StoredType, std::less<>> types{
-      {"MET_CHAR", StoredType::Int8},       {"MET_UCHAR", StoredType::Uint8},       {"MET_SHORT", StoredType::Int16},
-      {"MET_USHORT", StoredType::Uint16},   {"MET_INT", StoredType::Int32},         {"MET_UINT", StoredType::Uint32},
-      {"MET_LONG", StoredType::Int32},      {"MET_ULONG", StoredType::Uint32},  // four bytes everywhere
-      {"MET_LONG_LONG", StoredType::Int64}, {"MET_ULONG_LONG", StoredType::Uint64}, {"MET_FLOAT", StoredType::Float32},
-      {"MET_DOUBLE", StoredType::Float64}};
+std::optional<Scalar> stored_type(const std::string& name) {
+  static const std::map<std::string, Scalar, std::less<>> types{
+      {"MET_CHAR", Scalar::int8},       {"MET_UCHAR", Scalar::uint8},       {"MET_SHORT", Scalar::int16},
+      {"MET_USHORT", Scalar::uint16},   {"MET_INT", Scalar::int32},         {"MET_UINT", Scalar::uint32},
+      {"MET_LONG", Scalar::int32},      {"MET_ULONG", Scalar::uint32},  // four bytes everywhere
+      {"MET_LONG_LONG", Scalar::int64}, {"MET_ULONG_LONG", Scalar::uint64}, {"MET_FLOAT", Scalar::float32},
+      {"MET_DOUBLE", Scalar::float64}};
   const auto found = types.find(name);
   if (found == types.end()) return {};
   return found->second;
@@ -165,7 +165,7 @@ Result<Layout> layout_of(const Header& header, const fs::path& path, std::vector
   return shape;
 }
 
-Result<VoxelRun> find_run(const Header& header, StoredType type, double bytes, const fs::path& path) {
+Result<VoxelRun> find_run(const Header& header, Scalar type, double bytes, const fs::path& path) {
   const std::string data_file = header.text({"ElementDataFile"});
   const std::string binary = header.text({"BinaryData"});
   if ((!binary.empty() && !header.is_true({"BinaryData"})) || data_file.starts_with("LIST") ||
@@ -212,7 +212,7 @@ Result<VolumeRead> read_metaimage(const fs::path& path, const VolumeReadOptions&
   result.volume.geometry = shape->geometry;
   result.volume.frames = shape->frames;
   result.volume.frame_seconds = shape->frame_seconds;
-  double bytes = static_cast<double>(bytes_per_voxel(*type)) * shape->frames;
+  double bytes = static_cast<double>(size_of(*type)) * shape->frames;
   for (const int size : shape->geometry.dims) bytes *= size;
   const auto run = find_run(*header, *type, bytes, path);
   if (!run) return fail(run.error());

@@ -156,28 +156,28 @@ Result<std::uintmax_t> voxels_begin(const NiftiHeader& header, const Pair& pair)
                   "; export it again");
 }
 
-Result<StoredType> stored_type(const nifti_image& image, const fs::path& path) {
+Result<Scalar> stored_type(const nifti_image& image, const fs::path& path) {
   switch (image.datatype) {
     case NIFTI_TYPE_UINT8:
-      return StoredType::Uint8;
+      return Scalar::uint8;
     case NIFTI_TYPE_INT8:
-      return StoredType::Int8;
+      return Scalar::int8;
     case NIFTI_TYPE_UINT16:
-      return StoredType::Uint16;
+      return Scalar::uint16;
     case NIFTI_TYPE_INT16:
-      return StoredType::Int16;
+      return Scalar::int16;
     case NIFTI_TYPE_UINT32:
-      return StoredType::Uint32;
+      return Scalar::uint32;
     case NIFTI_TYPE_INT32:
-      return StoredType::Int32;
+      return Scalar::int32;
     case NIFTI_TYPE_UINT64:
-      return StoredType::Uint64;
+      return Scalar::uint64;
     case NIFTI_TYPE_INT64:
-      return StoredType::Int64;
+      return Scalar::int64;
     case NIFTI_TYPE_FLOAT32:
-      return StoredType::Float32;
+      return Scalar::float32;
     case NIFTI_TYPE_FLOAT64:
-      return StoredType::Float64;
+      return Scalar::float64;
     default:
       return fail(path.string(), std::string("holds voxels of type ") + nifti_datatype_to_string(image.datatype) +
                                      " (colour, complex or extended); export one scalar channel");

@@ -64,28 +64,28 @@ Result<void> parse_fields(const fs::path& path, const std::string& fields, Nrrd&
   return {};
 }
 
-std::optional<StoredType> stored_type(int type) {
+std::optional<Scalar> stored_type(int type) {
   switch (type) {
     case nrrdTypeChar:
-      return StoredType::Int8;
+      return Scalar::int8;
     case nrrdTypeUChar:
-      return StoredType::Uint8;
+      return Scalar::uint8;
     case nrrdTypeShort:
-      return StoredType::Int16;
+      return Scalar::int16;
     case nrrdTypeUShort:
-      return StoredType::Uint16;
+      return Scalar::uint16;
     case nrrdTypeInt:
-      return StoredType::Int32;
+      return Scalar::int32;
     case nrrdTypeUInt:
-      return StoredType::Uint32;
+      return Scalar::uint32;
     case nrrdTypeLLong:
-      return StoredType::Int64;
+      return Scalar::int64;
     case nrrdTypeULLong:
-      return StoredType::Uint64;
+      return Scalar::uint64;
     case nrrdTypeFloat:
-      return StoredType::Float32;
+      return Scalar::float32;
     case nrrdTypeDouble:
-      return StoredType::Float64;
+      return Scalar::float64;
     default:
       return {};
   }
@@ -212,13 +212,13 @@ Result<std::uintmax_t> skip_lines(const fs::path& file, std::uintmax_t begin, un
 }
 
 /// The runs of bytes that the voxels lie in.
-Result<VoxelRun> find_run(const NrrdHeader& header, const Nrrd& nrrd, const NrrdIoState& state, StoredType type,
+Result<VoxelRun> find_run(const NrrdHeader& header, const Nrrd& nrrd, const NrrdIoState& state, Scalar type,
                           const fs::path& path) {
   const auto files = voxel_files(header, nrrd, path);
   if (!files) return fail(files.error());
   VoxelRun run;
   run.type = type;
-  run.other_byte_order = bytes_per_voxel(type) > 1 && (state.endian == airEndianBig) != native_big_endian();
+  run.other_byte_order = size_of(type) > 1 && (state.endian == airEndianBig) != native_big_endian();
   for (const fs::path& file : *files) {
     const auto begin = skip_lines(file, header.detached ? 0 : header.voxels_begin, state.lineSkip);
     if (!begin) return fail(begin.error());
@@ -230,7 +230,7 @@ Result<VoxelRun> find_run(const NrrdHeader& header, const Nrrd& nrrd, const Nrrd
     } else {  // the voxels end with the file
       const auto size = size_of_file(file);
       if (!size) return fail(size.error());
-      const double bytes = voxels_of(nrrd, nrrd.dim) * static_cast<double>(bytes_per_voxel(type));
+      const double bytes = voxels_of(nrrd, nrrd.dim) * static_cast<double>(size_of(type));
       const double before = static_cast<double>(*size) - bytes / static_cast<double>(files->size());
       if (state.byteSkip != -1 || state.encoding != nrrdEncodingRaw || before < static_cast<double>(*begin))
         return fail(path.string(), "gives an impossible place for its voxels (byte skip: " +

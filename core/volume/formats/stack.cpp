@@ -13,27 +13,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-StoredType stored_type(PictureValues values) {
-  switch (values) {
-    case PictureValues::Uint8:
-      return StoredType::Uint8;
-    case PictureValues::Int8:
-      return StoredType::Int8;
-    case PictureValues::Uint16:
-      return StoredType::Uint16;
-    case PictureValues::Int16:
-      return StoredType::Int16;
-    case PictureValues::Uint32:
-      return StoredType::Uint32;
-    case PictureValues::Int32:
-      return StoredType::Int32;
-    case PictureValues::Float32:
-      return StoredType::Float32;
-    default:
-      return StoredType::Float64;
-  }
-}
-
 /// slice2 before slice10: runs of digits are compared as numbers.
 bool natural_less(const std::string& a, const std::string& b) {
   const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
@@ -177,7 +156,7 @@ Result<VolumeRead> read_stack(const fs::path& path, const VolumeReadOptions& opt
   if (!module) return fail(module.error());
   const auto stack = find_stack(path, **module);
   if (!stack) return fail(stack.error());
-  const auto& [width, height, pages, values] = stack->pages;
+  const auto& [width, height, pages, type] = stack->pages;
   const auto slices = static_cast<std::int64_t>(stack->files.size()) * pages;
 
   VolumeRead result;
@@ -185,7 +164,6 @@ Result<VolumeRead> read_stack(const fs::path& path, const VolumeReadOptions& opt
   auto geometry = make_geometry(path, {width, height, slices}, options.stack_spacing_mm->asDiagonal(), Vec3::Zero());
   if (!geometry) return fail(geometry.error());
   result.volume.geometry = *geometry;
-  const StoredType type = stored_type(values);
   if (const auto enough = check_memory(path, bytes_while_reading(type, claimed_voxels(*geometry, 1), false)); !enough)
     return fail(enough.error());
   StoredVoxels stored = make_stored_voxels(type, 0);

@@ -3,7 +3,7 @@
 #include <atomic>
 
 #include "app/editor/work/fitter.h"
-#include "app/editor/work/model_help.h"
+#include "app/editor/work/models/model_help.h"
 #include "core/base/parallel.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/editor/state/file_browser.h"
+#include "app/editor/state/files/file_browser.h"
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/catalogue/catalogue.h"

@@ -66,6 +66,17 @@ struct ShownStudy {
   Result<Picture> draw() const { return editor_picture(EditSession(new_document({}, nullptr, nullptr)), options); }
 };
 
+/// The editor that draws on a framebuffer of its own; an OpenGL context must be there.
+struct DrawingEditor {
+  ImGuiOnOpenGl imgui;
+  EditorApp app{[] {}};
+
+  explicit DrawingEditor(Document document) {
+    REQUIRE(app.start_drawing(1));
+    app.start_session(EditSession(std::move(document)));
+  }
+};
+
 }  // namespace
 
 TEST_CASE("a study is drawn in a window of any size") {
@@ -131,10 +142,8 @@ TEST_CASE("golden picture of the models") {
 TEST_CASE("an exported picture of the window is what is on the screen without what the pointer adds") {
   const auto gl = test::context_or_skip();
   if (!gl) return;
-  const ImGuiOnOpenGl imgui;
-  EditorApp app([] {});
-  REQUIRE(app.start_drawing(1));
-  app.start_session(EditSession(test::must(demo_document(Organ::kidney, 1))));
+  DrawingEditor editor(test::must(demo_document(Organ::kidney, 1)));
+  EditorApp& app = editor.app;
   app.state().preferences.hints = {true, true, true};
   constexpr int width = 1100, height = 700;
   const auto framebuffer = test::must(Framebuffer::make(width, height, 1));
@@ -163,10 +172,8 @@ TEST_CASE("an exported picture of the window is what is on the screen without wh
 TEST_CASE("a view is exported on a dark and a light and a transparent ground with captions or without") {
   const auto gl = test::context_or_skip();
   if (!gl) return;
-  const ImGuiOnOpenGl imgui;
-  EditorApp app([] {});
-  REQUIRE(app.start_drawing(1));
-  app.start_session(EditSession(test::must(demo_document(Organ::kidney, 1))));
+  DrawingEditor editor(test::must(demo_document(Organ::kidney, 1)));
+  EditorApp& app = editor.app;
   app.settle();
   ImGui::GetIO().DisplaySize = {1280, 800};
   const auto framebuffer = test::must(Framebuffer::make(1280, 800, 1));
@@ -193,10 +200,8 @@ TEST_CASE("the gallery and the modes are exported with their captions on any gro
   const auto gl = test::context_or_skip();
   if (!gl) return;
   const ShownStudy study;
-  const ImGuiOnOpenGl imgui;
-  EditorApp app([] {});
-  REQUIRE(app.start_drawing(1));
-  app.start_session(EditSession(new_document({}, nullptr, nullptr)));
+  DrawingEditor editor(new_document({}, nullptr, nullptr));
+  EditorApp& app = editor.app;
   study.options.arrange(app.state());
   app.settle();
   REQUIRE(app.state().models.model);

@@ -1,5 +1,5 @@
+#include "app/editor/work/models/study_appearance.h"
 #include "app/editor/work/snaps.h"
-#include "app/editor/work/study_appearance.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"

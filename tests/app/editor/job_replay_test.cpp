@@ -141,6 +141,13 @@ void place_landmarks(Driver& driver, const fs::path& truth, std::size_t count) {
   driver.click("side panel/Place");
 }
 
+/// The image of a phantom, the built-in template of its organ, and the first landmarks clicked where they are.
+void start_on_phantom(Driver& driver, const Desktop& desktop, const std::string& phantom, const char* button,
+                      std::size_t landmarks) {
+  open_image(driver, desktop.folder.path / (phantom + "-image.nii.gz"), button);
+  place_landmarks(driver, desktop.folder.path / (phantom + "-landmarks.mrk.json"), landmarks);
+}
+
 void snap(Driver& driver) {
   driver.move(5, 5);
   driver.state().snapped.reset();
@@ -171,8 +178,7 @@ TEST_CASE("a kidney made by hand comes out of its log with the same bytes") {
   check_job(
       desktop, 3,
       [&](Driver& driver) {
-        open_image(driver, desktop.folder.path / "kidney-2-image.nii.gz", "Template/Kidney");
-        place_landmarks(driver, desktop.folder.path / "kidney-2-landmarks.mrk.json", 4);
+        start_on_phantom(driver, desktop, "kidney-2", "Template/Kidney", 4);
         driver.press('P');
         driver.press('1');
         pull_outwards(driver, 2);
@@ -194,8 +200,7 @@ TEST_CASE("a vertebra made by hand comes out of its log with the same bytes") {
   check_job(
       desktop, 1,
       [&](Driver& driver) {
-        open_image(driver, desktop.folder.path / "vertebra-2-image.nii.gz", "Template/Vertebra");
-        place_landmarks(driver, desktop.folder.path / "vertebra-2-landmarks.mrk.json", 5);
+        start_on_phantom(driver, desktop, "vertebra-2", "Template/Vertebra", 5);
         snap(driver);
         driver.click("Correspondence/Refine along the surface");
         driver.settle();

@@ -145,12 +145,21 @@ TEST_CASE("several labels are taken together by every verb that takes one") {
     CHECK(run(folder, "fit one.ply --mask two.nii.gz -o M.ply --label " + std::string("'") + wrong + "'").status == 2);
 }
 
+namespace {
+
+/// Landmarks as 3D Slicer wrote them before its .mrk.json.
+void write_fcsv(const std::filesystem::path& path, const std::string& system, const std::string& rows) {
+  std::ofstream(path) << "# Markups fiducial file version = 4.11\n# CoordinateSystem = " << system
+                      << "\n# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
+                      << rows;
+}
+
+}  // namespace
+
 TEST_CASE("landmarks go into a template and come out of fits") {
   const NamedBallFolder folder;
-  std::ofstream(folder.path / "places.fcsv")
-      << "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
-         "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
-         "1,0,0,20,0,0,0,1,1,1,0,top,,\n2,20,0,0,0,0,0,1,1,1,0,\"left, outer\",,\n3,0,35,0,0,0,0,1,1,1,0,far,,\n";
+  write_fcsv(folder.path / "places.fcsv", "LPS",
+             "1,0,0,20,0,0,0,1,1,1,0,top,,\n2,20,0,0,0,0,0,1,1,1,0,\"left, outer\",,\n3,0,35,0,0,0,0,1,1,1,0,far,,\n");
   for (const std::string in : {"ball.ply", "good.nii.gz"}) {
     CAPTURE(in);
     const Ran made = run(folder, "template " + in + " -o T.ply --vertices 500 --landmarks places.fcsv --json");
@@ -171,10 +180,8 @@ TEST_CASE("landmarks go into a template and come out of fits") {
 
 TEST_CASE("a folder of landmarks may lack some cases and hold others") {
   const NamedBallFolder folder;
-  std::ofstream(folder.path / "places/good.fcsv")
-      << "# Markups fiducial file version = 4.11\n# CoordinateSystem = RAS\n"
-         "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
-         "1,0,0,20,0,0,0,1,1,1,0,top,,\n2,-20,0,0,0,0,0,1,1,1,0,left,,\n3,0,-20,0,0,0,0,1,1,1,0,back,,\n";
+  write_fcsv(folder.path / "places/good.fcsv", "RAS",
+             "1,0,0,20,0,0,0,1,1,1,0,top,,\n2,-20,0,0,0,0,0,1,1,1,0,left,,\n3,0,-20,0,0,0,0,1,1,1,0,back,,\n");
   std::ofstream(folder.path / "places/godo.json") << "[]";
   const Ran many = run(folder, "fit named.ply --mask good.nii.gz other.nii.gz -o out --landmarks places --json");
   CHECK(many.status == 0);

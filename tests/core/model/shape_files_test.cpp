@@ -7,9 +7,9 @@
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
+#include "core/model/case_of_shape.h"
 #include "core/model/groups.h"
 #include "core/model/model_files.h"
-#include "core/model/repair.h"
 #include "core/model/study.h"
 #include "core/model/training_set.h"
 #include "core/session/case_file.h"
@@ -156,7 +156,7 @@ TEST_CASE("a training set goes out as it came in with one shape repaired") {
       shapes.push_back({name, read_shapes_of(path).value().shape({}, name).value(), path, false});
     }
     const auto faces = Topology::make(lopsided_organ(0).points.rows(), lopsided_organ(0).triangles).value();
-    const fs::path made = make_repair_case(*shapes[1].mesh, faces, "s1", files.path / "repaired").value();
+    const fs::path made = make_case_of_shape(*shapes[1].mesh, faces, "s1", files.path / "repaired").value();
     {
       EditSession session = open_case(made).value().session;
       CHECK(session.document().shape().points->isApprox(lopsided_organ(1).points, 1e-12));
@@ -187,7 +187,7 @@ TEST_CASE("a training set goes out as it came in with one shape repaired") {
 TEST_CASE("a case's name that leads out of the folder is refused for a repair and for an export") {
   const ShapeFolder files;
   for (const std::string name : {"../outside", "..", "", "/tmp/outside", "a/b"}) {
-    CHECK_FALSE(make_repair_case(lopsided_organ(1), nullptr, name, files.path / "repaired"));
+    CHECK_FALSE(make_case_of_shape(lopsided_organ(1), nullptr, name, files.path / "repaired"));
     const auto mesh = std::make_shared<const MeshFile>(lopsided_organ(1));
     CHECK_FALSE(write_shapes({{name, mesh, {}, true}}, ".ply", files.path / "out"));
   }
@@ -199,11 +199,12 @@ TEST_CASE("points alone are not repaired without faces and a second repair takes
   const ShapeFolder files;
   MeshFile points = lopsided_organ(1);
   points.triangles.resize(0, 3);
-  const auto refused = make_repair_case(points, nullptr, "s1", files.path / "repaired");
+  const auto refused = make_case_of_shape(points, nullptr, "s1", files.path / "repaired");
   REQUIRE(!refused);
   CHECK(refused.error().sentence().find("template") != std::string::npos);
-  CHECK(make_repair_case(lopsided_organ(1), nullptr, "s1", files.path / "repaired").value().filename() == "s1.homolog");
-  CHECK(make_repair_case(lopsided_organ(1), nullptr, "s1", files.path / "repaired").value().filename() ==
+  CHECK(make_case_of_shape(lopsided_organ(1), nullptr, "s1", files.path / "repaired").value().filename() ==
+        "s1.homolog");
+  CHECK(make_case_of_shape(lopsided_organ(1), nullptr, "s1", files.path / "repaired").value().filename() ==
         "s1-2.homolog");
   const std::vector<NamedShape> escaping{{"../s1", std::make_shared<const MeshFile>(lopsided_organ(1)), {}, true}};
   CHECK(!write_shapes(escaping, "", files.path / "out"));

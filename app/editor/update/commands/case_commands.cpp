@@ -98,7 +98,7 @@ void StartFit::run(Editing& editing) const {
   editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name}, chosen, model);
 }
 
-void RefineLandmarks::run(Editing& editing) const {
+void RefineAlongSurface::run(Editing& editing) const {
   if (!editing.shown.document().has_shape()) return;
   stop_playing(editing);
   editing.work.started_fit.reset();

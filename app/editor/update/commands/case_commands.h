@@ -58,7 +58,7 @@ struct StartFit {
   void run(Editing& editing) const;
 };
 /// Moves vertices along the mesh's own surface; see refine.
-struct RefineLandmarks {
+struct RefineAlongSurface {
   static constexpr const char* key = "refine";
   static constexpr Logged logged = Logged::when_done;
   void run(Editing& editing) const;

@@ -1,4 +1,4 @@
-#include "app/editor/work/model_help.h"
+#include "app/editor/work/models/model_help.h"
 
 #include <utility>
 

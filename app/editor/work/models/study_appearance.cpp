@@ -1,4 +1,4 @@
-#include "app/editor/work/study_appearance.h"
+#include "app/editor/work/models/study_appearance.h"
 
 #include <utility>
 

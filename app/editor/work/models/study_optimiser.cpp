@@ -1,8 +1,8 @@
-#include "app/editor/work/study_optimiser.h"
+#include "app/editor/work/models/study_optimiser.h"
 
 #include <algorithm>
 
-#include "app/editor/work/build_study_model.h"
+#include "app/editor/work/models/build_study_model.h"
 
 namespace homolog {
 

@@ -1,4 +1,4 @@
-#include "app/editor/work/build_study_model.h"
+#include "app/editor/work/models/build_study_model.h"
 
 #include <algorithm>
 

@@ -13,7 +13,7 @@ namespace homolog {
 /// Numbering is kept. `faces` are for a shape of points alone. Gives the case file. Errors: a name that is
 /// none of a file in that folder, points alone without faces of their count, faces that are no manifold surface, a
 /// folder that cannot be written to.
-Result<std::filesystem::path> make_repair_case(const MeshFile& shape, const std::shared_ptr<const Topology>& faces,
-                                               const std::string& name, const std::filesystem::path& folder);
+Result<std::filesystem::path> make_case_of_shape(const MeshFile& shape, const std::shared_ptr<const Topology>& faces,
+                                                 const std::string& name, const std::filesystem::path& folder);
 
 }  // namespace homolog

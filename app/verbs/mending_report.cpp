@@ -1,4 +1,4 @@
-#include "app/verbs/mended.h"
+#include "app/verbs/mending_report.h"
 
 #include <charconv>
 

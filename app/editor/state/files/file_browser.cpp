@@ -1,4 +1,4 @@
-#include "app/editor/state/file_browser.h"
+#include "app/editor/state/files/file_browser.h"
 
 #include <algorithm>
 #include <cctype>

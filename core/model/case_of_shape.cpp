@@ -1,4 +1,4 @@
-#include "core/model/repair.h"
+#include "core/model/case_of_shape.h"
 
 #include "core/base/files.h"
 #include "core/base/text.h"
@@ -9,8 +9,8 @@ namespace homolog {
 
 namespace fs = std::filesystem;
 
-Result<fs::path> make_repair_case(const MeshFile& shape, const std::shared_ptr<const Topology>& faces,
-                                  const std::string& name, const fs::path& folder) {
+Result<fs::path> make_case_of_shape(const MeshFile& shape, const std::shared_ptr<const Topology>& faces,
+                                    const std::string& name, const fs::path& folder) {
   if (!is_file_name(name)) return fail(name, "cannot be the name of a file; rename the case in the study");
   MeshFile imported = shape;
   if (imported.triangles.rows() == 0) {

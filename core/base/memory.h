@@ -8,8 +8,8 @@
 namespace homolog {
 
 /// Bytes of memory that this process can still get: what the machine has free, or what the limits of its control groups
-/// (containers, batch systems) or its own (`ulimit -v`, `ulimit -d`) leave where that is less. Infinite where the system
-/// says none of these.
+/// (containers, batch systems) or its own (`ulimit -v`, `ulimit -d`) leave where that is less. Infinite where the
+/// system says none of these.
 double available_memory_bytes();
 
 /// Bytes that the limits of this process leave on its addresses and its data [setrlimit(2), RLIMIT_AS and RLIMIT_DATA];

@@ -166,9 +166,10 @@ void add_bench(CLI::App& app, CommandLine& asked) {
       ->check(CLI::Range(100, 200000))
       ->needs(masks)
       ->capture_default_str();
-  verb->add_option("--mesh", options->mesh, "Times the solver on this mesh too")->excludes(masks);
+  auto* one_mesh = verb->add_option("--mesh", options->mesh, "Times the solver on this mesh too")->excludes(masks);
   verb->add_flag("--editor", options->editor, "Instead: only the editor's frames while a person drags and paints")
-      ->excludes(masks);
+      ->excludes(masks)
+      ->excludes(one_mesh);
   const auto bench = [options](Progress& progress) -> Result<Report> {
     Report report;
     if (!options->masks.empty()) {

@@ -1,6 +1,9 @@
+#include <algorithm>
+
 #include "app/verbs/experiment.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/subjects.h"
+#include "core/mesh/mesh_io.h"
 
 // The verb `study bias`: how much results depend on the subject that the template was made from.
 
@@ -14,6 +17,15 @@ struct BiasJob {
 };
 
 Result<Report> study_bias(const BiasJob& options, Progress& progress) {
+  const auto is_map = [](const std::filesystem::path& file) {
+    std::error_code ignored;
+    return !is_mesh_name(file) && !std::filesystem::is_directory(file, ignored);
+  };
+  const SubjectFiles& subjects = options.subjects;
+  if ((!subjects.labels.empty() || subjects.closing_mm) &&
+      std::none_of(subjects.files.begin(), subjects.files.end(), is_map))
+    return fail(subjects.files.front().string(),
+                "is no label map, so --label and --closing-mm have no effect; leave them out");
   progress.part(0, 0.05);
   auto read = read_subjects(options.subjects, progress);
   if (!read) return fail(read.error());

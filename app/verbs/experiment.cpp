@@ -74,7 +74,8 @@ void add_user(CLI::App& study, CommandLine& asked) {
   verb->add_option("--pulls", options->work.most_pulls, "At most this many pulls")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  verb->add_option("--seed", options->work.seed, "Seed of the random disturbance of the placement");
+  verb->add_option("--seed", options->work.seed, "Seed of the random disturbance of the placement")
+      ->check(CLI::NonNegativeNumber);
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->add_option("-o,--output", options->out, "The case file to write")->required();
   verb->callback(

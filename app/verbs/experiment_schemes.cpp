@@ -301,6 +301,7 @@ void add_study_schemes(CLI::App& study, CommandLine& asked) {
       ->capture_default_str();
   verb->add_option("--seed", options->seed,
                    "Seed of the first case's disturbance. Each further case takes the next number")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb->add_option("-o,--output", options->out, "Folder for runs.csv, schemes.csv, schemes.md and landmarks.svg");
   verb->add_flag("--cases", options->cases, "Write a case file of every run there too");

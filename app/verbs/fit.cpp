@@ -309,11 +309,26 @@ Result<Report> fit(const Options& options, Progress& progress) {
   return fit_case(options, *shared, options.cases().front(), options.out, progress);
 }
 
+/// Refuses options that were given and do nothing for what is fitted to.
+void check_effect(const Options& options, const CLI::App& verb) {
+  const bool image = !options.image.empty();
+  const auto refuse = [&verb](const char* name, const char* why) {
+    if (verb.count(name) > 0) throw CLI::ValidationError(name, std::string("has no effect here: it is for ") + why);
+  };
+  if (image) {
+    refuse("--partial", "label maps and surfaces");
+    refuse("--orientation", "label maps and surfaces");
+    if (!options.placement.empty()) refuse("--landmarks", "a fit without --placement");
+    return;
+  }
+  for (const char* name : {"--reach-mm", "--strength", "--polarity", "--done"}) refuse(name, "an --image");
+  if (options.to_meshes()) refuse("--frame", "images and label maps");
+  if (!options.placement.empty() && !options.partial) refuse("--orientation", "a fit without --placement");
+}
+
 void check(const Options& options) {
   const int kinds = !options.masks.empty() + !options.meshes.empty() + !options.image.empty();
   if (kinds != 1) throw CLI::RequiredError("exactly one of --mask, --mesh and --image");
-  if (!options.image.empty() && options.partial)
-    throw CLI::ValidationError("--partial", "is for label maps and surfaces");
   if (!options.image.empty()) return;
   if (options.cases().size() == 1) return;
   if (is_mesh_name(options.out))
@@ -362,8 +377,9 @@ void add_fit(CLI::App& app, CommandLine& asked) {
                  "Parts of the organ may be missing: they are found, left to the template's shape or the model's, and "
                  "marked as outlier in the mesh");
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
-  verb->callback([options, &asked] {
+  verb->callback([options, verb, &asked] {
     check(*options);
+    check_effect(*options, *verb);
     asked.run = [options](Progress& progress) { return fit(*options, progress); };
   });
 }

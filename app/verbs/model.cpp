@@ -273,7 +273,7 @@ void add_evaluate(CLI::App& app, CommandLine& asked) {
   add_training_options(*verb, options->training);
   verb->add_option("--samples", options->samples, "How many random shapes to draw for specificity")
       ->check(CLI::Range(1, 1000000));
-  verb->add_option("--seed", options->seed, "Seed of the random shapes");
+  verb->add_option("--seed", options->seed, "Seed of the random shapes")->check(CLI::NonNegativeNumber);
   verb->add_option("--modes", options->modes,
                    "Numbers of modes to report at: all, or a list like 1,3,8 (default: the number that holds 95 %)")
       ->check([](const std::string& text) {

@@ -141,7 +141,11 @@ void add_repair_mesh(CLI::App& app, CommandLine& asked) {
       "narrow ones are cut where there are more than 16. Cutting makes the part anew from voxels");
   verb->add_option("--vertices", job->vertices, "How many vertices, where all of the surface is made anew")
       ->check(CLI::Range(100, 200000));
-  verb->callback([job, &asked] { asked.run = [job](Progress& progress) { return repair(*job, progress); }; });
+  verb->callback([job, &asked] {
+    if (job->vertices > 0 && job->genus == "keep")
+      throw CLI::ValidationError("--vertices", "has no effect here: with --genus keep no surface is made anew");
+    asked.run = [job](Progress& progress) { return repair(*job, progress); };
+  });
 }
 
 }  // namespace homolog

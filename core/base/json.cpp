@@ -9,9 +9,18 @@ namespace {
 
 constexpr std::size_t deepest = 64;
 
-/// The levels and members of JSON text, counted before a value is made of it. Says what is wrong; empty where nothing
-/// is. Text that is no JSON is left to the parser: up to its fault both see the same.
+/// A value takes 16 bytes of memory and more, an array or object 60 and more, so that a file of "[],[],…" would unfold
+/// to many times its size. Models hold numbers of some ten characters.
+constexpr std::size_t most_containers = 2'000'000;
+constexpr std::size_t most_values(std::size_t characters) {
+  return 1'000'000 + characters / 4;
+}
+
+/// The levels, members and values of JSON text, counted before a value is made of it. Says what is wrong; empty where
+/// nothing is. Text that is no JSON is left to the parser: up to its fault both see the same.
 std::string excess_of(std::string_view text, std::size_t most_members) {
+  const std::size_t values_left = most_values(text.size());
+  std::size_t containers = 0, values = 0;
   std::array<std::size_t, deepest + 1> members{};  // of the object that is open at each level
   std::size_t level = 0;
   bool in_string = false;
@@ -26,6 +35,11 @@ std::string excess_of(std::string_view text, std::size_t most_members) {
       if (level == deepest)
         return "nests its JSON more than " + std::to_string(deepest) + " levels deep, which no file of this kind does";
       members[++level] = 0;
+      if (++containers > most_containers)
+        return "has more than " + std::to_string(most_containers) +
+               " arrays and objects, which no file of this kind has";
+    } else if (c == ',') {
+      if (++values > values_left) return "has far more values than a file of its kind and size";
     } else if (c == ']' || c == '}') {
       if (level > 0) --level;
     } else if (c == ':' && ++members[level] > most_members) {

@@ -9,7 +9,8 @@ namespace homolog {
 
 /// The one way in which the program reads JSON, as nlohmann::json or nlohmann::ordered_json. Errors: invalid JSON; more
 /// than 64 levels of arrays and objects (Homolog writes no more, and the library recurses once for each level); with
-/// ordered_json, whose objects are searched from the front, an object of more than 1,000 members. `what` of the error
+/// ordered_json, whose objects are searched from the front, an object of more than 1,000 members; so many arrays or
+/// values that they would take many times the text's memory. `what` of the error
 /// says which, without a remedy.
 template <class Json>
 Result<Json> read_json(std::string_view text);

@@ -1,5 +1,7 @@
 #include "core/base/memory.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
@@ -59,13 +61,23 @@ double room_along(const fs::path& root, const fs::path& path, const GroupFiles& 
   return room;
 }
 
-double machine_room_bytes() {
-  std::ifstream in("/proc/meminfo");
+/// What a file of the system says by "KEY: N kB", in bytes; nothing where it does not.
+std::optional<double> kilobytes_of(const char* file, const std::string& key) {
+  std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
     double kilobytes = 0;
-    if (std::sscanf(line.c_str(), "MemAvailable: %lf kB", &kilobytes) == 1) return kilobytes * 1024;
+    if (line.starts_with(key + ":") && std::sscanf(line.c_str() + key.size() + 1, "%lf kB", &kilobytes) == 1)
+      return kilobytes * 1024;
   }
-  return no_limit;
+  return {};
+}
+
+/// What one limit of this process leaves of what it has; `key` names that in /proc/self/status.
+template <class Resource>
+double room_under(Resource resource, const std::string& key) {
+  rlimit limit{};
+  if (::getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return no_limit;
+  return std::max(0.0, static_cast<double>(limit.rlim_cur) - kilobytes_of("/proc/self/status", key).value_or(0));
 }
 
 }  // namespace
@@ -85,10 +97,15 @@ double control_group_room_bytes(const std::string& membership, const fs::path& r
   return room;
 }
 
+double process_room_bytes() {
+  return std::min(room_under(RLIMIT_AS, "VmSize"), room_under(RLIMIT_DATA, "VmData"));
+}
+
 double available_memory_bytes() {
   std::ifstream in("/proc/self/cgroup");
   const std::string membership(std::istreambuf_iterator<char>(in), {});
-  return std::min(machine_room_bytes(), control_group_room_bytes(membership, "/sys/fs/cgroup"));
+  return std::min({kilobytes_of("/proc/meminfo", "MemAvailable").value_or(no_limit),
+                   control_group_room_bytes(membership, "/sys/fs/cgroup"), process_room_bytes()});
 }
 
 Result<void> check_memory(const fs::path& file, double needed_bytes) {

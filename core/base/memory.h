@@ -8,8 +8,13 @@
 namespace homolog {
 
 /// Bytes of memory that this process can still get: what the machine has free, or what the limits of its control groups
-/// (containers, batch systems) leave where that is less. Infinite where the system says neither.
+/// (containers, batch systems) or its own (`ulimit -v`, `ulimit -d`) leave where that is less. Infinite where the
+/// system says none of these.
 double available_memory_bytes();
+
+/// Bytes that the limits of this process leave on its addresses and its data [setrlimit(2), RLIMIT_AS and RLIMIT_DATA];
+/// infinite without such limits.
+double process_room_bytes();
 
 /// Bytes that the limits of a process's control groups leave, those of the groups around them included; infinite where
 /// there is no limit. `membership` is the text of /proc/self/cgroup and `root` the folder of the groups,

@@ -21,8 +21,9 @@ struct PicturePages {
   bool operator==(const PicturePages&) const = default;
 };
 
-/// Asked for room for the next page, of its exact size, or for why reading should end.
-using PageRoom = std::function<Result<std::span<std::byte>>()>;
+/// Asked for room for the next `bytes` bytes once they have been decoded, or for why reading should end. The rooms of
+/// one page lie one behind the other in memory.
+using PageRoom = std::function<Result<std::span<std::byte>>(std::size_t bytes)>;
 
 /// The module's functions. All refuse damaged files. A name decides by its ending which reader a file gets, so that no
 /// other is tried on what it may hold instead.
@@ -33,7 +34,8 @@ struct PictureModule {
   Result<std::vector<unsigned char>> (*encode)(const Picture& picture, const std::filesystem::path& path);
   /// Size and type of the pages of a greyscale PNG or TIFF; fails where they differ or have colours.
   Result<PicturePages> (*pages)(const std::filesystem::path& path);
-  /// All pages, each top row first in the type that `pages` gave. Fails where they are no longer `expected`.
+  /// All pages, each top row first in the type that `pages` gave; room is asked for as rows arrive, so that a file that
+  /// claims much and holds little takes little. Fails where they are no longer `expected`.
   Result<void> (*read_pages)(const std::filesystem::path& path, const PicturePages& expected, const PageRoom& room);
 };
 

@@ -1,5 +1,6 @@
 #include <png.h>
 
+#include <algorithm>
 #include <bit>
 #include <csetjmp>
 #include <cstdio>
@@ -45,15 +46,28 @@ class PngFile {
     if (error || bytes > best_ratio * size || png_get_image_width(png_, info_) > most ||
         png_get_image_height(png_, info_) > most)
       return damaged(path_, "it is far too small for its size in pixels");
+    // Interlaced rows are there only when all of them are: memory is taken before anything has arrived.
+    constexpr double most_at_once = 64 << 20;
+    if (bytes > most_at_once && png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE)
+      return fail(path_.string(), "is interlaced and too large for that; save it without interlacing");
     return {};
   }
   /// Reads the pixels as `prepare` asked for them, and the rest of the file.
-  Result<void> read_pixels(std::span<std::byte> out) {
+  Result<void> read_pixels(const PageRoom& room) {
     const std::size_t height = png_get_image_height(png_, info_), row_bytes = png_get_rowbytes(png_, info_);
-    if (out.size() != height * row_bytes) return damaged(path_, "its size changed while it was read");
-    std::vector<png_bytep> rows(height);
-    for (std::size_t r = 0; r < height; ++r) rows[r] = reinterpret_cast<png_bytep>(out.data() + r * row_bytes);
-    if (!pixels_read(rows.data())) return damaged(path_, reason_);
+    constexpr std::size_t band_bytes = std::size_t{4} << 20;
+    const bool whole = png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE;
+    const std::size_t band = whole ? height : std::clamp<std::size_t>(band_bytes / row_bytes, 1, height);
+    std::vector<png_bytep> rows(band);
+    for (std::size_t y = 0; y < height; y += band) {
+      const std::size_t count = std::min(band, height - y);
+      const auto out = room(count * row_bytes);
+      if (!out) return fail(out.error());
+      if (out->size() != count * row_bytes) return damaged(path_, "its size changed while it was read");
+      for (std::size_t r = 0; r < count; ++r) rows[r] = reinterpret_cast<png_bytep>(out->data() + r * row_bytes);
+      if (!rows_read(rows.data(), count, whole)) return damaged(path_, reason_);
+    }
+    if (!end_read()) return damaged(path_, reason_);
     return {};
   }
   /// Asks libpng for RGBA of 8 bits, or for the greys as they are (fewer than 8 bits spread over 8).
@@ -69,7 +83,7 @@ class PngFile {
       png_set_strip_alpha(png_);
       if (std::endian::native == std::endian::little) png_set_swap(png_);
     }
-    png_set_interlace_handling(png_);
+    if (png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE) png_set_interlace_handling(png_);
     png_read_update_info(png_, info_);
     return true;
   }
@@ -96,9 +110,16 @@ class PngFile {
     png_read_info(png_, info_);
     return true;
   }
-  bool pixels_read(png_bytepp rows) {
+  bool rows_read(png_bytepp rows, std::size_t count, bool whole) {
     if (setjmp(jump_) != 0) return false;
-    png_read_image(png_, rows);
+    if (whole)
+      png_read_image(png_, rows);
+    else
+      png_read_rows(png_, rows, nullptr, static_cast<png_uint_32>(count));
+    return true;
+  }
+  bool end_read() {
+    if (setjmp(jump_) != 0) return false;
     png_read_end(png_, nullptr);
     return true;
   }
@@ -124,8 +145,12 @@ Result<Picture> read_png(const fs::path& path) {
   if (auto header = file.read_header(); !header) return fail(header.error());
   if (!file.prepare(true)) return damaged(path, file.reason());
   Picture picture{file.width(), file.height(), {}};
-  picture.rgba.resize(4 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height));
-  if (auto read = file.read_pixels(std::as_writable_bytes(std::span(picture.rgba))); !read) return fail(read.error());
+  picture.rgba.reserve(4 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height));
+  const PageRoom room = [&](std::size_t bytes) -> Result<std::span<std::byte>> {
+    picture.rgba.resize(picture.rgba.size() + bytes);
+    return std::as_writable_bytes(std::span(picture.rgba)).last(bytes);
+  };
+  if (auto read = file.read_pixels(room); !read) return fail(read.error());
   return picture;
 }
 
@@ -140,9 +165,7 @@ Result<void> read_png_page(const fs::path& path, const PicturePages& expected, c
   if (!page) return fail(page.error());
   if (*page != expected) return damaged(path, "it changed while it was read");
   if (!file.prepare(false)) return damaged(path, file.reason());
-  const auto out = room();
-  if (!out) return fail(out.error());
-  return file.read_pixels(*out);
+  return file.read_pixels(room);
 }
 
 }  // namespace homolog

@@ -89,6 +89,11 @@ std::optional<Scalar> values_of(int bits, int format) {
   return {};
 }
 
+std::size_t bytes_of(PictureValues values) {
+  constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return sizes[static_cast<std::size_t>(values)];
+}
+
 /// Whether a second sample is how opaque a pixel is, so that the first is its grey.
 bool second_is_alpha(TIFF* tiff) {
   std::uint16_t count = 0;
@@ -127,20 +132,22 @@ Result<PageKind> kind_of_page(TIFF* tiff, const fs::path& path) {
   return kind;
 }
 
-/// How many bytes a method can make of one; the least that is known for the others.
-double best_ratio(int compression) {
+/// How many bytes a method can make of the `bytes` bytes of a piece. Without a known bound on their ratio, more than 64
+/// MB are not believed: memory is taken for the whole piece, and fax decoders make something of any bytes.
+double most_decoded(int compression, double bytes) {
+  constexpr double most_at_once = 64 << 20;
   switch (compression) {
     case COMPRESSION_NONE:
-      return 1;
+      return bytes;
     case COMPRESSION_PACKBITS:
-      return 64;
+      return 64 * bytes;
     case COMPRESSION_ADOBE_DEFLATE:
     case COMPRESSION_DEFLATE:
-      return 1032;
+      return 1032 * bytes;
     case COMPRESSION_LZW:
-      return 4096;  // one code of at least nine bits names at most that many
+      return 4096 * bytes;  // one code of at least nine bits names at most that many
     default:
-      return 1e5;
+      return std::min(1e5 * bytes, most_at_once);
   }
 }
 
@@ -184,7 +191,7 @@ class TiffFile {
   Result<PageKind> page_kind() { return kind_of_page(tiff_.get(), path_); }
   Result<void> check_pixels(const PageKind& kind);
   Result<void> check_description(int pages);
-  Result<void> read_page(const PageKind& kind, std::span<std::byte> out);
+  Result<void> read_page(const PageKind& kind, const PageRoom& room);
 
  private:
   bool tiled() const { return TIFFIsTiled(tiff_.get()) != 0; }
@@ -213,7 +220,7 @@ class TiffFile {
 /// Every piece lies within the file and is large enough for what it should hold; no two share their bytes, so that a
 /// small file cannot claim the same piece thousands of times.
 Result<void> TiffFile::check_pixels(const PageKind& kind) {
-  const double ratio = best_ratio(field<std::uint16_t>(tiff_.get(), TIFFTAG_COMPRESSION, COMPRESSION_NONE));
+  const int compression = field<std::uint16_t>(tiff_.get(), TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   const std::uint64_t width = piece_width(kind), height = piece_height(kind);
   if (width < 1 || height < 1) return damaged(path_, "its pieces have no size");
   const std::uint64_t across = (static_cast<std::uint64_t>(kind.pages.width) + width - 1) / width,
@@ -230,7 +237,8 @@ Result<void> TiffFile::check_pixels(const PageKind& kind) {
     if (begin == 0 || bytes == 0 || begin > size_ || bytes > size_ - begin) return cut_short(path_, page_);
     const std::uint64_t rows =
         tiled() ? height : std::min(height, static_cast<std::uint64_t>(kind.pages.height) - p * height);
-    if (row_bytes * static_cast<double>(rows) > ratio * static_cast<double>(bytes)) return cut_short(path_, page_);
+    if (row_bytes * static_cast<double>(rows) > most_decoded(compression, static_cast<double>(bytes)))
+      return cut_short(path_, page_);
     used_ += bytes;
   }
   if (used_ > size_) return damaged(path_, "its pages share their pixels");
@@ -268,9 +276,9 @@ void turn_page(const PageKind& kind, std::span<std::byte> page) {
     }
 }
 
-Result<void> TiffFile::read_page(const PageKind& kind, std::span<std::byte> out) {
+Result<void> TiffFile::read_page(const PageKind& kind, const PageRoom& room) {
   const std::size_t width = kind.row.pixels, height = static_cast<std::size_t>(kind.pages.height);
-  const std::size_t across = piece_width(kind), down = piece_height(kind), value_bytes = out.size() / (width * height);
+  const std::size_t across = piece_width(kind), down = piece_height(kind), value_bytes = bytes_of(kind.pages.values);
   TiffRow whole = kind.row;
   whole.pixels = across;
   const std::size_t row_bytes = stored_bytes(whole);
@@ -280,6 +288,7 @@ Result<void> TiffFile::read_page(const PageKind& kind, std::span<std::byte> out)
   messages_.error.clear();
   messages_.decoding = true;
   std::uint32_t piece = 0;
+  std::span<std::byte> page;  // as far as there is room
   for (std::size_t y = 0; y < height; y += down)
     for (std::size_t x = 0; x < width; x += across, ++piece) {
       const std::size_t rows = std::min(down, height - y);
@@ -287,14 +296,19 @@ Result<void> TiffFile::read_page(const PageKind& kind, std::span<std::byte> out)
       const tmsize_t got = tiled() ? TIFFReadEncodedTile(tiff_.get(), piece, buffer.get(), wanted)
                                    : TIFFReadEncodedStrip(tiff_.get(), piece, buffer.get(), wanted);
       if (got != wanted || !messages_.error.empty()) return undecoded();
+      if (x == 0) {
+        const auto added = room(rows * width * value_bytes);
+        if (!added) return fail(added.error());
+        page = {y == 0 ? added->data() : page.data(), page.size() + added->size()};
+      }
       TiffRow row = kind.row;
       row.pixels = std::min(across, width - x);
       for (std::size_t r = 0; r < rows; ++r)
         unpack_row(row, std::span(buffer.get() + r * row_bytes, row_bytes),
-                   out.subspan(((y + r) * width + x) * value_bytes, row.pixels * value_bytes));
+                   page.subspan(((y + r) * width + x) * value_bytes, row.pixels * value_bytes));
     }
   messages_.decoding = false;
-  turn_page(kind, out);
+  turn_page(kind, page);
   return {};
 }
 
@@ -335,9 +349,7 @@ Result<void> read_tiff_pages(const fs::path& path, const PicturePages& expected,
     if (kind->pages != PicturePages{expected.width, expected.height, 1, expected.values} || ++pages > expected.pages)
       return damaged(path, "it changed while it was read");
     if (auto there = file.check_pixels(*kind); !there) return there;
-    const auto out = room();
-    if (!out) return fail(out.error());
-    if (auto read = file.read_page(*kind, *out); !read) return read;
+    if (auto read = file.read_page(*kind, room); !read) return read;
   }
   if (pages != expected.pages) return damaged(path, "it changed while it was read");
   return {};

@@ -230,7 +230,7 @@ Json scalismo_json(const std::vector<Landmark>& landmarks) {
 }  // namespace
 
 Result<std::vector<Landmark>> read_landmarks(const std::filesystem::path& path) {
-  const auto text = read_whole_file(path, std::uintmax_t{1} << 26);
+  const auto text = read_whole_file(path, std::uintmax_t{1} << 24);
   if (!text) return fail(text.error());
   auto landmarks = path.extension() == ".fcsv" ? fcsv_landmarks(*text) : json_landmarks(*text);
   if (!landmarks) return fail(path.string(), landmarks.error().what);

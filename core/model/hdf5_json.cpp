@@ -259,13 +259,15 @@ nlohmann::json group_json(const HdfTree& tree, const std::string& path) {
 }  // namespace
 
 Result<HdfTree> read_hdf5_json(const std::filesystem::path& path, const HdfParts& parts) {
-  const auto bytes = read_whole_file(path);
+  auto bytes = read_whole_file(path);
   if (!bytes) return fail(bytes.error());
+  const std::size_t file_bytes = bytes->size();
   const auto file = read_json<nlohmann::json>(*bytes);
+  *bytes = std::string();  // may be large, and is not needed any more
   if (!file) return fail(path.string(), file.error().what + "; copy or export the model again");
   if (!file->is_object()) return fail(path.string(), "is JSON but no HDF5-JSON; export the model again");
   try {
-    auto tree = JsonPartsReader(*file, bytes->size()).read(parts);
+    auto tree = JsonPartsReader(*file, file_bytes).read(parts);
     if (!tree) return fail(path.string(), tree.error().what);
     return tree;
   } catch (const nlohmann::json::exception&) {

@@ -1,5 +1,6 @@
 #include "core/model/shape_files.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/base/files.h"
@@ -118,6 +119,11 @@ Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& file
 
 Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sources, bool all_frames,
                                              const TakeShape& take, Progress* progress) {
+  const auto may_have_frames = [](const ShapeSource& one) { return is_case_file(one.file) && !one.frame; };
+  if (all_frames && !sources.empty() && std::none_of(sources.begin(), sources.end(), may_have_frames))
+    return fail(sources.front().file.string(),
+                "gives one frame, as do all others here, so --all-frames has no effect; leave it out, or give the "
+                "case files of cines");
   std::vector<std::string> warnings;
   std::optional<Error> unreadable;
   std::size_t taken = 0, done = 0;

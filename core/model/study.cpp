@@ -195,7 +195,7 @@ std::ptrdiff_t Study::next_case(std::ptrdiff_t from) const {
 }
 
 Result<StudyRead> read_study(const fs::path& path) {
-  const auto bytes = read_whole_file(path, std::uintmax_t{1} << 28);
+  const auto bytes = read_whole_file(path, std::uintmax_t{1} << 25);
   if (!bytes) return fail(bytes.error());
   auto json = read_json<Json>(*bytes);
   if (!json) return fail(path.string(), json.error().what + "; take its last good copy");

@@ -177,7 +177,7 @@ std::optional<std::vector<char>> encoded_plane(const DicomHeader& header, std::s
 /// Decodes every plane from its fragments.
 Result<void> decode(const DicomHeader& header, Scalar type, const Room& room, Progress* progress) {
   const std::size_t planes = header.planes.size(), fragments = header.pixels->fragments.size();
-  const bool run_lengths = header.transfer_syntax == rle_syntax;
+  const bool run_lengths = is_run_length_encoded(header);
   if (fragments < planes) return pixels_missing(header);
   if ((planes > 1 || run_lengths) && fragments != planes)
     return fail(header.path.string(), "keeps its frames in pieces; export it uncompressed");
@@ -211,6 +211,10 @@ Result<Scalar> dicom_stored_type(const DicomHeader& header) {
   if (sane && header.bits_allocated == 32) return header.is_signed ? Scalar::int32 : Scalar::uint32;
   return fail(name, "stores its pixels in " + std::to_string(header.bits_stored) + " of " +
                         std::to_string(header.bits_allocated) + " bits, which cannot be read; export it with 8 or 16");
+}
+
+bool is_run_length_encoded(const DicomHeader& header) {
+  return header.transfer_syntax == rle_syntax;
 }
 
 Result<void> read_dicom_pixels(const DicomHeader& header, const Room& room, Progress* progress) {

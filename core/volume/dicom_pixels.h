@@ -9,6 +9,9 @@ namespace homolog {
 /// The type in which a file stores its pixels; fails on colour and on sizes other than 8, 16 and 32 bits.
 Result<Scalar> dicom_stored_type(const DicomHeader& header);
 
+/// Whether its planes are packed by run lengths, which make at most 64 bytes of one.
+bool is_run_length_encoded(const DicomHeader& header);
+
 /// Reads and decodes all planes of a file, in its order, as rows · columns values of its stored type each, into room
 /// that is asked for as they arrive: what a header claims costs no memory before there are pixels for it. Fails where
 /// pixels are missing or do not decode.

@@ -17,6 +17,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t longest_header = std::size_t{16} << 20;
+// Of a line that NrrdIO gets, which writes what it dislikes into buffers of fixed size. Three directions in space, the
+// longest field, take 240 characters.
+constexpr std::size_t longest_field = 500;
 constexpr std::int64_t most_files = 1000000;
 
 tl::unexpected<Error> no_header(const fs::path& path) {
@@ -110,6 +113,13 @@ Result<void> add_numbered_files(const fs::path& path, const std::string& value, 
   return {};
 }
 
+/// Comments, pairs KEY:=VALUE and descriptions, of any length; nothing of them is needed.
+bool is_remark(const std::string& line) {
+  const auto colon = line.find(':');
+  return line.starts_with('#') || (colon != std::string::npos && line.substr(colon).starts_with(":=")) ||
+         field_value(line, "content");
+}
+
 /// Goes through the lines of a header.
 class Lines {
  public:
@@ -177,7 +187,7 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
   if (!text) return fail(text.error());
   NrrdHeader header;
   Lines lines(*text);
-  bool ended = false;
+  bool ended = false, sized = false, dimensioned = false;
   while (!ended) {
     const auto line = lines.next();
     if (!line) break;
@@ -187,14 +197,24 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
       ended = is_list(*value);
       continue;
     }
-    if (const auto sizes = field_value(*line, "sizes"))  // the library reads 1.5 as 1
+    if (const auto sizes = field_value(*line, "sizes")) {  // the library reads 1.5 as 1
       for (const std::string_view size : words_of(*sizes))
         if (!is_count(size)) return fail(path.string(), "has sizes that are no whole numbers above 0; export it again");
-    header.fields += *line + "\n";
+      sized = true;
+    }
+    dimensioned = dimensioned || field_value(*line, "dimension");
     ended = line->empty();
+    if (is_remark(*line)) continue;
+    if (line->size() > longest_field)
+      return fail(path.string(), "has a header line of " + std::to_string(line->size()) +
+                                     " characters, which no field of NRRD needs; export it again");
+    header.fields += *line + "\n";
   }
   const bool whole = ended || (header.detached && text->size() < longest_header);
   if (!whole || !text->starts_with("NRRD")) return no_header(path);
+  if (!sized || !dimensioned)  // the library, which would say so, loses memory over it
+    return fail(path.string(), std::string("cannot be read as NRRD (it lacks the field ") +
+                                   (dimensioned ? "sizes" : "dimension") + "); check the file or export it again");
   header.voxels_begin = lines.position();
   return header;
 }

@@ -211,6 +211,9 @@ Result<void> check_claim(const ByteBlock& block, double bytes) {
   if (!size) return fail(size.error());
   const double present = std::max(0.0, static_cast<double>(*size) - static_cast<double>(block.offset));
   const double skip = static_cast<double>(block.skip);
+  constexpr double longest_skip = 256 << 20;  // of what has to be unpacked to be passed over: a second's work
+  if (block.compression != Compression::None && skip > longest_skip)
+    return fail(block.file.string(), "says that its voxels begin far behind its header; export it again");
   // Deflate reaches 1032 : 1 at most (zlib's technical details); bzip2 packs 45,899,235 equal bytes into 46.
   const double best_ratio = block.compression == Compression::None    ? 1
                             : block.compression == Compression::Bzip2 ? 1e6

@@ -12,8 +12,8 @@
 #include "tests/temporary_folder.h"
 
 // Whole and right, or refused: every format that says how much it holds, cut short at fifty places, and images with
-// bits turned over. (OBJ, .particles and .fcsv do not say it: what is cut off between two lines of theirs is missed by
-// nobody.)
+// bits turned over. (.particles and .fcsv do not say it, nor does OBJ of other programs: what is cut off between two
+// lines of theirs is missed by nobody.)
 
 namespace fs = std::filesystem;
 using namespace homolog;
@@ -76,6 +76,36 @@ TEST_CASE("an image that is cut short is refused or whole") {
       });
 }
 
+TEST_CASE("images of formats that are only read are refused or whole when they are cut short") {
+  const TemporaryFolder folder;
+  const VolumeReadOptions options{{}, Vec3(1, 1, 1), nullptr};
+  for (const char* seed :
+       {"dcm/plain.dcm", "dcm/rle.dcm", "png/grey.png", "png/deep.png", "tif/plain.tif", "tif/zip.tif",
+        "tif/packbits.tif", "nrrd/text.nrrd", "nrrd/raw.nrrd", "mha/plain.mha", "mha/packed.mha"}) {
+    const fs::path path = folder.path / fs::path(seed).filename();
+    fs::copy_file(fs::path(HOMOLOG_SOURCE_DIR) / "tests/fuzz/seeds" / seed, path);
+    const auto whole = read_volume(path, options);
+    REQUIRE_MESSAGE(whole, whole.error().sentence());
+    cut(path, [&] {
+      const auto read = read_volume(path, options);
+      return !read ||
+             (read->volume.data == whole->volume.data && same_grid(read->volume.geometry, whole->volume.geometry));
+    });
+    fs::remove(path);
+  }
+}
+
+TEST_CASE("a mesh as OBJ without its last digit is refused") {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path / "m.obj";
+  REQUIRE(write_mesh(icosphere(1, 40), path));
+  const std::string whole = read_whole_file(path).value();
+  for (const std::size_t lost : {1u, 2u}) {  // the line break, and a digit of the last face
+    write_bytes(path, whole.substr(0, whole.size() - lost));
+    CHECK(!read_mesh_file(path));
+  }
+}
+
 TEST_CASE("a bit that is turned over in the voxels of an image changes that voxel alone") {
   const TemporaryFolder folder;
   const Volume volume = small_volume();
@@ -101,7 +131,7 @@ TEST_CASE("a bit that is turned over in the voxels of an image changes that voxe
 TEST_CASE("a mesh that is cut short is refused or whole") {
   const Mesh ball = icosphere(1, 40);
   cut_each(
-      {"m.ply", "m.vtk", "m.vtp", "m.stl"}, [&](const fs::path& path) { return write_mesh(ball, path); },
+      {"m.ply", "m.vtk", "m.vtp", "m.stl", "m.obj"}, [&](const fs::path& path) { return write_mesh(ball, path); },
       [](const fs::path& path) { return read_mesh_file(path); },
       [](const MeshFile& left, const MeshFile& whole) {
         return left.points == whole.points && left.triangles == whole.triangles;

@@ -72,7 +72,7 @@ Result<Command> command_of_line(const std::string& line) {
 }
 
 Result<std::vector<Command>> read_log(const std::filesystem::path& path) {
-  auto content = read_whole_file(path);
+  auto content = read_whole_file(path, std::uintmax_t{1} << 25);
   if (!content) return fail(content.error());
   std::vector<Command> commands;
   std::istringstream lines(std::move(*content));

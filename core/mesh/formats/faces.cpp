@@ -46,11 +46,11 @@ Result<void> add_cells(std::span<const std::int64_t> ends, std::span<const std::
   return {};
 }
 
-Points to_points(std::span<const double> coordinates) {
+Points to_points(std::vector<double> coordinates) {
   return Eigen::Map<const Points>(coordinates.data(), static_cast<Eigen::Index>(coordinates.size() / 3), 3);
 }
 
-Triangles to_triangles(std::span<const std::int32_t> corners) {
+Triangles to_triangles(std::vector<std::int32_t> corners) {
   return Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
 }
 

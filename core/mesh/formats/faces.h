@@ -18,8 +18,9 @@ Result<void> add_polygon(std::span<const std::int64_t> polygon, std::vector<std:
 Result<void> add_cells(std::span<const std::int64_t> ends, std::span<const std::int64_t> connectivity, bool strips,
                        std::vector<std::int32_t>& corners);
 
-Points to_points(std::span<const double> coordinates);
-Triangles to_triangles(std::span<const std::int32_t> corners);
+/// The numbers as a matrix; they are given up, so that a large mesh is not held twice.
+Points to_points(std::vector<double> coordinates);
+Triangles to_triangles(std::vector<std::int32_t> corners);
 
 /// Turns a mesh read in RAS into LPS where `text` says SPACE=RAS.
 void flip_if_ras(std::string_view text, MeshFile& mesh);

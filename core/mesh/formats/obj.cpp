@@ -49,11 +49,13 @@ Result<MeshFile> read_obj(std::string_view bytes) {
   }
   if (!counts.empty()) {
     Text words(counts);
-    if (words.number<std::size_t>() != coordinates.size() / 3 || words.number<std::size_t>() != corners.size() / 3)
+    // A last line without its break may have lost digits.
+    if (words.number<std::size_t>() != coordinates.size() / 3 || words.number<std::size_t>() != corners.size() / 3 ||
+        text.may_be_cut())
       return fail("", "does not hold the " + excerpt(counts) + " vertices and faces that it announces; copy it again");
   }
-  mesh.points = to_points(coordinates);
-  mesh.triangles = to_triangles(corners);
+  mesh.points = to_points(std::move(coordinates));
+  mesh.triangles = to_triangles(std::move(corners));
   flip_if_ras(space, mesh);
   warn_if_cut(text, mesh.warnings);
   return mesh;

@@ -21,7 +21,7 @@ Result<MeshFile> read_particles(std::string_view bytes) {
     }
     if (numbers != 3) return fail("", "holds a line that is not \"x y z\"; copy or export it again");
   }
-  mesh.points = to_points(coordinates);
+  mesh.points = to_points(std::move(coordinates));
   // Nothing says how many points there were.
   mesh.may_be_cut = text.may_be_cut();
   if (mesh.may_be_cut)

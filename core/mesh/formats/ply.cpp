@@ -155,7 +155,7 @@ class AsciiSource {
 
 struct Body {
   std::vector<double> coordinates;
-  std::map<std::string, std::vector<double>, std::less<>> values;  ///< of every other property, by name
+  std::map<std::string, VertexScalars, std::less<>> values;  ///< of every other property, by name
   std::vector<std::int32_t> corners;
 };
 
@@ -163,15 +163,21 @@ Error truncated() {
   return {"", "is truncated or holds something that is no number; copy or export it again"};
 }
 
+/// Whether the rest of the file can hold an element's records.
+template <class Source>
+Result<void> check_room(const Element& element, const Text& text) {
+  std::size_t record_size = 0;
+  for (const Property& p : element.properties) record_size += Source::smallest_size(p.length_type.value_or(p.type));
+  if (record_size == 0 || element.count <= text.remaining() / record_size) return {};
+  return fail("", "announces " + std::to_string(element.count) + " records of \"" + excerpt(element.name) +
+                      "\" but is too short to hold them; copy or export it again");
+}
+
 /// One element's records; `keep(property, values)` is called with the values of each property of each record.
 template <class Source, class Keep>
 Result<void> read_records(const Element& element, Text& text, Source& source, const Keep& keep) {
-  std::size_t record_size = 0;
-  for (const Property& p : element.properties) record_size += Source::smallest_size(p.length_type.value_or(p.type));
   if (element.properties.empty()) return {};
-  if (element.count > text.remaining() / record_size)
-    return fail("", "announces " + std::to_string(element.count) + " records of \"" + excerpt(element.name) +
-                        "\" but is too short to hold them; copy or export it again");
+  if (auto fits = check_room<Source>(element, text); !fits) return fits;
   std::vector<double> values;
   for (std::size_t record = 0; record < element.count; ++record) {
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
@@ -200,15 +206,27 @@ Result<void> read_vertices(const Element& element, Text& text, Source& source, B
   for (const auto& found : {x, y, z})
     if (!found || element.properties[*found].length_type)
       return fail("", "has vertices without coordinates x, y and z; export it again");
+  if (auto fits = check_room<Source>(element, text); !fits) return fits;
+  // One column a property: room for all vertices, which fit into the file.
+  std::vector<VertexScalars*> columns(element.properties.size());
+  for (std::size_t p = 0; p < columns.size(); ++p)
+    if (p != x && p != y && p != z && !element.properties[p].length_type) {
+      columns[p] = &body.values[std::string(element.properties[p].name)];
+      columns[p]->resize(static_cast<Eigen::Index>(element.count));
+    }
   Vec3 point = Vec3::Zero();
+  Eigen::Index vertex = 0;
   const std::size_t last = element.properties.size() - 1;
+  body.coordinates.reserve(3 * element.count);
   return read_records(element, text, source, [&](std::size_t property, const std::vector<double>& values) {
     if (property == x) point.x() = values[0];
     if (property == y) point.y() = values[0];
     if (property == z) point.z() = values[0];
-    if (property != x && property != y && property != z && !element.properties[property].length_type)
-      body.values[std::string(element.properties[property].name)].push_back(values[0]);
-    if (property == last) body.coordinates.insert(body.coordinates.end(), point.begin(), point.end());
+    if (columns[property] != nullptr) (*columns[property])[vertex] = values[0];
+    if (property == last) {
+      body.coordinates.insert(body.coordinates.end(), point.begin(), point.end());
+      ++vertex;
+    }
     return Result<void>();
   });
 }
@@ -335,20 +353,19 @@ Result<MeshFile> read_ply(std::string_view bytes) {
   if (!body) return fail(body.error());
 
   MeshFile mesh;
-  mesh.points = to_points(body->coordinates);
-  mesh.triangles = to_triangles(body->corners);
+  mesh.points = to_points(std::move(body->coordinates));
+  mesh.triangles = to_triangles(std::move(body->corners));
   for (auto& [name, values] : body->values) {
-    const Eigen::Map<const VertexScalars> array(values.data(), static_cast<Eigen::Index>(values.size()));
     if (name == "stiffness")
-      mesh.stiffness = array;
+      mesh.stiffness = std::move(values);
     else if (name == "doubt_mm")
-      mesh.doubt_mm = array;
+      mesh.doubt_mm = std::move(values);
     else if (name == "outlier")
-      mesh.outlier = array;
+      mesh.outlier = std::move(values);
     else if (name == "region")
       for (const double value : values) mesh.regions.of_vertex.push_back(region_index(value));
     else
-      mesh.arrays.emplace(name, array);
+      mesh.arrays.emplace(name, std::move(values));
   }
   std::string_view space;
   for (const std::string_view comment : header->comments) {

@@ -18,7 +18,8 @@ class Merger {
     if (added) coordinates_.insert(coordinates_.end(), position.begin(), position.end());
     return at->second;
   }
-  const std::vector<double>& coordinates() const { return coordinates_; }
+  /// Gives them up.
+  std::vector<double> coordinates() && { return std::move(coordinates_); }
 
  private:
   struct Hash {
@@ -91,8 +92,8 @@ Result<MeshFile> read_stl(std::string_view bytes) {
     else if (auto added = add_polygon(face, kept); !added)
       return fail(added.error());
   }
-  mesh.points = to_points(merger.coordinates());
-  mesh.triangles = to_triangles(kept);
+  mesh.points = to_points(std::move(merger).coordinates());
+  mesh.triangles = to_triangles(std::move(kept));
   if (degenerate > 0)
     mesh.warnings.push_back(std::to_string(degenerate) + " faces with two equal corners were left out");
   flip_if_ras(bytes.substr(0, binary ? header_size : bytes.find('\n')), mesh);

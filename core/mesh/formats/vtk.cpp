@@ -38,8 +38,8 @@ class VtkReader {
       if (key == "POINT_DATA" || key == "CELL_DATA") break;  // nothing of these is kept
       if (auto part = read_part(key); !part) return fail(part.error());
     }
-    mesh_.points = to_points(coordinates_);
-    mesh_.triangles = to_triangles(corners_);
+    mesh_.points = to_points(std::move(coordinates_));
+    mesh_.triangles = to_triangles(std::move(corners_));
     flip_if_ras(title_, mesh_);
     if (ascii_) warn_if_cut(text_, mesh_.warnings);
     return std::move(mesh_);

@@ -87,8 +87,8 @@ class VtpReader {
     for (const auto piece : poly_data.children("Piece"))
       if (auto read = read_piece(piece); !read) return fail(read.error());
     MeshFile mesh;
-    mesh.points = to_points(coordinates_);
-    mesh.triangles = to_triangles(corners_);
+    mesh.points = to_points(std::move(coordinates_));
+    mesh.triangles = to_triangles(std::move(corners_));
     const auto space = poly_data.child("FieldData").find_child_by_attribute("DataArray", "Name", "SPACE");
     if (space) {
       const auto name = text_of(space);

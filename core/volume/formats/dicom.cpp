@@ -33,10 +33,16 @@ Result<void> check_image(const DicomHeader& header) {
 Result<void> check_pixel_claim(const DicomHeader& header, std::size_t plane_bytes) {
   const double claimed = static_cast<double>(plane_bytes) * static_cast<double>(header.planes.size());
   // An evenly grey picture of 512 × 512 takes about a hundred bytes in JPEG 2000. Deflated pixels have been counted.
-  constexpr double best_ratio = 20000;
-  const double ratio = header.pixels->fragments.empty() ? 1 : best_ratio;
-  if (claimed <= static_cast<double>(header.pixels->bytes) * ratio) return {};
-  return file_cut(header);
+  constexpr double best_ratio = 20000, best_run_ratio = 64;
+  const bool packed = !header.pixels->fragments.empty();
+  const double ratio = !packed ? 1 : is_run_length_encoded(header) ? best_run_ratio : best_ratio;
+  if (claimed > static_cast<double>(header.pixels->bytes) * ratio) return file_cut(header);
+  // Decoders take up to eight bytes a pixel at once, before they know whether there are any. Mammograms have 28
+  // million.
+  constexpr double most_pixels = 30e6;
+  if (packed && static_cast<double>(header.rows) * header.columns > most_pixels)
+    return fail(header.path.string(), "has compressed planes of more than 30 million pixels; export it uncompressed");
+  return {};
 }
 
 /// Where each plane of each file lies in the volume.

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/base/files.h"
+#include "core/base/text.h"
 #include "core/volume/formats/formats.h"
 #include "core/volume/readers.h"
 #include "core/volume/write_voxels.h"
@@ -179,7 +180,8 @@ Result<VoxelRun> find_run(const Header& header, Scalar type, double bytes, const
   if (header.is_true({"CompressedData"})) block.compression = Compression::Deflate;
   std::error_code ignored;
   if (!local && !fs::exists(fs::symlink_status(block.file, ignored)))
-    return fail(path.string(), "has no voxels: its file " + data_file + " is missing; put it into the same folder");
+    return fail(path.string(),
+                "has no voxels: its file " + excerpt(data_file) + " is missing; put it into the same folder");
   const auto size = size_of_file(block.file);
   if (!size) return fail(size.error());
   const std::string skipped_text = header.text({"HeaderSize"});

@@ -168,14 +168,14 @@ Result<VolumeRead> read_stack(const fs::path& path, const VolumeReadOptions& opt
     return fail(enough.error());
   StoredVoxels stored = make_stored_voxels(type, 0);
   reserve_voxels(stored, geometry->voxels());
-  std::int64_t slice = 0;
   Progress* const progress = options.progress;
-  const std::size_t page_voxels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  const PageRoom room = [&]() -> Result<std::span<std::byte>> {
+  const auto all_bytes = static_cast<double>(geometry->voxels() * bytes_per_voxel(type));
+  double arrived = 0;
+  const PageRoom room = [&](std::size_t bytes) -> Result<std::span<std::byte>> {
     if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
-    if (progress) progress->report(static_cast<double>(slice) / static_cast<double>(slices));
-    ++slice;
-    return add_voxels(stored, page_voxels);
+    if (progress) progress->report(arrived / all_bytes);
+    arrived += static_cast<double>(bytes);
+    return add_voxels(stored, bytes / bytes_per_voxel(type));
   };
   for (const fs::path& file : stack->files)
     if (const auto read = (*module)->read_pages(file, stack->pages, room); !read) return fail(read.error());

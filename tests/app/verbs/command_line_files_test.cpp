@@ -314,6 +314,57 @@ TEST_CASE("an option that has no effect on its input is said") {
   CHECK(own.errors.find("warning: noise.nii: has a spacing of its own") != std::string::npos);
 }
 
+TEST_CASE("an option that has no effect on what a verb is given is said") {
+  const TemporaryFolder folder;
+  put_inputs(folder.path);
+  const std::string balls = " ball-1.ply ball-2.ply ball-3.ply ";
+  for (const std::string option :
+       {"--reach-mm 3", "--strength 0.5", "--polarity either", "--done ball-1.ply noise.nii"}) {
+    CAPTURE(option);
+    const Ran ran = run(folder, "fit ball-1.ply --mesh ball-2.ply -o out.ply " + option);
+    CHECK(ran.status == 2);
+    CHECK(ran.errors.find(option.substr(0, option.find(' ')) + ": has no effect here: it is for an --image") !=
+          std::string::npos);
+  }
+  for (const char* arguments :
+       {"fit ball-1.ply --mesh ball-2.ply -o out.ply --frame 1",
+        "fit ball-1.ply --mesh ball-2.ply -o out.ply --placement p.json --orientation any",
+        "fit ball-1.ply --image noise.nii --placement p.json -o out.ply --orientation any",
+        "fit ball-1.ply --image noise.nii --placement p.json --landmarks l.json -o out.ply",
+        "replay ball.homolog -o out.ply --scheme raw --events 3", "repair-mesh ball-1.ply -o out.ply --vertices 500"}) {
+    CAPTURE(arguments);
+    const Ran ran = run(folder, arguments);
+    CHECK(ran.status == 2);
+    CHECK(ran.errors.find("has no effect here") != std::string::npos);
+  }
+  CHECK(run(folder, "bench --editor --mesh ball-1.ply").status == 2);
+  check_refused(run(folder, "study bias" + balls + "--label 2"), "--label and --closing-mm have no effect");
+  check_refused(run(folder, "study bias" + balls + "--closing-mm 2"), "--label and --closing-mm have no effect");
+  for (const char* verb : {"model", "evaluate", "measure", "landmarks"}) {
+    CAPTURE(verb);
+    const std::string out = verb == std::string("model")       ? "-o out.h5"
+                            : verb == std::string("landmarks") ? "-o out.tps --vertices"
+                                                               : "";
+    check_refused(run(folder, verb + balls + "--all-frames " + out), "--all-frames has no effect");
+  }
+  CHECK(!fs::exists(folder.path / "out.ply"));
+}
+
+TEST_CASE("what is no number is no number for every verb") {
+  const TemporaryFolder folder;
+  for (const char* option : {"evaluate --seed", "study user --seed", "study schemes --seed", "fit --reach-mm",
+                             "fit --closing-mm", "replay --spacing", "template --vertices",
+                             "picture case --glyph-spacing", "propagate --reach-mm", "snap --strength"}) {
+    CAPTURE(option);
+    for (const char* number : {"''", "nan", "inf", "1e999", "3x"}) {
+      const Ran ran = run(folder, std::string(option) + " " + number);
+      CAPTURE(ran.errors);
+      CHECK(ran.status == 2);
+      CHECK(ran.errors.find("is required") == std::string::npos);
+    }
+  }
+}
+
 TEST_CASE("the picture module is loaded from the folder of the program alone") {
   const TemporaryFolder folder;
   const fs::path built = fs::path(HOMOLOG_PROGRAM).parent_path(), bin = folder.path / "bin";

@@ -1,6 +1,7 @@
 #include "core/base/memory.h"
 
 #include <doctest/doctest.h>
+#include <sys/resource.h>
 
 #include <cmath>
 
@@ -56,6 +57,19 @@ TEST_CASE("in a container whose group bears another name outside the limit at th
   save(folder.path / "memory.current", "500000");
   CHECK(control_group_room_bytes("0::/kubepods/pod7/c1\n", folder.path) == 1500000);
   CHECK(control_group_room_bytes("0::/../../other\n", folder.path) == 1500000);
+}
+
+TEST_CASE("what a process may take at most counts") {
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_DATA, &before) == 0);
+  if (before.rlim_cur == RLIM_INFINITY) CHECK(process_room_bytes() > 1e12);
+  rlimit small = before;
+  small.rlim_cur = 1;  // of data that is there nothing is taken back
+  REQUIRE(::setrlimit(RLIMIT_DATA, &small) == 0);
+  const double room = process_room_bytes(), available = available_memory_bytes();
+  REQUIRE(::setrlimit(RLIMIT_DATA, &before) == 0);
+  CHECK(room == 0);
+  CHECK(available == 0);
 }
 
 TEST_CASE("without control groups the machine's free memory is what there is") {

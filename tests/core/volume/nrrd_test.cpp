@@ -2,6 +2,7 @@
 #include <zlib.h>
 
 #include "core/volume/volume_io.h"
+#include "core/volume/voxel_stream.h"
 #include "tests/peak_memory.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"
@@ -164,12 +165,44 @@ TEST_CASE("headers that end or begin otherwise than NRRD's are refused") {
   }
   write_bytes(folder.path / "v.nrrd", whole + "# a" + std::string(1, '\0') + "b\n\nabcdefgh");
   CHECK(says(read_volume(folder.path / "v.nrrd"), "its header is damaged"));
+  // The library would leak 88 bytes over each of these.
+  write_bytes(folder.path / "v.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nencoding: raw\n\nabcdefgh");
+  CHECK(says(read_volume(folder.path / "v.nrrd"), "lacks the field sizes"));
+  write_bytes(folder.path / "v.nrrd", "NRRD0004\ntype: uint8\nencoding: raw\n\nabcdefgh");
+  CHECK(says(read_volume(folder.path / "v.nrrd"), "lacks the field dimension"));
   std::string with_returns;
   for (const char c : whole + "\n") with_returns += c == '\n' ? std::string("\r\n") : std::string(1, c);
   write_bytes(folder.path / "v.nrrd", with_returns + "abcdefgh");
   const auto read = read_volume(folder.path / "v.nrrd");
   REQUIRE(read);
   CHECK(read->volume.data == letters);
+}
+
+TEST_CASE("a header may have long remarks and no long fields") {
+  const TemporaryFolder folder;
+  const std::string longest(100'000, '9');
+  const auto read_with = [&](const std::string& line) {
+    write_bytes(folder.path / "v.nrrd", header_of("raw") + line + "\n\nabcdefgh");
+    return read_volume(folder.path / "v.nrrd");
+  };
+  for (const std::string start : {"# ", "key:=", "content: "}) {
+    CAPTURE(start);
+    const auto read = read_with(start + longest);
+    REQUIRE_MESSAGE(read, read.error().sentence());
+    CHECK(read->volume.data == letters);
+  }
+  // The library would write beyond its buffers over each of these.
+  for (const std::string start : {"", "kinds: ", "units: ", "space: ", "spacings: 1 1 ", "labels: \"a\" "})
+    CHECK(says(read_with(start + longest), "characters"));
+}
+
+TEST_CASE("packed voxels do not begin hundreds of megabytes behind a header") {
+  const TemporaryFolder folder;
+  write_bytes(folder.path / "v.raw.gz", std::string(1'000'000, 'x'));
+  ByteBlock block{.file = folder.path / "v.raw.gz", .skip = 200'000'000, .compression = Compression::Deflate};
+  CHECK(check_claim(block, 1));
+  block.skip = 300'000'000;  // a file of 10 MB could ask for 10 GB to be unpacked and passed over
+  CHECK(says(check_claim(block, 1), "far behind its header"));
 }
 
 TEST_CASE("memory for compressed voxels is taken as they arrive") {

@@ -45,7 +45,7 @@ Result<std::vector<fs::path>> write_sample(const fs::path& folder) {
 /// Written to a folder of the program's own and opened in the editor; says why that cannot be.
 void open_sample(CommandLine& asked) {
   const fs::path folder = unsaved_folder() / "sample";
-  auto made = make_private_folder(folder);
+  auto made = make_folder(folder, Readers::user_alone);
   const auto paths = made ? write_sample(folder) : tl::make_unexpected(made.error());
   if (paths)
     asked.editor.files = {(*paths)[0], (*paths)[1]};

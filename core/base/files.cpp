@@ -148,6 +148,13 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
+/// Brings a folder's names to the disk; 0, or the errno of a disk that fails. Some file systems cannot do it.
+int sync_names(const fs::path& folder) {
+  const Descriptor file(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (file < 0 || ::fsync(file) == 0) return 0;
+  return errno == EIO || errno == ENOSPC || errno == EDQUOT ? errno : 0;
+}
+
 std::optional<std::string> temporary_name() {
   std::array<unsigned char, temporary_digits / 2> random{};
   if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) return std::nullopt;
@@ -291,8 +298,9 @@ Result<void> write_whole_file(const fs::path& asked, const std::function<Result<
   if (!written) return written;
   if (!out) return fail(cannot_write(path, EIO));
   if (const int error = temporary.replace(path); error != 0) return fail(cannot_write(path, error));
-  if (const Descriptor folder(::open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)); folder >= 0)
-    ::fsync(folder);
+  if (const int error = sync_names(folder_of(path)); error != 0)
+    return fail(path.string(),
+                "was written, but the disk does not confirm it (" + reason(error) + "); check the disk and save again");
   return {};
 }
 
@@ -339,8 +347,7 @@ Result<ResultFolder> ResultFolder::make(const fs::path& folder) {
   std::error_code error;
   for (fs::path missing = folder; !missing.empty() && !fs::exists(missing, error); missing = missing.parent_path())
     made.made_.push_back(missing);
-  fs::create_directories(folder, error);
-  if (error) return fail(folder.string(), "cannot be made a folder (" + error.message() + "); choose another place");
+  if (auto whole = make_folder(folder); !whole) return fail(whole.error());
   return made;
 }
 
@@ -348,13 +355,20 @@ ResultFolder::~ResultFolder() {
   for (const fs::path& folder : made_) ::rmdir(folder.c_str());  // which refuses while there is something in it
 }
 
-Result<void> make_private_folder(const fs::path& folder) {
+Result<void> make_folder(const fs::path& folder, Readers readers) {
   std::error_code ignored;
-  if (fs::is_directory(folder, ignored)) return {};
-  if (const fs::path above = folder.parent_path(); !above.empty() && above != folder)
-    if (auto made = make_private_folder(above); !made) return made;
-  if (::mkdir(folder.c_str(), 0700) == 0 || (errno == EEXIST && fs::is_directory(folder, ignored))) return {};
-  return fail(folder.string(), "cannot be made (" + reason(errno) + "); choose another place");
+  if (folder.empty() || fs::is_directory(folder, ignored)) return {};
+  if (const fs::path above = folder.parent_path(); above != folder)
+    if (auto made = make_folder(above, readers); !made) return made;
+  if (::mkdir(folder.c_str(), readers == Readers::user_alone ? 0700 : 0777) == 0) {
+    sync_names(folder_of(folder));  // what is kept in it is not lost with its name
+    return {};
+  }
+  const int error = errno;
+  if (error == EEXIST && fs::is_directory(folder, ignored)) return {};
+  if (error != EEXIST && folder.native().starts_with(no_home))
+    return fail("HOME", "is not set, and the system knows no home of this user, so nothing can be kept there; set it");
+  return fail(folder.string(), "cannot be made a folder (" + reason(error) + "); choose another place");
 }
 
 fs::path home_folder() {
@@ -363,7 +377,7 @@ fs::path home_folder() {
   passwd user{};
   passwd* known = nullptr;
   const bool found = ::getpwuid_r(::geteuid(), &user, text.data(), text.size(), &known) == 0 && known != nullptr;
-  return found && known->pw_dir != nullptr ? known->pw_dir : "/";
+  return found && known->pw_dir != nullptr && *known->pw_dir != '\0' ? known->pw_dir : no_home;
 }
 
 }  // namespace homolog

@@ -22,7 +22,8 @@ enum class Readers { as_usual, user_alone };
 /// `readers` is for new ones. In a team's folder, where the group stays, it may become the file of who wrote it last.
 /// Where PATH is a link, what it leads to is written. Errors: PATH is a folder, a device or a pipe, write-protected
 /// (for root too, where nobody has the right to write), a link that leads nowhere, the file of another user and
-/// another group, to whom the system does not let the new one be given; the system refuses.
+/// another group, to whom the system does not let the new one be given; the system refuses. A disk that fails when the
+/// name is to be kept is an error too, though the file is whole then.
 Result<void> write_whole_file(const std::filesystem::path& path,
                               const std::function<Result<void>(std::ostream&)>& write,
                               Readers readers = Readers::as_usual);
@@ -53,10 +54,13 @@ class ResultFolder {
   std::vector<std::filesystem::path> made_;  ///< the deepest first
 };
 
-/// Makes a folder where there is none, and those above it; new ones can be entered by the user alone.
-Result<void> make_private_folder(const std::filesystem::path& folder);
+/// Makes a folder where there is none, and those above it, so that no power cut takes them with what they hold.
+/// `readers`: who may enter the new ones. Errors: the system refuses.
+Result<void> make_folder(const std::filesystem::path& folder, Readers readers = Readers::as_usual);
 
-/// The user's home: $HOME, else what the system knows, else "/".
+/// Below it nobody can make anything.
+constexpr const char* no_home = "/dev/null";
+/// The user's home: $HOME, else what the system knows, else no_home: make_folder() says then that HOME is not set.
 std::filesystem::path home_folder();
 
 }  // namespace homolog

@@ -41,7 +41,10 @@ Result<std::uint64_t> CaseLines::append(std::string_view lines, bool sync) {
 
 Result<std::string> CaseLines::read(const LinePlace& place) const {
   if (place.at >= in_file()) return in_memory_.substr(place.at - in_file(), place.bytes);
-  return file_->read(begin_ + place.at, place.bytes);
+  const std::uint64_t at = begin_ + place.at;
+  if (journal_ && at >= journal_->synced_bytes())
+    return std::string(journal_->unsynced_lines().substr(at - journal_->synced_bytes(), place.bytes));
+  return file_->read(at, place.bytes);
 }
 
 Result<std::string> CaseLines::first_line() const {
@@ -50,11 +53,13 @@ Result<std::string> CaseLines::first_line() const {
 
 Result<void> CaseLines::copy_to(std::ostream& out) const {
   constexpr std::uint64_t piece = std::uint64_t{1} << 20;
-  for (std::uint64_t at = begin_; at < end_; at += piece) {
-    const auto bytes = file_->read(at, std::min(piece, end_ - at));
+  const std::uint64_t synced = journal_ ? journal_->synced_bytes() : end_;
+  for (std::uint64_t at = begin_; at < synced; at += piece) {
+    const auto bytes = file_->read(at, std::min(piece, synced - at));
     if (!bytes) return fail(bytes.error());
     out << *bytes;
   }
+  if (journal_) out << journal_->unsynced_lines();  // after a sync that failed only memory holds them for certain
   out << in_memory_;
   return {};
 }

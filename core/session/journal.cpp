@@ -65,7 +65,7 @@ Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path) {
 }
 
 Journal::~Journal() {
-  if (unsynced_) ::fsync(file_->descriptor());
+  if (!unsynced_.empty()) ::fsync(file_->descriptor());
   ::flock(file_->descriptor(), LOCK_UN);  // the file may be read on
 }
 
@@ -108,32 +108,60 @@ Result<void> Journal::unharmed() const {
 
 Result<void> Journal::append(std::string_view lines, bool sync) {
   if (auto fit = unharmed(); !fit) return fit;
+  if (!sync)
+    unsynced_.reserve(unsynced_.size() + lines.size());  // memory that is short is noticed before the disk changes
   const int descriptor = file_->descriptor();
   int error = write_all(descriptor, lines);
-  if (error == 0 && sync && ::fsync(descriptor) != 0) error = errno;
+  const bool sync_failed = error == 0 && sync && ::fsync(descriptor) != 0;
+  if (sync_failed) error = errno;
   if (error == 0) {
     bytes_ += lines.size();
-    unsynced_ = !sync;
+    if (sync)
+      unsynced_.clear();
+    else
+      unsynced_ += lines;
     return {};
   }
-  if (::ftruncate(descriptor, static_cast<off_t>(bytes_)) == 0)
-    ::fsync(descriptor);
-  else
+  take_back(sync_failed);
+  const std::string what = std::string("could not be written (") + std::strerror(error) + "), so the edit was not made";
+  if (broken_ != nullptr && !unsynced_.empty())
+    return fail(path().string(), what + ", and the last ones are shown but not saved; save the case elsewhere");
+  return fail(path().string(), what + "; free some space or save the case elsewhere");
+}
+
+/// Leaves the lines that were there before, all of them on the disk.
+void Journal::take_back(bool sync_failed) {
+  const int descriptor = file_->descriptor();
+  if (::ftruncate(descriptor, static_cast<off_t>(bytes_)) != 0) {
     broken_ = "ends in an incomplete line that could not be removed";
-  return fail(path().string(), std::string("could not be written (") + std::strerror(error) +
-                                   "), so the edit was not made; free some space or save the case elsewhere");
+  } else if (::fsync(descriptor) == 0 && !sync_failed) {
+    unsynced_.clear();
+  } else if (!unsynced_.empty() && !write_unsynced_again()) {
+    broken_ = "could not be written to the disk";
+  }
+}
+
+/// After a sync that failed the system may have dropped what it held of the file, and the next sync succeeds without
+/// it. So it is written anew.
+bool Journal::write_unsynced_again() {
+  const int descriptor = file_->descriptor();
+  if (::ftruncate(descriptor, static_cast<off_t>(synced_bytes())) != 0 || write_all(descriptor, unsynced_) != 0 ||
+      ::fsync(descriptor) != 0)
+    return false;
+  unsynced_.clear();
+  return true;
 }
 
 Result<void> Journal::sync() {
-  if (!unsynced_) return {};
+  if (!unsynced()) return {};
   if (::fsync(file_->descriptor()) == 0) {
-    unsynced_ = false;
+    unsynced_.clear();
     return {};
   }
-  // What the system held of the file may be gone: a second attempt would succeed without it.
+  const int error = errno;
+  if (write_unsynced_again()) return {};
   broken_ = "could not be written to the disk";
-  unsynced_ = false;
-  return fail(path().string(), std::string("could not be written to the disk (") + std::strerror(errno) +
+  return fail(path().string(), std::string("could not be written to the disk (") + std::strerror(error) +
                                    "), so the last edits are shown but not saved; save the case elsewhere");
 }
 

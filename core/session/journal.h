@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <ostream>
+#include <string>
 #include <string_view>
 
 #include "core/base/files.h"
@@ -39,10 +40,14 @@ class Journal {
   /// replaced or changed by another program since; a journal in which an earlier attempt failed beyond repair. The
   /// lines are not in the file then.
   Result<void> append(std::string_view lines, bool sync = true);
-  /// Whether lines wait for sync().
-  bool unsynced() const { return unsynced_; }
+  /// Whether lines wait for sync(); not where the disk failed for good.
+  bool unsynced() const { return !unsynced_.empty() && broken_ == nullptr; }
   /// Brings to the disk what was appended without. Errors: the disk fails; nothing more can be appended then.
   Result<void> sync();
+  /// The lines that wait for sync(), and where they begin. Where the disk failed, the file may hold
+  /// something else there.
+  std::string_view unsynced_lines() const { return unsynced_; }
+  std::uint64_t synced_bytes() const { return bytes_ - unsynced_.size(); }
   const std::filesystem::path& path() const { return file_->path(); }
   /// For reading; lives on when the journal is closed.
   const std::shared_ptr<const LineFile>& file() const { return file_; }
@@ -54,9 +59,12 @@ class Journal {
 
  private:
   explicit Journal(std::shared_ptr<const LineFile> file, std::uint64_t bytes) : file_(std::move(file)), bytes_(bytes) {}
+  void take_back(bool sync_failed);
+  bool write_unsynced_again();
+
   std::shared_ptr<const LineFile> file_;
   std::uint64_t bytes_;
-  bool unsynced_ = false;
+  std::string unsynced_;          ///< kept until they are on the disk: a sync that fails may lose them
   const char* broken_ = nullptr;  ///< why nothing can be appended any more; null: it can
 };
 

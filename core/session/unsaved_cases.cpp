@@ -28,8 +28,10 @@ fs::path unsaved_folder() {
 
 Result<fs::path> new_unsaved_path() {
   const fs::path folder = unsaved_folder();
-  if (auto made = make_private_folder(folder); !made)
-    return fail(folder.string(), made.error().what + ", for instance by XDG_STATE_HOME");
+  if (auto made = make_folder(folder, Readers::user_alone); !made)
+    return fail(made.error().subject,
+                made.error().what +
+                    (made.error().subject == "HOME" ? " or XDG_STATE_HOME" : ", for instance by XDG_STATE_HOME"));
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const auto stamp = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
   return folder / ("unsaved-" + std::to_string(stamp) + "-" + std::to_string(::getpid()) + case_extension);

@@ -86,7 +86,7 @@ Result<void> write_preferences(const Preferences& preferences, const std::filesy
   kept["recent"] = json::array();
   for (const auto& recent : preferences.recent) kept["recent"].push_back(recent.string());
   // The names of the files last opened may be those of patients.
-  if (auto made = make_private_folder(path.parent_path()); !made) return made;
+  if (auto made = make_folder(path.parent_path(), Readers::user_alone); !made) return made;
   // A path need not be UTF-8; what is not is replaced.
   return write_whole_file(path, kept.dump(2, ' ', false, json::error_handler_t::replace) + '\n', Readers::user_alone);
 }

@@ -33,7 +33,7 @@ void tell(EditorState& state, const Result<void>& done, const fs::path& path) {
 
 fs::path new_study_file() {
   std::error_code ignored;
-  make_private_folder(studies_folder());  // what is wrong is said where the study is written
+  make_folder(studies_folder(), Readers::user_alone);  // what is wrong is said where the study is written
   for (int number = 1;; ++number) {
     const fs::path path = studies_folder() / ("study-" + std::to_string(number) + ".study.json");
     if (!fs::exists(path, ignored)) return path;

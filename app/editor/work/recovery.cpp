@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/session/unsaved_cases.h"
 
@@ -51,7 +52,8 @@ void Recovery::look() {
   work_.start("", [](Progress& progress) -> Result<Found> {
     std::error_code error;
     const fs::directory_iterator readable(unsaved_folder(), error);
-    if (error && error != std::errc::no_such_file_or_directory)
+    const bool can_be = !unsaved_folder().native().starts_with(no_home);  // else it is said where something is kept
+    if (error && error != std::errc::no_such_file_or_directory && can_be)
       return fail(unsaved_folder().string(),
                   "the folder of unsaved cases cannot be read (" + error.message() + "); check its permissions");
     Found found;

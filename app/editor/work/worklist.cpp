@@ -9,6 +9,7 @@
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/opener.h"
+#include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/base/listed.h"
 #include "core/base/paths.h"
@@ -202,8 +203,7 @@ Result<WorklistDone> cases_of(const std::vector<fs::path>& asked, const CaseStar
     return fail(asked.front().string(),
                 asked.size() == 1 ? "holds no scan and no label map; choose a folder of images, one file for each"
                                   : "and the others are no scans and no label maps; choose images");
-  std::error_code error;
-  fs::create_directories(start.cases, error);
+  if (auto made = make_folder(start.cases); !made) return fail(made.error());
   const auto pairs = pairs_of(scans);
   std::size_t of_others = 0;
   for (const Pair& pair : pairs) {

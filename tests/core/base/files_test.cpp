@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <fcntl.h>
+#include <pwd.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/xattr.h>
@@ -122,7 +123,7 @@ TEST_CASE("a private file stays private and one for the user alone begins so") {
   REQUIRE(::chmod(other.c_str(), 0640) == 0);
   REQUIRE(write_whole_file(other, "second"));
   CHECK(rights(other) == 0640);
-  REQUIRE(make_private_folder(folder.path / "state/homolog"));
+  REQUIRE(make_folder(folder.path / "state/homolog", Readers::user_alone));
   CHECK(rights(folder.path / "state") == 0700);
   CHECK(rights(folder.path / "state/homolog") == 0700);
 }
@@ -230,6 +231,20 @@ TEST_CASE("unsaved cases are the user's alone and a pipe among them stops nothin
   for (const UnsavedCase& one : unsaved_cases()) CHECK_FALSE(one.edited);
   CHECK_FALSE(unsaved_case(unsaved_folder() / "unsaved-1.homolog"));
   ::alarm(0);
+}
+
+TEST_CASE("a home that is not set is said and nothing is kept elsewhere") {
+  constexpr uid_t unknown = 54321;
+  if (::geteuid() != 0 || ::getpwuid(unknown) != nullptr) return;  // only root can be a user without a home
+  const EnvironmentVariable home("HOME", ""), state("XDG_STATE_HOME", ""), config("XDG_CONFIG_HOME", "");
+  REQUIRE(::seteuid(unknown) == 0);
+  const fs::path known = home_folder();
+  REQUIRE(::seteuid(0) == 0);
+  CHECK(known == no_home);
+  // Root, who could make folders anywhere.
+  const auto folder = make_folder(fs::path(no_home) / ".local/state/homolog");
+  CHECK(says(folder, "HOME: is not set"));
+  CHECK_FALSE(fs::exists("/.local"));
 }
 
 TEST_CASE("a write-protected file is kept and root is told too") {

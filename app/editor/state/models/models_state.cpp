@@ -347,7 +347,7 @@ int phantom_shapes(Organ organ) {
 
 Result<fs::path> make_phantom_study(Organ organ, const fs::path& folder, Progress& progress) {
   const fs::path path = folder / ("phantom-" + std::string(organ_name(organ)) + ".study.json");
-  if (auto made = make_private_folder(folder); !made) return fail(made.error());
+  if (auto made = make_folder(folder, Readers::user_alone); !made) return fail(made.error());
   const bool cine = organ == Organ::ventricle;
   const std::vector<MeshFile> phases = cine ? phantom_truth(organ, 1) : std::vector<MeshFile>();
   std::error_code error;

@@ -1,0 +1,83 @@
+#include <cerrno>
+
+#include "core/session/journal.h"
+#include "tests/case_folder.h"
+#include "tests/faults/disk.h"
+#include "tests/refusal.h"
+
+// A case's file where the system says too late that it could not write.
+
+namespace homolog {
+
+namespace {
+
+/// What a disk does whose sync failed: it forgets what was not on it, and goes on as if nothing were.
+void forget_behind(const fs::path& file, std::uintmax_t bytes) {
+  fs::resize_file(file, bytes);
+}
+
+}  // namespace
+
+TEST_CASE("lines that a failed sync may have lost are written again") {
+  const WatchedDisk watched;
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  REQUIRE(session.apply(pull(-pole, -1.1 * pole), true));
+  CHECK(session.unsynced());
+  const std::string kept = folder.text();
+  disk_record(1);
+  disk_fail(2, EIO, 0);  // the second call of an edit is its sync
+  CHECK(says(session.apply(pull(Vec3(40, 0, 0), Vec3(42, 0, 0))), "Input/output error"));
+  disk_fail(0, 0, 0);
+  disk_record(0);
+  std::size_t count = 0;
+  const disk_operation* done = disk_recorded(&count);
+  std::string written;
+  for (std::size_t k = 0; k < count; ++k)
+    if (done[k].call == disk_writes) written = std::string(done[k].bytes, done[k].size);
+  REQUIRE(written.size() > 10);
+  CHECK(kept.ends_with(written));  // the touch, once more
+  CHECK(done[count - 1].call == disk_syncs_file);
+  CHECK(folder.text() == kept);
+  CHECK_FALSE(session.unsynced());
+  REQUIRE(session.apply(pull(Vec3(40, 0, 0), Vec3(42, 0, 0))));
+  CHECK(state_of(read_case(folder.case_path)->session.document()) == state_of(session.document()));
+}
+
+TEST_CASE("where no sync succeeds any more the last lines are in memory and can be saved elsewhere") {
+  const WatchedDisk watched;
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  const auto synced = fs::file_size(folder.case_path);
+  REQUIRE(session.apply(pull(-pole, -1.1 * pole), true));
+  const std::string shown = state_of(session.document());
+  disk_fail(2, EIO, 1);
+  CHECK(says(session.apply(pull(Vec3(40, 0, 0), Vec3(42, 0, 0))), "the last ones are shown but not saved"));
+  disk_fail(0, 0, 0);
+  forget_behind(folder.case_path, synced);
+  CHECK(says(session.apply(pull(Vec3(40, 0, 0), Vec3(42, 0, 0))), "so the edit was not made"));
+  CHECK(state_of(session.document()) == shown);
+  CHECK(says(session.apply(Undo{}), "so the edit was not made"));
+  const fs::path saved = folder.folder.path / "saved.homolog";
+  REQUIRE(save_case_as(session, saved));
+  CHECK(state_of(read_case(saved)->session.document()) == shown);
+  REQUIRE(session.apply(Undo{}));
+  CHECK(session.strokes() == 0);  // both were one step
+}
+
+TEST_CASE("a sync that fails once leaves nothing that only memory holds") {
+  const WatchedDisk watched;
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(pull(pole, 1.1 * pole), true));
+  REQUIRE(session.apply(pull(-pole, -1.1 * pole), true));
+  disk_fail(1, EIO, 0);
+  CHECK(session.sync());
+  CHECK(disk_calls() == 4);  // a sync that fails, and the lines again: cut, written, synced
+  disk_fail(0, 0, 0);
+  CHECK(state_of(read_case(folder.case_path)->session.document()) == state_of(session.document()));
+}
+
+}  // namespace homolog

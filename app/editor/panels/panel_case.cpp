@@ -3,6 +3,7 @@
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
+#include "app/editor/work/sample.h"
 
 namespace homolog {
 
@@ -80,6 +81,10 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   ImGui::SameLine();
   if (button(theme, "First steps…", "The first case and its guide: five pulls that fit a kidney", {}, half))
     out.send(ShowGuide{true});
+  if (button(theme, "Sample: a real heart",
+             "An MR scan with an expert's label map, and the ventricle's template to fit to it (Sunnybrook, CC0)", {},
+             ImGui::GetContentRegionAvail().x))
+    out.send(OpenRequested{sample_request()});
   if (!document.volume) return;
   bool linear = ui.state.preferences.linear;
   if (toggle(theme, "Smooth voxels", linear, "Interpolates between voxels. Off shows the voxels as they are"))

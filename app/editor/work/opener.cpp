@@ -10,6 +10,7 @@
 #include "app/editor/state/files/file_browser.h"
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/work/demo.h"
+#include "app/editor/work/sample.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
@@ -179,6 +180,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     load_saved_template(opened);
     return request.labels.empty() ? Result<void>() : read_labels(opened, progress);
   }
+  if (auto made = make_sample(request); !made) return made;
   if (!request.volume_source.empty()) {
     if (auto done = open_volume(opened, progress); !done) return fail(done.error());
     if (!opened.volume) return {};  // a label map, or something is to be asked first

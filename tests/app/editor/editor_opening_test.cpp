@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <sys/stat.h>
+
 #include "app/editor/update/controls.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
@@ -63,6 +65,57 @@ void name_landmark(Driver& driver, const std::string& name, const Vec3& at) {
 }
 
 }  // namespace
+
+TEST_CASE("a real heart opens from the first screen with its label map and can be pulled at once") {
+  Driver driver(new_document({}, nullptr, nullptr));
+  const fs::path image = driver.folder() / "homolog/sample/heart.nii.gz";
+  for (int again = 0; again < 2; ++again) {
+    driver.click("Case/Sample: a real heart");
+    driver.wait_until("the heart is open",
+                      [&] { return driver.document().volume_source == image && driver.document().has_shape(); });
+    driver.settle();
+    CHECK(driver.shows("heart-labels.nii.gz"));
+    CHECK(driver.document().the_template->source == "built-in:ventricle");
+    const Vec3 at = driver.document().shape().points->row(0);
+    driver.app().send(ApplyEdit{Stroke{Tool::pull, at, at + Vec3(2, 0, 0), 10, {}, false, 1}, false});
+    driver.settle();
+    CHECK(driver.document().shape().strokes == 1);
+    CHECK((fs::status(image.parent_path()).permissions() & fs::perms::others_all) == fs::perms::none);
+    write_bytes(image, "damaged");  // it is made anew where it is asked for again
+  }
+}
+
+TEST_CASE("pipes and devices and links in circles are said in the window and neither waited for nor replaced") {
+  const Globe globe;
+  Driver driver(globe.document());
+  const auto at = [&](const char* name) { return globe.folder.path / name; };
+  for (const char* pipe : {"pipe.nii", "pipe.homolog", "pipe.study.json"})
+    REQUIRE(::mkfifo(at(pipe).c_str(), 0600) == 0);
+  for (const char* zero : {"zero.nrrd", "zero.ply", "zero.study.json"}) fs::create_symlink("/dev/zero", at(zero));
+  for (const char* loop : {"loop.mha", "loop.homolog"}) fs::create_symlink(loop, at(loop));
+  fs::create_symlink("/dev/full", at("full.ply"));
+  const auto said = [&](Command command, const std::string& name) {
+    driver.state().notices.clear();
+    driver.app().send(std::move(command));
+    driver.settle();
+    std::string all;
+    for (const Notice& notice : driver.state().notices) all += notice.text + '\n';
+    CHECK_MESSAGE((all.find(name) != std::string::npos || all.find("/dev/") != std::string::npos), name, ": ", all);
+  };
+  for (const char* name : {"pipe.nii", "pipe.homolog", "zero.nrrd", "zero.ply", "loop.mha", "loop.homolog"})
+    said(OpenFiles{{at(name)}}, name);
+  for (const char* name : {"pipe.study.json", "zero.study.json"}) said(OpenStudy{{at(name)}}, name);
+  for (const char* name : {"full.ply", "pipe.nii"}) said(ExportMesh{{at(name)}}, name);
+  said(SaveCaseAs{{at("pipe.homolog")}}, "pipe.homolog");
+  CHECK(fs::is_fifo(at("pipe.homolog")));
+  CHECK(fs::is_character_file("/dev/full"));
+}
+
+TEST_CASE("the window says that it is no medical device") {
+  Driver driver(new_document({}, nullptr, nullptr));
+  driver.press(key::f1);
+  CHECK(driver.shows("It is not a medical device."));
+}
 
 TEST_CASE("the template that was saved is the case's and comes with the next image") {
   const Globe globe;

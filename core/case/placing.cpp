@@ -66,7 +66,7 @@ Result<EditReport> carry_to_landmarks(const Template& the_template, LandmarkPull
   if (fit == LandmarkPull::off) return report;
   if (shape.strokes > 0) {
     report.message =
-        "After the first stroke landmarks no longer move the mesh. Bring the mesh to them with Slide or Grab.";
+        "Once the mesh was edited or fitted, landmarks no longer move it. Bring it to them with Slide or Grab.";
     return report;
   }
   const auto [from, to] = matched_landmarks(the_template, shape.landmarks);

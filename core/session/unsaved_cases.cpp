@@ -75,7 +75,8 @@ std::size_t count_steps(const fs::path& journal) {
   std::size_t steps = 0;
   if (const auto file = LineFile::open(journal))
     (void)(*file)->for_each_line([&](std::string_view line, std::uint64_t at, bool) -> Result<void> {
-      steps += at > 0 && kind_of(line).kind == LineKind::step ? 1 : 0;
+      const LineKind kind = kind_of(line);
+      steps += at > 0 && kind.kind == LineKind::step && !kind.joined ? 1 : 0;
       return {};
     });
   return steps;

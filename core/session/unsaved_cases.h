@@ -34,7 +34,7 @@ std::optional<UnsavedCase> unsaved_case(const std::filesystem::path& journal);
 /// thousand of them are listed at once.
 std::vector<UnsavedCase> unsaved_cases();
 
-/// How many steps a case holds; reads all of it.
+/// How many steps a case holds, as Undo counts them: what was done in one go is one. Reads all of it.
 std::size_t count_steps(const std::filesystem::path& journal);
 
 }  // namespace homolog

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "app/editor/interface/study_picture.h"
@@ -187,19 +188,29 @@ void Drawing::draw_view_picture(const PictureOptions& options) {
   if (!drawn) add_notice(state_, drawn.error().sentence());  // the rest of the scene is there all the same
   if (!options.captions) return;
 
-  // Letters, scale bar, landmarks and ruler: without them nobody can tell the sides of a slice.
+  // Letters, scale bar, landmarks and ruler: without them nobody can tell the sides of a slice. They grow with the
+  // picture as its lines do.
   layout_.images[index_of(kind)] = {0, 0, width, height};
   state.preferences.hints = {true, true, true};
   state.guide.reset();
+  write_on_picture(options, target.content_scale,
+                   [&] { draw_view_marks(ui_context(state, 0), kind, *ImGui::GetBackgroundDrawList()); });
+}
+
+void Drawing::write_on_picture(const PictureOptions& options, float scale, const std::function<void()>& put) {
+  constexpr float smallest = 1, largest = 6;  // fonts of a larger scale would not fit into a texture
+  const float on_screen = scale_, wanted = std::clamp(scale, smallest, largest);
+  const bool other = std::abs(wanted - on_screen) > 0.01f;
+  if (other) set_scale(wanted);
   ImGui_ImplOpenGL3_NewFrame();
-  ImGui::GetIO().DisplaySize = {width, height};
+  ImGui::GetIO().DisplaySize = {static_cast<float>(options.width), static_cast<float>(options.height)};
   ImGui::NewFrame();
-  const UiContext ui = ui_context(state, 0);
-  use_palette(light_, options.light);
-  draw_view_marks(ui, kind, *ImGui::GetBackgroundDrawList());
+  use_palette(options.light, options.light);  // of the picture's ground, whatever the window's theme is
+  put();
   use_palette(light_);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  if (other) set_scale(on_screen);
 }
 
 Result<Picture> Drawing::study_picture(const PictureOptions& options) {
@@ -217,14 +228,8 @@ Result<Picture> Drawing::study_picture(const PictureOptions& options) {
   const StudyCells cells = study_cells(state_.models, *options.study, width, height);
   gallery_.draw_grid(state_.models, cells.grid, cells.shapes, options.height, scale_, pictures_->renderer(), ground);
   if (!options.captions) return (*framebuffer)->read();
-  ImGui_ImplOpenGL3_NewFrame();
-  ImGui::GetIO().DisplaySize = {width, height};
-  ImGui::NewFrame();
-  use_palette(light_, options.light);
-  draw_study_captions(*ImGui::GetBackgroundDrawList(), *theme_, state_.models, cells);
-  use_palette(light_);
-  ImGui::Render();
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  write_on_picture(options, caption_scale(width, cells.grid.cell(0).width),
+                   [&] { draw_study_captions(*ImGui::GetBackgroundDrawList(), *theme_, state_.models, cells); });
   return (*framebuffer)->read();
 }
 

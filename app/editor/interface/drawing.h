@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <set>
 
@@ -40,6 +41,9 @@ class Drawing : public PictureSource {
   Result<Picture> window_picture();
   Result<Picture> study_picture(const PictureOptions& options);
   void draw_view_picture(const PictureOptions& options);
+  /// Draws what is written on a picture, by `put`, with fonts of a scale, in the colours of its ground. The interface
+  /// gets its own fonts back.
+  void write_on_picture(const PictureOptions& options, float scale, const std::function<void()>& put);
   SceneBuilder::Input scene_input(const EditorState& state) const;
   std::vector<RunningWork> running_work() const;
   UiContext ui_context(const EditorState& state, double fps) const;

@@ -65,19 +65,21 @@ void draw_places(const UiContext& ui, const FileDialog& dialog, Outbox& out) {
   caption(theme, "Places");
   for (const auto& place : browser.places) {
     const Part part(place.path.string(), "place");
-    if (row(theme, {icon::folder, place.name, "", ""}, place.path == browser.folder).clicked)
+    if (row(theme, {icon::folder, place.name, "", ""}, place.path == browser.listed_folder()).clicked)
       out.send(EnterFolder{place.path});
   }
-  const auto& recent = ui.state.preferences.recent;
-  if (dialog.purpose != FilePurpose::open || recent.empty()) return;
+  const bool studies = dialog.purpose == FilePurpose::open_study || dialog.purpose == FilePurpose::open_observer;
+  const auto& recent = studies ? ui.state.preferences.recent_studies : ui.state.preferences.recent;
+  if ((dialog.purpose != FilePurpose::open && !studies) || recent.empty()) return;
   gap(theme, 8);
   caption(theme, "Recent");
   std::vector<std::string> names;
-  for (const auto& path : recent) names.push_back(path.filename().string());
+  for (const auto& path : recent) names.push_back(studies ? study_name(path) : path.filename().string());
   for (const auto& path : recent) {
     const Part part("recent " + path.string(), "recent file");
-    if (row(theme, {icon::history, path.filename().string(), "", ""}, false, path.string(), names).clicked) {
-      out.send(OpenFiles{{path}});
+    const std::string name = studies ? study_name(path) : path.filename().string();
+    if (row(theme, {icon::history, name, "", ""}, false, path.string(), names).clicked) {
+      out.send(file_purpose(dialog.purpose).command(path, ui.state));
       out.send(CloseDialog{});
     }
   }
@@ -99,6 +101,9 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
   const OutOfKeysReach has_the_arrows;
   const auto visible = browser.visible();
   if (!browser.error.empty()) return explanation(theme, browser.error);
+  const bool is_path = browser.name.find('/') != std::string::npos;
+  if (is_path && browser.typed_folder.empty() && !browser.kind.saves)
+    return explanation(theme, "There is no folder " + std::filesystem::path(browser.name).parent_path().string() + ".");
   if (visible.empty())
     return explanation(theme, browser.entries.empty()
                                   ? "No file of the right kind is here" + endings_of(browser.kind) + "."
@@ -125,7 +130,7 @@ void draw_entries(const UiContext& ui, const FileBrowser& browser, Outbox& out) 
 void draw_path_bar(const UiContext& ui, const FileBrowser& browser, Outbox& out) {
   const Theme& theme = ui.theme;
   if (icon_button(theme, icon::up, "up", "The folder above (Backspace)",
-                  browser.folder.has_relative_path() ? "" : "This is the topmost folder.", false, 28))
+                  browser.listed_folder().has_relative_path() ? "" : "This is the topmost folder.", false, 28))
     out.send(MoveInFiles{BrowserKey::parent});
   ImGui::SameLine(0, theme.px(8));
   const float width = ImGui::GetContentRegionAvail().x, make_width = theme.px(112);
@@ -137,7 +142,7 @@ void draw_path_bar(const UiContext& ui, const FileBrowser& browser, Outbox& out)
     if (enter_pressed()) out.send(MakeFolder{});
   } else {
     ImGui::AlignTextToFramePadding();
-    text_line(shortened(browser.folder.string(), room), palette::dim);
+    text_line(shortened(browser.listed_folder().string(), room), palette::dim);
   }
   ImGui::SameLine(left + room + theme.px(8));
   const bool typed = browser.new_folder && !browser.new_folder->empty();

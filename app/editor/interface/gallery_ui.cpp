@@ -119,7 +119,7 @@ void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   double spacing_mm = state.glyph_spacing_mm;
   bool released = false;
   const double smallest_mm = std::max(model.radius_mm / 40, 0.1), largest_mm = model.radius_mm;
-  if (slider(theme, "Glyph spacing", spacing_mm, {smallest_mm, largest_mm, "%.1f", "mm", true},
+  if (slider(theme, "Spacing", spacing_mm, {smallest_mm, largest_mm, "%.1f", "mm", true},
              "Smallest distance between two glyphs, on the mean shape", released,
              !model.topology ? "Shapes without faces show all their points."
              : state.glyphs  ? ""

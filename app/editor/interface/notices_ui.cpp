@@ -61,8 +61,8 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   ImGui::PushFont(theme.body);
   const std::string text = shortened(notice.text, most_lines * of_broken_lines * (end - left));
   ImGui::PopFont();
-  const float lines = theme.body->CalcTextSizeA(theme.body->FontSize, 1e6f, end - left, text.c_str()).y;
-  const bool offers = !notice.case_before.empty();
+  const float lines = text_size(theme.body, in_lines(theme.body, text, end - left)).y;
+  const bool offers = !notice.kept.empty();
   const float height = std::ceil(lines) + 2 * pad + (offers ? theme.px(28) + theme.px(8) : 0);
   begin_card(ui, format("notice %zu", index).c_str(), height, bottom_px, colour);
   text_line(notice.error ? icon::warning : icon::info, colour);
@@ -71,8 +71,11 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   if (text != notice.text && is_explained()) tooltip(theme, notice.text);
   if (offers) {
     ImGui::SetCursorPosX(left);
-    if (button(theme, "Open it again", notice.case_before.string(), {}, theme.px(140), true)) {
-      out.send(open_case_file(notice.case_before));
+    if (button(theme, "Open it again", notice.kept.string(), {}, theme.px(140), true)) {
+      if (is_study_file(notice.kept))
+        out.send(OpenStudy{{notice.kept}});
+      else
+        out.send(open_case_file(notice.kept));
       dismiss_notice(index, out);
     }
   }

@@ -9,9 +9,6 @@
 
 namespace homolog {
 
-namespace {
-
-/// The overlay's label at a point; 0 where there is none.
 int label_there(const UiContext& ui, const Vec3& p_mm) {
   if (!ui.labels) return 0;
   const Vec3 voxel = ui.labels->geometry.to_voxel(p_mm).array().round();
@@ -22,6 +19,8 @@ int label_there(const UiContext& ui, const Vec3& p_mm) {
   return static_cast<int>(std::lround(
       ui.labels->at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()), static_cast<int>(voxel.z()), frame)));
 }
+
+namespace {
 
 /// "R 17.6 P 35.3 S 12.1    voxel 120 88 40    124": where the pointer is.
 std::string read_out(const UiContext& ui) {

@@ -31,6 +31,11 @@ StudyCells study_cells(const ModelsState& state, StudyPicture what, float width_
   return cells;
 }
 
+float caption_scale(float picture_width_px, float cell_width_px) {
+  constexpr float usual_width_px = 800, least_cell_px = 180;
+  return std::max(1.0f, std::min(picture_width_px / usual_width_px, cell_width_px / least_cell_px));
+}
+
 void draw_cell_name(ImDrawList& draw, const Theme& theme, const RectPx& cell, const std::string& name) {
   const float inset = theme.px(8);
   ImGui::PushFont(theme.body);
@@ -44,8 +49,9 @@ void draw_cell_scale(ImDrawList& draw, const Theme& theme, const RectPx& cell, d
   const auto length_px = static_cast<float>(std::round(length_mm / mm_per_px));
   const float inset = theme.px(8), tick = theme.px(4);
   const float x = cell.x + inset, y = std::round(cell.y + cell.height - theme.px(14));
-  draw.AddLine({x, y}, {x + length_px, y}, palette::mark);
-  for (const float end : {x, x + length_px}) draw.AddLine({end, y - tick}, {end, y + 1}, palette::mark);
+  const float thick = theme.px(1);
+  draw.AddLine({x, y}, {x + length_px, y}, palette::mark, thick);
+  for (const float end : {x, x + length_px}) draw.AddLine({end, y - tick}, {end, y + thick}, palette::mark, thick);
   shadowed_text(draw, theme.small, {x + length_px + inset, std::round(y - theme.small->FontSize / 2)}, palette::mark,
                 format("%g mm", length_mm));
 }

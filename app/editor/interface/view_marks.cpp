@@ -69,10 +69,11 @@ void draw_scale_bar(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   }
   const double length_mm = scale_bar_mm(mm_per_px, longest_px);
   const auto length_px = static_cast<float>(std::round(length_mm / mm_per_px));
-  for (const auto& [shift, colour] : {std::pair(1.0f, IM_COL32(0, 0, 0, 160)), std::pair(0.0f, palette::mark)}) {
-    draw.AddLine({x + shift, y + shift}, {x + length_px + shift, y + shift}, colour);
-    draw.AddLine({x + shift, y - tick + shift}, {x + shift, y + 1 + shift}, colour);
-    draw.AddLine({x + length_px + shift, y - tick + shift}, {x + length_px + shift, y + 1 + shift}, colour);
+  const float thick = theme.px(1);
+  for (const auto& [shift, colour] : {std::pair(thick, IM_COL32(0, 0, 0, 160)), std::pair(0.0f, palette::mark)}) {
+    draw.AddLine({x + shift, y + shift}, {x + length_px + shift, y + shift}, colour, thick);
+    draw.AddLine({x + shift, y - tick + shift}, {x + shift, y + thick + shift}, colour, thick);
+    draw.AddLine({x + length_px + shift, y - tick + shift}, {x + length_px + shift, y + thick + shift}, colour, thick);
   }
   shadowed_text(draw, theme.small, {x + length_px + aside, std::round(y - theme.small->FontSize / 2)}, palette::mark,
                 length_text(length_mm));
@@ -94,7 +95,7 @@ void draw_crosshair(const UiContext& ui, ViewKind kind, const ViewMap& map, ImDr
     const ImU32 colour = with_alpha(view_hue(other), 0.55f);
     for (const double sign : {-1.0, 1.0})
       draw.AddLine(to_im(*middle + sign * static_cast<double>(gap_px) * unit),
-                   to_im(*middle + sign * static_cast<double>(reach) * unit), colour);
+                   to_im(*middle + sign * static_cast<double>(reach) * unit), colour, ui.theme.px(1));
   }
 }
 
@@ -231,7 +232,8 @@ void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
     if (one.carried) {
       const float alpha = 0.8f * one.carried_alpha;
       if (one.placed)
-        draw.AddLine(*one.carried, *one.placed, with_alpha(palette::amber, std::min(alpha, one.alpha)), 1.5f);
+        draw.AddLine(*one.carried, *one.placed, with_alpha(palette::amber, std::min(alpha, one.alpha)),
+                     1.5f * ui.theme.scale);
       draw.AddCircle(*one.carried, ui.theme.px(4), with_alpha(palette::mark, alpha), 0, ui.theme.px(1.5f));
       if (!one.placed && named && alpha > faint) tags.put(*one.carried, one.name, alpha);
     }
@@ -354,7 +356,7 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   };
   const bool in_plane = near(ruler.from) && near(ruler.to);
   const ImU32 colour = with_alpha(palette::accent, in_plane ? 1.0f : 0.35f);
-  draw.AddLine(to_im(*from), to_im(*to), colour, 1.5f);
+  draw.AddLine(to_im(*from), to_im(*to), colour, 1.5f * ui.theme.scale);
   for (const auto& end : {*from, *to}) draw.AddCircleFilled(to_im(end), ui.theme.px(3), colour);
   const Eigen::Vector2d middle = (*from + *to) / 2;
   if (in_plane)
@@ -394,7 +396,7 @@ void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const Hints& hints = ui.state.preferences.hints;
   if (ui.state.hints_over || !ui.has_shape() || ui.state.drag || (ui.state.guide && ui.state.guide->shown)) return;
   std::string text;
-  if (kind == ViewKind::axial && !hints.dragged)
+  if (kind == ViewKind::axial && !hints.dragged && stroke_tool(ui.state.tool))
     text = "Drag the coloured outline to the organ's edge";
   else if (kind == ViewKind::sagittal && !hints.scrolled)
     text = "Turn the wheel to go through the slices";
@@ -404,7 +406,7 @@ void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const RectPx& rect = ui.layout.image(kind);
   ImFont& font = *ui.theme.body;
   const float pad_x = ui.theme.px(12), pad_y = ui.theme.px(7), wrap = rect.width - 4 * pad_x;
-  const ImVec2 size = font.CalcTextSizeA(font.FontSize, FLT_MAX, wrap, text.c_str());
+  const ImVec2 size = text_size(&font, in_lines(&font, text, wrap));
   const ImVec2 at{std::round(rect.x + (rect.width - size.x) / 2), rect.y + rect.height - ui.theme.px(44) - size.y};
   const ImVec2 low{at.x - pad_x, at.y - pad_y}, high{at.x + size.x + pad_x, at.y + size.y + pad_y};
   const float rounding = (font.FontSize + 2 * pad_y) / 2;
@@ -420,7 +422,7 @@ void draw_empty_state(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const std::string title = "Nothing is open", text = "Ctrl+O opens an image, a case or a template";
   const float wrap = rect.width - ui.theme.px(16);
   const ImVec2 a = text_size(ui.theme.strong, title);
-  const ImVec2 b = ui.theme.body->CalcTextSizeA(ui.theme.body->FontSize, 1e6f, wrap, text.c_str());
+  const ImVec2 b = text_size(ui.theme.body, in_lines(ui.theme.body, text, wrap));
   const float x = rect.x + rect.width / 2, y = rect.y + rect.height / 2;
   text_at(draw, ui.theme.strong, {std::round(x - a.x / 2), y - ui.theme.px(20)}, palette::mark, title);
   text_at(draw, ui.theme.body, {std::round(x - b.x / 2), y + ui.theme.px(4)}, palette::mark_dim, text, wrap);

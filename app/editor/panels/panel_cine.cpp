@@ -28,7 +28,9 @@ void draw_frame_controls(const UiContext& ui, Outbox& out) {
   const SliderRange range{0, static_cast<double>(frames - 1), "%.0f", "", false};
   if (slider(theme, "Frame", value, range, "Frame of the cine. Each frame has a mesh of its own", released))
     out.send(SeekFrame{static_cast<int>(std::lround(value))});
-  if (released && ui.state.shown_frame && !ui.state.playing) out.send(ShowFrame{frame});
+  // A number that is typed changes and is released at once.
+  const int wanted = static_cast<int>(std::lround(value));
+  if (released && !ui.state.playing && (ui.state.shown_frame || wanted != document.frame)) out.send(ShowFrame{wanted});
   if (button(theme,
              std::string(ui.state.playing ? icon::pause : icon::play) + (ui.state.playing ? "  Pause" : "  Play"),
              "Play the frames (Space)"))

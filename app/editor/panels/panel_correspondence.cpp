@@ -70,8 +70,9 @@ void draw_colouring_legend(const UiContext& ui) {
 void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!ui.has_shape()) {
-    explanation(theme,
-                "Load a template first (Template). Then this section shows whether the mesh keeps its correspondence.");
+    explanation(theme, ui.document().the_template ? ui.needs_shape()
+                                                  : "Load a template first (Template). Then this section shows whether "
+                                                    "the mesh keeps its correspondence.");
     return;
   }
   std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Regions", "Triangles", "Known", "Doubt"};
@@ -122,18 +123,19 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
     else if (figure_link(theme, label, value, std::string(tip) + ". Click to go to the next one", bad))
       out.send(ShowFinding{kind});
   };
+  const auto any_finding = [&](FindingKind kind) {
+    return std::any_of(q.findings.begin(), q.findings.end(), [&](const Finding& one) { return one.kind == kind; });
+  };
   faults("Smallest angle", format("%.1f\xc2\xb0", q.min_angle_deg),
-         "Smallest angle of all triangles. Below 10\xc2\xb0 a triangle counts as thin", FindingKind::thin,
-         q.min_angle_deg < thin_below_deg, palette::amber);
+         "Smallest angle of all triangles. Below 10\xc2\xb0 a triangle counts as thin, unless it is so in the template",
+         FindingKind::thin, any_finding(FindingKind::thin), palette::amber);
   const char* doubt_tip =
       "How far from its place a vertex may lie, as the last fit found: the mean, and the largest. Nine in ten lie "
       "within "
       "about 1.44 times this";
-  const bool much_doubt = std::any_of(q.findings.begin(), q.findings.end(),
-                                      [](const Finding& one) { return one.kind == FindingKind::doubtful; });
   if (q.doubt_mean_mm)
     faults("Doubt", format("%.1f mm, at most %.1f mm", *q.doubt_mean_mm, q.doubt_max_mm), doubt_tip,
-           FindingKind::doubtful, much_doubt, palette::amber);
+           FindingKind::doubtful, any_finding(FindingKind::doubtful), palette::amber);
   else
     figure(theme, "Doubt", "not known", doubt_tip);
   figure(theme, "Moved", format("%.1f mm, at most %.1f mm", q.moved_mean_mm, q.moved_max_mm),

@@ -164,7 +164,8 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
     out.send(MoveThroughSpace{through});
   draw_scheme(ui, out);
   draw_model_help(ui, out);
-  figure(theme, "Strokes", format("%d", document.shape().strokes));
+  figure(theme, "Edits of the mesh", format("%d", document.shape().strokes),
+         "Strokes, fits and snaps since the mesh was placed");
   figure(theme, "Last solve", format("%.2f ms", ui.snapshot.solver_ms), "Time to compute the last edit");
 }
 

@@ -37,7 +37,10 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
     if (ui.state.playing) out.send(PlayFrames{false});
     out.send(ShowFileDialog{purpose, file});
   };
-  if (button(theme, "Mesh…", "With the template's numbering, ready for a shape model", ui.needs_shape(), width))
+  if (button(theme, "Mesh…",
+             "With the template's numbering, ready for a shape model: .ply, .vtk, .vtp, .obj. An .stl keeps no "
+             "numbering, .particles no faces",
+             ui.needs_shape(), width))
     ask(FilePurpose::export_mesh, name + ".ply");
   const std::string refusal = ui.needs_shape().empty() ? ui.needs_volume() : ui.needs_shape();
   if (button(theme, "Label map…", "Voxels of the image whose centre is inside the mesh", refusal, width))

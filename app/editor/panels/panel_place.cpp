@@ -223,7 +223,9 @@ std::string placed_in_words(const UiContext& ui) {
 void draw_place_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!ui.has_shape()) {
-    explanation(theme, "Load a template first (Template). Then place it on the organ here.");
+    explanation(theme, ui.document().the_template
+                           ? ui.needs_shape()
+                           : "Load a template first (Template). Then place it on the organ here.");
     return;
   }
   PlacementNumbers(ui, out).draw();

@@ -170,11 +170,16 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
   const bool naming = ui.state.tool == MouseTool::template_landmark;
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(4), theme.px(2)});
   // The section Place lists them all the same while none is being named.
+  const float whole = ImGui::GetContentRegionAvail().x;
   if (!naming && !landmarks.empty() &&
       button(theme, "Move or remove landmarks…", "Lists them here, and takes the tool that names points of the mesh",
-             {}, ImGui::GetContentRegionAvail().x)) {
+             {}, whole)) {
     out.send(NameTemplateLandmark{});
     out.send(ChooseTool{MouseTool::template_landmark});
+  }
+  if (naming && button(theme, "Done with landmarks", "Takes up the tool that you had before", {}, whole)) {
+    out.send(NameTemplateLandmark{});
+    out.send(ChooseTool{ui.state.tool_before_naming});
   }
   for (const Landmark& landmark : naming ? std::span(landmarks) : std::span<const Landmark>()) {
     const Part part(landmark.name, "landmark of the template");

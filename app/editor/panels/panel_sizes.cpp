@@ -136,6 +136,12 @@ void draw_sizes_section(const UiContext& ui, Outbox& out) {
 
 namespace {
 
+/// With its sign; no sign of nothing.
+std::string difference_ml(double difference) {
+  const std::string text = format("%+.1f", difference);
+  return text == "-0.0" || text == "+0.0" ? "0.0" : text;
+}
+
 void draw_agreement(const UiContext& ui, const ObserverComparison& comparison, Outbox& out) {
   const Theme& theme = ui.theme;
   const FigureTable table{theme};
@@ -143,7 +149,7 @@ void draw_agreement(const UiContext& ui, const ObserverComparison& comparison, O
   const auto row = [&](std::size_t k) {
     const ObservedCase& one = comparison.cases[k];
     return std::array{format("%.3f", one.agreement.dice), format("%.2f", one.agreement.assd_mm),
-                      format("%+.1f", one.volume_b_ml - one.volume_a_ml)};
+                      difference_ml(one.volume_b_ml - one.volume_a_ml)};
   };
   std::vector<std::string> names;
   for (const ObservedCase& one : comparison.cases) names.push_back(one.name);
@@ -159,10 +165,10 @@ void draw_agreement(const UiContext& ui, const ObserverComparison& comparison, O
       over([](const ObservedCase& one) { return std::optional(one.volume_b_ml - one.volume_a_ml); })};
   rule(theme);
   table.line("Mean",
-             {format("%.3f", spreads[0].mean), format("%.2f", spreads[1].mean), format("%+.1f", spreads[2].mean)});
+             {format("%.3f", spreads[0].mean), format("%.2f", spreads[1].mean), difference_ml(spreads[2].mean)});
   if (comparison.cases.size() > 1)
-    table.line("Standard deviation",
-               {format("%.3f", spreads[0].sd), format("%.2f", spreads[1].sd), format("%.1f", spreads[2].sd)});
+    table.line("SD", {format("%.3f", spreads[0].sd), format("%.2f", spreads[1].sd), format("%.1f", spreads[2].sd)});
+  explanation(theme, "mm: mean distance of the surfaces. \xce\x94 ml: the other observer's volume minus this one.");
   std::map<std::string, std::vector<std::optional<double>>> landmarks;
   for (const ObservedCase& one : comparison.cases)
     for (const auto& [name, distance] : one.landmarks_mm) landmarks[name].emplace_back(distance);
@@ -193,6 +199,10 @@ void draw_observers_section(const UiContext& ui, Outbox& out) {
     draw_agreement(ui, *state.observers, out);
     if (button(theme, "Table\xe2\x80\xa6", "Every case with Dice, distances, volumes and landmarks: .csv", {}, width))
       out.send(ShowFileDialog{FilePurpose::export_observers, study_stem(state) + "-observers.csv"});
+  } else if (state.observers_outdated) {
+    explanation(theme, "Shapes have changed since they were compared.");
+    if (button(theme, "Compare again", "With " + state.other_observer.string(), {}, width, true))
+      out.send(CompareObservers{{state.other_observer}});
   } else {
     explanation(theme, "Two observers of the same cases: Dice, distances of surfaces and landmarks, volumes.");
   }

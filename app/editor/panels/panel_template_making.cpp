@@ -46,7 +46,7 @@ void draw_organ_settings(const UiContext& ui, int label, MaskTemplateOptions& op
   }
 }
 
-void draw_tube_settings(const UiContext& ui, TemplateSettings& settings, bool& changed) {
+void draw_tube_settings(const UiContext& ui, int label, TemplateSettings& settings, bool& changed) {
   const Theme& theme = ui.theme;
   whole_number(theme, "Rings", settings.tube_options.rings, {6, 100, "%.0f", "", false}, "From the base to the apex",
                changed);
@@ -62,7 +62,7 @@ void draw_tube_settings(const UiContext& ui, TemplateSettings& settings, bool& c
   changed |= toggle(theme, "Close the base", settings.tube_options.capped, "Closes the base flat. Off leaves it open");
   bool wall = settings.outer_label != 0;
   const auto other =
-      std::find_if(ui.label_values.begin(), ui.label_values.end(), [&](int value) { return value != settings.label; });
+      std::find_if(ui.label_values.begin(), ui.label_values.end(), [&](int value) { return value != label; });
   const bool has_other = other != ui.label_values.end();
   if (toggle(theme, "Add the outer sheet", wall,
              has_other ? "A second sheet around label " + std::to_string(*other) + " (epicardium)" : std::string(),
@@ -92,7 +92,7 @@ void draw_stages(const UiContext& ui, const TemplateMaking& making, Outbox& out)
 
 void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out) {
   const Theme& theme = ui.theme;
-  draw_quality_report(theme, *making.mesh, making.quality);
+  draw_quality_report(theme, *making.mesh, making.quality, making.settings.tube);
   figure(theme, "Template to label", format("%.2f mm, at most %.1f", making.to_mask.mean_mm, making.to_mask.max_mm),
          "Mean and largest distance from the template's surface to the label's");
   figure(theme, "Label to template", format("%.2f mm, at most %.1f", making.from_mask.mean_mm, making.from_mask.max_mm),
@@ -107,6 +107,21 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
   if (button(theme, "Back", "Goes back to the template made before this one",
              ui.template_maker.can_undo() ? "" : "No template was made before this one.", half))
     out.send(UndoTemplate{});
+}
+
+/// The label that a template is made of. While none was chosen for this map, it is the one that the mesh lies in, or
+/// else the cross-hair.
+int template_label(const UiContext& ui) {
+  const auto& known = ui.label_values;
+  const auto is_known = [&](int label) { return std::find(known.begin(), known.end(), label) != known.end(); };
+  const int chosen = ui.state.template_settings.label;
+  if (known.empty() || is_known(chosen)) return chosen;
+  if (ui.has_shape())
+    if (const int there = label_at_mesh(*ui.labels, ui.displayed->frame, *ui.document().shape().points);
+        is_known(there))
+      return there;
+  const int there = label_there(ui, ui.state.crosshair_mm);
+  return is_known(there) ? there : known.front();
 }
 
 }  // namespace
@@ -154,14 +169,19 @@ bool label_choice(const UiContext& ui, int& label, bool& all_labels) {
   return absent || changed;
 }
 
-void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality) {
+void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality, bool fans) {
   figure(theme, "Vertices", format("%ld", static_cast<long>(mesh.points.rows())));
   figure(theme, "Surface", format("%s, genus %d", mesh.topology->closed() ? "closed" : "open", mesh.topology->genus()),
          "Openings count as closed flat. Genus is the number of tunnels");
   figure(theme, "Edges", format("%.2f mm \xc2\xb1 %.0f %%", quality.edge_mean, 100 * quality.edge_cv),
          format("Mean length and its standard deviation; %.2f to %.2f mm", quality.edge_min, quality.edge_max));
-  figure(theme, "Smallest angle", format("%.1f\xc2\xb0", quality.min_angle_deg),
-         "In a triangle of equal sides it is 60\xc2\xb0", quality.min_angle_deg < 20 ? palette::amber : palette::text);
+  figure(
+      theme, "Smallest angle", format("%.1f\xc2\xb0", quality.min_angle_deg),
+      fans
+          ? "In a triangle of equal sides it is 60\xc2\xb0. At the apex of a tube triangles meet in a fan, so they are "
+            "thin there"
+          : "In a triangle of equal sides it is 60\xc2\xb0",
+      quality.min_angle_deg < 20 && !fans ? palette::amber : palette::text);
   figure(theme, "Six neighbours", format("%.0f %%", 100 * quality.regular_share),
          "Share of the vertices that have six neighbours");
   figure(theme, "Self-intersections", format("%zu%s", quality.self_intersections, quality.all_intersections ? "" : "+"),
@@ -173,7 +193,10 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   caption(theme, "From a label map");
   TemplateSettings settings = ui.state.template_settings;
-  bool changed = label_choice(ui, settings.label, settings.all_labels);
+  const int own = template_label(ui);
+  int label = own;
+  bool changed = label_choice(ui, label, settings.all_labels);
+  if (label != own) settings.label = label;
   caption(theme, "What the label is");
   int kind = settings.tube ? 1 : 0;
   if (choice(theme, "template kind", {"Organ", "Tube"}, kind,
@@ -183,9 +206,9 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
     changed = true;
   }
   if (settings.tube)
-    draw_tube_settings(ui, settings, changed);
+    draw_tube_settings(ui, label, settings, changed);
   else
-    draw_organ_settings(ui, settings.all_labels ? every_label : settings.label, settings.mask, changed);
+    draw_organ_settings(ui, settings.all_labels ? every_label : label, settings.mask, changed);
   if (changed) out.send(SetTemplate{settings});
 
   const float width = ImGui::GetContentRegionAvail().x;
@@ -197,7 +220,8 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
     progress_bar(theme, ui.template_maker.fraction());
     if (button(theme, "Cancel", "Stops after this stage", {}, width)) out.send(CancelTemplate{});
   } else if (button(theme, "Make the template", "You see each stage in the views",
-                    settings.label == 0 ? "The label map is empty." : "", width, !making || !making->mesh)) {
+                    ui.label_values.empty() ? "The label map is empty." : "", width, !making || !making->mesh)) {
+    settings.label = label;
     out.send(MakeTemplate{settings, settings.axis_by_ruler ? ui.state.ruler : std::nullopt});
   }
   if (!making) return;

@@ -111,8 +111,10 @@ void draw_model_help(const UiContext& ui, Outbox& out);
 /// In the section Place: the fit to the overlay.
 void draw_fit(const UiContext& ui, Outbox& out);
 void draw_refinement(const UiContext& ui, Outbox& out);
-/// The figures of a mesh that a template is judged by.
-void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality);
+/// The figures of a mesh that a template is judged by. `fans`: it ends in fans of thin triangles, as tubes do.
+void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality, bool fans = false);
+/// The overlay's label at a point in mm; 0 where there is none.
+int label_there(const UiContext& ui, const Vec3& p_mm);
 
 /// A part of a panel that folds under its title.
 struct PanelSection {

@@ -73,9 +73,14 @@ Preferences read_preferences(const std::filesystem::path& path) {
   if (look < 0 || look > static_cast<int>(PlaneLook::solid)) preferences.show.plane_look = PlaneLook::translucent;
   if (const auto folder = kept.find("folder"); folder != kept.end() && folder->is_string())
     preferences.folder = folder->get<std::string>();
-  if (const auto recent = kept.find("recent"); recent != kept.end() && recent->is_array())
-    for (const auto& entry : *recent)
-      if (entry.is_string()) preferences.recent.emplace_back(entry.get<std::string>());
+  const auto read_list = [&](const char* name, std::vector<std::filesystem::path>& files) {
+    const auto list = kept.find(name);
+    if (list == kept.end() || !list->is_array()) return;
+    for (const auto& entry : *list)
+      if (entry.is_string()) files.emplace_back(entry.get<std::string>());
+  };
+  read_list("recent", preferences.recent);
+  read_list("recent_studies", preferences.recent_studies);
   return preferences;
 }
 
@@ -83,8 +88,11 @@ Result<void> write_preferences(const Preferences& preferences, const std::filesy
   json kept;
   each_entry(preferences, [&](const char* name, const auto& value) { kept[name] = value; });
   kept["folder"] = preferences.folder.string();
-  kept["recent"] = json::array();
-  for (const auto& recent : preferences.recent) kept["recent"].push_back(recent.string());
+  for (const auto& [name, files] :
+       {std::pair("recent", &preferences.recent), std::pair("recent_studies", &preferences.recent_studies)}) {
+    kept[name] = json::array();
+    for (const auto& file : *files) kept[name].push_back(file.string());
+  }
   // The names of the files last opened may be those of patients.
   if (auto made = make_folder(path.parent_path(), Readers::user_alone); !made) return made;
   // A path need not be UTF-8; what is not is replaced.

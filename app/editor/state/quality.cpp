@@ -12,7 +12,15 @@ namespace homolog {
 
 namespace {
 
-std::vector<Finding> findings(const Mesh& mesh, const QualityFigures& figures,
+/// Whether a triangle is thin, and not so by the template's design, as the fan at a tube's apex is.
+bool became_thin(const Mesh& mesh, const Mesh& placed, std::int32_t face) {
+  const double angle_deg = smallest_angle_deg(mesh, face);
+  if (angle_deg >= thin_below_deg) return false;
+  const double before_deg = smallest_angle_deg(placed, face);
+  return before_deg >= thin_below_deg || angle_deg < before_deg / 2;
+}
+
+std::vector<Finding> findings(const Mesh& mesh, const Mesh& placed, const QualityFigures& figures,
                               const std::vector<std::int32_t>& turned) {
   std::vector<Finding> all;
   const auto add = [&](FindingKind kind, const std::vector<FacePair>& pairs) {
@@ -25,7 +33,7 @@ std::vector<Finding> findings(const Mesh& mesh, const QualityFigures& figures,
   add(FindingKind::turned, faces);
   faces.clear();
   for (std::int32_t face = 0; face < mesh.topology->triangles().rows(); ++face)
-    if (smallest_angle_deg(mesh, face) < thin_below_deg) faces.push_back({face, face});
+    if (became_thin(mesh, placed, face)) faces.push_back({face, face});
   add(FindingKind::thin, faces);
   return all;
 }
@@ -68,7 +76,7 @@ QualityFigures quality_figures(const Document& document) {
   figures.volume_ml = quality.volume_ml;
   const auto turned = turned_triangles(topology, placed, p);
   figures.turned = turned.size();
-  figures.findings = findings(mesh, figures, turned);
+  figures.findings = findings(mesh, {mesh.topology, placed}, figures, turned);
   const VertexScalars doubt_mm = doubt_left_mm(shape);
   if (doubt_mm.size() == 0) return figures;
   figures.doubt_mean_mm = doubt_mm.mean();

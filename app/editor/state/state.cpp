@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <tuple>
 
 #include "app/editor/state/view_colours.h"
@@ -148,6 +149,29 @@ void look_at_mesh(EditorState& state, const Points& points) {
   state.camera.distance_mm = std::min(state.camera.distance_mm, 2.5 * box.diagonal().norm());
 }
 
+namespace {
+
+/// How far off a camera sees all of a box, with a little room around it. `planes`: of a box of which only the three
+/// planes through its middle are shown.
+double distance_to_hold(const Camera3D& camera, const Box& box, bool planes) {
+  constexpr double share_filled = 0.9;
+  const double half_side = share_filled * std::tan(camera.fov_deg / 2 * std::numbers::pi / 180);
+  const Vec3 right = camera.up.cross(camera.to_eye);
+  double distance_mm = 1;
+  const auto hold = [&](const Vec3& off) {
+    const double aside = std::max(std::abs(off.dot(right)), std::abs(off.dot(camera.up)));
+    distance_mm = std::max(distance_mm, off.dot(camera.to_eye) + aside / half_side);
+  };
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 corner = box.corner(static_cast<Box::CornerType>(k)) - camera.target;
+    if (!planes) hold(corner);
+    for (int axis = 0; planes && axis < 3; ++axis) hold(corner - corner[axis] * Vec3::Unit(axis));
+  }
+  return distance_mm;
+}
+
+}  // namespace
+
 void show_all(EditorState& state, const Document& document, const Layout& layout) {
   const VolumeGeometry geometry = geometry_of(document);
   const Box box = geometry.bounds_mm();
@@ -167,7 +191,11 @@ void show_all(EditorState& state, const Document& document, const Layout& layout
   // From the front, a little from the patient's left and from above: the planes do not hide each other.
   constexpr double left_px = 70, up_px = 45;
   state.camera = turned(camera_from(LookFrom::anterior, target), -left_px, up_px);
-  state.camera.distance_mm *= 1.5;
+  // A mesh leaves some room for the planes around it.
+  if (document.has_shape() && document.volume)
+    state.camera.distance_mm *= 1.5;
+  else
+    state.camera.distance_mm = distance_to_hold(state.camera, target, document.volume != nullptr);
 }
 
 void look_at_step(EditorState& state) {
@@ -288,7 +316,7 @@ void add_notice(EditorState& state, std::string text, bool error) {
 
 void add_notice(EditorState& state, Notice notice) {
   constexpr std::size_t most = 4;
-  const auto same = [&](const Notice& n) { return n.text == notice.text && n.case_before == notice.case_before; };
+  const auto same = [&](const Notice& n) { return n.text == notice.text && n.kept == notice.kept; };
   if (std::any_of(state.notices.begin(), state.notices.end(), same)) return;
   state.notices.push_back(std::move(notice));
   if (state.notices.size() <= most) return;
@@ -297,14 +325,14 @@ void add_notice(EditorState& state, Notice notice) {
   state.notices.erase(news == state.notices.end() ? state.notices.begin() : news);
 }
 
-void remember_recent(Preferences& preferences, const std::filesystem::path& path) {
+void remember_recent(std::vector<std::filesystem::path>& recent, const std::filesystem::path& path) {
   constexpr std::size_t most = 8;
   std::error_code error;
   // The next start may be in another working folder.
   auto whole = std::filesystem::absolute(path, error).lexically_normal();
-  std::erase(preferences.recent, whole);
-  preferences.recent.insert(preferences.recent.begin(), std::move(whole));
-  if (preferences.recent.size() > most) preferences.recent.resize(most);
+  std::erase(recent, whole);
+  recent.insert(recent.begin(), std::move(whole));
+  if (recent.size() > most) recent.resize(most);
 }
 
 int shown_frame(const EditorState& state, const Document& document) {

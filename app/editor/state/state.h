@@ -116,8 +116,8 @@ struct WorkCount {
 struct Notice {
   std::string text;  ///< one sentence
   bool error = true;
-  std::optional<double> until;        ///< when it goes by itself, in seconds of the window's clock
-  std::filesystem::path case_before;  ///< offered to be opened again; empty where there is none
+  std::optional<double> until;  ///< when it goes by itself, in seconds of the window's clock
+  std::filesystem::path kept;   ///< a case or study that is offered to be opened again; empty: none
 };
 
 /// Whether the window closes: now, or as soon as what is being written is written, the study's file too or not.
@@ -144,8 +144,9 @@ struct Preferences {
   ShownParts show;
   Hints hints;
   bool guide_done = false;                    ///< the guide to the first case was followed or closed
-  std::vector<std::filesystem::path> recent;  ///< newest first
-  std::filesystem::path folder;               ///< last used in the file dialog
+  std::vector<std::filesystem::path> recent;  ///< images and cases, newest first
+  std::vector<std::filesystem::path> recent_studies;
+  std::filesystem::path folder;  ///< last used in the file dialog
   bool operator==(const Preferences&) const = default;
 };
 
@@ -168,6 +169,7 @@ struct EditorState {
   VolumeCurve volume_curve;  ///< of the cine as it is shown
 
   MouseTool tool = MouseTool::pull;
+  MouseTool tool_before_naming = MouseTool::pull;  ///< taken up again when a landmark of the template has its place
   std::array<double, 3> sigma_presets_mm{4, 10, 25};
   std::size_t sigma_preset = 1;
   std::optional<double> wheel_sigma_mm;  ///< in place of the preset, until one is chosen or changed
@@ -206,6 +208,7 @@ struct EditorState {
   std::optional<PanelEdit> panel_edit;
   std::optional<Situation> said_in;  ///< when the session said its last sentence
 
+  std::filesystem::path saved_folder;  ///< where a file was saved last, of what is open; empty: none was
   PictureOptions picture;
   bool fit_views_wanted = true;  ///< once it is known how large they are
   bool active = false;           ///< something was done by hand since the work was counted last
@@ -284,7 +287,8 @@ Situation situation_of(const EditorState& state, const Document& shown);
 
 void add_notice(EditorState& state, Notice notice);
 void add_notice(EditorState& state, std::string text, bool error = true);
-void remember_recent(Preferences& preferences, const std::filesystem::path& path);
+/// Puts a file at the head of a list of those used last.
+void remember_recent(std::vector<std::filesystem::path>& recent, const std::filesystem::path& path);
 
 /// The case's frame, or the one that is shown while a cine plays.
 int shown_frame(const EditorState& state, const Document& document);

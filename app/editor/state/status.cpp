@@ -74,7 +74,7 @@ std::string hint(const EditorState& state, const Document& shown, bool making_sh
                          : "Drag from one point to another.";
     case MouseTool::template_landmark:
       return state.template_landmark.empty()
-                 ? "Type the landmark's name first (Template)."
+                 ? "Type a landmark's name, or choose one in the list to move it (Template)."
                  : "Click the point of the mesh that is " + quoted(state.template_landmark) + ".";
     case MouseTool::stiffness:
     case MouseTool::confirm:
@@ -96,8 +96,10 @@ std::string doubt_of(const EditorState& state, const Document& shown) {
 
 std::string why_no_mesh(const Document& shown) {
   if (shown.has_shape()) return {};
-  return shown.the_template ? "This frame has no mesh yet. Start from previous (Cine) copies one."
-                            : "There is no mesh yet. Load a template first (Template).";
+  if (!shown.the_template) return "There is no mesh yet. Load a template first (Template).";
+  const bool any_before = shown.shapes.lower_bound(shown.frame) != shown.shapes.begin();
+  return any_before ? "This frame has no mesh yet. Start from previous (Cine) copies one."
+                    : "This frame has no mesh yet. Go to a frame that has one, and propagate it (Cine).";
 }
 
 Status status_of(const EditorState& state, const Snapshot& snapshot, const Document& shown, bool making_shown) {

@@ -100,7 +100,11 @@ void start_left_drag(EditorState& state, const InputEvent& event, const Controls
     if (state.template_landmark.empty())
       return add_notice(state, "Type the landmark's name first (Template), or choose one in the list to move it.",
                         false);
-    // The next one gets a name of its own.
+    // A new one is done with its click; whoever moves those that are there may go on in their list.
+    const auto& known = context.document.the_template->landmarks;
+    const bool is_new = std::none_of(known.begin(), known.end(),
+                                     [&](const Landmark& one) { return one.name == state.template_landmark; });
+    if (is_new) state.tool = state.tool_before_naming;
     out.apply(SetTemplateLandmark{std::exchange(state.template_landmark, {}), *hover.on_mesh});
     return;
   } else if (state.tool == MouseTool::ruler && hover.p_mm) {

@@ -53,7 +53,12 @@ void Models::show_study(EditorState& state, StudyRead read, const fs::path& path
   });
   told_.clear();
   tell_once(state, read.warnings, true);
-  homolog::show_study(state.models, std::move(read.study), absolute_path(path));
+  const fs::path file = absolute_path(path), before = state.models.study_file;
+  if (before != file && before.parent_path() == studies_folder() && !state.models.study.cases.empty())
+    add_notice(state, {"The study " + study_name(before) + " is kept.", false, std::nullopt, before});
+  if (file.parent_path() != before.parent_path()) state.saved_folder.clear();
+  remember_recent(state.preferences.recent_studies, file);
+  homolog::show_study(state.models, std::move(read.study), file);
   written_revision_ = state.models.study_revision;
 }
 
@@ -93,6 +98,7 @@ void Models::save_study_as(const ModelsState& models, const fs::path& path) {
                                                                                              Outbox&) {
     if (state.models.study_file == from) {  // else another one was opened meanwhile
       state.models.study_file = absolute_path(path);
+      remember_recent(state.preferences.recent_studies, path);
       written_revision_ = revision;  // what was edited meanwhile is not in that file yet
       unwritten_.clear();
     }

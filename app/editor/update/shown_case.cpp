@@ -37,7 +37,7 @@ bool has_unsaved_edits(const Snapshot& snapshot) {
 
 void remember_case(EditorState& state, const Snapshot& snapshot) {
   const auto& file = snapshot.file;
-  if (!file.empty() && file.parent_path() != unsaved_folder()) remember_recent(state.preferences, file);
+  if (!file.empty() && file.parent_path() != unsaved_folder()) remember_recent(state.preferences.recent, file);
 }
 
 void ShownCase::start(EditSession session) {

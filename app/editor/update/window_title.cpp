@@ -32,9 +32,7 @@ std::string case_title(const Snapshot& snapshot) {
 }
 
 std::string study_title(const ModelsState& state) {
-  std::string name = state.study_file.filename().string();
-  constexpr std::string_view ending = ".study.json";
-  if (name.ends_with(ending)) name.resize(name.size() - ending.size());
+  const std::string name = study_name(state.study_file);
   return name.empty() ? "No study" : name;
 }
 

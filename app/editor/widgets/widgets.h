@@ -116,6 +116,10 @@ void shadowed_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, cons
 void text_line(const std::string& text, ImU32 colour = palette::text);
 void text_lines(const std::string& text, ImU32 colour = palette::text, float end_px = 0);
 
+/// The text in lines no wider than that, broken at blanks, so that numbers stay whole. A word that is wider than a line
+/// is broken behind a "/", and where it has none anywhere.
+std::string in_lines(ImFont* font, const std::string& text, float width_px);
+
 /// The text with its middle left out where it is wider; nothing where not even the dots fit.
 std::string shortened(const std::string& text, float width_px);
 

@@ -33,8 +33,13 @@ AreaState list_row(const Theme& theme, const std::string& text, bool selected, I
                    float indent_px) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::PushID(text.c_str());
+  // What is chosen is told from what is pointed at.
+  const ImU32 chosen = with_alpha(palette::accent, 0.25f), pointed = with_alpha(palette::accent, 0.38f);
+  ImGui::PushStyleColor(ImGuiCol_Header, chosen);
+  if (selected) ImGui::PushStyleColor(ImGuiCol_HeaderHovered, pointed);
   AreaState state;
   state.clicked = ImGui::Selectable("##row", selected, 0, size);
+  ImGui::PopStyleColor(selected ? 2 : 1);
   ImGui::PopID();
   state.hovered = ImGui::IsItemHovered();
   state.doubled = state.hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);

@@ -118,11 +118,98 @@ std::string shortened_among(const std::string& name, const std::vector<std::stri
   return alike ? shortened(own, width_px) : alone;
 }
 
+namespace {
+
+/// Puts words into lines, one after the other.
+class Lines {
+ public:
+  Lines(ImFont* font, float width_px) : font_(font), width_px_(width_px), blank_px_(width_of(" ")) {}
+
+  void add(std::string_view word) {
+    float word_px = width_of(word);
+    const float before_px = begun_ ? line_px_ + blank_px_ : 0;
+    if (before_px + word_px <= width_px_) return append(word, word_px);
+    if (word_px > width_px_ && begun_) {
+      // A long path begins beside what names it.
+      const std::size_t part = path_part(word, width_px_ - before_px);
+      append(word.substr(0, part), width_of(word.substr(0, part)));
+      word.remove_prefix(part);
+    }
+    while ((word_px = width_of(word)) > width_px_) {
+      end_line();
+      std::size_t part = path_part(word, width_px_);
+      if (part == 0) part = letters_part(word);
+      append(word.substr(0, part), width_of(word.substr(0, part)));
+      word.remove_prefix(part);
+    }
+    if (word.empty()) return;
+    end_line();
+    append(word, word_px);
+  }
+  void end_paragraph() {
+    lines_ += '\n';
+    begun_ = false;
+    line_px_ = 0;
+  }
+  std::string take() { return std::move(lines_); }
+
+ private:
+  float width_of(std::string_view text) const {
+    return font_->CalcTextSizeA(font_->FontSize, 1e6f, 0, text.data(), text.data() + text.size()).x;
+  }
+  void append(std::string_view word, float word_px) {
+    if (word.empty()) return;
+    if (begun_) lines_ += ' ';
+    line_px_ += (begun_ ? blank_px_ : 0) + word_px;
+    lines_ += word;
+    begun_ = true;
+  }
+  void end_line() {
+    if (begun_) end_paragraph();
+  }
+  /// Bytes up to the last "/" that fits; 0 where there is none.
+  std::size_t path_part(std::string_view word, float room_px) const {
+    for (std::size_t at = word.rfind('/'); at != std::string_view::npos && at > 0; at = word.rfind('/', at - 1))
+      if (at + 1 < word.size() && width_of(word.substr(0, at + 1)) <= room_px) return at + 1;
+    return 0;
+  }
+  /// Bytes of as many letters as fit, of one at least.
+  std::size_t letters_part(std::string_view word) const {
+    std::size_t part = 0;
+    for (std::size_t next = 1; next <= word.size(); ++next) {
+      if (next < word.size() && (static_cast<unsigned char>(word[next]) & 0xC0U) == 0x80U) continue;
+      if (part > 0 && width_of(word.substr(0, next)) > width_px_) break;
+      part = next;
+    }
+    return part;
+  }
+
+  ImFont* font_;
+  float width_px_, blank_px_, line_px_ = 0;
+  bool begun_ = false;  ///< the line holds a word
+  std::string lines_;
+};
+
+}  // namespace
+
+std::string in_lines(ImFont* font, const std::string& text, float width_px) {
+  Lines lines(font, width_px);
+  std::size_t from = 0;
+  for (std::size_t at = 0; at <= text.size(); ++at) {
+    if (at < text.size() && text[at] != ' ' && text[at] != '\n') continue;
+    if (at > from) lines.add(std::string_view(text).substr(from, at - from));
+    if (at < text.size() && text[at] == '\n') lines.end_paragraph();
+    from = at + 1;
+  }
+  return lines.take();
+}
+
 void text_at(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text, float wrap_px) {
-  draw.AddText(font, font->FontSize, at, colour, text.c_str(), nullptr, wrap_px);
+  const std::string lines = wrap_px > 0 ? in_lines(font, text, wrap_px) : text;
+  draw.AddText(font, font->FontSize, at, colour, lines.c_str());
   look_for_letters(text);
   if (!notes_items() || text.empty()) return;
-  const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e6f, wrap_px, text.c_str());
+  const ImVec2 size = text_size(font, lines);
   note_text(text, at, {at.x + size.x, at.y + size.y}, draw.GetClipRectMin(), draw.GetClipRectMax());
 }
 
@@ -137,19 +224,27 @@ void shadowed_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, cons
   text_at(draw, font, at, colour, text);
 }
 
-void text_line(const std::string& text, ImU32 colour) {
+namespace {
+
+/// Draws `lines`, which are those of `text`.
+void put_lines(const std::string& text, const std::string& lines, ImU32 colour) {
   look_for_letters(text);
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
-  ImGui::TextUnformatted(text.c_str());
+  ImGui::TextUnformatted(lines.c_str());
   ImGui::PopStyleColor();
   const ImDrawList& draw = *ImGui::GetWindowDrawList();
   note_text(text, ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), draw.GetClipRectMin(), draw.GetClipRectMax());
 }
 
+}  // namespace
+
+void text_line(const std::string& text, ImU32 colour) {
+  put_lines(text, text, colour);
+}
+
 void text_lines(const std::string& text, ImU32 colour, float end_px) {
-  ImGui::PushTextWrapPos(end_px);
-  text_line(text, colour);
-  ImGui::PopTextWrapPos();
+  const float room = end_px > 0 ? end_px - ImGui::GetCursorPosX() : ImGui::GetContentRegionAvail().x;
+  put_lines(text, in_lines(ImGui::GetFont(), text, std::max(room, 1.0f)), colour);
 }
 
 }  // namespace homolog

@@ -70,7 +70,8 @@ void tooltip(const Theme& theme, const std::string& text) {
   const ImRect control = imgui.LastItemData.Rect, part = imgui.CurrentWindow->RootWindow->Rect();
   const ImVec2 pad{theme.px(8), theme.px(6)};
   const float wrap = theme.px(280);
-  const ImVec2 inner = theme.small->CalcTextSizeA(theme.small->FontSize, 1e6f, wrap, text.c_str());
+  const std::string lines = in_lines(theme.small, text, wrap);
+  const ImVec2 inner = text_size(theme.small, lines);
   const ImVec2 size{std::ceil(inner.x) + 2 * pad.x + 1, std::ceil(inner.y) + 2 * pad.y};
   look_for_letters(text);
   ImGui::SetNextWindowPos(tip_place(size, control, part, theme.px(6)));
@@ -78,9 +79,7 @@ void tooltip(const Theme& theme, const std::string& text) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, pad);
   ImGui::BeginTooltip();
   ImGui::PushFont(theme.small);
-  ImGui::PushTextWrapPos(pad.x + wrap);
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::PopTextWrapPos();
+  ImGui::TextUnformatted(lines.c_str());
   note_text(text, ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), {0, 0}, ImGui::GetIO().DisplaySize,
             DrawnItem::Kind::tip);
   ImGui::PopFont();

@@ -32,10 +32,10 @@ Result<void> write_captions(Picture& picture, const std::vector<PictureCaption>&
   const auto context = OffscreenContext::make();
   if (!context) return fail(context.error());
   const ImGuiOnOpenGl imgui;
-  constexpr float usual_width_px = 1600;
   const auto width = static_cast<float>(picture.width), height = static_cast<float>(picture.height);
-  const float scale = std::max(1.0f, width / usual_width_px);
-  const Theme theme = make_theme(scale);
+  float narrowest = width;
+  for (const PictureCaption& caption : captions) narrowest = std::min(narrowest, caption.rect.width);
+  const Theme theme = make_theme(caption_scale(width, narrowest));
   auto framebuffer = Framebuffer::make(picture.width, picture.height, 1);
   if (!framebuffer) return fail(framebuffer.error());
   (*framebuffer)->bind();

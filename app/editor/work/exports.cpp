@@ -4,11 +4,12 @@
 
 namespace homolog {
 
-void Exports::start(const std::filesystem::path& path, Write write, Then then) {
+void Exports::start(const std::filesystem::path& path, Write write, Then then, std::string remark) {
   worker_.queue(path.string(),
-                [path, write = std::move(write), then = std::move(then)](Progress& progress) -> Result<Written> {
+                [path, write = std::move(write), then = std::move(then),
+                 remark = std::move(remark)](Progress& progress) -> Result<Written> {
                   auto result = guarded(path.string(), [&] { return write(progress); });
-                  return Written{path, std::move(result), progress.cancelled(), then};
+                  return Written{path, std::move(result), progress.cancelled(), then, remark};
                 });
 }
 
@@ -23,7 +24,7 @@ std::vector<Exports::Written> Exports::take() {
     if (*one)
       written.push_back(std::move(**one));
     else
-      written.push_back({{}, fail(one->error()), false, {}});
+      written.push_back({{}, fail(one->error()), false, {}, {}});
   }
   return written;
 }

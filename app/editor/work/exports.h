@@ -19,7 +19,8 @@ class Exports {
     std::filesystem::path path;
     Result<void> result;
     bool cancelled = false;
-    Then then;  ///< may be empty
+    Then then;           ///< may be empty
+    std::string remark;  ///< a sentence on what the file does not keep; empty: none
   };
 
   /// `wake` is called from the thread when a file is done.
@@ -27,9 +28,9 @@ class Exports {
   /// Finishes what is asked for.
   ~Exports() { finish(); }
 
-  /// `write` must own all that it needs. `then` comes back with the result; the caller that takes the result runs
-  /// `then`.
-  void start(const std::filesystem::path& path, Write write, Then then = {});
+  /// `write` must own all that it needs. `then` and `remark` come back with the result; the caller that takes the
+  /// result runs `then`.
+  void start(const std::filesystem::path& path, Write write, Then then = {}, std::string remark = {});
   /// Gives up `path` where that is being written; those after it are written all the same.
   void cancel(const std::filesystem::path& path);
   /// What is being written; its subject is the path.

@@ -141,6 +141,43 @@ TEST_CASE("with Ctrl and Shift several files are chosen and a worklist takes jus
   CHECK(names_of_cases(driver) == std::vector<std::string>{"anna", "carl", "bert", "carl-2"});
 }
 
+TEST_CASE("while a path is typed the folder that it leads to is listed") {
+  Driver driver(new_document("", nullptr, ball_template(20)));
+  const fs::path inner = driver.folder() / "inner";
+  fs::create_directory(inner);
+  for (const char* name : {"a_carl.ply", "carl.ply", "dora.ply"})
+    REQUIRE(write_mesh(icosphere(2, name[0] == 'c' ? 15 : 20), inner / name));
+  const auto type = [&](const fs::path& path) {
+    driver.type_into("name", path.string());
+    driver.settle();
+  };
+  driver.app().send(ShowFileDialog{FilePurpose::open_template, ""});
+  driver.settle();
+  type(inner / "");
+  CHECK_FALSE(driver.shows("No match."));
+  CHECK(driver.has("dora.ply/row"));
+  CHECK(browser_of(driver).listed_folder() == inner);
+  type(inner / "car");
+  CHECK_FALSE(driver.has("dora.ply/row"));
+  type(driver.folder() / "nowhere" / "x");
+  CHECK(driver.shows("There is no folder " + (driver.folder() / "nowhere").string()));
+  type("nothing of this name");
+  CHECK(driver.shows("No match."));
+  type(inner / "carl.ply");
+  driver.press(key::enter);  // the file of that name and not the first that holds it
+  driver.wait_until("the template is open",
+                    [&] { return driver.document().the_template->source == (inner / "carl.ply").string(); });
+  driver.settle();
+
+  driver.app().send(ShowFileDialog{FilePurpose::export_mesh, "out.ply"});
+  driver.settle();
+  type(inner / "new.ply");
+  CHECK(driver.has("dora.ply/row"));
+  driver.click("dora.ply/row");
+  CHECK(browser_of(driver).folder == inner);
+  CHECK(browser_of(driver).name == "dora.ply");
+}
+
 TEST_CASE("a folder that is chosen in a dialog is entered by its button whatever the dialog is for") {
   Driver driver(new_document("", nullptr, ball_template(20)));
   const fs::path inner = driver.folder() / "inner";

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include "app/editor/state/status.h"
 #include "core/base/files.h"
 #include "tests/beating_ball.h"
 #include "tests/driver.h"
@@ -38,6 +39,7 @@ TEST_CASE("a cine is propagated and corrected and propagated again in the window
   driver.wait_until("every frame has a mesh", [&] { return all_frames_have_volumes(driver); });
   driver.settle();
   CHECK(driver.lines_with("\"of_frame\"") == BeatingBall::frames);
+  CHECK(driver.shows("Carried through 5 frames; none is in doubt."));
   CHECK(driver.document().frame == 0);
   REQUIRE(driver.state().volume_curve.ejection);
   CHECK(driver.state().volume_curve.ejection->end_systole == 3);
@@ -76,6 +78,26 @@ TEST_CASE("a propagation that is cancelled or overtaken by an edit leaves the me
   driver.settle();
   CHECK(driver.lines_with("\"of_frame\"") == 0);
   CHECK(driver.has("Cine/Propagate"));
+}
+
+TEST_CASE("a frame without a mesh says where one comes from and not that a template is wanted") {
+  Driver driver(BeatingBall::document(), {1280, 1400, 1});
+  driver.click("side panel/Place");
+  driver.app().send(SeekFrame{3});  // as while the slider is dragged
+  driver.frames(3);
+  CHECK_FALSE(driver.shows("Load a template first"));
+  std::size_t said = 0;  // in Place, in Correspondence and at the window's foot
+  for (const DrawnItem& item : driver.items())
+    said += item.name == "This frame has no mesh yet. Start from previous (Cine) copies one.";
+  CHECK(said == 3);
+  driver.type_into("Cine/Frame/value", "2");
+  driver.press(key::enter);
+  driver.settle();
+  CHECK(driver.document().frame == 2);  // a frame that is typed is the case's
+  Document late = BeatingBall::document();
+  late.shapes[4] = late.shapes.at(0);
+  late.shapes.erase(0);
+  CHECK(why_no_mesh(late) == "This frame has no mesh yet. Go to a frame that has one, and propagate it (Cine).");
 }
 
 TEST_CASE("why a frame is in doubt is said where a person sees it also where the panel ends before it") {

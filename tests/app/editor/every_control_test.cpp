@@ -226,7 +226,7 @@ TEST_CASE("every item of every menu and every button of a card does something") 
   driver.state().guide.reset();
   hands.operate_each("notice 0/", [&] {
     Notice notice{"a.homolog could not be read."};
-    notice.case_before = scene.folder.path / "before.homolog";
+    notice.kept = scene.folder.path / "before.homolog";
     driver.state().notices = {notice};
   });
   CHECK(hands.operated() > 12);

@@ -11,9 +11,12 @@
 #include "app/editor/widgets/widgets.h"
 #include "app/editor/work/fitter.h"
 #include "core/case/held_landmarks.h"
+#include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
+#include "core/model/statismo.h"
+#include "core/model/study.h"
 #include "core/volume/volume_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"
@@ -103,6 +106,57 @@ TEST_CASE("a fit begins with the label that the mesh lies in and the foot line n
   CHECK(label_at_mesh(test::must(read_volume(two.labels)).volume, 0, icosphere(2, 500).points) == 0);
 }
 
+TEST_CASE("a fit begins with the shape of the study's model or of a file's and says how near that alone comes") {
+  const TemporaryFolder folder;
+  Study study;
+  for (int k = 0; k < 3; ++k) {
+    Mesh ball = icosphere(3, 20);
+    ball.points.col(0) *= 1 + 0.15 * k;
+    ball.points.col(1) *= k == 2 ? 1.1 : 1.0;
+    StudyCase one;
+    one.name = "ball " + std::to_string(k);
+    one.file = folder.path / (std::to_string(k) + ".ply");
+    REQUIRE(write_mesh(ball, one.file));
+    study.cases.push_back(one);
+  }
+  REQUIRE(write_study(study, folder.path / "balls.study.json"));
+  Mesh long_ball = icosphere(4, 20);
+  long_ball.points.col(0) *= 1.2;
+  VolumeGeometry grid;
+  grid.dims = {60, 60, 60};
+  grid.origin_mm.setConstant(-29.5);
+  REQUIRE(write_volume(label_map(long_ball, grid, 1), folder.path / "label.nii"));
+
+  Driver driver(new_document("", nullptr, test::must(load_template(study.cases[0].file.string()))), {1280, 1400, 1});
+  driver.state().models.shown = true;
+  driver.app().send(OpenStudy{{folder.path / "balls.study.json"}});
+  driver.wait_until("the study has a model", [&] { return driver.state().models.model != nullptr; });
+  driver.state().models.shown = false;
+  driver.app().send(open_labels(folder.path / "label.nii"));
+  driver.click("side panel/Place");
+  driver.wait_until("the label map is open", [&] { return driver.has("Place/Fit to the label"); });
+  const auto fit = [&] {
+    driver.click("Place/Fit to the label");
+    driver.wait_until("the fit is done", [&] { return driver.state().last_fit.has_value(); });
+    driver.settle();
+    CHECK(driver.shows("The model alone comes within"));
+    CHECK(driver.state().last_fit->agreement.assd_mm < 0.6);
+    driver.press('Z', {false, true, false});
+    driver.settle();
+    driver.state().last_fit.reset();
+  };
+  driver.click("fit model/Study's");
+  fit();
+  REQUIRE(write_model(driver.state().models.model->model, folder.path / "balls.h5.json"));
+  driver.click("fit model/File's");
+  CHECK_FALSE(driver.control("Place/Fit to the label").enabled);
+  driver.click("Choose the model…");
+  driver.type_into("name", (folder.path / "balls.h5.json").string());
+  driver.press(key::enter);
+  driver.wait_until("the model is read", [&] { return driver.state().fit_model != nullptr; });
+  fit();
+}
+
 TEST_CASE("how far a landmark is off stands beside its buttons and its name ends before it") {
   const TwoLabels two;
   Driver driver(two.document);
@@ -117,21 +171,83 @@ TEST_CASE("how far a landmark is off stands beside its buttons and its name ends
         std::string::npos);
 }
 
-TEST_CASE("after a landmark of the template is named the next one is") {
+TEST_CASE("once a landmark of the template has its place the tool from before is in hand and the next can be named") {
   const TwoLabels two;
   Driver driver(two.document);
+  driver.press('S');
+  const MouseTool before = driver.state().tool;
+  REQUIRE(before != MouseTool::pull);
   driver.click("side panel/Template");
   driver.type_into("new landmark", "east");
   driver.press(key::enter);
   driver.settle();
   CHECK(driver.state().tool == MouseTool::template_landmark);
-  const RectPx& view = driver.app().layout().image(ViewKind::space);
-  driver.move(view.x + view.width / 2, view.y + view.height / 2);
-  driver.button(MouseButton::left, true);
-  driver.button(MouseButton::left, false);
-  driver.settle();
+  const auto click_mesh = [&](double aside_px) {
+    const RectPx& view = driver.app().layout().image(ViewKind::space);
+    driver.move(view.x + view.width / 2 + aside_px, view.y + view.height / 2);
+    driver.button(MouseButton::left, true);
+    driver.button(MouseButton::left, false);
+    driver.settle();
+  };
+  click_mesh(0);
   CHECK(driver.document().the_template->landmarks.size() == 3);
   CHECK(driver.control("new landmark").value.empty());
+  CHECK(driver.state().tool == before);
+  CHECK_FALSE(driver.shows("Type a landmark's name"));
+
+  driver.click("Move or remove landmarks…");
+  CHECK(driver.shows("Type a landmark's name, or choose one in the list to move it (Template)."));
+  driver.click("Template/east/east");
+  const Points& points = *driver.document().shape().points;
+  const auto east = [&] { return carried_landmark(*driver.document().the_template, 2, points); };
+  const Vec3 was = east();
+  click_mesh(20);
+  CHECK((east() - was).norm() > 0.5);
+  CHECK(driver.state().tool == MouseTool::template_landmark);  // the list stays for the next
+  driver.click("Done with landmarks");
+  CHECK(driver.state().tool == before);
+}
+
+TEST_CASE("a template is made of the label that the mesh lies in or else the cross-hair until one is chosen") {
+  const TwoLabels two;
+  {
+    Driver driver(two.document);
+    driver.click("side panel/Template");
+    driver.app().send(open_labels(two.labels));
+    driver.wait_until("the label map is open", [&] { return driver.has("Template/Make the template"); });
+    driver.settle();
+    CHECK(driver.control("Template/label").value == "Label 2");
+    driver.click("Template/label");
+    driver.click("label/Label 1");
+    driver.settle();
+    CHECK(driver.control("Template/label").value == "Label 1");
+    CHECK(driver.state().template_settings.label == 1);
+  }
+  const auto map = std::make_shared<const Volume>(test::must(read_volume(two.labels)).volume);
+  Driver driver(new_document(two.labels.string(), map, nullptr));
+  driver.app().send(open_labels(two.labels));
+  driver.wait_until("the label map is open", [&] { return driver.has("Template/Make the template"); });
+  driver.state().crosshair_mm = Vec3(5, 5, 0);
+  driver.frames(2);
+  CHECK(driver.control("Template/label").value == "Label 2");
+  driver.state().crosshair_mm = Vec3(34, 3, 0);
+  driver.frames(2);
+  CHECK(driver.control("Template/label").value == "Label 1");
+  driver.click("Template/Make the template");
+  driver.wait_until("it is made", [&] { return driver.has("Save and use…"); });
+  CHECK((driver.state().crosshair_mm - Vec3(38, 0, 0)).norm() < 2);  // the views look at what is made
+}
+
+TEST_CASE("what came of a fit alone is called an edit and no stroke") {
+  const TwoLabels two;
+  Driver driver(two.document);
+  SetPoints fitted;
+  fitted.points = std::make_shared<const Points>(0.9 * *driver.document().shape().points);
+  apply(driver, fitted);
+  CHECK_FALSE(text_that_holds(driver, "Edits of the mesh").name.empty());
+  CHECK(text_that_holds(driver, "Strokes").name.empty());
+  apply(driver, PlaceLandmark{"north", Vec3(0, 0, 25)});
+  CHECK(driver.shows("Once the mesh was edited or fitted, landmarks no longer move it."));
 }
 
 TEST_CASE("the key L scrolls the panel to the landmarks") {

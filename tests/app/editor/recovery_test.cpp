@@ -21,7 +21,8 @@ TEST_CASE("cases to recover are named first and counted then and what holds no e
   fs::create_directories(state);
   const std::string header = "{\"homolog\":1,\"volume\":\"../ct.nii.gz\"}\n";
   std::ofstream(state / "edited.homolog")
-      << header << "{\"stiffness_base\":5}\n{\"undo\":true}\n{\"stiffness_base\":6}\n";
+      << header << "{\"stiffness_base\":5}\n{\"undo\":true}\n{\"stiffness_base\":6}\n"
+      << "{\"stiffness_base\":7,\"joined\":true}\n{\"stiffness_base\":8,\"joined\":true}\n";
   std::ofstream(state / "looked.homolog") << header << "{\"frame\":0,\"look\":true}\n";
   std::ofstream(state / "begun.homolog") << header;
   fs::last_write_time(state / "looked.homolog", fs::file_time_type::clock::now() - std::chrono::hours(1));

@@ -138,6 +138,9 @@ TEST_CASE("hints lie in the views until their time is over or they are followed 
   driver.frames(2);
   CHECK(driver.shows("Drag the coloured outline"));
   CHECK(driver.shows("Turn the wheel to go through the slices"));
+  driver.press('L');  // a click of that tool does something else
+  CHECK_FALSE(driver.shows("Drag the coloured outline"));
+  driver.press('P');
   driver.press(key::up);
   CHECK_FALSE(driver.shows("Turn the wheel to go through the slices"));
   CHECK(driver.shows("Drag the coloured outline"));

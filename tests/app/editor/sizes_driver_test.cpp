@@ -78,6 +78,32 @@ TEST_CASE("sizes of a study are listed and written and it is compared with anoth
   driver.point_at("Observers/Table…");
   CHECK(driver.shows("Distance of the landmarks"));
   CHECK(driver.shows("0.50"));  // mean of 1 mm and 0 mm
+  CHECK(driver.shows("the other observer's volume minus this one"));
+  CHECK(driver.shows("SD"));
+  CHECK_FALSE(driver.shows("-0.0"));
+
+  // A comparison of shapes that were edited since is not shown as if it were one of these.
+  Mesh edited = icosphere(3, 26);
+  MeshFile file{edited.points, edited.topology->triangles()};
+  file.landmarks = {{"north", Vec3(0, 0, 26)}, {"south", Vec3(0, 0, -26)}};
+  REQUIRE(write_mesh_file(file, driver.folder() / "mine" / "edited.ply"));
+  const double dice = driver.state().models.observers->cases.at(0).agreement.dice;
+  driver.state().models.study.cases.at(0).file = driver.folder() / "mine" / "edited.ply";
+  ++driver.state().models.shapes_revision;
+  driver.wait_until("the comparison is dropped", [&] { return driver.has("Observers/Compare again"); });
+  driver.settle();
+  driver.click("Observers/Compare again");
+  driver.wait_until("both are compared anew", [&] { return driver.state().models.observers.has_value(); });
+  CHECK(driver.state().models.observers->cases.at(0).agreement.dice < dice - 0.1);
+}
+
+TEST_CASE("the slider of the gallery's glyphs has its whole name in a window of 800 px") {
+  Driver driver(new_document("", nullptr, nullptr), {800, 600, 1});
+  driver.app().send(OpenStudy{{ball_study(driver.folder() / "mine", 20, 24)}});
+  driver.state().models.shown = true;
+  driver.wait_until("there is a model", [&] { return driver.state().models.model != nullptr; });
+  driver.settle();
+  CHECK(driver.shows("Spacing"));
 }
 
 }  // namespace homolog

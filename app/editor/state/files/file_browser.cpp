@@ -54,7 +54,7 @@ std::vector<FileBrowser::Place> find_places() {
 }  // namespace
 
 std::vector<int> FileBrowser::visible() const {
-  const std::string wanted = kind.saves ? std::string() : lower_case(name);
+  const std::string wanted = kind.saves ? std::string() : lower_case(filter());
   std::vector<int> result;
   for (std::size_t i = 0; i < entries.size(); ++i)
     if (wanted.empty() || lower_case(entries[i].name).find(wanted) != std::string::npos)
@@ -66,7 +66,7 @@ std::vector<fs::path> chosen_files(const FileBrowser& browser) {
   std::vector<fs::path> files;
   for (const int index : browser.visible()) {
     const auto& entry = browser.entries[static_cast<std::size_t>(index)];
-    if (browser.together.contains(entry.name)) files.push_back(browser.folder / entry.name);
+    if (browser.together.contains(entry.name)) files.push_back(browser.listed_folder() / entry.name);
   }
   return files;
 }
@@ -75,7 +75,7 @@ std::vector<fs::path> visible_files(const FileBrowser& browser) {
   std::vector<fs::path> files;
   for (const int index : browser.visible()) {
     const auto& entry = browser.entries[static_cast<std::size_t>(index)];
-    if (!entry.folder) files.push_back(browser.folder / entry.name);
+    if (!entry.folder) files.push_back(browser.listed_folder() / entry.name);
   }
   return files;
 }
@@ -95,15 +95,37 @@ FileBrowser browse(FileKind kind, const fs::path& folder, std::string name) {
 
 void enter_folder(FileBrowser& browser, const fs::path& folder) {
   browser.folder = folder;
-  if (!browser.kind.saves) browser.name.clear();
+  browser.typed_folder.clear();
+  browser.name = browser.kind.saves ? browser.filter() : std::string();
   refresh(browser);
+}
+
+void type_name(FileBrowser& browser, const std::string& name) {
+  browser.name = name;
+  browser.together.clear();
+  const fs::path before = browser.listed_folder();
+  fs::path typed = (browser.folder / fs::path(name).parent_path()).lexically_normal();
+  if (typed.has_relative_path() && !typed.has_filename()) typed = typed.parent_path();  // ends in "/"
+  std::error_code error;
+  const bool is_path = name.find('/') != std::string::npos;
+  browser.typed_folder = is_path && fs::is_directory(typed, error) ? typed : fs::path();
+  if (browser.listed_folder() != before) refresh(browser);
+  browser.selected = -1;
+  const std::string wanted = browser.filter();
+  if (browser.kind.saves || wanted.empty()) return;
+  // The file of just that name, where there is one; else the first that holds it.
+  const auto shown = browser.visible();
+  const auto exact = std::find_if(shown.begin(), shown.end(), [&](int index) {
+    return browser.entries[static_cast<std::size_t>(index)].name == wanted;
+  });
+  browser.selected = exact == shown.end() ? 0 : static_cast<int>(exact - shown.begin());
 }
 
 void make_folder(FileBrowser& browser) {
   const std::string name = std::exchange(browser.new_folder, std::nullopt).value_or("");
   if (name.empty()) return;
   std::error_code error;
-  const fs::path folder = browser.folder / name;
+  const fs::path folder = browser.listed_folder() / name;
   fs::create_directory(folder, error);
   if (error)
     browser.error = "The folder " + name + " cannot be made (" + error.message() + "); choose another name or place.";
@@ -117,7 +139,7 @@ void refresh(FileBrowser& browser) {
   browser.together.clear();
   browser.error.clear();
   std::error_code error;
-  fs::directory_iterator entry(browser.folder, error);
+  fs::directory_iterator entry(browser.listed_folder(), error);
   if (error) {
     browser.error = "This folder cannot be read (" + error.message() + "); choose another one.";
     return;
@@ -153,7 +175,11 @@ void select_entry(FileBrowser& browser, int index, Choosing how) {
   };
   const int before = browser.selected < count ? browser.selected : -1;
   browser.selected = index;
-  if (browser.kind.saves && !at(index).folder) browser.name = at(index).name;
+  if (browser.kind.saves && !at(index).folder) {
+    browser.folder = browser.listed_folder();
+    browser.typed_folder.clear();
+    browser.name = at(index).name;
+  }
   auto& together = browser.together;
   if (how == Choosing::alone || before < 0) {
     together.clear();
@@ -186,7 +212,7 @@ void press_key(FileBrowser& browser, BrowserKey key, bool extends) {
     case BrowserKey::page_down:
       return select(browser.selected + page);
     case BrowserKey::parent:
-      if (browser.folder.has_relative_path()) enter_folder(browser, browser.folder.parent_path());
+      if (browser.listed_folder().has_relative_path()) enter_folder(browser, browser.listed_folder().parent_path());
       return;
   }
 }
@@ -197,10 +223,10 @@ std::optional<fs::path> accept(FileBrowser& browser) {
   if (chosen) {
     const auto& entry = browser.entries[static_cast<std::size_t>(shown[static_cast<std::size_t>(browser.selected)])];
     if (entry.folder) {
-      enter_folder(browser, browser.folder / entry.name);
+      enter_folder(browser, browser.listed_folder() / entry.name);
       return std::nullopt;
     }
-    if (!browser.kind.saves) return browser.folder / entry.name;
+    if (!browser.kind.saves) return browser.listed_folder() / entry.name;
   }
   if (browser.name.empty()) return std::nullopt;
   const fs::path typed = fs::path(browser.name).is_absolute() ? fs::path(browser.name) : browser.folder / browser.name;

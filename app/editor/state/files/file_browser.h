@@ -31,7 +31,8 @@ struct FileBrowser {
   };
 
   FileKind kind;
-  std::filesystem::path folder;
+  std::filesystem::path folder;           ///< where the dialog is; a name that is typed is meant from here
+  std::filesystem::path typed_folder;     ///< that is listed instead while a path into it is typed; else empty
   std::vector<Entry> entries;             ///< all that fit: folders first, then by name
   std::vector<Place> places;              ///< home, working folder, roots of mounted media
   std::string name;                       ///< typed: filters when opening, the new file's name when saving
@@ -42,7 +43,11 @@ struct FileBrowser {
   std::string error;                      ///< why the folder cannot be read; empty where it can
   std::optional<std::string> new_folder;  ///< the name that is being typed of a folder to make; else none
 
-  /// Indices of the entries that the typed name leaves: those that hold it, in any case.
+  /// The folder whose entries are listed.
+  const std::filesystem::path& listed_folder() const { return typed_folder.empty() ? folder : typed_folder; }
+  /// What of the typed name the entries are filtered by: of a path what is behind its last "/".
+  std::string filter() const { return name.substr(name.rfind('/') + 1); }
+  /// Indices of the entries that the filter leaves: those that hold it, in any case.
   std::vector<int> visible() const;
   /// Whether the entry at a place in visible() is chosen, alone or with others.
   bool is_chosen(int index) const;
@@ -52,6 +57,9 @@ FileBrowser browse(FileKind kind, const std::filesystem::path& folder, std::stri
 /// Goes to another folder and reads it.
 void enter_folder(FileBrowser& browser, const std::filesystem::path& folder);
 void refresh(FileBrowser& browser);
+/// Takes a name as it is typed: filters the list when opening. Of a path the folder is listed, where there is such a
+/// one.
+void type_name(FileBrowser& browser, const std::string& name);
 /// Makes the folder whose name was typed in the one that is shown, and goes there; says in `error` where that fails.
 void make_folder(FileBrowser& browser);
 

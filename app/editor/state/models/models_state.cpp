@@ -329,6 +329,20 @@ void animate(ModelsState& state, double seconds) {
   state.deviations[*state.animated_mode] = most_deviations * std::sin(2 * std::numbers::pi * phase);
 }
 
+namespace {
+constexpr std::string_view study_ending = ".study.json";
+}
+
+bool is_study_file(const fs::path& file) {
+  return file.string().ends_with(study_ending);
+}
+
+std::string study_name(const fs::path& file) {
+  std::string name = file.filename().string();
+  if (name.ends_with(study_ending)) name.resize(name.size() - study_ending.size());
+  return name;
+}
+
 fs::path studies_folder() {
   return unsaved_folder() / "studies";
 }

@@ -59,6 +59,7 @@ struct ModelsState {
   std::size_t distance_shown = 0;               ///< of the pairs of landmarks, in the list of sizes
   std::optional<ObserverComparison> observers;  ///< with another observer's study, where one was asked for
   std::filesystem::path other_observer;         ///< that study
+  bool observers_outdated = false;              ///< shapes have changed since, so that the comparison was dropped
   std::vector<std::string> mirrored;            ///< cases that are mirror images of most others
 
   Alignment alignment = Alignment::similarity;
@@ -169,6 +170,10 @@ void set_to_case(ModelsState& state, const std::string& name);
 /// Moves the animated mode: a sine of ±3 standard deviations in four seconds.
 void animate(ModelsState& state, double seconds);
 
+/// Whether a file is called as studies are.
+bool is_study_file(const std::filesystem::path& file);
+/// "kidneys" of kidneys.study.json; empty where there is none.
+std::string study_name(const std::filesystem::path& file);
 /// Where studies that were not given a place lie.
 std::filesystem::path studies_folder();
 /// Subjects of a phantom study as in the paper: 10 vertebrae, 16 kidneys, the 20 phases of one ventricle.

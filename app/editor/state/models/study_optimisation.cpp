@@ -1,6 +1,9 @@
 #include "app/editor/state/models/study_optimisation.h"
 
 #include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
 
 #include "app/editor/state/models/models_state.h"
 
@@ -59,8 +62,24 @@ std::string why_outdated(const StudyToOptimise& of, const ShapesOfStudy& now, Al
   return {};
 }
 
+namespace {
+
+using Shapes = std::map<std::string, std::shared_ptr<const MeshFile>>;
+
+bool same_shapes(const Shapes& a, const Shapes& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& one, const auto& other) {
+    return one.first == other.first && (one.second == other.second || one.second->points == other.second->points);
+  });
+}
+
+}  // namespace
+
 std::string take_fitted(ModelsState& state, ShapesOfStudy fitted) {
   StudyOptimisation& optimisation = state.optimisation;
+  if (state.observers && !same_shapes(fitted.shapes, state.fitted.shapes)) {
+    state.observers.reset();
+    state.observers_outdated = true;
+  }
   state.fitted = std::move(fitted);
   std::string over;
   if (optimisation.of) {

@@ -1,5 +1,6 @@
 #include "app/editor/update/commands/dialog_commands.h"
 
+#include <algorithm>
 #include <system_error>
 
 #include "app/editor/update/commands/spelling.h"
@@ -30,20 +31,25 @@ FileBrowser* open_browser(EditorState& state) {
   return files != nullptr ? &files->browser : nullptr;
 }
 
-/// The folder of what is open: in Models of the study, else of the image or, for what is written, of the case. Where
-/// nothing has a file, the one used last.
+/// Whether a person would look for files in a folder: it is there, and none of those in which the program keeps its
+/// own.
+bool is_for_people(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  if (folder.empty() || !std::filesystem::is_directory(folder, ignored)) return false;
+  const std::filesystem::path hidden = unsaved_folder();
+  return std::mismatch(hidden.begin(), hidden.end(), folder.begin(), folder.end()).first != hidden.end();
+}
+
+/// Where something of what is open was saved last, for what is written. Else the folder of what is open: in Models of
+/// the study, else of the image or, for what is written, of the case. Where nothing has a file, the one used last.
 std::filesystem::path folder_beside(const EditorState& state, const ControlsContext& context, bool saves) {
-  const bool unsaved = context.file.parent_path() == unsaved_folder();
-  const std::filesystem::path of_case = unsaved ? std::filesystem::path() : context.file,
-                              of_image = context.document.volume_source;
+  if (saves && is_for_people(state.saved_folder)) return state.saved_folder;
+  const std::filesystem::path of_case = context.file, of_image = context.document.volume_source;
   const auto first = state.models.shown ? state.models.study_file : saves ? of_case : of_image;
   const auto second = state.models.shown ? state.models.study_file : saves ? of_image : of_case;
-  for (const auto& file : {first, second}) {
-    const std::filesystem::path folder = file.parent_path();
-    std::error_code ignored;
-    if (!folder.empty() && std::filesystem::is_directory(folder, ignored)) return folder;
-  }
-  return state.preferences.folder;
+  for (const auto& folder : {first.parent_path(), second.parent_path(), state.preferences.folder})
+    if (is_for_people(folder)) return folder;
+  return {};
 }
 
 }  // namespace
@@ -110,9 +116,7 @@ void TypeFileName::spell(Fields& line) {
 }
 void TypeFileName::run(EditorState& state) const {
   if (auto* browser = open_browser(state)) {
-    browser->name = name;
-    browser->together.clear();
-    browser->selected = browser->kind.saves || name.empty() ? -1 : 0;
+    type_name(*browser, name);
   }
 }
 
@@ -149,6 +153,7 @@ void AcceptFile::run(EditorState& state, const ControlsContext&, Outbox& out) co
   const auto path = accept(dialog->browser);
   if (!path) return;
   state.preferences.folder = path->parent_path();
+  if (dialog->browser.kind.saves) state.saved_folder = path->parent_path();
   std::error_code ignored;
   if (dialog->browser.kind.saves && std::filesystem::exists(*path, ignored)) {
     ReplaceDialog replace{std::move(*dialog), *path};

@@ -9,6 +9,8 @@
 #include "app/editor/update/results/imports.h"
 #include "core/base/files.h"
 #include "core/base/picture_io.h"
+#include "core/base/text.h"
+#include "core/mesh/formats/formats.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
 #include "core/session/unsaved_cases.h"
@@ -39,6 +41,17 @@ void no_mesh_to_export(Editing& editing) {
   add_notice(editing.state, "This frame has no mesh yet. Start from previous (Cine) copies one.", false);
 }
 
+/// What a mesh file does not keep that a shape model needs; empty where it keeps all.
+std::string lost_in(const fs::path& path) {
+  const std::string extension = lower_case(path.extension().string());
+  for (const MeshFormat* format : mesh_formats) {
+    if (extension != format->extension) continue;
+    if (!format->keeps_numbers) return std::string(format->name) + " keeps no numbering; use PLY for a shape model.";
+    if (!format->has_faces) return std::string(format->name) + " keep the points alone, without faces.";
+  }
+  return {};
+}
+
 /// Says so where there is nothing to save.
 bool nothing_to_save(Editing& editing) {
   const Document& document = editing.shown.document();
@@ -56,7 +69,7 @@ void OpenFiles::run(Editing& editing) const {
   if (editing.state.models.shown) {
     // Dropped on the Models mode: studies are opened, all else becomes a case of the study.
     for (const auto& path : paths)
-      if (path.string().ends_with(".study.json")) return editing.out.send(OpenStudy{{path}});
+      if (is_study_file(path)) return editing.out.send(OpenStudy{{path}});
     return editing.out.send(AddCases{paths});
   }
   auto request = sort_files(paths);
@@ -154,9 +167,10 @@ void SaveCaseAs::run(Editing& editing) const {
 void ExportMesh::run(Editing& editing) const {
   const Document document = as_done(editing);
   if (!document.has_shape()) return no_mesh_to_export(editing);
-  write_beside(editing, path, [file = to_mesh_file(document, document.frame)](const auto& to, Progress&) {
-    return write_mesh_file(file, to);
-  });
+  write_beside(
+      editing, path,
+      [file = to_mesh_file(document, document.frame)](const auto& to, Progress&) { return write_mesh_file(file, to); },
+      lost_in(path));
 }
 
 void ExportLabelMap::run(Editing& editing) const {

@@ -102,6 +102,7 @@ void ShowDistance::run(EditorState& state) const {
 void CompareObservers::run(Editing& editing) const {
   ModelsState& models = editing.state.models;
   models.observers.reset();
+  models.observers_outdated = false;
   models.other_observer = path;
   editing.work.observers.start(path.string(), [path = path, mine = models.fitted.shapes](Progress& progress) {
     const auto read = read_observer(path, &progress);
@@ -165,7 +166,10 @@ void AddCases::run(Editing& editing) const {
   if (paths.size() == 1 && std::filesystem::is_directory(paths.front(), ignored))
     return add_scans(editing, paths);  // dropped on the window
   if (add_cases(models, paths) == 0) add_notice(editing.state, "All these shapes are in the study already.", false);
-  if (models.study_file.empty()) models.study_file = new_study_file();
+  if (models.study_file.empty()) {
+    models.study_file = new_study_file();
+    remember_recent(editing.state.preferences.recent_studies, models.study_file);
+  }
   if (editing.state.dialog && !paths.empty()) editing.state.preferences.folder = paths.front().parent_path();
 }
 

@@ -19,6 +19,7 @@ void ChooseTool::spell(Fields& line) {
   spell_choice(line, "tool", tool_names, tool);
 }
 void ChooseTool::run(EditorState& state) const {
+  if (tool == MouseTool::template_landmark && state.tool != tool) state.tool_before_naming = state.tool;
   state.tool = tool;
   if (tool != MouseTool::place && tool != MouseTool::landmark) return;
   state.preferences.sections_open[place_section] = true;

@@ -80,17 +80,19 @@ void update_propagation(Editing& editing) {
   if (!done) return;
   if (!*done) return add_notice(editing.state, done->error().sentence());
   editing.log.is_done(PropagateFrames{});
-  std::size_t in_doubt = 0;
+  std::size_t in_doubt = 0, carried = 0;
   bool joined = false;
   for (SetPoints& action : (**done).actions) {
     in_doubt += action.doubt.empty() ? 0 : 1;
+    carried += action.by == by_propagation ? 1 : 0;
     editing.shown.session().apply(std::move(action), std::exchange(joined, true));
   }
-  if (in_doubt > 0)
-    add_notice(editing.state,
-               std::to_string(in_doubt) + (in_doubt == 1 ? " frame is" : " frames are") +
-                   " in doubt. Look at them (Cine, Next in doubt), correct them and propagate again.",
-               false);
+  const std::string news = "Carried through " + std::to_string(carried) + (carried == 1 ? " frame" : " frames");
+  add_notice(editing.state,
+             in_doubt == 0 ? news + "; none is in doubt."
+                           : news + "; " + std::to_string(in_doubt) + (in_doubt == 1 ? " is" : " are") +
+                                 " in doubt. Look there (Cine, Next in doubt), correct the mesh and propagate again.",
+             false);
 }
 
 void update_learning(Editing& editing) {

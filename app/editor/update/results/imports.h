@@ -21,10 +21,11 @@ void use_made_template(Editing& editing, const std::filesystem::path& path);
 /// Shows the case's mesh again.
 void close_template_making(Editing& editing);
 
-/// Has a file written; `how` keeps what it is written from.
+/// Has a file written; `how` keeps what it is written from. `remark` is said when it is done.
 template <class How>
-void write_beside(Editing& editing, const std::filesystem::path& path, How how) {
-  editing.work.exports.start(path, [path, how = std::move(how)](Progress& progress) { return how(path, progress); });
+void write_beside(Editing& editing, const std::filesystem::path& path, How how, std::string remark = {}) {
+  editing.work.exports.start(
+      path, [path, how = std::move(how)](Progress& progress) { return how(path, progress); }, {}, std::move(remark));
 }
 /// Reads a shape model for fits.
 void open_fit_model(Editing& editing, const std::filesystem::path& path);

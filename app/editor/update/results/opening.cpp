@@ -53,7 +53,7 @@ void start_document(Editing& editing, Document document) {
   start_session(editing, std::move(*session));
   if (!edited || before.empty()) return;
   Notice notice{"A new case was started. The previous case is kept.", false};
-  notice.case_before = before;
+  notice.kept = before;
   add_notice(editing.state, std::move(notice));
 }
 
@@ -74,6 +74,12 @@ void offer_flip(EditorState& state, const Document& document) {
 /// Whether a template lies on the image as its own coordinates say.
 bool lies_on(const std::shared_ptr<const Template>& the_template, const std::shared_ptr<const Volume>& volume) {
   return the_template && volume && volume->geometry.bounds_mm().intersects(bounds_of(the_template->points));
+}
+
+/// Whether a phantom is open with the template that came with it: nobody chose that one for an image of their own.
+bool shows_demo(const ShownCase& shown) {
+  const auto& the_template = shown.loaded_template();
+  return is_phantom(shown.document().volume_source) && the_template && is_built_in(the_template->source);
 }
 
 /// Where the views look.
@@ -107,8 +113,9 @@ void start_with(Editing& editing, Opened opened) {
   const auto volume = new_image ? opened.volume : now.volume;
   const std::string source = new_image ? opened.request.volume_source : now.volume_source;
   // A case's first line names the template's file, so a mirrored one is loaded as it is there and mirrored again.
-  const auto the_template = opened.the_template ? opened.the_template : editing.shown.loaded_template();
-  const bool mirrored = !opened.the_template && editing.shown.template_is_mirrored();
+  const bool stays = !opened.the_template && !(new_image && !is_phantom(source) && shows_demo(editing.shown));
+  const auto the_template = stays ? editing.shown.loaded_template() : opened.the_template;
+  const bool mirrored = stays && editing.shown.template_is_mirrored();
   const bool demo = opened.demo.has_value();
   const bool in_place = opened.request.template_in_place && !new_image && lies_on(the_template, volume);
   const View view = view_of(state);
@@ -132,7 +139,7 @@ void start_with(Editing& editing, Opened opened) {
     state.guide->shown = !state.preferences.guide_done;
     look_at_step(state);
   }
-  if (new_image && !is_phantom(source)) remember_recent(state.preferences, source);
+  if (new_image && !is_phantom(source)) remember_recent(state.preferences.recent, source);
   if (opened.labels) show_labels(editing, labels_of(opened));
   if (!demo) offer_flip(state, *editing.shown.snapshot().document);
 }
@@ -144,12 +151,14 @@ void start_session(Editing& editing, EditSession session) {
   ShownCase& shown = editing.shown;
   const auto before = shown.displayed();
   const std::string source_before = before && before->volume ? before->volume_source : std::string();
+  const std::filesystem::path folder_before = std::filesystem::path(source_before).parent_path();
   editing.work.snaps.cancel();
   state.guide.reset();
   state.finding.reset();
   shown.start(std::move(session));
   const Document& document = shown.document();
   show_document(state, document, editing.layout, !source_before.empty() && document.volume_source == source_before);
+  if (std::filesystem::path(document.volume_source).parent_path() != folder_before) state.saved_folder.clear();
   if (const auto& window = shown.snapshot().kept.window)
     std::tie(state.window_low, state.window_high) = std::pair((*window)[0], (*window)[1]);
   const Layout& layout = editing.layout;

@@ -25,8 +25,9 @@ void take_imports(Editing& editing) {
 bool take_written(Editing& editing) {
   EditorState& state = editing.state;
   const auto written = editing.work.exports.take();
-  for (const auto& [path, result, cancelled, then] : written) {
-    add_notice(state, result ? "Written: " + path.string() : result.error().sentence(), !result && !cancelled);
+  for (const auto& [path, result, cancelled, then, remark] : written) {
+    const std::string done = "Written: " + path.string() + (remark.empty() ? "" : ". " + remark);
+    add_notice(state, result ? done : result.error().sentence(), !result && !cancelled);
     if (!result)
       state.quitting = Quitting::no;
     else if (then)

@@ -89,11 +89,6 @@ std::optional<Scalar> values_of(int bits, int format) {
   return {};
 }
 
-std::size_t bytes_of(PictureValues values) {
-  constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return sizes[static_cast<std::size_t>(values)];
-}
-
 /// Whether a second sample is how opaque a pixel is, so that the first is its grey.
 bool second_is_alpha(TIFF* tiff) {
   std::uint16_t count = 0;
@@ -278,7 +273,7 @@ void turn_page(const PageKind& kind, std::span<std::byte> page) {
 
 Result<void> TiffFile::read_page(const PageKind& kind, const PageRoom& room) {
   const std::size_t width = kind.row.pixels, height = static_cast<std::size_t>(kind.pages.height);
-  const std::size_t across = piece_width(kind), down = piece_height(kind), value_bytes = bytes_of(kind.pages.values);
+  const std::size_t across = piece_width(kind), down = piece_height(kind), value_bytes = size_of(kind.pages.values);
   TiffRow whole = kind.row;
   whole.pixels = across;
   const std::size_t row_bytes = stored_bytes(whole);

@@ -46,9 +46,7 @@ void pages(const fs::path& path) {
   const auto found = pages_of(path);
   constexpr std::size_t most = std::size_t{1} << 26;
   if (!found) return;
-  constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  const double wanted = static_cast<double>(found->width) * found->height *
-                        static_cast<double>(sizes[static_cast<std::size_t>(found->values)]);
+  const double wanted = static_cast<double>(found->width) * found->height * static_cast<double>(size_of(found->values));
   if (wanted > static_cast<double>(most)) return;
   std::vector<std::byte> room(static_cast<std::size_t>(wanted));
   std::size_t begin = 0;

@@ -169,13 +169,14 @@ Result<VolumeRead> read_stack(const fs::path& path, const VolumeReadOptions& opt
   StoredVoxels stored = make_stored_voxels(type, 0);
   reserve_voxels(stored, geometry->voxels());
   Progress* const progress = options.progress;
-  const auto all_bytes = static_cast<double>(geometry->voxels()) * static_cast<double>(size_of(type));
+  const std::size_t voxel_bytes = size_of(type);
+  const auto all_bytes = static_cast<double>(geometry->voxels() * voxel_bytes);
   double arrived = 0;
   const PageRoom room = [&](std::size_t bytes) -> Result<std::span<std::byte>> {
     if (progress && progress->cancelled()) return fail(path.string(), "was not read: cancelled");
     if (progress) progress->report(arrived / all_bytes);
     arrived += static_cast<double>(bytes);
-    return add_voxels(stored, bytes / size_of(type));
+    return add_voxels(stored, bytes / voxel_bytes);
   };
   for (const fs::path& file : stack->files)
     if (const auto read = (*module)->read_pages(file, stack->pages, room); !read) return fail(read.error());

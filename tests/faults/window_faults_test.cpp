@@ -104,7 +104,7 @@ std::vector<Deed> edits() {
        }},
       {"propagate", once, [](Driver& driver, const BallDesk&) { driver.app().send(PropagateFrames{}); }},
       {"snap", once, [](Driver& driver, const BallDesk&) { driver.app().send(SnapMesh{}); }},
-      {"refine", once, [](Driver& driver, const BallDesk&) { driver.app().send(RefineLandmarks{}); }},
+      {"refine", once, [](Driver& driver, const BallDesk&) { driver.app().send(RefineAlongSurface{}); }},
       {"paint stiffness", once,
        [](Driver& driver, const BallDesk&) {
          apply(driver, PaintStiffness{Vec3(0, 0, 30), 10, 50, 0});

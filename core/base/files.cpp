@@ -358,6 +358,8 @@ ResultFolder::~ResultFolder() {
 Result<void> make_folder(const fs::path& folder, Readers readers) {
   std::error_code ignored;
   if (folder.empty() || fs::is_directory(folder, ignored)) return {};
+  if (folder.native().starts_with(std::string(no_home) + "/."))  // what programs keep in a home begins with a dot
+    return fail("HOME", "is not set, and the system knows no home of this user, so nothing can be kept there; set it");
   if (const fs::path above = folder.parent_path(); above != folder)
     if (auto made = make_folder(above, readers); !made) return made;
   if (::mkdir(folder.c_str(), readers == Readers::user_alone ? 0700 : 0777) == 0) {
@@ -366,8 +368,6 @@ Result<void> make_folder(const fs::path& folder, Readers readers) {
   }
   const int error = errno;
   if (error == EEXIST && fs::is_directory(folder, ignored)) return {};
-  if (error != EEXIST && folder.native().starts_with(no_home))
-    return fail("HOME", "is not set, and the system knows no home of this user, so nothing can be kept there; set it");
   return fail(folder.string(), "cannot be made a folder (" + reason(error) + "); choose another place");
 }
 

@@ -13,6 +13,7 @@
 namespace homolog {
 namespace {
 
+constexpr int most_parts = 200;        ///< that are rebuilt together, since each is made voxels by itself
 constexpr double wreck_share = 0.005;  ///< of the faces: so many faults, and the mesh is of no use
 constexpr double far_share = 0.01;     ///< of the diagonal: so far from the surface on average, and it is said
 
@@ -41,7 +42,7 @@ class Meshing {
     if (const auto parts = repair->mesh.topology->components(); parts > 1)
       made_.warnings.push_back("the surface has " + std::to_string(parts) + " parts; the largest was taken");
     surface_ = largest_part(repair->mesh);
-    together_ = neighbouring_parts(repair->mesh).front();
+    together_ = repair->mesh.topology->components() > most_parts ? surface_ : neighbouring_parts(repair->mesh).front();
     if (auto done = mesh_surface(); !done) return fail(done.error());
     if (progress_ && progress_->cancelled()) return fail("", "making the template was cancelled");
     made_.to_mesh = surface_distance(made_.mesh, made_.rebuilt ? together_ : surface_);
@@ -119,7 +120,7 @@ class Meshing {
 
   const MeshTemplateOptions& options_;
   Progress* progress_;
-  Mesh surface_, together_;  ///< the largest part of what was mended, and that with its neighbouring_parts
+  Mesh surface_, together_;  ///< the largest part of what was mended; that with its neighbouring_parts
   MeshTemplate made_;
 };
 

@@ -84,9 +84,11 @@ void draw_keys(const UiContext& ui, Outbox& out) {
   const float side = theme.px(20), top = theme.px(56), width = widths[0] + widths[1] + widths[2] + widths[3];
   const float display_height = ImGui::GetIO().DisplaySize.y / theme.scale;
   constexpr float row_units = 21;
-  const float height = 56 + row_units * static_cast<float>(in_column + 1) + 28;
+  const float height = 56 + row_units * static_cast<float>(in_column + 1);
   if (!begin_dialog(ui, "Keys and mouse", (width + 2 * side) / theme.scale - 8, std::min(height, display_height - 32)))
     close_dialog(out);
+  ImGui::SetCursorPos({side + text_size(theme.strong, "Keys and mouse").x + theme.px(20), theme.px(16)});
+  text_line("Homolog is a tool for research. It is not a medical device.", palette::dim);
   ImGui::SetCursorPos({0, top});
   ImGui::BeginChild("keys");
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -98,8 +100,6 @@ void draw_keys(const UiContext& ui, Outbox& out) {
     ImGui::SetCursorPos({left + widths[first], y});
     text_line(rows[i].does);
   }
-  ImGui::SetCursorPos({side, theme.px(row_units * static_cast<float>(in_column) + 8)});
-  text_line("Homolog is a tool for research. It is not a medical device.", palette::dim);
   ImGui::EndChild();
   end_dialog();
 }

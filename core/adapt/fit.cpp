@@ -235,8 +235,8 @@ class Fitting {
     };
     std::vector<Tried> tried;
     const auto add = [&](Adapted way, const VertexScalars& missing) {
-      const double there = std::max(1 - missing.mean(), 0.01);
-      tried.push_back({std::move(way), way.strain / there});
+      const double there = std::max(1 - missing.mean(), 0.01), strain = way.strain / there;
+      tried.push_back({std::move(way), strain});
     };
     const VertexScalars missing = missing_in(first->shape.mesh);
     const auto others = other_placements_of(first->shape.mesh, missing);

@@ -74,7 +74,9 @@ std::vector<std::uint8_t> inside_along(const Mesh& mesh, const VolumeGeometry& g
 
 /// Sets the voxels of `grid` that two of three rays say are inside the part.
 void add_inside(const Mesh& part, const VolumeGeometry& grid, std::vector<std::uint8_t>& set) {
-  const auto [first, own] = part_grid(part, grid);
+  const PartGrid around = part_grid(part, grid);
+  const VolumeGeometry& own = around.own;
+  const std::array<int, 3>& first = around.first;
   std::array<std::vector<std::uint8_t>, 3> along;
   for_each_in_parallel(
       3, [&](std::size_t axis) { along[axis] = inside_along(part, own, static_cast<Eigen::Index>(axis)); });

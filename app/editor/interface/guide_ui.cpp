@@ -48,7 +48,7 @@ bool lies_above(const UiContext& ui, float bottom_px) {
 }  // namespace
 
 void draw_guide(const UiContext& ui, float& bottom_px, Outbox& out) {
-  if (!ui.state.guide || !ui.state.guide->shown) return;
+  if (!ui.state.guide || !ui.state.guide->shown || ui.state.models.shown) return;
   const Theme& theme = ui.theme;
   const Guide& guide = *ui.state.guide;
   const bool above = lies_above(ui, bottom_px);

@@ -73,6 +73,15 @@ TEST_CASE("each of the five pulls has an arrow in the view that the guide names 
   const Vec3 to_mm = first.guide.steps.front().to_mm;
   const auto at = view_map(driver.state(), driver.app().layout(), driver.document(), ViewKind::coronal).to_px(to_mm);
   CHECK(driver.app().layout().image(ViewKind::coronal).contains(at->x(), at->y()));
+
+  // Among the models there is nothing to pull, and the guide would cover their buttons.
+  driver.app().send(ShowModels{true});
+  driver.settle();
+  CHECK_FALSE(driver.shows("guide/Show"));
+  CHECK_FALSE(driver.shows("First steps: pull 1 of 5"));
+  driver.app().send(ShowModels{false});
+  driver.settle();
+  CHECK(driver.shows("First steps: pull 1 of 5"));
 }
 
 }  // namespace homolog

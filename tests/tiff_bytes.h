@@ -1,11 +1,24 @@
 #pragma once
 
+#include <doctest/doctest.h>
+#include <zlib.h>
+
 #include <string>
 #include <vector>
 
 #include "tests/temporary_folder.h"
 
 namespace homolog {
+
+/// Packed as zlib does, for strips of a TIFF and rows of a PNG.
+inline std::string deflated(const std::string& bytes) {
+  std::string packed(compressBound(bytes.size()), '\0');
+  uLongf size = packed.size();
+  REQUIRE(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                   bytes.size()) == Z_OK);
+  packed.resize(size);
+  return packed;
+}
 
 /// A TIFF file made byte by byte [TIFF 6.0, §2]: little-endian, each page's pixels behind its table. Members that tests
 /// change.

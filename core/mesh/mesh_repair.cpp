@@ -36,7 +36,8 @@ void leave_out_unfinite(Soup& soup, MendedFaults& mended) {
     if (finite[index(v)] == 0) soup.points.row(v).setZero();  // of no face now
 }
 
-/// Calls `meet(v, w)` for every two of these vertices of a surface of `size_mm` that lie at one place.
+/// Calls `meet(v, w)` for these vertices of a surface of `size_mm` that lie at one place: for so many pairs that they
+/// link all that do.
 template <class Meet>
 void at_one_place(const Points& points, const std::vector<std::int32_t>& vertices, double size_mm, const Meet& meet) {
   const double near_mm = one_place_share * size_mm;
@@ -45,10 +46,14 @@ void at_one_place(const Points& points, const std::vector<std::int32_t>& vertice
   std::vector<std::pair<double, std::int32_t>> sorted;
   for (const std::int32_t v : vertices) sorted.emplace_back(points.row(v).dot(along), v);
   std::sort(sorted.begin(), sorted.end());
+  std::vector<char> met(sorted.size(), 0);  // a vertex at the very place of one before meets the same others
   for (std::size_t k = 0; k < sorted.size(); ++k)
-    for (std::size_t l = k + 1; l < sorted.size() && sorted[l].first - sorted[k].first <= near_mm; ++l)
-      if ((points.row(sorted[k].second) - points.row(sorted[l].second)).norm() <= near_mm)
-        meet(sorted[k].second, sorted[l].second);
+    for (std::size_t l = k + 1; met[k] == 0 && l < sorted.size() && sorted[l].first - sorted[k].first <= near_mm; ++l) {
+      const double away_mm = (points.row(sorted[k].second) - points.row(sorted[l].second)).norm();
+      if (away_mm > near_mm) continue;
+      meet(sorted[k].second, sorted[l].second);
+      met[l] |= static_cast<char>(away_mm == 0);
+    }
 }
 
 /// Makes one of the vertices at one place: the first of them.

@@ -268,9 +268,7 @@ void check_what_is_left(const std::map<fs::path, std::string>& files, const std:
 
 }  // namespace
 
-// By hand: scripts/faults.sh.
-TEST_CASE("where the power fails at any moment of a session cases and studies open with what was shown as done" *
-          doctest::skip()) {
+TEST_CASE("where the power fails at any moment of a session cases and studies open with what was shown as done") {
   const WatchedDisk watched;
   const BallDesk desk;
   Driver driver(desk.document());

@@ -49,6 +49,24 @@ std::array<int, 3> colour_at(const Picture& picture, float x, float y) {
   return {picture.rgba[at], picture.rgba[at + 1], picture.rgba[at + 2]};
 }
 
+/// The demo's kidney in a window of 1280 × 800 that is drawn beside the screen.
+struct DrawnDemo {
+  DrawnDemo() {
+    REQUIRE(app.start_drawing(1));
+    app.start_session(EditSession(test::must(demo_document(Organ::kidney, 1))));
+    app.settle();
+    ImGui::GetIO().DisplaySize = {1280, 800};
+  }
+  void draw() {
+    framebuffer->bind();
+    app.draw(1280, 800, 0);
+  }
+
+  ImGuiOnOpenGl imgui;
+  std::unique_ptr<Framebuffer> framebuffer = test::must(Framebuffer::make(1280, 800, 1));
+  EditorApp app{[] {}};
+};
+
 }  // namespace
 
 TEST_CASE("a number is never broken at its point") {
@@ -114,15 +132,9 @@ TEST_CASE("a row that is chosen is told from a row that is pointed at") {
 TEST_CASE("letters grow with an exported picture") {
   const auto gl = test::context_or_skip();
   if (!gl) return;
-  const ImGuiOnOpenGl imgui;
-  EditorApp app([] {});
-  REQUIRE(app.start_drawing(1));
-  app.start_session(EditSession(test::must(demo_document(Organ::kidney, 1))));
-  app.settle();
-  ImGui::GetIO().DisplaySize = {1280, 800};
-  const auto framebuffer = test::must(Framebuffer::make(1280, 800, 1));
-  framebuffer->bind();
-  app.draw(1280, 800, 0);
+  DrawnDemo demo;
+  EditorApp& app = demo.app;
+  demo.draw();
   const RectPx pane = app.layout().image(ViewKind::space);
   DrawnItems drawn;
   const auto letter_px = [&](float times) {
@@ -141,17 +153,11 @@ TEST_CASE("letters grow with an exported picture") {
 TEST_CASE("a picture has the ground that was chosen whatever the window's theme is") {
   const auto gl = test::context_or_skip();
   if (!gl) return;
-  const ImGuiOnOpenGl imgui;
-  EditorApp app([] {});
-  REQUIRE(app.start_drawing(1));
-  app.start_session(EditSession(test::must(demo_document(Organ::kidney, 1))));
-  app.settle();
-  ImGui::GetIO().DisplaySize = {1280, 800};
-  const auto framebuffer = test::must(Framebuffer::make(1280, 800, 1));
+  DrawnDemo demo;
+  EditorApp& app = demo.app;
   const auto picture_in = [&](bool light_window, bool light_ground) {
     app.state().preferences.light = light_window;
-    framebuffer->bind();
-    app.draw(1280, 800, 0);
+    demo.draw();
     PictureOptions options{ViewKind::space, 400, 300};
     options.light = light_ground;
     return test::must(app.picture(options));

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/mesh/mesh_quality.h"
+#include "tests/cpu_time.h"
 #include "tests/refusal.h"
 #include "tests/shapes.h"
 
@@ -314,4 +315,20 @@ TEST_CASE("a surface without a face is refused") {
   MeshFile file = as_file(shapes::tetrahedron());
   file.triangles.col(0) = file.triangles.col(1);
   CHECK(says(repaired(file), "has no face left"));
+}
+
+TEST_CASE("many copies of one surface at one place are welded in little time") {
+  const Mesh one = shapes::tetrahedron(10);
+  constexpr int times = 60000;
+  MeshFile copies;
+  copies.points = one.points.replicate(times, 1);
+  copies.triangles.resize(4 * times + 2, 3);
+  for (int k = 0; k < times; ++k) copies.triangles.middleRows(4 * k, 4) = one.topology->triangles().array() + 4 * k;
+  copies.triangles.bottomRows(2) = copies.triangles.topRows(1).replicate(2, 1);  // so that the surface is not sound
+  Result<MeshRepair> repair = fail("", "");
+  // Seven thousand million pairs of vertices lie at one place.
+  CHECK(test::cpu_seconds_of([&] { repair = repaired(copies); }) < 4);
+  REQUIRE(repair);
+  CHECK(repair->mesh.points.rows() == 4);
+  CHECK(repair->mended.duplicate_vertices == 4 * (times - 1));
 }

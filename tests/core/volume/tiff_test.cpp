@@ -1,5 +1,4 @@
 #include <doctest/doctest.h>
-#include <zlib.h>
 
 #include <cstring>
 
@@ -28,15 +27,6 @@ Result<VolumeRead> read_tiff(const std::string& bytes) {
 std::string with_pieces(TiffBytes file, std::vector<std::string> pieces) {
   file.pages = {std::move(pieces)};
   return file.bytes();
-}
-
-std::string deflated(const std::string& bytes) {
-  std::string packed(compressBound(bytes.size()), '\0');
-  uLongf size = packed.size();
-  REQUIRE(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
-                   bytes.size()) == Z_OK);
-  packed.resize(size);
-  return packed;
 }
 
 /// LZW without any compression: a clear code, the bytes, an end code, of nine bits each [TIFF 6.0, §13]; up to 200

@@ -17,9 +17,9 @@ struct Shader {
 };
 
 Result<void> compile(const Shader& shader, std::string_view shared, std::string_view text) {
-  constexpr std::string_view kVersion = "#version 330 core\n";
-  const std::array<const char*, 3> parts{kVersion.data(), shared.data(), text.data()};
-  const std::array<GLint, 3> lengths{static_cast<GLint>(kVersion.size()), static_cast<GLint>(shared.size()),
+  constexpr std::string_view version_line = "#version 330 core\n";
+  const std::array<const char*, 3> parts{version_line.data(), shared.data(), text.data()};
+  const std::array<GLint, 3> lengths{static_cast<GLint>(version_line.size()), static_cast<GLint>(shared.size()),
                                      static_cast<GLint>(text.size())};
   glShaderSource(shader.name, 3, parts.data(), lengths.data());
   glCompileShader(shader.name);

@@ -5,9 +5,9 @@
 namespace homolog {
 
 /// The colour of a label in overlays and legends: the same for a label in every picture, far apart for labels that
-/// follow each other. Repeats after kLabelColours labels; label 0 is the background and has none (black).
+/// follow each other. Repeats after label_colour_count labels; label 0 is the background and has none (black).
 Rgb label_colour(int label);
 
-inline constexpr int kLabelColours = 255;
+inline constexpr int label_colour_count = 255;
 
 }  // namespace homolog

@@ -15,12 +15,12 @@ Result<LinePass> LinePass::make() {
   pass.instances_ = gl::Buffer::make();
   glBindVertexArray(pass.attributes_.name());
   glBindBuffer(GL_ARRAY_BUFFER, pass.instances_.name());
-  constexpr std::size_t kStride = sizeof(LineInstance);
-  gl::attribute(0, 3, kStride, offsetof(LineInstance, from_mm), 1);
-  gl::attribute(1, 3, kStride, offsetof(LineInstance, to_mm), 1);
-  gl::attribute(2, 4, kStride, offsetof(LineInstance, colour_from), 1);
-  gl::attribute(3, 4, kStride, offsetof(LineInstance, colour_to), 1);
-  gl::attribute(4, 1, kStride, offsetof(LineInstance, width_px), 1);
+  constexpr std::size_t stride = sizeof(LineInstance);
+  gl::attribute(0, 3, stride, offsetof(LineInstance, from_mm), 1);
+  gl::attribute(1, 3, stride, offsetof(LineInstance, to_mm), 1);
+  gl::attribute(2, 4, stride, offsetof(LineInstance, colour_from), 1);
+  gl::attribute(3, 4, stride, offsetof(LineInstance, colour_to), 1);
+  gl::attribute(4, 1, stride, offsetof(LineInstance, width_px), 1);
   glBindVertexArray(0);
   return pass;
 }

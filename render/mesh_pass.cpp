@@ -96,7 +96,7 @@ void MeshPass::update(Surface& surface, const MeshLayer& mesh) {
     surface.edge_mm = mean_edge_mm(*mesh.topology, *mesh.points);
   }
   if (surface.colour_values.update(mesh.colours, mesh.colours_revision) || new_topology) {
-    const std::vector<Rgb> plain(mesh.colours ? 0 : static_cast<std::size_t>(mesh.points->rows()), kMeshColour);
+    const std::vector<Rgb> plain(mesh.colours ? 0 : static_cast<std::size_t>(mesh.points->rows()), mesh_colour);
     gl::upload(surface.colours, GL_ARRAY_BUFFER, std::span<const Rgb>(mesh.colours ? *mesh.colours : plain),
                GL_DYNAMIC_DRAW);
   }

@@ -12,7 +12,7 @@
 namespace homolog {
 namespace {
 
-constexpr const char* kNoContext =
+constexpr const char* no_context =
     "no OpenGL 3.3 without a display: install libegl1 and libgl1-mesa-dri (software rendering), or the graphics card's "
     "own EGL driver";
 
@@ -49,15 +49,15 @@ struct Egl {
 /// A current OpenGL 3.3 core context without a surface; no context where the display gives none.
 Egl make_current(EGLDisplay display) {
   if (eglInitialize(display, nullptr, nullptr) != EGL_TRUE) return {};
-  constexpr std::array<EGLint, 5> kConfig{EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
-  constexpr std::array<EGLint, 7> kContext{
+  constexpr std::array<EGLint, 5> config_attributes{EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+  constexpr std::array<EGLint, 7> context_attributes{
       EGL_CONTEXT_MAJOR_VERSION,           3,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
   EGLConfig config = nullptr;
   EGLint configs = 0;
   if (eglBindAPI(EGL_OPENGL_API) == EGL_TRUE && has(display, "EGL_KHR_surfaceless_context") &&
-      eglChooseConfig(display, kConfig.data(), &config, 1, &configs) == EGL_TRUE && configs > 0) {
-    const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, kContext.data());
+      eglChooseConfig(display, config_attributes.data(), &config, 1, &configs) == EGL_TRUE && configs > 0) {
+    const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes.data());
     if (context != EGL_NO_CONTEXT) {
       if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE) return {display, context};
       eglDestroyContext(display, context);
@@ -83,14 +83,14 @@ OffscreenContext::~OffscreenContext() {
 }
 
 Result<std::unique_ptr<OffscreenContext>> OffscreenContext::make() {
-  if (!epoxy_has_egl()) return fail("", kNoContext);
+  if (!epoxy_has_egl()) return fail("", no_context);
   for (const EGLDisplay display : displays()) {
     const Egl egl = make_current(display);
     if (egl.context == EGL_NO_CONTEXT) continue;
     return std::unique_ptr<OffscreenContext>(
         new OffscreenContext(std::make_unique<Parts>(Parts{egl.display, egl.context})));
   }
-  return fail("", kNoContext);
+  return fail("", no_context);
 }
 
 struct Framebuffer::Parts {

@@ -8,7 +8,7 @@ namespace homolog {
 namespace {
 
 /// Farther than any scan reaches from its middle, and small enough for the depth buffer to part a hundredth of a mm.
-constexpr double kReach_mm = 5000;
+constexpr double reach_mm = 5000;
 
 /// The camera's axes in LPS; `back` points at the eye.
 struct Axes {
@@ -39,7 +39,7 @@ glm::mat4 eye_from_mm(const Vec3& eye, const Axes& axes) {
 }
 
 glm::mat4 orthographic(double half_width_mm, double half_height_mm) {
-  return glm::mat4(glm::ortho(-half_width_mm, half_width_mm, -half_height_mm, half_height_mm, -kReach_mm, kReach_mm));
+  return glm::mat4(glm::ortho(-half_width_mm, half_width_mm, -half_height_mm, half_height_mm, -reach_mm, reach_mm));
 }
 
 glm::vec2 size_of(const Target& target) {
@@ -62,7 +62,7 @@ Projection projection_of(const Camera3D& camera, const Target& target) {
     return {eye, orthographic(half_width_mm, half_height_mm), size_of(target), target.content_scale};
   const double near_mm = camera.distance_mm / 50, shrink = near_mm / camera.distance_mm;
   const glm::mat4 clip(glm::frustum(-half_width_mm * shrink, half_width_mm * shrink, -half_height_mm * shrink,
-                                    half_height_mm * shrink, near_mm, camera.distance_mm + kReach_mm));
+                                    half_height_mm * shrink, near_mm, camera.distance_mm + reach_mm));
   return {eye, clip, size_of(target), target.content_scale};
 }
 

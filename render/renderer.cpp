@@ -74,13 +74,13 @@ std::vector<LineInstance> lines_in_slice(const LineLayer& layer, const SliceView
 }
 
 void add_frame(const PlaneInSpace& part, std::vector<LineInstance>& lines) {
-  constexpr float kFrame_px = 2;
+  constexpr float frame_px = 2;
   const Vec3 right = part.half_width_mm * part.plane.right, down = part.half_height_mm * part.plane.down;
   const std::array<Vec3, 4> corners{Vec3(part.plane.centre - right - down), Vec3(part.plane.centre + right - down),
                                     Vec3(part.plane.centre + right + down), Vec3(part.plane.centre - right + down)};
   const auto& rgb = part.frame_colour;
   for (std::size_t i = 0; i < 4; ++i) {
-    lines.push_back(instance_of({corners[i], corners[(i + 1) % 4], {rgb[0], rgb[1], rgb[2], 1}, kFrame_px}));
+    lines.push_back(instance_of({corners[i], corners[(i + 1) % 4], {rgb[0], rgb[1], rgb[2], 1}, frame_px}));
   }
 }
 

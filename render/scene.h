@@ -33,13 +33,13 @@ struct LabelLayer {
 };
 
 /// Of a mesh without colours of its own: bone.
-inline constexpr Rgb kMeshColour{0.93f, 0.88f, 0.80f};
+inline constexpr Rgb mesh_colour{0.93f, 0.88f, 0.80f};
 
 struct MeshLayer {
   std::shared_ptr<const Topology> topology;
   std::shared_ptr<const Points> points;
   std::uint64_t points_revision = 0;
-  std::shared_ptr<const std::vector<Rgb>> colours;  ///< one a vertex; null is kMeshColour
+  std::shared_ptr<const std::vector<Rgb>> colours;  ///< one a vertex; null is mesh_colour
   std::uint64_t colours_revision = 0;
   bool outline = true;                 ///< its intersection with slice planes, exact, anti-aliased
   std::shared_ptr<Outlines> outlines;  ///< where outlines are looked up; null: they are worked out each time

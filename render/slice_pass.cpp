@@ -11,12 +11,12 @@ namespace {
 
 gl::Texture make_label_colours() {
   std::vector<float> colours;
-  for (int label = 1; label <= kLabelColours; ++label) {
+  for (int label = 1; label <= label_colour_count; ++label) {
     for (const float channel : label_colour(label)) colours.push_back(channel);
   }
   gl::Texture texture = gl::Texture::make();
   glBindTexture(GL_TEXTURE_2D, texture.name());
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, kLabelColours, 1, 0, GL_RGB, GL_FLOAT, colours.data());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, label_colour_count, 1, 0, GL_RGB, GL_FLOAT, colours.data());
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glBindTexture(GL_TEXTURE_2D, 0);
@@ -24,7 +24,7 @@ gl::Texture make_label_colours() {
 }
 
 /// A plane right between two layers of voxels must not flicker between them where the nearest is drawn.
-constexpr float kNudge_vox = 1e-3f;
+constexpr float nudge_vox = 1e-3f;
 
 /// Sets the uniforms of the image or of the label map and binds its texture; `name` is "image" or "label".
 void set_volume(const gl::Program& program, const std::string& name, GLenum unit, const VolumeTexture* texture,
@@ -41,7 +41,7 @@ void set_volume(const gl::Program& program, const std::string& name, GLenum unit
   set("_down", along(part.half_height_mm * part.plane.down));
   set("_size", to_glm(geometry.dims));
   set("_coordinate", 1.0f / (to_glm(texture->voxels_per_texel) * to_glm(texture->dims)));
-  set("_nudge", linear ? 0 : kNudge_vox);
+  set("_nudge", linear ? 0 : nudge_vox);
   glActiveTexture(GL_TEXTURE0 + unit);
   glBindTexture(GL_TEXTURE_3D, texture->texture.name());
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, linear ? GL_LINEAR : GL_NEAREST);

@@ -10,9 +10,9 @@
 namespace homolog {
 namespace {
 
-constexpr std::uint64_t kBudget_bytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t budget_bytes = std::uint64_t{1} << 30;
 /// The driver copies what it is given: a slab at a time, it never holds a second whole volume.
-constexpr std::size_t kSlab_bytes = std::size_t{16} << 20;
+constexpr std::size_t slab_bytes = std::size_t{16} << 20;
 
 struct Format {
   GLint internal;
@@ -100,7 +100,7 @@ void upload_picked(const Volume& volume, const T* frame, const VolumeTexture& te
 template <class T>
 void upload_whole(const T* frame, const VolumeTexture& texture, const Format& format) {
   const std::size_t slice = static_cast<std::size_t>(texture.dims[0]) * static_cast<std::size_t>(texture.dims[1]);
-  const int slab = std::max(1, static_cast<int>(kSlab_bytes / (slice * sizeof(T))));
+  const int slab = std::max(1, static_cast<int>(slab_bytes / (slice * sizeof(T))));
   for (int k = 0; k < texture.dims[2]; k += slab) {
     glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, k, texture.dims[0], texture.dims[1], std::min(slab, texture.dims[2] - k),
                     GL_RED, format.type, frame + slice * static_cast<std::size_t>(k));
@@ -139,8 +139,8 @@ std::string complaint_about(const Volume& volume, const std::optional<VolumeText
   const std::string start = "the volume (" + size_text(volume.geometry.dims) +
                             " voxels) is larger than the graphics memory or the 3-D textures of this driver hold";
   if (!texture) return start + " and is not shown; crop or resample it";
-  return start + "; it is shown with every " + size_text(texture->voxels_per_texel) +
-         " voxels as one, and edited at full resolution all the same (crop it to see every voxel)";
+  return start + "; of every " + size_text(texture->voxels_per_texel) +
+         " voxels one is shown, and it is edited at full resolution all the same (crop it to see every voxel)";
 }
 
 }  // namespace
@@ -171,7 +171,7 @@ void VolumeTextures::make_room() {
   entries_.remove_if([&](const Entry& entry) {
     bytes += entry.texture ? entry.texture->bytes : 0;
     const bool in_use = ++seen <= 2;  // the image and its label map
-    return !in_use && bytes > kBudget_bytes;
+    return !in_use && bytes > budget_bytes;
   });
 }
 

@@ -148,17 +148,74 @@ double memory_gb_per_s() {
   return sum > 0 ? static_cast<double>(large.size() * sizeof(double)) / 1e6 / ms : 0;
 }
 
+struct BenchOptions {
+  std::vector<std::filesystem::path> masks;
+  std::filesystem::path mesh;
+  int vertices = 2500;
+  bool editor = false;
+};
+
+Result<Json> editor_figures() {
+  const auto costs = frame_costs();
+  if (!costs) return fail(costs.error());
+  Json rows = Json::array();
+  for (const FrameCost& cost : *costs) {
+    rows.push_back({{"tool", cost.tool},
+                    {"events_a_frame", events_a_frame},
+                    {"frame_ms", cost.frame_ms},
+                    {"slowest_frame_ms", cost.slowest_frame_ms}});
+    if (cost.drawn_frame_ms) rows.back()["drawn_frame_ms"] = *cost.drawn_frame_ms;
+  }
+  return rows;
+}
+
+/// Of the built-in meshes, and of the one that is given.
+Result<Json> drag_rows(const BenchOptions& options, Progress& progress) {
+  Json drags = Json::array();
+  for (const int level : {4, 5, 6, 7}) {
+    drags.push_back(drag_figures(icosphere(level, 40)));
+    progress.report(0.15 * (level - 3));
+    if (progress.cancelled()) return fail("bench", "was stopped");
+  }
+  if (options.mesh.empty()) return drags;
+  const auto mesh = read_mesh(options.mesh);
+  if (!mesh) return fail(mesh.error());
+  drags.push_back(drag_figures(*mesh));
+  return drags;
+}
+
+Result<Report> run_bench(const BenchOptions& options, Progress& progress) {
+  Report report;
+  if (!options.masks.empty()) {
+    report.values["templates"] = template_figures(options.masks, options.vertices, progress);
+    return report;
+  }
+  if (!options.editor) {
+    report.values["cores"] = std::thread::hardware_concurrency();
+    report.values["memory_gb_per_s"] = memory_gb_per_s();
+    auto drags = drag_rows(options, progress);
+    if (!drags) return fail(drags.error());
+    report.values["drag"] = std::move(*drags);
+    report.values["model"] = model_figures();
+    progress.part(0.7, 0.95);
+    auto day = case_figures(progress);
+    if (!day) return fail(day.error());
+    report.values["case"] = std::move(*day);
+    progress.part(0, 1);
+    progress.report(0.95);
+    report.values["pictures"] = picture_figures();
+  }
+  auto editor = editor_figures();
+  if (!editor) return fail(editor.error());
+  report.values["editor"] = std::move(*editor);
+  return report;
+}
+
 }  // namespace
 
 void add_bench(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "bench", "Times the solver, models, slices and pictures on this machine (medians)");
-  struct Options {
-    std::vector<std::filesystem::path> masks;
-    std::filesystem::path mesh;
-    int vertices = 2500;
-    bool editor = false;
-  };
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOptions>();
   auto* masks =
       verb->add_option("--templates", options->masks,
                        "Instead: makes a template of every label in these label maps and reports them as a table");
@@ -170,56 +227,8 @@ void add_bench(CLI::App& app, CommandLine& asked) {
   verb->add_flag("--editor", options->editor, "Instead: only the editor's frames while a person drags and paints")
       ->excludes(masks)
       ->excludes(one_mesh);
-  const auto bench = [options](Progress& progress) -> Result<Report> {
-    Report report;
-    if (!options->masks.empty()) {
-      report.values["templates"] = template_figures(options->masks, options->vertices, progress);
-      return report;
-    }
-    const auto add_editor = [&]() -> Result<void> {
-      const auto costs = frame_costs();
-      if (!costs) return fail(costs.error());
-      Json rows = Json::array();
-      for (const FrameCost& cost : *costs) {
-        rows.push_back({{"tool", cost.tool},
-                        {"events_a_frame", events_a_frame},
-                        {"frame_ms", cost.frame_ms},
-                        {"slowest_frame_ms", cost.slowest_frame_ms}});
-        if (cost.drawn_frame_ms) rows.back()["drawn_frame_ms"] = *cost.drawn_frame_ms;
-      }
-      report.values["editor"] = std::move(rows);
-      return {};
-    };
-    if (options->editor) {
-      if (auto added = add_editor(); !added) return fail(added.error());
-      return report;
-    }
-    report.values["cores"] = std::thread::hardware_concurrency();
-    report.values["memory_gb_per_s"] = memory_gb_per_s();
-    Json drags = Json::array();
-    for (const int level : {4, 5, 6, 7}) {
-      drags.push_back(drag_figures(icosphere(level, 40)));
-      progress.report(0.15 * (level - 3));
-      if (progress.cancelled()) return fail("bench", "was stopped");
-    }
-    if (!options->mesh.empty()) {
-      const auto mesh = read_mesh(options->mesh);
-      if (!mesh) return fail(mesh.error());
-      drags.push_back(drag_figures(*mesh));
-    }
-    report.values["drag"] = std::move(drags);
-    report.values["model"] = model_figures();
-    progress.part(0.7, 0.95);
-    auto day = case_figures(progress);
-    if (!day) return fail(day.error());
-    report.values["case"] = std::move(*day);
-    progress.part(0, 1);
-    progress.report(0.95);
-    report.values["pictures"] = picture_figures();
-    if (auto added = add_editor(); !added) return fail(added.error());
-    return report;
-  };
-  verb->callback([bench, &asked] { asked.run = bench; });
+  verb->callback(
+      [options, &asked] { asked.run = [options](Progress& progress) { return run_bench(*options, progress); }; });
 }
 
 }  // namespace homolog

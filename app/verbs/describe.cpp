@@ -170,7 +170,7 @@ Json describe(const Volume& volume) {
 }
 
 Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options) {
-  if (path.extension() == ".homolog") return describe_case(path, options.progress);
+  if (is_case_file(path)) return describe_case(path, options.progress);
   if (is_model_name(path)) return describe_model(path);
   if (is_mesh_name(path)) return describe_surface(path);
   if (is_landmark_name(path)) {

@@ -245,7 +245,7 @@ Result<Report> study_schemes(const SchemesOptions& options, Progress& progress) 
         auto run = run_scheme(session, subject, scheme, {options.seed + i, options.most_pulls, &own});
         if (!run) return fail(run.error());
         if (options.cases) {
-          const fs::path path = options.out / (subject.name + "." + scheme.name + ".homolog");
+          const fs::path path = options.out / (subject.name + "." + scheme.name + case_extension);
           if (auto saved = save_case_as(session, path); !saved) return fail(saved.error());
         }
         runs[job] = std::move(*run);

@@ -136,11 +136,11 @@ Report report_of(const PropagateVerb& verb, const Propagation& propagation) {
   const auto volume = [&](int f) { return propagation.frames[static_cast<std::size_t>(f)].volume_ml; };
   report.values = {{"frames", std::move(frames)},
                    {"cycle", propagation.cycle},
-                   {"end_diastole", propagation.end_diastole},
-                   {"end_systole", propagation.end_systole},
-                   {"end_diastolic_volume_ml", volume(propagation.end_diastole)},
-                   {"end_systolic_volume_ml", volume(propagation.end_systole)},
-                   {"ejection_fraction", propagation.ejection_fraction},
+                   {"end_diastole", propagation.ejection.end_diastole},
+                   {"end_systole", propagation.ejection.end_systole},
+                   {"end_diastolic_volume_ml", volume(propagation.ejection.end_diastole)},
+                   {"end_systolic_volume_ml", volume(propagation.ejection.end_systole)},
+                   {"ejection_fraction", propagation.ejection.fraction},
                    {"doubtful", std::move(doubtful)},
                    {"case", case_path_of(verb).string()},
                    {"study", (verb.out / "cine.study.json").string()}};

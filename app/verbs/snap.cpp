@@ -21,7 +21,7 @@ struct SnapVerb {
   std::vector<double> at;
   double sigma_mm = 10;
 
-  bool of_case() const { return source.extension() == ".homolog"; }
+  bool of_case() const { return is_case_file(source); }
 };
 
 /// The mesh on its image as a case in memory, as it lies.

@@ -217,6 +217,37 @@ Result<Report> make_template_file(const TemplateJob& options, Progress& progress
   return options.tube ? tube(options, *mask) : from_mask(options, *mask, progress);
 }
 
+/// `options` lives as long as the verb.
+void add_tube_options(CLI::App& verb, TemplateJob& options) {
+  auto* tube_flag = verb.add_flag("--tube", options.tube, "A ring × sector grid along the main axis (left ventricle)");
+  verb.add_option("--rings", options.rings, "Rings of a tube, base to apex")
+      ->check(CLI::Range(3, 1000))
+      ->needs(tube_flag)
+      ->capture_default_str();
+  verb.add_option("--sectors", options.sectors, "Vertices of a ring")
+      ->check(CLI::Range(6, 1000))
+      ->needs(tube_flag)
+      ->capture_default_str();
+  verb.add_option("--axis", options.axis, "X,Y,Z direction from the base to the apex (LPS)")
+      ->delimiter(',')
+      ->expected(3)
+      ->needs(tube_flag);
+  auto* base = verb.add_option("--base", options.base, "X,Y,Z point on the axis where the rings begin (LPS mm)")
+                   ->delimiter(',')
+                   ->expected(3)
+                   ->needs(tube_flag);
+  auto* apex = verb.add_option("--apex", options.apex, "X,Y,Z point towards which the axis runs from --base")
+                   ->delimiter(',')
+                   ->expected(3)
+                   ->needs(base);
+  base->needs(apex);
+  verb.add_flag("--capped", options.capped, "Close the tube's base with a flat fan")->needs(tube_flag);
+  verb.add_option("--outer-label", options.outer_label,
+                  "Label of the wall around it: adds a second sheet (epicardium) to the mesh")
+      ->check(CLI::PositiveNumber)
+      ->needs(tube_flag);
+}
+
 }  // namespace
 
 void add_template(CLI::App& app, CommandLine& asked) {
@@ -246,34 +277,7 @@ void add_template(CLI::App& app, CommandLine& asked) {
   add_genus_option(*verb, options->genus,
                    "Tunnels. auto: cut those narrower than 0.035 of the organ's size (of a surface, where it has more "
                    "than 16); keep: cut none; a number: cut the narrowest until so many are left");
-  auto* tube_flag =
-      verb->add_flag("--tube", options->tube, "A ring × sector grid along the main axis (left ventricle)");
-  verb->add_option("--rings", options->rings, "Rings of a tube, base to apex")
-      ->check(CLI::Range(3, 1000))
-      ->needs(tube_flag)
-      ->capture_default_str();
-  verb->add_option("--sectors", options->sectors, "Vertices of a ring")
-      ->check(CLI::Range(6, 1000))
-      ->needs(tube_flag)
-      ->capture_default_str();
-  verb->add_option("--axis", options->axis, "X,Y,Z direction from the base to the apex (LPS)")
-      ->delimiter(',')
-      ->expected(3)
-      ->needs(tube_flag);
-  auto* base = verb->add_option("--base", options->base, "X,Y,Z point on the axis where the rings begin (LPS mm)")
-                   ->delimiter(',')
-                   ->expected(3)
-                   ->needs(tube_flag);
-  auto* apex = verb->add_option("--apex", options->apex, "X,Y,Z point towards which the axis runs from --base")
-                   ->delimiter(',')
-                   ->expected(3)
-                   ->needs(base);
-  base->needs(apex);
-  verb->add_flag("--capped", options->capped, "Close the tube's base with a flat fan")->needs(tube_flag);
-  verb->add_option("--outer-label", options->outer_label,
-                   "Label of the wall around it: adds a second sheet (epicardium) to the mesh")
-      ->check(CLI::PositiveNumber)
-      ->needs(tube_flag);
+  add_tube_options(*verb, *options);
   verb->callback([options, &asked] {
     if (options->in.empty() && options->consensus.empty())
       throw CLI::RequiredError("MASK, or --consensus with several subjects");

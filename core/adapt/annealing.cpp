@@ -10,8 +10,6 @@ namespace homolog {
 
 namespace {
 
-constexpr double holding_weight = 1e4;  ///< of a held vertex against all that pulls at it; then it is set still
-
 /// Weighs held vertices so that their surroundings fade towards them and are not torn from them.
 void hold(const Adapting& shape, const VertexScalars& w, Force& force) {
   for (const std::int32_t i : shape.held) {

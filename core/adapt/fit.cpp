@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <span>
 
@@ -10,6 +9,9 @@
 #include "core/adapt/boundary/boundary_search.h"
 #include "core/adapt/boundary/boundary_warp.h"
 #include "core/adapt/boundary/cut_faces.h"
+#include "core/adapt/boundary/landmark_pull.h"
+#include "core/adapt/boundary/partial_placements.h"
+#include "core/adapt/fit_doubt.h"
 #include "core/adapt/match/coherent_match.h"
 #include "core/adapt/untangle.h"
 #include "core/base/index.h"
@@ -32,23 +34,12 @@ constexpr Annealing from_placement{.steps = 16, .softest_edges = 1},
 /// from case to case, and models of it are more compact.
 constexpr double spares_nothing = 0.98, spares_much = 0.93;
 constexpr double less_strain_counts = 12;  ///< the power of the strain by which matches are averaged
-/// Of the doubt, as shares of the root of the surface's area: at least, and times the root of the strain. Set on bones
-/// with experts' landmarks (docs/correspondence.md).
-constexpr double least_doubt = 0.012, doubt_by_strain = 0.12;
-constexpr double no_nearer = 1.5;  ///< times the force left: a mesh farther off the boundary counts for nothing
+constexpr double most_force_ratio = 1.5;   ///< against the plain fit: a way that leaves more force is not counted
 constexpr int settling_steps = 3;
-/// Where an end of an organ is missing, the placement tends to be too small and too near: other placements of a partial
-/// fit are tried, `growth` times as large and moved by `shift` (of the diagonal) towards what is missing.
-struct OtherPlacement {
-  double growth, shift;
-};
-constexpr OtherPlacement other_placements[] = {{1.06, 0}, {1.12, 0}, {1, 0.05}};
 constexpr double about_as_likely = 1.15;  ///< times the least strain of the ways that were tried
 /// Of the mesh's diagonal: how far a partial fit looks for counterparts, at first and at last.
 constexpr double widest_reach = 0.1, closest_reach = 0.015;
-constexpr double easing_edges = 1;      ///< mean edges: folds of the template finer than about this are eased
-constexpr double landmark_weight = 10;  ///< of a named place against a vertex on the boundary
-constexpr double trusted = 0.5;         ///< a landmark below is called a blunder
+constexpr double easing_edges = 1;  ///< mean edges: folds of the template finer than about this are eased
 
 /// Where an adaptation begins.
 struct FitStart {
@@ -136,7 +127,8 @@ class Fitting {
         reference_, boundary_, {options_.landmarks, options_.orientation, options_.placement, options_.partial});
     shape_.placement = found.placement;
     trust_ = found.trust.size() == own.rows() ? found.trust : VertexScalars::Ones(own.rows());
-    say_of_landmarks((shape_.placement.apply(own) - there).rowwise().norm());
+    landmark_warnings_ = warnings_of_landmarks(reference_, options_.landmarks, trust_,
+                                               (shape_.placement.apply(own) - there).rowwise().norm());
     const Points placed = shape_.placement.apply(reference_.points);
     if (options_.allowed) {
       shape_.mesh = {reference_.topology, placed};
@@ -151,30 +143,13 @@ class Fitting {
     return show(0.1);
   }
 
-  /// `off_mm`: how far each given landmark lies from where the placement has it.
-  void say_of_landmarks(const VertexScalars& off_mm) {
-    if (trust_.size() > 0 && trust_.size() < fewest_placing_landmarks)
-      landmark_warnings_.emplace_back(
-          trust_.size() == 1 ? "one landmark pulls on the mesh but did not help to place it; give three or more"
-                             : "two landmarks pull on the mesh but did not help to place it; give three or more");
-    Eigen::Index k = -1;
-    for (const Landmark& landmark : reference_.landmarks) {
-      if (!options_.landmarks.contains(landmark.name) || trust_[++k] >= trusted) continue;
-      char mm[32];
-      std::snprintf(mm, sizeof mm, "%.0f mm", off_mm[k]);
-      landmark_warnings_.push_back("the landmark \"" + landmark.name + "\" lies " + mm +
-                                   " from where the surface and the other landmarks put it, so it was not used; check "
-                                   "its place and name");
-    }
-  }
-
   bool warped() const { return trust_.size() >= fewest_placing_landmarks; }
 
   /// The template as placed or, with landmarks, warped; then that matched with the boundary as a whole. Where the scan
   /// cuts the organ off there is no whole to match with.
   std::vector<FitStart> starts() const {
     std::vector<FitStart> all{{shape_.mesh.points, from_placement}};
-    if (!boundary_.scan_edges.empty() || options_.partial) return all;
+    if (!boundary_.scan_borders.empty() || options_.partial) return all;
     KnownMatches known{Points(trust_.size(), 3), matched_landmarks(reference_, options_.landmarks).second, trust_};
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < reference_.landmarks.size(); ++k)
@@ -204,29 +179,9 @@ class Fitting {
     return missing;
   }
 
-  /// The placements to try beside the one that was found. Each keeps the place that is farthest from what is missing.
-  std::vector<Similarity> other_placements_of(const Mesh& mesh, const VertexScalars& missing) const {
-    const VertexScalars there = (1 - missing.array()).matrix();
-    if (!(missing.sum() > 0) || !(there.sum() > 0)) return {};
-    const Vec3 towards = mesh.points.transpose() * (missing / missing.sum() - there / there.sum());
-    const Vec3 along = towards.stableNormalized();
-    Eigen::Index farthest = 0;
-    (mesh.points * along).minCoeff(&farthest);
-    const Vec3 kept = mesh.points.row(farthest);
-    const double size_mm = bounds_of(mesh.points).diagonal().norm();
-    std::vector<Similarity> placements;
-    for (const auto& [growth, shift] : other_placements) {
-      Similarity other = found_;
-      other.scale *= growth;
-      other.translation = kept + growth * (found_.translation - kept) + shift * size_mm * along;
-      placements.push_back(other);
-    }
-    return placements;
-  }
-
   /// A partial fit: of several placements the one from which what is there is strained least.
   Result<void> adapt_from_placements() {
-    part_of_progress_ = {0, 1 + std::size(other_placements)};
+    part_of_progress_ = {0, 1 + other_placements};
     auto first = adapt({shape_.mesh.points, from_placement});
     if (!first) return fail(first.error());
     struct Tried {
@@ -239,14 +194,15 @@ class Fitting {
       tried.push_back({std::move(way), strain});
     };
     const VertexScalars missing = missing_in(first->shape.mesh);
-    const auto others = other_placements_of(first->shape.mesh, missing);
+    const auto others = placements_towards(found_, first->shape.mesh.points, missing);
     add(std::move(*first), missing);
     for (const Similarity& placement : others) {
       ++part_of_progress_.first;
       found_ = placement;
       auto way = adapt({placement.apply(reference_.points), from_placement});
       if (!way) return fail(way.error());
-      if (way->force_mm2 <= no_nearer * tried.front().way.force_mm2) add(std::move(*way), missing_in(way->shape.mesh));
+      if (way->force_mm2 <= most_force_ratio * tried.front().way.force_mm2)
+        add(std::move(*way), missing_in(way->shape.mesh));
     }
     std::stable_sort(tried.begin(), tried.end(), [](const Tried& a, const Tried& b) { return a.strain < b.strain; });
     for (const Tried& one : tried)
@@ -286,7 +242,9 @@ class Fitting {
 
   /// The mean of those that lie on the boundary; false where there is none. `force_mm2`: that the plain fit left.
   bool average(std::span<const Adapted> ways, double force_mm2) {
-    const auto counts = [&](const Adapted& way) { return way.force_mm2 <= no_nearer * force_mm2 && way.strain > 0; };
+    const auto counts = [&](const Adapted& way) {
+      return way.force_mm2 <= most_force_ratio * force_mm2 && way.strain > 0;
+    };
     double least_strain = std::numeric_limits<double>::infinity();
     for (const Adapted& way : ways)
       if (counts(way)) least_strain = std::min(least_strain, way.strain);
@@ -354,29 +312,9 @@ class Fitting {
   Force force(const Mesh& mesh, double share) {
     if (options_.partial) search_.set_reach_mm(reach_mm(share));
     BoundaryPull pull = search_.pull(mesh);
-    pull_landmarks(mesh, pull);
+    pull_landmarks(reference_, options_.landmarks, trust_, mesh, pull);
     const VertexScalars weights = pull.weights.cwiseMax(least_weight) / least_weight;
     return {weights, weights.asDiagonal() * pull.targets};
-  }
-
-  /// Adds the named places that the organ's landmarks pull on.
-  void pull_landmarks(const Mesh& mesh, BoundaryPull& pull) const {
-    Eigen::Index known = 0;
-    for (std::size_t k = 0; k < reference_.landmarks.size(); ++k) {
-      const auto there = options_.landmarks.find(reference_.landmarks[k].name);
-      if (there == options_.landmarks.end()) continue;
-      const double trust = trust_[known++];
-      const Eigen::RowVector3d offset = (there->second - carried_landmark(reference_, k, mesh.points)).transpose();
-      const auto corners = mesh.topology->triangles().row(reference_.landmark_points[k].face);
-      for (int c = 0; c < 3; ++c) {
-        const Eigen::Index i = corners[c];
-        const double weight = landmark_weight * trust * reference_.landmark_points[k].weights[c],
-                     total = pull.weights[i] + weight;
-        if (total <= 0) continue;
-        pull.targets.row(i) = (pull.weights[i] * pull.targets.row(i) + weight * (mesh.points.row(i) + offset)) / total;
-        pull.weights[i] = total;
-      }
-    }
   }
 
   /// Vertices onto the boundary, evenly spread as in the reference.
@@ -398,25 +336,11 @@ class Fitting {
     return show(0.95);
   }
 
-  /// `outliers`: what is not there may be strained as much as what is there, all the way from it.
-  VertexScalars doubt_mm(const std::vector<std::int32_t>& outliers) const {
-    const Mesh& mesh = shape_.mesh;
-    VertexScalars spread_mm2 = VertexScalars::Zero(mesh.points.rows());
-    for (const Adapted& way : ways_) spread_mm2 += (way.shape.mesh.points - mesh.points).rowwise().squaredNorm();
-    if (!ways_.empty()) spread_mm2 /= static_cast<double>(ways_.size());
-    const double strained = ways_.empty() ? strain() : ways_.front().strain;
-    const double everywhere = least_doubt * least_doubt + doubt_by_strain * doubt_by_strain * strained;
-    VertexScalars doubt_mm2 = spread_mm2.array() + everywhere * surface_area_mm2(mesh);
-    std::vector<char> lacking(index(mesh.points.rows()), 0);
-    for (const std::int32_t i : outliers) lacking[index(i)] = 1;
-    for (const std::int32_t i : outliers) {
-      double nearest_mm2 = std::numeric_limits<double>::infinity();
-      for (Eigen::Index j = 0; j < mesh.points.rows(); ++j)
-        if (lacking[index(j)] == 0)
-          nearest_mm2 = std::min(nearest_mm2, (mesh.points.row(i) - mesh.points.row(j)).squaredNorm());
-      if (std::isfinite(nearest_mm2)) doubt_mm2[i] += strained * nearest_mm2;
-    }
-    return doubt_mm2.cwiseSqrt();
+  /// Of the ways onto the boundary about the mesh, squared, by vertex.
+  VertexScalars spread_mm2() const {
+    VertexScalars sum = VertexScalars::Zero(shape_.mesh.points.rows());
+    for (const Adapted& way : ways_) sum += (way.shape.mesh.points - shape_.mesh.points).rowwise().squaredNorm();
+    return ways_.empty() ? sum : VertexScalars(sum / static_cast<double>(ways_.size()));
   }
 
   FitResult finish() {
@@ -429,9 +353,10 @@ class Fitting {
     for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
       if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
     if (options_.partial) result.outliers = search_.missing(mesh);
-    result.doubt_mm = doubt_mm(result.outliers);
+    result.doubt_mm =
+        fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? strain() : ways_.front().strain, result.outliers);
     result.landmarks = carried_landmarks(reference_, mesh.points);
-    result.landmarks_used = static_cast<std::size_t>((trust_.array() >= trusted).count());
+    result.landmarks_used = static_cast<std::size_t>((trust_.array() >= believable).count());
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
     result.warnings = std::move(landmark_warnings_);
     result.mesh = std::move(mesh);

@@ -29,14 +29,12 @@ struct FitOptions {
 struct FitResult {
   Similarity placement;  ///< of the template: the similarity nearest to the fitted shape
   Mesh mesh;             ///< in the template's numbering, LPS mm
-  /// Per vertex: the root mean square distance (mm, in 3D) from where it is to where it might belong. It is made of how
-  /// far the ways onto the boundary lie apart, and of how much the shape is strained in all. The scale of the second
-  /// was set on experts' landmarks (docs/correspondence.md): about nine in ten lie within 1.44 times this. Of a partial
-  /// fit outliers have more, the farther they lie from what is there.
+  /// Per vertex: the root mean square distance (mm, in 3D) from where it is to where it might belong [fit_doubt_mm].
+  /// About nine in ten experts' landmarks lie within 1.44 times this (docs/correspondence.md).
   VertexScalars doubt_mm;
   Points allowed;                    ///< the nearest of the allowed shapes (n×3); empty where any was allowed
   std::vector<Landmark> landmarks;   ///< the template's, carried along on the surface
-  std::vector<std::int32_t> unseen;  ///< vertices beyond the scan's edge, where the shape follows the template
+  std::vector<std::int32_t> unseen;  ///< vertices beyond the scan's border, where the shape follows the template
   /// Of a partial fit, in rising order: vertices whose places the boundary lacks; the shape follows the template there.
   std::vector<std::int32_t> outliers;
   std::size_t turned_triangles = 0, self_intersections = 0;
@@ -50,7 +48,8 @@ VertexScalars outlier_marks(const FitResult& fit);
 
 /// Adapts a template to a boundary without a hand: placed by a similarity, then annealed [annealing.h] with force
 /// targets on the boundary in both directions and on the landmarks; at the end vertices on the boundary, spread as in
-/// the reference as far as that allows, no triangle turned and no faces that meet. Deviates from Eq. 2
+/// the reference as far as that allows, and freed of turned triangles and of faces that meet as far as `untangle` can
+/// (FitResult counts what is left). Deviates from Eq. 2
 /// [Erdt 2009, §2.2]: where the boundary is not known the force has next to no weight and the shape decides.
 /// With `allowed` shapes the nearest of them comes first [fit_allowed] and is the reference of what follows; the result
 /// lies on the way from there to the boundary, as far as `beyond` says.

@@ -9,7 +9,7 @@
 
 namespace homolog {
 
-/// Of the root of the boundary's area: a place in more doubt has to be looked at.
+/// A place whose doubt exceeds this share of the root of the boundary's area has to be looked at.
 inline constexpr double most_doubt_share = 0.06;  ///< real organs of the template's kind come to 0.02 to 0.04
 
 /// How good a fit is, and what a person should look at.

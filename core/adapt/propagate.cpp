@@ -180,6 +180,7 @@ class Propagating {
     Points current = arrivals.empty() ? known_.at(from) : arrivals.back().points;
     const int steps = stretch.meets ? stretch.steps - 1 : stretch.steps;
     for (int k = static_cast<int>(arrivals.size()) + 1; k <= steps; ++k) {
+      // A triangle is turned here where it is not as in the frame before.
       const SnapStart start{{mesh_.topology, current}, current, stiffness_, all};
       auto snapped = snap(cine_, wrapped(from + direction * k), start, snapping);
       if (!snapped) return fail(snapped.error());
@@ -282,10 +283,7 @@ class Propagating {
     std::map<int, double> volumes;
     for (std::size_t f = 0; f < result_.frames.size(); ++f)
       if (result_.frames[f].doubt.empty()) volumes[static_cast<int>(f)] = result_.frames[f].volume_ml;
-    const Ejection ejection = *ejection_of(volumes);  // known frames are in no doubt
-    result_.end_diastole = ejection.end_diastole;
-    result_.end_systole = ejection.end_systole;
-    result_.ejection_fraction = ejection.fraction;
+    result_.ejection = *ejection_of(volumes);  // known frames are in no doubt
   }
 
   const Volume& cine_;

@@ -39,10 +39,9 @@ std::optional<Ejection> ejection_of(const std::map<int, double>& volumes_ml);
 
 struct Propagation {
   std::vector<PropagatedFrame> frames;
-  std::vector<int> known;                 ///< the frames whose meshes were given
-  bool cycle = false;                     ///< the last frame leads on to the first, by the images or by the volumes
-  int end_diastole = 0, end_systole = 0;  ///< frames of the largest and the smallest volume, doubtful ones left out
-  double ejection_fraction = 0;           ///< (largest − smallest) / largest
+  std::vector<int> known;  ///< the frames whose meshes were given
+  bool cycle = false;      ///< the last frame leads on to the first, by the images or by the volumes
+  Ejection ejection;       ///< doubtful frames left out
 };
 
 /// Carries the mesh of one frame through all frames of a cine, in both directions: each frame starts from the one

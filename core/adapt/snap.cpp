@@ -19,18 +19,12 @@ constexpr double doubtful_snap = 0.55;
 constexpr const char* no_edge = "shows no edge around the mesh; place the mesh on the organ, or search farther";
 constexpr const char* not_there = "does not reach to the mesh; place the mesh on the organ first";
 
-bool image_shows(const VolumeGeometry& image, const Vec3& p_mm) {
-  const Vec3 voxel = image.to_voxel(p_mm);
-  const Vec3 last(image.dims[0] - 0.5, image.dims[1] - 0.5, image.dims[2] - 0.5);
-  return (voxel.array() >= -0.5).all() && (voxel.array() <= last.array()).all();
-}
-
 /// Free vertices that the image does not show.
 std::vector<std::int32_t> unseen_vertices(const VolumeGeometry& image, const Points& points,
                                           const VertexScalars& free) {
   std::vector<std::int32_t> unseen;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
-    if (free[i] > 0 && !image_shows(image, points.row(i))) unseen.push_back(static_cast<std::int32_t>(i));
+    if (free[i] > 0 && !image.holds(points.row(i))) unseen.push_back(static_cast<std::int32_t>(i));
   return unseen;
 }
 

@@ -39,7 +39,7 @@ Result<FitEdit> fit_document(const Document& document, const Boundary& boundary,
   auto fit = fit_to_boundary(*document.the_template, boundary, options);
   if (!fit) return fail(fit.error());
   FitEdit edit;
-  edit.action = points_edit(document, fit->mesh.points, "fit", fit->placement);
+  edit.action = points_edit(document, fit->mesh.points, by_fit, fit->placement);
   edit.action.doubt_mm = doubt_on_grid(fit->doubt_mm);
   if (options.partial) edit.action.outlier = std::make_shared<const VertexScalars>(outlier_marks(*fit));
   edit.result = std::move(*fit);

@@ -21,7 +21,7 @@ enum class LandmarkPull {
 /// One frame's mesh in the case. All points LPS mm.
 struct Shape {
   Similarity placement;
-  Similarity before_landmarks;              ///< the placement without them: what they leave open is decided by it
+  Similarity before_landmarks;              ///< the placement without them; it decides what they leave open
   std::map<std::string, Vec3> landmarks;    ///< where named landmarks were placed in the image
   std::shared_ptr<const Points> placed;     ///< the template placed, not warped: quality compares with it
   std::shared_ptr<const Points> reference;  ///< R: `placed`, warped to the landmarks where asked; else the same pointer

@@ -46,7 +46,7 @@ std::optional<MovePoints> moves_of(const Points& before, const SetPoints& edit) 
 Result<SetPoints> points_of(const Points& before, const MovePoints& edit) {
   if (!edit.moves || edit.moves->size() != static_cast<std::size_t>(before.size())) {
     return fail("points", std::to_string(edit.moves ? edit.moves->size() / 3 : 0) + " were given for " +
-                              std::to_string(before.rows()) + " landmarks");
+                              std::to_string(before.rows()) + " vertices");
   }
   Points points = before;
   for (Eigen::Index k = 0; k < points.size(); ++k)

@@ -56,6 +56,8 @@ void start_anew(const Template& the_template, Shape& shape) {
   shape.points = shape.reference = shape.placed;
   shape.decided.reset();
   shape.unaided.reset();
+  shape.carried.reset();
+  shape.doubt.clear();
   shape.doubt_mm.reset();
   shape.outlier.reset();
   shape.strokes = 0;

@@ -18,7 +18,7 @@ struct StrokeStart {
   std::shared_ptr<const Points> reference;  ///< R
   std::shared_ptr<const Points> points;     ///< P⁰
   std::shared_ptr<const VertexScalars> stiffness;  ///< factor_i; w_i = stiffness_base × factor_i
-  double stiffness_base = 10;
+  double stiffness_base = 0;                       ///< above 0
   std::shared_ptr<const VertexScalars> confirmed;  ///< 0 free … 1 held; null for all free
   Scheme scheme = Scheme::anchored;
   int paper_events = 1;

@@ -133,4 +133,9 @@ bool is_mesh_name(const std::filesystem::path& path) {
   return format_of(path).has_value();
 }
 
+bool keeps_numbers(const std::filesystem::path& path) {
+  const auto format = format_of(path);
+  return format && (*format)->keeps_numbers;
+}
+
 }  // namespace homolog

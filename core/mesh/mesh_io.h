@@ -56,6 +56,8 @@ Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& 
 
 /// Whether the name ends as one of the formats that read_mesh_file takes does.
 bool is_mesh_name(const std::filesystem::path& path);
+/// Whether that format keeps vertices and their order, as shapes of a model need.
+bool keeps_numbers(const std::filesystem::path& path);
 
 /// The faces of a file as a mesh. Errors: Topology::make's; a seam of duplicate vertices that was never closed.
 Result<Mesh> sound_mesh(const MeshFile& file);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/hash.h"
 #include "core/base/index.h"
 
 namespace homolog {
@@ -65,16 +66,14 @@ std::string edge_name(const HalfEdge& edge) {
 }
 
 std::string hash_of(Eigen::Index vertices, const Triangles& triangles) {
-  std::uint64_t h = 0xcbf29ce484222325u;  // FNV-1a over 32-bit words, high bits folded back after each
-  const auto add = [&h](std::uint32_t word) {
-    h = (h ^ word) * 0x100000001b3u;
-    h ^= h >> 32;
+  Hash hash;
+  const auto add = [&hash](std::int64_t word) {
+    hash.add(static_cast<std::uint32_t>(word));
+    hash.value ^= hash.value >> 32;  // a whole word was taken in one step: its high bits go back to the low ones
   };
-  add(static_cast<std::uint32_t>(vertices));
-  for (const std::int32_t v : triangles.reshaped<Eigen::RowMajor>()) add(static_cast<std::uint32_t>(v));
-  std::string hex(16, '0');
-  for (std::size_t digit = 16; digit-- > 0; h >>= 4) hex[digit] = "0123456789abcdef"[h & 15];
-  return hex;
+  add(vertices);
+  for (const std::int32_t v : triangles.reshaped<Eigen::RowMajor>()) add(v);
+  return hash.hex();
 }
 
 }  // namespace

@@ -25,13 +25,13 @@ Result<fs::path> make_case_of_shape(const MeshFile& shape, const std::shared_ptr
   if (!made) return fail(made.error());
   std::error_code error;
   std::string stem = name;
-  for (int number = 2; fs::exists(folder / (stem + ".homolog"), error); ++number)
+  for (int number = 2; fs::exists(folder / (stem + case_extension), error); ++number)
     stem = name + "-" + std::to_string(number);
   const fs::path mesh = folder / (stem + "-imported.ply");
   if (auto written = write_mesh_file(imported, mesh); !written) return fail(written.error());
   auto the_template = load_template(mesh.string());
   if (!the_template) return fail(the_template.error());
-  const fs::path file = folder / (stem + ".homolog");
+  const fs::path file = folder / (stem + case_extension);
   if (auto session = create_case(new_document("", nullptr, *the_template), file); !session)
     return fail(session.error());
   return file;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/files.h"
+#include "core/base/hash.h"
 #include "core/base/json.h"
 #include "core/mesh/formats/text.h"
 #include "core/model/hdf_tree.h"
@@ -184,15 +185,14 @@ class JsonPartsReader {
 
 /// The identifier of the object at a path: a UUID in form, made from the path alone.
 std::string identifier(const std::string& path) {
-  std::uint64_t halves[2] = {0xcbf29ce484222325U, 0x9ae16a3b2f90404fU};
+  Hash first, second{.value = 0x9ae16a3b2f90404fU};
   for (const char c : path)
-    for (std::uint64_t& half : halves) half = (half ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  constexpr char digits[] = "0123456789abcdef";
-  std::string id;
-  for (int k = 0; k < 32; ++k) {
-    if (k == 8 || k == 12 || k == 16 || k == 20) id += '-';
-    id += digits[(halves[k / 16] >> (4 * (k % 16))) & 15U];
-  }
+    for (Hash* half : {&first, &second}) half->add(static_cast<unsigned char>(c));
+  // Each half stands with its lowest digit first.
+  const std::string low = first.hex(), high = second.hex();
+  std::string id(low.rbegin(), low.rend());
+  id.append(high.rbegin(), high.rend());
+  for (const std::size_t at : {8U, 13U, 18U, 23U}) id.insert(at, 1, '-');
   return id;
 }
 

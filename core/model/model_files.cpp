@@ -5,6 +5,7 @@
 #include "core/base/files.h"
 #include "core/mesh/formats/text.h"
 #include "core/mesh/mesh_io.h"
+#include "core/session/case_file.h"
 
 namespace homolog {
 
@@ -60,7 +61,7 @@ std::vector<std::string> shape_names(const std::vector<std::string>& files) {
   for (const std::string& file : files) {
     // "heart.homolog frame 7" is the shape "heart frame 7".
     const std::size_t frame = file.rfind(" frame ");
-    const bool of_cine = frame != std::string::npos && file.substr(0, frame).ends_with(".homolog");
+    const bool of_cine = frame != std::string::npos && is_case_file(file.substr(0, frame));
     const std::string stem =
         of_cine ? fs::path(file.substr(0, frame)).stem().string() + file.substr(frame) : fs::path(file).stem().string();
     std::string name = stem;

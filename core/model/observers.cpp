@@ -31,7 +31,7 @@ std::vector<fs::path> shapes_in(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const fs::path& file = entry.path();
     const bool hidden = file.filename().string().starts_with('.');
-    if (!hidden && (is_case_file(file) || (is_mesh_name(file) && file.extension() != ".stl"))) files.push_back(file);
+    if (!hidden && (is_case_file(file) || keeps_numbers(file))) files.push_back(file);
   }
   std::sort(files.begin(), files.end());
   return files;

@@ -7,7 +7,6 @@
 #include "core/base/text.h"
 #include "core/mesh/mirror.h"
 #include "core/model/study.h"
-#include "core/session/case_file.h"
 
 namespace homolog {
 
@@ -15,12 +14,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool is_stl(const fs::path& file) {
-  return file.extension() == ".stl" || file.extension() == ".STL";
-}
-
-tl::unexpected<Error> stl_refused(const fs::path& file) {
-  return fail(file.string(), "is an STL file, which does not keep vertices and so no correspondence; use PLY or VTK");
+/// An error for a format that keeps no numbering.
+Result<void> check_numbering(const fs::path& file) {
+  if (!is_mesh_name(file) || keeps_numbers(file)) return {};
+  return fail(file.string(), "is a " + lower_case(file.extension().string()) +
+                                 " file, which does not keep vertices and so no correspondence; use PLY or VTK");
 }
 
 bool is_study(const fs::path& file) {
@@ -50,10 +48,6 @@ std::vector<std::optional<int>> frames_of(const ShapeSource& source, const Shape
 
 }  // namespace
 
-bool is_case_file(const fs::path& file) {
-  return file.extension() == ".homolog";
-}
-
 Result<std::shared_ptr<const MeshFile>> ShapesOfFile::shape(std::optional<int> frame, const std::string& name) const {
   const auto found = frames.find(frame.value_or(shown));
   if (found != frames.end()) return found->second;
@@ -77,7 +71,7 @@ ShapesOfFile shapes_of(const Document& document) {
 }
 
 Result<ShapesOfFile> read_shapes_of(const fs::path& file) {
-  if (is_stl(file)) return stl_refused(file);
+  if (auto numbered = check_numbering(file); !numbered) return fail(numbered.error());
   if (is_case_file(file)) {
     auto read = read_case(file);
     if (!read) return fail(read.error());
@@ -137,7 +131,7 @@ Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sou
       progress->report(static_cast<double>(done++) / static_cast<double>(sources.size()));
       if (progress->cancelled()) return fail("", "was stopped while the shapes were read");
     }
-    if (is_stl(source.file)) return stl_refused(source.file);
+    if (auto numbered = check_numbering(source.file); !numbered) return fail(numbered.error());
     const auto& shapes = last.read(source.file);
     if (!shapes) {
       leave_out(shapes.error());

@@ -11,11 +11,9 @@
 #include "core/base/progress.h"
 #include "core/case/document.h"
 #include "core/mesh/mesh_io.h"
+#include "core/session/case_file.h"
 
 namespace homolog {
-
-/// Whether the name ends as a case file's does: .homolog.
-bool is_case_file(const std::filesystem::path& file);
 
 /// The shapes that one file holds.
 struct ShapesOfFile {

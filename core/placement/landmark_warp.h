@@ -50,7 +50,7 @@ class LandmarkWarp {
 struct WarpedReference {
   Points points;
   double share = 0;    ///< 0 … 1: of the warp that was used; 0 below four landmarks, which tell a similarity only
-  bool folds = false;  ///< the whole warp would turn triangles over: landmarks placed in the wrong order
+  bool folds = false;  ///< it would turn triangles over, usually since landmarks were placed in the wrong order
 };
 
 /// A displacement of a placed reference, taken as far as it turns no triangle over. `offset`: n×3, mm.

@@ -223,6 +223,10 @@ Result<void> go_on_in(EditSession& session, const fs::path& path) {
 
 }  // namespace
 
+bool is_case_file(const std::filesystem::path& file) {
+  return file.extension() == case_extension;
+}
+
 Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {
   const auto file = LineFile::open(path);
   return file ? read_lines(*file, options) : fail(file.error());

@@ -11,6 +11,10 @@
 
 namespace homolog {
 
+/// How the name of every case file ends.
+inline constexpr const char* case_extension = ".homolog";
+bool is_case_file(const std::filesystem::path& file);
+
 /// Scheme options that override what a case file says, and how it is read.
 struct ReplayOptions {
   std::optional<Scheme> scheme;

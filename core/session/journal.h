@@ -38,7 +38,7 @@ class Journal {
   /// Appends whole lines. With `sync` they are on the disk when it returns; without, they are safe from all but a power
   /// cut, and on the disk as soon as later ones are, or after sync(). Errors: a full disk; a file that was deleted,
   /// replaced or changed by another program since; a journal in which an earlier attempt failed beyond repair. The
-  /// lines are not in the file then.
+  /// lines are taken out of the file then, as far as the disk lets itself be written.
   Result<void> append(std::string_view lines, bool sync = true);
   /// Whether lines wait for sync(); not where the disk failed for good.
   bool unsynced() const { return !unsynced_.empty() && broken_ == nullptr; }

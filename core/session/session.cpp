@@ -90,9 +90,12 @@ Result<EditReport> EditSession::perform(Action action, bool joined, const std::o
   const bool travels = std::holds_alternative<Undo>(action) || std::holds_alternative<Redo>(action);
   const auto* frame = std::get_if<SetFrame>(&action);
   const bool looks = frame != nullptr && !frame->step;
-  const bool joins = std::exchange(joinable_, false) && joined;
-  auto report = travels ? travel(action, line) : looks ? look(*frame, line) : edit(std::move(action), joins, line);
-  joinable_ = report && !travels && !looks;
+  const bool notes = std::holds_alternative<Note>(action);
+  const bool joinable = std::exchange(joinable_, false);
+  auto report = travels ? travel(action, line)
+                : looks ? look(*frame, line)
+                        : edit(std::move(action), joinable && joined, line);
+  joinable_ = report && !travels && !looks && (joinable || !notes);
   return report;
 }
 
@@ -164,6 +167,7 @@ Result<EditReport> EditSession::edit(Action action, bool joined, const std::opti
     keep(*note);
     return std::move(updated->report);
   }
+  if (!line && !joined) ++steps_made_;
   add_steps(std::move(step));
   tidy();
   return std::move(updated->report);

@@ -35,7 +35,8 @@ struct KeptWithCase {
 };
 
 /// A case being edited: the document, its history and its journal. Belongs to one thread.
-/// An action is computed, then written and synced to the journal, then shown as done.
+/// An action is computed, then written to the journal and synced, then shown as done; apply() says what is synced
+/// later.
 class EditSession {
  public:
   explicit EditSession(Document document, const HistoryLimits& limits = {});
@@ -65,6 +66,8 @@ class EditSession {
 
   const Document& initial_document() const { return history_.start(); }
   int strokes() const;  ///< those left after undo
+  /// Steps that apply() made; those that were undone count too, and what is joined counts as one.
+  std::uint64_t steps_made() const { return steps_made_; }
   int solves() const { return solves_; }
   const KeptWithCase& kept() const { return kept_; }
   std::size_t history_bytes() const { return history_.bytes(); }
@@ -118,7 +121,8 @@ class EditSession {
     LinePlace line;
   };
   std::vector<Look> looks_;
-  bool joinable_ = false;  ///< the last call of apply() made a step
+  bool joinable_ = false;  ///< the last call of apply() that was no note made a step
+  std::uint64_t steps_made_ = 0;
   KeptWithCase kept_;
   std::vector<LinePlace> kept_lines_;  ///< lines that were counted only, and say what is kept
   Deformer deformer_;

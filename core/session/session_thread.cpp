@@ -59,6 +59,7 @@ struct SessionThread::Shared {
 
   void describe(Snapshot& snapshot) {
     snapshot.document = session.shared_document();
+    snapshot.steps_made = session.steps_made();
     snapshot.can_undo = session.can_undo();
     snapshot.can_redo = session.can_redo();
     snapshot.undo_names = session.undo_names(most_names);
@@ -174,7 +175,7 @@ struct SessionThread::Shared {
     } catch (const std::bad_alloc&) {
       snapshot.error =
           done ? "Memory is almost used up. This edit was done, but the next one may fail; close other programs."
-               : "Memory ran out, so this edit was not done; close other programs and try again.";
+               : "Memory ran out, so nothing was changed; close other programs and try again.";
     } catch (const std::exception& error) {
       snapshot.error =
           std::string("This edit could not be done (") + error.what() + "); save the case and start again.";
@@ -235,7 +236,9 @@ struct SessionThread::Shared {
   void post_edit(Job job) {
     {
       const std::lock_guard lock(mutex);
-      next_preview.reset();  // it belonged to the gesture that this edit ends
+      const auto* step = std::get_if<EditStep>(&job);
+      const bool is_note = step != nullptr && std::holds_alternative<Note>(step->action);
+      if (!is_note) next_preview.reset();  // it belonged to the gesture that this edit ends
       jobs.push_back(std::move(job));
     }
     changed.notify_one();

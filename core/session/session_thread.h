@@ -16,7 +16,8 @@ struct Snapshot {
   std::shared_ptr<const Document> shown;     ///< the running preview's document, else `document`
   std::optional<EditReport> preview;         ///< of the running preview
   std::uint64_t revision = 0;                ///< counts every change of this struct
-  std::uint64_t committed = 0;               ///< counts the actions done (or refused) so far
+  std::uint64_t committed = 0;               ///< counts what was done or refused so far: actions, savings, syncs
+  std::uint64_t steps_made = 0;              ///< of this session [EditSession::steps_made]
   std::uint64_t jobs_done = 0;               ///< counts what was posted and is done (or refused): edits and savings
   bool can_undo = false, can_redo = false;
   /// What undo (redo) would take back (do again), the nearest step first; of a long history the nearest only.
@@ -28,8 +29,9 @@ struct Snapshot {
   KeptWithCase kept;           ///< what the case keeps beside its steps
 };
 
-/// Runs an EditSession on a thread of its own, which alone owns the factorisation. The interface posts jobs and
-/// looks at snapshots; it never waits. Previews are absolute and the latest wins; actions queue and none is dropped.
+/// Runs an EditSession on a thread of its own; with it the factorisation for drags is that thread's alone. The
+/// interface posts jobs and looks at snapshots; it never waits. Previews are absolute and the latest wins; actions
+/// queue and none is dropped.
 class SessionThread {
  public:
   /// `wake` is called from the session's thread after every new snapshot.
@@ -37,8 +39,8 @@ class SessionThread {
   /// Finishes the queued actions, then joins.
   ~SessionThread();
 
-  /// Shows what `action` and `then` would give (see EditSession::preview), until the next call; neither ends the
-  /// preview.
+  /// Shows what `action` and `then` would give (see EditSession::preview), until the next call. With no action and no
+  /// `then` the preview ends.
   void preview(std::optional<Action> action, std::vector<Compute> then = {});
   /// Commits an action; `joined` as EditSession::apply takes it. Ends previews, as apply_computed does: one that waits
   /// is dropped, one that is shown stays until the edit is done.

@@ -15,8 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* case_extension = ".homolog";
-
 }  // namespace
 
 fs::path unsaved_folder() {
@@ -72,11 +70,19 @@ std::vector<UnsavedCase> unsaved_cases() {
 }
 
 std::size_t count_steps(const fs::path& journal) {
-  std::size_t steps = 0;
+  std::size_t steps = 0, undone = 0;
   if (const auto file = LineFile::open(journal))
     (void)(*file)->for_each_line([&](std::string_view line, std::uint64_t at, bool) -> Result<void> {
       const LineKind kind = kind_of(line);
-      steps += at > 0 && kind.kind == LineKind::step && !kind.joined ? 1 : 0;
+      if (at == 0) return {};
+      if (kind.kind == LineKind::step) {
+        steps += kind.joined ? 0 : 1;
+        undone = 0;
+      } else if (kind.kind == LineKind::undo && steps > 0) {
+        --steps, ++undone;
+      } else if (kind.kind == LineKind::redo && undone > 0) {
+        ++steps, --undone;
+      }
       return {};
     });
   return steps;

@@ -55,7 +55,7 @@ VertexScalars firm_hold(const Topology& topology, const VertexScalars& w, const 
     pull[i] += w[i] + w[j];
     pull[j] += w[i] + w[j];
   }
-  return 1e4 * pull.cwiseProduct(held);
+  return holding_weight * pull.cwiseProduct(held);
 }
 
 double stiffness_length_mm(double w, double edge_mm) {

@@ -40,9 +40,11 @@ class ShapeSolver {
   std::unique_ptr<SparseCholesky> factor_;
 };
 
-/// How firmly vertices are held against the solve (`held`: 0 free … 1), relative to what else pulls at them: they
-/// follow by a 10,000th and can then be set still; the firm hold lets what is solved fade towards them instead of
-/// tearing at their edge. `w`: the stiffness weights.
+/// The pull of a held vertex, times all that pulls at it otherwise.
+constexpr double holding_weight = 1e4;
+/// Weights that hold vertices almost still (`held`: 0 free … 1). A held vertex follows only a ten-thousandth of the
+/// pull, so it can be put back exactly afterwards. What is solved fades towards it without a tear. `w`: the stiffness
+/// weights.
 VertexScalars firm_hold(const Topology& topology, const VertexScalars& w, const VertexScalars& held);
 
 /// The length over which stiffness carries an edit on a regular mesh of edge `edge_mm`: ℓ = h·√(3w), in mm. This is

@@ -92,6 +92,7 @@ class SilencedErrors {
     gdcm::Trace::ErrorOff();
     std::fflush(stderr);
     before_ = ::dup(STDERR_FILENO);
+    if (before_ < 0) return;  // what is printed then can be borne: nothing could bring it back
     if (const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) {
       ::dup2(nowhere, STDERR_FILENO);
       ::close(nowhere);

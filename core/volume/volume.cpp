@@ -7,6 +7,8 @@
 #include <span>
 #include <type_traits>
 
+#include "core/base/hash.h"
+
 namespace homolog {
 namespace {
 
@@ -68,6 +70,11 @@ std::map<int, std::size_t> count_floats(const float* begin, std::size_t count) {
 
 }  // namespace
 
+bool VolumeGeometry::holds(const Vec3& p_mm) const {
+  const Vec3 voxel = to_voxel(p_mm), last(dims[0] - 0.5, dims[1] - 0.5, dims[2] - 0.5);
+  return (voxel.array() >= -0.5).all() && (voxel.array() <= last.array()).all();
+}
+
 Box VolumeGeometry::bounds_mm() const {
   Box box;
   for (const Vec3& corner : corners(*this, 0.5)) box.extend(corner);
@@ -83,21 +90,16 @@ bool same_grid(const VolumeGeometry& a, const VolumeGeometry& b) {
 }
 
 std::string geometry_hash(const VolumeGeometry& geometry) {
-  std::uint64_t hash = 14695981039346656037u;  // FNV-1a, 64 bits
+  Hash hash;
   const auto add = [&hash](std::int64_t value) {
-    for (int byte = 0; byte < 8; ++byte) {
-      hash ^= static_cast<std::uint64_t>(value) >> (8 * byte) & 0xff;
-      hash *= 1099511628211u;
-    }
+    for (int byte = 0; byte < 8; ++byte) hash.add(static_cast<std::uint64_t>(value) >> (8 * byte) & 0xff);
   };
   const auto add_rounded = [&add](double value) { add(std::llround(value * 1e4)); };
   for (const int n : geometry.dims) add(n);
   for (const double value : geometry.spacing_mm) add_rounded(value);
   for (const double value : geometry.origin_mm) add_rounded(value);
   for (const double value : geometry.direction.reshaped()) add_rounded(value);
-  std::string text(16, '0');
-  for (std::size_t digit = 0; digit < 16; ++digit) text[digit] = "0123456789abcdef"[hash >> (60 - 4 * digit) & 0xf];
-  return text;
+  return hash.hex();
 }
 
 void unite_labels(Volume& label_map, std::span<const int> labels) {

@@ -28,6 +28,8 @@ struct VolumeGeometry {
   }
   Vec3 to_mm(const Vec3& voxel) const { return origin_mm + direction * spacing_mm.cwiseProduct(voxel); }
   Vec3 to_voxel(const Vec3& p_mm) const { return (direction.inverse() * (p_mm - origin_mm)).cwiseQuotient(spacing_mm); }
+  /// Whether a place lies in a voxel, up to the outer faces of the outermost ones.
+  bool holds(const Vec3& p_mm) const;
   /// Box in mm around all voxels (outer faces, not centres).
   Box bounds_mm() const;
   double voxel_volume_mm3() const { return spacing_mm.prod() * std::abs(direction.determinant()); }

@@ -98,7 +98,7 @@ TEST_CASE("the outline of a sphere is a circle two pixels wide to within a pixel
     for (int x = 0; x < target.width; ++x) {
       const double value =
           std::max({pixel(picture, x, y)[0], pixel(picture, x, y)[1], pixel(picture, x, y)[2]}) / 255.0;
-      ink += value / std::max({kMeshColour[0], kMeshColour[1], kMeshColour[2]});
+      ink += value / std::max({mesh_colour[0], mesh_colour[1], mesh_colour[2]});
       const double off_px = std::abs((Eigen::Vector2d(x + 0.5, y + 0.5) - middle_px).norm() - circle_px);
       stray += value > 0.1 && off_px > 2;
     }
@@ -122,7 +122,7 @@ TEST_CASE("an outline's width follows the content scale and its opacity is even 
     for (int x = 0; x < 200; ++x) highest = std::max(highest, pixel(picture, x, y)[0]);
   }
   for (int x = 0; x < 100; ++x) columns += pixel(picture, x, 100)[0] > highest / 2;
-  CHECK(std::abs(highest - 0.5 * 255 * kMeshColour[0]) < 3);
+  CHECK(std::abs(highest - 0.5 * 255 * mesh_colour[0]) < 3);
   CHECK(columns == 6);
 }
 

@@ -179,7 +179,7 @@ TEST_CASE("labels are laid over the image in their colours by nearest voxel") {
   expect(20, 0);
   expect(60, 1);
   expect(100, 300);
-  CHECK(label_colour(300) == label_colour(300 - kLabelColours));
+  CHECK(label_colour(300) == label_colour(300 - label_colour_count));
 }
 
 TEST_CASE("a label's edge is more opaque than its inside") {

@@ -30,7 +30,7 @@ Scene scene_of(const std::shared_ptr<const MeshFile>& shape) {
   const double radius_mm = 0.015 * bounds_of(shape->points).diagonal().norm();
   const Eigen::Index step = 1 + shape->points.rows() / most_dots;
   for (Eigen::Index i = 0; i < shape->points.rows(); i += step)
-    scene.glyphs.glyphs.push_back({shape->points.row(i), kMeshColour, static_cast<float>(radius_mm)});
+    scene.glyphs.glyphs.push_back({shape->points.row(i), mesh_colour, static_cast<float>(radius_mm)});
   return scene;
 }
 

@@ -166,6 +166,48 @@ bool enters_folder(const FileBrowser& browser) {
   return browser.selected >= 0 && at < shown.size() && browser.entries[static_cast<std::size_t>(shown[at])].folder;
 }
 
+/// The button that opens, saves or adds what is chosen.
+void draw_accept(const UiContext& ui, const FileDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const FileBrowser& browser = dialog.browser;
+  const bool opens_folder = dialog.purpose == FilePurpose::open && browser.selected < 0 && browser.name.empty();
+  const std::size_t together = chosen_files(browser).size();
+  const char* verb = browser.kind.saves                                                                      ? "Save"
+                     : dialog.purpose == FilePurpose::add_shapes || dialog.purpose == FilePurpose::add_scans ? "Add"
+                                                                                                             : "Open";
+  const std::string label = together > 1             ? format("%s %zu", verb, together)
+                            : enters_folder(browser) ? "Open"
+                            : opens_folder           ? "Open folder"
+                                                     : verb;
+  if (button(theme, label,
+             opens_folder             ? "Open this folder as a DICOM series"
+             : enters_folder(browser) ? "Goes to the chosen folder (Enter)"
+                                      : "Enter",
+             opens_folder ? std::string() : refusal_of(browser), theme.px(96), true)) {
+    if (opens_folder) {
+      out.send(OpenFiles{{browser.folder}});
+      out.send(CloseDialog{});
+    } else {
+      out.send(AcceptFile{});
+    }
+  }
+}
+
+/// The last row: how several are chosen, and which files are listed.
+void draw_list_options(const UiContext& ui, const FileDialog& dialog, Outbox& out) {
+  const Theme& theme = ui.theme;
+  bool all = dialog.browser.show_all;
+  const bool takes_several = file_purpose(dialog.purpose).command_of_several != nullptr;
+  if (takes_several) {
+    const float y = ImGui::GetCursorPosY();
+    ImGui::SetCursorPosY(y + std::floor((theme.px(24) - ImGui::GetFontSize()) / 2));
+    text_line("Ctrl or Shift with a click chooses several files.", palette::dim);
+    ImGui::SameLine(ImGui::GetWindowWidth() - theme.px(260));
+    ImGui::SetCursorPosY(y);
+  }
+  if (toggle(theme, "All files, also hidden ones", all, "Shows files of other kinds too")) out.send(ShowAllFiles{all});
+}
+
 }  // namespace
 
 void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out) {
@@ -213,35 +255,8 @@ void draw_file_dialog(const UiContext& ui, const FileDialog& dialog, Outbox& out
     }
     ImGui::SameLine(0, theme.px(8));
   }
-  const bool opens_folder = dialog.purpose == FilePurpose::open && browser.selected < 0 && browser.name.empty();
-  const std::size_t together = chosen_files(browser).size();
-  const char* verb = saving ? "Save" : adds_all || dialog.purpose == FilePurpose::add_scans ? "Add" : "Open";
-  const std::string label = together > 1             ? format("%s %zu", verb, together)
-                            : enters_folder(browser) ? "Open"
-                            : opens_folder           ? "Open folder"
-                                                     : verb;
-  if (button(theme, label,
-             opens_folder             ? "Open this folder as a DICOM series"
-             : enters_folder(browser) ? "Goes to the chosen folder (Enter)"
-                                      : "Enter",
-             opens_folder ? std::string() : refusal_of(browser), theme.px(96), true)) {
-    if (opens_folder) {
-      out.send(OpenFiles{{browser.folder}});
-      out.send(CloseDialog{});
-    } else {
-      out.send(AcceptFile{});
-    }
-  }
-  bool all = browser.show_all;
-  const bool takes_several = file_purpose(dialog.purpose).command_of_several != nullptr;
-  if (takes_several) {
-    const float y = ImGui::GetCursorPosY();
-    ImGui::SetCursorPosY(y + std::floor((theme.px(24) - ImGui::GetFontSize()) / 2));
-    text_line("Ctrl or Shift with a click chooses several files.", palette::dim);
-    ImGui::SameLine(ImGui::GetWindowWidth() - theme.px(260));
-    ImGui::SetCursorPosY(y);
-  }
-  if (toggle(theme, "All files, also hidden ones", all, "Shows files of other kinds too")) out.send(ShowAllFiles{all});
+  draw_accept(ui, dialog, out);
+  draw_list_options(ui, dialog, out);
   end_dialog();
 }
 

@@ -8,40 +8,14 @@
 #include <tuple>
 #include <vector>
 
+#include "app/editor/interface/landmark_marks.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/case/held_landmarks.h"
 
 namespace homolog {
 
 namespace {
-
-ImVec2 to_im(const Eigen::Vector2d& p) {
-  return {static_cast<float>(p.x()), static_cast<float>(p.y())};
-}
-
-/// The letters of a direction at the view's edge.
-struct Letters {
-  std::string text;
-  ImVec2 at, size;
-};
-
-std::array<Letters, 4> letters_of(const UiContext& ui, const ViewMap& map) {
-  const RectPx& rect = map.rect();
-  ImFont* font = ui.theme.strong;
-  const float inset = ui.theme.px(8);
-  const Vec3 right = map.right();
-  const Vec3 down = map.is_slice() ? map.slice().down : Vec3(-ui.state.camera.up);
-  const auto put = [&](const Vec3& direction, float share_x, float share_y) {
-    const std::string letters = direction_letters(direction);
-    const ImVec2 size = text_size(font, letters);
-    const ImVec2 at{std::round(rect.x + inset + (rect.width - 2 * inset - size.x) * share_x),
-                    std::round(rect.y + inset + (rect.height - 2 * inset - size.y) * share_y)};
-    return Letters{letters, at, size};
-  };
-  return {put(-right, 0, 0.5f), put(right, 1, 0.5f), put(-down, 0.5f, 0), put(down, 0.5f, 1)};
-}
 
 void draw_letters(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   for (const Letters& one : letters_of(ui, map)) shadowed_text(draw, ui.theme.strong, one.at, palette::mark, one.text);
@@ -94,155 +68,8 @@ void draw_crosshair(const UiContext& ui, ViewKind kind, const ViewMap& map, ImDr
     const Eigen::Vector2d unit = along.normalized();
     const ImU32 colour = with_alpha(view_hue(other), 0.55f);
     for (const double sign : {-1.0, 1.0})
-      draw.AddLine(to_im(*middle + sign * static_cast<double>(gap_px) * unit),
-                   to_im(*middle + sign * static_cast<double>(reach) * unit), colour, ui.theme.px(1));
-  }
-}
-
-/// Names beside their points, each at the first side that has room in the view and where it covers no other and none of
-/// the letters; none where all sides are taken.
-class NameTags {
- public:
-  NameTags(const Theme& theme, const RectPx& view, ImDrawList& draw) : theme_(theme), draw_(draw), view_(view) {}
-  /// Keeps names off a text.
-  void block(const Letters& letters) {
-    taken_.push_back({letters.at, {letters.at.x + letters.size.x, letters.at.y + letters.size.y}});
-  }
-  /// Keeps names off a point.
-  void block(ImVec2 at) {
-    const float reach = theme_.px(5);
-    taken_.push_back({{at.x - reach, at.y - reach}, {at.x + reach, at.y + reach}});
-  }
-  void put(ImVec2 at, const std::string& name, float alpha) {
-    const ImVec2 size = text_size(theme_.small, name);
-    const float aside = theme_.px(9), middle = size.y / 2;
-    // Above and below a name may stand off its point's middle, where the view ends.
-    const float edge = theme_.px(2);
-    const auto low = static_cast<float>(view_.x) + edge;
-    const float high = static_cast<float>(view_.x + view_.width) - edge - size.x;
-    const float x = std::max(low, std::min(at.x - size.x / 2, high));
-    for (const ImVec2 corner : {ImVec2{at.x + aside, at.y - middle}, ImVec2{at.x - aside - size.x, at.y - middle},
-                                ImVec2{x, at.y - aside - size.y}, ImVec2{x, at.y + aside}}) {
-      const Rect tag{corner, {corner.x + size.x, corner.y + size.y}};
-      const bool beyond =
-          corner.x < low || corner.x > high || corner.y < view_.y || corner.y + size.y > view_.y + view_.height;
-      if (beyond) continue;
-      if (std::any_of(taken_.begin(), taken_.end(), [&](const Rect& other) { return tag.meets(other); })) continue;
-      taken_.push_back(tag);
-      shadowed_text(draw_, theme_.small, corner, with_alpha(palette::mark, alpha), name);
-      return;
-    }
-  }
-
- private:
-  struct Rect {
-    ImVec2 low, high;
-    bool meets(const Rect& o) const {
-      return low.x < o.high.x && o.low.x < high.x && low.y < o.high.y && o.low.y < high.y;
-    }
-  };
-  const Theme& theme_;
-  ImDrawList& draw_;
-  RectPx view_;
-  std::vector<Rect> taken_;
-};
-
-/// How clearly a landmark is shown: fading with its distance from a slice, faint behind the planes of the 3D view.
-float landmark_alpha(const UiContext& ui, const ViewMap& map, const Vec3& p_mm, const Eigen::Vector2d& px) {
-  const VolumeGeometry geometry = geometry_of(ui.document());
-  if (!map.is_slice()) {
-    constexpr float behind = 0.25f;
-    return hidden_by_planes(shown_planes(ui.state, ui.document()), geometry, map.ray(px.x(), px.y()), p_mm) ? behind
-                                                                                                            : 1;
-  }
-  const double reach_mm = 4 * slice_step_mm(geometry, map.into_screen());
-  const double off_mm = std::abs(map.into_screen().dot(p_mm - map.slice().centre));
-  return off_mm > reach_mm ? 0.0f : static_cast<float>(1 - 0.7 * off_mm / reach_mm);
-}
-
-/// A landmark in one view: where it was placed, and where the mesh has it.
-struct ShownLandmark {
-  std::string name;
-  std::optional<ImVec2> placed, carried;  ///< in px; none where that is not in the view
-  float alpha = 1, carried_alpha = 1;
-  bool met = false, held = false, lit = false;
-};
-
-/// Whether a landmark lies on the far side of the mesh, as the 3D view looks at it.
-bool faces_away(const UiContext& ui, std::size_t landmark, const Points& points) {
-  const Template& the_template = *ui.document().the_template;
-  const auto t = the_template.topology->triangles().row(the_template.landmark_points[landmark].face);
-  const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
-  return (b - a).cross(c - a).dot(ui.state.camera.to_eye) < 0;
-}
-
-std::vector<ShownLandmark> shown_landmarks(const UiContext& ui, const ViewMap& map) {
-  constexpr float behind = 0.25f;
-  const Template& the_template = *ui.document().the_template;
-  const Shape& shape = ui.document().shape();
-  std::vector<ShownLandmark> all;
-  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
-    const LandmarkHold hold = landmark_hold(the_template, l, shape);
-    ShownLandmark one{the_template.landmarks[l].name};
-    one.met = hold.met;
-    one.held = hold.held;
-    one.lit = hold.placed && ui.state.hover && ui.state.hover->landmark == one.name;
-    const float side = !map.is_slice() && faces_away(ui, l, *shape.points) ? behind : 1;
-    const auto look_at = [&](const Vec3& p_mm, std::optional<ImVec2>& at, float& alpha) {
-      const auto px = map.to_px(p_mm);
-      if (!px) return;
-      alpha = side * landmark_alpha(ui, map, p_mm, *px);
-      if (alpha > 0) at = to_im(*px);
-    };
-    if (hold.placed) look_at(shape.landmarks.at(one.name), one.placed, one.alpha);
-    if (!hold.met) look_at(carried_landmark(the_template, l, *shape.points), one.carried, one.carried_alpha);
-    if (one.placed || one.carried) all.push_back(std::move(one));
-  }
-  for (const auto& [name, p_mm] : shape.landmarks) {  // of a template that named more
-    const auto is_it = [&called = name](const Landmark& landmark) { return landmark.name == called; };
-    if (std::any_of(the_template.landmarks.begin(), the_template.landmarks.end(), is_it)) continue;
-    const auto px = map.to_px(p_mm);
-    const float alpha = px ? landmark_alpha(ui, map, p_mm, *px) : 0;
-    if (alpha > 0) all.push_back({name, to_im(*px), std::nullopt, alpha});
-  }
-  return all;
-}
-
-/// Dots where landmarks were placed, filled where the mesh is held there; rings where the mesh has those that it does
-/// not meet. Each is named once; what lies behind the surface is faint and has no name.
-void draw_landmarks(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
-  if (ui.making_shown) return;
-  auto shown = shown_landmarks(ui, map);
-  NameTags tags(ui.theme, map.rect(), draw);
-  if (ui.state.preferences.show.letters)
-    for (const Letters& one : letters_of(ui, map)) tags.block(one);
-  for (const ShownLandmark& one : shown) {
-    if (one.placed) tags.block(*one.placed);
-    if (one.carried) tags.block(*one.carried);
-  }
-  // What is pointed at is named first, then what was placed, then what is nearest.
-  std::stable_sort(shown.begin(), shown.end(), [](const ShownLandmark& a, const ShownLandmark& b) {
-    if (a.lit != b.lit) return a.lit;
-    if (a.placed.has_value() != b.placed.has_value()) return a.placed.has_value();
-    return a.alpha > b.alpha;
-  });
-  const bool named = ui.state.tool == MouseTool::template_landmark || ui.state.tool == MouseTool::landmark;
-  constexpr float faint = 0.3f;
-  for (const ShownLandmark& one : shown) {
-    if (one.carried) {
-      const float alpha = 0.8f * one.carried_alpha;
-      if (one.placed)
-        draw.AddLine(*one.carried, *one.placed, with_alpha(palette::amber, std::min(alpha, one.alpha)),
-                     1.5f * ui.theme.scale);
-      draw.AddCircle(*one.carried, ui.theme.px(4), with_alpha(palette::mark, alpha), 0, ui.theme.px(1.5f));
-      if (!one.placed && named && alpha > faint) tags.put(*one.carried, one.name, alpha);
-    }
-    if (!one.placed) continue;
-    const float radius = ui.theme.px(one.lit ? 5 : 4);
-    draw.AddCircleFilled(*one.placed, radius, with_alpha(palette::accent, one.alpha));
-    if (!one.held) draw.AddCircleFilled(*one.placed, radius / 2, with_alpha(palette::window, one.alpha));
-    draw.AddCircle(*one.placed, radius + ui.theme.px(1), with_alpha(IM_COL32_BLACK, 0.6f * one.alpha));
-    if (one.alpha > faint || one.lit) tags.put(*one.placed, one.name, one.alpha);
+      draw.AddLine(on_screen(*middle + sign * static_cast<double>(gap_px) * unit),
+                   on_screen(*middle + sign * static_cast<double>(reach) * unit), colour, ui.theme.px(1));
   }
 }
 
@@ -257,10 +84,11 @@ void draw_placement_handles(const UiContext& ui, const ViewMap& map, ImDrawList&
   }
   const auto colour = [&](PlacePart part) { return lit == part ? palette::accent : with_alpha(palette::mark, 0.7f); };
   const auto radius = static_cast<float>(handles->radius_px);
-  draw.AddCircle(to_im(handles->centre_px), radius, colour(PlacePart::ring), 0, lit == PlacePart::ring ? 2.0f : 1.5f);
-  draw.AddCircleFilled(to_im(handles->knob_px), ui.theme.px(6), IM_COL32(0x0E, 0x0F, 0x11, 255));
-  draw.AddCircle(to_im(handles->knob_px), ui.theme.px(6), colour(PlacePart::knob), 0, 2);
-  const ImVec2 centre = to_im(handles->centre_px);
+  draw.AddCircle(on_screen(handles->centre_px), radius, colour(PlacePart::ring), 0,
+                 lit == PlacePart::ring ? 2.0f : 1.5f);
+  draw.AddCircleFilled(on_screen(handles->knob_px), ui.theme.px(6), IM_COL32(0x0E, 0x0F, 0x11, 255));
+  draw.AddCircle(on_screen(handles->knob_px), ui.theme.px(6), colour(PlacePart::knob), 0, 2);
+  const ImVec2 centre = on_screen(handles->centre_px);
   const float arm = ui.theme.px(6);
   draw.AddLine({centre.x - arm, centre.y}, {centre.x + arm, centre.y}, colour(PlacePart::body), 1.5f);
   draw.AddLine({centre.x, centre.y - arm}, {centre.x, centre.y + arm}, colour(PlacePart::body), 1.5f);
@@ -268,7 +96,7 @@ void draw_placement_handles(const UiContext& ui, const ViewMap& map, ImDrawList&
 
 void draw_ring(ImDrawList& draw, const ViewMap& map, const Vec3& at_mm, double radius_mm, ImU32 colour) {
   const auto px = map.to_px(at_mm);
-  if (px) draw.AddCircle(to_im(*px), static_cast<float>(radius_mm / map.mm_per_px(at_mm)), colour, 0, 1.5f);
+  if (px) draw.AddCircle(on_screen(*px), static_cast<float>(radius_mm / map.mm_per_px(at_mm)), colour, 0, 1.5f);
 }
 
 /// The gesture's hold on the surface, its σ as a ring, and how far it moved, at the cursor.
@@ -277,7 +105,7 @@ void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map
   const ImU32 colour = stopped ? palette::amber : palette::mark;
   const Vec3 held = ui.snapshot.preview && ui.snapshot.preview->on ? *ui.snapshot.preview->on : drag.stroke.at;
   draw_ring(draw, map, held, drag.stroke.sigma_mm, with_alpha(colour, 0.55f));
-  if (const auto px = map.to_px(held)) draw.AddCircleFilled(to_im(*px), ui.theme.px(3), colour);
+  if (const auto px = map.to_px(held)) draw.AddCircleFilled(on_screen(*px), ui.theme.px(3), colour);
   if (!ui.state.hover || !drag.moved) return;
   const double moved_mm = ui.snapshot.preview ? ui.snapshot.preview->moved_mm : 0;
   const auto& figures = ui.quality.latest();
@@ -311,19 +139,19 @@ void draw_finding(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
     const auto corners = triangles.row(shown.finding.faces[k]);
     const auto a = map.to_px(points.row(corners[0])), b = map.to_px(points.row(corners[1])),
                c = map.to_px(points.row(corners[2]));
-    if (a && b && c) draw.AddTriangle(to_im(*a), to_im(*b), to_im(*c), colour, ui.theme.px(1.5f));
+    if (a && b && c) draw.AddTriangle(on_screen(*a), on_screen(*b), on_screen(*c), colour, ui.theme.px(1.5f));
   }
   const auto px = map.to_px(at);
   if (!px) return;
-  draw.AddCircle(to_im(*px), ui.theme.px(14), IM_COL32(0, 0, 0, 160), 0, ui.theme.px(4));
-  draw.AddCircle(to_im(*px), ui.theme.px(14), colour, 0, ui.theme.px(2));
+  draw.AddCircle(on_screen(*px), ui.theme.px(14), IM_COL32(0, 0, 0, 160), 0, ui.theme.px(4));
+  draw.AddCircle(on_screen(*px), ui.theme.px(14), colour, 0, ui.theme.px(2));
   if (map.is_slice()) return;
   const std::string text = finding_words(shown.finding.kind) +
                            (shown.of > 1 ? format(", %zu of %zu (J: next)", shown.number, shown.of) : "");
   const float width = text_size(ui.theme.strong, text).x, margin = ui.theme.px(8);
   const float left = map.rect().x + margin, right = map.rect().x + map.rect().width - margin - width;
   shadowed_text(draw, ui.theme.strong,
-                {std::max(left, std::min(to_im(*px).x - width / 2, right)), to_im(*px).y + ui.theme.px(20)},
+                {std::max(left, std::min(on_screen(*px).x - width / 2, right)), on_screen(*px).y + ui.theme.px(20)},
                 palette::mark, text);
 }
 
@@ -341,8 +169,8 @@ void draw_hover(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const double radius_mm = is_brush(tool) ? ui.state.brush.radius_mm : ui.state.sigma_mm();
   draw_ring(draw, map, *hover.on_mesh, radius_mm, with_alpha(palette::mark, 0.35f));
   if (const auto px = map.to_px(*hover.on_mesh)) {
-    draw.AddCircleFilled(to_im(*px), ui.theme.px(4), palette::mark);
-    draw.AddCircle(to_im(*px), ui.theme.px(5), IM_COL32(0, 0, 0, 160));
+    draw.AddCircleFilled(on_screen(*px), ui.theme.px(4), palette::mark);
+    draw.AddCircle(on_screen(*px), ui.theme.px(5), IM_COL32(0, 0, 0, 160));
   }
 }
 
@@ -356,11 +184,11 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   };
   const bool in_plane = near(ruler.from) && near(ruler.to);
   const ImU32 colour = with_alpha(palette::accent, in_plane ? 1.0f : 0.35f);
-  draw.AddLine(to_im(*from), to_im(*to), colour, 1.5f * ui.theme.scale);
-  for (const auto& end : {*from, *to}) draw.AddCircleFilled(to_im(end), ui.theme.px(3), colour);
+  draw.AddLine(on_screen(*from), on_screen(*to), colour, 1.5f * ui.theme.scale);
+  for (const auto& end : {*from, *to}) draw.AddCircleFilled(on_screen(end), ui.theme.px(3), colour);
   const Eigen::Vector2d middle = (*from + *to) / 2;
   if (in_plane)
-    shadowed_text(draw, ui.theme.strong, {to_im(middle).x + ui.theme.px(8), to_im(middle).y + ui.theme.px(4)},
+    shadowed_text(draw, ui.theme.strong, {on_screen(middle).x + ui.theme.px(8), on_screen(middle).y + ui.theme.px(4)},
                   palette::mark, format("%.1f mm", ruler.length_mm()));
 }
 
@@ -379,17 +207,17 @@ void draw_guide_arrow(const UiContext& ui, const GuideStep& step, const ViewMap&
   if (length > 0.5) {
     const Eigen::Vector2d along = way / length, across(-along.y(), along.x());
     const Eigen::Vector2d tip = *from + std::max(length, shortest) * along, neck = tip - head * along;
-    const ImVec2 low = to_im(neck + 0.6 * head * across), high = to_im(neck - 0.6 * head * across);
-    const ImVec2 left = to_im(*to + bar * across), right = to_im(*to - bar * across);
-    draw.AddLine(to_im(*from), to_im(neck), edge, thick + rim);
+    const ImVec2 low = on_screen(neck + 0.6 * head * across), high = on_screen(neck - 0.6 * head * across);
+    const ImVec2 left = on_screen(*to + bar * across), right = on_screen(*to - bar * across);
+    draw.AddLine(on_screen(*from), on_screen(neck), edge, thick + rim);
     draw.AddLine(left, right, edge, thick + rim);
-    draw.AddTriangle(to_im(tip), low, high, edge, rim);
-    draw.AddLine(to_im(*from), to_im(neck), colour, thick);
-    draw.AddTriangleFilled(to_im(tip), low, high, colour);
+    draw.AddTriangle(on_screen(tip), low, high, edge, rim);
+    draw.AddLine(on_screen(*from), on_screen(neck), colour, thick);
+    draw.AddTriangleFilled(on_screen(tip), low, high, colour);
     draw.AddLine(left, right, colour, thick);
   }
-  draw.AddCircleFilled(to_im(*from), ui.theme.px(4), with_alpha(IM_COL32_WHITE, here ? 1.0f : 0.35f));
-  draw.AddCircle(to_im(*from), ui.theme.px(4.5f), edge, 0, ui.theme.px(1.5f));
+  draw.AddCircleFilled(on_screen(*from), ui.theme.px(4), with_alpha(IM_COL32_WHITE, here ? 1.0f : 0.35f));
+  draw.AddCircle(on_screen(*from), ui.theme.px(4.5f), edge, 0, ui.theme.px(1.5f));
 }
 
 void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {

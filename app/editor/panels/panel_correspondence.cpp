@@ -67,14 +67,11 @@ void draw_colouring_legend(const UiContext& ui) {
   if (legend.has_outliers) draw_names(ui.theme, {"", "", "", {outlier_grey}, {"the scan lacks this part"}});
 }
 
-void draw_correspondence_section(const UiContext& ui, Outbox& out) {
+namespace {
+
+/// What the colours of the mesh show, with their legend.
+void draw_colour_choice(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  if (!ui.has_shape()) {
-    explanation(theme, ui.document().the_template ? ui.needs_shape()
-                                                  : "Load a template first (Template). Then this section shows whether "
-                                                    "the mesh keeps its correspondence.");
-    return;
-  }
   std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Regions", "Triangles", "Known", "Doubt"};
   std::vector<std::string> tips{"Each vertex in its own hue, the same in all cases",
                                 "Edge length: blue is shorter than on the template, red is longer",
@@ -106,8 +103,11 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
                "Smallest distance between two glyphs, on the template", released))
       out.send(SpaceGlyphs{spacing_mm});
   }
-  if (!ui.quality.latest()) return explanation(theme, ui.quality.error().empty() ? "Measuring…" : ui.quality.error());
-  const QualityFigures& q = *ui.quality.latest();
+}
+
+/// Figures of the mesh; those of faults lead to the next one.
+void draw_quality(const UiContext& ui, const QualityFigures& q, Outbox& out) {
+  const Theme& theme = ui.theme;
   figure(theme, "Volume", format("%.2f ml", q.volume_ml), "Volume inside the mesh. Openings count as closed flat");
   figure(theme, "Edge stretch", format("%.2f to %.2f, median %.2f", q.stretch_low, q.stretch_high, q.stretch_median),
          "Edge length divided by that of the placed template. 90 % of the edges lie between the first two "
@@ -146,6 +146,21 @@ void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   faults("Intersecting pairs", format("%zu%s", q.intersecting, q.all_intersecting ? "" : "+"),
          "Pairs of triangles that pass through each other", FindingKind::intersecting, q.intersecting > 0,
          palette::bad);
+}
+
+}  // namespace
+
+void draw_correspondence_section(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  if (!ui.has_shape()) {
+    explanation(theme, ui.document().the_template ? ui.needs_shape()
+                                                  : "Load a template first (Template). Then this section shows whether "
+                                                    "the mesh keeps its correspondence.");
+    return;
+  }
+  draw_colour_choice(ui, out);
+  if (!ui.quality.latest()) return explanation(theme, ui.quality.error().empty() ? "Measuring…" : ui.quality.error());
+  draw_quality(ui, *ui.quality.latest(), out);
   draw_refinement(ui, out);
 }
 

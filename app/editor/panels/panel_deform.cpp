@@ -23,9 +23,8 @@ void draw_sigma(const UiContext& ui, Outbox& out) {
   double sigma_mm = ui.state.sigma_mm();
   bool released = false;
   if (slider(theme, "Width \xcf\x83", sigma_mm, {smallest_sigma_mm, 100, "%.1f", "mm", true},
-             "How wide a stroke is. This slider changes the preset above. During a drag the wheel changes the width, "
-             "but no preset",
-             released, ui.needs_shape()))
+             "How wide a stroke is. This slider changes the chosen preset. The wheel during a drag does not", released,
+             ui.needs_shape()))
     out.send(SetSigma{sigma_mm});
 }
 

@@ -4,6 +4,8 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/base/listed.h"
+#include "core/mesh/formats/formats.h"
 
 namespace homolog {
 
@@ -38,8 +40,9 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
     out.send(ShowFileDialog{purpose, file});
   };
   if (button(theme, "Mesh…",
-             "With the template's numbering, ready for a shape model: .ply, .vtk, .vtp, .obj. An .stl keeps no "
-             "numbering, .particles no faces",
+             "With the template's numbering, ready for a shape model: " +
+                 listed(mesh_format_extensions(&MeshFormat::keeps_numbers), " or ") +
+                 ". Other formats keep no numbering",
              ui.needs_shape(), width))
     ask(FilePurpose::export_mesh, name + ".ply");
   const std::string refusal = ui.needs_shape().empty() ? ui.needs_volume() : ui.needs_shape();

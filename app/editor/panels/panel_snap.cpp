@@ -13,7 +13,7 @@ bool draw_learning(const UiContext& ui, SnapSettings& snap) {
              "A snap then looks for the boundary as it appears at each vertex in the study's done cases (the first "
              "eight), not for any edge",
              cases == 0                             ? "Open a study and mark cases as done (Models)."
-             : snap.polarity != Polarity::automatic ? "Choose Auto above first. Learning finds the polarity by itself."
+             : snap.polarity != Polarity::automatic ? "Choose Auto above first. A learned boundary needs no polarity."
                                                     : "");
   if (!snap.learn || cases == 0) return changed;
   if (ui.study_appearance.busy())

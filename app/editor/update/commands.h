@@ -12,6 +12,7 @@
 #include "app/editor/update/commands/file_commands.h"
 #include "app/editor/update/commands/models_commands.h"
 #include "app/editor/update/commands/optimise_commands.h"
+#include "app/editor/update/commands/study_commands.h"
 #include "app/editor/update/commands/template_commands.h"
 #include "app/editor/update/commands/tool_commands.h"
 #include "app/editor/update/commands/view_commands.h"

@@ -45,74 +45,128 @@ void paint_to(EditorState& state, const ControlsContext& context, double x_px, d
   drag.y_px = y_px;
 }
 
-void start_left_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
-  const Hover& hover = *state.hover;
-  const ViewMap map = view_map(state, context.layout, context.document, hover.view);
-  const bool in_space = hover.view == ViewKind::space;
-  // What is taken hold of belongs to the frame that is shown.
-  const auto stay_at_frame = [&] {
+/// A press of the left button: where, and what lies there.
+struct Press {
+  EditorState& state;
+  const InputEvent& event;
+  const ControlsContext& context;
+  Outbox& out;
+  const Hover& hover;
+
+  const Document& document() const { return context.document; }
+  ViewMap map() const { return view_map(state, context.layout, document(), hover.view); }
+  bool in_space() const { return hover.view == ViewKind::space; }
+  /// What is taken hold of belongs to the frame that is shown.
+  void stay_at_frame() const {
     if (state.playing) out.send(PlayFrames{false});
-  };
-  if (const auto tool = stroke_tool(state.tool)) {
-    if (hover.on_mesh) {
-      stay_at_frame();
-      StrokeDrag drag;
-      drag.view = hover.view;
-      drag.stroke.tool = *tool;
-      drag.stroke.at = drag.stroke.to = *hover.on_mesh;
-      drag.stroke.sigma_mm = state.sigma_mm();
-      drag.stroke.through_space = state.through_space;
-      drag.stroke.strength = state.relax_strength;
-      drag.press_mm = map.on_facing_plane(event.x_px, event.y_px, *hover.on_mesh);
-      state.drag = drag;
-      return;
-    }
-  } else if (state.tool == MouseTool::place && hover.part != PlacePart::none && context.document.has_shape()) {
-    stay_at_frame();
-    PlaceDrag drag;
-    drag.view = hover.view;
-    drag.part = hover.part;
-    drag.start = drag.now = context.document.shape().placement;
-    drag.centre_mm = bounds_of(*context.document.shape().points).center();
-    drag.press_mm = map.on_facing_plane(event.x_px, event.y_px, drag.centre_mm);
-    state.drag = drag;
-    return;
-  } else if (state.tool == MouseTool::landmark && context.document.has_shape() && hover.p_mm) {
-    stay_at_frame();
-    const auto& placed = context.document.shape().landmarks;
-    if (const auto known = placed.find(hover.landmark); known != placed.end()) {
-      state.drag = LandmarkDrag{hover.view, known->first, known->second, known->second - *hover.p_mm, false};
-      return;
-    }
-    if (const std::string name = landmark_in_hand(state, context.document); !name.empty()) {
-      state.drag = LandmarkDrag{hover.view, name, *hover.p_mm};
-      out.preview(drag_action(state));
-      return;
-    }
-  } else if (is_brush(state.tool) && context.document.has_shape() && (hover.on_mesh || !in_space)) {
-    if (paints_regions(state) && context.document.regions->list.empty())
-      return add_notice(state, "There is no region to paint yet. Add one first (Template, Regions).");
-    stay_at_frame();
-    state.drag = BrushDrag{hover.view, event.x_px, event.y_px, 0, false, event.alt};
-    paint_to(state, context, event.x_px, event.y_px, out);
-    return;
-  } else if (state.tool == MouseTool::template_landmark && hover.on_mesh) {
-    if (state.template_landmark.empty())
-      return add_notice(state, "Type the landmark's name first (Template), or choose one in the list to move it.",
-                        false);
-    // A new one is done with its click; whoever moves those that are there may go on in their list.
-    const auto& known = context.document.the_template->landmarks;
-    const bool is_new = std::none_of(known.begin(), known.end(),
-                                     [&](const Landmark& one) { return one.name == state.template_landmark; });
-    if (is_new) state.tool = state.tool_before_naming;
-    out.apply(SetTemplateLandmark{std::exchange(state.template_landmark, {}), *hover.on_mesh});
-    return;
-  } else if (state.tool == MouseTool::ruler && hover.p_mm) {
-    state.ruler = Ruler{*hover.p_mm, *hover.p_mm};
-    state.drag = RulerDrag{hover.view};
-    return;
   }
-  if (in_space) state.drag = TurnDrag{event.x_px, event.y_px, state.camera};
+};
+
+// What each tool begins with a press. False where there is nothing for it.
+
+bool start_stroke(const Press& press, Tool tool) {
+  const auto& [state, event, context, out, hover] = press;
+  if (!hover.on_mesh) return false;
+  press.stay_at_frame();
+  StrokeDrag drag;
+  drag.view = hover.view;
+  drag.stroke.tool = tool;
+  drag.stroke.at = drag.stroke.to = *hover.on_mesh;
+  drag.stroke.sigma_mm = state.sigma_mm();
+  drag.stroke.through_space = state.through_space;
+  drag.stroke.strength = state.relax_strength;
+  drag.press_mm = press.map().on_facing_plane(event.x_px, event.y_px, *hover.on_mesh);
+  state.drag = drag;
+  return true;
+}
+
+bool start_placing(const Press& press) {
+  const auto& [state, event, context, out, hover] = press;
+  if (hover.part == PlacePart::none || !press.document().has_shape()) return false;
+  press.stay_at_frame();
+  PlaceDrag drag;
+  drag.view = hover.view;
+  drag.part = hover.part;
+  drag.start = drag.now = press.document().shape().placement;
+  drag.centre_mm = bounds_of(*press.document().shape().points).center();
+  drag.press_mm = press.map().on_facing_plane(event.x_px, event.y_px, drag.centre_mm);
+  state.drag = drag;
+  return true;
+}
+
+bool start_landmark(const Press& press) {
+  const auto& [state, event, context, out, hover] = press;
+  if (!press.document().has_shape() || !hover.p_mm) return false;
+  press.stay_at_frame();
+  const auto& placed = press.document().shape().landmarks;
+  if (const auto known = placed.find(hover.landmark); known != placed.end()) {
+    state.drag = LandmarkDrag{hover.view, known->first, known->second, known->second - *hover.p_mm, false};
+    return true;
+  }
+  const std::string name = landmark_in_hand(state, press.document());
+  if (name.empty()) return false;
+  state.drag = LandmarkDrag{hover.view, name, *hover.p_mm};
+  out.preview(drag_action(state));
+  return true;
+}
+
+bool start_brush(const Press& press) {
+  const auto& [state, event, context, out, hover] = press;
+  if (!press.document().has_shape() || (!hover.on_mesh && press.in_space())) return false;
+  if (paints_regions(state) && press.document().regions->list.empty()) {
+    add_notice(state, "There is no region to paint yet. Add one first (Template, Regions).");
+    return true;
+  }
+  press.stay_at_frame();
+  state.drag = BrushDrag{hover.view, event.x_px, event.y_px, 0, false, event.alt};
+  paint_to(state, context, event.x_px, event.y_px, out);
+  return true;
+}
+
+bool set_template_landmark(const Press& press) {
+  const auto& [state, event, context, out, hover] = press;
+  if (!hover.on_mesh) return false;
+  if (state.template_landmark.empty()) {
+    add_notice(state, "Type the landmark's name first (Template), or choose one in the list to move it.", false);
+    return true;
+  }
+  // A new one is done with its click; whoever moves those that are there may go on in their list.
+  const auto& known = press.document().the_template->landmarks;
+  const bool is_new = std::none_of(known.begin(), known.end(),
+                                   [&](const Landmark& one) { return one.name == state.template_landmark; });
+  if (is_new) state.tool = state.tool_before_naming;
+  out.apply(SetTemplateLandmark{std::exchange(state.template_landmark, {}), *hover.on_mesh});
+  return true;
+}
+
+bool start_ruler(const Press& press) {
+  if (!press.hover.p_mm) return false;
+  press.state.ruler = Ruler{*press.hover.p_mm, *press.hover.p_mm};
+  press.state.drag = RulerDrag{press.hover.view};
+  return true;
+}
+
+bool start_tool(const Press& press) {
+  const MouseTool tool = press.state.tool;
+  if (const auto stroke = stroke_tool(tool)) return start_stroke(press, *stroke);
+  if (is_brush(tool)) return start_brush(press);
+  switch (tool) {
+    case MouseTool::place:
+      return start_placing(press);
+    case MouseTool::landmark:
+      return start_landmark(press);
+    case MouseTool::template_landmark:
+      return set_template_landmark(press);
+    case MouseTool::ruler:
+      return start_ruler(press);
+    default:
+      return false;
+  }
+}
+
+void start_left_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
+  const Press press{state, event, context, out, *state.hover};
+  if (!start_tool(press) && press.in_space()) state.drag = TurnDrag{event.x_px, event.y_px, state.camera};
 }
 
 }  // namespace

@@ -22,8 +22,9 @@ struct KeyMoment {
   int code;
 };
 
-/// A key, or keys that belong together: the only place that knows them. The list that F1 shows is made of these rows,
-/// and a test holds docs/editing.md to them.
+/// A key, or keys that belong together, of the case's views or the Models mode. The list that F1 shows is made of these
+/// rows, and a test holds docs/editing.md to them. Keys of dialogs, and those that move the pointer and the keyboard's
+/// focus, end before they come here (window/input_router.cpp, update/key_pointer.cpp).
 struct KeyRow {
   const char* keys;  ///< as it is written: "Ctrl+Z"
   const char* does;

@@ -62,26 +62,26 @@ void Models::show_study(EditorState& state, StudyRead read, const fs::path& path
   written_revision_ = state.models.study_revision;
 }
 
-Result<Models::FileDone> Models::read_of(const fs::path& path, const Progress& progress) {
+Result<Models::FileDone> Models::read_of(const fs::path& path, const Progress& progress, Models& shows) {
   auto read = read_study(path);
   if (!read) return fail(read.error());
   if (progress.cancelled()) return FileDone();
   const auto study = std::make_shared<StudyRead>(std::move(*read));
   return FileDone{
-      {}, {}, [this, path, study](EditorState& state, Outbox&) { show_study(state, std::move(*study), path); }};
+      {}, {}, [&shows, path, study](EditorState& state, Outbox&) { shows.show_study(state, std::move(*study), path); }};
 }
 
 void Models::open_study(const ModelsState& models, const fs::path& path) {
   write_if_changed(models);
   files_.queue(
-      path.string(), [this, path](Progress& progress) { return read_of(path, progress); }, "Reading study");
+      path.string(), [this, path](Progress& progress) { return read_of(path, progress, *this); }, "Reading study");
 }
 
 void Models::new_study(const ModelsState& models, const fs::path& path) {
   write_if_changed(models);
   const auto make = [this, path](Progress& progress) -> Result<FileDone> {
     if (auto written = write_study({}, path); !written) return fail(written.error());
-    return read_of(path, progress);
+    return read_of(path, progress, *this);
   };
   files_.queue(path.string(), make, "Writing study");
 }

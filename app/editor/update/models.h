@@ -75,7 +75,8 @@ class Models {
   }
   void write_study_file(const ModelsState& models);
   void queue_writing(const ModelsState& models, const std::filesystem::path& path, Then then);
-  Result<FileDone> read_of(const std::filesystem::path& path, const Progress& progress);
+  /// Runs on the worker's thread. What it gives runs on the window's, and shows the study through `shows`.
+  static Result<FileDone> read_of(const std::filesystem::path& path, const Progress& progress, Models& shows);
   void show_study(EditorState& state, StudyRead read, const std::filesystem::path& path);
   void repair_case(const StudyCase& one, const OpenCaseOfStudy& command, EditorState& state);
   /// Puts the case that was made of a mesh into the study in the mesh's place, and opens it.

@@ -30,6 +30,12 @@ bool Work::busy() const {
 
 bool run_on_state(const Command& command, EditorState& state, const ControlsContext& context, Outbox& out) {
   const auto run_one = [&](const auto& one) {
+    constexpr bool by_editor = requires(Editing & editing) {
+      one.run(editing);
+    };
+    static_assert(
+        by_editor || requires { one.run(state); } || requires { one.run(state, context, out); },
+        "run() takes an Editing, an EditorState, or a state with its controls and outbox");
     if constexpr (requires { one.run(state); }) {
       one.run(state);
       return true;

@@ -1,7 +1,9 @@
 #include "app/editor/work/demo.h"
 
-#include <algorithm>
+#include <map>
+#include <string>
 
+#include "core/case/placing.h"
 #include "core/catalogue/catalogue.h"
 #include "core/placement/similarity_fit.h"
 
@@ -14,22 +16,12 @@ Result<Document> demo_document(Organ organ, int subject) {
   auto volume = std::make_shared<const Volume>(std::move(phantom.image));
   Document document = new_document(phantom_source(organ, subject), volume, *the_template);
 
-  const auto& landmarks = (*the_template)->landmarks;
-  std::vector<std::pair<Vec3, Vec3>> pairs;
-  for (const Landmark& from : landmarks) {
-    const auto to = std::find_if(phantom.landmarks.begin(), phantom.landmarks.end(),
-                                 [&](const Landmark& l) { return l.name == from.name; });
-    if (to != phantom.landmarks.end()) pairs.emplace_back(from.position, to->position);
-  }
-  Points from(pairs.size(), 3), to(pairs.size(), 3);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    from.row(static_cast<Eigen::Index>(i)) = pairs[i].first;
-    to.row(static_cast<Eigen::Index>(i)) = pairs[i].second;
-  }
+  std::map<std::string, Vec3> landmarks;
+  for (const Landmark& landmark : phantom.landmarks) landmarks[landmark.name] = landmark.position;
+  const auto [from, to] = matched_landmarks(**the_template, landmarks);
   Shape& shape = document.shapes.at(0);
   shape.placement = shape.before_landmarks = nearest_similarity(from, to, shape.placement);
-  shape.placed = std::make_shared<const Points>(shape.placement.apply((*the_template)->points));
-  shape.reference = shape.points = shape.placed;
+  start_anew(**the_template, shape);
   return document;
 }
 
@@ -45,8 +37,7 @@ Result<FirstCase> first_case() {
   off.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(0.14, Vec3::UnitY()));
   off.translation = centre - off.scale * (off.rotation * centre) + Vec3(1, 1, -2);
   shape.placement = shape.before_landmarks = off.after(shape.placement);
-  shape.placed = std::make_shared<const Points>(shape.placement.apply(first.document.the_template->points));
-  shape.reference = shape.points = shape.placed;
+  start_anew(*first.document.the_template, shape);
   first.guide = guide_to(first.document.mesh(), phantom_truth(Organ::kidney, 1).front().points);
   return first;
 }

@@ -122,15 +122,12 @@ void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels lab
                        const ModelOfFit& model) {
   document_ = document;
   refining_ = false;
-  box_ = std::make_shared<Box>();
-  work_.start(labels.name, [=, box = box_, wake = wake_](Progress& progress) {
+  steps_ = std::make_shared<Steps>();
+  work_.start(labels.name, [=, steps = steps_, wake = wake_](Progress& progress) {
     FitOptions options;
     options.progress = &progress;
     options.show = [&](const Points& points) {
-      {
-        const std::lock_guard lock(box->mutex);
-        box->step = std::make_shared<const Points>(points);
-      }
+      steps->put(std::make_shared<const Points>(points));
       wake();
     };
     return fit_to_labels(*document, labels, settings, model, options);
@@ -140,19 +137,18 @@ void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels lab
 void Fitter::start_refinement(std::shared_ptr<const Document> document) {
   document_ = document;
   refining_ = true;
-  box_ = std::make_shared<Box>();
+  steps_ = std::make_shared<Steps>();
   work_.start("The refinement", [document](Progress& progress) { return refined(*document, progress); });
 }
 
 void Fitter::cancel() {
   work_.cancel();
   document_.reset();
-  box_ = std::make_shared<Box>();
+  steps_ = std::make_shared<Steps>();
 }
 
 std::shared_ptr<const Points> Fitter::take_step() {
-  const std::lock_guard lock(box_->mutex);
-  return std::exchange(box_->step, nullptr);
+  return steps_->take().value_or(nullptr);
 }
 
 std::optional<Result<Fitted>> Fitter::take() {

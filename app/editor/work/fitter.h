@@ -2,13 +2,13 @@
 
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/editor/state/models/study_model.h"
 #include "app/editor/state/outcomes.h"
+#include "app/editor/work/mailbox.h"
 #include "app/editor/work/worker.h"
 #include "core/adapt/fit.h"
 #include "core/case/action.h"
@@ -61,12 +61,9 @@ class Fitter {
   void finish() { work_.finish(); }
 
  private:
-  struct Box {
-    std::mutex mutex;
-    std::shared_ptr<const Points> step;
-  };
   std::function<void()> wake_;
-  std::shared_ptr<Box> box_ = std::make_shared<Box>();
+  using Steps = Mailbox<std::shared_ptr<const Points>>;
+  std::shared_ptr<Steps> steps_ = std::make_shared<Steps>();
   std::shared_ptr<const Document> document_;
   bool refining_ = false;
   Worker<Fitted> work_;

@@ -148,6 +148,29 @@ void load_saved_template(Opened& opened) {
                               "with.");
 }
 
+/// Whether a voxel of the first frame that has a label lies in the image.
+bool lies_in(const Volume& labels, const VolumeGeometry& image) {
+  const VolumeGeometry& grid = labels.geometry;
+  return std::visit(
+      [&](const auto& voxels) {
+        auto voxel = voxels.begin();
+        for (int k = 0; k < grid.dims[2]; ++k)
+          for (int j = 0; j < grid.dims[1]; ++j)
+            for (int i = 0; i < grid.dims[0]; ++i)
+              if (std::lround(*voxel++) != 0 && image.holds(grid.to_mm(Vec3(i, j, k)))) return true;
+        return false;
+      },
+      labels.data);
+}
+
+/// `on_screen`: null where there is none.
+bool lies_off_image(const Opened& opened, const Volume* on_screen) {
+  const Volume* image = on_screen;
+  if (opened.opened_case) image = opened.opened_case->session.document().volume.get();
+  if (opened.volume) image = opened.volume.get();
+  return opened.labels && image != nullptr && !opened.label_values.empty() && !lies_in(*opened.labels, image->geometry);
+}
+
 Result<void> open_parts(Opened& opened, Progress& progress) {
   OpenRequest& request = opened.request;
   if (request.demo) {
@@ -240,12 +263,13 @@ Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
   return request;
 }
 
-void Opener::start(OpenRequest request) {
+void Opener::start(OpenRequest request, std::shared_ptr<const Volume> on_screen) {
   const std::string name = name_of(request);
-  worker_.start(name, [request = std::move(request)](Progress& progress) -> Result<Opened> {
+  worker_.start(name, [request = std::move(request), on_screen](Progress& progress) -> Result<Opened> {
     Opened opened;
     opened.request = request;
     if (auto done = open_parts(opened, progress); !done) return fail(done.error());
+    opened.labels_off_image = lies_off_image(opened, on_screen.get());
     return opened;
   });
 }

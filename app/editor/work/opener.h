@@ -35,6 +35,7 @@ struct Opened {
   std::shared_ptr<const Volume> labels;
   std::vector<int> label_values;         ///< those that `labels` holds, without 0
   std::map<int, double> label_sizes_mm;  ///< of each and of every_label together [organ_size_mm]
+  bool labels_off_image = false;         ///< none of them lies in the image that they are shown over
   std::vector<std::string> warnings;
   std::vector<SeriesInfo> series;  ///< the folder holds several and none was chosen: nothing was opened
   bool needs_spacing = false;      ///< a stack of pictures, whose voxel size was not told: nothing was opened
@@ -46,8 +47,9 @@ class Opener {
   /// `wake` is called from the thread when it is done.
   explicit Opener(std::function<void()> wake) : worker_(std::move(wake)) {}
 
-  /// Opens what is asked for, in place of what is being opened.
-  void start(OpenRequest request);
+  /// Opens what is asked for, in place of what is being opened. `on_screen`: the image that a label map alone is shown
+  /// over; null where there is none.
+  void start(OpenRequest request, std::shared_ptr<const Volume> on_screen = nullptr);
   void cancel() { worker_.cancel(); }
   bool busy() const { return worker_.busy(); }
   /// What is being opened; its subject is "ct.nii.gz".

@@ -22,7 +22,7 @@ struct RunningJob {
   std::string subject;
   double fraction = 0;
   double seconds = 0;     ///< since it was asked for
-  const char* verb = "";  ///< "Writing", where whoever asked for it said so
+  const char* verb = "";  ///< what it does: "Writing"; empty where nobody said
 };
 
 /// Does work beside the window, on a thread of its own: one job after the other, in the order in which they were asked

@@ -135,8 +135,9 @@ CaseFile read_case_file(const fs::path& file) {
   };
   const auto placed = [&](const std::string& path) { return (file.parent_path() / path).lexically_normal(); };
   const std::string of = text("template");
+  const auto first_step = read_json<nlohmann::json>(first).value_or(nlohmann::json());
   return {placed(text("volume")), is_built_in(of) ? of : placed(of).string(), text("connectivity"),
-          first.starts_with("{\"mirror\"")};
+          first_step.contains(action_kind(MirrorTemplate{}).key)};
 }
 
 /// Whether a case file is one that would be made now.
@@ -181,7 +182,7 @@ Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const CaseStart
 /// Whether somebody has worked on a case: it holds more than the mirroring that it began with.
 bool was_worked_on(EditSession& session) {
   const auto steps = session.undo_names(2);
-  return steps.size() > 1 || (steps.size() == 1 && steps.front() != "mirror");
+  return steps.size() > 1 || (steps.size() == 1 && steps.front() != action_name(MirrorTemplate{}));
 }
 
 /// `asked`: one folder, or files.
@@ -202,7 +203,7 @@ Result<WorklistDone> cases_of(const std::vector<fs::path>& asked, const CaseStar
   if (scans.empty())
     return fail(asked.front().string(),
                 asked.size() == 1 ? "holds no scan and no label map; choose a folder of images, one file for each"
-                                  : "and the others are no scans and no label maps; choose images");
+                                  : "is no scan and no label map, and neither are the others; choose images");
   if (auto made = make_folder(start.cases); !made) return fail(made.error());
   const auto pairs = pairs_of(scans);
   std::size_t of_others = 0;
@@ -316,7 +317,9 @@ std::string Worklist::what() const {
 }
 
 double Worklist::fraction() const {
-  return asked_ == 0 ? 0 : (static_cast<double>(done_) + worker_.fraction()) / static_cast<double>(asked_);
+  // What was done before these were asked for may be taken after.
+  return asked_ == 0 ? 0
+                     : std::min(1.0, (static_cast<double>(done_) + worker_.fraction()) / static_cast<double>(asked_));
 }
 
 std::optional<Result<WorklistDone>> Worklist::take() {

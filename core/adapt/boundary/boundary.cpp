@@ -20,15 +20,15 @@ namespace homolog {
 namespace {
 
 /// Where the label's largest part lies at the first or last plane of the label map in an axis.
-std::vector<ScanEdge> edges_of(const LabelBody& region, const VolumeGeometry& whole) {
-  std::vector<ScanEdge> edges;
+std::vector<ScanBorder> borders_of(const LabelBody& region, const VolumeGeometry& whole) {
+  std::vector<ScanBorder> edges;
   for (std::size_t side = 0; side < 6; ++side) {
     if (!region.touches[side]) continue;
     const auto axis = static_cast<Eigen::Index>(side / 2);
     const bool last = side % 2 == 1;
     Vec3 face = Vec3::Zero();
     face[axis] = last ? whole.dims[side / 2] - 0.5 : -0.5;
-    ScanEdge edge;
+    ScanBorder edge;
     edge.outward = whole.direction.col(axis) * (last ? 1 : -1);
     edge.offset_mm = edge.outward.dot(whole.to_mm(face));
     edge.tolerance_mm = std::max(whole.spacing_mm[axis], region.grid.spacing_mm[axis]);
@@ -54,8 +54,8 @@ LevelSet closed_from_outside(const LevelSet& surface, double radius_mm) {
 }  // namespace
 
 bool Boundary::shows(const Vec3& p) const {
-  return std::none_of(scan_edges.begin(), scan_edges.end(),
-                      [&](const ScanEdge& edge) { return edge.outward.dot(p) > edge.offset_mm - edge.tolerance_mm; });
+  return std::none_of(scan_borders.begin(), scan_borders.end(),
+                      [&](const ScanBorder& edge) { return edge.outward.dot(p) > edge.offset_mm - edge.tolerance_mm; });
 }
 
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> asked_closing_mm,
@@ -76,10 +76,11 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::o
                         " vertices; use a template with fewer vertices, or another label");
   Boundary boundary;
   boundary.surface = std::move(*mesh);
-  boundary.scan_edges = edges_of(*region, mask.geometry);
-  if (!boundary.scan_edges.empty())
+  boundary.scan_borders = borders_of(*region, mask.geometry);
+  if (!boundary.scan_borders.empty())
     boundary.warnings.push_back(
-        label_name(label) + " is cut off by the edge of the label map; the mesh beyond the edge follows the template");
+        label_name(label) +
+        " is cut off by the border of the label map; the mesh beyond the border follows the template");
   if (auto several = several_parts(*region, label)) boundary.warnings.push_back(std::move(*several));
   return boundary;
 }

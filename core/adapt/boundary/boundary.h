@@ -14,7 +14,7 @@
 namespace homolog {
 
 /// A plane at which the scan ends and the organ goes on: outward · p = offset_mm.
-struct ScanEdge {
+struct ScanBorder {
   Vec3 outward = Vec3::UnitZ();
   double offset_mm = 0;
   /// What lies nearer to the plane than this is the cut and not the organ's own boundary: half a slice or more.
@@ -23,9 +23,9 @@ struct ScanEdge {
 
 /// The surface that a template is fitted to, LPS mm.
 struct Boundary {
-  Mesh surface;                       ///< outward oriented
-  std::vector<ScanEdge> scan_edges;   ///< where the organ is cut off by the scan
-  std::vector<std::string> warnings;  ///< each a sentence
+  Mesh surface;                          ///< outward oriented
+  std::vector<ScanBorder> scan_borders;  ///< where the organ is cut off by the scan
+  std::vector<std::string> warnings;     ///< each a sentence
   /// Of each face: 1 where it is a cut through the organ and not its boundary [cut_faces.h]; empty: none is.
   std::vector<std::uint8_t> cut;
 

@@ -34,6 +34,8 @@ Result<EditReport> apply_copy(const StartFrameFrom& action, Edit& edit) {
   begun.unaided.reset();
   begun.carried = begun.points;
   begun.doubt.clear();
+  begun.doubt_mm.reset();
+  begun.outlier.reset();
   edit.after.shapes.insert_or_assign(edit.after.frame, std::move(begun));
   return EditReport{};
 }

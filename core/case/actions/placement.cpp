@@ -19,6 +19,8 @@ void move_placement(const Template& the_template, const Similarity& placement, S
   shape.placed = std::make_shared<const Points>(placement.apply(the_template.points));
   shape.reference = warped ? moved(*shape.reference) : shape.placed;
   shape.points = edited ? moved(*shape.points) : shape.reference;
+  shape.doubt_mm.reset();  // it was that of a fit, which the mesh has left
+  shape.outlier.reset();
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ void spell_moves(Fields& line, MovePoints& move) {
   move.moves = std::make_shared<const std::vector<std::uint32_t>>(std::move(*moves));
 }
 
-/// Whether vertices still lie where a fit put them along the surface: of that its doubt speaks.
+/// Whether such an edit leaves vertices where the fit put them along the surface. Only then does its doubt still hold.
 bool keeps_doubt(const std::string& by) {
   return by == by_model || by == by_snap;
 }

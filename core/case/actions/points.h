@@ -11,6 +11,7 @@
 
 namespace homolog {
 
+inline constexpr const char* by_fit = "fit";
 /// Values of SetPoints::by that say nothing of where the boundary is: a study's shape model moved the vertices, or they
 /// moved along the surface.
 inline constexpr const char* by_model = "model help";
@@ -22,11 +23,11 @@ inline constexpr const char* by_propagation = "propagate";
 /// Puts every vertex where an automatic step found it: a fit, a snap, a shape model. The points themselves are kept, so
 /// replaying needs neither that step nor its image.
 struct SetPoints {
-  std::string by;                        ///< what found them: "fit", or one of those above, which count otherwise
-  std::optional<Similarity> placement;   ///< the reference moves there; unwarped then
-  std::shared_ptr<const Points> points;  ///< n×3, LPS mm
-  std::optional<int> of_frame{};         ///< of a cine, where it is not the one that is shown
-  std::string doubt{};                   ///< of a frame that was carried there: see Shape::doubt
+  std::string by;                                   ///< what found them: one of those above
+  std::optional<Similarity> placement;              ///< the reference moves there; unwarped then
+  std::shared_ptr<const Points> points;             ///< n×3, LPS mm
+  std::optional<int> of_frame{};                    ///< of a cine, where it is not the one that is shown
+  std::string doubt{};                              ///< of a frame that was carried there: see Shape::doubt
   std::shared_ptr<const VertexScalars> doubt_mm{};  ///< of a fit: see Shape::doubt_mm; on doubt_on_grid's grid
   std::shared_ptr<const VertexScalars> outlier{};   ///< of a fit: see Shape::outlier; 0 or 1 each
   bool operator==(const SetPoints& other) const {

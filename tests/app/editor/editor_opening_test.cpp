@@ -312,6 +312,17 @@ TEST_CASE("a label map that does not meet the image says so and one that does is
   driver.settle();
   REQUIRE(driver.state().notices.size() == 1);
   CHECK(driver.state().notices.front().text.starts_with("outside.nii lies outside the image"));
+
+  // A case of a study is opened with its label map.
+  OpenRequested both = open_case_file(globe.folder.path / "kept.homolog");
+  REQUIRE(create_case(globe.on(globe.image("ct.nii")), both.request.case_file));
+  both.request.labels = outside;
+  driver.state().notices.clear();
+  driver.app().send(both);
+  driver.settle();
+  CHECK(driver.case_file() == both.request.case_file);
+  REQUIRE(driver.state().notices.size() == 1);
+  CHECK(driver.state().notices.front().text.starts_with("outside.nii lies outside the image"));
 }
 
 TEST_CASE("a folder of scans becomes a worklist that is fitted and gone through by one key") {
@@ -355,6 +366,12 @@ TEST_CASE("a folder of scans becomes a worklist that is fitted and gone through 
   driver.app().send(ApplyEdit{SetEvenSpacing{0.3}, false});
   driver.settle();
   CHECK(case_named(driver, "b").gestures == 1);
+  driver.app().send(ApplyEdit{SetStiffnessBase{-1}, false});  // refused
+  driver.settle();
+  for (int touch = 0; touch < 4; ++touch)
+    driver.app().send(ApplyEdit{PaintStiffness{Vec3::Zero(), 30, 20, 0.5}, touch > 0});
+  driver.settle();
+  CHECK(case_named(driver, "b").gestures == 2);
   driver.press(key::enter);
   driver.wait_until("the one in doubt is open", [&] { return driver.case_file() == case_named(driver, "empty").file; });
   CHECK(case_named(driver, "b").state == CaseState::done);

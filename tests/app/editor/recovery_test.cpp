@@ -40,7 +40,7 @@ TEST_CASE("cases to recover are named first and counted then and what holds no e
   recovery.finish();
   const auto counted = test::must(recovery.take().value());
   CHECK(counted.counted);
-  CHECK(counted.cases.at(0).details.starts_with("2 edits, "));
+  CHECK(counted.cases.at(0).details.starts_with("1 edit, "));
   CHECK_FALSE(recovery.take());
 
   CHECK(fs::exists(state / "edited.homolog"));

@@ -3,20 +3,18 @@
 #include <numbers>
 
 #include "core/adapt/judge_fit.h"
-#include "core/adapt/match/coherent_match.h"
-#include "core/adapt/untangle.h"
 #include "core/catalogue/catalogue.h"
 #include "core/deform/fold_guard.h"
 #include "core/measure/compare.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/mirror.h"
 #include "core/mesh/surface_search.h"
 #include "core/phantom/phantom.h"
 #include "core/template_making/mesh_template.h"
 #include "core/template_making/template_file.h"
 #include "core/volume/volume_io.h"
+#include "tests/adapting.h"
 #include "tests/ball.h"
 #include "tests/real_data.h"
 #include "tests/refusal.h"
@@ -25,54 +23,6 @@
 using namespace homolog;
 
 namespace {
-
-std::shared_ptr<const Template> built_in(Organ organ) {
-  return make_template(built_in_template(organ), "built-in").value();
-}
-
-/// A grid around points, `margin_mm` wider on each side.
-VolumeGeometry grid_around(const Points& points, double spacing_mm, double margin_mm = 10) {
-  const Box box = bounds_of(points);
-  VolumeGeometry grid;
-  grid.spacing_mm.setConstant(spacing_mm);
-  grid.origin_mm = box.min() - Vec3::Constant(margin_mm);
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    grid.dims[axis] = 1 + static_cast<int>((box.sizes()[static_cast<Eigen::Index>(axis)] + 2 * margin_mm) / spacing_mm);
-  return grid;
-}
-
-/// The boundary of the label map of a shape.
-Boundary boundary_of(const Mesh& mesh, double spacing_mm = 1.25) {
-  return label_boundary(label_map(mesh, grid_around(mesh.points, spacing_mm)), 1, 0, 0, mesh.points.rows()).value();
-}
-
-void check_sound(const FitResult& fit) {
-  CHECK(fit.turned_triangles == 0);
-  CHECK(fit.self_intersections == 0);
-  CHECK(fit.mesh.points.allFinite());
-}
-
-std::map<std::string, Vec3> landmarks_of(const MeshFile& file, const std::vector<std::string>& names) {
-  std::map<std::string, Vec3> landmarks;
-  for (const Landmark& landmark : file.landmarks)
-    if (std::find(names.begin(), names.end(), landmark.name) != names.end())
-      landmarks[landmark.name] = landmark.position;
-  return landmarks;
-}
-
-/// A long organ with a bump on its shaft: an ellipsoid of 20 × 20 × 100 mm half axes.
-Mesh shaft_with_bump(double bump_z_mm, double twist_rad) {
-  Mesh shaft = icosphere(4, 20);
-  for (auto p : shaft.points.rowwise()) {
-    p.z() *= 5;
-    const double across = p.leftCols<2>().norm(), angle = std::atan2(p.y(), p.x());
-    const double away_mm = std::hypot(p.z() - bump_z_mm, 20 * angle);
-    const double out_mm = 10 * std::exp(-away_mm * away_mm / (2 * 8 * 8)), turn = twist_rad * p.z() / 100;
-    const double oval = 1 + 0.25 * std::cos(2 * angle);
-    p.leftCols<2>() = (across * oval + out_mm) * Eigen::RowVector2d(std::cos(angle + turn), std::sin(angle + turn));
-  }
-  return shaft;
-}
 
 /// How far the fit moves, at its farthest vertex, when the label map moves by 1e-9 mm.
 double moved_by_a_last_bit(const Template& the_template, Volume mask, double closing_mm) {
@@ -89,38 +39,6 @@ const Similarity elsewhere{Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3(1, 2, 
                            Vec3(40, -120, 300)};
 
 }  // namespace
-
-TEST_CASE("the organ of the other side looks mirrored and the own side does not") {
-  const auto the_template = built_in(Organ::kidney);
-  Mesh organ{the_template->topology, phantom_truth(Organ::kidney, 3).front().points};
-  CHECK_FALSE(looks_mirrored(*the_template, mesh_boundary(organ)));
-  const MeshFile other = mirrored({organ.points, organ.topology->triangles()});
-  organ = {Topology::make(other.points.rows(), other.triangles).value(), other.points};
-  CHECK(looks_mirrored(*the_template, mesh_boundary(organ)));
-}
-
-TEST_CASE("an organ that is its own mirror image never looks mirrored") {
-  const Mesh ball = icosphere(3, 20);
-  const auto the_template = ball_template(20);
-  CHECK_FALSE(looks_mirrored(*the_template, mesh_boundary(ball)));
-  Mesh egg = ball;
-  egg.points.col(1) *= 1.3;
-  CHECK_FALSE(looks_mirrored(*the_template, mesh_boundary(egg)));
-}
-
-TEST_CASE("femora of the other side look mirrored and those of the same side do not") {
-  const auto data = real_data();
-  if (data.empty()) return;
-  for (const char* own : {"fem_z009_R", "fem_z013_L"}) {
-    const auto the_template = load_template((data / "bones" / (std::string(own) + ".ply")).string()).value();
-    for (const char* other : {"fem_z009_R", "fem_z013_L", "fem_z050_L", "fem_z066_R"}) {
-      CAPTURE(own);
-      CAPTURE(other);
-      const Boundary boundary = mesh_boundary(read_mesh(data / "bones" / (std::string(other) + ".ply")).value());
-      CHECK(looks_mirrored(*the_template, boundary) == (own[9] != other[9]));
-    }
-  }
-}
 
 TEST_CASE("a template with faults is named as the cause and the organ is not") {
   const Mesh spindle = shapes::torus(24, 16, 5, 8), ball = icosphere(3, 20);
@@ -208,58 +126,6 @@ TEST_CASE("a pocket that the template has and the case has not is opened") {
   CHECK(agreement.hausdorff_mm < 2);
 }
 
-TEST_CASE("three landmarks near a line leave the spin to the surface and the patient's axes") {
-  const auto the_template = built_in(Organ::kidney);
-  for (const int subject : {2, 3}) {
-    CAPTURE(subject);
-    const MeshFile truth = phantom_truth(Organ::kidney, subject).front();
-    const Boundary boundary = boundary_of({the_template->topology, truth.points});
-    const auto off_mm = [&](const FitOptions& options) {
-      return mean_distance(fit_to_boundary(*the_template, boundary, options).value().mesh.points, truth.points);
-    };
-    CHECK(off_mm({{}, landmarks_of(truth, {"hilum", "superior pole", "inferior pole"})}) < off_mm({}) + 0.1);
-  }
-}
-
-TEST_CASE("no three or four landmarks place worse than none") {
-  const auto the_template = built_in(Organ::kidney);
-  const std::vector<std::vector<std::string>> sets{{"hilum", "superior pole", "inferior pole"},
-                                                   {"superior pole", "inferior pole", "lateral convexity"},
-                                                   {"hilum", "anterior lip", "inferior hilar notch"},
-                                                   {"anterior lip", "posterior lip", "superior hilar notch"},
-                                                   {"hilum", "superior pole", "inferior pole", "lateral convexity"},
-                                                   {"hilum", "anterior lip", "posterior lip", "inferior hilar notch"}};
-  for (const int subject : {1, 5, 7, 9, 12}) {
-    CAPTURE(subject);
-    const MeshFile truth = phantom_truth(Organ::kidney, subject).front();
-    const Boundary boundary = boundary_of({the_template->topology, truth.points}, 2.5);
-    const auto off_mm = [&](const std::map<std::string, Vec3>& landmarks) {
-      const Similarity placed = find_placement(*the_template, boundary, {landmarks, {}, {}}).placement;
-      return mean_distance(placed.apply(the_template->points), truth.points);
-    };
-    const double alone_mm = off_mm({});
-    for (const auto& names : sets) CHECK(off_mm(landmarks_of(truth, names)) < alone_mm + 0.2);
-  }
-}
-
-TEST_CASE("a landmark that is none is not trusted") {
-  const auto the_template = built_in(Organ::kidney);
-  const MeshFile truth = phantom_truth(Organ::kidney, 4).front();
-  const Boundary boundary = boundary_of({the_template->topology, truth.points}, 2.5);
-  for (const auto& [name, off_mm] : {std::pair("inferior pole", 60.0), std::pair("hilum", -45.0)}) {
-    auto landmarks = landmarks_of(truth, {"hilum", "superior pole", "inferior pole", "lateral convexity"});
-    landmarks.at(name).y() += off_mm;
-    const Placed found = find_placement(*the_template, boundary, {landmarks, {}, {}});
-    CHECK(mean_distance(found.placement.apply(the_template->points), truth.points) < 4);
-    const auto [own, there] = matched_landmarks(*the_template, landmarks);
-    REQUIRE(found.trust.size() == own.rows());
-    for (Eigen::Index k = 0; k < own.rows(); ++k) {
-      const bool wrong = Vec3(there.row(k)) == landmarks.at(name);
-      CHECK((found.trust[k] < 0.5) == wrong);
-    }
-  }
-}
-
 TEST_CASE("named landmarks bring the vertices between them to their places too") {
   const auto the_template = built_in(Organ::kidney);
   double alone_mm = 0, helped_mm = 0;
@@ -309,27 +175,6 @@ TEST_CASE("a fit meets the label map and comes nearer to the true landmarks than
   }
 }
 
-TEST_CASE("named landmarks decide the placement where patient axes are wrong") {
-  const auto the_template = built_in(Organ::kidney);
-  const Similarity fallen{Eigen::Quaterniond(Eigen::AngleAxisd(2, Vec3::UnitX())), 1, Vec3(10, 20, 30)};
-  const Mesh there{the_template->topology, fallen.apply(the_template->points)};
-  FitOptions options;
-  for (const Landmark& landmark : the_template->landmarks)
-    options.landmarks[landmark.name] = fallen.apply(landmark.position);
-  REQUIRE(options.landmarks.size() >= 3);
-  const Boundary boundary = boundary_of(there, 2);
-  CHECK(mean_distance(fit_to_boundary(*the_template, boundary, options).value().mesh.points, there.points) < 1);
-  CHECK(mean_distance(fit_to_boundary(*the_template, boundary).value().mesh.points, there.points) > 5);
-}
-
-TEST_CASE("every rotation is tried on request") {
-  const auto the_template = built_in(Organ::vertebra);
-  const Similarity fallen{Eigen::Quaterniond(Eigen::AngleAxisd(2, Vec3::UnitX())), 1, Vec3(10, 20, 30)};
-  const Mesh there{the_template->topology, fallen.apply(the_template->points)};
-  const auto found = find_placement(*the_template, boundary_of(there, 2), {{}, Orientation::any, {}});
-  CHECK(found.placement.rotation.angularDistance(fallen.rotation) < 0.1);
-}
-
 TEST_CASE("an organ cut off by the scan keeps the template's shape beyond") {
   const auto the_template = built_in(Organ::kidney);
   VolumeGeometry grid = grid_around(the_template->points, 1.25);
@@ -339,33 +184,14 @@ TEST_CASE("an organ cut off by the scan keeps the template's shape beyond") {
   const double edge_mm = grid.origin_mm.z() - 0.625;
   const Mesh whole{the_template->topology, the_template->points};
   const Boundary boundary = label_boundary(label_map(whole, grid), 1, 0, 0, whole.points.rows()).value();
-  REQUIRE(boundary.scan_edges.size() == 1);
-  CHECK(boundary.scan_edges[0].outward == -Vec3::UnitZ());
-  CHECK(boundary.scan_edges[0].offset_mm == doctest::Approx(-edge_mm));
+  REQUIRE(boundary.scan_borders.size() == 1);
+  CHECK(boundary.scan_borders[0].outward == -Vec3::UnitZ());
+  CHECK(boundary.scan_borders[0].offset_mm == doctest::Approx(-edge_mm));
   CHECK(boundary.warnings.size() == 1);
   const auto fit = fit_to_boundary(*the_template, boundary).value();
   check_sound(fit);
   REQUIRE(!fit.unseen.empty());
   for (const std::int32_t i : fit.unseen) CHECK((fit.mesh.points.row(i) - whole.points.row(i)).norm() < 4);
-}
-
-TEST_CASE("a pocket behind a neck that the closing ball cannot pass is filled") {
-  const auto grid = grid_around(icosphere(0, 20).points, 1);
-  Volume mask = label_map(icosphere(4, 20), grid);
-  auto& voxels = std::get<std::vector<std::uint8_t>>(mask.data);
-  std::size_t v = 0;
-  for (int k = 0; k < grid.dims[2]; ++k)
-    for (int j = 0; j < grid.dims[1]; ++j)
-      for (int i = 0; i < grid.dims[0]; ++i, ++v) {
-        const Vec3 p = grid.to_mm(Vec3(i, j, k));
-        if (p.norm() < 8 || (p.z() > 0 && p.head<2>().norm() < 2)) voxels[v] = 0;
-      }
-  const auto volume_ml = [&](double closing_mm) {
-    return enclosed_volume_ml(label_boundary(mask, 1, 0, closing_mm, 2500).value().surface);
-  };
-  const double sphere_ml = enclosed_volume_ml(icosphere(4, 20));
-  CHECK(volume_ml(0) < 0.95 * sphere_ml);
-  CHECK(volume_ml(3) == doctest::Approx(sphere_ml).epsilon(0.01));
 }
 
 TEST_CASE("the template of another organ gives no wild mesh") {
@@ -467,16 +293,6 @@ TEST_CASE("the fit of a scaled copy is the scaled fit") {
   }
 }
 
-TEST_CASE("the boundary of a scaled label map is the scaled boundary") {
-  Volume mask = label_map(icosphere(3, 20), grid_around(icosphere(3, 20).points, 1));
-  const Points usual = label_boundary(mask, 1, 0, std::nullopt, 600).value().surface.points;
-  mask.geometry.spacing_mm /= 16;
-  mask.geometry.origin_mm /= 16;
-  const Points small = label_boundary(mask, 1, 0, std::nullopt, 600).value().surface.points;
-  REQUIRE(small.rows() == usual.rows());
-  CHECK(largest_difference(16 * small, usual) < 1e-6 * 70);
-}
-
 TEST_CASE("a surface or a template that is flat or has no size is named as the cause") {
   const Mesh ball = icosphere(2, 20);
   const auto sound = make_template({ball.points, ball.topology->triangles()}, "ball").value();
@@ -501,68 +317,6 @@ TEST_CASE("a fit that is cancelled says so") {
       fit_to_boundary(*the_template, boundary_of({the_template->topology, the_template->points}, 3), options);
   REQUIRE(!fit);
   CHECK(fit.error().what == "the fit was cancelled");
-}
-
-TEST_CASE("the largest part of a surface is its boundary") {
-  const Mesh small = icosphere(1), large{small.topology, 10 * small.points};
-  std::vector<Vec3> points;
-  std::vector<std::array<std::int32_t, 3>> faces;
-  for (const Mesh* part : {&small, &large}) {
-    const auto first = static_cast<std::int32_t>(points.size());
-    for (Eigen::Index v = 0; v < part->points.rows(); ++v) points.emplace_back(part->points.row(v));
-    for (Eigen::Index f = 0; f < part->topology->triangles().rows(); ++f) {
-      const auto t = part->topology->triangles().row(f);
-      faces.push_back({t[0] + first, t[1] + first, t[2] + first});
-    }
-  }
-  const Boundary boundary = mesh_boundary(shapes::make_mesh(points, faces));
-  CHECK(boundary.surface.points == large.points);
-  CHECK(boundary.surface.topology->triangles() == large.topology->triangles());
-  CHECK(boundary.warnings.size() == 1);
-}
-
-TEST_CASE("untangling frees turned triangles and leaves the rest") {
-  const Mesh sphere = icosphere(3);
-  Mesh tangled = sphere;
-  const auto ring = sphere.topology->one_ring(100);
-  tangled.points.row(100) = 2 * sphere.points.row(ring[0]) - sphere.points.row(100);
-  REQUIRE(!turned_triangles(*sphere.topology, sphere.points, tangled.points).empty());
-  CHECK(untangle(tangled, sphere.points, VertexScalars::Ones(sphere.points.rows())));
-  CHECK(turned_triangles(*sphere.topology, sphere.points, tangled.points).empty());
-  CHECK(self_intersections(tangled).empty());
-  Eigen::Index moved = 0;
-  const VertexScalars way = (tangled.points - sphere.points).rowwise().norm();
-  for (Eigen::Index i = 0; i < way.size(); ++i) moved += way[i] > 0.01;
-  CHECK(moved < sphere.points.rows() / 4);
-}
-
-TEST_CASE("a match takes a long shaft towards its twisted form") {
-  const Mesh own = shaft_with_bump(30, 0), there = shaft_with_bump(30, 0.5);
-  const CoherentMatch whole(own.points, own, there);
-  const Points matched = whole.match(loose_match, {Points(0, 3), Points(0, 3), VertexScalars(0)}).mean();
-  const double before_mm = (own.points - there.points).rowwise().norm().mean(),
-               after_mm = (matched - there.points).rowwise().norm().mean();
-  CAPTURE(before_mm);
-  CAPTURE(after_mm);
-  CHECK(after_mm < 0.8 * before_mm);
-}
-
-TEST_CASE("a match of two shapes and the match the other way meet") {
-  const Mesh own = shaft_with_bump(30, 0), there = shaft_with_bump(30, 0.5);
-  const KnownMatches none{Points(0, 3), Points(0, 3), VertexScalars(0)};
-  const SurfaceSearch search(there);
-  for (const MatchFreedom& freedom : {loose_match, close_match}) {
-    const Points forth = CoherentMatch(own.points, own, there).match(freedom, none).mean(),
-                 back = CoherentMatch(there.points, there, own).match(freedom, none).mean();
-    double off_mm = 0;
-    for (Eigen::Index i = 0; i < own.points.rows(); ++i) {
-      const SurfacePoint at = search.nearest(forth.row(i).transpose()).at;
-      off_mm += (at.interpolate(*there.topology, back) - own.points.row(i)).norm();
-    }
-    off_mm /= static_cast<double>(own.points.rows());
-    CAPTURE(off_mm);
-    CHECK(off_mm < 0.5);
-  }
 }
 
 TEST_CASE("a femur keeps its small features when it is fitted to another") {

@@ -266,9 +266,9 @@ TEST_CASE("a mesh goes through a cine and a corrupt frame is marked") {
   const auto whole = propagate(cine, 0, first, ones).value();
   REQUIRE(whole.frames.size() == 8);
   CHECK(whole.cycle);
-  CHECK(whole.end_diastole == 0);
-  CHECK(whole.end_systole == 4);
-  CHECK(whole.ejection_fraction == doctest::Approx(1 - std::pow(0.7, 3)).epsilon(0.05));
+  CHECK(whole.ejection.end_diastole == 0);
+  CHECK(whole.ejection.end_systole == 4);
+  CHECK(whole.ejection.fraction == doctest::Approx(1 - std::pow(0.7, 3)).epsilon(0.05));
   CHECK(whole.frames[0].points == first.points);
   for (std::size_t f = 0; f < 8; ++f) {
     CAPTURE(f);
@@ -284,7 +284,7 @@ TEST_CASE("a mesh goes through a cine and a corrupt frame is marked") {
   CHECK(mean_surface_distance_mm({first.topology, torn.frames[3].points}, blob_mesh(blobs[3].radii_mm)) < 2);
   for (const std::size_t f : {2u, 4u, 5u})
     CHECK(mean_surface_distance_mm({first.topology, torn.frames[f].points}, blob_mesh(blobs[f].radii_mm)) < 0.8);
-  CHECK(torn.end_systole == 4);
+  CHECK(torn.ejection.end_systole == 4);
 
   CHECK_FALSE(propagate(blob_image({Blob{}}, 4, 20), 0, first, ones));
   CHECK_FALSE(propagate(cine, 8, first, ones));

@@ -304,6 +304,11 @@ TEST_CASE("the doubt of a fit is kept until vertices are put elsewhere along the
   CHECK(doubt_left_mm(shape()).size() == 0);
   REQUIRE(session.apply(Undo{}));
   CHECK(doubt_left_mm(shape()) == left);
+  Similarity larger = shape().placement;
+  larger.scale *= 1.2;
+  REQUIRE(session.apply(SetPlacement{larger}));
+  CHECK(doubt_left_mm(shape()).size() == 0);
+  REQUIRE(session.apply(Undo{}));
   fit.doubt_mm = doubt_on_grid(VertexScalars::Ones(n - 1));
   CHECK_FALSE(session.apply(fit));
 }

@@ -103,7 +103,10 @@ TEST_CASE("a mesh with another count or other faces is refused by name wherever 
   check_refused(points, "few.particles", "42 vertices");
   Folder soup(2);
   soup.add(organ(2), "organ2.stl");
-  check_refused(soup, "organ2.stl", "STL");
+  check_refused(soup, "organ2.stl", ".stl");
+  Folder large_letters(2);
+  large_letters.add(organ(2), "organ2.Stl");
+  check_refused(large_letters, "organ2.Stl", ".stl");
 }
 
 TEST_CASE("a file that cannot be read is named and the rest goes on") {

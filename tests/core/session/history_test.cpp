@@ -48,6 +48,25 @@ TEST_CASE("the history keeps to its memory however much is done") {
   CHECK(*session.document().shape().points == start);
 }
 
+TEST_CASE("steps that were made are counted once and a note joins nothing to the step before it") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  const auto paint = [](double x) { return PaintStiffness{Vec3(x, 0, 40), 10, 20, 0.5}; };
+  for (int k = 0; k < 5; ++k) REQUIRE(session.apply(paint(k), k > 0));
+  CHECK(session.steps_made() == 1);
+  REQUIRE(session.apply(SetStiffnessBase{5}));
+  REQUIRE(session.apply(Undo{}));
+  REQUIRE(session.apply(Note{"a remark"}));
+  CHECK_FALSE(session.apply(SetStiffnessBase{-1}));
+  CHECK(session.steps_made() == 2);
+  REQUIRE(session.apply(Undo{}));
+  REQUIRE(session.apply(Redo{}));
+  REQUIRE(session.apply(Note{"a remark"}));
+  REQUIRE(session.apply(paint(9), true));  // a step of its own: what was before it was no touch of this stroke
+  CHECK(session.steps_made() == 3);
+  CHECK(session.undo_names(9).size() == 2);
+}
+
 TEST_CASE("the touches of a brush stroke are kept once") {
   const CaseFolder folder;
   EditSession session = folder.create();

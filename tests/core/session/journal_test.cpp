@@ -111,7 +111,21 @@ TEST_CASE("many unsaved cases are listed without reading them through") {
     CHECK(one.edited == (number >= 200 || number % 2 == 1));
   }
   CHECK(found.back().header == "{\"homolog\":1,\"volume\":\"0.nii\"}");
-  CHECK(count_steps(name(1)) == 1);
+}
+
+TEST_CASE("what was taken back is not counted among the steps of an unsaved case") {
+  const CaseFolder folder;
+  const fs::path file = folder.folder.path / "counted.homolog";
+  const auto steps_of = [&](const std::string& lines) {
+    std::ofstream(file) << "{\"homolog\":1}\n" + lines;
+    return count_steps(file);
+  };
+  const std::string edit = "{\"stiffness_base\":5}\n", joined = "{\"stiffness_base\":6,\"joined\":true}\n";
+  const std::string undo = "{\"undo\":true}\n", redo = "{\"redo\":true}\n";
+  CHECK(steps_of(edit + joined + edit) == 2);
+  CHECK(steps_of(edit + undo) == 0);
+  CHECK(steps_of(edit + edit + undo + undo + redo) == 1);
+  CHECK(steps_of(edit + undo + edit + redo) == 1);
 }
 
 TEST_CASE("a long file is read line by line whatever its pieces are") {

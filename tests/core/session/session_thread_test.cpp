@@ -85,6 +85,17 @@ TEST_CASE("a stale preview never outlives the action that ends its gesture") {
   }
 }
 
+TEST_CASE("a note ends no preview that waits") {
+  SessionThread thread(EditSession(ball_document(40)), nullptr);
+  for (int k = 1; k <= 50; ++k) {
+    thread.preview(pull(60));
+    thread.apply(Note{"a remark"});
+    REQUIRE(wait_for(thread, [](const Snapshot& s) { return s.preview && height(*s.shown) > 59; }));
+    thread.preview(std::nullopt);
+    REQUIRE(wait_for(thread, [](const Snapshot& s) { return !s.preview; }));
+  }
+}
+
 TEST_CASE("a refused action is told in a sentence and changes nothing") {
   SessionThread thread(EditSession(ball_document(40)), nullptr);
   thread.apply(SetStiffnessBase{-1});

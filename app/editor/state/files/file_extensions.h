@@ -7,7 +7,6 @@ namespace homolog {
 
 // Last parts of file names, with dot.
 
-inline const std::string case_extension = ".homolog";
 /// Of meshes with faces.
 const std::vector<std::string>& mesh_extensions();
 const std::vector<std::string>& volume_extensions();

@@ -82,9 +82,6 @@ void StartFit::run(Editing& editing) const {
   stop_playing(editing);
   FitSettings chosen = settings;
   if (chosen.label == 0 && !labels.values.empty()) chosen.label = labels.values.front();
-  editing.state.last_fit.reset();
-  editing.work.fit_seen = false;
-  editing.work.started_fit = *this;
   const Snapshot& snapshot = editing.shown.snapshot();
   ModelOfFit model;
   if (chosen.model == FitModel::file) model.model = editing.state.fit_model;
@@ -95,6 +92,9 @@ void StartFit::run(Editing& editing) const {
   }
   if (chosen.model != FitModel::none && !model.model && !model.study)
     return add_notice(editing.state, "The model for the fit is not open any more; choose a model again.");
+  editing.state.last_fit.reset();
+  editing.work.fit_seen = false;
+  editing.work.started_fit = *this;
   editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name}, chosen, model);
 }
 

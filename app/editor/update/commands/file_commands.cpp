@@ -99,7 +99,7 @@ void OpenRequested::spell(Fields& line) {
   if (line.reads() && organ) request.demo = {*organ, subject};
 }
 void OpenRequested::run(Editing& editing) const {
-  editing.work.opener.start(request);
+  editing.work.opener.start(request, editing.shown.document().volume);
 }
 
 OpenRequested open_case_file(const fs::path& file) {
@@ -175,7 +175,9 @@ void ExportMesh::run(Editing& editing) const {
 
 void ExportLabelMap::run(Editing& editing) const {
   const Document document = as_done(editing);
-  if (!document.has_shape() || !document.volume) return no_mesh_to_export(editing);
+  if (!document.has_shape()) return no_mesh_to_export(editing);
+  if (!document.volume)
+    return add_notice(editing.state, "A label map needs the voxels of an image. Open the image of this mesh first.");
   write_beside(editing, path,
                [mesh = document.mesh(), grid = document.volume->geometry](const auto& to, Progress& progress) {
                  return write_volume(label_map(mesh, grid, 1), to, &progress);

@@ -172,7 +172,10 @@ void ShowFinding::run(Editing& editing) const {
   all.insert(all.end(), state.unclear_edges.begin(), state.unclear_edges.end());
   if (kind) std::erase_if(all, [&](const Finding& one) { return one.kind != *kind; });
   if (all.empty())
-    return add_notice(state, "No fault found: no triangle is turned over or thin, and none passes through another.",
+    return add_notice(state,
+                      !figures ? "The mesh is not checked yet. Try again in a moment."
+                      : kind   ? "Nothing of this kind is left."
+                               : "Nothing to look at: no faulty triangle, no unclear edge and no doubt.",
                       false);
   const auto now = state.finding ? std::find(all.begin(), all.end(), state.finding->finding) : all.end();
   const std::size_t count = all.size(), at = static_cast<std::size_t>(now - all.begin());

@@ -53,14 +53,18 @@ void cancel_fit(Editing& editing) {
 void update_fit(Editing& editing) {
   Fitter& fitter = editing.work.fitter;
   SessionThread& session = editing.shown.session();
-  if (fitter.document() && fitter.document() != editing.shown.snapshot().document) {
+  if (const auto& fitted = fitter.document(); fitted && fitted != editing.shown.snapshot().document) {
+    const bool looked = fitted->frame != editing.shown.snapshot().document->frame;
     cancel_fit(editing);
-    add_notice(editing.state, "The fit was stopped, because the case was edited meanwhile. Start it again.", false);
+    add_notice(editing.state,
+               std::string("The fit was stopped, because ") +
+                   (looked ? "another frame was shown" : "the case was edited") + " meanwhile. Start it again.",
+               false);
   }
   if (auto step = fitter.take_step(); step && fitter.busy()) {
     // The organ may be far from where the template was.
     if (!std::exchange(editing.work.fit_seen, true)) look_at_mesh(editing.state, *step);
-    session.preview(SetPoints{"fit", std::nullopt, std::move(step)});
+    session.preview(SetPoints{by_fit, std::nullopt, std::move(step)});
   }
   if (auto done = fitter.take()) {
     if (*done) return take_fit(editing, std::move(**done));

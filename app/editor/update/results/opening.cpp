@@ -12,33 +12,15 @@ namespace homolog {
 
 namespace {
 
-/// Whether any voxel of the first frame that has a label lies in the image.
-bool lies_in(const Volume& labels, const VolumeGeometry& image) {
-  const VolumeGeometry& grid = labels.geometry;
-  const Vec3 end(image.dims[0] - 0.5, image.dims[1] - 0.5, image.dims[2] - 0.5);
-  return std::visit(
-      [&](const auto& voxels) {
-        auto voxel = voxels.begin();
-        for (int k = 0; k < grid.dims[2]; ++k)
-          for (int j = 0; j < grid.dims[1]; ++j)
-            for (int i = 0; i < grid.dims[0]; ++i) {
-              if (std::lround(*voxel++) == 0) continue;
-              const Vec3 at = image.to_voxel(grid.to_mm(Vec3(i, j, k)));
-              if ((at.array() >= -0.5).all() && (at.array() <= end.array()).all()) return true;
-            }
-        return false;
-      },
-      labels.data);
-}
-
-void show_labels(Editing& editing, ShownLabels labels) {
-  const Document& document = editing.shown.document();
-  if (document.volume && !labels.values.empty() && !lies_in(*labels.volume, document.volume->geometry))
+/// Shows them over the image, and says where none of them lies in it.
+void show_labels(Editing& editing, const Opened& opened) {
+  const std::string name = opened.request.labels.filename().string();
+  if (opened.labels_off_image)
     add_notice(editing.state,
-               labels.name +
+               name +
                    " lies outside the image: none of its labels is in it. Check that both are of one scan, "
                    "and that the program that wrote the label map kept its place.");
-  editing.shown.show_labels(std::move(labels));
+  editing.shown.show_labels({opened.labels, name, opened.label_values, opened.label_sizes_mm});
 }
 
 void start_document(Editing& editing, Document document) {
@@ -101,10 +83,6 @@ void look_as(EditorState& state, const View& view) {
   state.own_planes = view.own_planes;
 }
 
-ShownLabels labels_of(const Opened& opened) {
-  return {opened.labels, opened.request.labels.filename().string(), opened.label_values, opened.label_sizes_mm};
-}
-
 /// An image, a template or a demo: a new case with what is open besides.
 void start_with(Editing& editing, Opened opened) {
   const Document& now = *editing.shown.snapshot().document;
@@ -140,7 +118,7 @@ void start_with(Editing& editing, Opened opened) {
     look_at_step(state);
   }
   if (new_image && !is_phantom(source)) remember_recent(state.preferences.recent, source);
-  if (opened.labels) show_labels(editing, labels_of(opened));
+  if (opened.labels) show_labels(editing, opened);
   if (!demo) offer_flip(state, *editing.shown.snapshot().document);
 }
 
@@ -189,7 +167,7 @@ void show_opened(Editing& editing, Opened opened) {
   const OpenRequested command{opened.request};
   if (opened.labels && !opened.volume && !opened.opened_case) {
     editing.log.is_done(command);
-    return show_labels(editing, labels_of(opened));
+    return show_labels(editing, opened);
   }
   const Snapshot& now = editing.shown.snapshot();
   if (has_unsaved_edits(now) && now.file.empty())
@@ -202,7 +180,7 @@ void show_opened(Editing& editing, Opened opened) {
   if (opened.opened_case) {
     start_session(editing, std::move(opened.opened_case->session));
     if (opened.the_template) editing.shown.adopt_template(std::move(opened.the_template));
-    if (opened.labels) editing.shown.show_labels(labels_of(opened));
+    if (opened.labels) show_labels(editing, opened);
   } else {
     start_with(editing, std::move(opened));
   }

@@ -151,7 +151,7 @@ bool take_results(Editing& editing, double seconds) {
   Work& work = editing.work;
   const std::size_t notices_before = state.notices.size();
   const Snapshot* const before = &editing.shown.snapshot();
-  const std::uint64_t committed_before = before->committed;
+  const std::uint64_t steps_before = before->steps_made;
   if (auto opened = work.opener.take()) {
     if (*opened)
       show_opened(editing, std::move(**opened));
@@ -167,7 +167,7 @@ bool take_results(Editing& editing, double seconds) {
   if (const Document& shown = editing.shown.document(); shown.volume && shown.volume->frames > 1)
     state.volume_curve = volume_curve(shown, state.volume_curve);
   editing.shown.keep_window(state);
-  count_work(editing, committed_before, seconds);
+  count_work(editing, steps_before, seconds);
   bool changed = take_written(editing);
   update_fit(editing);
   update_propagation(editing);

@@ -172,22 +172,22 @@ void open_next_case(Editing& editing) {
   editing.out.send(OpenCaseOfStudy{models.selected, {}});
 }
 
-void count_work(Editing& editing, std::uint64_t committed_before, double seconds) {
+void count_work(Editing& editing, std::uint64_t steps_before, double seconds) {
   constexpr double longest_pause = 30;
   WorkCount& count = editing.state.work_count;
   if (count.case_number != editing.shown.number()) {
     count = {editing.shown.number()};
-    committed_before = editing.shown.snapshot().committed;
+    steps_before = editing.shown.snapshot().steps_made;
   }
   if (std::exchange(editing.state.active, false)) {
     if (count.active_at >= 0) count.seconds += std::clamp(seconds - count.active_at, 0.0, longest_pause);
     count.active_at = seconds;
   }
-  const std::uint64_t committed = editing.shown.snapshot().committed;
-  if (committed <= committed_before) return;
+  const std::uint64_t steps = editing.shown.snapshot().steps_made;
+  if (steps <= steps_before) return;
   StudyCase* one = case_on_screen(editing);
   if (one == nullptr) return;
-  one->gestures += static_cast<std::int64_t>(committed - committed_before);
+  one->gestures += static_cast<std::int64_t>(steps - steps_before);
   one->seconds += std::exchange(count.seconds, 0);
   if (one->waits()) one->state = CaseState::in_work;
   ++editing.state.models.study_revision;

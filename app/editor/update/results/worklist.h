@@ -23,8 +23,8 @@ bool take_worklist(Editing& editing);
 /// The case on the screen is done, where it is one of the study's; the next one is opened.
 void open_next_case(Editing& editing);
 /// Adds to the study's case what was done on it since the last call: edits, and the time between events that follow
-/// each other within half a minute. `committed_before`: what the snapshot had counted then. `seconds`: the window's
+/// each other within half a minute. `steps_before`: what the snapshot had counted then. `seconds`: the window's
 /// clock.
-void count_work(Editing& editing, std::uint64_t committed_before, double seconds);
+void count_work(Editing& editing, std::uint64_t steps_before, double seconds);
 
 }  // namespace homolog

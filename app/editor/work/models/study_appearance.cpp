@@ -24,8 +24,7 @@ Result<void> learn_case(const StudyCase& one, const Document& document, Eigen::I
 std::vector<StudyCase> cases_to_learn(const Study& study, const std::filesystem::path& open_file) {
   std::vector<StudyCase> cases;
   for (const StudyCase& one : study.cases)
-    if (cases.size() < most_cases && one.state == CaseState::done && one.file != open_file &&
-        one.file.extension() == ".homolog")
+    if (cases.size() < most_cases && one.state == CaseState::done && one.file != open_file && is_case_file(one.file))
       cases.push_back(one);
   return cases;
 }

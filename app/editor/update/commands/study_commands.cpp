@@ -1,0 +1,282 @@
+#include "app/editor/update/commands/study_commands.h"
+
+#include <utility>
+
+#include "app/editor/state/models/gallery.h"
+#include "app/editor/update/commands/spelling.h"
+#include "app/editor/update/editing.h"
+#include "app/editor/update/results/imports.h"
+#include "app/editor/update/results/worklist.h"
+#include "core/base/files.h"
+#include "core/model/landmark_table.h"
+#include "core/model/statismo.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr std::array state_names{"to do", "in work", "done"};
+constexpr std::array column_names{"study", "name", "group", "state", "distance"};
+
+}  // namespace
+
+void OpenStudy::run(Editing& editing) const {
+  editing.work.models.open_study(editing.state.models, path);
+}
+
+void NewStudy::run(Editing& editing) const {
+  editing.work.models.new_study(editing.state.models, path);
+}
+
+void SaveStudyAs::run(Editing& editing) const {
+  editing.work.models.save_study_as(editing.state.models, path);
+}
+
+void SetStudyTemplate::run(EditorState& state) const {
+  set_study_template(state.models, path);
+}
+
+void OpenPhantomStudy::spell(Fields& line) {
+  spell_choice(line, "organ", organ_names, organ);
+}
+void OpenPhantomStudy::run(Editing& editing) const {
+  editing.work.models.open_phantom_study(organ);
+}
+
+void CancelStudyFile::spell(Fields& line) {
+  line.member("subject", subject);
+}
+void CancelStudyFile::run(Editing& editing) const {
+  editing.work.models.cancel_file(subject);
+}
+
+void ExportModel::run(Editing& editing) const {
+  const ModelsState& models = editing.state.models;
+  if (models.model)
+    write_beside(editing, path, [of = models.model](const auto& to, Progress&) { return write_model(of->model, to); });
+}
+
+void ExportEvaluation::run(Editing& editing) const {
+  const ModelsState& models = editing.state.models;
+  if (models.evaluation)
+    write_beside(editing, path,
+                 [of = models.evaluation](const auto& to, Progress&) { return write_evaluation(*of, to); });
+}
+
+void ExportSizes::run(Editing& editing) const {
+  write_beside(editing, path, [listed = listed_sizes(editing.state.models)](const auto& to, Progress&) {
+    return write_whole_file(to, sizes_table(listed.names, listed.sizes));
+  });
+}
+
+void ExportLandmarkTable::run(Editing& editing) const {
+  const ListedSizes listed = listed_sizes(editing.state.models);
+  std::vector<Specimen> specimens;
+  for (std::size_t k = 0; k < listed.names.size(); ++k)
+    specimens.push_back({listed.names[k], listed.sizes[k].landmarks});
+  write_beside(editing, path, [specimens](const auto& to, Progress&) -> Result<void> {
+    const auto written = write_landmark_table(specimens, to);
+    return written ? Result<void>{} : fail(written.error());
+  });
+}
+
+void ShowDistance::spell(Fields& line) {
+  line.member("pair", pair);
+}
+void ShowDistance::run(EditorState& state) const {
+  state.models.distance_shown = pair;
+}
+
+void CompareObservers::run(Editing& editing) const {
+  ModelsState& models = editing.state.models;
+  models.observers.reset();
+  models.observers_outdated = false;
+  models.other_observer = path;
+  editing.work.observers.start(path.string(), [path = path, mine = models.fitted.shapes](Progress& progress) {
+    const auto read = read_observer(path, &progress);
+    if (!read) return Result<ObserverComparison>(fail(read.error()));
+    auto compared = compare_observers(mine, read->shapes, &progress);
+    if (!compared && compared.error().subject.empty())
+      return Result<ObserverComparison>(fail("This study and " + path.string(), compared.error().what));
+    return compared;
+  });
+}
+
+void CancelObservers::run(Editing& editing) const {
+  editing.work.observers.cancel();
+}
+
+void ExportObservers::run(Editing& editing) const {
+  if (editing.state.models.observers)
+    write_beside(editing, path, [table = observers_table(*editing.state.models.observers)](const auto& to, Progress&) {
+      return write_whole_file(to, table);
+    });
+}
+
+void ExportPlots::run(Editing& editing) const {
+  if (editing.state.models.evaluation)
+    write_picture_beside(editing, path,
+                         editing.pictures.plots({std::nullopt, 1800, 560, editing.state.picture.transparent,
+                                                 editing.state.picture.light}));
+}
+
+void ChooseShapesFolder::spell(Fields& line) {
+  line.member("extension", extension);
+  line.member("name", name);
+}
+void ChooseShapesFolder::run(EditorState& state, const ControlsContext&, Outbox& out) const {
+  state.models.export_extension = extension;
+  out.send(ShowFileDialog{FilePurpose::export_shapes, name});
+}
+
+void ExportShapes::spell(Fields& line) {
+  line.member("folder", folder);
+  line.member("extension", extension);
+}
+void ExportShapes::run(Editing& editing) const {
+  editing.work.models.export_shapes(*this, editing.state.models);
+}
+
+void StartEvaluation::run(Editing& editing) const {
+  editing.work.models.start_evaluation(editing.state.models);
+}
+
+void CancelEvaluation::run(Editing& editing) const {
+  editing.work.models.cancel_evaluation();
+}
+
+void AddCases::spell(Fields& line) {
+  line.member("paths", paths);
+}
+void AddCases::run(Editing& editing) const {
+  ModelsState& models = editing.state.models;
+  std::error_code ignored;
+  if (paths.size() == 1 && std::filesystem::is_directory(paths.front(), ignored))
+    return add_scans(editing, paths);  // dropped on the window
+  if (add_cases(models, paths) == 0) add_notice(editing.state, "All these shapes are in the study already.", false);
+  if (models.study_file.empty()) {
+    models.study_file = new_study_file();
+    remember_recent(editing.state.preferences.recent_studies, models.study_file);
+  }
+  if (editing.state.dialog && !paths.empty()) editing.state.preferences.folder = paths.front().parent_path();
+}
+
+void AddScans::spell(Fields& line) {
+  std::filesystem::path one = paths.size() == 1 ? paths.front() : std::filesystem::path();
+  line.optional("path", one, paths.size() == 1);
+  line.optional("paths", paths, paths.size() != 1);
+  if (line.reads() && !one.empty()) paths = {one};
+}
+void AddScans::run(Editing& editing) const {
+  add_scans(editing, paths);
+}
+
+void FitWaiting::spell(Fields& line) {
+  line.optional("label", label, label != 0);
+  line.optional("all_labels", all_labels, all_labels);
+}
+void FitWaiting::run(Editing& editing) const {
+  if (editing.state.dialog && std::holds_alternative<LabelDialog>(*editing.state.dialog)) editing.state.dialog.reset();
+  fit_waiting(editing, label, all_labels);
+}
+
+void CancelWorklist::run(Editing& editing) const {
+  cancel_worklist(editing);
+}
+
+void OpenNextCase::run(Editing& editing) const {
+  open_next_case(editing);
+}
+
+void OpenCaseOfStudy::spell(Fields& line) {
+  line.member("name", name);
+  std::optional<std::int64_t> at;
+  if (vertex) at = *vertex;
+  line.optional("vertex", at);
+  if (at) vertex = *at;
+}
+void OpenCaseOfStudy::run(Editing& editing) const {
+  editing.work.models.open_case(*this, editing.state, editing.shown.snapshot(), editing.out);
+}
+
+void SelectCase::spell(Fields& line) {
+  line.member("name", name);
+}
+void SelectCase::run(EditorState& state) const {
+  state.models.selected = name;
+}
+
+void SelectNextCase::run(EditorState& state) const {
+  select_next_case(state.models);
+}
+
+void RemoveCase::spell(Fields& line) {
+  line.member("name", name);
+}
+void RemoveCase::run(EditorState& state) const {
+  remove_case(state.models, name);
+}
+
+void SetCaseState::spell(Fields& line) {
+  line.member("name", name);
+  spell_choice(line, "to", state_names, to);
+}
+void SetCaseState::run(EditorState& state) const {
+  if (StudyCase* one = find_case(state.models.study, name)) one->state = to;
+  ++state.models.study_revision;
+}
+
+void CycleCaseState::spell(Fields& line) {
+  line.member("name", name);
+}
+void CycleCaseState::run(EditorState& state) const {
+  cycle_case_state(state.models, name);
+}
+
+void TypeCaseText::spell(Fields& line) {
+  line.member("field", field);
+  line.member("text", text);
+}
+void TypeCaseText::run(EditorState& state) const {
+  state.models.text_edit = CaseTextEdit{field, text};
+}
+
+void SetCaseText::spell(Fields& line) {
+  line.member("name", name);
+  line.member("field", field);
+  line.member("text", text);
+}
+void SetCaseText::run(EditorState& state) const {
+  set_case_text(state.models, name, field, text);
+  state.models.text_edit.reset();
+}
+
+void FlipCases::spell(Fields& line) {
+  line.member("names", names);
+}
+void FlipCases::run(EditorState& state) const {
+  flip_cases(state.models, names);
+}
+
+void AddFrames::spell(Fields& line) {
+  line.member("name", name);
+}
+void AddFrames::run(EditorState& state) const {
+  add_frames(state.models, name);
+}
+
+void FilterCases::spell(Fields& line) {
+  line.member("filter", filter);
+}
+void FilterCases::run(EditorState& state) const {
+  state.models.filter = filter;
+}
+
+void SortCases::spell(Fields& line) {
+  spell_choice(line, "column", column_names, column);
+}
+void SortCases::run(EditorState& state) const {
+  sort_by(state.models, column);
+}
+
+}  // namespace homolog

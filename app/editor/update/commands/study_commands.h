@@ -1,0 +1,230 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/editor/update/commands/file_commands.h"
+
+namespace homolog {
+
+class Outbox;
+struct ControlsContext;
+
+// What the Models mode asks of the study: its files, its cases, its worklist, its measures.
+
+struct OpenStudy : FileCommand {
+  static constexpr const char* key = "open study";
+  void run(Editing& editing) const;
+};
+struct NewStudy : FileCommand {
+  static constexpr const char* key = "new study";
+  void run(Editing& editing) const;
+};
+/// The study continues under another name.
+struct SaveStudyAs : FileCommand {
+  static constexpr const char* key = "save study as";
+  void run(Editing& editing) const;
+};
+/// The mesh whose faces stand for those of shapes that are points alone.
+struct SetStudyTemplate : FileCommand {
+  static constexpr const char* key = "set study template";
+  void run(EditorState& state) const;
+};
+struct OpenPhantomStudy {
+  static constexpr const char* key = "open phantom study";
+  Organ organ = Organ::kidney;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Of a study that is read, or of a case that is made for it.
+struct CancelStudyFile {
+  static constexpr const char* key = "cancel study file";
+  static constexpr Logged logged = Logged::never;
+  std::string subject;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+struct ExportModel : FileCommand {
+  static constexpr const char* key = "export model";
+  void run(Editing& editing) const;
+};
+struct ExportEvaluation : FileCommand {
+  static constexpr const char* key = "export measures";
+  void run(Editing& editing) const;
+};
+/// Volume, area and distances between landmarks of every case.
+struct ExportSizes : FileCommand {
+  static constexpr const char* key = "export sizes";
+  void run(Editing& editing) const;
+};
+/// The landmarks of all cases in one file, .tps or .csv.
+struct ExportLandmarkTable : FileCommand {
+  static constexpr const char* key = "export landmark table";
+  void run(Editing& editing) const;
+};
+/// Which two landmarks the list of sizes shows the distance of: a row of landmark_pairs.
+struct ShowDistance {
+  static constexpr const char* key = "show distance";
+  std::size_t pair = 0;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Compares the study's cases with those of the same names in another observer's study.
+struct CompareObservers : FileCommand {
+  static constexpr const char* key = "compare observers";
+  void run(Editing& editing) const;
+};
+struct CancelObservers {
+  static constexpr const char* key = "cancel comparison";
+  void run(Editing& editing) const;
+};
+struct ExportObservers : FileCommand {
+  static constexpr const char* key = "export observers";
+  void run(Editing& editing) const;
+};
+struct ExportPlots : FileCommand {
+  static constexpr const char* key = "export plots";
+  void run(Editing& editing) const;
+};
+/// Asks for a folder to export the shapes to; empty: each in the format it was imported from.
+struct ChooseShapesFolder {
+  static constexpr const char* key = "choose shapes folder";
+  static constexpr Logged logged = Logged::never;
+  std::string extension, name;
+  void spell(Fields& line);
+  void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
+};
+/// Writes every shape of the study, flipped ones flipped, into a folder; see write_shapes.
+struct ExportShapes {
+  static constexpr const char* key = "export shapes";
+  std::filesystem::path folder;
+  std::string extension;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+struct StartEvaluation {
+  static constexpr const char* key = "start evaluation";
+  void run(Editing& editing) const;
+};
+struct CancelEvaluation {
+  static constexpr const char* key = "cancel evaluation";
+  static constexpr Logged logged = Logged::never;
+  void run(Editing& editing) const;
+};
+
+// Cases.
+
+struct AddCases {
+  static constexpr const char* key = "add cases";
+  std::vector<std::filesystem::path> paths;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Makes a case for every scan and label map: of a folder, for which one file stands too, or of several files.
+struct AddScans {
+  static constexpr const char* key = "add scans";
+  std::vector<std::filesystem::path> paths;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+/// Fits the cases that wait to their label maps.
+struct FitWaiting {
+  static constexpr const char* key = "fit waiting";
+  int label = 0;            ///< 0: asked for where a map holds several
+  bool all_labels = false;  ///< all labels together, in place of one
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+struct CancelWorklist {
+  static constexpr const char* key = "cancel worklist";
+  static constexpr Logged logged = Logged::never;
+  void run(Editing& editing) const;
+};
+/// The case on the screen is done, and the next one of the study is opened.
+struct OpenNextCase {
+  static constexpr const char* key = "open next case";
+  void run(Editing& editing) const;
+};
+/// Opens a case of the study in the case mode, at a vertex with the Slide tool where one is given; a mesh becomes a
+/// case file first.
+struct OpenCaseOfStudy {
+  static constexpr const char* key = "open case of study";
+  static constexpr Logged logged = Logged::never;
+  std::string name;
+  std::optional<Eigen::Index> vertex;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
+struct SelectCase {
+  static constexpr const char* key = "select case";
+  std::string name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// The next one that is not done.
+struct SelectNextCase {
+  static constexpr const char* key = "select next case";
+  void run(EditorState& state) const;
+};
+struct RemoveCase {
+  static constexpr const char* key = "remove case";
+  std::string name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct SetCaseState {
+  static constexpr const char* key = "set case state";
+  std::string name;
+  CaseState to = CaseState::to_do;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// To do, in work, done, to do.
+struct CycleCaseState {
+  static constexpr const char* key = "cycle case state";
+  std::string name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// A text of the selected case while it is typed.
+struct TypeCaseText {
+  static constexpr const char* key = "type case text";
+  std::string field, text;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct SetCaseText {
+  static constexpr const char* key = "set case text";
+  std::string name, field, text;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Takes them left for right, or as they lie where they were flipped.
+struct FlipCases {
+  static constexpr const char* key = "flip cases";
+  std::vector<std::string> names;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+/// Every edited frame of a case's cine becomes a case.
+struct AddFrames {
+  static constexpr const char* key = "add frames";
+  std::string name;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct FilterCases {
+  static constexpr const char* key = "filter cases";
+  std::string filter;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+struct SortCases {
+  static constexpr const char* key = "sort cases";
+  CaseColumn column = CaseColumn::study;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
+};
+
+}  // namespace homolog

@@ -1,0 +1,34 @@
+#include "core/adapt/fit_doubt.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/base/index.h"
+#include "core/mesh/mesh_quality.h"
+
+namespace homolog {
+
+namespace {
+
+/// As shares of the root of the surface's area: at least, and times the root of the strain.
+constexpr double least_doubt = 0.012, doubt_by_strain = 0.12;
+
+}  // namespace
+
+VertexScalars fit_doubt_mm(const Mesh& mesh, const VertexScalars& spread_mm2, double strain,
+                           const std::vector<std::int32_t>& outliers) {
+  const double everywhere = least_doubt * least_doubt + doubt_by_strain * doubt_by_strain * strain;
+  VertexScalars doubt_mm2 = spread_mm2.array() + everywhere * surface_area_mm2(mesh);
+  std::vector<char> lacking(index(mesh.points.rows()), 0);
+  for (const std::int32_t i : outliers) lacking[index(i)] = 1;
+  for (const std::int32_t i : outliers) {
+    double nearest_mm2 = std::numeric_limits<double>::infinity();
+    for (Eigen::Index j = 0; j < mesh.points.rows(); ++j)
+      if (lacking[index(j)] == 0)
+        nearest_mm2 = std::min(nearest_mm2, (mesh.points.row(i) - mesh.points.row(j)).squaredNorm());
+    if (std::isfinite(nearest_mm2)) doubt_mm2[i] += strain * nearest_mm2;
+  }
+  return doubt_mm2.cwiseSqrt();
+}
+
+}  // namespace homolog

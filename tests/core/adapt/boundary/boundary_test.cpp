@@ -1,0 +1,55 @@
+#include <doctest/doctest.h>
+
+#include "core/adapt/boundary/boundary.h"
+#include "core/mesh/mesh_quality.h"
+#include "tests/adapting.h"
+#include "tests/shapes.h"
+
+using namespace homolog;
+
+TEST_CASE("a pocket behind a neck that the closing ball cannot pass is filled") {
+  const auto grid = grid_around(icosphere(0, 20).points, 1);
+  Volume mask = label_map(icosphere(4, 20), grid);
+  auto& voxels = std::get<std::vector<std::uint8_t>>(mask.data);
+  std::size_t v = 0;
+  for (int k = 0; k < grid.dims[2]; ++k)
+    for (int j = 0; j < grid.dims[1]; ++j)
+      for (int i = 0; i < grid.dims[0]; ++i, ++v) {
+        const Vec3 p = grid.to_mm(Vec3(i, j, k));
+        if (p.norm() < 8 || (p.z() > 0 && p.head<2>().norm() < 2)) voxels[v] = 0;
+      }
+  const auto volume_ml = [&](double closing_mm) {
+    return enclosed_volume_ml(label_boundary(mask, 1, 0, closing_mm, 2500).value().surface);
+  };
+  const double sphere_ml = enclosed_volume_ml(icosphere(4, 20));
+  CHECK(volume_ml(0) < 0.95 * sphere_ml);
+  CHECK(volume_ml(3) == doctest::Approx(sphere_ml).epsilon(0.01));
+}
+
+TEST_CASE("the boundary of a scaled label map is the scaled boundary") {
+  Volume mask = label_map(icosphere(3, 20), grid_around(icosphere(3, 20).points, 1));
+  const Points usual = label_boundary(mask, 1, 0, std::nullopt, 600).value().surface.points;
+  mask.geometry.spacing_mm /= 16;
+  mask.geometry.origin_mm /= 16;
+  const Points small = label_boundary(mask, 1, 0, std::nullopt, 600).value().surface.points;
+  REQUIRE(small.rows() == usual.rows());
+  CHECK(largest_difference(16 * small, usual) < 1e-6 * 70);
+}
+
+TEST_CASE("the largest part of a surface is its boundary") {
+  const Mesh small = icosphere(1), large{small.topology, 10 * small.points};
+  std::vector<Vec3> points;
+  std::vector<std::array<std::int32_t, 3>> faces;
+  for (const Mesh* part : {&small, &large}) {
+    const auto first = static_cast<std::int32_t>(points.size());
+    for (Eigen::Index v = 0; v < part->points.rows(); ++v) points.emplace_back(part->points.row(v));
+    for (Eigen::Index f = 0; f < part->topology->triangles().rows(); ++f) {
+      const auto t = part->topology->triangles().row(f);
+      faces.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+  }
+  const Boundary boundary = mesh_boundary(shapes::make_mesh(points, faces));
+  CHECK(boundary.surface.points == large.points);
+  CHECK(boundary.surface.topology->triangles() == large.topology->triangles());
+  CHECK(boundary.warnings.size() == 1);
+}

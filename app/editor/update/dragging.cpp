@@ -133,7 +133,7 @@ bool set_template_landmark(const Press& press) {
   // A new one is done with its click; whoever moves those that are there may go on in their list.
   const auto& known = press.document().the_template->landmarks;
   const bool is_new = std::none_of(known.begin(), known.end(),
-                                   [&](const Landmark& one) { return one.name == state.template_landmark; });
+                                   [&name = state.template_landmark](const Landmark& one) { return one.name == name; });
   if (is_new) state.tool = state.tool_before_naming;
   out.apply(SetTemplateLandmark{std::exchange(state.template_landmark, {}), *hover.on_mesh});
   return true;

@@ -67,11 +67,10 @@ void make(TemplateMaking& making, const Volume& labels, Progress& progress,
 
 void TemplateMaker::start(std::shared_ptr<const Volume> labels, std::string source, const TemplateSettings& settings) {
   if (busy()) return;
-  if (latest_ && latest_->mesh && (before_.empty() || before_.back() != latest_)) before_.push_back(latest_);
   TemplateMaking making;
   making.settings = settings;
   making.source = std::move(source);
-  latest_ = std::make_shared<const TemplateMaking>(making);
+  now_ = std::make_shared<const TemplateMaking>(making);
   stages_ = std::make_shared<Stages>();
   worker_.start(making.source,
                 [labels = std::move(labels), begun = making, stages = stages_,
@@ -92,47 +91,44 @@ void TemplateMaker::start(std::shared_ptr<const Volume> labels, std::string sour
 void TemplateMaker::cancel() {
   if (!busy()) return;
   worker_.cancel();
-  if (!before_.empty()) {
-    latest_ = before_.back();
-    return;
-  }
-  auto stopped = std::make_shared<TemplateMaking>(*latest_);
+  if (!made_.empty()) return now_.reset();
+  auto stopped = std::make_shared<TemplateMaking>(*now_);
   stopped->done = true;
-  latest_ = std::move(stopped);
+  now_ = std::move(stopped);
 }
 
 bool TemplateMaker::update() {
   if (!busy()) return false;
   auto stage = stages_->take();
-  if (stage) latest_ = std::move(*stage);
-  auto made = worker_.take();
-  if (!made) return stage.has_value();
-  if (*made) {
-    latest_ = std::move(**made);
-    return true;
+  if (stage) now_ = std::move(*stage);
+  auto done = worker_.take();
+  if (!done) return stage.has_value();
+  if (!*done) {
+    auto failed = std::make_shared<TemplateMaking>(*now_);
+    failed->done = true;
+    failed->error = done->error().sentence();
+    now_ = std::move(failed);
+  } else if ((**done)->mesh) {
+    made_.push_back(std::move(**done));
+    now_.reset();
+  } else {
+    now_ = std::move(**done);
   }
-  auto failed = std::make_shared<TemplateMaking>(*latest_);
-  failed->done = true;
-  failed->error = made->error().sentence();
-  latest_ = std::move(failed);
   return true;
-}
-
-bool TemplateMaker::can_undo() const {
-  return !busy() && !before_.empty() && !(before_.size() == 1 && before_.back() == latest_);
 }
 
 void TemplateMaker::undo() {
   if (!can_undo()) return;
-  if (before_.back() == latest_) before_.pop_back();  // a cancelled making has come back to it
-  latest_ = before_.back();
-  before_.pop_back();
+  if (now_)
+    now_.reset();
+  else
+    made_.pop_back();
 }
 
 void TemplateMaker::forget() {
   if (busy()) return;
-  latest_.reset();
-  before_.clear();
+  now_.reset();
+  made_.clear();
 }
 
 void TemplateMaker::finish() {

@@ -23,26 +23,26 @@ class TemplateMaker {
 
   void start(std::shared_ptr<const Volume> labels, std::string source, const TemplateSettings& settings);
   void cancel();
-  bool busy() const { return latest_ && !latest_->done; }
+  bool busy() const { return now_ && !now_->done; }
   double fraction() const { return worker_.fraction(); }
   /// Takes in the stages done since the last call; true where there are some.
   bool update();
   /// What is being made, or was made last (a cancelled making leaves the one before it); null before the first.
-  const std::shared_ptr<const TemplateMaking>& latest() const { return latest_; }
+  std::shared_ptr<const TemplateMaking> latest() const { return now_ ? now_ : made_.empty() ? nullptr : made_.back(); }
   /// Goes back to the template made before; does nothing where there is none.
   void undo();
   /// Lets go of everything made.
   void forget();
-  bool can_undo() const;
+  bool can_undo() const { return !busy() && made_.size() > (now_ ? 0 : 1); }
   /// Waits until it is made.
   void finish();
 
  private:
   using Stages = Mailbox<std::shared_ptr<const TemplateMaking>>;
   std::function<void()> wake_;
-  std::shared_ptr<const TemplateMaking> latest_;
-  std::vector<std::shared_ptr<const TemplateMaking>> before_;
-  std::shared_ptr<Stages> stages_;  ///< of what is being made
+  std::vector<std::shared_ptr<const TemplateMaking>> made_;  ///< with a mesh each, the latest last
+  std::shared_ptr<const TemplateMaking> now_;                ///< that goes on, or came to nothing; null: neither
+  std::shared_ptr<Stages> stages_;                           ///< of what is being made
   Worker<std::shared_ptr<const TemplateMaking>> worker_;
 };
 

@@ -8,13 +8,17 @@
 #include <string>
 #include <string_view>
 
+#include "app/editor/update/command_log.h"
 #include "core/base/picture_readers.h"
 #include "core/model/hdf_tree.h"
+#include "core/model/statismo.h"
+#include "core/model/study.h"
+#include "core/session/case_file.h"
 #include "tests/readers.h"
 
 // Feeds made-up files to one reader, by libFuzzer. The reader is chosen by the program's own name: fuzz_nii reads
 // NIfTI. Whatever a file holds, a reader may refuse it or read it, and no more: no crash, no sanitizer's report, not
-// much memory.
+// much memory. A case may name octahedron.obj and image.mha, which lie beside it.
 using namespace homolog;
 
 namespace {
@@ -72,6 +76,22 @@ void json(const fs::path& path) {
   (void)test::read_some_json(path);
 }
 
+void model(const fs::path& path) {
+  (void)read_model(path);
+}
+
+void case_file(const fs::path& path) {
+  (void)read_case(path);
+}
+
+void study(const fs::path& path) {
+  (void)read_study(path);
+}
+
+void command_log(const fs::path& path) {
+  (void)read_log(path);
+}
+
 constexpr Reader readers[] = {{"nii", ".nii", volume},
                               {"niigz", ".nii.gz", volume},
                               {"nrrd", ".nrrd", volume},
@@ -88,10 +108,26 @@ constexpr Reader readers[] = {{"nii", ".nii", volume},
                               {"mrk", ".mrk.json", landmarks},
                               {"fcsv", ".fcsv", landmarks},
                               {"h5json", ".h5.json", tree},
-                              {"json", ".json", json}};
+                              {"json", ".json", json},
+                              {"model", ".h5.json", model},
+                              {"h5", ".h5", model},
+                              {"case", ".homolog", case_file},
+                              {"study", ".study.json", study},
+                              {"log", ".log", command_log}};
 
 const Reader* chosen = nullptr;
 fs::path file;
+
+void write_file(const fs::path& path, const void* bytes, std::size_t size) {
+  std::FILE* const out = std::fopen(path.c_str(), "wb");
+  if (out == nullptr) std::abort();
+  std::fwrite(bytes, 1, size, out);
+  std::fclose(out);
+}
+
+void write_text(const fs::path& path, std::string_view text) {
+  write_file(path, text.data(), text.size());
+}
 
 }  // namespace
 
@@ -103,17 +139,24 @@ extern "C" int LLVMFuzzerInitialize(int*, char*** arguments) {
     std::fprintf(stderr, "fuzz_readers: is called by the name of no reader (fuzz_nii, …); use scripts/fuzz.sh\n");
     std::exit(2);
   }
-  const char* const folder = std::getenv("TMPDIR");
-  file = fs::path(folder != nullptr ? folder : "/tmp") / (std::to_string(::getpid()) + chosen->ending);
-  std::atexit([] { ::unlink(file.c_str()); });
+  const fs::path folder = fs::temp_directory_path() / ("homolog-fuzz-" + std::to_string(::getpid()));
+  fs::create_directory(folder);
+  file = folder / (std::string("file") + chosen->ending);
+  write_text(folder / "octahedron.obj",
+             "# SPACE=LPS\nv 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
+             "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n");
+  write_text(folder / "image.mha",
+             "ObjectType = Image\nNDims = 3\nDimSize = 4 3 2\nElementType = MET_UCHAR\nElementSpacing = 1 1 2\n"
+             "Offset = 0 0 0\nElementDataFile = LOCAL\nabcdefghijklmnopqrstuvwx");
+  std::atexit([] {
+    std::error_code ignored;
+    fs::remove_all(file.parent_path(), ignored);
+  });
   return 0;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  std::FILE* const out = std::fopen(file.c_str(), "wb");
-  if (out == nullptr) std::abort();
-  std::fwrite(data, 1, size, out);
-  std::fclose(out);
+  write_file(file, data, size);
   chosen->read(file);
   return 0;
 }

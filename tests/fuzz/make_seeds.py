@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """Makes the small files that fuzzing starts from: make_seeds.py PROGRAM OUT_FOLDER. They are kept in tests/fuzz/seeds."""
 
+import base64
 import pathlib
 import struct
 import subprocess
 import sys
+import tempfile
 import zlib
 
 program, out = sys.argv[1], pathlib.Path(sys.argv[2])
@@ -108,3 +110,68 @@ put("h5json", "a.h5.json", '{"root":"g","groups":{"g":{"links":[{"class":"H5L_TY
     '"m":{"links":[{"class":"H5L_TYPE_HARD","collection":"datasets","id":"d","title":"mean"}]}},"datasets":{"d":{"shape":'
     '{"class":"H5S_SIMPLE","dims":[3]},"type":{"class":"H5T_FLOAT","base":"H5T_IEEE_F32LE"},"value":[1,2,3]}}}')
 put("json", "a.json", '{"a":[1,-2.5e3,"x\\u00e9",null,true],"b":{"c":{}}}')
+
+# Cases: of the octahedron and the image that the fuzzer lays beside them.
+start = '{"homolog":1,"volume":"image.mha","template":"octahedron.obj","placement":{"rotation":[1,0,0,0],"scale":1,"translation":[0,0,0]}'
+steps = base64.b64encode(zlib.compress(bytes([2] * 18 + [0] * 54))).decode()
+put("case", "strokes.homolog", start + """}
+{"tool":"pull","at":[1,0,0],"to":[1.2,0,0],"sigma_mm":1}
+{"tool":"slide","at":[0,1,0],"to":[0,1,0.3],"on":[0,1,0.2],"sigma_mm":1}
+{"tool":"relax","at":[1,0,0],"strength":1,"sigma_mm":1}
+{"tool":"relax","at":[0,0,1],"strength":1,"sigma_mm":1,"joined":true}
+{"undo":true}
+{"redo":true}
+{"spacing":0.5}
+{"scheme":"paper","events":3}
+{"tool":"grab","at":[0,0,1],"to":[0,0,1.5],"sigma_mm":2,"through_space":true}
+{"note":"a remark","window":[-160,240]}
+""")
+put("case", "landmarks.homolog", start + ""","landmarks":"by size","held_landmarks":true}
+{"template_landmark":{"name":"a","at":[1,0,0]}}
+{"landmark":{"name":"a","at":[1.1,0,0]}}
+{"landmark_fit":"warp"}
+{"landmark":{"name":"a","at":null},"joined":true}
+{"placement":{"rotation":[0,1,0,0],"scale":2,"translation":[1,2,3]}}
+{"mirror":"sagittal"}
+{"frame":0,"look":true}
+{"start_frame_from":0}
+""")
+put("case", "regions.homolog", start + ""","vertices":6}
+{"region":{"name":"r","factor":2,"colour":"#60a5d6"}}
+{"paint_region":{"name":"r","at":[1,0,0],"radius_mm":1,"soft":0.5}}
+{"fill_region":{"name":"r","at":[0,1,0],"by":"curvature","tolerance_per_mm":0.1}}
+{"rename_region":{"name":"r","to":"s"}}
+{"remove_region":"s"}
+{"stiffness":{"at":[1,0,0],"radius_mm":1,"value":50,"soft":0}}
+{"smooth_stiffness":{"at":[1,0,0],"radius_mm":1,"strength":0.5}}
+{"stiffness_factors":[1,1,5,1,1,2]}
+{"stiffness_base":10}
+{"confirm":{"at":[1,0,0],"radius_mm":1,"hold":true}}
+""")
+put("case", "moved.homolog", start + '}\n{"by":"fit","moved":{"landmarks":6,"steps":"' + steps + '"}}\n'
+    '{"points":[1,0,0,-1,0,0,0,1,0,0,-1,0,0,0,1,0,0,-1],"by":"snap"}\n')
+
+put("study", "a.study.json", '{"homolog_study":1,"template":"octahedron.obj","cases":[{"name":"a","file":"a.homolog","state":"in work",'
+    '"frame":1,"flipped":true,"from_scan":true,"labels":"l.nii","doubt":"d","seconds":1.5,"gestures":2,"group":"g","notes":"n"},'
+    '{"name":"b","file":"octahedron.obj","imported":"b.ply","state":"to do","mine":1}]}')
+
+put("log", "a.log", """{"do":"open","volume":"ct.nii","labels":"l.nii","template":"t.ply","in_place":true,"phantom":null}
+{"do":"edit","action":{"tool":"pull","at":[1,0,0],"to":[1.2,0,0],"sigma_mm":1},"joined":false}
+{"do":"edit","action":{"region":{"name":"pole","factor":1.0,"colour":"#e0a458"}},"joined":true}
+{"do":"set template","label":1,"tube":false,"organ_options":{"vertices":600,"closing_mm":1.0,"opening_mm":null,"tunnels":"number","genus":0},"tube_options":{"rings":40,"sectors":64,"capped":false},"outer_label":0,"axis_by_ruler":false}
+{"do":"set brush","radius_mm":10.0,"paints":"region","region":"","erases":false,"fill_by":"region","fill_tolerance_per_mm":0.05,"stiffness_factor":5.0,"soft":0.5,"hold":true}
+{"do":"fit","label":1,"closing_mm":1.0,"as_placed":false,"model":"none","beyond":1.0}
+{"do":"choose tool","tool":"stiffness"}
+{"do":"look at","point_mm":[0,1,2]}
+""")
+
+# Models, as `model` writes them.
+with tempfile.TemporaryDirectory() as folder:
+    octahedron = (out / "obj/a.obj").read_text()
+    shapes = []
+    for k, stretched in enumerate(("v 1 0 0", "v 0 1 0", "v 0 0 1")):
+        shapes.append(pathlib.Path(folder) / f"{k}.obj")
+        shapes[-1].write_text(octahedron.replace(stretched, stretched.replace("1", "1.5")))
+    for reader, name in (("h5", "a.h5"), ("model", "a.h5.json")):
+        (out / reader).mkdir(parents=True, exist_ok=True)
+        subprocess.run([program, "model", *map(str, shapes), "-o", str(out / reader / name)], check=True, stdout=subprocess.DEVNULL)

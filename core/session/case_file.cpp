@@ -132,9 +132,10 @@ std::size_t go_to_checkpoint(EditSession& session, const Scan& scan, const LineF
     const auto text = file.read(scan.begin + line.place.at, line.place.bytes);
     if (text) found = read_checkpoint(*text, session.initial_document(), line.check);
   }
+  if (!found) return 0;
   const auto end = scan.lines.begin() + static_cast<std::ptrdiff_t>(k) + 1;
   const auto is_unknown = [](const Scan::Line& line) { return line.kind.kind == LineKind::unknown; };
-  if (!found || std::any_of(scan.lines.begin(), end, is_unknown)) return 0;
+  if (std::any_of(scan.lines.begin(), end, is_unknown)) return 0;
   for (auto line = scan.lines.begin(); line != end; ++line)
     if (!session.count(line->kind, line->place, line->check)) return 0;
   session.go_on_from(std::make_shared<const Document>(std::move(*found)));

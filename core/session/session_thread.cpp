@@ -44,6 +44,7 @@ struct SessionThread::Shared {
   std::deque<Job> jobs;                    ///< in: every one is done, in order
   std::optional<Preview> next_preview;     ///< in: the latest wins
   std::shared_ptr<const Snapshot> latest;  ///< out: the latest wins
+  Refusals refusals;                       ///< out: until they are taken
   bool stopping = false;
   // ---
   EditSession session;
@@ -68,11 +69,15 @@ struct SessionThread::Shared {
     snapshot.file = session.journal() != nullptr ? session.journal()->path() : std::filesystem::path();
   }
 
-  void publish(Snapshot snapshot) {
+  /// `error`: of a job, why it was refused, empty where it was done; nothing where none ended.
+  void publish(Snapshot snapshot, std::optional<std::string> error = {}) {
     ++snapshot.revision;
+    if (error) snapshot.error = *error;
+    auto next = std::make_shared<const Snapshot>(std::move(snapshot));
     {
-      const std::lock_guard lock(mutex);
-      latest = std::make_shared<const Snapshot>(std::move(snapshot));
+      const std::lock_guard lock(mutex);  // nothing fails from here on, so that no refusal is counted twice
+      latest = std::move(next);
+      if (error && !error->empty()) (refusals.count++ == 0 ? refusals.first : refusals.last) = std::move(*error);
     }
     if (wake) wake();
   }
@@ -91,12 +96,11 @@ struct SessionThread::Shared {
     Snapshot snapshot = *latest;
     auto report = session.apply(std::move(step.action), step.joined);
     end_edit(snapshot);
-    snapshot.error = report ? "" : report.error().sentence();
     if (report) {
       snapshot.message = report->message;
       snapshot.solver_ms = report->solver_ms;
     }
-    publish(std::move(snapshot));
+    publish(std::move(snapshot), report ? "" : report.error().sentence());
   }
 
   /// A note is no edit: what is previewed goes on, and what the last edit said stays.
@@ -104,12 +108,10 @@ struct SessionThread::Shared {
     Snapshot snapshot = *latest;
     const auto report = session.apply(std::move(step.action), step.joined);
     describe(snapshot);
-    if (!report) {
-      snapshot.error = report.error().sentence();
-      ++snapshot.committed;
-    }
     ++snapshot.jobs_done;
-    publish(std::move(snapshot));
+    if (report) return publish(std::move(snapshot));
+    ++snapshot.committed;
+    publish(std::move(snapshot), report.error().sentence());
   }
 
   void do_computed(const Computed& computed) {
@@ -117,8 +119,7 @@ struct SessionThread::Shared {
     if (action && *action) return do_action({std::move(**action), computed.joined});
     Snapshot snapshot = *latest;
     end_edit(snapshot);
-    snapshot.error = action ? "" : action.error().sentence();
-    publish(std::move(snapshot));
+    publish(std::move(snapshot), action ? "" : action.error().sentence());
   }
 
   void do_save(const std::filesystem::path& path) {
@@ -127,9 +128,8 @@ struct SessionThread::Shared {
     describe(snapshot);
     ++snapshot.committed;
     ++snapshot.jobs_done;
-    snapshot.error = saved ? "" : saved.error().sentence();
     if (saved) snapshot.message = "Saved as " + path.string();
-    publish(std::move(snapshot));
+    publish(std::move(snapshot), saved ? "" : saved.error().sentence());
   }
 
   void do_sync() {
@@ -137,8 +137,7 @@ struct SessionThread::Shared {
     if (synced) return;
     Snapshot snapshot = *latest;
     ++snapshot.committed;
-    snapshot.error = synced.error().sentence();
-    publish(std::move(snapshot));
+    publish(std::move(snapshot), synced.error().sentence());
   }
 
   void show_preview(const Preview& preview) {
@@ -170,17 +169,16 @@ struct SessionThread::Shared {
       --snapshot.committed;
       --snapshot.jobs_done;
     }
+    std::string error;
     try {
       std::rethrow_exception(thrown);
     } catch (const std::bad_alloc&) {
-      snapshot.error =
-          done ? "Memory is almost used up. This edit was done, but the next one may fail; close other programs."
-               : "Memory ran out, so nothing was changed; close other programs and try again.";
-    } catch (const std::exception& error) {
-      snapshot.error =
-          std::string("This edit could not be done (") + error.what() + "); save the case and start again.";
+      error = done ? "Memory is almost used up. This edit was done, but the next one may fail; close other programs."
+                   : "Memory ran out, so nothing was changed; close other programs and try again.";
+    } catch (const std::exception& other) {
+      error = std::string("This edit could not be done (") + other.what() + "); save the case and start again.";
     }
-    publish(std::move(snapshot));
+    publish(std::move(snapshot), std::move(error));
   }
 
   /// Until there is memory enough to say it.
@@ -294,6 +292,11 @@ void SessionThread::save_as(std::filesystem::path path) {
 std::shared_ptr<const Snapshot> SessionThread::snapshot() const {
   const std::lock_guard lock(shared_->mutex);
   return shared_->latest;
+}
+
+Refusals SessionThread::take_refusals() {
+  const std::lock_guard lock(shared_->mutex);
+  return std::exchange(shared_->refusals, {});
 }
 
 EditSession SessionThread::finish() {

@@ -29,6 +29,12 @@ struct Snapshot {
   KeptWithCase kept;           ///< what the case keeps beside its steps
 };
 
+/// What was refused since somebody asked: edits may come and be refused faster than snapshots are looked at.
+struct Refusals {
+  std::size_t count = 0;
+  std::string first, last;  ///< sentences; `last` is empty where only one was refused
+};
+
 /// Runs an EditSession on a thread of its own; with it the factorisation for drags is that thread's alone. The
 /// interface posts jobs and looks at snapshots; it never waits. Previews are absolute and the latest wins; actions
 /// queue and none is dropped.
@@ -52,6 +58,8 @@ class SessionThread {
   void save_as(std::filesystem::path path);
 
   std::shared_ptr<const Snapshot> snapshot() const;
+  /// What was refused since the last call: at least all that led to the snapshot of before.
+  Refusals take_refusals();
   /// Whether an edit that was posted is not done (or refused) yet.
   bool busy() const { return snapshot()->jobs_done < posted_; }
   /// Waits until everything posted so far is done, and returns the session (for tests and for closing).

@@ -88,7 +88,13 @@ void Models::new_study(const ModelsState& models, const fs::path& path) {
 
 void Models::queue_writing(const ModelsState& models, const fs::path& path, Then then) {
   const auto write = [study = models.study, path, then = std::move(then)](Progress&) -> Result<FileDone> {
-    return FileDone{path, guarded(path.string(), [&] { return write_study(study, path); }), then};
+    const auto written = guarded(path.string(), [&]() -> Result<void> {
+      // Its own folder may not be there yet: making it failed before, or it was removed.
+      if (path.parent_path() == studies_folder())
+        if (auto made = make_folder(studies_folder(), Readers::user_alone); !made) return made;
+      return write_study(study, path);
+    });
+    return FileDone{path, written, then};
   };
   files_.queue(path.string(), write, "Writing study");
 }
@@ -310,7 +316,7 @@ bool Models::update(EditorState& state, const Snapshot& snapshot, double seconds
     changed = true;
   }
   // One writing at a time: what is edited meanwhile goes into the next.
-  if (written_revision_ != models.study_revision && !files_.busy()) write_study_file(models);
+  if (has_to_write(models) && !files_.busy()) write_study_file(models);
   const bool stale = built_revision_ != models.shapes_revision || built_alignment_ != models.alignment ||
                      built_document_ != open_document(models, snapshot);
   if (models.shown && stale) build(state, snapshot);

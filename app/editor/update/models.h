@@ -42,6 +42,8 @@ class Models {
   bool take_files(EditorState& state, Outbox& out);
   /// Writes the study's file where it is not up to date: again, where that failed. True where that was to be done.
   bool write_if_changed(const ModelsState& models);
+  /// Whether the study's file is to be written as soon as no other file is.
+  bool has_to_write(const ModelsState& models) const { return written_revision_ != models.study_revision; }
   /// The study's file whose writing failed last; empty where none did since.
   const std::filesystem::path& unwritten() const { return unwritten_; }
   /// Seconds until something moves by itself.

@@ -21,6 +21,15 @@ void let_go_of_regions(EditorState& state, const Document& before, const Documen
   if (state.renaming && !has_region(now, state.renaming->rename.name)) state.renaming.reset();
 }
 
+/// Why edits came to nothing. Of many at once the first says what is wrong with the disk, the last how it stands now.
+void tell_refusals(EditorState& state, const Refusals& refused) {
+  if (refused.count > 0) add_notice(state, refused.first);
+  if (refused.count < 2 || refused.last == refused.first) return;
+  const std::size_t more = refused.count - 1;
+  add_notice(state, more == 1 ? refused.last
+                              : std::to_string(more) + " more edits were refused. The last one: " + refused.last);
+}
+
 std::shared_ptr<const Document> at_frame(const std::shared_ptr<const Document>& document, int frame) {
   if (document->frame == frame) return document;
   auto other = std::make_shared<Document>(*document);
@@ -78,7 +87,7 @@ void ShownCase::close() {
 
 bool ShownCase::update_snapshot(EditorState& state) {
   const auto latest = session_->snapshot();
-  const bool changed = latest != snapshot_, done = latest->committed != snapshot_->committed;
+  const bool changed = latest != snapshot_;
   const bool renamed = latest->file != snapshot_->file;
   let_go_of_regions(state, *snapshot_->document, *latest->document);
   if (latest->jobs_done != snapshot_->jobs_done || latest->message != snapshot_->message)
@@ -86,7 +95,7 @@ bool ShownCase::update_snapshot(EditorState& state) {
   snapshot_ = latest;
   if (renamed) remember_case(state, *snapshot_);
   keep_on_disk(state);
-  if (done && !snapshot_->error.empty()) add_notice(state, snapshot_->error);
+  tell_refusals(state, session_->take_refusals());
   const int frame = shown_frame(state, *snapshot_->shown);
   if (!changed && displayed_->frame == frame) return false;
   const auto before = displayed_;

@@ -1,8 +1,11 @@
 #include <fstream>
 
 #include "app/editor/update/file_purposes.h"
+#include "app/editor/update/shown_case.h"
+#include "tests/ball.h"
 #include "tests/desk.h"
 #include "tests/temporary_folder.h"
+#include "tests/wait.h"
 
 namespace homolog {
 
@@ -19,6 +22,31 @@ TEST_CASE("a double click fills the window with a view and another brings the fo
   click(20);
   click(20.2);
   CHECK_FALSE(desk.state.maximised);
+}
+
+TEST_CASE("edits that are refused between two frames are told though the last one was done") {
+  EditorState state;
+  ShownCase shown([] {});
+  shown.start(EditSession(ball_document(40)));
+  const auto told_of = [&](const std::vector<Action>& actions) {
+    state.notices.clear();
+    for (const Action& action : actions) shown.session().apply(action);
+    REQUIRE(test::wait_until([&] { return !shown.session().busy(); }));
+    shown.update_snapshot(state);
+    std::vector<std::string> told;
+    for (const Notice& notice : state.notices) told.push_back(notice.text);
+    return told;
+  };
+  const SetStiffnessBase good{5}, bad{-1};
+  const auto of_stiffness = told_of({bad, good});
+  REQUIRE(of_stiffness.size() == 1);
+  CHECK(told_of({bad, bad, good}) == of_stiffness);  // one reason is told once
+  const auto of_spacing = told_of({SetEvenSpacing{7}, good});
+  REQUIRE(of_spacing.size() == 1);
+  CHECK(told_of({bad, SetEvenSpacing{7}, good}) == std::vector{of_stiffness[0], of_spacing[0]});
+  CHECK(told_of({bad, bad, SetEvenSpacing{7}, good}) ==
+        std::vector{of_stiffness[0], "2 more edits were refused. The last one: " + of_spacing[0]});
+  CHECK(told_of({good}).empty());
 }
 
 TEST_CASE("saving takes the typed name and asks before it replaces a file") {

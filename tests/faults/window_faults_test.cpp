@@ -7,6 +7,7 @@
 #include "app/editor/update/controls.h"
 #include "tests/faults/disk.h"
 #include "tests/screens.h"
+#include "tests/wait.h"
 
 // Everything in the window that writes, on a disk that fails at one call, or from that call on. What is asked for:
 // every file is what it was or what the whole deed makes of it; where something is lacking it is said, with the
@@ -442,6 +443,20 @@ TEST_CASE("on a disk that fails edits and cases are kept or refused with the rea
 TEST_CASE("on a disk that fails exports and studies are whole or refused with the reason") {
   CHECK(try_faults(exports()) > 0);
   CHECK(try_faults(studies()) > 0);
+}
+
+TEST_CASE("a study is on the disk when the window is at rest") {
+  const BallDesk desk;
+  Driver driver(desk.document());
+  pull_and_study(driver, desk);
+  driver.app().send(AddScans{{desk.scan}});
+  REQUIRE(test::wait_until([&] {
+    driver.frame();
+    return driver.app().at_rest();
+  }));
+  const auto read = read_study(desk.study);
+  REQUIRE(read);
+  CHECK(read->study.cases.size() == 5);
 }
 
 TEST_CASE("a study whose folder could not be made is written as soon as it can be") {

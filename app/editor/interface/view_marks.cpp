@@ -99,28 +99,48 @@ void draw_ring(ImDrawList& draw, const ViewMap& map, const Vec3& at_mm, double r
   if (px) draw.AddCircle(on_screen(*px), static_cast<float>(radius_mm / map.mm_per_px(at_mm)), colour, 0, 1.5f);
 }
 
-/// The gesture's hold on the surface, its σ as a ring, and how far it moved, at the cursor.
+/// How far the gesture moved, what stopped it and what it does wrong: beside the pointer, within the view.
+void draw_stroke_note(const UiContext& ui, const StrokeDrag& drag, bool stopped, const RectPx& view, ImDrawList& draw) {
+  struct Line {
+    ImFont* font;
+    ImU32 colour;
+    std::string text;
+  };
+  const double moved_mm = ui.snapshot.preview ? ui.snapshot.preview->moved_mm : 0;
+  std::vector<Line> lines{{ui.theme.strong, stopped ? palette::amber : palette::mark,
+                           format("%.1f mm%s", moved_mm, stopped ? "  stopped" : "")},
+                          {ui.theme.small, palette::mark_dim, format("\xcf\x83 %.1f mm", drag.stroke.sigma_mm)}};
+  const auto& figures = ui.quality.latest();
+  if (figures && figures->intersecting > ui.state.intersecting_at_rest)
+    lines.push_back({ui.theme.small, palette::amber, "passes through the opposite wall"});
+  ImVec2 size{0, 0};
+  for (const Line& line : lines) {
+    const ImVec2 one = text_size(line.font, line.text);
+    size = {std::max(size.x, one.x), size.y + one.y};
+  }
+  const float pad = ui.theme.px(6), right = ui.theme.px(20), below = ui.theme.px(12);
+  const auto px = static_cast<float>(ui.state.hover->x_px), py = static_cast<float>(ui.state.hover->y_px);
+  const auto low_x = static_cast<float>(view.x) + pad, low_y = static_cast<float>(view.y) + pad;
+  const float high_x = low_x + static_cast<float>(view.width) - 2 * pad - size.x;
+  const float high_y = low_y + static_cast<float>(view.height) - 2 * pad - size.y;
+  ImVec2 at{px + right <= high_x ? px + right : px - right - size.x, std::min(py + below, high_y)};
+  at = {std::max(low_x, std::min(at.x, high_x)), std::max(low_y, at.y)};
+  draw.AddRectFilled({at.x - pad, at.y - pad / 2}, {at.x + size.x + pad, at.y + size.y + pad / 2},
+                     IM_COL32(0x1A, 0x1C, 0x1F, 205), ui.theme.px(4));
+  for (const Line& line : lines) {
+    text_at(draw, line.font, at, line.colour, line.text);
+    at.y += text_size(line.font, line.text).y;
+  }
+}
+
+/// The gesture's hold on the surface, its σ as a ring, and what is said of it at the pointer.
 void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map, ImDrawList& draw) {
   const bool stopped = ui.snapshot.preview && ui.snapshot.preview->stopped_by_guard;
   const ImU32 colour = stopped ? palette::amber : palette::mark;
   const Vec3 held = ui.snapshot.preview && ui.snapshot.preview->on ? *ui.snapshot.preview->on : drag.stroke.at;
   draw_ring(draw, map, held, drag.stroke.sigma_mm, with_alpha(colour, 0.55f));
   if (const auto px = map.to_px(held)) draw.AddCircleFilled(on_screen(*px), ui.theme.px(3), colour);
-  if (!ui.state.hover || !drag.moved) return;
-  const double moved_mm = ui.snapshot.preview ? ui.snapshot.preview->moved_mm : 0;
-  const auto& figures = ui.quality.latest();
-  const bool cuts = figures && figures->intersecting > ui.state.intersecting_at_rest;
-  const std::string text =
-      format("%.1f mm%s%s", moved_mm, stopped ? "  stopped" : "", cuts ? "  passes through the opposite wall" : "");
-  const std::string sigma = format("\xcf\x83 %.1f mm", drag.stroke.sigma_mm);
-  const ImVec2 a = text_size(ui.theme.strong, text), b = text_size(ui.theme.small, sigma);
-  const ImVec2 at{static_cast<float>(ui.state.hover->x_px) + ui.theme.px(20),
-                  static_cast<float>(ui.state.hover->y_px) + ui.theme.px(12)};
-  const float pad = ui.theme.px(6);
-  draw.AddRectFilled({at.x - pad, at.y - pad / 2}, {at.x + std::max(a.x, b.x) + pad, at.y + a.y + b.y + pad / 2},
-                     IM_COL32(0x1A, 0x1C, 0x1F, 205), ui.theme.px(4));
-  text_at(draw, ui.theme.strong, at, colour, text);
-  text_at(draw, ui.theme.small, {at.x, at.y + a.y}, palette::mark_dim, sigma);
+  if (ui.state.hover && drag.moved) draw_stroke_note(ui, drag, stopped, map.rect(), draw);
 }
 
 /// The finding that is looked at: its triangles, a ring, and what it is.

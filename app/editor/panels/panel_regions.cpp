@@ -16,12 +16,12 @@ namespace {
 /// Colours for new regions, told apart also without colour vision.
 constexpr std::array<std::array<std::uint8_t, 3>, 8> region_colours{{{224, 164, 88},
                                                                      {96, 165, 214},
-                                                                     {122, 190, 120},
-                                                                     {205, 120, 170},
-                                                                     {230, 215, 110},
-                                                                     {140, 120, 210},
-                                                                     {110, 205, 200},
-                                                                     {215, 115, 95}}};
+                                                                     {158, 98, 74},
+                                                                     {178, 34, 128},
+                                                                     {224, 215, 66},
+                                                                     {142, 75, 233},
+                                                                     {147, 187, 140},
+                                                                     {208, 57, 22}}};
 
 using Colour = std::array<std::uint8_t, 3>;
 

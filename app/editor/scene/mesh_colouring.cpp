@@ -22,7 +22,8 @@ Rgb on_scale(const std::vector<Rgb>& scale, double share) {
   return mix(scale[low], scale[low + 1], place - static_cast<double>(low));
 }
 
-// Scales that differ in lightness as well as in hue, so that they are read without colour vision.
+// Scales that differ in lightness as well as in hue, so that they are read without colour vision: every other step of
+// nine is told apart by all eyes (tests/app/editor/colour_vision_test.cpp).
 const std::vector<Rgb>& diverging() {
   static const std::vector<Rgb> scale{{0.13f, 0.35f, 0.85f},
                                       {0.55f, 0.72f, 0.95f},
@@ -36,16 +37,17 @@ const std::vector<Rgb>& rising() {
                                       {0.15f, 0.45f, 0.56f},
                                       {0.29f, 0.69f, 0.49f},
                                       {0.68f, 0.85f, 0.32f},
-                                      {0.99f, 0.95f, 0.55f}};
+                                      {1.00f, 0.97f, 0.70f}};
   return scale;
 }
 const std::vector<Rgb>& quality_scale() {
-  static const std::vector<Rgb> scale{{0.85f, 0.16f, 0.16f}, {0.96f, 0.66f, 0.30f}, {0.86f, 0.87f, 0.88f}};
+  static const std::vector<Rgb> scale{
+      {0.64f, 0.02f, 0.16f}, {0.93f, 0.48f, 0.22f}, {0.97f, 0.77f, 0.48f}, {0.93f, 0.94f, 0.95f}};
   return scale;
 }
 
 const std::vector<Rgb>& confidence_scale() {
-  static const std::vector<Rgb> scale{{0.87f, 0.20f, 0.36f}, {0.98f, 0.72f, 0.30f}, {0.45f, 0.95f, 0.85f}};
+  static const std::vector<Rgb> scale{{0.80f, 0.10f, 0.32f}, {0.97f, 0.62f, 0.30f}, {0.60f, 0.98f, 0.88f}};
   return scale;
 }
 

@@ -8,6 +8,7 @@
 #include "tests/driver.h"
 #include "tests/organ_scan.h"
 #include "tests/screens.h"
+#include "tests/seen_colours.h"
 
 // Whether what is drawn can be told from what it is drawn on: by the colours of the pixels, in the light theme and the
 // dark one.
@@ -16,15 +17,9 @@ namespace homolog {
 
 namespace {
 
-/// A channel of sRGB, 0…255, as light, 0…1.
-double light_of(std::uint8_t channel) {
-  const double c = channel / 255.0;
-  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
-
-std::array<double, 3> linear_rgb(const Picture& picture, std::size_t pixel) {
-  return {light_of(picture.rgba[4 * pixel]), light_of(picture.rgba[4 * pixel + 1]),
-          light_of(picture.rgba[4 * pixel + 2])};
+test::Light linear_rgb(const Picture& picture, std::size_t pixel) {
+  const std::uint8_t* rgba = &picture.rgba[4 * pixel];
+  return test::light_of({rgba[0] / 255.0, rgba[1] / 255.0, rgba[2] / 255.0});
 }
 
 double luminance(const Picture& picture, std::size_t pixel) {
@@ -42,17 +37,6 @@ double contrast_in(const Picture& picture, const RectPx& rect) {
       high = std::max(high, here);
     }
   return (high + 0.05) / (low + 0.05);
-}
-
-/// CIE L*a*b* for D65.
-std::array<double, 3> lab(const Picture& picture, std::size_t pixel) {
-  const auto [r, g, b] = linear_rgb(picture, pixel);
-  const std::array<double, 3> share{(0.4124 * r + 0.3576 * g + 0.1805 * b) / 0.9505,
-                                    0.2126 * r + 0.7152 * g + 0.0722 * b,
-                                    (0.0193 * r + 0.1192 * g + 0.9505 * b) / 1.089};
-  std::array<double, 3> f{};
-  for (std::size_t k = 0; k < 3; ++k) f[k] = share[k] > 0.008856 ? std::cbrt(share[k]) : 7.787 * share[k] + 16.0 / 116;
-  return {116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])};
 }
 
 bool holds_middle(const RectPx& outer, const RectPx& inner) {
@@ -123,8 +107,7 @@ TEST_CASE("an outline without a region stands out on every grey of an image") {
       const auto x = static_cast<double>(i % static_cast<std::size_t>(with.width)),
                  y = static_cast<double>(i / static_cast<std::size_t>(with.width));
       if (!outline[i] || !image.contains(x, y)) continue;
-      const auto a = lab(with, i), b = lab(without, i);
-      differences.push_back(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+      differences.push_back(test::colour_difference(linear_rgb(with, i), linear_rgb(without, i)));
     }
     REQUIRE(differences.size() > 300);
     std::ranges::nth_element(differences, differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2));

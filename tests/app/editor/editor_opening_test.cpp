@@ -11,6 +11,7 @@
 #include "core/volume/volume_io.h"
 #include "tests/driver.h"
 #include "tests/must.h"
+#include "tests/organ_scan.h"
 
 // What a new image, another template and a case that is opened again bring with them.
 
@@ -115,6 +116,39 @@ TEST_CASE("the window says that it is no medical device") {
   Driver driver(new_document({}, nullptr, nullptr));
   driver.press(key::f1);
   CHECK(driver.shows("It is not a medical device."));
+}
+
+TEST_CASE("a scan is opened with grey values that show its tissue and a case with slices through its mesh") {
+  const OrganScan scan;
+  REQUIRE(write_volume(*OrganScan::image(), scan.folder.path / "scan.nii"));
+  Driver driver(scan.document());
+  CHECK(driver.state().window_low == -160);
+  CHECK(driver.state().window_high == 240);
+  Similarity aside = driver.document().shape().placement;
+  aside.translation += Vec3(15, -12, 10);
+  driver.app().send(ApplyEdit{SetPlacement{aside}});
+  driver.settle();
+  const fs::path of_case = driver.case_file();
+
+  // An MR: air of 0 to 4, tissue of 190 to 320, and a few voxels of 8000.
+  Volume mr = *OrganScan::image();
+  auto& values = std::get<std::vector<std::int16_t>>(mr.data);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = static_cast<std::int16_t>(i % 5000 == 0 ? 8000 : values[i] < -900 ? i % 5 : (values[i] + 1000) / 5);
+  REQUIRE(write_volume(mr, driver.folder() / "mr.nii"));
+  open_and_wait(driver, driver.folder() / "mr.nii");
+  CHECK(driver.state().window_low >= 0);
+  CHECK(driver.state().window_low < 5);
+  CHECK(driver.state().window_high > 220);
+  CHECK(driver.state().window_high < 400);
+
+  driver.app().send(OpenFiles{{of_case}});
+  driver.wait_until("the case is open again", [&] { return driver.case_file() == of_case; });
+  driver.settle();
+  const Box box = bounds_of(*driver.document().shape().points);
+  CHECK((box.center() - Vec3(15, -12, 10)).norm() < 3);
+  CHECK((driver.state().crosshair_mm - box.center()).cwiseAbs().maxCoeff() <= 1);  // within half a slice
+  CHECK((driver.state().camera.target - box.center()).norm() < 0.01);
 }
 
 TEST_CASE("the template that was saved is the case's and comes with the next image") {

@@ -43,25 +43,32 @@ SurfaceFollower::SurfaceFollower(const Topology& topology, const Points& points,
                                  const Vec3& cursor)
     : topology_(topology),
       points_(points),
-      at_(start),
-      position_(start.interpolate(topology, points).transpose()),
+      station_{start, start.interpolate(topology, points).transpose()},
+      now_(station_),
       cursor_(cursor) {}
 
-void SurfaceFollower::step(const Vec3& cursor) {
-  const double cursor_moved = (cursor - cursor_).norm();
-  cursor_ = cursor;
-  const auto candidate = walk_to_nearest(topology_, points_, at_, cursor);
-  if ((candidate.position - position_).norm() > 3 * cursor_moved + 1e-9) return;  // the medial axis: held
-  at_ = candidate.at;
-  position_ = candidate.position;
+SurfaceFollower::Place SurfaceFollower::followed(const Vec3& cursor, double step_mm) const {
+  const auto nearest = walk_to_nearest(topology_, points_, station_.at, cursor);
+  if ((nearest.position - station_.position).norm() > 3 * step_mm) return station_;  // the medial axis: held
+  return {nearest.at, nearest.position};
 }
 
 void SurfaceFollower::move_to(const Vec3& cursor, double edge_mm) {
-  const Vec3 from = cursor_;
-  const double length = (cursor - from).norm();
+  // Stations lie on a grid far below any accuracy: how a straight path was divided leaves no trace in their last bits.
+  constexpr double grid_per_mm = 1 << 20;
+  constexpr double most_steps = 1000;
+  const Vec3 way = cursor - cursor_;
+  const double length = way.norm();
   if (length == 0) return;
-  const int steps = static_cast<int>(std::clamp(std::ceil(2 * length / edge_mm), 1.0, 1000.0));
-  for (int k = 1; k <= steps; ++k) step(from + (cursor - from) * (static_cast<double>(k) / steps));
+  const double step_mm = std::max(edge_mm / 2, length / most_steps);
+  double along = step_mm - beyond_mm_;
+  for (; along <= length; along += step_mm) {
+    const Vec3 exact = cursor_ + way * (std::max(along, 0.0) / length);
+    station_ = followed((exact * grid_per_mm).array().round().matrix() / grid_per_mm, step_mm);
+  }
+  beyond_mm_ = length - (along - step_mm);
+  cursor_ = cursor;
+  now_ = followed(cursor, step_mm);
 }
 
 }  // namespace homolog

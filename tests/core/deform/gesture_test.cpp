@@ -3,6 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <functional>
+
 #include "core/deform/deformer.h"
 #include "core/deform/falloff.h"
 #include "core/deform/tangential.h"
@@ -88,6 +91,28 @@ TEST_CASE("the result does not depend on the events on the way and going back un
   const Vec3 q = SurfaceSearch(big_ball).nearest(big_pole).position;
   CHECK(largest_difference(deformer.stroke(start, drag(Tool::grab, big_pole, q), Pass::commit)->points,
                            big_ball.points) < 1e-12);
+}
+
+TEST_CASE("a pull ends with the same bytes whether 60 or 1000 events told of its way") {
+  const Mesh ball = icosphere(3, 40);
+  const auto pulled = [&](int events, const std::function<Vec3(double)>& way) {
+    const StrokeStart start = start_of(ball);
+    Deformer deformer;
+    for (int event = 1; event <= events; ++event)
+      REQUIRE(
+          deformer.stroke(start, drag(Tool::pull, big_pole, way(static_cast<double>(event) / events)), Pass::preview));
+    Stroke last = drag(Tool::pull, big_pole, way(1));
+    last.on = deformer.stroke(start, last, Pass::preview)->on;
+    return deformer.stroke(start, last, Pass::commit)->points;
+  };
+  for (const Vec3& to : {Vec3(9, 3, 6), Vec3(-14, 2, -9), Vec3(2, 1, -60)}) {
+    const auto straight = [&](double t) { return Vec3(big_pole + t * to); };
+    const Points few = pulled(60, straight);
+    CHECK(largest_difference(few, ball.points) > 1);
+    CHECK(largest_difference(few, pulled(1000, straight)) == 0);
+  }
+  const auto curved = [](double t) { return Vec3(big_pole + Vec3(9 * t, 6 * std::sin(3 * t), 5 * t * t)); };
+  CHECK(largest_difference(pulled(60, curved), pulled(1000, curved)) < 0.01);
 }
 
 TEST_CASE("strokes of every tool give the same bits whatever the number of threads") {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -32,6 +33,35 @@ void CaseNumber::settle(bool changed, bool released, const std::function<Action(
 
 namespace {
 
+/// Keeps the section at the pointer where it is, or else the one at the panel's top, when something above it grows or
+/// shrinks: the curve of a cine, or the rows of a template.
+class LookedAt {
+ public:
+  LookedAt() {
+    if (ImGui::IsWindowHovered(ImGuiHoveredFlags_AllowWhenBlockedByActiveItem))
+      place_px_ += ImGui::GetMousePos().y - ImGui::GetWindowPos().y;
+  }
+  /// The panel goes to a place of its own.
+  void lead(float top_px) {
+    ImGui::SetScrollY(top_px);
+    led_ = true;
+  }
+  /// A section begins at `top_px`. The last one that began above the place before counts.
+  void meet(const char* title, float top_px) {
+    float& before_px =
+        *ImGui::GetStateStorage()->GetFloatRef(ImGui::GetID((std::string("top of ") + title).c_str()), top_px);
+    if (before_px <= place_px_ + 1) grown_px_ = top_px - before_px;
+    before_px = top_px;
+  }
+  void keep() const {
+    if (!led_ && grown_px_ != 0) ImGui::SetScrollY(ImGui::GetScrollY() + grown_px_);
+  }
+
+ private:
+  float place_px_ = ImGui::GetScrollY(), grown_px_ = 0;
+  bool led_ = false;
+};
+
 /// The section that was just opened is seen, all of it where there is room. `top_px` is where it begins in the panel.
 void show_opened(float top_px) {
   const float bottom_px = ImGui::GetCursorPosY(), room = ImGui::GetWindowHeight();
@@ -48,6 +78,7 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
   ImGui::BeginChild("sections", {0, 0}, false, ImGuiWindowFlags_AlwaysUseWindowPadding);
   ImGui::PopStyleVar();  // not of the lists that open from it
   const auto& sections_open = ui.state.preferences.sections_open;
+  LookedAt looked_at;
   for (const PanelSection& one : sections) {
     if (one.wanted != nullptr && !one.wanted(ui)) continue;
     const auto chosen = sections_open.find(one.title);
@@ -56,8 +87,9 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
     bool toggled = false;
     if (std::string_view(one.title) == place_section &&
         std::exchange(controls_memory().place_shown, ui.state.place_wanted) != ui.state.place_wanted)
-      ImGui::SetScrollFromPosY(ImGui::GetCursorScreenPos().y - ImGui::GetWindowPos().y, 0);
+      looked_at.lead(ImGui::GetCursorPosY());
     const float top_px = ImGui::GetCursorPosY();
+    looked_at.meet(one.title, top_px);
     const bool shown = section(theme, one.title, open, toggled, one.holds != nullptr ? one.holds(ui) : "");
     bool& opens = *ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID(one.title));  // since the click that opens it
     if (toggled) {
@@ -72,6 +104,7 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
     gap(theme, 8);
     if (std::exchange(opens, false)) show_opened(top_px);
   }
+  looked_at.keep();
   ImGui::EndChild();
   end_region();
 }

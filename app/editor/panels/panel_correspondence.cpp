@@ -58,8 +58,8 @@ void draw_scale(const Theme& theme, const Legend& legend) {
 
 }  // namespace
 
-void draw_colouring_legend(const UiContext& ui) {
-  const Legend legend = colouring_legend(ui.document(), shown_colouring(ui.state));
+void draw_colouring_legend(const UiContext& ui, Colouring colouring) {
+  const Legend legend = colouring_legend(ui.document(), colouring);
   if (legend.names.empty())
     draw_scale(ui.theme, legend);
   else
@@ -72,7 +72,8 @@ namespace {
 /// What the colours of the mesh show, with their legend.
 void draw_colour_choice(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  std::vector<std::string> names{"Hue", "Stretch", "Moved", "Stiff", "Regions", "Triangles", "Known", "Doubt"};
+  std::vector<std::string> names{"Hue",       "Stretch", "Moved", "Stiff",     "Regions",
+                                 "Triangles", "Known",   "Doubt", "Confidence"};
   std::vector<std::string> tips{"Each vertex in its own hue, the same in all cases",
                                 "Edge length: blue is shorter than on the template, red is longer",
                                 "How far each vertex has moved since placement and warp",
@@ -81,21 +82,20 @@ void draw_colour_choice(const UiContext& ui, Outbox& out) {
                                 "Shape of the triangles: red is thin or turned over",
                                 "Which vertices are known: confirmed, or moved there by a stroke, a fit or a snap",
                                 "How far from its place each vertex may lie along the surface (mm), as the last fit "
-                                "found. Confirmed vertices are white"};
+                                "found. Confirmed vertices are white",
+                                "Confidence of the last snap: how clear the image edge is at each vertex. It does not "
+                                "say that the mesh is right. Confirmed vertices are white"};
+  // It has its place also where it is not known, so that nothing moves when it is.
+  std::vector<std::string> refusals(names.size());
+  if (!ui.state.confidence) refusals.back() = "Snap the mesh to the image first. It is known until the mesh changes.";
   const Colouring shown = shown_colouring(ui.state);
-  if (ui.state.confidence) {
-    names.emplace_back("Confidence");
-    tips.emplace_back(
-        "Confidence of the last snap: how clear the image edge is at each vertex. It does not say that the "
-        "mesh is right. Confirmed vertices are white");
-  }
   const bool brush = ui.state.tool == MouseTool::confirm || ui.state.tool == MouseTool::stiffness;
   int colouring = static_cast<int>(shown);
   caption(theme, "Colours of the mesh");
   if (choice(theme, "overlay", names, colouring, tips,
-             brush ? "While you hold a brush, the mesh shows what the brush paints." : ""))
+             brush ? "While you hold a brush, the mesh shows what the brush paints." : "", refusals))
     out.send(ChooseColouring{static_cast<Colouring>(colouring)});
-  draw_colouring_legend(ui);
+  draw_colouring_legend(ui, shown);
   if (ui.state.preferences.show.glyphs) {
     double spacing_mm = ui.state.glyph_spacing_mm;
     bool released = false;

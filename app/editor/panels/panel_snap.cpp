@@ -49,21 +49,25 @@ bool draw_snap_settings(const UiContext& ui, SnapSettings& snap) {
   return changed;
 }
 
+/// What the last snap found. Each figure keeps its place when the mesh changes, so that nothing below moves.
 void draw_last_snap(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const SnapFound& found = *ui.state.snapped;
+  const bool known = ui.state.confidence != nullptr;
+  const char* const changed = "not known";
   figure(
-      theme, "Confidence", format("%.0f %%", 100 * found.mean_confidence),
+      theme, "Confidence", known ? format("%.0f %%", 100 * found.mean_confidence) : changed,
       "How clear the image edges are on which the mesh lies. It does not say that the mesh is right. 100 %: as clear "
-      "as usual in this image",
-      found.doubtful ? palette::amber : palette::good);
-  if (!ui.state.unclear_edges.empty() &&
-      figure_link(
-          theme, "No clear edge",
-          format(ui.state.unclear_edges.size() == 1 ? "%zu place" : "%zu places", ui.state.unclear_edges.size()),
-          "Places where the snap saw no clear boundary. Check whether the mesh is right there. Click to go to the "
-          "next one",
-          palette::amber))
+      "as usual in this image. It is known until the mesh changes",
+      !known           ? palette::text
+      : found.doubtful ? palette::amber
+                       : palette::good);
+  const std::size_t unclear = ui.state.unclear_edges.size();
+  const std::string tip = "Places where the snap saw no clear boundary. Check whether the mesh is right there";
+  if (unclear == 0)
+    figure(theme, "No clear edge", known ? "nowhere" : changed, tip);
+  else if (figure_link(theme, "No clear edge", format(unclear == 1 ? "%zu place" : "%zu places", unclear),
+                       tip + ". Click to go to the next one", palette::amber))
     out.send(ShowFinding{FindingKind::unclear});
   figure(theme, "Moved", format("%.1f mm in %.2f s", found.moved_mm, found.seconds),
          "Mean distance that the vertices moved, and how long it took");
@@ -88,9 +92,9 @@ void draw_snap(const UiContext& ui, Outbox& out) {
   }
   SnapSettings snap = ui.state.snap;
   if (draw_snap_settings(ui, snap)) out.send(SetSnap{snap});
-  if (ui.state.confidence && ui.state.snapped) {
+  if (ui.state.snapped) {
     draw_last_snap(ui, out);
-    if (shown_colouring(ui.state) == Colouring::confidence) draw_colouring_legend(ui);
+    if (snap.show_confidence) draw_colouring_legend(ui, Colouring::confidence);
   }
   rule(theme);
 }

@@ -133,7 +133,7 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
 bool draw_picture_options(const Theme& theme, PictureOptions& options);
 
 /// What the overlay's colours mean, as a bar with figures.
-void draw_colouring_legend(const UiContext& ui);
+void draw_colouring_legend(const UiContext& ui, Colouring colouring);
 
 /// The whole window, inside an ImGui frame.
 void draw_interface(const UiContext& ui, Outbox& out);

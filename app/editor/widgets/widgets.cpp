@@ -190,7 +190,8 @@ bool toggle(const Theme& theme, const char* label, bool& value, const std::strin
 }
 
 bool choice(const Theme& theme, const char* id, const std::vector<std::string>& labels, int& chosen,
-            const std::vector<std::string>& tips, const std::string& refusal) {
+            const std::vector<std::string>& tips, const std::string& refusal,
+            const std::vector<std::string>& refusals) {
   const int before = chosen;
   const Part part(id);
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -206,7 +207,8 @@ bool choice(const Theme& theme, const char* id, const std::vector<std::string>& 
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, ImGui::GetStyle().ItemSpacing.y});
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const auto index = static_cast<int>(i);
-    const Control control(theme, i < tips.size() ? tips[i] : std::string(), refusal);
+    const bool refused = refusal.empty() && i < refusals.size();
+    const Control control(theme, i < tips.size() ? tips[i] : std::string(), refused ? refusals[i] : refusal);
     const auto column = static_cast<float>(i % columns);
     const ImVec2 low{std::round(at.x + column_width * column), at.y + height * static_cast<float>(i / columns)};
     const ImVec2 high{std::round(at.x + column_width * (column + 1)), low.y + height};

@@ -39,9 +39,11 @@ bool icon_button(const Theme& theme, const char* glyph, const char* id, const st
 /// A switch with its label; true when it was turned (value is then the new one).
 bool toggle(const Theme& theme, const char* label, bool& value, const std::string& tip,
             const std::string& refusal = {});
-/// One of several choices in a row; true when another was chosen.
+/// One of several choices in a row; true when another was chosen. `refusal` is why none can be chosen, `refusals` why
+/// each cannot.
 bool choice(const Theme& theme, const char* id, const std::vector<std::string>& labels, int& chosen,
-            const std::vector<std::string>& tips, const std::string& refusal = {});
+            const std::vector<std::string>& tips, const std::string& refusal = {},
+            const std::vector<std::string>& refusals = {});
 
 struct SliderRange {
   double low = 0, high = 1;

@@ -94,10 +94,29 @@ TEST_CASE("a frame without a mesh says where one comes from and not that a templ
   driver.press(key::enter);
   driver.settle();
   CHECK(driver.document().frame == 2);  // a frame that is typed is the case's
+  driver.type_into("Cine/Frame/value", "4");
+  driver.press(key::enter);
+  driver.settle();
+  CHECK(driver.document().frame == 4);  // and so where no other was looked at before
   Document late = BeatingBall::document();
   late.shapes[4] = late.shapes.at(0);
   late.shapes.erase(0);
   CHECK(why_no_mesh(late) == "This frame has no mesh yet. Go to a frame that has one, and propagate it (Cine).");
+}
+
+TEST_CASE("a template that is chosen at a frame of a cine is placed in that frame") {
+  Driver driver(BeatingBall::document(), {1280, 1400, 1});
+  driver.type_into("Cine/Frame/value", "2");
+  driver.press(key::enter);
+  driver.settle();
+  driver.click("Template/Ventricle");
+  driver.wait_until("the template is open",
+                    [&] { return driver.document().the_template->source == "built-in:ventricle"; });
+  driver.settle();
+  CHECK(driver.document().frame == 2);
+  CHECK(driver.document().has_shape());
+  CHECK(driver.control("Cine/Frame/value").value == "2");
+  CHECK(driver.shows("From frame 2."));
 }
 
 TEST_CASE("why a frame is in doubt is said where a person sees it also where the panel ends before it") {

@@ -10,6 +10,7 @@
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
 #include "tests/ball.h"
+#include "tests/beating_ball.h"
 #include "tests/driver.h"
 #include "tests/must.h"
 #include "tests/organ_scan.h"
@@ -64,6 +65,49 @@ TEST_CASE("nothing in the panel moves when a label map is opened or closed or fi
   driver.app().send(CloseLabels{});
   driver.settle();
   CHECK(moved() == "");
+}
+
+TEST_CASE("nothing below a snap's figures moves when a stroke makes them unknown") {
+  const OrganScan scan;
+  Driver driver(scan.document(), {1280, 2400, 1});
+  driver.click("Snap/Snap the whole mesh");
+  driver.wait_until("the mesh has snapped", [&] { return driver.state().confidence != nullptr; });
+  driver.settle();
+  const auto before = places(driver);
+  CHECK(driver.control("overlay/Confidence").enabled);
+  Stroke pull;
+  pull.at = driver.document().shape().points->row(0);
+  pull.to = 1.2 * pull.at;
+  pull.sigma_mm = 8;
+  driver.app().send(ApplyEdit{pull});
+  driver.wait_until("the mesh is another", [&] { return driver.state().confidence == nullptr; });
+  driver.settle();
+  std::string moved;
+  for (const auto& [path, y] : places(driver))
+    if (const auto was = before.find(path); was != before.end() && was->second != y) moved += "\n  " + path;
+  CHECK(moved == "");
+  CHECK_FALSE(driver.control("overlay/Confidence").enabled);
+  CHECK(driver.shows("not known"));
+}
+
+TEST_CASE("the section that a person looks at stays when one above it grows") {
+  Driver driver(BeatingBall::document(), {1280, 800, 1});
+  driver.press('L');
+  driver.settle();
+  const float before = driver.control("side panel/Place").rect.y;
+  CHECK(before < 100);
+  Stroke pull;
+  pull.at = driver.document().shape().points->row(0);
+  pull.to = 1.1 * pull.at;
+  pull.sigma_mm = 12;
+  driver.app().send(ApplyEdit{pull});
+  driver.wait_until("the cine has its curve", [&] { return driver.has("Cine/volume curve"); });
+  driver.settle();
+  CHECK(driver.control("side panel/Place").rect.y == before);
+  driver.app().send(ApplyEdit{Undo{}});
+  driver.wait_until("the curve is gone", [&] { return !driver.has("Cine/volume curve"); });
+  driver.settle();
+  CHECK(driver.control("side panel/Place").rect.y == before);
 }
 
 TEST_CASE("the doubt of a fit is an overlay with a legend and a figure") {

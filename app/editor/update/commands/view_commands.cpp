@@ -103,7 +103,20 @@ void ShowOwnPlanes::spell(Fields& line) {
   line.member("own", own);
 }
 void ShowOwnPlanes::run(EditorState& state, const ControlsContext& context, Outbox&) const {
+  const auto slices = state.slices;
+  const Camera3D camera = state.camera;
+  const auto fill = [&] {
+    show_all(state, context.document, context.layout);
+    state.camera = camera;
+  };
+  fill();
+  const bool filled = state.slices == slices;
   state.own_planes = own;
+  // Whoever saw the whole image goes on to see it; whoever looked closely stays at the place.
+  if (filled)
+    fill();
+  else
+    state.slices = slices;
   settle_crosshair(state, context.document);
 }
 

@@ -103,10 +103,8 @@ void start_with(Editing& editing, Opened opened) {
                               : new_document(source, volume, the_template,
                                              in_place ? std::optional<Similarity>(Similarity{}) : std::nullopt));
   if (mirrored && !demo) editing.shown.session().apply(MirrorTemplate{});
-  if (in_place) {
-    if (frame > 0) editing.shown.session().apply(SetFrame{frame});
-    look_as(state, view);
-  }
+  if (!new_image && !demo && frame > 0) editing.shown.session().apply(SetFrame{frame});
+  if (in_place) look_as(state, view);
   if (demo && editing.shown.document().volume->modality == "CT") {
     // Soft tissue: what the demo is about.
     state.window_low = -160;

@@ -226,4 +226,27 @@ TEST_CASE("the image fills the view also along its own planes") {
   CHECK(filled <= 1);
 }
 
+TEST_CASE("along the image's own planes the whole image is seen where it was before and else the same place") {
+  Volume volume;
+  volume.geometry.dims = {200, 160, 4};
+  volume.geometry.direction = Eigen::AngleAxisd(0.7, Vec3(1, 1, 0).normalized()).toRotationMatrix();
+  volume.data = std::vector<std::uint8_t>(volume.geometry.voxels(), 1);
+  Driver driver(new_document("", std::make_shared<const Volume>(std::move(volume)), nullptr));
+  const auto zoom = [&] { return driver.state().slices[index_of(ViewKind::axial)].mm_per_px; };
+  const double whole = zoom();
+  driver.click("The image's own planes");
+  const RectPx& rect = driver.app().layout().image(ViewKind::axial);
+  CHECK(std::max(200 / (zoom() * rect.width), 160 / (zoom() * rect.height)) > 0.95);
+  driver.click("The image's own planes");
+  CHECK(zoom() == doctest::Approx(whole));
+  driver.move(rect.x + 80, rect.y + 80);
+  driver.hold_keys({false, true, false});
+  driver.wheel(3);
+  driver.hold_keys({});
+  const double close = zoom();
+  CHECK(close < whole);
+  driver.click("The image's own planes");
+  CHECK(zoom() == close);
+}
+
 }  // namespace homolog

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Fuzzes the readers of files: fuzz.sh [--minutes N | --seconds N] [READER…]. Without READER all, one after the other, each for
 # that much of the processor's time (default: one minute). Prints how many files each reader was given, and in how many
-# seconds of the processor. A file that makes one crash, hang for 10 s or take 2 GB is left in
+# seconds of the processor. A file that makes one crash, hang for a minute or take 2 GB is left in
 # build/fuzz/findings/READER; the exit status is 1 then. What is new and sound stays in build/fuzz/corpus/READER, so that the
 # next run goes on from there.
 set -uo pipefail
@@ -24,7 +24,7 @@ TIMEFORMAT='%U %S'
 run_once() {
   local reader=$1 times
   times=$({ time UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 ASAN_OPTIONS=allocator_may_return_null=1 \
-    "build/fuzz/fuzz_$reader" -max_total_time="$2" -timeout=10 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 \
+    "build/fuzz/fuzz_$reader" -max_total_time="$2" -timeout=60 -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 \
     -dict=tests/fuzz/words.dict -artifact_prefix="$findings/" "$corpus" "tests/fuzz/seeds/$reader" > "$log" 2>&1; } 2>&1)
   code=$?
   spent=$((spent + $(awk '{ print int(1000 * ($1 + $2)) }' <<<"$times")))

@@ -56,7 +56,7 @@ for job in "${jobs[@]}"; do
     fresh "$arguments"
     # shellcheck disable=SC2086
     (cd "$work/now" && FAULT_FOLDER=$work/now FAULT_AT=$at FAULT_ERRNO=$error FAULT_STAYS=$stays LD_PRELOAD=$library \
-      timeout 120 "$program" $verb $arguments > "$work/out" 2> "$work/err")
+      timeout 600 "$program" $verb $arguments > "$work/out" 2> "$work/err")
     status=$?
     say() { echo "faults: $verb $arguments, call $at of $count fails with error $error (stays: $stays): $1" >&2; bad=$((bad + 1)); }
     said=$(grep -vc '^homolog: warning: ' "$work/err")

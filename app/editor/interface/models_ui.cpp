@@ -48,7 +48,7 @@ void draw_models_status(const UiContext& ui) {
   else if (state.model)
     left = "Drag: turn all shapes. Right-drag: move. Wheel: zoom. Click: mark a vertex. Double-click: look at it.";
   text_at(draw, {bar.x + theme.px(12), y}, palette::dim, shortened(left, bar.width - theme.px(120)));
-  const std::string right = ui.frames_per_second > 0 ? format("%.0f fps", ui.frames_per_second) : "";
+  const std::string right = ui.frames_per_second >= 1 ? format("%.0f fps", ui.frames_per_second) : "";
   text_at(draw, {bar.x + bar.width - theme.px(12) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right);
   end_status_line();
 }

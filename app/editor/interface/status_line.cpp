@@ -69,7 +69,7 @@ void draw_status_line(const UiContext& ui, Outbox&) {
 
   std::string right;
   if (snapshot.solver_ms > 0) right = format("%.2f ms", snapshot.solver_ms);
-  if (ui.frames_per_second > 0) right += format("    %.0f fps", ui.frames_per_second);
+  if (ui.frames_per_second >= 1) right += format("    %.0f fps", ui.frames_per_second);
   const ImVec2 size = ImGui::CalcTextSize(right.c_str());
   const ImVec2 at{bar.x + bar.width - theme.px(12) - size.x, y};
   const float end = at.x - theme.px(12), wanted = ImGui::CalcTextSize(message.c_str()).x;

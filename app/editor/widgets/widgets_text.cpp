@@ -219,7 +219,8 @@ void text_at(ImDrawList& draw, ImVec2 at, ImU32 colour, const std::string& text)
 
 void shadowed_text(ImDrawList& draw, ImFont* font, ImVec2 at, ImU32 colour, const std::string& text) {
   const ImU32 shadow = with_alpha(palette::mark_shadow, static_cast<float>(colour >> IM_COL32_A_SHIFT) / 255);
-  for (const ImVec2 aside : {ImVec2{1, 1}, ImVec2{-1, 0}, ImVec2{0, -1}})
+  // All round: names of landmarks lie over white bone too.
+  for (const ImVec2 aside : {ImVec2{1, 1}, ImVec2{-1, 1}, ImVec2{1, -1}, ImVec2{-1, -1}})
     draw.AddText(font, font->FontSize, {at.x + aside.x, at.y + aside.y}, shadow, text.c_str());
   text_at(draw, font, at, colour, text);
 }

@@ -36,7 +36,7 @@ void read_where_it_is(const Json& line, const std::string& key, std::optional<Co
   C command;
   Fields members = Fields::reader(line);
   spell(members, command);
-  read = std::move(command);
+  read.emplace(std::in_place_type<C>, std::move(command));  // else the compiler looks at every command for each
 }
 
 template <std::size_t... i>
@@ -51,14 +51,12 @@ Command read_command(const Json& line, std::index_sequence<i...>) {
 }  // namespace
 
 std::string log_line(const Command& command) {
-  const auto write = [](auto one) {
-    Json line = Json::object();
-    line["do"] = one.key;
-    Fields members = Fields::writer(line);
-    spell(members, one);
-    return line;
-  };
-  return dumped(std::visit(write, command));
+  Json line = Json::object();
+  const auto key = [](const auto& one) -> const char* { return one.key; };
+  line["do"] = std::visit(key, command);
+  Fields members = Fields::writer(line);
+  std::visit([&members](auto one) { spell(members, one); }, command);
+  return dumped(line);
 }
 
 bool cancels(const Command& command) {

@@ -36,7 +36,7 @@ struct Desk {
   void run_on_state() {
     for (Command& command : out.take()) {
       Outbox further;
-      if (!homolog::run_on_state(command, state, context(), further)) out.send(std::move(command));
+      if (!command.run_on_state(state, context(), further)) out.send(std::move(command));
       for (Command& next : further.take()) out.send(std::move(next));
     }
   }
@@ -64,7 +64,7 @@ struct Desk {
   std::vector<Kind> sent() {
     std::vector<Kind> found;
     for (const Command& command : out.take())
-      if (const auto* one = std::get_if<Kind>(&command)) found.push_back(*one);
+      if (const auto* one = command.as<Kind>()) found.push_back(*one);
     return found;
   }
 };

@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstring>
 #include <sstream>
-#include <string_view>
 #include <utility>
 
 #include "core/base/files.h"
@@ -17,33 +16,20 @@ namespace {
 
 using Json = Fields::Json;
 
-template <class C>
-constexpr Logged when_logged() {
-  if constexpr (requires { C::logged; })
-    return C::logged;
-  else
-    return Logged::at_once;
-}
-
-template <class C>
-void spell(Fields& line, C& command) {
-  if constexpr (requires { command.spell(line); }) command.spell(line);
-}
-
-template <class C>
+template <class One>
 void read_where_it_is(const Json& line, const std::string& key, std::optional<Command>& read) {
-  if (read || key != C::key) return;
-  C command;
+  if (read || key != One::key) return;
+  One command;
   Fields members = Fields::reader(line);
-  spell(members, command);
-  read.emplace(std::in_place_type<C>, std::move(command));  // else the compiler looks at every command for each
+  if constexpr (requires { command.spell(members); }) command.spell(members);
+  read = std::move(command);
 }
 
-template <std::size_t... i>
-Command read_command(const Json& line, std::index_sequence<i...>) {
+template <class... Listed>
+Command read_command(const Json& line, TypeList<Listed...>) {
   const auto key = line.at("do").get<std::string>();
   std::optional<Command> read;
-  (read_where_it_is<std::variant_alternative_t<i, Command>>(line, key, read), ...);
+  (read_where_it_is<Listed>(line, key, read), ...);
   if (!read) throw Unreadable{"\"" + excerpt(key) + "\" is no command"};
   return std::move(*read);
 }
@@ -52,21 +38,16 @@ Command read_command(const Json& line, std::index_sequence<i...>) {
 
 std::string log_line(const Command& command) {
   Json line = Json::object();
-  const auto key = [](const auto& one) -> const char* { return one.key; };
-  line["do"] = std::visit(key, command);
+  line["do"] = command.key();
   Fields members = Fields::writer(line);
-  std::visit([&members](auto one) { spell(members, one); }, command);
+  command.write(members);
   return dumped(line);
-}
-
-bool cancels(const Command& command) {
-  return std::visit([](const auto& one) { return std::string_view(one.key).starts_with("cancel "); }, command);
 }
 
 Result<Command> command_of_line(const std::string& line) {
   const auto json = read_json<Json>(line);
   if (!json) return fail(json.error());
-  return caught([&] { return read_command(*json, std::make_index_sequence<std::variant_size_v<Command>>{}); });
+  return caught([&] { return read_command(*json, AllCommands()); });
 }
 
 Result<std::vector<Command>> read_log(const std::filesystem::path& path) {
@@ -96,8 +77,7 @@ Result<void> CommandLog::write_to(const std::filesystem::path& path) {
 }
 
 void CommandLog::was_given(const Command& command) {
-  const auto at_once = [](const auto& one) { return when_logged<std::decay_t<decltype(one)>>() == Logged::at_once; };
-  if (std::visit(at_once, command)) add(log_line(command));
+  if (command.logged() == Logged::at_once) add(log_line(command));
 }
 
 void CommandLog::add(std::string line) {

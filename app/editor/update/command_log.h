@@ -12,8 +12,6 @@ namespace homolog {
 
 /// A command as a line of JSON, `{"do":"choose tool","tool":"slide"}`. Two commands are the same where their lines are.
 std::string log_line(const Command& command);
-/// Whether a command gives up what runs.
-bool cancels(const Command& command);
 /// The command of a line. Errors: no JSON, no known command, a member that is missing or of the wrong kind.
 Result<Command> command_of_line(const std::string& line);
 

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <any>
+#include <concepts>
+#include <memory>
 #include <optional>
-#include <type_traits>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "app/editor/update/commands/case_commands.h"
@@ -19,10 +18,16 @@
 
 namespace homolog {
 
-/// What the interface asks the editor to do: the list of all commands. Nothing is done while it draws. Each command is
-/// written in app/editor/update/commands/: its data, the key of its line in the log, its members there, and what it
-/// does.
-using Command = std::variant<
+/// A list of types.
+template <class... Listed>
+struct TypeList {
+  template <class One>
+  static constexpr bool has = (std::same_as<One, Listed> || ...);
+};
+
+/// All commands. Each is written in app/editor/update/commands/: its data, the key of its line in the log, its members
+/// there, and what it does.
+using AllCommands = TypeList<
     // edits of the case
     PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineAlongSurface, CancelFit, BlendModel,
     CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
@@ -53,33 +58,102 @@ using Command = std::variant<
     SpaceGalleryGlyphs, ShowMean, ShowSample, ShowSelectedShape, SetMode, AnimateMode, ShowAllModes, ShowDifference,
     CompareGroup, ChooseAlignment, StartOptimisation, CancelOptimisation, ShowOptimised, DiscardOptimised>;
 
-/// Whether a type stands in the list.
-template <class One, class List>
-constexpr bool stands_in = false;
-template <class One, class... Listed>
-constexpr bool stands_in<One, std::variant<Listed...>> = (std::is_same_v<One, Listed> || ...);
+template <class One>
+concept InTheList = AllCommands::has<One>;
 
-/// Commands in the order they were given. What knows the whole list is in outbox.cpp alone: a panel that sends a few
-/// commands would take three times as long to compile.
-class Outbox {
+/// What the interface asks the editor to do: one of AllCommands, as a value that does not change. Nothing is done while
+/// the interface draws.
+class Command {
  public:
-  /// Takes a command, or a Command that holds one.
-  template <class One>
-  void send(One command) {
-    static_assert(stands_in<One, Command> || std::is_same_v<One, Command>);
-    if constexpr (std::is_same_v<One, Command>)
-      add(std::move(command));
-    else
-      add_one(std::move(command));
+  /// A control sends what it asks for as it is.
+  template <InTheList One>
+  Command(One one) : held_(new Holds<One>(std::move(one))) {}
+
+  /// The word for it in the log.
+  const char* key() const { return held_->key(); }
+  Logged logged() const { return held_->logged(); }
+  /// Whether it gives up what runs.
+  bool cancels() const { return held_->cancels(); }
+  /// Writes its members to a line of the log.
+  void write(Fields& line) const { held_->write(line); }
+  /// Does it where the state alone is enough for it; else false, and nothing is done.
+  bool run_on_state(EditorState& state, const ControlsContext& context, Outbox& out) const {
+    return held_->run_on_state(state, context, out);
   }
-  void apply(Action action, bool joined = false);
-  void preview(std::optional<Action> action);
-  bool empty() const;
-  std::vector<Command> take();
+  /// Does what needs the editor.
+  void run(Editing& editing) const { held_->run(editing); }
+  /// Itself where it is a One, else null.
+  template <InTheList One>
+  const One* as() const {
+    const auto* held = dynamic_cast<const Holds<One>*>(held_.get());
+    return held != nullptr ? &held->one : nullptr;
+  }
 
  private:
-  void add(Command command);
-  void add_one(std::any command);
+  struct Held {
+    virtual ~Held() = default;
+    virtual const char* key() const = 0;
+    virtual Logged logged() const = 0;
+    virtual bool cancels() const = 0;
+    virtual void write(Fields& line) const = 0;
+    virtual bool run_on_state(EditorState& state, const ControlsContext& context, Outbox& out) const = 0;
+    virtual void run(Editing& editing) const = 0;
+  };
+  // Of a variant, every source that sends a command would compile all of them.
+  template <class One>
+  struct Holds;
+
+  std::shared_ptr<const Held> held_;
+};
+
+template <class One>
+struct Command::Holds final : Held {
+  static constexpr bool needs_state = requires(const One& one, EditorState& state) { one.run(state); };
+  static constexpr bool needs_controls =
+      requires(const One& one, EditorState& state, const ControlsContext& context, Outbox& out) {
+    one.run(state, context, out);
+  };
+  static constexpr bool needs_editor = requires(const One& one, Editing& editing) { one.run(editing); };
+  static constexpr bool gives_up = requires { One::cancels; };
+  static_assert(needs_state || needs_controls || needs_editor,
+                "run() takes an Editing, an EditorState, or a state with its controls and outbox");
+
+  explicit Holds(One held) : one(std::move(held)) {}
+  const char* key() const override { return One::key; }
+  Logged logged() const override {
+    if constexpr (requires { One::logged; })
+      return One::logged;
+    else
+      return Logged::at_once;
+  }
+  bool cancels() const override { return gives_up; }
+  void write(Fields& line) const override {
+    if constexpr (requires(One copy) { copy.spell(line); }) One(one).spell(line);
+  }
+  bool run_on_state(EditorState& state, const ControlsContext& context, Outbox& out) const override {
+    if constexpr (needs_state)
+      one.run(state);
+    else if constexpr (needs_controls)
+      one.run(state, context, out);
+    return needs_state || needs_controls;
+  }
+  void run(Editing& editing) const override {
+    if constexpr (needs_editor) one.run(editing);
+  }
+
+  One one;
+};
+
+/// Commands in the order they were given.
+class Outbox {
+ public:
+  void send(Command command) { commands_.push_back(std::move(command)); }
+  void apply(Action action, bool joined = false);
+  void preview(std::optional<Action> action);
+  bool empty() const { return commands_.empty(); }
+  std::vector<Command> take() { return std::exchange(commands_, {}); }
+
+ private:
   std::vector<Command> commands_;
 };
 

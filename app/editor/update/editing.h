@@ -96,8 +96,6 @@ struct Editing {
 
 /// Does one command. Errors end in a notice.
 void run(const Command& command, Editing& editing);
-/// Does one command where the state alone is enough for it; else false, and nothing is done.
-bool run_on_state(const Command& command, EditorState& state, const ControlsContext& context, Outbox& out);
 
 /// Stops a cine, and commits the frame that is shown.
 void stop_playing(Editing& editing);

@@ -1,5 +1,4 @@
 #include <utility>
-#include <variant>
 
 #include "app/editor/update/editing.h"
 #include "core/base/guarded.h"
@@ -28,33 +27,18 @@ bool Work::busy() const {
          model_help.busy() || models.busy() || worklist.busy() || snaps.busy();
 }
 
-bool run_on_state(const Command& command, EditorState& state, const ControlsContext& context, Outbox& out) {
-  const auto run_one = [&](const auto& one) {
-    constexpr bool by_editor = requires(Editing & editing) {
-      one.run(editing);
-    };
-    static_assert(
-        by_editor || requires { one.run(state); } || requires { one.run(state, context, out); },
-        "run() takes an Editing, an EditorState, or a state with its controls and outbox");
-    if constexpr (requires { one.run(state); }) {
-      one.run(state);
-      return true;
-    } else if constexpr (requires { one.run(state, context, out); }) {
-      one.run(state, context, out);
-      return true;
-    }
-    return false;
-  };
-  return std::visit(run_one, command);
+void Outbox::apply(Action action, bool joined) {
+  send(ApplyEdit{std::move(action), joined});
+}
+
+void Outbox::preview(std::optional<Action> action) {
+  send(PreviewEdit{std::move(action)});
 }
 
 void run(const Command& command, Editing& editing) {
   // One that fails does not take the others with it.
   const auto done = guarded("", [&]() -> Result<void> {
-    const auto run_one = [&](const auto& one) {
-      if constexpr (requires { one.run(editing); }) one.run(editing);
-    };
-    if (!run_on_state(command, editing.state, editing.controls(), editing.out)) std::visit(run_one, command);
+    if (!command.run_on_state(editing.state, editing.controls(), editing.out)) command.run(editing);
     editing.log.was_given(command);
     return {};
   });

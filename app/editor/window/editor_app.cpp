@@ -69,7 +69,7 @@ void EditorApp::replay(std::vector<Command> commands) {
 bool EditorApp::update(double seconds) {
   bool changed = work_.busy();
   // A Cancel belongs to what runs, all else begins when that is done.
-  while (!to_replay_.empty() && out_.empty() && (rests() || cancels(to_replay_.front()))) {
+  while (!to_replay_.empty() && out_.empty() && (rests() || to_replay_.front().cancels())) {
     out_.send(std::move(to_replay_.front()));
     to_replay_.pop_front();
   }

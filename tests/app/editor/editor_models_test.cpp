@@ -311,7 +311,7 @@ TEST_CASE("Tab exchanges case and models and in the models the tools' keys do no
   const auto press = [&](int key) {
     const ControlsContext context{layout, document, mesh, false, false};
     press_key(state, {KeyPress{key}, 0, 0, false, false, false, 0, true}, key, context, out);
-    for (const Command& command : out.take()) run_on_state(command, state, context, out);
+    for (const Command& command : out.take()) command.run_on_state(state, context, out);
   };
   press('G');
   CHECK(state.tool == MouseTool::grab);

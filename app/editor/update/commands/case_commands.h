@@ -46,6 +46,7 @@ struct SnapMesh {
 };
 struct CancelSnap {
   static constexpr const char* key = "cancel snap";
+  static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::when_done;  ///< where there was one
   void run(Editing& editing) const;
 };
@@ -66,6 +67,7 @@ struct RefineAlongSurface {
 /// Of a fit or a refinement.
 struct CancelFit {
   static constexpr const char* key = "cancel fit";
+  static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::never;  ///< a fit that was given up is not logged either
   void run(Editing& editing) const;
 };
@@ -90,6 +92,7 @@ struct PropagateFrames {
 };
 struct CancelPropagation {
   static constexpr const char* key = "cancel propagation";
+  static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::never;  ///< one that was given up is not logged either
   void run(Editing& editing) const;
 };

@@ -44,17 +44,20 @@ struct CloseLabels {
 };
 struct CancelOpening {
   static constexpr const char* key = "cancel opening";
+  static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::never;
   void run(Editing& editing) const;
 };
 /// Of files that are read for the case.
 struct CancelReading {
   static constexpr const char* key = "cancel reading";
+  static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::never;
   void run(Editing& editing) const;
 };
 struct CancelWriting {
   static constexpr const char* key = "cancel writing";
+  static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::never;
   std::filesystem::path path;
   void spell(Fields& line);

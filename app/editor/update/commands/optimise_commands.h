@@ -14,6 +14,7 @@ struct StartOptimisation {
 };
 struct CancelOptimisation {
   static constexpr const char* key = "cancel optimisation";
+  static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::never;
   void run(EditorState& state) const;
 };

@@ -40,6 +40,7 @@ struct OpenPhantomStudy {
 /// Of a study that is read, or of a case that is made for it.
 struct CancelStudyFile {
   static constexpr const char* key = "cancel study file";
+  static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::never;
   std::string subject;
   void spell(Fields& line);
@@ -77,6 +78,7 @@ struct CompareObservers : FileCommand {
 };
 struct CancelObservers {
   static constexpr const char* key = "cancel comparison";
+  static constexpr bool cancels = true;
   void run(Editing& editing) const;
 };
 struct ExportObservers : FileCommand {
@@ -109,6 +111,7 @@ struct StartEvaluation {
 };
 struct CancelEvaluation {
   static constexpr const char* key = "cancel evaluation";
+  static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::never;
   void run(Editing& editing) const;
 };
@@ -138,6 +141,7 @@ struct FitWaiting {
 };
 struct CancelWorklist {
   static constexpr const char* key = "cancel worklist";
+  static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::never;
   void run(Editing& editing) const;
 };

@@ -15,6 +15,7 @@ struct MakeTemplate {
 };
 struct CancelTemplate {
   static constexpr const char* key = "cancel template";
+  static constexpr bool cancels = true;
   static constexpr Logged logged = Logged::when_done;  ///< where one was being made
   void run(Editing& editing) const;
 };

@@ -37,4 +37,16 @@ inline std::string little_endian(std::uint32_t value, std::size_t bytes) {
   return text;
 }
 
+/// The program's own folder is another one, until the end.
+class InFolder {
+ public:
+  explicit InFolder(const std::filesystem::path& folder) { std::filesystem::current_path(folder); }
+  ~InFolder() { std::filesystem::current_path(before_); }
+  InFolder(const InFolder&) = delete;
+  InFolder& operator=(const InFolder&) = delete;
+
+ private:
+  std::filesystem::path before_ = std::filesystem::current_path();
+};
+
 }  // namespace homolog

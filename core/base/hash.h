@@ -5,8 +5,8 @@
 
 namespace homolog {
 
-/// A short name for data, which is the same on every machine: FNV-1a of 64 bits. Data that somebody made for it may
-/// share one.
+/// A short name for data, which is the same on every machine: FNV-1a of 64 bits. Somebody who wants
+/// to can make other data of the same name.
 struct Hash {
   std::uint64_t value = 0xcbf29ce484222325U;
 

@@ -63,7 +63,7 @@ Boundary mirrored_boundary(const Boundary& subject) {
   const MeshFile file = mirrored({subject.surface.points, subject.surface.topology->triangles()});
   Boundary other = subject;
   other.surface = {Topology::make(file.points.rows(), file.triangles).value(), file.points};
-  for (ScanBorder& edge : other.scan_borders) edge.outward.x() *= -1;
+  for (ScanBorder& border : other.scan_borders) border.outward.x() *= -1;
   return other;
 }
 

@@ -54,9 +54,9 @@ void draw_last_snap(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const SnapFound& found = *ui.state.snapped;
   const bool known = ui.state.confidence != nullptr;
-  const char* const changed = "not known";
+  const char* const unknown = "not known";
   figure(
-      theme, "Confidence", known ? format("%.0f %%", 100 * found.mean_confidence) : changed,
+      theme, "Confidence", known ? format("%.0f %%", 100 * found.mean_confidence) : unknown,
       "How clear the image edges are on which the mesh lies. It does not say that the mesh is right. 100 %: as clear "
       "as usual in this image. It is known until the mesh changes",
       !known           ? palette::text
@@ -65,7 +65,7 @@ void draw_last_snap(const UiContext& ui, Outbox& out) {
   const std::size_t unclear = ui.state.unclear_edges.size();
   const std::string tip = "Places where the snap saw no clear boundary. Check whether the mesh is right there";
   if (unclear == 0)
-    figure(theme, "No clear edge", known ? "nowhere" : changed, tip);
+    figure(theme, "No clear edge", known ? "nowhere" : unknown, tip);
   else if (figure_link(theme, "No clear edge", format(unclear == 1 ? "%zu place" : "%zu places", unclear),
                        tip + ". Click to go to the next one", palette::amber))
     out.send(ShowFinding{FindingKind::unclear});

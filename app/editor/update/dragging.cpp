@@ -65,7 +65,8 @@ struct Press {
 // What each tool begins with a press. False where there is nothing for it.
 
 bool start_stroke(const Press& press, Tool tool) {
-  const auto& [state, event, context, out, hover] = press;
+  EditorState& state = press.state;
+  const Hover& hover = press.hover;
   if (!hover.on_mesh) return false;
   press.stay_at_frame();
   StrokeDrag drag;
@@ -75,13 +76,14 @@ bool start_stroke(const Press& press, Tool tool) {
   drag.stroke.sigma_mm = state.sigma_mm();
   drag.stroke.through_space = state.through_space;
   drag.stroke.strength = state.relax_strength;
-  drag.press_mm = press.map().on_facing_plane(event.x_px, event.y_px, *hover.on_mesh);
+  drag.press_mm = press.map().on_facing_plane(press.event.x_px, press.event.y_px, *hover.on_mesh);
   state.drag = drag;
   return true;
 }
 
 bool start_placing(const Press& press) {
-  const auto& [state, event, context, out, hover] = press;
+  EditorState& state = press.state;
+  const Hover& hover = press.hover;
   if (hover.part == PlacePart::none || !press.document().has_shape()) return false;
   press.stay_at_frame();
   PlaceDrag drag;
@@ -89,13 +91,14 @@ bool start_placing(const Press& press) {
   drag.part = hover.part;
   drag.start = drag.now = press.document().shape().placement;
   drag.centre_mm = bounds_of(*press.document().shape().points).center();
-  drag.press_mm = press.map().on_facing_plane(event.x_px, event.y_px, drag.centre_mm);
+  drag.press_mm = press.map().on_facing_plane(press.event.x_px, press.event.y_px, drag.centre_mm);
   state.drag = drag;
   return true;
 }
 
 bool start_landmark(const Press& press) {
-  const auto& [state, event, context, out, hover] = press;
+  EditorState& state = press.state;
+  const Hover& hover = press.hover;
   if (!press.document().has_shape() || !hover.p_mm) return false;
   press.stay_at_frame();
   const auto& placed = press.document().shape().landmarks;
@@ -106,25 +109,27 @@ bool start_landmark(const Press& press) {
   const std::string name = landmark_in_hand(state, press.document());
   if (name.empty()) return false;
   state.drag = LandmarkDrag{hover.view, name, *hover.p_mm};
-  out.preview(drag_action(state));
+  press.out.preview(drag_action(state));
   return true;
 }
 
 bool start_brush(const Press& press) {
-  const auto& [state, event, context, out, hover] = press;
+  EditorState& state = press.state;
+  const Hover& hover = press.hover;
   if (!press.document().has_shape() || (!hover.on_mesh && press.in_space())) return false;
   if (paints_regions(state) && press.document().regions->list.empty()) {
     add_notice(state, "There is no region to paint yet. Add one first (Template, Regions).");
     return true;
   }
   press.stay_at_frame();
-  state.drag = BrushDrag{hover.view, event.x_px, event.y_px, 0, false, event.alt};
-  paint_to(state, context, event.x_px, event.y_px, out);
+  state.drag = BrushDrag{hover.view, press.event.x_px, press.event.y_px, 0, false, press.event.alt};
+  paint_to(state, press.context, press.event.x_px, press.event.y_px, press.out);
   return true;
 }
 
 bool set_template_landmark(const Press& press) {
-  const auto& [state, event, context, out, hover] = press;
+  EditorState& state = press.state;
+  const Hover& hover = press.hover;
   if (!hover.on_mesh) return false;
   if (state.template_landmark.empty()) {
     add_notice(state, "Type the landmark's name first (Template), or choose one in the list to move it.", false);
@@ -135,7 +140,7 @@ bool set_template_landmark(const Press& press) {
   const bool is_new = std::none_of(known.begin(), known.end(),
                                    [&name = state.template_landmark](const Landmark& one) { return one.name == name; });
   if (is_new) state.tool = state.tool_before_naming;
-  out.apply(SetTemplateLandmark{std::exchange(state.template_landmark, {}), *hover.on_mesh});
+  press.out.apply(SetTemplateLandmark{std::exchange(state.template_landmark, {}), *hover.on_mesh});
   return true;
 }
 

@@ -21,15 +21,6 @@ void let_go_of_regions(EditorState& state, const Document& before, const Documen
   if (state.renaming && !has_region(now, state.renaming->rename.name)) state.renaming.reset();
 }
 
-/// Why edits came to nothing. Of many at once the first says what is wrong with the disk, the last how it stands now.
-void tell_refusals(EditorState& state, const Refusals& refused) {
-  if (refused.count > 0) add_notice(state, refused.first);
-  if (refused.count < 2 || refused.last == refused.first) return;
-  const std::size_t more = refused.count - 1;
-  add_notice(state, more == 1 ? refused.last
-                              : std::to_string(more) + " more edits were refused. The last one: " + refused.last);
-}
-
 std::shared_ptr<const Document> at_frame(const std::shared_ptr<const Document>& document, int frame) {
   if (document->frame == frame) return document;
   auto other = std::make_shared<Document>(*document);
@@ -42,6 +33,14 @@ std::shared_ptr<const Document> at_frame(const std::shared_ptr<const Document>& 
 bool has_unsaved_edits(const Snapshot& snapshot) {
   if (snapshot.file.empty()) return snapshot.can_undo && snapshot.committed > 0;
   return snapshot.can_undo && snapshot.file.parent_path() == unsaved_folder();
+}
+
+std::vector<std::string> told(const Refusals& refused) {
+  if (refused.count == 0) return {};
+  if (refused.count == 1 || refused.last == refused.first) return {refused.first};
+  const std::size_t more = refused.count - 1;
+  return {refused.first,
+          more == 1 ? refused.last : std::to_string(more) + " more edits were refused. The last one: " + refused.last};
 }
 
 void remember_case(EditorState& state, const Snapshot& snapshot) {
@@ -79,10 +78,13 @@ void ShownCase::keep_window(const EditorState& state) {
   session_->apply(Note{"window", shown, {}}, true);
 }
 
-void ShownCase::close() {
-  if (!session_) return;
-  session_.reset();  // what was asked for is done, and the journal closed
+Refusals ShownCase::close() {
+  if (!session_) return {};
+  session_->finish();  // what was asked for is done, and the journal closed
+  Refusals refused = session_->take_refusals();
+  session_.reset();
   remove_without_edits(snapshot_->file);
+  return refused;
 }
 
 bool ShownCase::update_snapshot(EditorState& state) {
@@ -95,7 +97,7 @@ bool ShownCase::update_snapshot(EditorState& state) {
   snapshot_ = latest;
   if (renamed) remember_case(state, *snapshot_);
   keep_on_disk(state);
-  tell_refusals(state, session_->take_refusals());
+  for (const std::string& sentence : told(session_->take_refusals())) add_notice(state, sentence);
   const int frame = shown_frame(state, *snapshot_->shown);
   if (!changed && displayed_->frame == frame) return false;
   const auto before = displayed_;

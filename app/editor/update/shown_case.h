@@ -33,10 +33,11 @@ class ShownCase {
   explicit ShownCase(std::function<void()> wake) : wake_(std::move(wake)) {}
   ~ShownCase() { close(); }
 
-  /// Shows another case; the one before is closed first. The label map goes where the image is another.
+  /// Shows another case, when the one before is closed. The label map goes where the image is another.
   void start(EditSession session);
-  /// Waits until what was asked for is done and on the disk. Whoever snaps must have been told to stop.
-  void close();
+  /// Waits until what was asked for is done and on the disk. Whoever snaps must have been told to stop. Returns what
+  /// was refused and nobody was told of yet.
+  Refusals close();
   bool is_open() const { return session_ != nullptr; }
 
   SessionThread& session() const { return *session_; }
@@ -82,6 +83,10 @@ class ShownCase {
   ShownLabels labels_;
   mutable ShownMesh mesh_;  ///< what is remembered of `displayed_`
 };
+
+/// Why edits came to nothing, in one or two sentences. Of many at once the first says what is wrong with the disk, the
+/// last how it stands now.
+std::vector<std::string> told(const Refusals& refused);
 
 /// Puts the case's file among the recent ones, where it is one of its own.
 void remember_case(EditorState& state, const Snapshot& snapshot);

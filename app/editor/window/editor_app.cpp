@@ -14,10 +14,12 @@ namespace homolog {
 EditorApp::EditorApp(std::function<void()> wake) : shown_(wake), work_(wake) {}
 
 EditorApp::~EditorApp() {
-  for (const std::string& sentence : work_.models.close(state_.models))
-    std::fprintf(stderr, "homolog: warning: %s\n", sentence.c_str());
+  const auto warn = [](const std::vector<std::string>& sentences) {
+    for (const std::string& sentence : sentences) std::fprintf(stderr, "homolog: warning: %s\n", sentence.c_str());
+  };
+  warn(work_.models.close(state_.models));
   work_.snaps.cancel();
-  shown_.close();
+  warn(told(shown_.close()));
 }
 
 void EditorApp::start_session(EditSession session) {

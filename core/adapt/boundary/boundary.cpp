@@ -21,20 +21,20 @@ namespace {
 
 /// Where the label's largest part lies at the first or last plane of the label map in an axis.
 std::vector<ScanBorder> borders_of(const LabelBody& region, const VolumeGeometry& whole) {
-  std::vector<ScanBorder> edges;
+  std::vector<ScanBorder> borders;
   for (std::size_t side = 0; side < 6; ++side) {
     if (!region.touches[side]) continue;
     const auto axis = static_cast<Eigen::Index>(side / 2);
     const bool last = side % 2 == 1;
     Vec3 face = Vec3::Zero();
     face[axis] = last ? whole.dims[side / 2] - 0.5 : -0.5;
-    ScanBorder edge;
-    edge.outward = whole.direction.col(axis) * (last ? 1 : -1);
-    edge.offset_mm = edge.outward.dot(whole.to_mm(face));
-    edge.tolerance_mm = std::max(whole.spacing_mm[axis], region.grid.spacing_mm[axis]);
-    edges.push_back(edge);
+    ScanBorder border;
+    border.outward = whole.direction.col(axis) * (last ? 1 : -1);
+    border.offset_mm = border.outward.dot(whole.to_mm(face));
+    border.tolerance_mm = std::max(whole.spacing_mm[axis], region.grid.spacing_mm[axis]);
+    borders.push_back(border);
   }
-  return edges;
+  return borders;
 }
 
 /// closed_by of what a ball of `radius_mm` reaches from without: a pocket behind a narrower neck is filled too, even
@@ -54,8 +54,9 @@ LevelSet closed_from_outside(const LevelSet& surface, double radius_mm) {
 }  // namespace
 
 bool Boundary::shows(const Vec3& p) const {
-  return std::none_of(scan_borders.begin(), scan_borders.end(),
-                      [&](const ScanBorder& edge) { return edge.outward.dot(p) > edge.offset_mm - edge.tolerance_mm; });
+  return std::none_of(scan_borders.begin(), scan_borders.end(), [&](const ScanBorder& border) {
+    return border.outward.dot(p) > border.offset_mm - border.tolerance_mm;
+  });
 }
 
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> asked_closing_mm,

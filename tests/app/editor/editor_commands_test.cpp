@@ -175,6 +175,8 @@ TEST_CASE("a click on a fault's figure goes to the fault and the mark goes when 
 }
 
 TEST_CASE("no command needs anything to be open") {
+  const TemporaryFolder here;  // a command without a path writes where the program was started
+  const InFolder in_it(here.path);
   Driver driver(new_document({}, nullptr, nullptr));
   for (const bool in_models : {false, true}) {
     driver.app().send(ShowModels{in_models});

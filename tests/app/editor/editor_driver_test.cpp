@@ -177,6 +177,15 @@ TEST_CASE("landmark files are read beside the window and taken into the case tha
   CHECK(driver.document().shape().landmarks.empty());
 }
 
+TEST_CASE("an edit that is refused while another case opens is told") {
+  const Ball ball;
+  Driver driver(ball.document());
+  driver.app().send(ApplyEdit{SetStiffnessBase{-1}});
+  driver.app().handle({MouseMove{}});  // does the command, and takes nothing in yet
+  driver.app().start_session(EditSession(ball.document()));
+  driver.wait_until("that is said", [&] { return driver.shows("In the case before: "); });
+}
+
 TEST_CASE("a study's file is kept up to date beside the window") {
   const Ball ball;
   Driver driver(ball.document());

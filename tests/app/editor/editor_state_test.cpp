@@ -1,4 +1,6 @@
+#include <chrono>
 #include <fstream>
+#include <thread>
 
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/shown_case.h"
@@ -47,6 +49,21 @@ TEST_CASE("edits that are refused between two frames are told though the last on
   CHECK(told_of({bad, bad, SetEvenSpacing{7}, good}) ==
         std::vector{of_stiffness[0], "2 more edits were refused. The last one: " + of_spacing[0]});
   CHECK(told_of({good}).empty());
+}
+
+TEST_CASE("what a case refuses while it is closed is not lost") {
+  ShownCase shown([] {});
+  CHECK(told(shown.close()).empty());
+  shown.start(EditSession(ball_document(40)));
+  shown.session().apply_computed([](const Document&) -> Result<std::optional<Action>> {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return fail("ball", "cannot be snapped");
+  });
+  shown.session().apply(SetStiffnessBase{-1});
+  const auto sentences = told(shown.close());
+  REQUIRE(sentences.size() == 2);
+  CHECK(sentences[0].find("ball: cannot be snapped") == 0);
+  CHECK(told(shown.close()).empty());
 }
 
 TEST_CASE("saving takes the typed name and asks before it replaces a file") {

@@ -230,13 +230,20 @@ TEST_CASE("what strokes and fits decide is known until it is undone and what a m
   REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
   CHECK(known().maxCoeff() == 1);
   CHECK(known().mean() < 0.3);
+  SetPoints fit{by_fit, std::nullopt, session.document().shape().points};
+  fit.doubt_mm = doubt_on_grid(VertexScalars::Ones(known().size()));
+  fit.outlier = std::make_shared<const VertexScalars>(VertexScalars::Ones(known().size()));
+  REQUIRE(session.apply(fit));
+  REQUIRE(session.document().shape().doubt_mm);
   REQUIRE(session.apply(SetFrame{1}));
   REQUIRE(session.apply(StartFrameFrom{0}));
   CHECK(*session.document().shape().points == *session.document().shapes.at(0).points);
   CHECK(known().isZero());
+  CHECK_FALSE(session.document().shape().doubt_mm);  // it was of the other frame
+  CHECK_FALSE(session.document().shape().outlier);
   REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found_points(1.2)}));
   CHECK(known().minCoeff() == 1);
-  for (int step = 0; step < 4; ++step) REQUIRE(session.apply(Undo{}));
+  for (int step = 0; step < 5; ++step) REQUIRE(session.apply(Undo{}));
   CHECK(known().isZero());
 }
 
@@ -309,6 +316,10 @@ TEST_CASE("the doubt of a fit is kept until vertices are put elsewhere along the
   REQUIRE(session.apply(SetPlacement{larger}));
   CHECK(doubt_left_mm(shape()).size() == 0);
   REQUIRE(session.apply(Undo{}));
+  REQUIRE(session.apply(MirrorTemplate{}));
+  CHECK(doubt_left_mm(shape()).size() == 0);
+  REQUIRE(session.apply(Undo{}));
+  CHECK(doubt_left_mm(shape()) == left);
   fit.doubt_mm = doubt_on_grid(VertexScalars::Ones(n - 1));
   CHECK_FALSE(session.apply(fit));
 }

@@ -53,13 +53,9 @@ void cancel_fit(Editing& editing) {
 void update_fit(Editing& editing) {
   Fitter& fitter = editing.work.fitter;
   SessionThread& session = editing.shown.session();
-  if (const auto& fitted = fitter.document(); fitted && fitted != editing.shown.snapshot().document) {
-    const bool looked = fitted->frame != editing.shown.snapshot().document->frame;
+  if (fitter.document() && fitter.document() != editing.shown.snapshot().document) {
     cancel_fit(editing);
-    add_notice(editing.state,
-               std::string("The fit was stopped, because ") +
-                   (looked ? "another frame was shown" : "the case was edited") + " meanwhile. Start it again.",
-               false);
+    add_notice(editing.state, "The fit was stopped by an edit, another frame or another case. Start it again.", false);
   }
   if (auto step = fitter.take_step(); step && fitter.busy()) {
     // The organ may be far from where the template was.

@@ -131,6 +131,7 @@ void start_session(Editing& editing, EditSession session) {
   editing.work.snaps.cancel();
   state.guide.reset();
   state.finding.reset();
+  const Refusals refused = shown.close();
   shown.start(std::move(session));
   const Document& document = shown.document();
   show_document(state, document, editing.layout, !source_before.empty() && document.volume_source == source_before);
@@ -141,6 +142,7 @@ void start_session(Editing& editing, EditSession session) {
   state.fit_views_wanted = layout.scale <= 0 || layout.status_line.width <= 0 || layout.models.width > 0;
   if (!state.fit_views_wanted) show_repair(editing);
   remember_case(state, shown.snapshot());
+  for (const std::string& sentence : told(refused)) add_notice(state, "In the case before: " + sentence);
   if (document.volume != (before ? before->volume : nullptr)) editing.pictures.forget();
   editing.work.quality.post(nullptr);
   editing.work.quality.post(shown.displayed());

@@ -17,6 +17,8 @@ while [ $# -gt 0 ]; do
 done
 install_missing $build_packages clang lld || exit 1
 build fuzz fuzz_readers >&2 || exit 1
+# Each file is written before it is read: in memory that is five times as fast.
+[ -n "${TMPDIR:-}" ] || [ ! -w /dev/shm ] || export TMPDIR=/dev/shm
 all=$(ls tests/fuzz/seeds)
 status=0
 TIMEFORMAT='%U %S'
@@ -38,7 +40,7 @@ for reader in ${*:-$all}; do
   ln -sf fuzz_readers "build/fuzz/fuzz_$reader"
   spent=0 files=0 code=0
   # Where others use the processor too, time by the clock is not time of the processor: so until it has had its share.
-  while [ $code = 0 ] && [ $spent -lt $((900 * seconds)) ]; do run_once "$reader" "$seconds"; done
+  while [ $code = 0 ] && [ $spent -lt $((980 * seconds)) ]; do run_once "$reader" $((seconds + 1 - spent / 1000)); done
   printf '%-10s %9d files in %4d s  %5s MB at most\n' "$reader" "$files" $((spent / 1000)) "${peak:-?}"
   if [ $code != 0 ]; then
     status=1

@@ -17,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* line_is_left = "ends in an incomplete line that could not be removed";
 constexpr auto blink = std::chrono::milliseconds(10);
 
 /// Writes all of `bytes`; 0 or the errno.
@@ -65,6 +66,7 @@ Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path) {
 }
 
 Journal::~Journal() {
+  take_back_again();  // else a line that was refused would be there when the case is opened
   if (!unsynced_.empty()) ::fsync(file_->descriptor());
   ::flock(file_->descriptor(), LOCK_UN);  // the file may be read on
 }
@@ -107,6 +109,7 @@ Result<void> Journal::unharmed() const {
 }
 
 Result<void> Journal::append(std::string_view lines, bool sync) {
+  take_back_again();
   if (auto fit = unharmed(); !fit) return fit;
   if (!sync)
     unsynced_.reserve(unsynced_.size() + lines.size());  // memory that is short is noticed before the disk changes
@@ -133,12 +136,19 @@ Result<void> Journal::append(std::string_view lines, bool sync) {
 void Journal::take_back(bool sync_failed) {
   const int descriptor = file_->descriptor();
   if (::ftruncate(descriptor, static_cast<off_t>(bytes_)) != 0) {
-    broken_ = "ends in an incomplete line that could not be removed";
+    broken_ = line_is_left;
   } else if (::fsync(descriptor) == 0 && !sync_failed) {
     unsynced_.clear();
   } else if (!unsynced_.empty() && !write_unsynced_again()) {
     broken_ = "could not be written to the disk";
   }
+}
+
+/// The disk may let itself be written by now.
+void Journal::take_back_again() {
+  if (broken_ != line_is_left || !is_at(path())) return;
+  broken_ = nullptr;
+  take_back(true);
 }
 
 /// After a sync that failed the system may have dropped what it held of the file, and the next sync succeeds without

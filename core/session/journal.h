@@ -38,7 +38,7 @@ class Journal {
   /// Appends whole lines. With `sync` they are on the disk when it returns; without, they are safe from all but a power
   /// cut, and on the disk as soon as later ones are, or after sync(). Errors: a full disk; a file that was deleted,
   /// replaced or changed by another program since; a journal in which an earlier attempt failed beyond repair. The
-  /// lines are taken out of the file then, as far as the disk lets itself be written.
+  /// lines are taken out of the file then; where the disk does not let them, with the next lines or at the end.
   Result<void> append(std::string_view lines, bool sync = true);
   /// Whether lines wait for sync(); not where the disk failed for good.
   bool unsynced() const { return !unsynced_.empty() && broken_ == nullptr; }
@@ -60,6 +60,7 @@ class Journal {
  private:
   explicit Journal(std::shared_ptr<const LineFile> file, std::uint64_t bytes) : file_(std::move(file)), bytes_(bytes) {}
   void take_back(bool sync_failed);
+  void take_back_again();
   bool write_unsynced_again();
 
   std::shared_ptr<const LineFile> file_;

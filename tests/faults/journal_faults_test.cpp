@@ -45,26 +45,57 @@ TEST_CASE("lines that a failed sync may have lost are written again") {
   CHECK(state_of(read_case(folder.case_path)->session.document()) == state_of(session.document()));
 }
 
+TEST_CASE("a refused line that the disk did not let be taken out is taken out when it does") {
+  const WatchedDisk watched;
+  for (const bool goes_on : {true, false}) {
+    CAPTURE(goes_on);
+    const CaseFolder folder;
+    std::string shown;
+    {
+      EditSession session = folder.create();
+      REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+      const std::string kept = folder.text();
+      disk_fail(2, EIO, 1);  // its sync, and the cut behind it
+      CHECK(says(session.apply(pull(-pole, -1.1 * pole)), "Input/output error"));
+      CHECK(says(session.apply(pull(-pole, -1.1 * pole)), "could not be removed"));
+      disk_fail(0, 0, 0);
+      CHECK(folder.text().size() > kept.size());
+      if (goes_on) REQUIRE(session.apply(pull(Vec3(40, 0, 0), Vec3(42, 0, 0))));
+      shown = state_of(session.document());
+      CHECK(session.strokes() == (goes_on ? 2 : 1));
+    }
+    CHECK(state_of(read_case(folder.case_path)->session.document()) == shown);
+  }
+}
+
 TEST_CASE("where no sync succeeds any more the last lines are in memory and can be saved elsewhere") {
   const WatchedDisk watched;
-  const CaseFolder folder;
-  EditSession session = folder.create();
-  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
-  const auto synced = fs::file_size(folder.case_path);
-  REQUIRE(session.apply(pull(-pole, -1.1 * pole), true));
-  const std::string shown = state_of(session.document());
-  disk_fail(2, EIO, 1);
-  CHECK(says(session.apply(pull(Vec3(40, 0, 0), Vec3(42, 0, 0))), "the last ones are shown but not saved"));
-  disk_fail(0, 0, 0);
-  forget_behind(folder.case_path, synced);
-  CHECK(says(session.apply(pull(Vec3(40, 0, 0), Vec3(42, 0, 0))), "so the edit was not made"));
-  CHECK(state_of(session.document()) == shown);
-  CHECK(says(session.apply(Undo{}), "so the edit was not made"));
-  const fs::path saved = folder.folder.path / "saved.homolog";
-  REQUIRE(save_case_as(session, saved));
-  CHECK(state_of(read_case(saved)->session.document()) == shown);
-  REQUIRE(session.apply(Undo{}));
-  CHECK(session.strokes() == 0);  // both were one step
+  for (const bool disk_recovers : {false, true}) {
+    CAPTURE(disk_recovers);
+    const CaseFolder folder;
+    EditSession session = folder.create();
+    REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+    const auto synced = fs::file_size(folder.case_path);
+    REQUIRE(session.apply(pull(-pole, -1.1 * pole), true));
+    const std::string shown = state_of(session.document());
+    disk_fail(2, EIO, 1);
+    CHECK(says(session.apply(pull(Vec3(40, 0, 0), Vec3(42, 0, 0))), "the last ones are shown but not saved"));
+    CHECK(says(session.apply(pull(Vec3(40, 0, 0), Vec3(42, 0, 0))), "so the edit was not made"));
+    CHECK(says(session.apply(Undo{}), "so the edit was not made"));
+    CHECK(state_of(session.document()) == shown);
+    disk_fail(0, 0, 0);
+    forget_behind(folder.case_path, synced);
+    const fs::path saved = disk_recovers ? folder.case_path : folder.folder.path / "saved.homolog";
+    if (disk_recovers)
+      REQUIRE(session.apply(SetStiffnessBase{5}));  // the lines from before are written with it
+    else
+      REQUIRE(save_case_as(session, saved));
+    CHECK(state_of(read_case(saved)->session.document()) == state_of(session.document()));
+    CHECK(disk_recovers != (state_of(session.document()) == shown));
+    if (disk_recovers) REQUIRE(session.apply(Undo{}));
+    REQUIRE(session.apply(Undo{}));
+    CHECK(session.strokes() == 0);  // both were one step
+  }
 }
 
 TEST_CASE("a sync that fails once leaves nothing that only memory holds") {

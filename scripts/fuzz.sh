@@ -39,7 +39,8 @@ for reader in ${*:-$all}; do
   mkdir -p "$corpus" "$findings"
   ln -sf fuzz_readers "build/fuzz/fuzz_$reader"
   spent=0 files=0 code=0
-  # Where others use the processor too, time by the clock is not time of the processor: so until it has had its share.
+  # Where others use the processor too, time by the clock is not time of the processor: so until it has had 98 % of its share,
+  # since a further run begins with reading all that was kept.
   while [ $code = 0 ] && [ $spent -lt $((980 * seconds)) ]; do run_once "$reader" $((seconds + 1 - spent / 1000)); done
   printf '%-10s %9d files in %4d s  %5s MB at most\n' "$reader" "$files" $((spent / 1000)) "${peak:-?}"
   if [ $code != 0 ]; then

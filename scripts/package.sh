@@ -9,7 +9,7 @@ install_missing $build_packages git dpkg-dev fakeroot file patchelf lintian
 umask 022
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
 export SOURCE_DATE_EPOCH LC_ALL=C.UTF-8
-rm -rf build/release/debian  # with the date of the commit that was built before
+rm -rf build/release/debian  # else its files keep the date of the commit that was built before
 build release homolog homolog_pictures homolog_pictures_portable stand_in_curl stand_in_jbig homolog_documents homolog_debian >&2
 packages=$PWD/build/release/packages version=$(build/release/homolog --version | sed -n '1s/^homolog //p')
 mkdir -p "$packages"

@@ -300,7 +300,7 @@ void add_study_experts(CLI::App& study, CommandLine& asked) {
   verb->add_option("--landmarks", options->subjects.landmarks, "Folder with NAME.mrk.json, .fcsv or .json for each")
       ->required()
       ->check(CLI::ExistingDirectory);
-  verb->add_option("--templates", options->templates, "From how many of the subjects templates are made")
+  verb->add_option("--templates", options->templates, "How many of the subjects to make a template from, each in turn")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   verb->add_option("--vertices", options->subjects.vertices, "How many vertices the templates have")

@@ -264,9 +264,9 @@ class Propagating {
       if (frame.confidence < doubtful_frame * usual)
         frame.doubt = "shows less of the boundary than other frames";
       else if (frame.disagreement_mm && *frame.disagreement_mm > most_mm)
-        frame.doubt = "was reached differently forwards and backwards";
+        frame.doubt = "came out differently forwards and backwards";
       else if (jumps(f, largest - smallest))
-        frame.doubt = "has another volume than its neighbours";
+        frame.doubt = "has a volume that does not fit its neighbours'";
     }
     measure();
   }

@@ -17,13 +17,16 @@ enum class Readers { as_usual, user_alone };
 
 /// The one way in which the program writes files. PATH holds either what it held before or the whole new content:
 /// `write` fills a temporary file that belongs to this call alone and lies beside PATH; it is checked, synced and
-/// renamed. Nothing is left behind on failure (full disk, unwritable folder, `write` returning an error). A file that
-/// is replaced hands on its rights, its access list, its group and its owner, so that a private one stays private;
-/// `readers` is for new ones. In a team's folder, where the group stays, it may become the file of who wrote it last.
-/// Where PATH is a link, what it leads to is written. Errors: PATH is a folder, a device or a pipe, write-protected
-/// (for root too, where nobody has the right to write), a link that leads nowhere, the file of another user and
-/// another group, to whom the system does not let the new one be given; the system refuses. A disk that fails when the
-/// name is to be kept is an error too, though the file is whole then.
+/// renamed. Nothing is left behind on failure (full disk, unwritable folder, `write` returning an error).
+///
+/// A file that is replaced hands on its rights, its access list, its group and its owner, so that a private one stays
+/// private. In a team's folder the system may let it keep its group but not its owner: then it belongs to whoever wrote
+/// it last. `readers` is for new files. Where PATH is a link, the file that it leads to is written.
+///
+/// Errors: PATH is a folder, a device or a pipe. It is write-protected (for root too, where nobody has the right to
+/// write). It is a link that leads nowhere. It is the file of another user and another group, and the system lets the
+/// new file be given to neither. The system refuses. A disk that fails when the name is to be kept is an error too,
+/// though the file is whole then.
 Result<void> write_whole_file(const std::filesystem::path& path,
                               const std::function<Result<void>(std::ostream&)>& write,
                               Readers readers = Readers::as_usual);

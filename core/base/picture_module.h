@@ -21,8 +21,8 @@ struct PicturePages {
   bool operator==(const PicturePages&) const = default;
 };
 
-/// Asked for room for the next `bytes` bytes once they have been decoded, or for why reading should end. The rooms of
-/// one page lie one behind the other in memory.
+/// Gives the memory for the next `bytes` bytes, or an error that ends the reading. Readers call it as rows arrive. The
+/// rooms of one page lie one behind the other in memory.
 using PageRoom = std::function<Result<std::span<std::byte>>(std::size_t bytes)>;
 
 /// The module's functions. All refuse damaged files. A name decides by its ending which reader a file gets, so that no

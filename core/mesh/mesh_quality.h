@@ -29,7 +29,7 @@ Vec3 area_normal(const Mesh& mesh, Eigen::Index face);
 /// The smallest of a face's three angles.
 double smallest_angle_deg(const Mesh& mesh, Eigen::Index face);
 
-/// The search for pairs ends here: more tell nobody more.
+/// The search stops at so many pairs: nobody would look at more.
 inline constexpr std::size_t most_intersections = 100'000;
 
 /// Pairs of faces that share no vertex and intersect, or that share a vertex (or an edge) and intersect beyond it.
@@ -64,7 +64,7 @@ Mesh capped(const Mesh& mesh, double longest_mm = std::numeric_limits<double>::i
 /// Mean edge length in mm.
 double mean_edge_mm(const Topology& topology, const Points& points);
 
-/// The figures of one triangle: 4√3·area / Σ edge², 1 for equilateral, 0 for degenerate.
+/// The quality of one triangle, 4√3·area / Σ edge²: 1 where it is equilateral, 0 where it is degenerate.
 double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace homolog

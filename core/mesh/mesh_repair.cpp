@@ -324,8 +324,8 @@ std::string MendedFaults::words() const {
   add(unused_vertices, "vertex of no face left out", "vertices of no face left out");
   add(degenerate_faces, "face without area mended", "faces without area mended");
   add(duplicate_faces, "face that was there twice left out", "faces that were there twice left out");
-  add(non_manifold_edges, "edge of more than two faces parted", "edges of more than two faces parted");
-  add(non_manifold_vertices, "vertex where sheets met parted", "vertices where sheets met parted");
+  add(non_manifold_edges, "edge of more than two faces split", "edges of more than two faces split");
+  add(non_manifold_vertices, "vertex where sheets met split", "vertices where sheets met split");
   add(turned_faces, "face turned outward", "faces turned outward");
   add(crumbs, "crumb left out", "crumbs left out");
   add(cavities, "cavity filled", "cavities filled");

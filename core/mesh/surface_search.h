@@ -32,7 +32,8 @@ inline bool on_rim(const Topology& topology, const SurfacePoint& at) {
   return true;
 }
 
-/// Bounding-volume hierarchy over the faces of one shape; a picture of the points at construction (or last refit).
+/// Bounding-volume hierarchy over the faces of one shape. It keeps a copy of the points as they were at construction
+/// (or at the last refit).
 class SurfaceSearch {
  public:
   explicit SurfaceSearch(const Mesh& mesh);

@@ -173,7 +173,7 @@ class Receiver {
 }  // namespace
 
 unsigned most_reading_seconds(std::uintmax_t bytes) {
-  return 2 + static_cast<unsigned>(std::min<std::uintmax_t>(bytes >> 20, 3600));
+  return 1 + static_cast<unsigned>(std::min<std::uintmax_t>(bytes >> 20, 3600));
 }
 
 Result<HdfTree> read_hdf5(const fs::path& path, const HdfParts& parts) {

@@ -43,8 +43,8 @@ struct Study {
 
   /// Names of the groups in the order of their first cases.
   std::vector<std::string> groups() const;
-  /// The first case after `from` (from the start again) that is not done, others in doubt before the rest; −1 where
-  /// all are done.
+  /// The next case that is not done: after `from`, then on from the start. Cases in doubt come before the rest, except
+  /// `from` itself. −1 where all are done.
   std::ptrdiff_t next_case(std::ptrdiff_t from = -1) const;
 };
 

@@ -17,7 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* line_is_left = "ends in an incomplete line that could not be removed";
+constexpr const char* line_is_left = "ends in a refused line that could not be removed";
+constexpr const char* not_on_the_disk = "could not be written to the disk";
+constexpr const char* changed_by_another = "was changed by another program while it was open";
 constexpr auto blink = std::chrono::milliseconds(10);
 
 /// Writes all of `bytes`; 0 or the errno.
@@ -66,8 +68,8 @@ Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path) {
 }
 
 Journal::~Journal() {
-  take_back_again();  // else a line that was refused would be there when the case is opened
-  if (!unsynced_.empty()) ::fsync(file_->descriptor());
+  mend();  // else a line that was refused would be there when the case is opened
+  if (unsynced() && ::fsync(file_->descriptor()) != 0) write_unsynced_again();
   ::flock(file_->descriptor(), LOCK_UN);  // the file may be read on
 }
 
@@ -104,19 +106,21 @@ Result<void> Journal::unharmed() const {
   if (broken_ != nullptr) return refused(broken_);
   if (!is_at(path())) return refused("was deleted, moved or replaced while it was open");
   if (::fstat(file_->descriptor(), &here) != 0 || static_cast<std::uint64_t>(here.st_size) != bytes_)
-    return refused("was changed by another program while it was open");
+    return refused(changed_by_another);
   return {};
 }
 
 Result<void> Journal::append(std::string_view lines, bool sync) {
-  take_back_again();
+  mend();
   if (auto fit = unharmed(); !fit) return fit;
   if (!sync)
     unsynced_.reserve(unsynced_.size() + lines.size());  // memory that is short is noticed before the disk changes
   const int descriptor = file_->descriptor();
   int error = write_all(descriptor, lines);
-  const bool sync_failed = error == 0 && sync && ::fsync(descriptor) != 0;
-  if (sync_failed) error = errno;
+  if (error == 0 && sync && ::fsync(descriptor) != 0) {
+    error = errno;
+    sync_failed_ = true;
+  }
   if (error == 0) {
     bytes_ += lines.size();
     if (sync)
@@ -125,30 +129,43 @@ Result<void> Journal::append(std::string_view lines, bool sync) {
       unsynced_ += lines;
     return {};
   }
-  take_back(sync_failed);
+  most_bytes_ = bytes_ + lines.size();
+  take_back();
   const std::string what = std::string("could not be written (") + std::strerror(error) + "), so the edit was not made";
   if (broken_ != nullptr && !unsynced_.empty())
     return fail(path().string(), what + ", and the last ones are shown but not saved; save the case elsewhere");
   return fail(path().string(), what + "; free some space or save the case elsewhere");
 }
 
-/// Leaves the lines that were there before, all of them on the disk.
-void Journal::take_back(bool sync_failed) {
+/// Leaves the lines that were accepted, all of them on the disk; where the disk fails, `broken_` says how.
+void Journal::take_back() {
   const int descriptor = file_->descriptor();
-  if (::ftruncate(descriptor, static_cast<off_t>(bytes_)) != 0) {
-    broken_ = line_is_left;
-  } else if (::fsync(descriptor) == 0 && !sync_failed) {
-    unsynced_.clear();
-  } else if (!unsynced_.empty() && !write_unsynced_again()) {
-    broken_ = "could not be written to the disk";
+  broken_ = nullptr;
+  if (!sync_failed_ || unsynced_.empty()) {
+    if (::ftruncate(descriptor, static_cast<off_t>(bytes_)) != 0) {
+      broken_ = line_is_left;
+      return;
+    }
+    sync_failed_ = ::fsync(descriptor) != 0;
+    if (!sync_failed_) unsynced_.clear();
   }
+  if (unsynced_.empty())
+    sync_failed_ = false;  // nothing is there that it could have lost
+  else if (!write_unsynced_again())
+    broken_ = not_on_the_disk;
 }
 
-/// The disk may let itself be written by now.
-void Journal::take_back_again() {
-  if (broken_ != line_is_left || !is_at(path())) return;
-  broken_ = nullptr;
-  take_back(true);
+/// The disk may let itself be written by now. A file that another program made longer or shorter stays as it is.
+void Journal::mend() {
+  struct stat here {};
+  if (broken_ == nullptr || ::fstat(file_->descriptor(), &here) != 0) return;
+  const auto size = static_cast<std::uint64_t>(here.st_size);
+  if (size < synced_bytes() || size > most_bytes_) {
+    broken_ = changed_by_another;
+    return;
+  }
+  sync_failed_ = sync_failed_ || size < bytes_;  // what is missing is written again
+  take_back();
 }
 
 /// After a sync that failed the system may have dropped what it held of the file, and the next sync succeeds without
@@ -159,6 +176,7 @@ bool Journal::write_unsynced_again() {
       ::fsync(descriptor) != 0)
     return false;
   unsynced_.clear();
+  sync_failed_ = false;
   return true;
 }
 
@@ -169,8 +187,10 @@ Result<void> Journal::sync() {
     return {};
   }
   const int error = errno;
+  sync_failed_ = true;
+  most_bytes_ = bytes_;
   if (write_unsynced_again()) return {};
-  broken_ = "could not be written to the disk";
+  broken_ = not_on_the_disk;
   return fail(path().string(), std::string("could not be written to the disk (") + std::strerror(error) +
                                    "), so the last edits are shown but not saved; save the case elsewhere");
 }

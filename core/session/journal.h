@@ -37,12 +37,13 @@ class Journal {
 
   /// Appends whole lines. With `sync` they are on the disk when it returns; without, they are safe from all but a power
   /// cut, and on the disk as soon as later ones are, or after sync(). Errors: a full disk; a file that was deleted,
-  /// replaced or changed by another program since; a journal in which an earlier attempt failed beyond repair. The
-  /// lines are taken out of the file then; where the disk does not let them, with the next lines or at the end.
+  /// replaced or changed by another program since; a file that an earlier failure left damaged and that still cannot be
+  /// mended. Refused lines are taken out of the file at once; where the disk fails, when more is appended or at the
+  /// end.
   Result<void> append(std::string_view lines, bool sync = true);
-  /// Whether lines wait for sync(); not where the disk failed for good.
+  /// Whether lines wait for sync(); not after the disk failed: the next lines that are appended bring them along.
   bool unsynced() const { return !unsynced_.empty() && broken_ == nullptr; }
-  /// Brings to the disk what was appended without. Errors: the disk fails; nothing more can be appended then.
+  /// Brings to the disk what was appended without. Errors: the disk fails; append() tries again.
   Result<void> sync();
   /// The lines that wait for sync(), and where they begin. Where the disk failed, the file may hold
   /// something else there.
@@ -59,14 +60,16 @@ class Journal {
 
  private:
   explicit Journal(std::shared_ptr<const LineFile> file, std::uint64_t bytes) : file_(std::move(file)), bytes_(bytes) {}
-  void take_back(bool sync_failed);
-  void take_back_again();
+  void take_back();
+  void mend();
   bool write_unsynced_again();
 
   std::shared_ptr<const LineFile> file_;
   std::uint64_t bytes_;
-  std::string unsynced_;          ///< kept until they are on the disk: a sync that fails may lose them
-  const char* broken_ = nullptr;  ///< why nothing can be appended any more; null: it can
+  std::string unsynced_;          ///< accepted lines, kept until they are on the disk
+  bool sync_failed_ = false;      ///< since `unsynced_` was written, which may be lost
+  const char* broken_ = nullptr;  ///< why nothing can be appended until mend() succeeds; null: it can
+  std::uint64_t most_bytes_ = 0;  ///< of the broken file: what this program may have left there
 };
 
 }  // namespace homolog

@@ -215,6 +215,8 @@ struct SessionThread::Shared {
           jobs.pop_front();
         } else if (next_preview) {
           preview = std::exchange(next_preview, std::nullopt);
+        } else if (session.unsynced()) {
+          rests = true;  // stopping: where the disk fails, it can still be told
         } else {
           return;  // stopping, and nothing is left to do
         }

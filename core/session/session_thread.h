@@ -58,7 +58,7 @@ class SessionThread {
   void save_as(std::filesystem::path path);
 
   std::shared_ptr<const Snapshot> snapshot() const;
-  /// What was refused since the last call. Asked after snapshot(), it lacks nothing that led to that snapshot.
+  /// What was refused since the last call. Called after snapshot(), it holds every refusal up to that snapshot.
   Refusals take_refusals();
   /// Whether an edit that was posted is not done (or refused) yet.
   bool busy() const { return snapshot()->jobs_done < posted_; }

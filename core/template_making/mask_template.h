@@ -54,8 +54,9 @@ struct MaskTemplate {
   std::vector<std::string> warnings;      ///< each a sentence
 };
 
-/// A reference mesh of a complex organ from a label of a label map [Erdt 2009, §2.1; method note §7]: signed distances
-/// resampled evenly, closed, opened, smoothed, tunnels cut, marching cubes, vertices spread evenly and projected back.
+/// A reference mesh of a complex organ from a label of a label map [Erdt 2009, §2.1; docs/templates.md]: signed
+/// distances resampled evenly, closed, opened, smoothed, tunnels cut, marching cubes, vertices spread evenly and
+/// projected back.
 /// The grids that are worked on hold about 16 million voxels at most. Errors: the label does not occur,
 /// vanishes in the opening, has fewer tunnels than asked for, or needs more vertices; cancelled.
 Result<MaskTemplate> make_mask_template(const Volume& mask, const MaskTemplateOptions& options,

@@ -29,7 +29,7 @@ struct TubeTemplate {
   std::vector<std::string> warnings;
 };
 
-/// A reference mesh of a simple, tube-like organ such as the left ventricle [Erdt 2009, §2.1; method note §7]: a
+/// A reference mesh of a simple, tube-like organ such as the left ventricle [Erdt 2009, §2.1; docs/templates.md]: a
 /// regular ring × sector grid, the rings in planes perpendicular to the axis, at equal steps along the wall from the
 /// base to the apex, which is closed. Sector 0 looks to the patient's anterior side (superior where the axis itself
 /// does). Errors: the label does not occur, or is so thin or bent that a ring finds no wall.

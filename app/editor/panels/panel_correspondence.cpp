@@ -81,8 +81,8 @@ void draw_colour_choice(const UiContext& ui, Outbox& out) {
                                 "Regions of the template in their colours",
                                 "Shape of the triangles: red is thin or turned over",
                                 "Which vertices are known: confirmed, or moved there by a stroke, a fit or a snap",
-                                "How far from its place each vertex may lie along the surface (mm), as the last fit "
-                                "found. Confirmed vertices are white",
+                                "How far from its place each vertex may lie (mm), as the last fit found. Confirmed "
+                                "vertices are white",
                                 "Confidence of the last snap: how clear the image edge is at each vertex. It does not "
                                 "say that the mesh is right. Confirmed vertices are white"};
   // It has its place also where it is not known, so that nothing moves when it is.

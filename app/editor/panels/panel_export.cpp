@@ -9,18 +9,6 @@
 
 namespace homolog {
 
-namespace {
-
-/// ".stl": the extensions of the formats that do not keep something.
-std::string formats_without(bool MeshFormat::*kept) {
-  std::vector<std::string> extensions;
-  for (const MeshFormat* format : mesh_formats)
-    if (!(format->*kept)) extensions.emplace_back(format->extension);
-  return listed(extensions, " and ");
-}
-
-}  // namespace
-
 /// Size, ground and captions of a picture of a view; true where one was changed.
 bool draw_picture_options(const Theme& theme, PictureOptions& options) {
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
@@ -54,8 +42,8 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
   if (button(theme, "Mesh…",
              "With the template's numbering, ready for a shape model: " +
                  listed(mesh_format_extensions(&MeshFormat::keeps_numbers), " or ") +
-                 ". Without numbering: " + formats_without(&MeshFormat::keeps_numbers) +
-                 ". Without faces: " + formats_without(&MeshFormat::has_faces),
+                 ". Without numbering: " + listed(mesh_format_extensions(&MeshFormat::keeps_numbers, false), " and ") +
+                 ". Without faces: " + listed(mesh_format_extensions(&MeshFormat::has_faces, false), " and "),
              ui.needs_shape(), width))
     ask(FilePurpose::export_mesh, name + ".ply");
   const std::string refusal = ui.needs_shape().empty() ? ui.needs_volume() : ui.needs_shape();

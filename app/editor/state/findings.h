@@ -12,7 +12,7 @@ namespace homolog {
 
 enum class FindingKind {
   intersecting,  ///< triangles that pass through each other
-  turned,        ///< triangles that look inwards
+  turned,        ///< triangles that are turned over [fold_guard.h]
   thin,          ///< triangles with an angle below `thin_below_deg`
   unclear,       ///< vertices at which the last snap saw no clear edge
   doubtful,      ///< vertices that the last fit leaves in much doubt

@@ -59,15 +59,15 @@ using AllCommands = TypeList<
     CompareGroup, ChooseAlignment, StartOptimisation, CancelOptimisation, ShowOptimised, DiscardOptimised>;
 
 template <class One>
-concept InTheList = AllCommands::has<One>;
+concept ListedCommand = AllCommands::has<One>;
 
 /// What the interface asks the editor to do: one of AllCommands, as a value that does not change. Nothing is done while
 /// the interface draws.
 class Command {
  public:
   /// A control sends what it asks for as it is.
-  template <InTheList One>
-  Command(One one) : held_(new Holds<One>(std::move(one))) {}
+  template <ListedCommand One>
+  Command(One one) : held_(new Of<One>(std::move(one))) {}
 
   /// The word for it in the log.
   const char* key() const { return held_->key(); }
@@ -83,15 +83,15 @@ class Command {
   /// Does what needs the editor.
   void run(Editing& editing) const { held_->run(editing); }
   /// Itself where it is a One, else null.
-  template <InTheList One>
+  template <ListedCommand One>
   const One* as() const {
-    const auto* held = dynamic_cast<const Holds<One>*>(held_.get());
+    const auto* held = dynamic_cast<const Of<One>*>(held_.get());
     return held != nullptr ? &held->one : nullptr;
   }
 
  private:
-  struct Held {
-    virtual ~Held() = default;
+  struct Any {
+    virtual ~Any() = default;
     virtual const char* key() const = 0;
     virtual Logged logged() const = 0;
     virtual bool cancels() const = 0;
@@ -99,26 +99,25 @@ class Command {
     virtual bool run_on_state(EditorState& state, const ControlsContext& context, Outbox& out) const = 0;
     virtual void run(Editing& editing) const = 0;
   };
-  // Of a variant, every source that sends a command would compile all of them.
+  // Not a variant: whoever sends one command would then compile all of them.
   template <class One>
-  struct Holds;
+  struct Of;
 
-  std::shared_ptr<const Held> held_;
+  std::shared_ptr<const Any> held_;
 };
 
 template <class One>
-struct Command::Holds final : Held {
+struct Command::Of final : Any {
   static constexpr bool needs_state = requires(const One& one, EditorState& state) { one.run(state); };
   static constexpr bool needs_controls =
       requires(const One& one, EditorState& state, const ControlsContext& context, Outbox& out) {
     one.run(state, context, out);
   };
   static constexpr bool needs_editor = requires(const One& one, Editing& editing) { one.run(editing); };
-  static constexpr bool gives_up = requires { One::cancels; };
   static_assert(needs_state || needs_controls || needs_editor,
                 "run() takes an Editing, an EditorState, or a state with its controls and outbox");
 
-  explicit Holds(One held) : one(std::move(held)) {}
+  explicit Of(One held) : one(std::move(held)) {}
   const char* key() const override { return One::key; }
   Logged logged() const override {
     if constexpr (requires { One::logged; })
@@ -126,7 +125,12 @@ struct Command::Holds final : Held {
     else
       return Logged::at_once;
   }
-  bool cancels() const override { return gives_up; }
+  bool cancels() const override {
+    if constexpr (requires { One::cancels; })
+      return One::cancels;
+    else
+      return false;
+  }
   void write(Fields& line) const override {
     if constexpr (requires(One copy) { copy.spell(line); }) One(one).spell(line);
   }

@@ -79,7 +79,7 @@ Given by_window(const KeyMoment&) {
 
 std::vector<KeyRow> rows_without_mouse() {
   return {{"F6, Shift+F6", "keys go to bars and panels", {{key::f6}}, by_window},
-          {"Tab, Enter", "there: to a control, press it", {}, by_window},
+          {"Tab, Enter", "there: next control; press it", {}, by_window},
           {"Ctrl+arrows", "there: changes a number", {}, by_window},
           {"V", "a pointer in the next view", {{'V'}}, by_window},
           {"Arrows, Space", "there: moves, presses", {}, by_window}};

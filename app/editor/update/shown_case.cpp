@@ -48,9 +48,9 @@ void remember_case(EditorState& state, const Snapshot& snapshot) {
   if (!file.empty() && file.parent_path() != unsaved_folder()) remember_recent(state.preferences.recent, file);
 }
 
-void ShownCase::start(EditSession session) {
+Refusals ShownCase::start(EditSession session) {
   const auto volume_before = displayed_ ? displayed_->volume : nullptr;
-  close();
+  Refusals refused = close();
   loaded_template_ = session.initial_document().the_template;
   session_ = std::make_unique<SessionThread>(std::move(session), wake_);
   ++number_;
@@ -62,6 +62,7 @@ void ShownCase::start(EditSession session) {
     const auto [low, high] = default_window(*displayed_->volume);
     kept_window_ = {low, high};
   }
+  return refused;
 }
 
 bool ShownCase::template_is_mirrored() const {

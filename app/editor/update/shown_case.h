@@ -33,8 +33,9 @@ class ShownCase {
   explicit ShownCase(std::function<void()> wake) : wake_(std::move(wake)) {}
   ~ShownCase() { close(); }
 
-  /// Shows another case, when the one before is closed. The label map goes where the image is another.
-  void start(EditSession session);
+  /// Closes the case that is shown, and shows another. The label map goes where the image is another. Returns what
+  /// close() does.
+  [[nodiscard]] Refusals start(EditSession session);
   /// Waits until what was asked for is done and on the disk. Whoever snaps must have been told to stop. Returns what
   /// was refused and nobody was told of yet.
   Refusals close();

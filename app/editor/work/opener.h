@@ -22,7 +22,8 @@ Result<OpenRequest> sort_files(const std::vector<std::filesystem::path>& paths);
 
 /// Whether all values are whole numbers from 0 to 255, and few of them.
 bool holds_labels(const Volume& volume);
-/// Whether the voxels of a label map are those of an image; of neither the values are looked at.
+/// Whether a label map has the same voxels in space as an image. No values are compared, only the geometry and the
+/// number of frames.
 bool on_same_voxels(const Volume& volume, const Volume& image);
 
 struct Opened {

@@ -42,9 +42,9 @@ class Worklist {
   /// `wake` is called from the thread when something is done.
   explicit Worklist(std::function<void()> wake) : worker_(std::move(wake)) {}
 
-  /// Makes a case for every scan in a folder, or for every one of several files: an image, with the label map on its
-  /// voxels where there is one, or a label map alone. Case files that are there already stay; those that begin alike
-  /// are taken, beside others a new one is made.
+  /// Makes a case for every scan in a folder, or for each of several files. A scan is an image, with the label map on
+  /// its voxels where there is one, or a label map alone. No case file is overwritten. One of the same image that is
+  /// there already is taken where the study has it or where it begins alike; else the new case gets another name.
   void add(const std::vector<std::filesystem::path>& paths, CaseStart start);
   /// Fits the template of each case to its label map, one after the other. The label is that of the settings, or the
   /// only one that a map holds; where a map holds several and the settings name none, it is left until one is chosen.

@@ -29,7 +29,8 @@ struct Boundary {
   /// Of each face: 1 where it is a cut through the organ and not its boundary [cut_faces.h]; empty: none is.
   std::vector<std::uint8_t> cut;
 
-  /// Whether the scan shows what is at `p`: false beyond a scan edge, and on the flat face that the cut leaves.
+  /// Whether the scan shows what is at `p`. It does not beyond its borders, nor within their tolerance, where the flat
+  /// face lies that the cut leaves.
   bool shows(const Vec3& p) const;
   /// Whether a face of the surface is the organ's own.
   bool is_own(std::int32_t face) const { return cut.empty() || cut[static_cast<std::size_t>(face)] == 0; }

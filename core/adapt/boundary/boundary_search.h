@@ -19,8 +19,8 @@ class BoundarySearch {
   /// `boundary` outlives the search; `vertices`: of the meshes to come, which decides the number of samples.
   BoundarySearch(const Boundary& boundary, Eigen::Index vertices);
 
-  /// From now on the boundary may lack parts: counterparts farther apart than this count for nothing, nor do those on
-  /// the rim of an opening.
+  /// From now on the boundary may lack parts of the organ. Then counterparts do not count where they lie farther apart
+  /// than this, on the rim of an opening, or on a face that is a cut.
   void set_reach_mm(double reach_mm) { reach_mm_ = reach_mm; }
 
   BoundaryPull pull(const Mesh& mesh);
@@ -29,8 +29,8 @@ class BoundarySearch {
   /// there is none.
   BoundaryPull nearest(const Mesh& mesh);
 
-  /// In rising order: the vertices without a counterpart, as most of their surroundings are; none where they are next
-  /// to none.
+  /// The vertices without a counterpart, in rising order. A vertex goes with most of its neighbours, so that single
+  /// ones do not count. Empty where hardly any are left.
   std::vector<std::int32_t> missing(const Mesh& mesh);
 
  private:

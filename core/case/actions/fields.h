@@ -97,7 +97,7 @@ class Fields {
   }
   /// A member that always has the same value; `fault` says so where a line has another.
   void constant(const char* key, const Json& value, const char* fault);
-  /// The members of the object that this member is.
+  /// For a member that is an object itself: the members of that object.
   Fields object(const char* key);
   /// The members of a placement.
   void similarity(Similarity& value);

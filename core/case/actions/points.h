@@ -42,7 +42,7 @@ const ActionKind<SetPoints>& action_kind(const SetPoints&);
 struct MovePoints {
   std::string by;
   std::optional<Similarity> placement;
-  std::shared_ptr<const std::vector<std::uint32_t>> moves;  ///< 3n, landmark by landmark; 0 stays
+  std::shared_ptr<const std::vector<std::uint32_t>> moves;  ///< 3n, vertex by vertex; 0 stays
   std::optional<int> of_frame{};
   std::string doubt{};
   std::shared_ptr<const VertexScalars> doubt_mm{}, outlier{};

@@ -34,11 +34,11 @@ extern const MeshFormat ply, vtk, vtp, obj, stl, particles;
 inline constexpr std::array mesh_formats{&formats::ply, &formats::vtk, &formats::vtp,
                                          &formats::obj, &formats::stl, &formats::particles};
 
-/// The extensions of those formats of which `wanted` is true; without it of all.
-inline std::vector<std::string> mesh_format_extensions(bool MeshFormat::*wanted = nullptr) {
+/// The extensions of those formats of which `property` is `wanted`; without a property of all.
+inline std::vector<std::string> mesh_format_extensions(bool MeshFormat::*property = nullptr, bool wanted = true) {
   std::vector<std::string> extensions;
   for (const MeshFormat* format : mesh_formats)
-    if (wanted == nullptr || format->*wanted) extensions.emplace_back(format->extension);
+    if (property == nullptr || format->*property == wanted) extensions.emplace_back(format->extension);
   return extensions;
 }
 

@@ -203,6 +203,7 @@ TEST_CASE("every command has a key of its own and its line reads back as it was"
     CHECK(std::string(read->key()) == command.key());
     CHECK(log_line(*read) == line);
     CHECK(keys.insert(command.key()).second);
+    CHECK(command.cancels() == std::string_view(command.key()).starts_with("cancel "));
   }
 }
 

@@ -1,5 +1,8 @@
 #include <doctest/doctest.h>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <new>
 #include <set>
@@ -184,6 +187,24 @@ TEST_CASE("an edit that is refused while another case opens is told") {
   driver.app().handle({MouseMove{}});  // does the command, and takes nothing in yet
   driver.app().start_session(EditSession(ball.document()));
   driver.wait_until("that is said", [&] { return driver.shows("In the case before: "); });
+}
+
+TEST_CASE("an edit that is refused while the window closes is told on the terminal") {
+  const Ball ball;
+  const TemporaryFolder folder;
+  const fs::path errors = folder.path / "errors";
+  const int terminal = ::dup(STDERR_FILENO), file = ::open(errors.c_str(), O_CREAT | O_WRONLY, 0600);
+  REQUIRE(file >= 0);
+  ::dup2(file, STDERR_FILENO);
+  {
+    Driver driver(ball.document());
+    driver.app().send(ApplyEdit{SetStiffnessBase{-1}});
+    driver.app().handle({MouseMove{}});
+  }
+  ::dup2(terminal, STDERR_FILENO);
+  ::close(terminal);
+  ::close(file);
+  CHECK(read_whole_file(errors).value().starts_with("homolog: warning: stiffness"));
 }
 
 TEST_CASE("a study's file is kept up to date beside the window") {

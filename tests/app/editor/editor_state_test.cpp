@@ -29,7 +29,7 @@ TEST_CASE("a double click fills the window with a view and another brings the fo
 TEST_CASE("edits that are refused between two frames are told though the last one was done") {
   EditorState state;
   ShownCase shown([] {});
-  shown.start(EditSession(ball_document(40)));
+  CHECK(shown.start(EditSession(ball_document(40))).count == 0);
   const auto told_of = [&](const std::vector<Action>& actions) {
     state.notices.clear();
     for (const Action& action : actions) shown.session().apply(action);
@@ -54,7 +54,7 @@ TEST_CASE("edits that are refused between two frames are told though the last on
 TEST_CASE("what a case refuses while it is closed is not lost") {
   ShownCase shown([] {});
   CHECK(told(shown.close()).empty());
-  shown.start(EditSession(ball_document(40)));
+  CHECK(shown.start(EditSession(ball_document(40))).count == 0);
   shown.session().apply_computed([](const Document&) -> Result<std::optional<Action>> {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     return fail("ball", "cannot be snapped");

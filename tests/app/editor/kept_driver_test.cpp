@@ -156,8 +156,9 @@ TEST_CASE("a mesh file that does not keep what a shape model needs says so when 
   const OrganScan scan;
   Driver driver(scan.document());
   driver.click("side panel/Export");
-  CHECK(driver.control("Export/Mesh…").tip.find("Without numbering: .stl. Without faces: .particles") !=
-        std::string::npos);
+  CHECK(driver.control("Export/Mesh…")
+            .tip.find(".ply, .vtk, .vtp, .obj or .particles. Without numbering: .stl. "
+                      "Without faces: .particles") != std::string::npos);
   const auto said_of = [&](const char* name) {
     driver.state().notices.clear();
     driver.click("Export/Mesh…");

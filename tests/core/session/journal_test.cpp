@@ -31,7 +31,7 @@ TEST_CASE("half a line that cannot be taken back is the last one that a journal 
     later = (*journal)->append("{}\n");  // there would be room for it
   }
   CHECK_FALSE(too_long);
-  CHECK(says(later, "an incomplete line"));
+  CHECK(says(later, "a refused line that could not be removed"));
   char bytes[64] = {};
   CHECK(::pread(file, bytes, sizeof bytes, 0) == 10);
   CHECK(std::string(bytes) == "{}\n{\"note\"");

@@ -131,8 +131,7 @@ void start_session(Editing& editing, EditSession session) {
   editing.work.snaps.cancel();
   state.guide.reset();
   state.finding.reset();
-  const Refusals refused = shown.close();
-  shown.start(std::move(session));
+  const Refusals refused = shown.start(std::move(session));
   const Document& document = shown.document();
   show_document(state, document, editing.layout, !source_before.empty() && document.volume_source == source_before);
   if (std::filesystem::path(document.volume_source).parent_path() != folder_before) state.saved_folder.clear();

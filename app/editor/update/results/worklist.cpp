@@ -156,8 +156,7 @@ bool take_worklist(Editing& editing) {
 void open_next_case(Editing& editing) {
   ModelsState& models = editing.state.models;
   if (models.study.cases.empty())
-    return add_notice(editing.state, "No study is open. Tab goes to the studies; there scans and cases are added.",
-                      false);
+    return add_notice(editing.state, "No study is open. Press Tab to open one, or to add scans and cases.", false);
   std::ptrdiff_t from = -1;
   if (StudyCase* one = case_on_screen(editing)) {
     from = one - models.study.cases.data();

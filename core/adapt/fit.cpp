@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
+#include <numbers>
 
 #include "core/adapt/annealing.h"
 #include "core/adapt/boundary/boundary_search.h"
@@ -29,12 +29,16 @@ namespace {
 
 constexpr Annealing from_placement{.steps = 16, .softest_edges = 1},
     from_match{.steps = 10, .softest_edges = 1, .stiffest_share = 0.05};
-/// A match counts for nothing where it strains the shape as much as the plain fit does, and alone where it spares this
-/// much. On a smooth organ many ways of lying on the boundary strain the shape alike. There the plain fit varies least
-/// from case to case, and models of it are more compact.
-constexpr double spares_nothing = 0.98, spares_much = 0.93;
+/// Sphericities of a template: up to the first a match counts alone, from the second on for nothing. A round organ has
+/// few features, and many ways of lying on its boundary match alike. There the plain fit varies least from case to
+/// case, and models of it are more compact. Bones lie at 0.3 to 0.6, kidneys at 0.69 to 0.87.
+constexpr double has_features = 0.6, is_round = 0.68;
+/// Times the strain of the plain fit: a match counts up to the first, and from the second on it is wrong.
+constexpr double strained = 1.6, wrongly_strained = 2;
 constexpr double less_strain_counts = 12;  ///< the power of the strain by which matches are averaged
-constexpr double most_force_ratio = 1.5;   ///< against the plain fit: a way that leaves more force is not counted
+/// Mean edges, root mean square: a way that stays this much farther off the boundary than the plain fit is not counted.
+constexpr double stays_off_edges = 0.1;
+constexpr double most_force_ratio = 1.5;  ///< of placements of a partial fit: one that leaves more is not counted
 constexpr int settling_steps = 3;
 constexpr double about_as_likely = 1.15;  ///< times the least strain of the ways that were tried
 /// Of the mesh's diagonal: how far a partial fit looks for counterparts, at first and at last.
@@ -45,6 +49,7 @@ constexpr double easing_edges = 1;  ///< mean edges: folds of the template finer
 struct FitStart {
   Points points;  ///< n×3, LPS mm
   Annealing annealing;
+  bool matched = false;
 };
 
 /// The boundary with those of its flat faces marked that are cuts through the organ.
@@ -158,7 +163,7 @@ class Fitting {
     const CoherentMatch whole(reference_.points, shape_.mesh, boundary_.surface);
     // A template without extent in some direction has no smooth displacement.
     const auto add = [&](Points points) {
-      if (points.allFinite()) all.push_back({std::move(points), from_match});
+      if (points.allFinite()) all.push_back({std::move(points), from_match, true});
     };
     for (const MatchFreedom& freedom : {loose_match, close_match}) {
       CoherentMatch::Ways ways = whole.match(freedom, known);
@@ -226,33 +231,39 @@ class Fitting {
       shape_ = plain.shape;
       return Result<void>{};
     };
-    // Landmarks have told the plain fit where things belong, so that it counts like the others.
-    const std::span matched = std::span(ways_).subspan(warped() ? 0 : 1);
-    if (matched.empty() || !average(matched, plain.force_mm2)) return keep_plain();
-    start_ = rest_of(shape_.mesh.points);
+    const double features = std::clamp((is_round - sphericity()) / (is_round - has_features), 0.0, 1.0);
+    // Landmarks have told the plain fit where things belong, so that on a round organ it counts like the others.
+    if (!average(warped() ? 1 - features : 0)) return keep_plain();
+    start_ = unplaced(shape_.mesh.points);
     if (auto done = settle(); !done || warped()) return done;
-    const double left = strain() / plain.strain;
-    const double share = std::clamp((spares_nothing - left) / (spares_nothing - spares_much), 0.0, 1.0);
+    const double share =
+        features * std::clamp((wrongly_strained - strain() / plain.strain) / (wrongly_strained - strained), 0.0, 1.0);
     if (share == 1) return {};
     if (share == 0) return keep_plain();
     shape_.mesh.points = share * shape_.mesh.points + (1 - share) * plain.shape.mesh.points;
     shape_.refit();
+    start_ = unplaced(shape_.mesh.points);
     return settle();
   }
 
-  /// The mean of those that lie on the boundary; false where there is none. `force_mm2`: that the plain fit left.
-  bool average(std::span<const Adapted> ways, double force_mm2) {
+  /// The mean of the ways that lie on the boundary; the plain fit is weighed by `plain_counts`. False where there is
+  /// none.
+  bool average(double plain_counts) {
+    const Adapted& plain = ways_.front();
+    const double most_off_mm =
+        std::sqrt(plain.force_mm2) + stays_off_edges * mean_edge_mm(*reference_.topology, plain.shape.mesh.points);
     const auto counts = [&](const Adapted& way) {
-      return way.force_mm2 <= most_force_ratio * force_mm2 && way.strain > 0;
+      return std::sqrt(way.force_mm2) <= most_off_mm && way.strain > 0 && (&way != &plain || plain_counts > 0);
     };
     double least_strain = std::numeric_limits<double>::infinity();
-    for (const Adapted& way : ways)
+    for (const Adapted& way : ways_)
       if (counts(way)) least_strain = std::min(least_strain, way.strain);
     Points sum = Points::Zero(reference_.points.rows(), 3);
     double weights = 0;
-    for (const Adapted& way : ways) {
+    for (const Adapted& way : ways_) {
       if (!counts(way)) continue;
-      const double weight = std::pow(least_strain / way.strain, less_strain_counts);
+      const double weight =
+          (&way == &plain ? plain_counts : 1) * std::pow(least_strain / way.strain, less_strain_counts);
       sum += weight * way.shape.mesh.points;
       weights += weight;
     }
@@ -266,7 +277,8 @@ class Fitting {
   Result<Adapted> adapt(const FitStart& start) {
     shape_.placement = found_;
     shape_.mesh.points = start.points;
-    start_ = rest_of(start.points);
+    // A match is its own reference: the template's proportions would draw it back off small features.
+    start_ = start.matched || warped() ? unplaced(start.points) : reference_.points;
     if (auto done = ease(); !done) return fail(done.error());
     shape_.refit();
     if (auto done = anneal_to_boundary(start.annealing); !done) return fail(done.error());
@@ -276,14 +288,24 @@ class Fitting {
     return Adapted{shape_, strain(), left.weights.dot(away_mm2) / static_cast<double>(reference_.points.rows())};
   }
 
-  /// The reference of an adaptation, unplaced: the template itself or, with landmarks that warp it, the start.
-  Points rest_of(const Points& start) const { return warped() ? found_.inverse().apply(start) : reference_.points; }
-
-  double strain() const {
-    const Points placed =
-        nearest_similarity(reference_.points, shape_.mesh.points, shape_.placement).apply(reference_.points);
-    return strain_share(*reference_.topology, placed, shape_.mesh.points);
+  /// A shape where the template lies before it is placed. With landmarks their placement is taken back, which is better
+  /// known than the nearest.
+  Points unplaced(const Points& shape) const {
+    return (warped() ? found_.inverse() : nearest_similarity(shape, reference_.points, {})).apply(shape);
   }
+
+  /// Of the template: the surface of a ball of its volume over its own [Wadell 1935]; 1 of a ball.
+  double sphericity() const {
+    const Mesh own{reference_.topology, reference_.points};
+    const double volume_mm3 = 1000 * std::abs(enclosed_volume_ml(own));
+    return std::cbrt(36 * std::numbers::pi * volume_mm3 * volume_mm3) / surface_area_mm2(own);
+  }
+
+  Points template_placed() const {
+    return nearest_similarity(reference_.points, shape_.mesh.points, shape_.placement).apply(reference_.points);
+  }
+
+  double strain() const { return strain_share(*reference_.topology, template_placed(), shape_.mesh.points); }
 
   Result<void> anneal_to_boundary(const Annealing& annealing) {
     return anneal(
@@ -332,15 +354,21 @@ class Fitting {
       if (auto shown = show(0.8 + 0.1 * step / settling_steps); !shown) return shown;
     }
     shape_.refit();
-    untangle(mesh, shape_.placed, shape_.factors);
+    // A match that is its own reference may have turned a triangle of the template.
+    untangle(mesh, template_placed(), shape_.factors);
     return show(0.95);
   }
 
   /// Of the ways onto the boundary about the mesh, squared, by vertex.
   VertexScalars spread_mm2() const {
     VertexScalars sum = VertexScalars::Zero(shape_.mesh.points.rows());
-    for (const Adapted& way : ways_) sum += (way.shape.mesh.points - shape_.mesh.points).rowwise().squaredNorm();
-    return ways_.empty() ? sum : VertexScalars(sum / static_cast<double>(ways_.size()));
+    int others = 0;
+    for (const Adapted& way : ways_) {
+      if (way.shape.mesh.points == shape_.mesh.points) continue;  // the way that was kept
+      sum += (way.shape.mesh.points - shape_.mesh.points).rowwise().squaredNorm();
+      ++others;
+    }
+    return sum / std::max(others, 1);
   }
 
   FitResult finish() {
@@ -377,7 +405,7 @@ class Fitting {
   BoundarySearch search_;
   ShapeSolver solver_;
   Adapting shape_;             ///< its reference is `start_`, eased while the mesh anneals
-  Points start_;               ///< the template, warped where landmarks ask for it
+  Points start_;               ///< the template; a match or, where landmarks warp it, the start itself
   std::vector<Adapted> ways_;  ///< the plain fit first
   Similarity found_;           ///< where the organ is
   VertexScalars trust_;        ///< of each landmark that was given

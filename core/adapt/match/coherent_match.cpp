@@ -21,7 +21,7 @@ constexpr int matching_rounds = 25, turning_rounds = 10;
 constexpr double first_near = 0.06, last_near = 0.012;    ///< of the root of the surface's area
 constexpr double unmatched = 0.01;                        ///< of what a full match weighs: belonging to none
 constexpr double bend_length = 1, fine_length = 0.3;      ///< reach of the kernel's two scales, of the radius
-constexpr double fine_share = 0.05, stretch_share = 0.1;  ///< of the radius: fine displacement; stretch or turn
+constexpr double fine_share = 0.08, stretch_share = 0.1;  ///< of the radius: fine displacement; stretch or turn
 constexpr float least_exponent = -25;                     ///< smaller probabilities would only cost time
 
 /// `count` vertices spread evenly: each the farthest from those before, the first one first. Squared distances count in

@@ -14,7 +14,7 @@ struct MatchFreedom {
   double facing;      ///< what a difference of normals counts: 0 nothing
 };
 inline constexpr MatchFreedom loose_match{.bend_share = 0.3, .together = 1, .facing = 2},
-    close_match{.bend_share = 0.1, .together = 10, .facing = 4};
+    close_match{.bend_share = 0.2, .together = 10, .facing = 4};
 
 /// Places that correspond: where a placed shape has them and where they belong, k×3 each, LPS mm, row by row. `trust`:
 /// of each, 0 … 1.

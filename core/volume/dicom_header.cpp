@@ -103,7 +103,7 @@ DicomHeader dicom_header(const DicomSet& set) {
   const DicomItem& data = set.elements;
   const auto small_number = [&](DicomTag wanted, int otherwise) {
     const auto number = binary_number_of(data, wanted, set.big_endian);
-    return number && *number <= 65535 ? static_cast<int>(*number) : otherwise;
+    return number && *number >= 0 && *number <= 65535 ? static_cast<int>(*number) : otherwise;
   };
   DicomHeader header;
   header.path = set.path;

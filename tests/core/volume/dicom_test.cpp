@@ -317,6 +317,9 @@ TEST_CASE("colours and contradictory sizes are refused") {
   Slice frames;
   frames.frames = "100000";
   CHECK(says(read_slice(frames), "pixels are missing"));
+  Slice below_zero;  // the number of columns, once more, as -2.7e300
+  below_zero.before_pixels = element(0x00280011, "FD", "\x42\xfa\xff\x26\xe7\xff\x4f\xfe");
+  CHECK(says(read_slice(below_zero), "no image"));
 }
 
 TEST_CASE("every shortened copy of a DICOM file is refused and never crashes") {

@@ -18,9 +18,9 @@ using Rows3f = Eigen::Matrix<float, Eigen::Dynamic, 3>;
 
 constexpr Index moved_samples = 700, still_samples = 1200, nodes = 60;
 constexpr int matching_rounds = 25, turning_rounds = 10;
-constexpr double first_near = 0.06, last_near = 0.012;    ///< of the root of the surface's area
+constexpr double first_near = 0.06, last_near = 0.016;    ///< of the root of the surface's area
 constexpr double unmatched = 0.01;                        ///< of what a full match weighs: belonging to none
-constexpr double bend_length = 1, fine_length = 0.3;      ///< reach of the kernel's two scales, of the radius
+constexpr double bend_length = 1, fine_length = 0.2;      ///< reach of the kernel's two scales, of the radius
 constexpr double fine_share = 0.08, stretch_share = 0.1;  ///< of the radius: fine displacement; stretch or turn
 constexpr float least_exponent = -25;                     ///< smaller probabilities would only cost time
 

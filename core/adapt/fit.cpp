@@ -29,16 +29,18 @@ namespace {
 
 constexpr Annealing from_placement{.steps = 16, .softest_edges = 1},
     from_match{.steps = 10, .softest_edges = 1, .stiffest_share = 0.05};
-/// Sphericities of a template: up to the first a match counts alone, from the second on for nothing. A round organ has
-/// few features, and many ways of lying on its boundary match alike. There the plain fit varies least from case to
-/// case, and models of it are more compact. Bones lie at 0.3 to 0.6, kidneys at 0.69 to 0.87.
+/// Sphericities of a template: without landmarks a match counts alone up to the first, and from the second on for
+/// nothing. A round organ has few features, and many ways of lying on its boundary match alike. There the plain fit
+/// varies least from case to case, and models of it generalise better. The femora, hips and vertebrae that were
+/// measured lie at 0.3 to 0.6, kidneys at 0.69 to 0.87.
 constexpr double has_features = 0.6, is_round = 0.68;
-/// Times the strain of the plain fit: a match counts up to the first, and from the second on it is wrong.
-constexpr double strained = 1.6, wrongly_strained = 2;
+/// Times the strain of the plain fit: a match counts in full up to the first, and from the second on it is wrong.
+constexpr double full_strain_ratio = 1.6, most_strain_ratio = 2;
 constexpr double less_strain_counts = 12;  ///< the power of the strain by which matches are averaged
 /// Mean edges, root mean square: a way that stays this much farther off the boundary than the plain fit is not counted.
 constexpr double stays_off_edges = 0.1;
-constexpr double most_force_ratio = 1.5;  ///< of placements of a partial fit: one that leaves more is not counted
+/// Of placements of a partial fit: one that leaves more than this times the force of the first is not counted.
+constexpr double most_force_ratio = 1.5;
 constexpr int settling_steps = 3;
 constexpr double about_as_likely = 1.15;  ///< times the least strain of the ways that were tried
 /// Of the mesh's diagonal: how far a partial fit looks for counterparts, at first and at last.
@@ -47,9 +49,8 @@ constexpr double easing_edges = 1;  ///< mean edges: folds of the template finer
 
 /// Where an adaptation begins.
 struct FitStart {
-  Points points;  ///< n×3, LPS mm
-  Annealing annealing;
-  bool matched = false;
+  Points points;         ///< n×3, LPS mm
+  bool matched = false;  ///< with the boundary as a whole, so that it is near and its own reference
 };
 
 /// The boundary with those of its flat faces marked that are cuts through the organ.
@@ -102,7 +103,7 @@ class Fitting {
     if (!found) return fail(found.error());
     shape_.mesh.points = found->points;
     shape_.placement = found->placement;
-    shape_.rest = start_ = found->shape;
+    shape_.rest = own_reference_ = found->shape;
     shape_.refit();
     const double beyond = options_.allowed->beyond;
     if (beyond > 0) {
@@ -143,7 +144,6 @@ class Fitting {
                    warp_to_boundary(reference_.topology, placed, shape_.placement.apply(own), there, trust_, search_)};
     if (!shape_.mesh.points.allFinite() || !(shape_.placement.scale > 0))
       return fail("", "the template cannot be placed on the surface: one of them is flat or has no size; check both");
-    start_ = shape_.placement.inverse().apply(shape_.mesh.points);
     found_ = shape_.placement;
     return show(0.1);
   }
@@ -153,7 +153,7 @@ class Fitting {
   /// The template as placed or, with landmarks, warped; then that matched with the boundary as a whole. Where the scan
   /// cuts the organ off there is no whole to match with.
   std::vector<FitStart> starts() const {
-    std::vector<FitStart> all{{shape_.mesh.points, from_placement}};
+    std::vector<FitStart> all{{shape_.mesh.points}};
     if (!boundary_.scan_borders.empty() || options_.partial) return all;
     KnownMatches known{Points(trust_.size(), 3), matched_landmarks(reference_, options_.landmarks).second, trust_};
     Eigen::Index row = 0;
@@ -163,7 +163,7 @@ class Fitting {
     const CoherentMatch whole(reference_.points, shape_.mesh, boundary_.surface);
     // A template without extent in some direction has no smooth displacement.
     const auto add = [&](Points points) {
-      if (points.allFinite()) all.push_back({std::move(points), from_match, true});
+      if (points.allFinite()) all.push_back({std::move(points), true});
     };
     for (const MatchFreedom& freedom : {loose_match, close_match}) {
       CoherentMatch::Ways ways = whole.match(freedom, known);
@@ -187,7 +187,7 @@ class Fitting {
   /// A partial fit: of several placements the one from which what is there is strained least.
   Result<void> adapt_from_placements() {
     part_of_progress_ = {0, 1 + other_placements};
-    auto first = adapt({shape_.mesh.points, from_placement});
+    auto first = adapt({shape_.mesh.points});
     if (!first) return fail(first.error());
     struct Tried {
       Adapted way;
@@ -204,7 +204,7 @@ class Fitting {
     for (const Similarity& placement : others) {
       ++part_of_progress_.first;
       found_ = placement;
-      auto way = adapt({placement.apply(reference_.points), from_placement});
+      auto way = adapt({placement.apply(reference_.points)});
       if (!way) return fail(way.error());
       if (way->force_mm2 <= most_force_ratio * tried.front().way.force_mm2)
         add(std::move(*way), missing_in(way->shape.mesh));
@@ -216,7 +216,7 @@ class Fitting {
     return {};
   }
 
-  /// Several ways onto the boundary, averaged by how little they strain the shape.
+  /// Several ways onto the boundary: the plain fit is kept, or those from matches are averaged, or a mean of both.
   Result<void> adapt_from_starts() {
     const std::vector<FitStart> all = starts();
     for (const FitStart& start : all) {
@@ -232,38 +232,45 @@ class Fitting {
       return Result<void>{};
     };
     const double features = std::clamp((is_round - sphericity()) / (is_round - has_features), 0.0, 1.0);
-    // Landmarks have told the plain fit where things belong, so that on a round organ it counts like the others.
+    if (ways_.size() == 1 || (features == 0 && !warped())) return keep_plain();
+    // Landmarks have told all ways where things belong. So on a round organ the plain fit counts like the others.
     if (!average(warped() ? 1 - features : 0)) return keep_plain();
-    start_ = unplaced(shape_.mesh.points);
+    own_reference_ = unplaced(shape_.mesh.points);
     if (auto done = settle(); !done || warped()) return done;
-    const double share =
-        features * std::clamp((wrongly_strained - strain() / plain.strain) / (wrongly_strained - strained), 0.0, 1.0);
+    const double share = features * believed(strain() / plain.strain);
     if (share == 1) return {};
     if (share == 0) return keep_plain();
     shape_.mesh.points = share * shape_.mesh.points + (1 - share) * plain.shape.mesh.points;
     shape_.refit();
-    start_ = unplaced(shape_.mesh.points);
+    own_reference_ = unplaced(shape_.mesh.points);
     return settle();
   }
 
-  /// The mean of the ways that lie on the boundary; the plain fit is weighed by `plain_counts`. False where there is
-  /// none.
+  /// Of a match, by its strain over that of the plain fit: 0 wrong … 1.
+  static double believed(double strain_ratio) {
+    return std::clamp((most_strain_ratio - strain_ratio) / (most_strain_ratio - full_strain_ratio), 0.0, 1.0);
+  }
+
+  /// The mean of the ways that lie on the boundary, those that strain the shape less counting far more. The plain fit
+  /// is weighed by `plain_counts`; with landmarks the others by how far they are believed, else the mean is judged.
+  /// False where there is none.
   bool average(double plain_counts) {
     const Adapted& plain = ways_.front();
     const double most_off_mm =
         std::sqrt(plain.force_mm2) + stays_off_edges * mean_edge_mm(*reference_.topology, plain.shape.mesh.points);
     const auto counts = [&](const Adapted& way) {
-      return std::sqrt(way.force_mm2) <= most_off_mm && way.strain > 0 && (&way != &plain || plain_counts > 0);
+      if (!(std::sqrt(way.force_mm2) <= most_off_mm && way.strain > 0)) return 0.0;
+      if (&way == &plain) return plain_counts;
+      return warped() ? believed(way.strain / plain.strain) : 1.0;
     };
     double least_strain = std::numeric_limits<double>::infinity();
     for (const Adapted& way : ways_)
-      if (counts(way)) least_strain = std::min(least_strain, way.strain);
+      if (counts(way) > 0) least_strain = std::min(least_strain, way.strain);
     Points sum = Points::Zero(reference_.points.rows(), 3);
     double weights = 0;
     for (const Adapted& way : ways_) {
-      if (!counts(way)) continue;
-      const double weight =
-          (&way == &plain ? plain_counts : 1) * std::pow(least_strain / way.strain, less_strain_counts);
+      if (counts(way) == 0) continue;
+      const double weight = counts(way) * std::pow(least_strain / way.strain, less_strain_counts);
       sum += weight * way.shape.mesh.points;
       weights += weight;
     }
@@ -278,23 +285,21 @@ class Fitting {
     shape_.placement = found_;
     shape_.mesh.points = start.points;
     // A match is its own reference: the template's proportions would draw it back off small features.
-    start_ = start.matched || warped() ? unplaced(start.points) : reference_.points;
+    own_reference_ = start.matched || warped() ? unplaced(start.points) : reference_.points;
     if (auto done = ease(); !done) return fail(done.error());
     shape_.refit();
-    if (auto done = anneal_to_boundary(start.annealing); !done) return fail(done.error());
+    if (auto done = anneal_to_boundary(start.matched ? from_match : from_placement); !done) return fail(done.error());
     if (auto done = settle(); !done) return fail(done.error());
     const BoundaryPull left = search_.pull(shape_.mesh);
     const auto away_mm2 = (left.targets - shape_.mesh.points).rowwise().squaredNorm();
     return Adapted{shape_, strain(), left.weights.dot(away_mm2) / static_cast<double>(reference_.points.rows())};
   }
 
-  /// A shape where the template lies before it is placed. With landmarks their placement is taken back, which is better
-  /// known than the nearest.
-  Points unplaced(const Points& shape) const {
-    return (warped() ? found_.inverse() : nearest_similarity(shape, reference_.points, {})).apply(shape);
-  }
+  /// A shape where the template lies before it is placed.
+  Points unplaced(const Points& shape) const { return nearest_similarity(shape, reference_.points, {}).apply(shape); }
 
-  /// Of the template: the surface of a ball of its volume over its own [Wadell 1935]; 1 of a ball.
+  /// Of the template: the surface of a ball of its volume over its own [Wadell 1935]; 1 of a ball. The rims of an open
+  /// one are closed for the volume only, so that it counts as rounder.
   double sphericity() const {
     const Mesh own{reference_.topology, reference_.points};
     const double volume_mm3 = 1000 * std::abs(enclosed_volume_ml(own));
@@ -322,11 +327,11 @@ class Fitting {
   /// Smooths the reference that the annealing keeps to. A deep fold that the case does not have would stay behind:
   /// its walls face each other, and neither finds the boundary. The folds that a case has come from its boundary.
   Result<void> ease() {
-    const double edge_mm = mean_edge_mm(*reference_.topology, start_);
+    const double edge_mm = mean_edge_mm(*reference_.topology, own_reference_);
     const double stiffness = stiffness_from_length(easing_edges * edge_mm, edge_mm);
     if (auto ready = solver_.factorise(VertexScalars::Constant(shape_.factors.size(), stiffness)); !ready) return ready;
-    const Points smooth = solver_.solve(start_);
-    shape_.rest = nearest_similarity(smooth, start_, {}).apply(smooth);
+    const Points smooth = solver_.solve(own_reference_);
+    shape_.rest = nearest_similarity(smooth, own_reference_, {}).apply(smooth);
     return {};
   }
 
@@ -342,7 +347,7 @@ class Fitting {
   /// Vertices onto the boundary, evenly spread as in the reference.
   Result<void> settle() {
     Mesh& mesh = shape_.mesh;
-    shape_.rest = start_;
+    shape_.rest = own_reference_;
     if (auto ready = solver_.factorise(shape_.factors); !ready) return ready;
     for (int step = 0; step < settling_steps; ++step) {
       shape_.refit();
@@ -354,8 +359,8 @@ class Fitting {
       if (auto shown = show(0.8 + 0.1 * step / settling_steps); !shown) return shown;
     }
     shape_.refit();
-    // A match that is its own reference may have turned a triangle of the template.
-    untangle(mesh, template_placed(), shape_.factors);
+    // A match that is its own reference may have turned a triangle of the template. A model's shape has not.
+    untangle(mesh, options_.allowed ? shape_.placed : template_placed(), shape_.factors);
     return show(0.95);
   }
 
@@ -404,8 +409,8 @@ class Fitting {
   const FitOptions& options_;
   BoundarySearch search_;
   ShapeSolver solver_;
-  Adapting shape_;             ///< its reference is `start_`, eased while the mesh anneals
-  Points start_;               ///< the template; a match or, where landmarks warp it, the start itself
+  Adapting shape_;             ///< its reference is `own_reference_`, eased while the mesh anneals
+  Points own_reference_;       ///< the template; a match, a warp or a mean of ways, unplaced; a model's shape
   std::vector<Adapted> ways_;  ///< the plain fit first
   Similarity found_;           ///< where the organ is
   VertexScalars trust_;        ///< of each landmark that was given

@@ -222,8 +222,9 @@ Result<Report> evaluate(const EvaluateOptions& options, Progress& progress) {
   const PrincipalComponents& components = training->components;
   const auto most = static_cast<int>(components.shapes()) - 2;
   if (most < 1) {
-    return fail(training->names.front(),
-                "and one other shape are too few to leave one out; give at least three shapes");
+    return fail(too_small(
+        {training->names.front(), "and one other shape are too few to leave one out; give at least three shapes"},
+        training->warnings));
   }
   std::vector<int> modes = parsed_modes(options.modes, most);
   if (options.modes.empty()) modes = {std::min(most, static_cast<int>(modes_holding(components.variances(), 0.95)))};

@@ -201,6 +201,11 @@ Result<TrainingSetRead> TrainingSetBuilder::finish(bool flip_mirrored) {
   return read;
 }
 
+Error too_small(Error error, const std::vector<std::string>& warnings) {
+  if (!warnings.empty()) error.what += "; " + warnings.front();
+  return error;
+}
+
 Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, const TrainingOptions& options,
                                           Progress* progress) {
   const auto sources = shape_sources(files, options.group);
@@ -215,7 +220,7 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
       progress);
   if (!warnings) return fail(warnings.error());
   auto read = builder.finish(options.flip_mirrored);
-  if (!read) return read;
+  if (!read) return fail(too_small(read.error(), *warnings));
   read->warnings.insert(read->warnings.begin(), warnings->begin(), warnings->end());
   if (!read->mirrored.empty())
     read->warnings.push_back(joined(read->mirrored) + (options.flip_mirrored

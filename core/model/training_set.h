@@ -63,6 +63,9 @@ class TrainingSetBuilder {
 Result<TrainingSetRead> read_training_set(const std::vector<std::filesystem::path>& files,
                                           const TrainingOptions& options = {}, Progress* progress = nullptr);
 
+/// The error that a set is too small, with the first of the set's warnings: it says which shape was left out and why.
+Error too_small(Error error, const std::vector<std::string>& warnings);
+
 /// What looks wrong in a set that can be computed with, a sentence each: sizes 10, 100 or 1000 times those of most
 /// others, shapes given twice.
 std::vector<std::string> oddities(const TrainingSet& set);

@@ -127,7 +127,7 @@ TEST_CASE("too few shapes or equal ones are refused with what would help") {
   check_refused(Folder(1), "organ0.ply", "at least two");
   Folder one(1);
   one.add("nothing", "broken.ply");
-  check_refused(one, "organ0.ply", "only shape that could be read");
+  check_refused(one, "organ0.ply", "broken.ply");
   Folder none;
   none.add("nothing", "broken.ply");
   none.add("nothing", "broken2.ply");

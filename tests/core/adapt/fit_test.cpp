@@ -332,13 +332,25 @@ TEST_CASE("a femur keeps its small features when it is fitted to another") {
   even.landmarks = own.landmarks;
   const Mesh surface{Topology::make(there.points.rows(), there.triangles).value(), there.points};
   const auto fit = fit_to_boundary(*make_template(even, "femur").value(), mesh_boundary(surface)).value();
-  double off_mm = 0;
-  for (const Landmark& landmark : there.landmarks)
-    off_mm +=
-        (landmarks_of({.landmarks = fit.landmarks}, {landmark.name}).at(landmark.name) - landmark.position).norm();
-  off_mm /= static_cast<double>(there.landmarks.size());
-  CAPTURE(off_mm);
-  CHECK(off_mm < 4);
+  const auto off_mm = [&](const Landmark& landmark) {
+    return (landmarks_of({.landmarks = fit.landmarks}, {landmark.name}).at(landmark.name) - landmark.position).norm();
+  };
+  double sum_mm = 0;
+  for (const Landmark& landmark : there.landmarks) {
+    sum_mm += off_mm(landmark);
+    if (landmark.name.starts_with("Lesser Trochanter")) CHECK(off_mm(landmark) < 5);
+  }
+  CHECK(sum_mm / static_cast<double>(there.landmarks.size()) < 2.8);
+}
+
+TEST_CASE("an organ with features is matched as a whole and its vertices come near their true places") {
+  const auto the_template = built_in(Organ::vertebra);
+  double sum_mm = 0;
+  for (const int subject : {1, 2, 3, 4}) {
+    const Mesh truth{the_template->topology, phantom_truth(Organ::vertebra, subject).front().points};
+    sum_mm += mean_distance(fit_to_boundary(*the_template, boundary_of(truth)).value().mesh.points, truth.points);
+  }
+  CHECK(sum_mm / 4 < 0.65);  // by the plain fit alone more than 0.8
 }
 
 TEST_CASE("a fit doubts a template of another organ more than one of its own kind") {

@@ -231,7 +231,7 @@ class Fitting {
       shape_ = plain.shape;
       return Result<void>{};
     };
-    const double features = std::clamp((is_round - sphericity()) / (is_round - has_features), 0.0, 1.0);
+    const double features = 1 - roundness();
     if (ways_.size() == 1 || (features == 0 && !warped())) return keep_plain();
     // Landmarks have told all ways where things belong. So on a round organ the plain fit counts like the others.
     if (!average(warped() ? 1 - features : 0)) return keep_plain();
@@ -305,6 +305,9 @@ class Fitting {
     const double volume_mm3 = 1000 * std::abs(enclosed_volume_ml(own));
     return std::cbrt(36 * std::numbers::pi * volume_mm3 * volume_mm3) / surface_area_mm2(own);
   }
+
+  /// Of the template: 0 where a match finds features, 1 where it does not.
+  double roundness() const { return std::clamp((sphericity() - has_features) / (is_round - has_features), 0.0, 1.0); }
 
   Points template_placed() const {
     return nearest_similarity(reference_.points, shape_.mesh.points, shape_.placement).apply(reference_.points);
@@ -386,8 +389,9 @@ class Fitting {
     for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
       if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
     if (options_.partial) result.outliers = search_.missing(mesh);
-    result.doubt_mm =
-        fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? strain() : ways_.front().strain, result.outliers);
+    const bool told = warped() || options_.allowed;
+    result.doubt_mm = fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? strain() : ways_.front().strain,
+                                   told ? 0 : roundness(), result.outliers);
     result.landmarks = carried_landmarks(reference_, mesh.points);
     result.landmarks_used = static_cast<std::size_t>((trust_.array() >= believable).count());
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
+#include "core/adapt/match/smooth_displacement.h"
+#include "core/adapt/match/surface_samples.h"
 #include "core/mesh/topology.h"
 
 namespace homolog {
@@ -49,39 +50,20 @@ class CoherentMatch {
   Ways match(const MatchFreedom& freedom, const KnownMatches& known) const;
 
  private:
-  /// Points with their normals and the area that each stands for.
-  struct Samples {
-    Points points, normals;
-    Eigen::VectorXf area_mm2;
-  };
-  /// A surface has few samples, evenly spread, where it is displaced, and many where it stays.
+  /// How finely a surface is sampled while it matches: few samples, evenly spread, where it is displaced, and twice as
+  /// many where it stays.
   struct Side {
-    Samples moved, still;
+    SurfaceSamples moved, still;
   };
-  /// Where samples are drawn to, and how much each is believed (area of both directions, mm²).
-  struct Drawn {
-    Points targets;
-    VertexScalars weights;
-  };
-  /// Functions of place whose sum with independent standard normal coefficients is a displacement: their values at k
-  /// places, and their slopes there along x, y and z (k×nodes each).
-  struct Basis {
-    Eigen::MatrixXd value;
-    std::array<Eigen::MatrixXd, 3> slope;
-  };
-  using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, 3>;  ///< nodes×3: of a displacement
-
-  static Samples samples_of(const Mesh& mesh, const Points& normals, const std::vector<Eigen::Index>& at);
-  static Side side_of(const Mesh& mesh, const std::vector<Eigen::Index>& moved);
-  Basis basis(const Points& at, const MatchFreedom& freedom, bool with_slopes) const;
-  static Samples displaced(const Samples& samples, const Basis& basis, const Coefficients& by);
-  Drawn drawn(const Samples& own, const Samples& there, double near_mm, double facing) const;
-  Coefficients displacement(const Samples& own, const Samples& there, const MatchFreedom& freedom,
-                            const KnownMatches& known) const;
+  using Sides = std::vector<Side>;  ///< coarse ones first
+  static Sides sides_of(const Mesh& mesh, const Points& spread_as);
+  SmoothDisplacement::Coefficients matching(const Sides& own, const Sides& there,
+                                            const SmoothDisplacement& displacement, const MatchFreedom& freedom,
+                                            const KnownMatches& known) const;
 
   Points placed_;
-  Points nodes_;  ///< where a displacement is represented
-  Side own_, there_;
+  Points nodes_;  ///< of the displacements
+  Sides own_, there_;
   Eigen::RowVector3d centre_;
   double radius_mm_, size_mm_;  ///< root mean square from the centre; root of the surface's area
 };

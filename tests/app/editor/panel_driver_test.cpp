@@ -131,7 +131,7 @@ TEST_CASE("the doubt of a fit is an overlay with a legend and a figure") {
   driver.wait_until("the fit is done", [&] { return driver.shows("Dice"); });
   driver.settle();
   CHECK_FALSE(driver.shows("not known: fit the mesh to a label map first"));
-  driver.wait_until("the figure is there", [&] { return driver.shows(" mm, at most 1"); });
+  driver.wait_until("the figure is there", [&] { return driver.shows(" mm, at most 2"); });
   CHECK(driver.state().colouring == Colouring::doubt);
   const Document& document = driver.document();
   REQUIRE(document.shape().doubt_mm);

@@ -14,6 +14,7 @@ namespace homolog {
 namespace {
 
 constexpr double position_weight = 0.25;  ///< of a coordinate in a large set, where each feature counts 1
+constexpr double few_shapes = 4;          ///< in so few positions do not count
 constexpr double stiffness_share = 0.15;  ///< of the square root of the area: how far a slide spreads
 constexpr double first_precision = 1, last_precision = 0.1;  ///< in units of the set's own deviation
 constexpr double step = 0.5;  ///< of the way to what is expected, since all shapes move at a time
@@ -76,8 +77,8 @@ class Sliding {
     const double deviation_mm = std::sqrt(variance_over_shapes(aligned_));
     if (!(size_mm > 0) || !(deviation_mm > 0))
       return fail("", "the shapes are all equal or have no extent, so there is nothing to optimise");
-    // Two shapes say nothing of how positions vary: each would only be drawn to the other.
-    per_mm_ = std::sqrt(std::max(position_weight * (1 - 2 / count), 1e-6)) / deviation_mm;
+    // Few shapes say little of how positions vary: each would only be drawn to the others.
+    per_mm_ = std::sqrt(std::max(position_weight * (1 - few_shapes / count), 1e-6)) / deviation_mm;
     std::vector<SurfaceFeatures> features = surface_features(topology_, aligned_, size_mm);
     const Row6 units = feature_variances(features).cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
     const VertexScalars w =

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/mesh/mesh_quality.h"
 #include "core/placement/landmark_warp.h"
@@ -14,7 +15,7 @@ using Eigen::Index;
 
 constexpr Index nodes = 200;
 constexpr std::array<Index, 2> moved_samples{800, 1600};
-constexpr Index still_for_moved = 2;
+constexpr Index still_for_moved = 2;  ///< at most: samples that stay, for each that is displaced
 constexpr int matching_rounds = 16, turning_rounds = 6;
 /// Of the root of the surface's area: what counts as near. Fine samples are taken from the last of these on.
 constexpr double first_near = 0.06, last_near = 0.016, near_of_fine = 0.0226;
@@ -44,7 +45,7 @@ CoherentMatch::CoherentMatch(const Points& reference, const Mesh& placed, const 
       radius_mm_(std::sqrt((placed.points.rowwise() - centre_).rowwise().squaredNorm().mean())),
       size_mm_(std::sqrt(surface_area_mm2(surface))) {}
 
-/// Of the displacement that matches `own` with `there`.
+/// Of the displacement that matches `own` with `there`; not finite where none can be solved for.
 SmoothDisplacement::Coefficients CoherentMatch::matching(const Sides& own, const Sides& there,
                                                          const SmoothDisplacement& displacement,
                                                          const MatchFreedom& freedom, const KnownMatches& known) const {
@@ -74,7 +75,9 @@ SmoothDisplacement::Coefficients CoherentMatch::matching(const Sides& own, const
     Eigen::MatrixXd information = from_samples.cast<double>() + known_information;
     information.diagonal().array() += 1;
     const Eigen::MatrixXd pull = basis.value.transpose() * (believed.asDiagonal() * (targets - at_first)) + known_pull;
-    found = information.selfadjointView<Eigen::Lower>().llt().solve(pull);
+    const Eigen::LLT<Eigen::MatrixXd> solved(information);
+    if (solved.info() != Eigen::Success) return found.setConstant(std::numeric_limits<double>::quiet_NaN());
+    found = solved.solve(pull);
   }
   return found;
 }
@@ -86,7 +89,7 @@ CoherentMatch::Ways CoherentMatch::match(const MatchFreedom& freedom, const Know
   const auto to_surface = matching(own_, there_, displacement, freedom, known),
              to_shape = matching(there_, own_, displacement, freedom, {known.to, known.from, known.trust});
   const Points forth = placed_ + displacement.at(placed_, to_surface);
-  // Each round comes nearer to what `to_shape` takes to where the shape is placed.
+  // Where the displacement is not steep, each round comes nearer to what `to_shape` takes to the placed shape.
   Points back = forth;
   for (int round = 0; round < turning_rounds; ++round) back = placed_ - displacement.at(back, to_shape);
   return {forth, back};

@@ -32,7 +32,7 @@ struct KnownMatches {
 /// for nearest points slides past them. [Myronenko and Song 2010, Coherent Point Drift; Hirose 2021, Bayesian coherent
 /// point drift; normals and both directions added.]
 /// The shape is displaced to the surface, and the surface to the shape. The mean of the first displacement and of the
-/// second one turned round does not depend on which shape is the template [Christensen and Johnson 2001, inverse
+/// second one turned round depends far less on which shape is the template [Christensen and Johnson 2001, inverse
 /// consistency].
 /// All lengths are shares of the shapes' sizes. One thread, no random numbers.
 class CoherentMatch {
@@ -47,11 +47,12 @@ class CoherentMatch {
     Points forth, back;
     Points mean() const { return (forth + back) / 2; }
   };
+  /// Not finite where no displacement could be found, as of a shape without extent.
   Ways match(const MatchFreedom& freedom, const KnownMatches& known) const;
 
  private:
-  /// How finely a surface is sampled while it matches: few samples, evenly spread, where it is displaced, and twice as
-  /// many where it stays.
+  /// How finely a surface is sampled while it matches: few samples, evenly spread, where it is displaced, and more
+  /// where it stays.
   struct Side {
     SurfaceSamples moved, still;
   };

@@ -53,7 +53,7 @@ std::vector<Index> stepped_vertices(Index vertices, Index count) {
 }
 
 std::vector<Index> spread_vertices(const Points& points, Index count) {
-  // Squared distances count in whole steps, so that no pick hangs on the last bit of a coordinate.
+  // Squared distances count in whole steps, so that hardly a pick hangs on the last bit of a coordinate.
   constexpr double steps = 1e4;  // in the squared radius
   const std::vector<Index> candidates = stepped_vertices(points.rows(), most_candidates);
   const Points places = points(candidates, Eigen::all);
@@ -61,7 +61,7 @@ std::vector<Index> spread_vertices(const Points& points, Index count) {
   const double radius2 = (places.rowwise() - centre).rowwise().squaredNorm().mean();
   std::vector<Index> picked;
   Eigen::VectorXd away = Eigen::VectorXd::Constant(places.rows(), std::numeric_limits<double>::infinity());
-  for (Index next = 0; std::ssize(picked) < std::min(count, places.rows()); away.maxCoeff(&next)) {
+  for (Index next = 0; std::ssize(picked) < std::min(count, places.rows()) && away[next] > 0; away.maxCoeff(&next)) {
     picked.push_back(candidates[static_cast<std::size_t>(next)]);
     const VertexScalars from_next2 = (places.rowwise() - places.row(next)).rowwise().squaredNorm();
     away = away.cwiseMin((from_next2 * (steps / radius2)).array().floor().matrix());

@@ -17,11 +17,11 @@ struct SurfaceSamples {
 /// These vertices of `mesh` as samples, sorted along the longest side of its box. `normals`: n×3, of all its vertices.
 SurfaceSamples samples_of(const Mesh& mesh, const Points& normals, std::vector<Eigen::Index> vertices);
 
-/// `count` vertices spread evenly: each the farthest from those before, the first one first. So the first k are spread
-/// evenly, too.
+/// Up to `count` vertices spread evenly: each the farthest from those before, the first one first. So the first k are
+/// spread evenly, too.
 std::vector<Eigen::Index> spread_vertices(const Points& points, Eigen::Index count);
 
-/// About `count` vertices at equal steps of the numbering.
+/// At most `count` vertices at equal steps of the numbering, and more than half as many where there are so many.
 std::vector<Eigen::Index> stepped_vertices(Eigen::Index vertices, Eigen::Index count);
 
 /// Where samples are drawn to (k×3, mm), and how much each is believed (area of both directions, mm²).

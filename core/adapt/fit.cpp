@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/adapt/annealing.h"
 #include "core/adapt/boundary/boundary_search.h"
@@ -13,6 +12,7 @@
 #include "core/adapt/boundary/partial_placements.h"
 #include "core/adapt/fit_doubt.h"
 #include "core/adapt/match/coherent_match.h"
+#include "core/adapt/roundness.h"
 #include "core/adapt/untangle.h"
 #include "core/base/index.h"
 #include "core/deform/fold_guard.h"
@@ -29,11 +29,6 @@ namespace {
 
 constexpr Annealing from_placement{.steps = 16, .softest_edges = 1},
     from_match{.steps = 10, .softest_edges = 1, .stiffest_share = 0.05};
-/// Sphericities of a template: without landmarks a match counts alone up to the first, and from the second on for
-/// nothing. A round organ has few features, and many ways of lying on its boundary match alike. There the plain fit
-/// varies least from case to case, and models of it generalise better. The femora, hips and vertebrae that were
-/// measured lie at 0.3 to 0.6, kidneys at 0.69 to 0.87.
-constexpr double has_features = 0.6, is_round = 0.68;
 /// Times the strain of the plain fit: a match counts in full up to the first, and from the second on it is wrong.
 constexpr double full_strain_ratio = 1.6, most_strain_ratio = 2;
 constexpr double less_strain_counts = 12;  ///< the power of the strain by which matches are averaged
@@ -231,13 +226,14 @@ class Fitting {
       shape_ = plain.shape;
       return Result<void>{};
     };
-    const double features = 1 - roundness();
-    if (ways_.size() == 1 || (features == 0 && !warped())) return keep_plain();
+    // Of a round organ the plain fit varies least from case to case, and models of it generalise better.
+    const double round = roundness({reference_.topology, reference_.points});
+    if (ways_.size() == 1 || (round == 1 && !warped())) return keep_plain();
     // Landmarks have told all ways where things belong. So on a round organ the plain fit counts like the others.
-    if (!average(warped() ? 1 - features : 0)) return keep_plain();
+    if (!average(warped() ? round : 0)) return keep_plain();
     own_reference_ = unplaced(shape_.mesh.points);
     if (auto done = settle(); !done || warped()) return done;
-    const double share = features * believed(strain() / plain.strain);
+    const double share = (1 - round) * believed(strain() / plain.strain);
     if (share == 1) return {};
     if (share == 0) return keep_plain();
     shape_.mesh.points = share * shape_.mesh.points + (1 - share) * plain.shape.mesh.points;
@@ -297,17 +293,6 @@ class Fitting {
 
   /// A shape where the template lies before it is placed.
   Points unplaced(const Points& shape) const { return nearest_similarity(shape, reference_.points, {}).apply(shape); }
-
-  /// Of the template: the surface of a ball of its volume over its own [Wadell 1935]; 1 of a ball. The rims of an open
-  /// one are closed for the volume only, so that it counts as rounder.
-  double sphericity() const {
-    const Mesh own{reference_.topology, reference_.points};
-    const double volume_mm3 = 1000 * std::abs(enclosed_volume_ml(own));
-    return std::cbrt(36 * std::numbers::pi * volume_mm3 * volume_mm3) / surface_area_mm2(own);
-  }
-
-  /// Of the template: 0 where a match finds features, 1 where it does not.
-  double roundness() const { return std::clamp((sphericity() - has_features) / (is_round - has_features), 0.0, 1.0); }
 
   Points template_placed() const {
     return nearest_similarity(reference_.points, shape_.mesh.points, shape_.placement).apply(reference_.points);
@@ -389,12 +374,12 @@ class Fitting {
     for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
       if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
     if (options_.partial) result.outliers = search_.missing(mesh);
-    const bool told = warped() || options_.allowed;
-    result.doubt_mm = fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? strain() : ways_.front().strain,
-                                   told ? 0 : roundness(), result.outliers);
     result.landmarks = carried_landmarks(reference_, mesh.points);
     result.landmarks_used = static_cast<std::size_t>((trust_.array() >= believable).count());
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
+    const bool told = result.landmarks_place || options_.allowed;
+    result.doubt_mm = fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? strain() : ways_.front().strain,
+                                   told ? 0 : roundness({reference_.topology, reference_.points}), result.outliers);
     result.warnings = std::move(landmark_warnings_);
     result.mesh = std::move(mesh);
     return result;

@@ -73,6 +73,7 @@ class Fitting {
       : reference_(the_template),
         boundary_(boundary),
         options_(options),
+        round_(roundness({the_template.topology, the_template.points})),
         search_(boundary, the_template.points.rows()),
         solver_(the_template.topology) {
     shape_.factors = the_template.stiffness / the_template.stiffness.mean();
@@ -135,33 +136,35 @@ class Fitting {
       shape_.mesh = {reference_.topology, placed};
       return show(0.1);
     }
+    landmarks_ = known_matches(placed, shape_.placement.apply(own), there, trust_);
     shape_.mesh = {reference_.topology,
-                   warp_to_boundary(reference_.topology, placed, shape_.placement.apply(own), there, trust_, search_)};
+                   warp_to_boundary(reference_.topology, placed, landmarks_, whole() ? round_ : 0, search_)};
     if (!shape_.mesh.points.allFinite() || !(shape_.placement.scale > 0))
       return fail("", "the template cannot be placed on the surface: one of them is flat or has no size; check both");
     found_ = shape_.placement;
     return show(0.1);
   }
 
+  /// Neither cut off by the scan nor lacking parts.
+  bool whole() const { return boundary_.scan_borders.empty() && !options_.partial; }
   bool warped() const { return trust_.size() >= fewest_placing_landmarks; }
 
-  /// The template as placed or, with landmarks, warped; then that matched with the boundary as a whole. Where the scan
-  /// cuts the organ off there is no whole to match with.
+  /// The template as placed or, with landmarks, warped; then that matched with the boundary where that shows the whole.
   std::vector<FitStart> starts() const {
     std::vector<FitStart> all{{shape_.mesh.points}};
-    if (!boundary_.scan_borders.empty() || options_.partial) return all;
-    KnownMatches known{Points(trust_.size(), 3), matched_landmarks(reference_, options_.landmarks).second, trust_};
+    if (!whole()) return all;
+    KnownMatches known = landmarks_;
     Eigen::Index row = 0;
     for (std::size_t k = 0; k < reference_.landmarks.size(); ++k)
       if (options_.landmarks.contains(reference_.landmarks[k].name))
         known.from.row(row++) = carried_landmark(reference_, k, shape_.mesh.points).transpose();
-    const CoherentMatch whole(reference_.points, shape_.mesh, boundary_.surface);
+    const CoherentMatch coherent(reference_.points, shape_.mesh, boundary_.surface);
     // A template without extent in some direction has no smooth displacement.
     const auto add = [&](Points points) {
       if (points.allFinite()) all.push_back({std::move(points), true});
     };
     for (const MatchFreedom& freedom : {loose_match, close_match}) {
-      CoherentMatch::Ways ways = whole.match(freedom, known);
+      CoherentMatch::Ways ways = coherent.match(freedom, known);
       if (warped()) {  // the landmarks have set the whole right, and what differs is averaged best at the end
         add(std::move(ways.forth));
         add(std::move(ways.back));
@@ -227,13 +230,12 @@ class Fitting {
       return Result<void>{};
     };
     // Of a round organ the plain fit varies least from case to case, and models of it generalise better.
-    const double round = roundness({reference_.topology, reference_.points});
-    if (ways_.size() == 1 || (round == 1 && !warped())) return keep_plain();
+    if (ways_.size() == 1 || (round_ == 1 && !warped())) return keep_plain();
     // Landmarks have told all ways where things belong. So on a round organ the plain fit counts like the others.
-    if (!average(warped() ? round : 0)) return keep_plain();
+    if (!average(warped() ? round_ : 0)) return keep_plain();
     own_reference_ = unplaced(shape_.mesh.points);
     if (auto done = settle(); !done || warped()) return done;
-    const double share = (1 - round) * believed(strain() / plain.strain);
+    const double share = (1 - round_) * believed(strain() / plain.strain);
     if (share == 1) return {};
     if (share == 0) return keep_plain();
     shape_.mesh.points = share * shape_.mesh.points + (1 - share) * plain.shape.mesh.points;
@@ -379,7 +381,7 @@ class Fitting {
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
     const bool told = result.landmarks_place || options_.allowed;
     result.doubt_mm = fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? strain() : ways_.front().strain,
-                                   told ? 0 : roundness({reference_.topology, reference_.points}), result.outliers);
+                                   told ? 0 : round_, result.outliers);
     result.warnings = std::move(landmark_warnings_);
     result.mesh = std::move(mesh);
     return result;
@@ -396,6 +398,7 @@ class Fitting {
   const Template& reference_;
   const Boundary& boundary_;
   const FitOptions& options_;
+  double round_;  ///< the organ, as its template tells: 0 … 1
   BoundarySearch search_;
   ShapeSolver solver_;
   Adapting shape_;             ///< its reference is `own_reference_`, eased while the mesh anneals
@@ -403,6 +406,7 @@ class Fitting {
   std::vector<Adapted> ways_;  ///< the plain fit first
   Similarity found_;           ///< where the organ is
   VertexScalars trust_;        ///< of each landmark that was given
+  KnownMatches landmarks_;     ///< those given, from the template under its similarity
   std::pair<std::size_t, std::size_t> part_of_progress_{0, 1};  ///< which of how many
   std::vector<std::string> landmark_warnings_;
 };

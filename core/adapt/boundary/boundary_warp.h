@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/adapt/boundary/boundary_search.h"
+#include "core/placement/known_matches.h"
 
 namespace homolog {
 
@@ -8,9 +9,10 @@ namespace homolog {
 /// [Lüthi 2018, §4.1: Gaussian-process regression] given where landmarks belong and, at a few hundred vertices, how far
 /// away the boundary is along its normal; across the normal nothing is known. Between the observations this is smoother
 /// than Eq. 3 alone, whose forces say nothing along the surface. As far as it turns no triangle over. Below three
-/// landmarks `placed` as it is: the boundary alone lets the whole slide along itself. `placed`: n×3, LPS mm; `from`,
-/// `to`: k×3 landmarks on it and where they belong; `trust`: of each, 0 … 1.
-Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed, const Points& from,
-                        const Points& to, const VertexScalars& trust, BoundarySearch& search);
+/// landmarks `placed` as it is: the boundary alone lets the whole slide along itself. The larger `roundness`
+/// (0 … 1), the larger and wider displacements may be: the nearest boundary is seldom that of another part then. Where
+/// the boundary lacks parts it should be 0, since a large displacement runs wild there. `placed`: n×3, LPS mm.
+Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed,
+                        const KnownMatches& landmarks, double roundness, BoundarySearch& search);
 
 }  // namespace homolog

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "core/mesh/mesh_quality.h"
-#include "core/placement/landmark_warp.h"
 
 namespace homolog {
 
@@ -50,8 +49,7 @@ SmoothDisplacement::Coefficients CoherentMatch::matching(const Sides& own, const
                                                          const SmoothDisplacement& displacement,
                                                          const MatchFreedom& freedom, const KnownMatches& known) const {
   const Eigen::MatrixXd at_known = displacement.basis(known.from).value;
-  const double noise_mm = warp_lengths(bounds_of(placed_).diagonal().norm()).noise_mm;
-  const VertexScalars sure = known.trust / (noise_mm * noise_mm);
+  const VertexScalars sure = known.noise_mm.cwiseAbs2().cwiseInverse();
   const Eigen::MatrixXd known_information = at_known.transpose() * sure.asDiagonal() * at_known,
                         known_pull = at_known.transpose() * (sure.asDiagonal() * (known.to - known.from));
   SmoothDisplacement::Coefficients found = SmoothDisplacement::Coefficients::Zero(displacement.nodes(), 3);
@@ -87,7 +85,7 @@ CoherentMatch::Ways CoherentMatch::match(const MatchFreedom& freedom, const Know
                                         {freedom.bend_share * radius_mm_, bend_length * radius_mm_,
                                          fine_share * radius_mm_, fine_length * radius_mm_, stretch_share});
   const auto to_surface = matching(own_, there_, displacement, freedom, known),
-             to_shape = matching(there_, own_, displacement, freedom, {known.to, known.from, known.trust});
+             to_shape = matching(there_, own_, displacement, freedom, {known.to, known.from, known.noise_mm});
   const Points forth = placed_ + displacement.at(placed_, to_surface);
   // Where the displacement is not steep, each round comes nearer to what `to_shape` takes to the placed shape.
   Points back = forth;

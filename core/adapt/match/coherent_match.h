@@ -5,6 +5,7 @@
 #include "core/adapt/match/smooth_displacement.h"
 #include "core/adapt/match/surface_samples.h"
 #include "core/mesh/topology.h"
+#include "core/placement/known_matches.h"
 
 namespace homolog {
 
@@ -16,13 +17,6 @@ struct MatchFreedom {
 };
 inline constexpr MatchFreedom loose_match{.bend_share = 0.3, .together = 1, .facing = 2},
     close_match{.bend_share = 0.2, .together = 10, .facing = 4};
-
-/// Places that correspond: where a placed shape has them and where they belong, k×3 each, LPS mm, row by row. `trust`:
-/// of each, 0 … 1.
-struct KnownMatches {
-  Points from, to;
-  VertexScalars trust;
-};
 
 /// Matches a placed shape with a surface as a whole, by probabilities. Each sample of one may belong to any of the
 /// other: the likelier the nearer it lies and the more its normal looks the same way. This holds in both directions,

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "core/placement/known_matches.h"
 #include "core/placement/landmark_warp.h"
 #include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
@@ -143,4 +144,32 @@ TEST_CASE("four near-coplanar landmarks with some error do not stretch space") {
       CHECK(stretch < 1.15);
     }
   }
+}
+
+TEST_CASE("landmarks that contradict each other are believed less") {
+  // A smooth bend of a ball of 100 mm is what organs do. Jumps between neighbours are noise.
+  const Points placed = icosphere(2, 50).points;
+  const Points from = placed(Eigen::seqN(0, 24, placed.rows() / 24), Eigen::all);
+  Points bent = from;
+  bent.col(0) += (4 * (from.col(2) / 40).array().sin()).matrix();
+  const VertexScalars trusted = VertexScalars::Ones(24);
+  const double clicked_mm = warp_lengths(bounds_of(placed).diagonal().norm()).noise_mm;
+  const auto noise_mm = [&](const Points& to) { return known_matches(placed, from, to, trusted).noise_mm; };
+  CHECK(noise_mm(bent) == clicked_mm * trusted);
+  double before_mm = clicked_mm;
+  for (const double off_mm : {2.5, 5.0}) {
+    Points to = bent;
+    for (Eigen::Index i = 0; i < to.rows(); ++i)
+      for (int axis = 0; axis < 3; ++axis) to(i, axis) += off_mm * std::sin(7 * i + 40 * axis) * std::sqrt(2);
+    const double found_mm = noise_mm(to)[0];
+    CHECK(found_mm > before_mm);
+    CHECK(found_mm > off_mm / 2);
+    CHECK(found_mm < off_mm * 2);
+    before_mm = found_mm;
+  }
+  VertexScalars one_doubted = trusted;
+  one_doubted[3] = 0;
+  const KnownMatches known = known_matches(placed, from, bent, one_doubted);
+  CHECK(known.noise_mm[3] > 100 * known.noise_mm[2]);
+  CHECK(known_matches(placed, Points(0, 3), Points(0, 3), VertexScalars(0)).noise_mm.size() == 0);
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/placement/landmark_warp.h"
+#include "core/placement/likely_similarity.h"
 
 namespace homolog {
 
@@ -30,7 +31,7 @@ KnownMatches known_matches(const Points& placed, const Points& from, const Point
   WarpLengths lengths = warp_lengths(diagonal_mm);
   lengths.reach_mm = differing_reach * diagonal_mm;
   const VertexScalars clicked_mm = lengths.noise_mm * trust.cwiseMax(least_trust).cwiseSqrt().cwiseInverse();
-  if (from.rows() == 0) return {from, to, clicked_mm};
+  if (from.rows() < fewest_placing_landmarks) return {from, to, clicked_mm};
   const Eigen::MatrixXd differing = WarpKernel(placed.colwise().mean(), lengths)(from, from);
   double likeliest = -std::numeric_limits<double>::infinity(), times_likeliest = 1;
   for (int k = 0; k < noises; ++k) {

@@ -12,8 +12,9 @@ struct KnownMatches {
 
 /// Landmarks with the noise under which the displacements from `from` to `to` are likeliest, if organs differ from
 /// their template as WarpKernel says [Rasmussen and Williams 2006, §5.4.1: marginal likelihood]; at least that of a
-/// person who clicks with care. Landmarks that contradict each other count less. `placed`: the template under its
-/// similarity, n×3, LPS mm; `from`, `to`: k×3; `trust`: of each, 0 … 1; one that is hardly trusted is noise.
+/// person who clicks with care, and that where they are one or two. Landmarks that contradict each other count less.
+/// `placed`: the template under its similarity, n×3, LPS mm; `from`, `to`: k×3; `trust`: of each, 0 … 1; one that is
+/// hardly trusted is noise.
 KnownMatches known_matches(const Points& placed, const Points& from, const Points& to, const VertexScalars& trust);
 
 }  // namespace homolog

@@ -171,5 +171,11 @@ TEST_CASE("landmarks that contradict each other are believed less") {
   one_doubted[3] = 0;
   const KnownMatches known = known_matches(placed, from, bent, one_doubted);
   CHECK(known.noise_mm[3] > 100 * known.noise_mm[2]);
+  // One or two cannot contradict each other, however far off they are.
+  for (const Eigen::Index few : {1, 2}) {
+    const Points there = from.topRows(few).array() + 40;
+    CHECK(known_matches(placed, from.topRows(few), there, trusted.head(few)).noise_mm ==
+          clicked_mm * trusted.head(few));
+  }
   CHECK(known_matches(placed, Points(0, 3), Points(0, 3), VertexScalars(0)).noise_mm.size() == 0);
 }

@@ -10,17 +10,16 @@ namespace homolog {
 
 namespace {
 
-/// As shares of the root of the surface's area: at least, times the root of the strain, and where nothing tells.
-constexpr double least_doubt = 0.012, doubt_by_strain = 0.12, doubt_if_round = 0.015;
+/// As shares of the root of the surface's area: at least, times the strain share, and where nothing tells. What a match
+/// follows is of the first order; the rest grows with the square of the strain, as the share does.
+constexpr double least_doubt = 0.004, doubt_by_strain = 0.6, doubt_if_round = 0.024;
 
 }  // namespace
 
 VertexScalars fit_doubt_mm(const Mesh& mesh, const VertexScalars& spread_mm2, double strain, double roundness,
                            const std::vector<std::int32_t>& outliers) {
-  const double if_round = doubt_if_round * roundness,
-               everywhere =
-                   least_doubt * least_doubt + doubt_by_strain * doubt_by_strain * strain + if_round * if_round;
-  VertexScalars doubt_mm2 = spread_mm2.array() + everywhere * surface_area_mm2(mesh);
+  const Eigen::Array3d everywhere{least_doubt, doubt_by_strain * strain, doubt_if_round * roundness};
+  VertexScalars doubt_mm2 = spread_mm2.array() + everywhere.square().sum() * surface_area_mm2(mesh);
   std::vector<char> lacking(index(mesh.points.rows()), 0);
   for (const std::int32_t i : outliers) lacking[index(i)] = 1;
   for (const std::int32_t i : outliers) {

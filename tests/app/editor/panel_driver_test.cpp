@@ -136,7 +136,7 @@ TEST_CASE("the doubt of a fit is an overlay with a legend and a figure") {
   const Document& document = driver.document();
   REQUIRE(document.shape().doubt_mm);
   const auto colours = mesh_colours(document, Colouring::doubt, {}, 1);
-  CHECK(colouring_legend(document, Colouring::doubt).high == "2 mm");
+  CHECK(colouring_legend(document, Colouring::doubt).high == "5 mm");
   CHECK(std::any_of(colours.begin(), colours.end(), [&](const Rgb& one) { return one != colours.front(); }));
 }
 

@@ -28,7 +28,8 @@ namespace homolog {
 namespace {
 
 constexpr Annealing from_placement{.steps = 16, .softest_edges = 1},
-    from_match{.steps = 10, .softest_edges = 1, .stiffest_share = 0.05};
+    from_match{.steps = 10, .softest_edges = 1, .stiffest_share = 0.05},
+    of_parts{.steps = 16, .softest_edges = 2};  ///< a softer shape shrinks into what is there
 /// Times the strain of the plain fit: a match counts in full up to the first, and from the second on it is wrong.
 constexpr double full_strain_ratio = 1.6, most_strain_ratio = 2;
 constexpr double less_strain_counts = 12;  ///< the power of the strain by which matches are averaged
@@ -286,7 +287,8 @@ class Fitting {
     own_reference_ = start.matched || warped() ? unplaced(start.points) : reference_.points;
     if (auto done = ease(); !done) return fail(done.error());
     shape_.refit();
-    if (auto done = anneal_to_boundary(start.matched ? from_match : from_placement); !done) return fail(done.error());
+    const Annealing& annealing = options_.partial ? of_parts : start.matched ? from_match : from_placement;
+    if (auto done = anneal_to_boundary(annealing); !done) return fail(done.error());
     if (auto done = settle(); !done) return fail(done.error());
     const BoundaryPull left = search_.pull(shape_.mesh);
     const auto away_mm2 = (left.targets - shape_.mesh.points).rowwise().squaredNorm();

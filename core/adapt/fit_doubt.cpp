@@ -13,13 +13,16 @@ namespace {
 /// As shares of the root of the surface's area: at least, times the strain share, and where nothing tells. What a match
 /// follows is of the first order; the rest grows with the square of the strain, as the share does.
 constexpr double least_doubt = 0.004, doubt_by_strain = 0.6, doubt_if_round = 0.024;
+/// The same share: what is missing counts as so much farther from what is there, since how much is missing is a guess.
+constexpr double farther_if_missing = 0.15;
 
 }  // namespace
 
 VertexScalars fit_doubt_mm(const Mesh& mesh, const VertexScalars& spread_mm2, double strain, double roundness,
                            const std::vector<std::int32_t>& outliers) {
   const Eigen::Array3d everywhere{least_doubt, doubt_by_strain * strain, doubt_if_round * roundness};
-  VertexScalars doubt_mm2 = spread_mm2.array() + everywhere.square().sum() * surface_area_mm2(mesh);
+  const double area_mm2 = surface_area_mm2(mesh), farther_mm = farther_if_missing * std::sqrt(area_mm2);
+  VertexScalars doubt_mm2 = spread_mm2.array() + everywhere.square().sum() * area_mm2;
   std::vector<char> lacking(index(mesh.points.rows()), 0);
   for (const std::int32_t i : outliers) lacking[index(i)] = 1;
   for (const std::int32_t i : outliers) {
@@ -27,7 +30,7 @@ VertexScalars fit_doubt_mm(const Mesh& mesh, const VertexScalars& spread_mm2, do
     for (Eigen::Index j = 0; j < mesh.points.rows(); ++j)
       if (lacking[index(j)] == 0)
         nearest_mm2 = std::min(nearest_mm2, (mesh.points.row(i) - mesh.points.row(j)).squaredNorm());
-    if (std::isfinite(nearest_mm2)) doubt_mm2[i] += strain * nearest_mm2;
+    if (std::isfinite(nearest_mm2)) doubt_mm2[i] += strain * std::pow(std::sqrt(nearest_mm2) + farther_mm, 2);
   }
   return doubt_mm2.cwiseSqrt();
 }

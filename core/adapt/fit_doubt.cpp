@@ -10,10 +10,10 @@ namespace homolog {
 
 namespace {
 
-/// As shares of the root of the surface's area: at least, times the strain share, and where nothing tells. What a match
-/// follows is of the first order; the rest grows with the square of the strain, as the share does.
+/// As shares of the root of the surface's area: at least, times the strain share, and where nothing tells. A match
+/// follows small differences of shape. What it misses grows with the square of the strain, as the share does.
 constexpr double least_doubt = 0.004, doubt_by_strain = 0.6, doubt_if_round = 0.024;
-/// The same share: what is missing counts as so much farther from what is there, since how much is missing is a guess.
+/// A share of the same root: what is missing counts as this much farther away, since how much is missing is a guess.
 constexpr double farther_if_missing = 0.15;
 
 }  // namespace

@@ -6,11 +6,13 @@
 #include "core/adapt/judge_fit.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/isosurface.h"
+#include "core/mesh/label_map.h"
 #include "core/mesh/surface_search.h"
 #include "core/model/model_prior.h"
 #include "core/model/procrustes.h"
 #include "core/model/shape_model.h"
 #include "core/phantom/phantom.h"
+#include "tests/adapting.h"
 
 // Fits to organs of which parts are missing.
 
@@ -26,13 +28,16 @@ const std::shared_ptr<const Template>& kidney() {
 /// A phantom kidney without the part where `along · p` is largest.
 struct CutKidney {
   Points truth;
+  Vec3 along;
+  double limit;
   std::vector<char> missing;  ///< of each true vertex
 
-  CutKidney(int subject, const Vec3& along, double share) : truth(phantom_truth(Organ::kidney, subject)[0].points) {
+  CutKidney(int subject, const Vec3& direction, double share)
+      : truth(phantom_truth(Organ::kidney, subject)[0].points), along(direction) {
     const Eigen::VectorXd height = truth * along;
     std::vector<double> sorted(height.begin(), height.end());
     std::sort(sorted.begin(), sorted.end());
-    const double limit = sorted[static_cast<std::size_t>((1 - share) * static_cast<double>(sorted.size() - 1))];
+    limit = sorted[static_cast<std::size_t>((1 - share) * static_cast<double>(sorted.size() - 1))];
     for (const double h : height) missing.push_back(h > limit ? 1 : 0);
   }
 
@@ -49,6 +54,19 @@ struct CutKidney {
         left.triangles.row(count++) = all.row(f);
     left.triangles.conservativeResize(count, 3);
     return surface_boundary(left, kidney()->points.rows()).value();
+  }
+
+  /// Its label map, where the cut is a flat face.
+  Boundary labelled() const {
+    Volume labels = label_map({kidney()->topology, truth}, grid_around(truth, 1.5));
+    auto& voxels = std::get<std::vector<std::uint8_t>>(labels.data);
+    const auto [columns, rows, slices] = labels.geometry.dims;
+    std::size_t voxel = 0;
+    for (int k = 0; k < slices; ++k)
+      for (int j = 0; j < rows; ++j)
+        for (int i = 0; i < columns; ++i, ++voxel)
+          if (labels.geometry.to_mm(Vec3(i, j, k)).dot(along) > limit) voxels[voxel] = 0;
+    return label_boundary(labels, 1, 0, std::nullopt, kidney()->points.rows()).value();
   }
 
   /// F1 of the vertices that a fit calls missing.
@@ -93,6 +111,11 @@ TEST_CASE("an end that is gone is found although the template is placed too smal
   const double there_mm = (fit.doubt_mm.sum() - fit.doubt_mm.dot(gone)) / (1 - gone.array()).sum();
   CHECK(gone_mm > 1.2 * there_mm);
   CHECK(fit.doubt_mm.minCoeff() > 0);
+}
+
+TEST_CASE("the shape does not shrink into what a label map has left of an organ") {
+  const CutKidney cut(6, Vec3(-0.131, -0.061, -0.989).normalized(), 0.1);
+  CHECK(cut.f1(partial_fit(cut.labelled())) > 0.8);
 }
 
 TEST_CASE("a partial fit with a model finds what is missing and stays with the model where it is told to") {

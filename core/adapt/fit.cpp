@@ -12,6 +12,7 @@
 #include "core/adapt/boundary/partial_placements.h"
 #include "core/adapt/fit_doubt.h"
 #include "core/adapt/match/coherent_match.h"
+#include "core/adapt/match/facing_search.h"
 #include "core/adapt/roundness.h"
 #include "core/adapt/untangle.h"
 #include "core/base/index.h"
@@ -65,7 +66,7 @@ Boundary with_cuts_marked(const Template& the_template, const Boundary& boundary
 struct Adapted {
   Adapting shape;
   double strain;     ///< see strain_share: of the template under its nearest similarity
-  double force_mm2;  ///< E_force a vertex [Erdt 2009, Eq. 2]
+  double force_mm2;  ///< see Fitting::force_mm2
 };
 
 class Fitting {
@@ -235,14 +236,41 @@ class Fitting {
     // Landmarks have told all ways where things belong. So on a round organ the plain fit counts like the others.
     if (!average(warped() ? round_ : 0)) return keep_plain();
     own_reference_ = unplaced(shape_.mesh.points);
-    if (auto done = settle(); !done || warped()) return done;
+    if (auto done = settle(); !done) return done;
+    if (warped()) return slide_to_facing();
     const double share = (1 - round_) * believed(strain() / plain.strain);
-    if (share == 1) return {};
     if (share == 0) return keep_plain();
-    shape_.mesh.points = share * shape_.mesh.points + (1 - share) * plain.shape.mesh.points;
-    shape_.refit();
+    if (share < 1) {
+      shape_.mesh.points = share * shape_.mesh.points + (1 - share) * plain.shape.mesh.points;
+      shape_.refit();
+      own_reference_ = unplaced(shape_.mesh.points);
+      if (auto done = settle(); !done) return done;
+    }
+    return slide_to_facing();
+  }
+
+  /// Slides vertices along the boundary to where it faces as the template does. Undone where that leads off the
+  /// boundary.
+  Result<void> slide_to_facing() {
+    if (round_ == 1) return {};  // much of a round organ faces about the same way, and cases would vary more
+    const Adapting before = shape_;
+    const double edge_mm = mean_edge_mm(*reference_.topology, shape_.mesh.points),
+                 diagonal_mm = bounds_of(shape_.mesh.points).diagonal().norm(),
+                 most_off_mm = std::sqrt(force_mm2()) + stays_off_edges * edge_mm;
+    const FacingSearch facing(boundary_.surface, reference_.points.rows());
+    const auto forces = [&](const Mesh& mesh, double) {
+      BoundaryPull pull = facing.pull({reference_.topology, template_placed()}, mesh);
+      pull.weights *= 1 - round_;
+      return with_landmarks(std::move(pull), mesh);
+    };
+    const Annealing equally_stiff{.steps = 2,
+                                  .softest_edges = facing.stiffness_mm() / edge_mm,
+                                  .stiffest_share = facing.stiffness_mm() / diagonal_mm};
+    if (auto done = anneal(shape_, solver_, equally_stiff, forces); !done) return done;
     own_reference_ = unplaced(shape_.mesh.points);
-    return settle();
+    if (auto done = settle(); !done) return done;
+    if (std::sqrt(force_mm2()) > most_off_mm) shape_ = before;
+    return {};
   }
 
   /// Of a match, by its strain over that of the plain fit: 0 wrong … 1.
@@ -290,9 +318,14 @@ class Fitting {
     const Annealing& annealing = options_.partial ? of_parts : start.matched ? from_match : from_placement;
     if (auto done = anneal_to_boundary(annealing); !done) return fail(done.error());
     if (auto done = settle(); !done) return fail(done.error());
+    return Adapted{shape_, strain(), force_mm2()};
+  }
+
+  /// What is left of the boundary's pull: E_force a vertex [Erdt 2009, Eq. 2].
+  double force_mm2() {
     const BoundaryPull left = search_.pull(shape_.mesh);
     const auto away_mm2 = (left.targets - shape_.mesh.points).rowwise().squaredNorm();
-    return Adapted{shape_, strain(), left.weights.dot(away_mm2) / static_cast<double>(reference_.points.rows())};
+    return left.weights.dot(away_mm2) / static_cast<double>(reference_.points.rows());
   }
 
   /// A shape where the template lies before it is placed.
@@ -330,7 +363,10 @@ class Fitting {
   /// The pull of the boundary, in both directions, and that of the landmarks.
   Force force(const Mesh& mesh, double share) {
     if (options_.partial) search_.set_reach_mm(reach_mm(share));
-    BoundaryPull pull = search_.pull(mesh);
+    return with_landmarks(search_.pull(mesh), mesh);
+  }
+
+  Force with_landmarks(BoundaryPull pull, const Mesh& mesh) const {
     pull_landmarks(reference_, options_.landmarks, trust_, mesh, pull);
     const VertexScalars weights = pull.weights.cwiseMax(least_weight) / least_weight;
     return {weights, weights.asDiagonal() * pull.targets};

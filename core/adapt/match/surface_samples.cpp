@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/parallel.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {
@@ -16,17 +17,22 @@ using Rows6f = Eigen::Matrix<float, Eigen::Dynamic, 6>;
 
 constexpr Index most_candidates = 40000;  ///< of the vertices that are spread
 constexpr double unmatched = 0.01;        ///< of what a full match weighs: belonging to none
+constexpr double unlocated = 0.0001;      ///< the same of a place that is located for itself
 constexpr float least_exponent = -16;     ///< smaller probabilities are lost in the sums
 
 /// Half the width within which a probability is not lost, in units of the distance that counts as near.
-const float reach = std::sqrt(-2 * least_exponent);
+const float widest_reach = std::sqrt(-2 * least_exponent);
+/// The same where only what lies around counts.
+constexpr float smoothing_reach = 3, locating_reach = 2;
+/// Of the square of the distance that counts as near: no place is located finer.
+constexpr float finest_variance = 0.01F;
 
 struct Rows {
   Index first, count;
 };
 
 /// The rows whose value lies within `reach` of `middle`. `values` ascend.
-Rows rows_within(const Eigen::Ref<const Eigen::VectorXf>& values, float middle) {
+Rows rows_within(const Eigen::Ref<const Eigen::VectorXf>& values, float middle, float reach = widest_reach) {
   const auto from = std::lower_bound(values.begin(), values.end(), middle - reach);
   const auto to = std::upper_bound(from, values.end(), middle + reach);
   return {from - values.begin(), to - from};
@@ -42,6 +48,15 @@ Eigen::VectorXf area_shares(const Eigen::MatrixX3f& places, Index along) {
     shares[i] = 1 / (away.rowwise().squaredNorm().array() / -2).max(least_exponent).exp().sum();
   }
   return shares / shares.sum();
+}
+
+/// Places from `centre` and normals as rows: the exponent of a pair's probability is minus half their squared distance.
+Rows6f joint_rows(const Points& places, const Points& normals, const Eigen::RowVector3d& centre, double near_mm,
+                  double facing) {
+  Rows6f rows(places.rows(), 6);
+  rows.leftCols<3>() = ((places.rowwise() - centre) / near_mm).cast<float>();
+  rows.rightCols<3>() = (facing * normals).cast<float>();
+  return rows;
 }
 
 }  // namespace
@@ -73,25 +88,70 @@ SurfaceSamples samples_of(const Mesh& mesh, const Points& normals, std::vector<I
   Index along = 0;
   bounds_of(mesh.points).sizes().maxCoeff(&along);
   std::ranges::stable_sort(vertices, {}, [&](Index v) { return mesh.points(v, along); });
-  SurfaceSamples samples{mesh.points(vertices, Eigen::all), normals(vertices, Eigen::all), {}, along};
+  SurfaceSamples samples{mesh.points(vertices, Eigen::all), normals(vertices, Eigen::all), {}, along, {}};
   const double area_mm2 = surface_area_mm2(mesh);
   const double spacing_mm = std::sqrt(area_mm2 / static_cast<double>(vertices.size()));
   const Eigen::RowVector3d centre = samples.points.colwise().mean();
   const Eigen::MatrixX3f places = ((samples.points.rowwise() - centre) / spacing_mm).cast<float>();
   samples.area_mm2 = static_cast<float>(area_mm2) * area_shares(places, along);
+  samples.vertices = std::move(vertices);
   return samples;
+}
+
+Points smooth_normals(const SurfaceSamples& samples, double size_mm) {
+  const Eigen::RowVector3d centre = samples.points.colwise().mean();
+  const Eigen::MatrixX3f places = ((samples.points.rowwise() - centre) / size_mm).cast<float>(),
+                         normals = samples.normals.cast<float>();
+  Points smooth = samples.normals;
+  in_parallel(places.rows(), [&](Index from, Index to) {
+    for (Index i = from; i < to; ++i) {
+      const auto [first, count] = rows_within(places.col(samples.along), places(i, samples.along), smoothing_reach);
+      const auto around = normals.middleRows(first, count);
+      const Eigen::ArrayXf apart2 = (places.middleRows(first, count).rowwise() - places.row(i)).rowwise().squaredNorm();
+      const Eigen::ArrayXf same_side = (around * normals.row(i).transpose()).array().max(0);
+      const Eigen::ArrayXf close = same_side * (apart2 / -2).max(least_exponent).exp();
+      const Eigen::RowVector3f sum =
+          close.matrix().cwiseProduct(samples.area_mm2.segment(first, count)).transpose() * around;
+      if (sum.norm() > 0) smooth.row(i) = sum.cast<double>().normalized();
+    }
+  });
+  return smooth;
+}
+
+LocatedSamples located(const Points& places, const Points& normals, const SurfaceSamples& there, double near_mm,
+                       double facing) {
+  const Eigen::RowVector3d centre = there.points.colwise().mean();
+  const Rows6f a = joint_rows(places, normals, centre, near_mm, facing),
+               b = joint_rows(there.points, there.normals, centre, near_mm, facing);
+  const auto none = static_cast<float>(unlocated * 2 * std::numbers::pi * near_mm * near_mm);
+  LocatedSamples found{places, VertexScalars::Zero(places.rows())};
+  in_parallel(places.rows(), [&](Index from, Index to) {
+    for (Index i = from; i < to; ++i) {
+      const auto [first, count] = rows_within(b.col(there.along), a(i, there.along), locating_reach);
+      const Eigen::MatrixX3f away = b.block(first, 0, count, 3).rowwise() - a.block<1, 3>(i, 0);
+      const Eigen::ArrayXf away2 = away.rowwise().squaredNorm(),
+                           apart2 = (b.middleRows(first, count).rowwise() - a.row(i)).rowwise().squaredNorm();
+      const Eigen::ArrayXf within = (1 - away2 / (locating_reach * locating_reach)).max(0);
+      const Eigen::VectorXf likely =
+          within * (apart2 / -2).max(least_exponent).exp() * there.area_mm2.segment(first, count).array();
+      // What lies nowhere stays, and is as little known as before.
+      const float all = likely.sum() + none;
+      const Eigen::RowVector3f mean = likely.transpose() * away / all;
+      const float mean_square = (likely.dot(away2.matrix()) + 2 * none) / all;
+      const float variance = (mean_square - mean.squaredNorm()) / 2 + finest_variance, known = 1 / variance - 1;
+      if (!(known > 0)) continue;
+      found.known[i] = known;
+      // Without the first guess, which holds the place where it is.
+      found.targets.row(i) += near_mm / (1 - variance) * mean.cast<double>();
+    }
+  });
+  return found;
 }
 
 DrawnSamples drawn(const SurfaceSamples& own, const SurfaceSamples& there, double near_mm, double facing) {
   const Eigen::RowVector3d centre = there.points.colwise().mean();
-  // The exponent of each pair is minus half the squared distance between rows of place and normal.
-  const auto joint = [&](const SurfaceSamples& samples) {
-    Rows6f rows(samples.points.rows(), 6);
-    rows.leftCols<3>() = ((samples.points.rowwise() - centre) / near_mm).cast<float>();
-    rows.rightCols<3>() = (facing * samples.normals).cast<float>();
-    return rows;
-  };
-  const Rows6f a = joint(own), b = joint(there);
+  const Rows6f a = joint_rows(own.points, own.normals, centre, near_mm, facing),
+               b = joint_rows(there.points, there.normals, centre, near_mm, facing);
   const Eigen::VectorXf a2 = a.rowwise().squaredNorm() / 2, b2 = b.rowwise().squaredNorm() / 2;
   const auto near_ones = [&](Index i) { return rows_within(b.col(there.along), a(i, there.along)); };
 

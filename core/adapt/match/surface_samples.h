@@ -11,7 +11,8 @@ namespace homolog {
 struct SurfaceSamples {
   Points points, normals;  ///< k×3, LPS mm; unit normals, outward
   Eigen::VectorXf area_mm2;
-  Eigen::Index along = 0;  ///< the axis, 0 … 2
+  Eigen::Index along = 0;              ///< the axis, 0 … 2
+  std::vector<Eigen::Index> vertices;  ///< k: those of the mesh, in this order
 };
 
 /// These vertices of `mesh` as samples, sorted along the longest side of its box. `normals`: n×3, of all its vertices.
@@ -24,6 +25,10 @@ std::vector<Eigen::Index> spread_vertices(const Points& points, Eigen::Index cou
 /// At most `count` vertices at equal steps of the numbering, and more than half as many where there are so many.
 std::vector<Eigen::Index> stepped_vertices(Eigen::Index vertices, Eigen::Index count);
 
+/// The normals (k×3, unit) without detail finer than about `size_mm`: each is the mean around its place, of what does
+/// not face away from it.
+Points smooth_normals(const SurfaceSamples& samples, double size_mm);
+
 /// Where samples are drawn to (k×3, mm), and how much each is believed (area of both directions, mm²).
 struct DrawnSamples {
   Points targets;
@@ -33,5 +38,16 @@ struct DrawnSamples {
 /// Each sample of `own` may be any of `there`, and each of `there` any of `own`, or none. The nearer they lie in terms
 /// of `near_mm`, and the less their normals differ in terms of 1/`facing`, the likelier.
 DrawnSamples drawn(const SurfaceSamples& own, const SurfaceSamples& there, double near_mm, double facing);
+
+/// Where places of a shape lie on a surface, as far as their normals tell.
+struct LocatedSamples {
+  Points targets;       ///< k×3, mm
+  VertexScalars known;  ///< 1: nothing, as in a plane, where a place stays; 10: to a third of what counts as near
+};
+
+/// Each of `places` (k×3, mm) lies about `near_mm` from where it belongs on `there`, which faces as `normals` (k×3,
+/// unit) does. The less normals differ in terms of 1/`facing`, the likelier. Each place is located for itself.
+LocatedSamples located(const Points& places, const Points& normals, const SurfaceSamples& there, double near_mm,
+                       double facing);
 
 }  // namespace homolog

@@ -21,7 +21,7 @@ constexpr double unlocated = 0.0001;      ///< the same of a place that is locat
 constexpr float least_exponent = -16;     ///< smaller probabilities are lost in the sums
 
 /// Half the width within which a probability is not lost, in units of the distance that counts as near.
-const float widest_reach = std::sqrt(-2 * least_exponent);
+const float full_reach = std::sqrt(-2 * least_exponent);
 /// The same where only what lies around counts.
 constexpr float smoothing_reach = 3, locating_reach = 2;
 /// Of the square of the distance that counts as near: no place is located finer.
@@ -32,7 +32,7 @@ struct Rows {
 };
 
 /// The rows whose value lies within `reach` of `middle`. `values` ascend.
-Rows rows_within(const Eigen::Ref<const Eigen::VectorXf>& values, float middle, float reach = widest_reach) {
+Rows rows_within(const Eigen::Ref<const Eigen::VectorXf>& values, float middle, float reach = full_reach) {
   const auto from = std::lower_bound(values.begin(), values.end(), middle - reach);
   const auto to = std::upper_bound(from, values.end(), middle + reach);
   return {from - values.begin(), to - from};

@@ -249,8 +249,8 @@ class Fitting {
     return slide_to_facing();
   }
 
-  /// Slides vertices along the boundary to where it faces as the template does. Undone where that leads off the
-  /// boundary.
+  /// Slides vertices along the boundary to where it faces as the template does. All of it is undone where the mesh
+  /// ends farther off the boundary.
   Result<void> slide_to_facing() {
     if (round_ == 1) return {};  // much of a round organ faces about the same way, and cases would vary more
     const Adapting before = shape_;
@@ -269,7 +269,7 @@ class Fitting {
     if (auto done = anneal(shape_, solver_, equally_stiff, forces); !done) return done;
     own_reference_ = unplaced(shape_.mesh.points);
     if (auto done = settle(); !done) return done;
-    if (std::sqrt(force_mm2()) > most_off_mm) shape_ = before;
+    if (!(std::sqrt(force_mm2()) <= most_off_mm)) shape_ = before;
     return {};
   }
 

@@ -13,7 +13,7 @@ class FacingSearch {
   /// `surface`: LPS mm, outward oriented; `vertices`: of the meshes to come, which decides the number of samples.
   FacingSearch(const Mesh& surface, Eigen::Index vertices);
 
-  /// Where the vertices of `mesh`, which lies on the surface, are drawn to. `placed`: the template under its
+  /// Where the vertices of `mesh`, which lies on the surface or near it, are drawn to. `placed`: the template under its
   /// similarity, of the same topology; both LPS mm. The surer a direction tells a place, the larger the weight: about
   /// 0.3 in a plane, where a vertex stays, up to 10 on a sharp edge.
   BoundaryPull pull(const Mesh& placed, const Mesh& mesh) const;
@@ -23,6 +23,7 @@ class FacingSearch {
 
  private:
   double size_mm_;  ///< root of the surface's area
+  double near_mm_;  ///< how far a place may be off
   SurfaceSamples there_;
 };
 

@@ -26,6 +26,7 @@ const float full_reach = std::sqrt(-2 * least_exponent);
 constexpr float smoothing_reach = 3, locating_reach = 2;
 /// Of the square of the distance that counts as near: no place is located finer.
 constexpr float finest_variance = 0.01F;
+constexpr float least_known = 0.2F;  ///< below, several places are as likely or none is
 
 struct Rows {
   Index first, count;
@@ -134,15 +135,16 @@ LocatedSamples located(const Points& places, const Points& normals, const Surfac
       const Eigen::ArrayXf within = (1 - away2 / (locating_reach * locating_reach)).max(0);
       const Eigen::VectorXf likely =
           within * (apart2 / -2).max(least_exponent).exp() * there.area_mm2.segment(first, count).array();
-      // What lies nowhere stays, and is as little known as before.
+      // What lies nowhere stays.
       const float all = likely.sum() + none;
       const Eigen::RowVector3f mean = likely.transpose() * away / all;
       const float mean_square = (likely.dot(away2.matrix()) + 2 * none) / all;
       const float variance = (mean_square - mean.squaredNorm()) / 2 + finest_variance, known = 1 / variance - 1;
-      if (!(known > 0)) continue;
+      if (!(known > least_known)) continue;
       found.known[i] = known;
-      // Without the first guess, which holds the place where it is.
-      found.targets.row(i) += near_mm / (1 - variance) * mean.cast<double>();
+      // What the normals tell without the first guess, which holds the place where it is.
+      const float farther = std::min(1 / (1 - variance), locating_reach / std::max(mean.norm(), 1e-6F));
+      found.targets.row(i) += near_mm * farther * mean.cast<double>();
     }
   });
   return found;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <map>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "core/mesh/icosphere.h"
+#include "core/mesh/surface_search.h"
 #include "core/mesh/topology.h"
 
 /// Small shapes with known properties, made in code, for every test.
@@ -83,6 +85,41 @@ inline Mesh open_cylinder(int rings, int sectors, double radius_mm = 1, double h
     }
   }
   return make_mesh(points, faces);
+}
+
+constexpr double ridge_mm = 35;  ///< along z
+
+/// A long organ with a ridge around its shaft: an ellipsoid of 20 × 20 × 60 mm half axes, turned by `turn_rad` around
+/// x, the more so the farther up.
+inline Mesh shaft_with_ridge(double turn_rad, int subdivisions = 5) {
+  Mesh shaft = icosphere(subdivisions, 20);
+  for (auto p : shaft.points.rowwise()) {
+    p.z() *= 3;
+    const double from_ridge_mm = p.z() - ridge_mm;
+    p.leftCols<2>() *= 1 + 0.3 * std::exp(-from_ridge_mm * from_ridge_mm / (2 * 5 * 5));
+    const double turn = turn_rad * (p.z() + 60) / 120;
+    p = (Eigen::AngleAxisd(turn, Vec3::UnitX()) * p.transpose()).transpose().eval();
+  }
+  return shaft;
+}
+
+/// How far apart two n×3 lie near the ridge of the `upright` shaft: root mean square, mm.
+inline double apart_at_ridge_mm(const Mesh& upright, const Points& a, const Points& b) {
+  double sum_mm2 = 0, count = 0;
+  for (Eigen::Index i = 0; i < a.rows(); ++i) {
+    if (std::abs(upright.points(i, 2) - ridge_mm) > 8) continue;
+    sum_mm2 += (a.row(i) - b.row(i)).squaredNorm();
+    ++count;
+  }
+  return std::sqrt(sum_mm2 / count);
+}
+
+/// The vertices of a mesh shifted, and back onto its surface where that is nearest.
+inline Points slid_along(const Mesh& mesh, const Vec3& shift_mm) {
+  Points slid = mesh.points.rowwise() + shift_mm.transpose();
+  const SurfaceSearch search(mesh);
+  for (Eigen::Index i = 0; i < slid.rows(); ++i) slid.row(i) = search.nearest(slid.row(i).transpose()).position;
+  return slid;
 }
 
 }  // namespace homolog::shapes

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/adapt/annealing.h"
+#include "core/adapt/adaptation.h"
 #include "core/adapt/boundary/boundary_search.h"
 #include "core/adapt/boundary/boundary_warp.h"
 #include "core/adapt/boundary/cut_faces.h"
@@ -12,14 +12,9 @@
 #include "core/adapt/boundary/partial_placements.h"
 #include "core/adapt/fit_doubt.h"
 #include "core/adapt/match/coherent_match.h"
-#include "core/adapt/match/facing_search.h"
 #include "core/adapt/roundness.h"
 #include "core/adapt/untangle.h"
 #include "core/base/index.h"
-#include "core/deform/fold_guard.h"
-#include "core/deform/gesture.h"
-#include "core/deform/local_rotations.h"
-#include "core/deform/tangential.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/placement/similarity_fit.h"
@@ -34,15 +29,11 @@ constexpr Annealing from_placement{.steps = 16, .softest_edges = 1},
 /// Times the strain of the plain fit: a match counts in full up to the first, and from the second on it is wrong.
 constexpr double full_strain_ratio = 1.6, most_strain_ratio = 2;
 constexpr double less_strain_counts = 12;  ///< the power of the strain by which matches are averaged
-/// Mean edges, root mean square: a way that stays this much farther off the boundary than the plain fit is not counted.
-constexpr double stays_off_edges = 0.1;
 /// Of placements of a partial fit: one that leaves more than this times the force of the first is not counted.
 constexpr double most_force_ratio = 1.5;
-constexpr int settling_steps = 3;
+/// Of the work after the ways: their mean, that with the plain fit, and the slide.
+constexpr std::size_t finishing_parts = 3;
 constexpr double about_as_likely = 1.15;  ///< times the least strain of the ways that were tried
-/// Of the mesh's diagonal: how far a partial fit looks for counterparts, at first and at last.
-constexpr double widest_reach = 0.1, closest_reach = 0.015;
-constexpr double easing_edges = 1;  ///< mean edges: folds of the template finer than about this are eased
 
 /// Where an adaptation begins.
 struct FitStart {
@@ -62,13 +53,6 @@ Boundary with_cuts_marked(const Template& the_template, const Boundary& boundary
   return marked;
 }
 
-/// What an adaptation made of a start.
-struct Adapted {
-  Adapting shape;
-  double strain;     ///< see strain_share: of the template under its nearest similarity
-  double force_mm2;  ///< see Fitting::force_mm2
-};
-
 class Fitting {
  public:
   Fitting(const Template& the_template, const Boundary& boundary, const FitOptions& options)
@@ -77,7 +61,8 @@ class Fitting {
         options_(options),
         round_(roundness({the_template.topology, the_template.points})),
         search_(boundary, the_template.points.rows()),
-        solver_(the_template.topology) {
+        adaptation_(the_template, boundary, search_, options,
+                    [this](const Points& points, double done) { return show(points, done); }) {
     shape_.factors = the_template.stiffness / the_template.stiffness.mean();
   }
 
@@ -94,19 +79,19 @@ class Fitting {
   Result<FitResult> among_allowed() {
     const auto forces = [this](const Mesh& mesh, double share) {
       shape_.mesh = mesh;
-      return force(mesh, share);
+      return adaptation_.force(mesh, found_, share);
     };
-    const auto after_step = [this](double share) { return show(0.1 + 0.4 * share); };
-    const auto found = fit_allowed(*options_.allowed, reference_.topology, shape_.placement, forces, after_step);
+    const auto after_step = [this](double share) { return show(shape_.mesh.points, 0.1 + 0.4 * share); };
+    const auto found = fit_allowed(*options_.allowed, reference_.topology, found_, forces, after_step);
     if (!found) return fail(found.error());
     shape_.mesh.points = found->points;
     shape_.placement = found->placement;
-    shape_.rest = own_reference_ = found->shape;
+    shape_.rest = found->shape;
     shape_.refit();
     const double beyond = options_.allowed->beyond;
     if (beyond > 0) {
-      if (auto done = anneal_to_boundary(from_placement); !done) return fail(done.error());
-      if (auto done = settle(); !done) return fail(done.error());
+      if (auto done = adaptation_.anneal_to_boundary(shape_, from_placement); !done) return fail(done.error());
+      if (auto done = adaptation_.settle(shape_); !done) return fail(done.error());
     }
     if (beyond < 1) {
       shape_.mesh.points = found->points + beyond * (shape_.mesh.points - found->points);
@@ -129,22 +114,22 @@ class Fitting {
     }
     const Placed found = find_placement(
         reference_, boundary_, {options_.landmarks, options_.orientation, options_.placement, options_.partial});
-    shape_.placement = found.placement;
+    found_ = shape_.placement = found.placement;
     trust_ = found.trust.size() == own.rows() ? found.trust : VertexScalars::Ones(own.rows());
-    landmark_warnings_ = warnings_of_landmarks(reference_, options_.landmarks, trust_,
-                                               (shape_.placement.apply(own) - there).rowwise().norm());
-    const Points placed = shape_.placement.apply(reference_.points);
+    adaptation_.trust(trust_);
+    landmark_warnings_ =
+        warnings_of_landmarks(reference_, options_.landmarks, trust_, (found_.apply(own) - there).rowwise().norm());
+    const Points placed = found_.apply(reference_.points);
     if (options_.allowed) {
       shape_.mesh = {reference_.topology, placed};
-      return show(0.1);
+      return show(placed, 0.1);
     }
-    landmarks_ = known_matches(placed, shape_.placement.apply(own), there, trust_);
+    landmarks_ = known_matches(placed, found_.apply(own), there, trust_);
     shape_.mesh = {reference_.topology,
                    warp_to_boundary(reference_.topology, placed, landmarks_, whole() ? round_ : 0, search_)};
-    if (!shape_.mesh.points.allFinite() || !(shape_.placement.scale > 0))
+    if (!shape_.mesh.points.allFinite() || !(found_.scale > 0))
       return fail("", "the template cannot be placed on the surface: one of them is flat or has no size; check both");
-    found_ = shape_.placement;
-    return show(0.1);
+    return show(shape_.mesh.points, 0.1);
   }
 
   /// Neither cut off by the scan nor lacking parts.
@@ -187,7 +172,7 @@ class Fitting {
   /// A partial fit: of several placements the one from which what is there is strained least.
   Result<void> adapt_from_placements() {
     part_of_progress_ = {0, 1 + other_placements};
-    auto first = adapt({shape_.mesh.points});
+    auto first = adapt({shape_.mesh.points}, found_);
     if (!first) return fail(first.error());
     struct Tried {
       Adapted way;
@@ -203,8 +188,7 @@ class Fitting {
     add(std::move(*first), missing);
     for (const Similarity& placement : others) {
       ++part_of_progress_.first;
-      found_ = placement;
-      auto way = adapt({placement.apply(reference_.points)});
+      auto way = adapt({placement.apply(reference_.points)}, placement);
       if (!way) return fail(way.error());
       if (way->force_mm2 <= most_force_ratio * tried.front().way.force_mm2)
         add(std::move(*way), missing_in(way->shape.mesh));
@@ -219,58 +203,34 @@ class Fitting {
   /// Several ways onto the boundary: the plain fit is kept, or those from matches are averaged, or a mean of both.
   Result<void> adapt_from_starts() {
     const std::vector<FitStart> all = starts();
+    part_of_progress_ = {0, all.size() + finishing_parts};
     for (const FitStart& start : all) {
-      part_of_progress_ = {ways_.size(), all.size() + 1};
-      auto adapted = adapt(start);
+      auto adapted = adapt(start, found_);
       if (!adapted) return fail(adapted.error());
       ways_.push_back(std::move(*adapted));
+      ++part_of_progress_.first;
     }
-    part_of_progress_ = {ways_.size(), all.size() + 1};
     const Adapted& plain = ways_.front();
-    const auto keep_plain = [&] {
-      shape_ = plain.shape;
-      return Result<void>{};
-    };
+    shape_ = plain.shape;
     // Of a round organ the plain fit varies least from case to case, and models of it generalise better.
-    if (ways_.size() == 1 || (round_ == 1 && !warped())) return keep_plain();
+    if (ways_.size() == 1 || (round_ == 1 && !warped())) return {};
     // Landmarks have told all ways where things belong. So on a round organ the plain fit counts like the others.
-    if (!average(warped() ? round_ : 0)) return keep_plain();
-    own_reference_ = unplaced(shape_.mesh.points);
-    if (auto done = settle(); !done) return done;
-    if (warped()) return slide_to_facing();
-    const double share = (1 - round_) * believed(strain() / plain.strain);
-    if (share == 0) return keep_plain();
+    const auto mean = mean_way(warped() ? round_ : 0);
+    if (!mean) return {};
+    Adapting matched = shape_;
+    matched.mesh.points = *mean;
+    if (auto done = adaptation_.settle_as_it_is(matched); !done) return done;
+    ++part_of_progress_.first;
+    const double share = warped() ? 1 : (1 - round_) * believed(adaptation_.strain(matched) / plain.strain);
+    if (share == 0) return {};
     if (share < 1) {
-      shape_.mesh.points = share * shape_.mesh.points + (1 - share) * plain.shape.mesh.points;
-      shape_.refit();
-      own_reference_ = unplaced(shape_.mesh.points);
-      if (auto done = settle(); !done) return done;
+      matched.mesh.points = share * matched.mesh.points + (1 - share) * plain.shape.mesh.points;
+      if (auto done = adaptation_.settle_as_it_is(matched); !done) return done;
     }
-    return slide_to_facing();
-  }
-
-  /// Slides vertices along the boundary to where it faces as the template does. All of it is undone where the mesh
-  /// ends farther off the boundary.
-  Result<void> slide_to_facing() {
-    if (round_ == 1) return {};  // much of a round organ faces about the same way, and cases would vary more
-    const Adapting before = shape_;
-    const double edge_mm = mean_edge_mm(*reference_.topology, shape_.mesh.points),
-                 diagonal_mm = bounds_of(shape_.mesh.points).diagonal().norm(),
-                 most_off_mm = std::sqrt(force_mm2()) + stays_off_edges * edge_mm;
-    const FacingSearch facing(boundary_.surface, reference_.points.rows());
-    const auto forces = [&](const Mesh& mesh, double) {
-      BoundaryPull pull = facing.pull({reference_.topology, template_placed()}, mesh);
-      pull.weights *= 1 - round_;
-      return with_landmarks(std::move(pull), mesh);
-    };
-    const Annealing equally_stiff{.steps = 2,
-                                  .softest_edges = facing.stiffness_mm() / edge_mm,
-                                  .stiffest_share = facing.stiffness_mm() / diagonal_mm};
-    if (auto done = anneal(shape_, solver_, equally_stiff, forces); !done) return done;
-    own_reference_ = unplaced(shape_.mesh.points);
-    if (auto done = settle(); !done) return done;
-    if (!(std::sqrt(force_mm2()) <= most_off_mm)) shape_ = before;
-    return {};
+    ++part_of_progress_.first;
+    shape_ = std::move(matched);
+    // Much of a round organ faces about the same way, and cases would vary more.
+    return round_ == 1 ? Result<void>{} : adaptation_.slide_to_facing(shape_, 1 - round_);
   }
 
   /// Of a match, by its strain over that of the plain fit: 0 wrong … 1.
@@ -278,13 +238,12 @@ class Fitting {
     return std::clamp((most_strain_ratio - strain_ratio) / (most_strain_ratio - full_strain_ratio), 0.0, 1.0);
   }
 
-  /// The mean of the ways that lie on the boundary, those that strain the shape less counting far more. The plain fit
-  /// is weighed by `plain_counts`; with landmarks the others by how far they are believed, else the mean is judged.
-  /// False where there is none.
-  bool average(double plain_counts) {
+  /// The mean of the ways that lie on the boundary, n×3, those that strain the shape less counting far more. The plain
+  /// fit is weighed by `plain_counts`; with landmarks the others by how far they are believed, else the mean is judged.
+  /// None where no way counts.
+  std::optional<Points> mean_way(double plain_counts) const {
     const Adapted& plain = ways_.front();
-    const double most_off_mm =
-        std::sqrt(plain.force_mm2) + stays_off_edges * mean_edge_mm(*reference_.topology, plain.shape.mesh.points);
+    const double most_off_mm = Adaptation::most_off_mm(plain.shape.mesh, plain.force_mm2);
     const auto counts = [&](const Adapted& way) {
       if (!(std::sqrt(way.force_mm2) <= most_off_mm && way.strain > 0)) return 0.0;
       if (&way == &plain) return plain_counts;
@@ -301,95 +260,18 @@ class Fitting {
       sum += weight * way.shape.mesh.points;
       weights += weight;
     }
-    if (weights == 0) return false;
-    shape_.mesh.points = sum / weights;
-    shape_.refit();
-    return true;
+    if (weights == 0) return std::nullopt;
+    return sum / weights;
   }
 
-  /// From one start to the boundary, with a reference that is eased.
-  Result<Adapted> adapt(const FitStart& start) {
-    shape_.placement = found_;
-    shape_.mesh.points = start.points;
+  /// From one start to the boundary.
+  Result<Adapted> adapt(const FitStart& start, const Similarity& placement) {
     // A match is its own reference: the template's proportions would draw it back off small features.
-    own_reference_ = start.matched || warped() ? unplaced(start.points) : reference_.points;
-    if (auto done = ease(); !done) return fail(done.error());
-    shape_.refit();
-    const Annealing& annealing = options_.partial ? of_parts : start.matched ? from_match : from_placement;
-    if (auto done = anneal_to_boundary(annealing); !done) return fail(done.error());
-    if (auto done = settle(); !done) return fail(done.error());
-    return Adapted{shape_, strain(), force_mm2()};
-  }
-
-  /// What is left of the boundary's pull: E_force a vertex [Erdt 2009, Eq. 2].
-  double force_mm2() {
-    const BoundaryPull left = search_.pull(shape_.mesh);
-    const auto away_mm2 = (left.targets - shape_.mesh.points).rowwise().squaredNorm();
-    return left.weights.dot(away_mm2) / static_cast<double>(reference_.points.rows());
-  }
-
-  /// A shape where the template lies before it is placed.
-  Points unplaced(const Points& shape) const { return nearest_similarity(shape, reference_.points, {}).apply(shape); }
-
-  Points template_placed() const {
-    return nearest_similarity(reference_.points, shape_.mesh.points, shape_.placement).apply(reference_.points);
-  }
-
-  double strain() const { return strain_share(*reference_.topology, template_placed(), shape_.mesh.points); }
-
-  Result<void> anneal_to_boundary(const Annealing& annealing) {
-    return anneal(
-        shape_, solver_, annealing, [this](const Mesh& mesh, double share) { return force(mesh, share); },
-        [this](double share) { return show(0.1 + 0.7 * share); });
-  }
-
-  /// How far apart counterparts may lie while parts may be missing. It shrinks as the mesh comes to the boundary.
-  double reach_mm(double share) const {
-    const double size_mm = bounds_of(shape_.placement.apply(reference_.points)).diagonal().norm();
-    return widest_reach * std::pow(closest_reach / widest_reach, share) * size_mm;
-  }
-
-  /// Smooths the reference that the annealing keeps to. A deep fold that the case does not have would stay behind:
-  /// its walls face each other, and neither finds the boundary. The folds that a case has come from its boundary.
-  Result<void> ease() {
-    const double edge_mm = mean_edge_mm(*reference_.topology, own_reference_);
-    const double stiffness = stiffness_from_length(easing_edges * edge_mm, edge_mm);
-    if (auto ready = solver_.factorise(VertexScalars::Constant(shape_.factors.size(), stiffness)); !ready) return ready;
-    const Points smooth = solver_.solve(own_reference_);
-    shape_.rest = nearest_similarity(smooth, own_reference_, {}).apply(smooth);
-    return {};
-  }
-
-  /// The pull of the boundary, in both directions, and that of the landmarks.
-  Force force(const Mesh& mesh, double share) {
-    if (options_.partial) search_.set_reach_mm(reach_mm(share));
-    return with_landmarks(search_.pull(mesh), mesh);
-  }
-
-  Force with_landmarks(BoundaryPull pull, const Mesh& mesh) const {
-    pull_landmarks(reference_, options_.landmarks, trust_, mesh, pull);
-    const VertexScalars weights = pull.weights.cwiseMax(least_weight) / least_weight;
-    return {weights, weights.asDiagonal() * pull.targets};
-  }
-
-  /// Vertices onto the boundary, evenly spread as in the reference.
-  Result<void> settle() {
-    Mesh& mesh = shape_.mesh;
-    shape_.rest = own_reference_;
-    if (auto ready = solver_.factorise(shape_.factors); !ready) return ready;
-    for (int step = 0; step < settling_steps; ++step) {
-      shape_.refit();
-      const FoldGuard guard(*mesh.topology, shape_.placed, mesh.points);
-      const Points offset = tangential(mesh, relaxation_offset(*mesh.topology, solver_, shape_.placed, mesh.points));
-      const auto slid = [&](double share) { return Points(mesh.points + share * offset); };
-      mesh.points = slid(guard.accepted_step(1, slid));
-      mesh.points = search_.nearest(mesh).targets;
-      if (auto shown = show(0.8 + 0.1 * step / settling_steps); !shown) return shown;
-    }
-    shape_.refit();
-    // A match that is its own reference may have turned a triangle of the template. A model's shape has not.
-    untangle(mesh, options_.allowed ? shape_.placed : template_placed(), shape_.factors);
-    return show(0.95);
+    return adaptation_.adapt(start.points, placement,
+                             start.matched || warped() ? adaptation_.unplaced(start.points) : reference_.points,
+                             options_.partial ? of_parts
+                             : start.matched  ? from_match
+                                              : from_placement);
   }
 
   /// Of the ways onto the boundary about the mesh, squared, by vertex.
@@ -418,18 +300,20 @@ class Fitting {
     result.landmarks_used = static_cast<std::size_t>((trust_.array() >= believable).count());
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
     const bool told = result.landmarks_place || options_.allowed;
-    result.doubt_mm = fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? strain() : ways_.front().strain,
-                                   told ? 0 : round_, result.outliers);
+    result.doubt_mm =
+        fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? adaptation_.strain(shape_) : ways_.front().strain,
+                     told ? 0 : round_, result.outliers);
     result.warnings = std::move(landmark_warnings_);
     result.mesh = std::move(mesh);
     return result;
   }
 
-  Result<void> show(double fraction) {
-    if (options_.show) options_.show(shape_.mesh.points);
+  /// `done`: of the part of the work that is under way.
+  Result<void> show(const Points& points, double done) {
+    if (options_.show) options_.show(points);
     if (options_.progress == nullptr) return {};
     const auto [part, parts] = part_of_progress_;
-    options_.progress->report((static_cast<double>(part) + fraction) / static_cast<double>(parts));
+    options_.progress->report((static_cast<double>(part) + done) / static_cast<double>(parts));
     return options_.progress->cancelled() ? Result<void>(fail("", "the fit was cancelled")) : Result<void>{};
   }
 
@@ -438,13 +322,12 @@ class Fitting {
   const FitOptions& options_;
   double round_;  ///< the organ, as its template tells: 0 … 1
   BoundarySearch search_;
-  ShapeSolver solver_;
-  Adapting shape_;             ///< its reference is `own_reference_`, eased while the mesh anneals
-  Points own_reference_;       ///< the template; a match, a warp or a mean of ways, unplaced; a model's shape
-  std::vector<Adapted> ways_;  ///< the plain fit first
-  Similarity found_;           ///< where the organ is
-  VertexScalars trust_;        ///< of each landmark that was given
-  KnownMatches landmarks_;     ///< those given, from the template under its similarity
+  Adaptation adaptation_;
+  Adapting shape_;                                              ///< as placed, at first; in the end what the fit makes
+  std::vector<Adapted> ways_;                                   ///< the plain fit first
+  Similarity found_;                                            ///< where the organ is
+  VertexScalars trust_;                                         ///< of each landmark that was given
+  KnownMatches landmarks_;                                      ///< those given, from the template under its similarity
   std::pair<std::size_t, std::size_t> part_of_progress_{0, 1};  ///< which of how many
   std::vector<std::string> landmark_warnings_;
 };

@@ -7,7 +7,7 @@ namespace homolog {
 /// Where a boundary draws the vertices of a mesh: force targets s_i of Eq. 2, and how far each is to be trusted.
 struct BoundaryPull {
   Points targets;         ///< n×3, LPS mm; where nothing pulls, the vertex itself
-  VertexScalars weights;  ///< 0 (nothing is known here) … 1
+  VertexScalars weights;  ///< 0: nothing is known here; 1: as a place on the boundary; a named place may weigh more
   Points normals;         ///< n×3, outward: the boundary's at the target; of BoundarySearch::nearest only
 };
 

@@ -41,9 +41,8 @@ DrawnSamples drawn(const SurfaceSamples& own, const SurfaceSamples& there, doubl
 
 /// Where places of a shape lie on a surface, as far as their normals tell.
 struct LocatedSamples {
-  Points targets;  ///< k×3, mm
-  VertexScalars
-      known;  ///< 0: nowhere, the target is the place; 1: as in a plane; 10: to a third of what counts as near
+  Points targets;       ///< k×3, mm
+  VertexScalars known;  ///< 0: nowhere, the target is the place; 1: as in a plane; 10: to a third of `near_mm`
 };
 
 /// Each of `places` (k×3, mm) lies about `near_mm` from where it belongs on `there`, which faces as `normals` (k×3,

@@ -16,6 +16,15 @@ SurfaceSamples samples_of(const Mesh& mesh, const std::vector<Eigen::Index>& ver
   return samples_of(mesh, vertex_normals(mesh), vertices);
 }
 
+SurfaceSamples all_samples_of(const Mesh& mesh) {
+  return samples_of(mesh, stepped_vertices(mesh.points.rows(), mesh.points.rows()));
+}
+
+/// The largest angle between rows, both n×3 and unit, as the length of their difference.
+double farthest_turn(const Points& a, const Points& b) {
+  return (a - b).rowwise().norm().maxCoeff();
+}
+
 }  // namespace
 
 TEST_CASE("samples share the area of the surface: where they lie dense, each stands for less") {
@@ -62,4 +71,45 @@ TEST_CASE("a sample without anything near it is believed next to nothing") {
   own.points.row(7) *= 3;
   const DrawnSamples found = drawn(own, there, 1, 2);
   CHECK(found.weights[7] < 0.01 * found.weights.mean());
+}
+
+TEST_CASE("smooth normals leave out ripples and keep the shape") {
+  Mesh ball = icosphere(5, 20);
+  for (auto p : ball.points.rowwise()) p *= 1 + 0.01 * std::sin(1.5 * p.x()) * std::sin(1.5 * p.y());
+  const SurfaceSamples rippled = all_samples_of(ball);
+  const Points shape = rippled.points.rowwise().normalized();
+  const double before = farthest_turn(rippled.normals, shape);
+  CHECK(before > 0.2);
+  CHECK(farthest_turn(smooth_normals(rippled, 4), shape) < 0.2 * before);
+}
+
+TEST_CASE("smooth normals of a thin plate do not mix its two sides") {
+  Mesh plate = icosphere(4, 20);
+  plate.points.col(2) *= 0.05;
+  const SurfaceSamples samples = all_samples_of(plate);
+  const Points smooth = smooth_normals(samples, 4);
+  for (Eigen::Index i = 0; i < smooth.rows(); ++i)
+    if (std::abs(samples.normals(i, 2)) > 0.9) CHECK(smooth(i, 2) * samples.normals(i, 2) > 0.8);
+}
+
+TEST_CASE("a place goes to where the surface faces as it does") {
+  const Mesh ball = icosphere(5, 20);
+  const SurfaceSamples there = all_samples_of(ball);
+  const double turn = 0.05;  // 1 mm on the ball
+  const Points true_place = (Points(1, 3) << 20 * std::sin(turn), 0, 20 * std::cos(turn)).finished(),
+               place = (Points(1, 3) << 0, 0, 20).finished();
+  const LocatedSamples found = located(place, true_place / 20, there, 2, 30);
+  CHECK(found.known[0] > 1);
+  CHECK((found.targets - true_place).norm() < 0.25);
+}
+
+TEST_CASE("a place with nothing near it, or nothing that faces as it does, stays and is not known") {
+  const SurfaceSamples there = all_samples_of(icosphere(4, 20));
+  const Points up = Eigen::RowVector3d(0, 0, 1), down = Eigen::RowVector3d(0, 0, -1);
+  const Points off = Eigen::RowVector3d(0, 0, 40), pole = Eigen::RowVector3d(0, 0, 20);
+  const auto far = located(off, up, there, 2, 8), against = located(pole, down, there, 2, 8);
+  CHECK(far.known[0] == 0);
+  CHECK(far.targets == off);
+  CHECK(against.known[0] == 0);
+  CHECK(against.targets == pole);
 }

@@ -1,5 +1,6 @@
 #include "app/editor/update/commands/optimise_commands.h"
 
+#include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/results/optimisation.h"
 
 namespace homolog {

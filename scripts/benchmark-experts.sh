@@ -1,28 +1,31 @@
 #!/usr/bin/env bash
 # Measures fits and baselines against experts' landmarks: scripts/benchmark-experts.sh FOLDER [OPTIONS of `study experts`]
-# FOLDER holds NAME.ply and NAME.mrk.json (or NAME.json) of each subject, and where there is one raters.csv with lines
-# NAME,MM: how far the raters lie from their consensus. Subjects without landmarks are left out. The tables go to the
-# screen and, with the fitted meshes and pictures of the worst fit, into a folder (OUT, else ./benchmark-experts).
-# HOMOLOG names the program (else build/release/homolog).
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
 homolog=${HOMOLOG:-$root/build/release/homolog}
 out=${OUT:-benchmark-experts}
 if [ $# -lt 1 ] || [ ! -d "$1" ]; then
-  echo "usage: $0 FOLDER [--templates N] [--shown NAME,NAME] [--flip-mirrored] [--vertices N]" >&2
+  cat >&2 <<USAGE
+usage: $0 FOLDER [--templates N] [--shown NAME,NAME] [--flip-mirrored] [--vertices N]
+
+FOLDER holds a surface of each subject, NAME.ply (or .stl, .obj, .off, .vtk, .vtp), and its landmarks, NAME.mrk.json
+(or .fcsv, .json). Subjects without landmarks are left out. A file raters.csv with lines LANDMARK,MM may say how far
+the raters lie from their consensus. The tables go to the screen and, with the fitted meshes and a picture of the
+worst fit, into the folder OUT (else ./benchmark-experts). HOMOLOG names the program (else build/release/homolog).
+USAGE
   exit 2
 fi
 folder=$1
 shift
 
 shapes=()
-for mesh in "$folder"/*.ply; do
-  name=${mesh%.ply}
-  if [ -e "$name.mrk.json" ] || [ -e "$name.json" ]; then shapes+=("$mesh"); fi
+for mesh in "$folder"/*.{ply,stl,obj,off,vtk,vtp}; do
+  name=${mesh%.*}
+  if [ -e "$name.mrk.json" ] || [ -e "$name.fcsv" ] || [ -e "$name.json" ]; then shapes+=("$mesh"); fi
 done
 if [ ${#shapes[@]} -lt 2 ]; then
-  echo "$folder: holds fewer than two surfaces NAME.ply with landmarks NAME.mrk.json" >&2
+  echo "$folder: holds fewer than two surfaces NAME.ply with landmarks NAME.mrk.json, .fcsv or .json" >&2
   exit 1
 fi
 raters=()

@@ -17,15 +17,6 @@ struct BiasJob {
 };
 
 Result<Report> study_bias(const BiasJob& options, Progress& progress) {
-  const auto is_map = [](const std::filesystem::path& file) {
-    std::error_code ignored;
-    return !is_mesh_name(file) && !std::filesystem::is_directory(file, ignored);
-  };
-  const SubjectFiles& subjects = options.subjects;
-  if ((!subjects.labels.empty() || subjects.closing_mm) &&
-      std::none_of(subjects.files.begin(), subjects.files.end(), is_map))
-    return fail(subjects.files.front().string(),
-                "is no label map, so --label and --closing-mm have no effect; leave them out");
   progress.part(0, 0.05);
   auto read = read_subjects(options.subjects, progress);
   if (!read) return fail(read.error());
@@ -60,7 +51,7 @@ void add_study_bias(CLI::App& study, CommandLine& asked) {
                    "Surfaces or label maps of at least three subjects, or a folder of surfaces")
       ->required();
   verb->add_option("--landmarks", subjects.landmarks,
-                   "Folder with NAME.mrk.json or NAME.json for each: the places whose spread is measured (default: "
+                   "Folder with NAME.mrk.json, .fcsv or .json for each: the places whose spread is measured (default: "
                    "places all over the surface)")
       ->check(CLI::ExistingDirectory);
   add_label_option(*verb, subjects.labels, "Which label of label maps that hold several; 1,2: both together");

@@ -165,20 +165,20 @@ std::string experts_table(const std::vector<Json>& rows, const std::vector<Json>
       text += " | " + mm_text(row[key].get<double>());
     text += " |\n";
   }
-  text += "\n| landmark | raters |";
-  std::string rule = "|---|---|";
+  const bool rated = std::any_of(landmarks.begin(), landmarks.end(),
+                                 [](const Json& landmark) { return !landmark["raters_mm"].is_null(); });
+  text += rated ? "\n| landmark | raters |" : "\n| landmark |";
+  std::string rule = rated ? "|---|---|" : "|---|";
   for (const ExpertMethod method : methods) {
     text += std::string(" ") + names_of(method).shown + " |";
     rule += "---|";
   }
   text += "\n" + rule + "\n";
   for (const Json& landmark : landmarks) {
-    text += "| " + landmark["name"].get<std::string>() + " | " +
-            (landmark["raters_mm"].is_null() ? "–" : mm_text(landmark["raters_mm"].get<double>())) + " |";
-    for (const ExpertMethod method : methods) {
-      const Json& value = landmark["mm"][names_of(method).shown];
-      text += " " + (value.is_null() ? "–" : mm_text(value.get<double>())) + " |";
-    }
+    const auto cell = [](const Json& mm) { return " " + (mm.is_null() ? "–" : mm_text(mm.get<double>())) + " |"; };
+    text += "| " + landmark["name"].get<std::string>() + " |";
+    if (rated) text += cell(landmark["raters_mm"]);
+    for (const ExpertMethod method : methods) text += cell(landmark["mm"][names_of(method).shown]);
     text += "\n";
   }
   return text;

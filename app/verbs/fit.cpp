@@ -312,18 +312,17 @@ Result<Report> fit(const Options& options, Progress& progress) {
 /// Refuses options that were given and do nothing for what is fitted to.
 void check_effect(const Options& options, const CLI::App& verb) {
   const bool image = !options.image.empty();
-  const auto refuse = [&verb](const char* name, const char* why) {
-    if (verb.count(name) > 0) throw CLI::ValidationError(name, std::string("has no effect here: it is for ") + why);
-  };
   if (image) {
-    refuse("--partial", "label maps and surfaces");
-    refuse("--orientation", "label maps and surfaces");
-    if (!options.placement.empty()) refuse("--landmarks", "a fit without --placement");
+    refuse_without_effect(verb, "--partial", "label maps and surfaces");
+    refuse_without_effect(verb, "--orientation", "label maps and surfaces");
+    if (!options.placement.empty()) refuse_without_effect(verb, "--landmarks", "a fit without --placement");
     return;
   }
-  for (const char* name : {"--reach-mm", "--strength", "--polarity", "--done"}) refuse(name, "an --image");
-  if (options.to_meshes()) refuse("--frame", "images and label maps");
-  if (!options.placement.empty() && !options.partial) refuse("--orientation", "a fit without --placement");
+  for (const char* name : {"--reach-mm", "--strength", "--polarity", "--done"})
+    refuse_without_effect(verb, name, "an --image");
+  if (options.to_meshes()) refuse_without_effect(verb, "--frame", "images and label maps");
+  if (!options.placement.empty() && !options.partial)
+    refuse_without_effect(verb, "--orientation", "a fit without --placement");
 }
 
 void check(const Options& options) {

@@ -141,9 +141,8 @@ void add_repair_mesh(CLI::App& app, CommandLine& asked) {
       "narrow ones are cut where there are more than 16. Cutting makes the part anew from voxels");
   verb->add_option("--vertices", job->vertices, "How many vertices, where all of the surface is made anew")
       ->check(CLI::Range(100, 200000));
-  verb->callback([job, &asked] {
-    if (job->vertices > 0 && job->genus == "keep")
-      throw CLI::ValidationError("--vertices", "has no effect here: with --genus keep no surface is made anew");
+  verb->callback([job, verb, &asked] {
+    if (job->genus == "keep") refuse_without_effect(*verb, "--vertices", "surfaces that --genus makes anew");
     asked.run = [job](Progress& progress) { return repair(*job, progress); };
   });
 }

@@ -67,9 +67,9 @@ void add_replay(CLI::App& app, CommandLine& asked) {
       ->check(CLI::Range(1, 1000));
   verb->add_option("--frame", options->frame, "Which frame's mesh to write (default: the one shown last)")
       ->check(CLI::NonNegativeNumber);
-  verb->callback([options, &asked] {
-    if (options->events > 0 && !options->scheme.empty() && options->scheme != "paper")
-      throw CLI::ValidationError("--events", "has no effect here: it is for the scheme paper");
+  verb->callback([options, verb, &asked] {
+    if (!options->scheme.empty() && options->scheme != "paper")
+      refuse_without_effect(*verb, "--events", "the scheme paper");
     asked.run = [options](Progress& progress) { return replay(*options, progress); };
   });
 }

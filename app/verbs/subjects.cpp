@@ -76,6 +76,9 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
     if (case_name_of(paths[k]) == case_name_of(paths[k - 1]))
       return fail(paths[k].string(), "has the name of " + paths[k - 1].string() + "; rename one of them");
   if (paths.empty()) return fail(files.files.front().string(), "holds no surfaces; name the files themselves");
+  if ((!files.labels.empty() || files.closing_mm) && std::all_of(paths.begin(), paths.end(), is_mesh_name))
+    return fail(files.files.front().string(),
+                "is no label map, so --label and --closing-mm have no effect; leave them out");
   SubjectsRead read;
   read.subjects.resize(paths.size());
   std::vector<std::vector<std::string>> warnings(paths.size());

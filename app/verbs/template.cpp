@@ -248,6 +248,19 @@ void add_tube_options(CLI::App& verb, TemplateJob& options) {
       ->needs(tube_flag);
 }
 
+/// Refuses options that were given and do nothing for such a template.
+void check_effect(const TemplateJob& options, const CLI::App& verb) {
+  if (!options.consensus.empty()) {
+    if (options.tube)
+      throw CLI::ValidationError("--consensus", "is not for --tube, whose rings are alike in all subjects");
+    for (const char* name : {"--frame", "--opening-mm", "--genus"})
+      refuse_without_effect(verb, name, "a template of one subject");
+  }
+  if (options.tube)
+    for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})
+      refuse_without_effect(verb, name, "templates without --tube");
+}
+
 }  // namespace
 
 void add_template(CLI::App& app, CommandLine& asked) {
@@ -255,8 +268,8 @@ void add_template(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(app, "template", "A template from a label map or from a surface");
   auto* in = verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over");
   auto* consensus = verb->add_option("--consensus", options->consensus,
-                                     "Surfaces or label maps of several subjects: their mean shape, which does not "
-                                     "depend on any of them alone")
+                                     "Surfaces or label maps of several subjects: their mean shape, which depends "
+                                     "far less on any one of them")
                         ->excludes(in)
                         ->expected(2, 1000000);
   verb->add_flag("--flip-mirrored", options->flip_mirrored, "Flip subjects that are mirror images of most others")
@@ -264,7 +277,7 @@ void add_template(CLI::App& app, CommandLine& asked) {
   verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness, regions and landmarks)")
       ->required();
   verb->add_option("--landmarks", options->landmarks,
-                   "Named points for the template (.mrk.json, .fcsv, .json), in the space of MASK");
+                   "Named points for the template (.mrk.json, .fcsv, .json), in the template's space");
   add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together");
   verb->add_option("--frame", options->frame, "Which frame of a cine label map, from 0")->check(CLI::NonNegativeNumber);
   verb->add_option("--vertices", options->vertices, "How many vertices")
@@ -278,11 +291,10 @@ void add_template(CLI::App& app, CommandLine& asked) {
                    "Tunnels. auto: cut those narrower than 0.035 of the organ's size (of a surface, where it has more "
                    "than 16); keep: cut none; a number: cut the narrowest until so many are left");
   add_tube_options(*verb, *options);
-  verb->callback([options, &asked] {
+  verb->callback([options, verb, &asked] {
     if (options->in.empty() && options->consensus.empty())
       throw CLI::RequiredError("MASK, or --consensus with several subjects");
-    if (options->tube && !options->consensus.empty())
-      throw CLI::ValidationError("--consensus", "is not for --tube, whose rings are alike in all subjects");
+    check_effect(*options, *verb);
     if (!options->axis.empty() && Vec3(options->axis.data()).norm() < 1e-9)
       throw CLI::ValidationError("--axis", "needs a direction other than 0,0,0");
     if (options->base == options->apex && !options->base.empty())

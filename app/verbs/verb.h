@@ -39,4 +39,9 @@ inline CLI::App* add_verb(CLI::App& app, const char* name, const char* descripti
   return verb;
 }
 
+/// Refuses an option that was given where it does nothing. `why`: what it is for.
+inline void refuse_without_effect(const CLI::App& verb, const char* option, const char* why) {
+  if (verb.count(option) > 0) throw CLI::ValidationError(option, std::string("has no effect here: it is for ") + why);
+}
+
 }  // namespace homolog

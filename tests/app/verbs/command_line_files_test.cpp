@@ -331,7 +331,12 @@ TEST_CASE("an option that has no effect on what a verb is given is said") {
         "fit ball-1.ply --mesh ball-2.ply -o out.ply --placement p.json --orientation any",
         "fit ball-1.ply --image noise.nii --placement p.json -o out.ply --orientation any",
         "fit ball-1.ply --image noise.nii --placement p.json --landmarks l.json -o out.ply",
-        "replay ball.homolog -o out.ply --scheme raw --events 3", "repair-mesh ball-1.ply -o out.ply --vertices 500"}) {
+        "replay ball.homolog -o out.ply --scheme raw --events 3", "repair-mesh ball-1.ply -o out.ply --vertices 500",
+        "template --consensus ball-1.ply ball-2.ply -o out.ply --genus 0",
+        "template --consensus ball-1.ply ball-2.ply -o out.ply --opening-mm 3",
+        "template --consensus ball-1.ply ball-2.ply -o out.ply --frame 1",
+        "template noise.nii --tube -o out.ply --vertices 900", "template noise.nii --tube -o out.ply --closing-mm 3",
+        "template noise.nii --tube -o out.ply --opening-mm 3", "template noise.nii --tube -o out.ply --genus 1"}) {
     CAPTURE(arguments);
     const Ran ran = run(folder, arguments);
     CHECK(ran.status == 2);
@@ -340,6 +345,7 @@ TEST_CASE("an option that has no effect on what a verb is given is said") {
   CHECK(run(folder, "bench --editor --mesh ball-1.ply").status == 2);
   check_refused(run(folder, "study bias" + balls + "--label 2"), "--label and --closing-mm have no effect");
   check_refused(run(folder, "study bias" + balls + "--closing-mm 2"), "--label and --closing-mm have no effect");
+  check_refused(run(folder, "template --consensus" + balls + "-o out.ply --label 2"), "--label and --closing-mm");
   for (const char* verb : {"model", "evaluate", "measure", "landmarks"}) {
     CAPTURE(verb);
     const std::string out = verb == std::string("model")       ? "-o out.h5"

@@ -144,14 +144,37 @@ TEST_CASE("studies of templates and experts report landmarks by name and the scr
   CHECK(experts.json()["landmarks"][0]["raters_mm"] == 1.25);
   CHECK(fs::exists(folder.path / experts.json()["worst"]["mesh"].get<std::string>()));
   check_refused(run(folder, "study experts k0.ply k2.ply --landmarks bones"), "k2");
+}
 
-  const std::string script = "cd '" + folder.path.string() +
-                             "' && env -u DISPLAY HOMOLOG='" HOMOLOG_PROGRAM "' '" HOMOLOG_SOURCE_DIR
-                             "/scripts/benchmark-experts.sh' bones --vertices 200 --templates 1 > tables 2>errors";
-  REQUIRE(std::system(script.c_str()) == 0);
-  const std::string tables = read_whole_file(folder.path / "tables").value();
-  CHECK(tables.find("| k0 | point drift |") != std::string::npos);
-  CHECK(tables.find("| tip | 1.25 |") != std::string::npos);
+TEST_CASE("the script of the experts' tables takes surfaces and landmarks of several formats") {
+  const TemporaryFolder folder;
+  put_training_set(folder.path);
+  const fs::path bones = folder.path / "some bones";
+  fs::create_directory(bones);
+  const auto put = [&](const char* name, const char* surface, const char* landmarks) {
+    const auto shape = read_mesh_file(folder.path / (std::string(name) + ".ply"));
+    REQUIRE(shape);
+    REQUIRE(write_mesh_file(*shape, bones / (name + std::string(surface))));
+    REQUIRE(write_landmarks({{"tip", shape->points.row(7).transpose()}}, bones / (name + std::string(landmarks))));
+  };
+  put("k0", ".ply", ".mrk.json");
+  put("k1", ".stl", ".fcsv");
+  put("k3", ".obj", ".json");
+  fs::copy_file(folder.path / "k0.ply", bones / "without_landmarks.ply");
+  const auto tables = [&] {
+    const std::string script = "cd '" + folder.path.string() +
+                               "' && env -u DISPLAY HOMOLOG='" HOMOLOG_PROGRAM "' '" HOMOLOG_SOURCE_DIR
+                               "/scripts/benchmark-experts.sh' 'some bones' --vertices 200 --templates 1 > tables";
+    REQUIRE(std::system(script.c_str()) == 0);
+    return read_whole_file(folder.path / "tables").value();
+  };
+  const std::string unrated = tables();
+  CHECK(unrated.find("| k0 | point drift |") != std::string::npos);
+  CHECK(unrated.find("| landmark | fit |") != std::string::npos);
+  REQUIRE(write_whole_file(bones / "raters.csv", "landmark,mm\ntip,1.25\n"));
+  const std::string rated = tables();
+  CHECK(rated.find("| landmark | raters | fit |") != std::string::npos);
+  CHECK(rated.find("| tip | 1.25 |") != std::string::npos);
 }
 
 TEST_CASE("the modes of a model are drawn at the size asked for") {

@@ -3,6 +3,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
 
 #include "core/base/statistics.h"
 #include "core/placement/landmark_warp.h"
@@ -20,12 +23,14 @@ struct Shares {
 /// Beside features, as bones have them, the nearest boundary is often that of another part.
 constexpr Shares with_features{.reach = 0.3, .bump = 0.045, .boundary_noise = 0.015},
     if_round{.reach = 0.45, .bump = 0.3, .boundary_noise = 0.02};
+/// Where the organ is known to differ smoothly, and no landmark holds it.
+constexpr Shares if_smooth{.reach = 0.6, .bump = 0.1, .boundary_noise = 0.012};
 constexpr int rounds = 8;
-constexpr Eigen::Index most_samples = 260;
+constexpr Eigen::Index about_samples = 260, most_samples_alone = 1250;
 /// One of few landmarks carries a large part of the organ with it, also where it is off: below this many, each is
 /// believed less.
 constexpr double enough_landmarks = 8;
-constexpr double outlying = 4;  // times the median distance: another part of the organ
+constexpr double outlying = 4;  ///< times the median distance: another part of the organ
 
 /// What is known of the displacement: at each place its length along one direction.
 struct Observations {
@@ -61,29 +66,33 @@ Shares shares_of(double roundness, double times) {
           between(with_features.boundary_noise, if_round.boundary_noise)};
 }
 
-}  // namespace
+/// How a warp looks at the boundary.
+struct Look {
+  Shares shares;
+  Eigen::Index stride;             ///< of the vertices that look for it
+  std::optional<double> outlying;  ///< times the median distance: farther off, it is that of another part
+};
 
-Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed,
-                        const KnownMatches& landmarks, double roundness, BoundarySearch& search) {
-  const Eigen::Index count = landmarks.from.rows();
-  if (count < fewest_placing_landmarks) return placed;
-  const double diagonal_mm = bounds_of(placed).diagonal().norm();
+/// The likeliest displacement of `placed`; the boundary is looked for from `start` on. `landmark_mm`: the noise of each
+/// landmark.
+WarpedReference warped_from(const Points& start, const std::shared_ptr<const Topology>& topology, const Points& placed,
+                            const KnownMatches& landmarks, const VertexScalars& landmark_mm, const Look& look,
+                            BoundarySearch& search) {
+  const double diagonal_mm = bounds_of(placed).diagonal().norm(),
+               boundary_mm = look.shares.boundary_noise * diagonal_mm;
   WarpLengths lengths = warp_lengths(diagonal_mm);
-  const Shares shares = shares_of(roundness, landmarks.noise_mm.minCoeff() / lengths.noise_mm);
-  lengths.reach_mm = shares.reach * diagonal_mm;
-  lengths.bump_mm = shares.bump * diagonal_mm;
+  lengths.reach_mm = look.shares.reach * diagonal_mm;
+  lengths.bump_mm = look.shares.bump * diagonal_mm;
   const WarpKernel kernel(placed.colwise().mean(), lengths);
-  const Eigen::Index stride = std::max<Eigen::Index>(1, placed.rows() / most_samples);
-  const double few = std::max(1.0, enough_landmarks / static_cast<double>(count)),
-               boundary_mm = shares.boundary_noise * diagonal_mm;
-  const VertexScalars landmark_mm = std::pow(few, 1.5) * landmarks.noise_mm;
-  Points warped = placed;
+  const Eigen::Index count = landmarks.from.rows(), stride = look.stride;
+  Points warped = start;
   for (int round = 0; round < rounds; ++round) {
     const BoundaryPull there = search.nearest({topology, warped});
     std::vector<double> distances;
     for (Eigen::Index v = 0; v < placed.rows(); v += stride)
       if (there.weights[v] > 0) distances.push_back((there.targets.row(v) - warped.row(v)).norm());
-    const double farthest = outlying * quantile(distances, 0.5);
+    const double farthest =
+        look.outlying ? *look.outlying * quantile(distances, 0.5) : std::numeric_limits<double>::infinity();
     Observations known(3 * count + std::ssize(distances));
     for (Eigen::Index k = 0; k < count; ++k)
       for (int axis = 0; axis < 3; ++axis)
@@ -96,7 +105,27 @@ Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const P
     }
     warped = placed + known.regress(placed, kernel);
   }
-  return without_folds(*topology, placed, warped - placed).points;
+  return without_folds(*topology, placed, warped - placed);
+}
+
+}  // namespace
+
+Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed,
+                        const KnownMatches& landmarks, double roundness, BoundarySearch& search) {
+  const Eigen::Index count = landmarks.from.rows();
+  if (count < fewest_placing_landmarks) return placed;
+  const double clicked_mm = warp_lengths(bounds_of(placed).diagonal().norm()).noise_mm,
+               few = std::max(1.0, enough_landmarks / static_cast<double>(count));
+  const Look look{shares_of(roundness, landmarks.noise_mm.minCoeff() / clicked_mm),
+                  std::max<Eigen::Index>(1, placed.rows() / about_samples), outlying};
+  return warped_from(placed, topology, placed, landmarks, std::pow(few, 1.5) * landmarks.noise_mm, look, search).points;
+}
+
+Points warp_along_boundary(const Mesh& there, const Points& placed, BoundarySearch& search) {
+  const Look look{if_smooth, 1 + (placed.rows() - 1) / most_samples_alone, {}};
+  const KnownMatches none{Points(0, 3), Points(0, 3), {}};
+  WarpedReference warped = warped_from(there.points, there.topology, placed, none, {}, look, search);
+  return warped.folds || !warped.points.allFinite() ? there.points : std::move(warped.points);
 }
 
 }  // namespace homolog

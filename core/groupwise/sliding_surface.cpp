@@ -15,7 +15,7 @@ namespace homolog {
 
 namespace {
 
-constexpr double reach_edges = 1;       ///< mean edges: how far a vertex is drawn at most where no feature decides
+constexpr double reach_edges = 0.1;     ///< mean edges: how far a vertex is drawn at most where no feature decides
 constexpr double surface_share = 0.07;  ///< of the mean edge: how far the surface may move where it is looked at
 constexpr double quality_floor = 0.1, kept_share = 0.5;  ///< of a triangle, and of its quality at first
 constexpr int most_tries = 10, halvings = 2;

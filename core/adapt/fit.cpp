@@ -31,8 +31,9 @@ constexpr Annealing from_placement{.steps = 16, .softest_edges = 1},
 constexpr double full_strain_ratio = 1.6, most_strain_ratio = 2;
 constexpr double less_strain_counts = 12;  ///< the power of the strain by which matches are averaged
 /// Of the root of the boundary's area, root mean square: a match that lies nearer to the boundary than the first tells
-/// all, and beyond the second it tells nothing. Phantom kidneys come to 0.14 to 0.16 %, real ones to 0.29 % and more.
-constexpr double full_smooth_off = 0.0018, most_smooth_off = 0.0027;
+/// all, and beyond the second it tells nothing. Phantom kidneys come to 0.14 to 0.20 %, real ones to 0.29 % and more.
+constexpr double full_smooth_off = 0.002, most_smooth_off = 0.0027;
+constexpr double told_if_smooth = 0.5;  ///< of the doubt that is due to roundness, how much such a match takes away
 /// Of placements of a partial fit: one that leaves more than this times the force of the first is not counted.
 constexpr double most_force_ratio = 1.5;
 /// Of the work after the ways: their mean, that with the plain fit, and the slide.
@@ -230,20 +231,22 @@ class Fitting {
     if (ways_.size() == 1) return {};
     // Of a round organ the plain fit varies least from case to case, and models of it generalise better. But where a
     // smooth displacement tells all, that says where vertices belong.
-    const double smooth = trust_.size() > 0 ? 0 : differs_smoothly(all.back()), vague = round_ * (1 - smooth);
+    smooth_ = differs_smoothly(all.back());
+    const double vague = round_ * (1 - smooth_);
     if (vague == 1 && !warped()) return {};
     // Landmarks have told all ways where things belong. So on a round organ the plain fit counts like the others.
     const auto mean = mean_way(warped() ? round_ : 0);
     if (!mean) return {};
     Adapting matched = shape_;
     matched.mesh.points = *mean;
-    if (const double warp_share = round_ * smooth; warp_share > 0) {
-      const Points warped = warp_along_boundary(matched.mesh, all.front().points, search_);
+    if (const double warp_share = round_ * smooth_; warp_share > 0) {
+      const Points warped = warp_along_boundary(matched.mesh, found_.apply(reference_.points), landmarks_, search_);
       matched.mesh.points = warp_share * warped + (1 - warp_share) * matched.mesh.points;
     }
     if (auto done = adaptation_.settle_as_it_is(matched); !done) return done;
     ++part_of_progress_.first;
-    const double share = warped() ? 1 : (1 - vague) * believed(adaptation_.strain(matched) / plain.strain);
+    const double share =
+        warped() ? 1 : (1 - vague) * std::max(smooth_, believed(adaptation_.strain(matched) / plain.strain));
     if (share == 0) return {};
     if (share < 1) {
       matched.mesh.points = share * matched.mesh.points + (1 - share) * plain.shape.mesh.points;
@@ -332,7 +335,7 @@ class Fitting {
     const bool told = result.landmarks_place || options_.allowed;
     result.doubt_mm =
         fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? adaptation_.strain(shape_) : ways_.front().strain,
-                     told ? 0 : round_, result.outliers);
+                     told ? 0 : round_ * (1 - told_if_smooth * smooth_), result.outliers);
     result.warnings = std::move(landmark_warnings_);
     result.mesh = std::move(mesh);
     return result;
@@ -350,7 +353,8 @@ class Fitting {
   const Template& reference_;
   const Boundary& boundary_;
   const FitOptions& options_;
-  double round_;  ///< the organ, as its template tells: 0 … 1
+  double round_;       ///< the organ, as its template tells: 0 … 1
+  double smooth_ = 0;  ///< how far the organ differs smoothly from its template: 0 … 1
   BoundarySearch search_;
   Adaptation adaptation_;
   Adapting shape_;                                              ///< as placed, at first; in the end what the fit makes

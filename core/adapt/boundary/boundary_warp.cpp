@@ -3,11 +3,13 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "core/base/statistics.h"
+#include "core/mesh/mesh_quality.h"
 #include "core/placement/landmark_warp.h"
 #include "core/placement/likely_similarity.h"
 
@@ -23,14 +25,38 @@ struct Shares {
 /// Beside features, as bones have them, the nearest boundary is often that of another part.
 constexpr Shares with_features{.reach = 0.3, .bump = 0.045, .boundary_noise = 0.015},
     if_round{.reach = 0.45, .bump = 0.3, .boundary_noise = 0.02};
-/// Where the organ is known to differ smoothly, and no landmark holds it.
-constexpr Shares if_smooth{.reach = 0.6, .bump = 0.1, .boundary_noise = 0.012};
 constexpr int rounds = 8;
-constexpr Eigen::Index about_samples = 260, most_samples_alone = 1250;
+constexpr Eigen::Index about_samples = 260;
 /// One of few landmarks carries a large part of the organ with it, also where it is off: below this many, each is
 /// believed less.
 constexpr double enough_landmarks = 8;
 constexpr double outlying = 4;  ///< times the median distance: another part of the organ
+
+/// Where an organ is known to differ smoothly: what is typical of the parts of its displacement, at one diagonal of the
+/// bounding box from its centre. With so much shift, stretch and bend any quadratic map is nearly free.
+constexpr double shift = 0.1, stretch = 0.25, bend = 0.9;
+constexpr Shares beside_these{.reach = 0.13, .bump = 0.02, .boundary_noise = 0.007};
+constexpr int rounds_if_smooth = 3;  ///< it begins on the boundary
+constexpr Eigen::Index most_samples_if_smooth = 1250;
+
+/// The covariance of each coordinate of a displacement at two places, in mm².
+using Covariance = std::function<Eigen::MatrixXd(const Points&, const Points&)>;
+
+/// A quadratic map, so that an organ grows, is sheared, bends and twists as a whole, and bumps.
+Covariance quadratic_and_bumps(const Points& placed) {
+  const Eigen::RowVector3d centre = placed.colwise().mean();
+  const double diagonal_mm = bounds_of(placed).diagonal().norm();
+  return [=](const Points& a, const Points& b) -> Eigen::MatrixXd {
+    const Points from = (a.rowwise() - centre) / diagonal_mm, to = (b.rowwise() - centre) / diagonal_mm;
+    const Eigen::ArrayXXd products = (from * to.transpose()).array(),
+                          distance2 = ((-2 * products.matrix()).colwise() + from.rowwise().squaredNorm()).rowwise() +
+                                      to.rowwise().squaredNorm().transpose();
+    const auto [reach, bump, noise] = beside_these;
+    return diagonal_mm * diagonal_mm *
+           (shift * shift + stretch * stretch * products + bend * bend * products.square() +
+            bump * bump * (distance2 / (-2 * reach * reach)).exp());
+  };
+}
 
 /// What is known of the displacement: at each place its length along one direction.
 struct Observations {
@@ -45,7 +71,7 @@ struct Observations {
     noise_mm[count_++] = noise;
   }
   /// The displacement's mean at `points`, n×3.
-  Points regress(const Points& points, const WarpKernel& kernel) const {
+  Points regress(const Points& points, const Covariance& kernel) const {
     const Points known = at.topRows(count_), ways = along.topRows(count_);
     Eigen::MatrixXd covariance = kernel(known, known).cwiseProduct(ways * ways.transpose());
     covariance.diagonal() += noise_mm.head(count_).cwiseAbs2();
@@ -68,9 +94,12 @@ Shares shares_of(double roundness, double times) {
 
 /// How a warp looks at the boundary.
 struct Look {
-  Shares shares;
-  Eigen::Index stride;             ///< of the vertices that look for it
+  Covariance kernel;
+  double boundary_mm;   ///< how far off the nearest boundary may be
+  Eigen::Index stride;  ///< of the vertices that look for it
+  int rounds;
   std::optional<double> outlying;  ///< times the median distance: farther off, it is that of another part
+  bool own_normals;                ///< the distance is known along the mesh's normals, else along the boundary's
 };
 
 /// The likeliest displacement of `placed`; the boundary is looked for from `start` on. `landmark_mm`: the noise of each
@@ -78,16 +107,11 @@ struct Look {
 WarpedReference warped_from(const Points& start, const std::shared_ptr<const Topology>& topology, const Points& placed,
                             const KnownMatches& landmarks, const VertexScalars& landmark_mm, const Look& look,
                             BoundarySearch& search) {
-  const double diagonal_mm = bounds_of(placed).diagonal().norm(),
-               boundary_mm = look.shares.boundary_noise * diagonal_mm;
-  WarpLengths lengths = warp_lengths(diagonal_mm);
-  lengths.reach_mm = look.shares.reach * diagonal_mm;
-  lengths.bump_mm = look.shares.bump * diagonal_mm;
-  const WarpKernel kernel(placed.colwise().mean(), lengths);
   const Eigen::Index count = landmarks.from.rows(), stride = look.stride;
   Points warped = start;
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < look.rounds; ++round) {
     const BoundaryPull there = search.nearest({topology, warped});
+    const Points normals = look.own_normals ? vertex_normals({topology, warped}) : there.normals;
     std::vector<double> distances;
     for (Eigen::Index v = 0; v < placed.rows(); v += stride)
       if (there.weights[v] > 0) distances.push_back((there.targets.row(v) - warped.row(v)).norm());
@@ -100,10 +124,10 @@ WarpedReference warped_from(const Points& start, const std::shared_ptr<const Top
                   landmarks.to(k, axis) - landmarks.from(k, axis), landmark_mm[k]);
     for (Eigen::Index v = 0; v < placed.rows(); v += stride) {
       if (there.weights[v] == 0 || (there.targets.row(v) - warped.row(v)).norm() > farthest) continue;
-      const Eigen::RowVector3d normal = there.normals.row(v);
-      known.add(placed.row(v), normal, (there.targets.row(v) - placed.row(v)).dot(normal), boundary_mm);
+      const Eigen::RowVector3d normal = normals.row(v);
+      known.add(placed.row(v), normal, (there.targets.row(v) - placed.row(v)).dot(normal), look.boundary_mm);
     }
-    warped = placed + known.regress(placed, kernel);
+    warped = placed + known.regress(placed, look.kernel);
   }
   return without_folds(*topology, placed, warped - placed);
 }
@@ -114,17 +138,31 @@ Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const P
                         const KnownMatches& landmarks, double roundness, BoundarySearch& search) {
   const Eigen::Index count = landmarks.from.rows();
   if (count < fewest_placing_landmarks) return placed;
-  const double clicked_mm = warp_lengths(bounds_of(placed).diagonal().norm()).noise_mm,
+  const double diagonal_mm = bounds_of(placed).diagonal().norm(), clicked_mm = warp_lengths(diagonal_mm).noise_mm,
                few = std::max(1.0, enough_landmarks / static_cast<double>(count));
-  const Look look{shares_of(roundness, landmarks.noise_mm.minCoeff() / clicked_mm),
-                  std::max<Eigen::Index>(1, placed.rows() / about_samples), outlying};
+  const Shares shares = shares_of(roundness, landmarks.noise_mm.minCoeff() / clicked_mm);
+  const WarpKernel kernel(placed.colwise().mean(), {shares.reach * diagonal_mm, shares.bump * diagonal_mm, clicked_mm});
+  const Look look{.kernel = kernel,
+                  .boundary_mm = shares.boundary_noise * diagonal_mm,
+                  .stride = std::max<Eigen::Index>(1, placed.rows() / about_samples),
+                  .rounds = rounds,
+                  .outlying = outlying,
+                  .own_normals = false};
   return warped_from(placed, topology, placed, landmarks, std::pow(few, 1.5) * landmarks.noise_mm, look, search).points;
 }
 
-Points warp_along_boundary(const Mesh& there, const Points& placed, BoundarySearch& search) {
-  const Look look{if_smooth, 1 + (placed.rows() - 1) / most_samples_alone, {}};
-  const KnownMatches none{Points(0, 3), Points(0, 3), {}};
-  WarpedReference warped = warped_from(there.points, there.topology, placed, none, {}, look, search);
+Points warp_along_boundary(const Mesh& there, const Points& placed, const KnownMatches& landmarks,
+                           BoundarySearch& search) {
+  // A vertex may lie far from where it was placed. A direction that is a little off is then off by much, and those of a
+  // label's boundary are, as its voxels are seen in them.
+  const Look look{.kernel = quadratic_and_bumps(placed),
+                  .boundary_mm = beside_these.boundary_noise * bounds_of(placed).diagonal().norm(),
+                  .stride = 1 + (placed.rows() - 1) / most_samples_if_smooth,
+                  .rounds = rounds_if_smooth,
+                  .outlying = {},
+                  .own_normals = true};
+  WarpedReference warped =
+      warped_from(there.points, there.topology, placed, landmarks, landmarks.noise_mm, look, search);
   return warped.folds || !warped.points.allFinite() ? there.points : std::move(warped.points);
 }
 

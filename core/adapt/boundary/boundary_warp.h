@@ -15,10 +15,11 @@ namespace homolog {
 Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const Points& placed,
                         const KnownMatches& landmarks, double roundness, BoundarySearch& search);
 
-/// The same by the boundary alone, as over a thousand vertices see it, of an organ that is known to differ smoothly
-/// from its template: the likeliest displacement of `placed` says where along the boundary a vertex belongs. `there`:
-/// the mesh on the boundary or near it, from where the boundary is looked for; its points where the displacement would
-/// fold.
-Points warp_along_boundary(const Mesh& there, const Points& placed, BoundarySearch& search);
+/// The same of an organ that is known to differ smoothly from its template, as over a thousand vertices see the
+/// boundary: the likeliest displacement of `placed` says where along the boundary a vertex belongs. It is a quadratic
+/// map of space, nearly free, and small bumps. `landmarks` may be none. `there`: the mesh on the boundary or near it,
+/// from where the boundary is looked for; its points where the displacement would fold.
+Points warp_along_boundary(const Mesh& there, const Points& placed, const KnownMatches& landmarks,
+                           BoundarySearch& search);
 
 }  // namespace homolog

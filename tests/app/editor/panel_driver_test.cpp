@@ -131,12 +131,12 @@ TEST_CASE("the doubt of a fit is an overlay with a legend and a figure") {
   driver.wait_until("the fit is done", [&] { return driver.shows("Dice"); });
   driver.settle();
   CHECK_FALSE(driver.shows("not known: fit the mesh to a label map first"));
-  driver.wait_until("the figure is there", [&] { return driver.shows(" mm, at most 2"); });
+  driver.wait_until("the figure is there", [&] { return driver.shows(" mm, at most 1"); });
   CHECK(driver.state().colouring == Colouring::doubt);
   const Document& document = driver.document();
   REQUIRE(document.shape().doubt_mm);
   const auto colours = mesh_colours(document, Colouring::doubt, {}, 1);
-  CHECK(colouring_legend(document, Colouring::doubt).high == "5 mm");
+  CHECK(colouring_legend(document, Colouring::doubt).high == "2 mm");
   CHECK(std::any_of(colours.begin(), colours.end(), [&](const Rgb& one) { return one != colours.front(); }));
 }
 

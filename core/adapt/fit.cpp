@@ -231,22 +231,21 @@ class Fitting {
     if (ways_.size() == 1) return {};
     // Of a round organ the plain fit varies least from case to case, and models of it generalise better. But where a
     // smooth displacement tells all, that says where vertices belong.
-    smooth_ = differs_smoothly(all.back());
-    const double vague = round_ * (1 - smooth_);
+    const double smooth = round_ > 0 ? round_ * differs_smoothly(all.back()) : 0, vague = round_ - smooth;
     if (vague == 1 && !warped()) return {};
     // Landmarks have told all ways where things belong. So on a round organ the plain fit counts like the others.
     const auto mean = mean_way(warped() ? round_ : 0);
     if (!mean) return {};
     Adapting matched = shape_;
     matched.mesh.points = *mean;
-    if (const double warp_share = round_ * smooth_; warp_share > 0) {
+    if (smooth > 0) {
       const Points warped = warp_along_boundary(matched.mesh, found_.apply(reference_.points), landmarks_, search_);
-      matched.mesh.points = warp_share * warped + (1 - warp_share) * matched.mesh.points;
+      matched.mesh.points = smooth * warped + (1 - smooth) * matched.mesh.points;
     }
     if (auto done = adaptation_.settle_as_it_is(matched); !done) return done;
     ++part_of_progress_.first;
     const double share =
-        warped() ? 1 : (1 - vague) * std::max(smooth_, believed(adaptation_.strain(matched) / plain.strain));
+        warped() ? 1 : (1 - vague) * std::max(smooth, believed(adaptation_.strain(matched) / plain.strain));
     if (share == 0) return {};
     if (share < 1) {
       matched.mesh.points = share * matched.mesh.points + (1 - share) * plain.shape.mesh.points;
@@ -254,6 +253,7 @@ class Fitting {
     }
     ++part_of_progress_.first;
     shape_ = std::move(matched);
+    smooth_ = smooth;
     // Much of a round organ faces about the same way, and cases would vary more.
     return round_ == 1 ? Result<void>{} : adaptation_.slide_to_facing(shape_, 1 - round_);
   }
@@ -335,7 +335,7 @@ class Fitting {
     const bool told = result.landmarks_place || options_.allowed;
     result.doubt_mm =
         fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? adaptation_.strain(shape_) : ways_.front().strain,
-                     told ? 0 : round_ * (1 - told_if_smooth * smooth_), result.outliers);
+                     told ? 0 : round_ - told_if_smooth * smooth_, result.outliers);
     result.warnings = std::move(landmark_warnings_);
     result.mesh = std::move(mesh);
     return result;
@@ -354,7 +354,7 @@ class Fitting {
   const Boundary& boundary_;
   const FitOptions& options_;
   double round_;       ///< the organ, as its template tells: 0 … 1
-  double smooth_ = 0;  ///< how far the organ differs smoothly from its template: 0 … 1
+  double smooth_ = 0;  ///< how much a smooth warp decided, of a round organ: 0 … round_
   BoundarySearch search_;
   Adaptation adaptation_;
   Adapting shape_;                                              ///< as placed, at first; in the end what the fit makes

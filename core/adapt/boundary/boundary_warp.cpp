@@ -32,6 +32,10 @@ constexpr Eigen::Index about_samples = 260;
 constexpr double enough_landmarks = 8;
 constexpr double outlying = 4;  ///< times the median distance: another part of the organ
 
+WarpLengths lengths_of(const Shares& shares, double diagonal_mm) {
+  return {shares.reach * diagonal_mm, shares.bump * diagonal_mm, warp_lengths(diagonal_mm).noise_mm};
+}
+
 /// Where an organ is known to differ smoothly: what is typical of the parts of its displacement, at one diagonal of the
 /// bounding box from its centre. With so much shift, stretch and bend any quadratic map is nearly free.
 constexpr double shift = 0.1, stretch = 0.25, bend = 0.9;
@@ -46,15 +50,12 @@ using Covariance = std::function<Eigen::MatrixXd(const Points&, const Points&)>;
 Covariance quadratic_and_bumps(const Points& placed) {
   const Eigen::RowVector3d centre = placed.colwise().mean();
   const double diagonal_mm = bounds_of(placed).diagonal().norm();
+  const WarpKernel bumps(centre, lengths_of(beside_these, diagonal_mm));
   return [=](const Points& a, const Points& b) -> Eigen::MatrixXd {
     const Points from = (a.rowwise() - centre) / diagonal_mm, to = (b.rowwise() - centre) / diagonal_mm;
     const Eigen::ArrayXXd products = (from * to.transpose()).array(),
-                          distance2 = ((-2 * products.matrix()).colwise() + from.rowwise().squaredNorm()).rowwise() +
-                                      to.rowwise().squaredNorm().transpose();
-    const auto [reach, bump, noise] = beside_these;
-    return diagonal_mm * diagonal_mm *
-           (shift * shift + stretch * stretch * products + bend * bend * products.square() +
-            bump * bump * (distance2 / (-2 * reach * reach)).exp());
+                          quadratic = shift * shift + stretch * stretch * products + bend * bend * products.square();
+    return bumps(a, b) + (diagonal_mm * diagonal_mm * quadratic).matrix();
   };
 }
 
@@ -141,8 +142,7 @@ Points warp_to_boundary(const std::shared_ptr<const Topology>& topology, const P
   const double diagonal_mm = bounds_of(placed).diagonal().norm(), clicked_mm = warp_lengths(diagonal_mm).noise_mm,
                few = std::max(1.0, enough_landmarks / static_cast<double>(count));
   const Shares shares = shares_of(roundness, landmarks.noise_mm.minCoeff() / clicked_mm);
-  const WarpKernel kernel(placed.colwise().mean(), {shares.reach * diagonal_mm, shares.bump * diagonal_mm, clicked_mm});
-  const Look look{.kernel = kernel,
+  const Look look{.kernel = WarpKernel(placed.colwise().mean(), lengths_of(shares, diagonal_mm)),
                   .boundary_mm = shares.boundary_noise * diagonal_mm,
                   .stride = std::max<Eigen::Index>(1, placed.rows() / about_samples),
                   .rounds = rounds,

@@ -1,6 +1,5 @@
 #include <doctest/doctest.h>
 
-#include <filesystem>
 #include <numbers>
 
 #include "core/adapt/judge_fit.h"
@@ -8,12 +7,10 @@
 #include "core/deform/fold_guard.h"
 #include "core/measure/compare.h"
 #include "core/mesh/label_map.h"
-#include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
 #include "core/phantom/phantom.h"
 #include "core/template_making/mesh_template.h"
-#include "core/template_making/template_file.h"
 #include "core/volume/volume_io.h"
 #include "tests/adapting.h"
 #include "tests/ball.h"
@@ -38,28 +35,6 @@ double moved_by_a_last_bit(const Template& the_template, Volume mask, double clo
 
 const Similarity elsewhere{Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Vec3(1, 2, -1).normalized())), 1.2,
                            Vec3(40, -120, 300)};
-
-/// A surface with the landmarks that lie in a file beside it.
-MeshFile with_landmarks(const std::filesystem::path& file, const char* ending) {
-  MeshFile surface = read_mesh_file(file).value();
-  surface.landmarks = read_landmarks(std::filesystem::path(file).replace_extension(ending)).value();
-  return surface;
-}
-
-std::shared_ptr<const Template> even_template(const MeshFile& subject) {
-  MeshFile even = template_file(make_mesh_template(subject, {.vertices = 2500}).value().mesh, {});
-  even.landmarks = subject.landmarks;
-  return make_template(even, "even").value();
-}
-
-Boundary boundary_of_file(const MeshFile& surface) {
-  return mesh_boundary({Topology::make(surface.points.rows(), surface.triangles).value(), surface.points});
-}
-
-double off_by(const FitResult& fit, const MeshFile& there, const std::string& name) {
-  const auto fitted = landmarks_of({.landmarks = fit.landmarks}, {name}), expert = landmarks_of(there, {name});
-  return (fitted.at(name) - expert.at(name)).norm();
-}
 
 }  // namespace
 
@@ -361,38 +336,6 @@ TEST_CASE("a fit that is cancelled says so") {
       fit_to_boundary(*the_template, boundary_of({the_template->topology, the_template->points}, 3), options);
   REQUIRE(!fit);
   CHECK(fit.error().what == "the fit was cancelled");
-}
-
-TEST_CASE("a femur keeps its small features when it is fitted to another") {
-  const auto data = real_data();
-  if (data.empty()) return;
-  const MeshFile own = with_landmarks(data / "bones" / "fem_z009_R.ply", ".mrk.json"),
-                 there = with_landmarks(data / "bones" / "fem_z066_R.ply", ".mrk.json");
-  const auto fit = fit_to_boundary(*even_template(own), boundary_of_file(there)).value();
-  double sum_mm = 0;
-  for (const Landmark& landmark : there.landmarks) {
-    const double off_mm = off_by(fit, there, landmark.name);
-    sum_mm += off_mm;
-    if (landmark.name.starts_with("Lesser Trochanter")) CHECK(off_mm < 5);
-  }
-  CHECK(sum_mm / static_cast<double>(there.landmarks.size()) < 2.4);
-}
-
-TEST_CASE("landmarks of one side bring the other side of a real vertebra to its places") {
-  const auto data = real_data();
-  if (data.empty()) return;
-  const MeshFile own = with_landmarks(data / "vertebra_L1" / "sub-verse010_segment_20.ply", ".json"),
-                 there = with_landmarks(data / "vertebra_L1" / "sub-verse018_segment_20.ply", ".json");
-  const auto the_template = even_template(own);
-  const auto off_mm = [&](const FitOptions& options) {  // D and F, whose mirror images are A and E
-    const auto fit = fit_to_boundary(*the_template, boundary_of_file(there), options).value();
-    return (off_by(fit, there, "D") + off_by(fit, there, "F")) / 2;
-  };
-  const double alone_mm = off_mm({});
-  FitOptions shown;
-  shown.landmarks = landmarks_of(there, {"A", "E", "G"});
-  CAPTURE(alone_mm);
-  CHECK(off_mm(shown) < 0.75 * alone_mm);
 }
 
 TEST_CASE("an organ with features is matched as a whole and its vertices come near their true places") {

@@ -18,10 +18,10 @@ TEST_CASE("a warp along the boundary lays a kidney that differs smoothly near it
     const Boundary boundary = boundary_of(truth);
     BoundarySearch search(boundary, truth.points.rows());
     const Points placed = find_placement(*the_template, boundary).placement.apply(the_template->points);
-    const Points warped =
-        warp_along_boundary({the_template->topology, placed}, placed, {Points(0, 3), Points(0, 3), {}}, search);
+    const Mesh there{the_template->topology, search.nearest({the_template->topology, placed}).targets};
+    const Points warped = warp_along_boundary(there, placed, {Points(0, 3), Points(0, 3), {}}, search);
     CHECK(mean_distance(search.nearest({the_template->topology, warped}).targets, warped) < 0.8);
-    CHECK(mean_distance(warped, truth.points) < 0.8 * mean_distance(placed, truth.points));
+    CHECK(mean_distance(warped, truth.points) < 0.75 * mean_distance(placed, truth.points));
   }
 }
 

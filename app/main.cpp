@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
@@ -52,10 +53,12 @@ class ProgressLine {
     thread_ = std::jthread([this](const std::stop_token& stop) {
       std::unique_lock lock(mutex_);
       bool shown = false;
+      double farthest = 0;  // a work that has to begin anew stands still for a while
       for (int tick = 0; !stop.stop_requested(); ++tick) {
         stopped_.wait_for(lock, stop, std::chrono::milliseconds(100), [] { return false; });
         if (tick < 5 || stop.stop_requested()) continue;
-        std::fprintf(stderr, "\r%3.0f %% (Ctrl-C stops)", 100 * verb_progress.fraction());
+        farthest = std::max(farthest, std::min(verb_progress.fraction(), 1.0));
+        std::fprintf(stderr, "\r%3.0f %% (Ctrl-C stops)", 100 * farthest);
         shown = true;
       }
       if (shown) std::fputs("\r\033[K", stderr);

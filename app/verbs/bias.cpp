@@ -20,9 +20,8 @@ Result<Report> study_bias(const BiasJob& options, Progress& progress) {
   progress.part(0, 0.05);
   auto read = read_subjects(options.subjects, progress);
   if (!read) return fail(read.error());
-  progress.part(0, 1);
-  Progress fitting(progress, 0.95);
-  const auto bias = template_bias(read->subjects, {options.subjects.vertices, options.consensus, &fitting});
+  progress.part(0.05, 1);
+  const auto bias = template_bias(read->subjects, {options.subjects.vertices, options.consensus, &progress});
   if (!bias) return fail(options.subjects.files.front().string(), bias.error().what);
   Report report;
   report.warnings = std::move(read->warnings);

@@ -64,8 +64,7 @@ Result<Cut> tunnels_cut(const Mesh& surface, const RepairJob& job, Progress& pro
   Cut cut;
   std::vector<Mesh> parts;
   for (std::size_t k = 0; k < groups.size(); ++k) {
-    progress.part(static_cast<double>(k) / static_cast<double>(groups.size()),
-                  static_cast<double>(k + 1) / static_cast<double>(groups.size()));
+    Progress of_group(progress, 1 / static_cast<double>(groups.size()));
     if (!needs_rebuilding(largest_part(groups[k]), rule)) {
       parts.push_back(groups[k]);
       continue;
@@ -73,7 +72,7 @@ Result<Cut> tunnels_cut(const Mesh& surface, const RepairJob& job, Progress& pro
     MeshTemplateOptions making;
     making.genus = rule;
     making.vertices = vertices_of(job, groups[k], surface_area_mm2(groups[k]) / area_mm2);
-    auto made = make_mesh_template({groups[k].points, groups[k].topology->triangles()}, making, &progress);
+    auto made = make_mesh_template({groups[k].points, groups[k].topology->triangles()}, making, &of_group);
     if (!made) return fail(made.error());
     if (!groups[k].topology->closed())
       cut.warnings.push_back("holes that --holes " + job.holes +

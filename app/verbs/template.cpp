@@ -179,11 +179,10 @@ Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
   auto read = read_subjects(
       {options.consensus, {}, options.labels, options.closing_mm, options.vertices, options.flip_mirrored}, progress);
   if (!read) return fail(read.error());
-  progress.part(0, 1);
-  Progress making(progress, 0.95);
+  progress.part(0.05, 1);
   std::vector<Boundary> subjects;
   for (BiasSubject& subject : read->subjects) subjects.push_back(std::move(subject.boundary));
-  const auto made = consensus_template(subjects, {.vertices = options.vertices, .progress = &making});
+  const auto made = consensus_template(subjects, {.vertices = options.vertices, .progress = &progress});
   if (!made) return fail(options.consensus.front().string(), made.error().what);
   std::vector<std::string> warnings = std::move(read->warnings);
   Json names = Json::array();

@@ -16,7 +16,8 @@ namespace homolog {
 
 namespace {
 
-constexpr double stays_off_edges = 0.1;  ///< mean edges, root mean square: farther off the boundary is off it
+/// Of the root of the boundary's area: how much farther off it a way may end, and as what a vertex counts at most.
+constexpr double stays_off_share = 0.0015, most_counted_share = 0.03;
 constexpr int settling_steps = 3, sliding_steps = 2;
 /// Of the mesh's diagonal: how far a partial fit looks for counterparts, at first and at last.
 constexpr double widest_reach = 0.1, closest_reach = 0.015;
@@ -30,6 +31,7 @@ Adaptation::Adaptation(const Template& the_template, const Boundary& boundary, B
       boundary_(boundary),
       search_(search),
       options_(options),
+      size_mm_(std::sqrt(surface_area_mm2(boundary.surface))),
       show_(std::move(show)),
       solver_(the_template.topology),
       factors_(the_template.stiffness / the_template.stiffness.mean()) {}
@@ -43,8 +45,8 @@ Result<Adapted> Adaptation::adapt(const Points& points, const Similarity& placem
   if (auto done = anneal_to_boundary(shape, annealing); !done) return fail(done.error());
   shape.rest = reference;
   if (auto done = settle(shape); !done) return fail(done.error());
-  const double strain_left = strain(shape), force_left_mm2 = force_mm2(shape.mesh);
-  return Adapted{std::move(shape), strain_left, force_left_mm2};
+  const double strain_left = strain(shape), left_mm2 = off_mm2(shape.mesh);
+  return Adapted{std::move(shape), strain_left, left_mm2};
 }
 
 Result<void> Adaptation::anneal_to_boundary(Adapting& shape, const Annealing& annealing) {
@@ -78,7 +80,7 @@ Result<void> Adaptation::settle_as_it_is(Adapting& shape) {
 
 Result<void> Adaptation::slide_to_facing(Adapting& shape, double share) {
   const Adapting before = shape;
-  const double most_mm = most_off_mm(before.mesh, force_mm2(before.mesh)),
+  const double most_mm = most_off_mm(off_mm2(before.mesh)),
                edge_mm = mean_edge_mm(*reference_.topology, shape.mesh.points),
                diagonal_mm = bounds_of(shape.mesh.points).diagonal().norm();
   const FacingSearch facing(boundary_.surface, reference_.points.rows());
@@ -91,7 +93,7 @@ Result<void> Adaptation::slide_to_facing(Adapting& shape, double share) {
   if (auto done = anneal(shape, solver_, equally_stiff, forces); !done) return done;
   shape.mesh.points = share * shape.mesh.points + (1 - share) * before.mesh.points;
   if (auto done = settle_as_it_is(shape); !done) return done;
-  if (!(std::sqrt(force_mm2(shape.mesh)) <= most_mm)) shape = before;
+  if (!(std::sqrt(off_mm2(shape.mesh)) <= most_mm)) shape = before;
   return {};
 }
 
@@ -109,9 +111,10 @@ Force Adaptation::with_landmarks(BoundaryPull pull, const Mesh& mesh) const {
   return {weights, weights.asDiagonal() * pull.targets};
 }
 
-double Adaptation::force_mm2(const Mesh& mesh) {
+double Adaptation::off_mm2(const Mesh& mesh) {
   const BoundaryPull left = search_.pull(mesh);
-  const auto away_mm2 = (left.targets - mesh.points).rowwise().squaredNorm();
+  const double most_mm = most_counted_share * size_mm_;
+  const VertexScalars away_mm2 = (left.targets - mesh.points).rowwise().squaredNorm().cwiseMin(most_mm * most_mm);
   return left.weights.dot(away_mm2) / static_cast<double>(mesh.points.rows());
 }
 
@@ -119,8 +122,8 @@ double Adaptation::strain(const Adapting& shape) const {
   return strain_share(*reference_.topology, template_placed(shape), shape.mesh.points);
 }
 
-double Adaptation::most_off_mm(const Mesh& mesh, double force_mm2) {
-  return std::sqrt(force_mm2) + stays_off_edges * mean_edge_mm(*mesh.topology, mesh.points);
+double Adaptation::most_off_mm(double left_mm2) const {
+  return std::sqrt(left_mm2) + stays_off_share * size_mm_;
 }
 
 Points Adaptation::unplaced(const Points& shape) const {

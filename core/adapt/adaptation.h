@@ -11,8 +11,8 @@ namespace homolog {
 /// What an adaptation made of a start.
 struct Adapted {
   Adapting shape;
-  double strain;     ///< see Adaptation::strain
-  double force_mm2;  ///< see Adaptation::force_mm2
+  double strain;   ///< see Adaptation::strain
+  double off_mm2;  ///< see Adaptation::off_mm2
 };
 
 /// The steps that bring a template's mesh to a boundary; a fit is made of them [fit_to_boundary]. Each tells `show`
@@ -51,15 +51,16 @@ class Adaptation {
   /// parts may be missing, counterparts must lie the nearer the larger it is. `placement`: of the template, about.
   Force force(const Mesh& mesh, const Similarity& placement, double share);
 
-  /// What is left of the boundary's pull: E_force a vertex [Erdt 2009, Eq. 2].
-  double force_mm2(const Mesh& mesh);
+  /// How far the boundary still pulls, squared, on average over vertices. Each counts as a small share of the organ at
+  /// most: a fold may hold some back, or show them a counterpart beyond, and they say nothing of the others.
+  double off_mm2(const Mesh& mesh);
 
   /// Of the template under its nearest similarity [strain_share].
   double strain(const Adapting& shape) const;
 
-  /// Where such a pull is left of a mesh: a way that ends farther off the boundary than this, as root mean square, is
-  /// off it.
-  static double most_off_mm(const Mesh& mesh, double force_mm2);
+  /// Where a way ends off the boundary by such an `off_mm2`, another that ends farther off than this, as root mean
+  /// square, does not lie on it. A share of the organ, so that it does not depend on how fine the mesh is.
+  double most_off_mm(double left_mm2) const;
 
   /// A shape (n×3) where the template lies before it is placed.
   Points unplaced(const Points& shape) const;
@@ -73,6 +74,7 @@ class Adaptation {
   const Boundary& boundary_;
   BoundarySearch& search_;
   const FitOptions& options_;
+  double size_mm_;  ///< root of the boundary's area
   Show show_;
   ShapeSolver solver_;
   VertexScalars factors_;  ///< of the stiffness; their mean is 1

@@ -29,13 +29,15 @@ constexpr Annealing from_placement{.steps = 16, .softest_edges = 1},
     of_parts{.steps = 16, .softest_edges = 2};  ///< a softer shape shrinks into what is there
 /// Times the strain of the plain fit: a match counts in full up to the first, and from the second on it is wrong.
 constexpr double full_strain_ratio = 1.6, most_strain_ratio = 2;
-constexpr double less_strain_counts = 12;  ///< the power of the strain by which matches are averaged
+/// Matches are averaged by the inverse of their energy to this power. It is the strain, and this many times the mean
+/// square by which they are off the boundary, as a share of its area.
+constexpr double less_energy_counts = 12, off_counts = 1000;
 /// Of the root of the boundary's area, root mean square: a match that lies nearer to the boundary than the first tells
 /// all, and beyond the second it tells nothing. Phantom kidneys come to 0.14 to 0.20 %, real ones to 0.29 % and more.
 constexpr double full_smooth_off = 0.002, most_smooth_off = 0.0027;
 constexpr double told_if_smooth = 0.5;  ///< of the doubt that is due to roundness, how much such a match takes away
-/// Of placements of a partial fit: one that leaves more than this times the force of the first is not counted.
-constexpr double most_force_ratio = 1.5;
+/// Of placements of a partial fit: one that ends off by more than this times the mean square of the first is not counted.
+constexpr double most_off_ratio = 1.5;
 /// Of the work after the ways: their mean, that with the plain fit, and the slide.
 constexpr std::size_t finishing_parts = 3;
 constexpr double about_as_likely = 1.15;  ///< times the least strain of the ways that were tried
@@ -134,7 +136,7 @@ class Fitting {
                    warp_to_boundary(reference_.topology, placed, landmarks_, whole() ? round_ : 0, search_)};
     if (!shape_.mesh.points.allFinite() || !(found_.scale > 0))
       return fail("", "the template cannot be placed on the surface: one of them is flat or has no size; check both");
-    return show(shape_.mesh.points, 0.1);
+    return show(shape_.mesh.points, 0);
   }
 
   /// `from`: where the template's landmarks are under its similarity; `to`: where they belong, k×3.
@@ -206,7 +208,7 @@ class Fitting {
       ++part_of_progress_.first;
       auto way = adapt({placement.apply(reference_.points)}, placement);
       if (!way) return fail(way.error());
-      if (way->force_mm2 <= most_force_ratio * tried.front().way.force_mm2)
+      if (way->off_mm2 <= most_off_ratio * tried.front().way.off_mm2)
         add(std::move(*way), missing_in(way->shape.mesh));
     }
     std::stable_sort(tried.begin(), tried.end(), [](const Tried& a, const Tried& b) { return a.strain < b.strain; });
@@ -261,7 +263,7 @@ class Fitting {
   /// Whether a smooth displacement alone takes the template to the boundary: 1 where this match lies on it, 0 where the
   /// organ has a shape that no smooth displacement gives.
   double differs_smoothly(const FitStart& match) {
-    const double off_mm = std::sqrt(adaptation_.force_mm2({reference_.topology, match.points})),
+    const double off_mm = std::sqrt(adaptation_.off_mm2({reference_.topology, match.points})),
                  off = off_mm / std::sqrt(surface_area_mm2(boundary_.surface));
     return std::clamp((most_smooth_off - off) / (most_smooth_off - full_smooth_off), 0.0, 1.0);
   }
@@ -271,25 +273,26 @@ class Fitting {
     return std::clamp((most_strain_ratio - strain_ratio) / (most_strain_ratio - full_strain_ratio), 0.0, 1.0);
   }
 
-  /// The mean of the ways that lie on the boundary, n×3, those that strain the shape less counting far more. The plain
-  /// fit is weighed by `plain_counts`; with landmarks the others by how far they are believed, else the mean is judged.
-  /// None where no way counts.
+  /// The mean of the ways that lie on the boundary, n×3, those of less energy counting far more. The plain fit is
+  /// weighed by `plain_counts`; with landmarks the others by how far they are believed, else the mean is judged. None
+  /// where no way counts.
   std::optional<Points> mean_way(double plain_counts) const {
     const Adapted& plain = ways_.front();
-    const double most_off_mm = Adaptation::most_off_mm(plain.shape.mesh, plain.force_mm2);
+    const double most_off_mm = adaptation_.most_off_mm(plain.off_mm2), area_mm2 = surface_area_mm2(boundary_.surface);
     const auto counts = [&](const Adapted& way) {
-      if (!(std::sqrt(way.force_mm2) <= most_off_mm && way.strain > 0)) return 0.0;
+      if (!(std::sqrt(way.off_mm2) <= most_off_mm && way.strain > 0)) return 0.0;
       if (&way == &plain) return plain_counts;
       return warped() ? believed(way.strain / plain.strain) : 1.0;
     };
-    double least_strain = std::numeric_limits<double>::infinity();
+    const auto energy = [&](const Adapted& way) { return way.strain + off_counts * way.off_mm2 / area_mm2; };
+    double least = std::numeric_limits<double>::infinity();
     for (const Adapted& way : ways_)
-      if (counts(way) > 0) least_strain = std::min(least_strain, way.strain);
+      if (counts(way) > 0) least = std::min(least, energy(way));
     Points sum = Points::Zero(reference_.points.rows(), 3);
     double weights = 0;
     for (const Adapted& way : ways_) {
       if (counts(way) == 0) continue;
-      const double weight = counts(way) * std::pow(least_strain / way.strain, less_strain_counts);
+      const double weight = counts(way) * std::pow(least / energy(way), less_energy_counts);
       sum += weight * way.shape.mesh.points;
       weights += weight;
     }

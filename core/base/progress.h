@@ -9,7 +9,8 @@ namespace homolog {
 class Progress {
  public:
   Progress() = default;
-  /// Of a part of a larger work, whose progress outlives this one: `share` of the whole, which can cancel it too.
+  /// Of a part of a larger work, whose progress outlives this one: `share` of the whole, or of that part of it which is
+  /// under way. The whole can cancel it too.
   Progress(Progress& whole, double share) : whole_(&whole), share_(static_cast<float>(share)) {}
 
   /// `fraction` of the work (or of its part) done, 0…1.
@@ -17,7 +18,7 @@ class Progress {
     const float from = from_.load(std::memory_order_relaxed), to = to_.load(std::memory_order_relaxed);
     const float now = from + (to - from) * static_cast<float>(fraction);
     const float before = fraction_.exchange(now, std::memory_order_relaxed);
-    if (whole_ != nullptr) whole_->fraction_.fetch_add(share_ * (now - before), std::memory_order_relaxed);
+    if (whole_ != nullptr) whole_->grow(share_ * (now - before));
   }
   /// What is reported from now on counts for the part of the work between these fractions; 0 and 1: for the whole.
   void part(double from, double to) {
@@ -31,6 +32,13 @@ class Progress {
   }
 
  private:
+  /// By what a part of it reports.
+  void grow(float fraction) {
+    const float more = fraction * (to_.load(std::memory_order_relaxed) - from_.load(std::memory_order_relaxed));
+    fraction_.fetch_add(more, std::memory_order_relaxed);
+    if (whole_ != nullptr) whole_->grow(share_ * more);
+  }
+
   std::atomic<float> fraction_{0}, from_{0}, to_{1};
   std::atomic<bool> cancelled_{false};
   Progress* whole_ = nullptr;

@@ -40,7 +40,7 @@ TEST_CASE("vertices slide back onto a ridge, as far as asked, and stay on the bo
   const auto off_mm = [&](double share) {
     Adapting shape = shafts.slid();
     REQUIRE(adaptation.slide_to_facing(shape, share));
-    CHECK(std::sqrt(adaptation.force_mm2(shape.mesh)) < 0.1 * mean_edge_mm(*shape.mesh.topology, shape.mesh.points));
+    CHECK(std::sqrt(adaptation.off_mm2(shape.mesh)) < 0.1 * mean_edge_mm(*shape.mesh.topology, shape.mesh.points));
     return shapes::apart_at_ridge_mm(shafts.own, shape.mesh.points, shafts.there.points);
   };
   const double stayed_mm = off_mm(0), half_mm = off_mm(0.5), full_mm = off_mm(1);
@@ -61,6 +61,17 @@ TEST_CASE("a slide that would end off the boundary is undone") {
   REQUIRE(adaptation.slide_to_facing(shape, 1));
   CHECK(shape.mesh.points == before.mesh.points);
   CHECK(shape.rest == before.rest);
+}
+
+TEST_CASE("a vertex that is far off says nothing of where the mesh lies") {
+  Shafts shafts;
+  Adaptation adaptation = shafts.adaptation();
+  Mesh mesh = shafts.there;
+  const double most_mm = adaptation.most_off_mm(adaptation.off_mm2(mesh));
+  mesh.points.row(0) += Eigen::RowVector3d(0, 500, 0);
+  CHECK(std::sqrt(adaptation.off_mm2(mesh)) < most_mm);
+  mesh.points.rowwise() += Eigen::RowVector3d(0, 1, 0);
+  CHECK(std::sqrt(adaptation.off_mm2(mesh)) > most_mm);
 }
 
 TEST_CASE("what is shown can end each step of an adaptation") {

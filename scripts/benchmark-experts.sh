@@ -35,7 +35,7 @@ report=$("$homolog" study experts "${shapes[@]}" --landmarks "$folder" "${raters
 cat "$out/experts.md"
 
 # The worst fit, and beside it point drift to the same subject: the same hue is the same vertex.
-worst=$(printf '%s' "$report" | sed -n 's/.*"worst":{"template":"[^"]*","subject":"[^"]*","mean_mm":[^,]*,"mesh":"\([^"]*\)".*/\1/p')
+worst=$(printf '%s' "$report" | tr -d '\n' | sed -n 's/.*"worst": *{[^}]*"mesh": *"\([^"]*\)".*/\1/p')
 if [ -n "$worst" ]; then
   echo
   if "$homolog" picture correspondence "$worst" "${worst%-fit.ply}-drift.ply" -o "$out/worst.png" > /dev/null; then

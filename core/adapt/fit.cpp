@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "core/adapt/adaptation.h"
@@ -36,7 +37,8 @@ constexpr double less_energy_counts = 12, off_counts = 1000;
 /// all, and beyond the second it tells nothing. Phantom kidneys come to 0.14 to 0.20 %, real ones to 0.29 % and more.
 constexpr double full_smooth_off = 0.002, most_smooth_off = 0.0027;
 constexpr double told_if_smooth = 0.5;  ///< of the doubt that is due to roundness, how much such a match takes away
-/// Of placements of a partial fit: one that ends off by more than this times the mean square of the first is not counted.
+/// Of placements of a partial fit: one that ends off by more than this times the mean square of the first is not
+/// counted.
 constexpr double most_off_ratio = 1.5;
 /// Of the work after the ways: their mean, that with the plain fit, and the slide.
 constexpr std::size_t finishing_parts = 3;
@@ -58,6 +60,13 @@ Boundary with_cuts_marked(const Template& the_template, const Boundary& boundary
   const Mesh there{the_template.topology, placed.placement.apply(the_template.points)};
   marked.cut = cut_faces(boundary.surface, flat, there);
   return marked;
+}
+
+/// What is in one list or in both. Both ascend.
+std::vector<std::int32_t> either(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) {
+  std::vector<std::int32_t> both;
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  return both;
 }
 
 class Fitting {
@@ -208,8 +217,7 @@ class Fitting {
       ++part_of_progress_.first;
       auto way = adapt({placement.apply(reference_.points)}, placement);
       if (!way) return fail(way.error());
-      if (way->off_mm2 <= most_off_ratio * tried.front().way.off_mm2)
-        add(std::move(*way), missing_in(way->shape.mesh));
+      if (way->off_mm2 <= most_off_ratio * tried.front().way.off_mm2) add(std::move(*way), missing_in(way->shape.mesh));
     }
     std::stable_sort(tried.begin(), tried.end(), [](const Tried& a, const Tried& b) { return a.strain < b.strain; });
     for (const Tried& one : tried)
@@ -338,7 +346,7 @@ class Fitting {
     const bool told = result.landmarks_place || options_.allowed;
     result.doubt_mm =
         fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? adaptation_.strain(shape_) : ways_.front().strain,
-                     told ? 0 : round_ - told_if_smooth * smooth_, result.outliers);
+                     told ? 0 : round_ - told_if_smooth * smooth_, either(result.outliers, result.unseen));
     result.warnings = std::move(landmark_warnings_);
     result.mesh = std::move(mesh);
     return result;

@@ -19,13 +19,13 @@ constexpr double farther_if_missing = 0.15;
 }  // namespace
 
 VertexScalars fit_doubt_mm(const Mesh& mesh, const VertexScalars& spread_mm2, double strain, double roundness,
-                           const std::vector<std::int32_t>& outliers) {
+                           const std::vector<std::int32_t>& missing) {
   const Eigen::Array3d everywhere{least_doubt, doubt_by_strain * strain, doubt_if_round * roundness};
   const double area_mm2 = surface_area_mm2(mesh), farther_mm = farther_if_missing * std::sqrt(area_mm2);
   VertexScalars doubt_mm2 = spread_mm2.array() + everywhere.square().sum() * area_mm2;
   std::vector<char> lacking(index(mesh.points.rows()), 0);
-  for (const std::int32_t i : outliers) lacking[index(i)] = 1;
-  for (const std::int32_t i : outliers) {
+  for (const std::int32_t i : missing) lacking[index(i)] = 1;
+  for (const std::int32_t i : missing) {
     double nearest_mm2 = std::numeric_limits<double>::infinity();
     for (Eigen::Index j = 0; j < mesh.points.rows(); ++j)
       if (lacking[index(j)] == 0)

@@ -171,6 +171,9 @@ TEST_CASE("the script of the experts' tables takes surfaces and landmarks of sev
   const std::string unrated = tables();
   CHECK(unrated.find("| k0 | point drift |") != std::string::npos);
   CHECK(unrated.find("| landmark | fit |") != std::string::npos);
+  CHECK(unrated.find("Worst fit: ") != std::string::npos);
+  CHECK((fs::exists(folder.path / "benchmark-experts" / "worst.png") ||
+         unrated.find("no picture of it could be drawn") != std::string::npos));
   REQUIRE(write_whole_file(bones / "raters.csv", "landmark,mm\ntip,1.25\n"));
   const std::string rated = tables();
   CHECK(rated.find("| landmark | raters | fit |") != std::string::npos);

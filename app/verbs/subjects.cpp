@@ -95,12 +95,18 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
     if (!results[k]) return fail(results[k].error());
     read.warnings.insert(read.warnings.end(), warnings[k].begin(), warnings[k].end());
   }
-  if (!files.flip_mirrored) return read;
   std::vector<Boundary> boundaries;
   for (const BiasSubject& subject : read.subjects) boundaries.push_back(subject.boundary);
   for (const std::size_t k : mirrored_subjects(boundaries)) {
-    flip_subject(read.subjects[k]);
-    read.flipped.push_back(read.subjects[k].name);
+    BiasSubject& subject = read.subjects[k];
+    if (!files.flip_mirrored) {
+      read.warnings.push_back(subject.name +
+                              ": looks like a mirror image of most others; flip such subjects with "
+                              "--flip-mirrored, or leave it out");
+      continue;
+    }
+    flip_subject(subject);
+    read.flipped.push_back(subject.name);
   }
   return read;
 }

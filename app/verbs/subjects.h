@@ -26,8 +26,8 @@ struct SubjectsRead {
 };
 
 /// Reads all, several at a time, in the order of their names. With `flip_mirrored` those that look like mirror images
-/// of most others are flipped with their landmarks. Errors: a file that cannot be read, two of one name, a folder
-/// without surfaces, labels or a closing for surfaces only, cancelled.
+/// of most others are flipped with their landmarks; without it, warnings name them. Errors: a file that cannot be read,
+/// two of one name, a folder without surfaces, labels or a closing for surfaces only, cancelled.
 Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress);
 
 }  // namespace homolog

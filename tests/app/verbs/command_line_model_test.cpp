@@ -4,6 +4,7 @@
 #include "core/mesh/label_map.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/mirror.h"
 #include "core/volume/volume_io.h"
 #include "tests/command_line.h"
 #include "tests/real_data.h"
@@ -113,6 +114,28 @@ TEST_CASE("template --consensus takes several subjects in any order") {
   CHECK(run(folder, "template -o t.ply").status == 2);
   CHECK(run(folder, "template k0.ply --consensus k1.ply k3.ply -o t.ply").status == 2);
   check_refused(run(folder, "template --consensus k0.ply absent.ply -o t.ply"), "absent.ply");
+}
+
+TEST_CASE("mirror images among the subjects of a consensus are named, or flipped where asked") {
+  const TemporaryFolder folder;
+  for (int k = 0; k < 3; ++k) {
+    Mesh one = icosphere(3, 40);
+    one.points.col(2) *= 1.3 + 0.05 * k;
+    for (Eigen::Index i = 0; i < one.points.rows(); ++i) {
+      auto p = one.points.row(i);
+      p.x() += 0.01 * p.y() * p.z() + 0.006 * p.y() * p.y();  // no plane of symmetry
+    }
+    const MeshFile file{one.points, one.topology->triangles()};
+    REQUIRE(write_mesh_file(k == 1 ? mirrored(file) : file, folder.path / ("s" + std::to_string(k) + ".ply")));
+  }
+  const std::string verb = "template --consensus s0.ply s1.ply s2.ply -o t.ply --vertices 300 --json";
+  const Ran asked = run(folder, verb + " --flip-mirrored"), plain = run(folder, verb);
+  REQUIRE_MESSAGE(plain.status == 0, plain.errors);
+  CHECK(plain.errors.find("s1: looks like a mirror image of most others") != std::string::npos);
+  CHECK(plain.errors.find("--flip-mirrored") != std::string::npos);
+  CHECK(plain.errors.find("s0: looks") == std::string::npos);
+  REQUIRE_MESSAGE(asked.status == 0, asked.errors);
+  CHECK(asked.errors.find("looks like a mirror image") == std::string::npos);
 }
 
 TEST_CASE("studies of templates and experts report landmarks by name and the script prints their tables") {

@@ -9,7 +9,7 @@ if [ $# -lt 1 ] || [ ! -d "$1" ]; then
   cat >&2 <<USAGE
 usage: $0 FOLDER [--templates N] [--shown NAME,NAME] [--flip-mirrored] [--vertices N]
 
-FOLDER holds a surface of each subject, NAME.ply (or .stl, .obj, .off, .vtk, .vtp), and its landmarks, NAME.mrk.json
+FOLDER holds a surface of each subject, NAME.ply (or .stl, .obj, .vtk, .vtp), and its landmarks, NAME.mrk.json
 (or .fcsv, .json). Subjects without landmarks are left out. A file raters.csv with lines LANDMARK,MM may say how far
 the raters lie from their consensus. The tables go to the screen and, with the fitted meshes and a picture of the
 worst fit, into the folder OUT (else ./benchmark-experts). HOMOLOG names the program (else build/release/homolog).
@@ -20,7 +20,7 @@ folder=$1
 shift
 
 shapes=()
-for mesh in "$folder"/*.{ply,stl,obj,off,vtk,vtp}; do
+for mesh in "$folder"/*.{ply,stl,obj,vtk,vtp}; do
   name=${mesh%.*}
   if [ -e "$name.mrk.json" ] || [ -e "$name.fcsv" ] || [ -e "$name.json" ]; then shapes+=("$mesh"); fi
 done

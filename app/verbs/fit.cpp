@@ -158,7 +158,7 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
                             {"self_intersections", fit.self_intersections},
                             {"unseen_vertices", fit.unseen.size()},
                             {"doubtful", judgement.doubtful},
-                            {"mirrored", judgement.mirrored},
+                            {"mirrored", fit.mirrored},
                             {"landmarks_used", fit.landmarks_used},
                             {"landmarks_place", fit.landmarks_place},
                             {"placement", to_json(fit.placement)},
@@ -167,6 +167,7 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
   if (partial) {
     report.values["outliers"] = fit.outliers.size();
     report.values["sound_mm"] = judgement.sound_mm;
+    report.values["target_mm"] = {{"mean", judgement.target.mean_mm}, {"p95", judgement.target.p95_mm}};
   }
   if (fit.allowed.size() > 0)
     report.values["model"] = described_allowed(fit.allowed, fit.mesh, target.boundary.surface);

@@ -344,8 +344,13 @@ class Fitting {
     result.landmarks_used = static_cast<std::size_t>((trust_.array() >= believable).count());
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
     const bool told = result.landmarks_place || options_.allowed;
+    VertexScalars spread = spread_mm2();
+    if (const auto image = mirror_image_there(reference_, boundary_, options_.orientation, options_.partial)) {
+      result.mirrored = true;
+      spread += (*image - mesh.points).rowwise().squaredNorm();
+    }
     result.doubt_mm =
-        fit_doubt_mm(mesh, spread_mm2(), ways_.empty() ? adaptation_.strain(shape_) : ways_.front().strain,
+        fit_doubt_mm(mesh, spread, ways_.empty() ? adaptation_.strain(shape_) : ways_.front().strain,
                      told ? 0 : round_ - told_if_smooth * smooth_, either(result.outliers, result.unseen));
     result.warnings = std::move(landmark_warnings_);
     result.mesh = std::move(mesh);

@@ -1,8 +1,11 @@
 #include "core/adapt/judge_fit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
+#include "core/adapt/boundary/cut_faces.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
@@ -30,8 +33,8 @@ std::optional<std::string> riddled(const Template& the_template) {
 }
 
 /// Why the fit is doubtful.
-std::string poor_fit(const Agreement& agreement, double doubt_share) {
-  if (agreement.dice < least_dice || doubt_share > most_doubt_share)
+std::string poor_fit(const Agreement& agreement, double doubt_share, bool partial) {
+  if (partial || agreement.dice < least_dice || doubt_share > most_doubt_share)
     return "the fit is poor; check that the template is not of another organ or side, and that the label is right";
   char text[200];
   std::snprintf(text, sizeof text,
@@ -39,6 +42,36 @@ std::string poor_fit(const Agreement& agreement, double doubt_share) {
                 "at the hilum, and pull the mesh there",
                 agreement.hd95_mm);
   return text;
+}
+
+/// How far the boundary, without its cuts, lies from the mesh of a partial fit: mean and 95th percentile by area.
+TargetDistance target_distance(Boundary boundary, const Mesh& mesh) {
+  const Mesh& surface = boundary.surface;
+  if (const auto flat = flat_faces(surface); !flat.empty()) boundary.cut = cut_faces(surface, flat, mesh);
+  const SurfaceSearch search(mesh);
+  const Triangles& triangles = surface.topology->triangles();
+  std::vector<std::pair<double, double>> parts;  // distance, area
+  double area = 0, sum = 0;
+  for (std::int32_t face = 0; face < triangles.rows(); ++face) {
+    if (!boundary.is_own(face)) continue;
+    const Vec3 middle = (surface.points.row(triangles(face, 0)) + surface.points.row(triangles(face, 1)) +
+                         surface.points.row(triangles(face, 2)))
+                            .transpose() /
+                        3;
+    const double off_mm = (search.nearest(middle).position - middle).norm(), part = area_normal(surface, face).norm();
+    parts.emplace_back(off_mm, part);
+    area += part;
+    sum += part * off_mm;
+  }
+  if (!(area > 0)) return {};
+  std::sort(parts.begin(), parts.end());
+  TargetDistance distance{sum / area, 0};
+  double below = 0;
+  for (const auto& [off_mm, part] : parts) {
+    distance.p95_mm = off_mm;
+    if ((below += part) >= 0.95 * area) break;
+  }
+  return distance;
 }
 
 /// Judges what the boundary shows of a partial fit.
@@ -54,13 +87,16 @@ void judge_partial(const Boundary& boundary, const FitResult& fit, FitJudgement&
       sum_mm += (search.nearest(points.row(i)).position - Vec3(points.row(i))).norm();
   const auto there = static_cast<double>(points.rows() - std::ssize(fit.outliers));
   judgement.sound_mm = there > 0 ? sum_mm / there : 0;
+  judgement.target = target_distance(boundary, fit.mesh);
   // What is missing is in doubt by nature.
   double sound_doubt_mm = 0;
   for (Eigen::Index i = 0; i < fit.doubt_mm.size(); ++i)
     if (missing[static_cast<std::size_t>(i)] == 0) sound_doubt_mm += fit.doubt_mm[i] / there;
-  const bool in_doubt = sound_doubt_mm > most_doubt_share * std::sqrt(surface_area_mm2(fit.mesh));
-  judgement.doubtful = in_doubt || there < (1 - most_missing) * static_cast<double>(points.rows()) ||
-                       judgement.sound_mm > most_mean_share * bounds_of(boundary.surface.points).diagonal().norm();
+  const bool in_doubt = sound_doubt_mm > much_doubt_mm(surface_area_mm2(fit.mesh));
+  const double diagonal_mm = bounds_of(boundary.surface.points).diagonal().norm();
+  judgement.doubtful = fit.mirrored || in_doubt || there < (1 - most_missing) * static_cast<double>(points.rows()) ||
+                       std::max(judgement.sound_mm, judgement.target.mean_mm) > most_mean_share * diagonal_mm ||
+                       judgement.target.p95_mm > most_share * diagonal_mm;
 }
 
 }  // namespace
@@ -71,16 +107,14 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
   if (fit.doubt_mm.size() > 0)
     judgement.doubt_share = fit.doubt_mm.mean() / std::sqrt(surface_area_mm2(boundary.surface));
-  judgement.mirrored = !options.partial && looks_mirrored(the_template, boundary, options.orientation);
   judgement.doubtful =
-      judgement.mirrored || judgement.doubt_share > most_doubt_share || is_doubtful(judgement.agreement, boundary);
+      fit.mirrored || judgement.doubt_share > most_doubt_share || is_doubtful(judgement.agreement, boundary);
   if (options.partial) judge_partial(boundary, fit, judgement);
   judgement.warnings = boundary.warnings;
   judgement.warnings.insert(judgement.warnings.end(), fit.warnings.begin(), fit.warnings.end());
-  if (judgement.mirrored)
+  if (fit.mirrored)
     judgement.warnings.emplace_back(
-        "the organ looks like the template's mirror image; use the template of the other side (fit --mirror, or Mirror "
-        "left and right in the editor)");
+        "the organ looks like the template's mirror image; mirror the template, or use that of the other side");
   if (auto many = riddled(the_template)) judgement.warnings.push_back(std::move(*many));
   const bool tangled = fit.turned_triangles + fit.self_intersections > 0;
   if (!judgement.doubtful && !tangled) return judgement;
@@ -88,8 +122,8 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   if (faults.any())
     judgement.warnings.push_back("the template itself has " + faults.words() +
                                  ", so its fits have faults too; make it again from a surface without faults");
-  else if (judgement.doubtful && !judgement.mirrored)
-    judgement.warnings.push_back(poor_fit(judgement.agreement, judgement.doubt_share));
+  else if (judgement.doubtful && !fit.mirrored)
+    judgement.warnings.push_back(poor_fit(judgement.agreement, judgement.doubt_share, options.partial));
   else if (tangled)
     judgement.warnings.emplace_back(
         "some triangles are turned or pass through each other, because the organ differs too much from the template "

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -11,17 +12,26 @@ namespace homolog {
 
 /// A place whose doubt exceeds this share of the root of the boundary's area has to be looked at.
 inline constexpr double most_doubt_share = 0.06;  ///< real organs of the template's kind come to 0.02 to 0.04
+inline double much_doubt_mm(double area_mm2) {
+  return most_doubt_share * std::sqrt(area_mm2);
+}
+
+/// How far the target of a partial fit lies from the mesh, the cuts through the organ left out.
+struct TargetDistance {
+  double mean_mm = 0, p95_mm = 0;
+};
 
 /// How good a fit is, and what a person should look at.
 struct FitJudgement {
   Agreement agreement;  ///< of the fitted mesh with the boundary
   /// Dice below 0.9, a mean distance above 1 % of the boundary's diagonal, a 95 % distance above 4 %, a mean doubt
-  /// above 6 % of the root of its area, or mirrored. A partial fit: the mean distance of what is there above 1 %, its
-  /// mean doubt above 6 % of the root of the mesh's area, or more than 60 % missing.
+  /// above 6 % of the root of its area, or mirrored. A partial fit: `sound_mm` or the target's mean distance
+  /// above 1 %, its 95 % distance above 4 %, the mean doubt of what is there above 6 % of the root of the mesh's area,
+  /// more than 60 % missing, or mirrored.
   bool doubtful = false;
   double sound_mm = 0;                ///< of a partial fit: mean distance of the vertices that are no outliers
+  TargetDistance target;              ///< of a partial fit
   double doubt_share = 0;             ///< the fit's mean doubt, as a share of the root of the boundary's area
-  bool mirrored = false;              ///< the template's mirror image fits clearly better: see looks_mirrored
   std::vector<std::string> warnings;  ///< the boundary's, the fit's and those of this; each a sentence
 };
 

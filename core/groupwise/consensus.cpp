@@ -74,7 +74,8 @@ std::vector<std::size_t> mirrored_subjects(const std::vector<Boundary>& subjects
   const auto start = own ? template_of(own->mesh) : tl::make_unexpected(own.error());
   if (!start) return like;
   std::vector<char> mirrored(subjects.size());
-  for_each_in_parallel(subjects.size(), [&](std::size_t k) { mirrored[k] = looks_mirrored(**start, subjects[k]); });
+  for_each_in_parallel(subjects.size(),
+                       [&](std::size_t k) { mirrored[k] = mirror_image_there(**start, subjects[k]).has_value(); });
   for (std::size_t k = 0; k < subjects.size(); ++k) (mirrored[k] ? unlike : like).push_back(k);
   return unlike.size() > like.size() ? like : unlike;
 }

@@ -64,9 +64,17 @@ void draw_history_buttons(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto& undo = ui.snapshot.undo_names;
   const auto& redo = ui.snapshot.redo_names;
-  if (icon_button(theme, icon::undo, "undo", undo.empty() ? "Undo (Ctrl+Z)" : "Undo: " + undo.front() + " (Ctrl+Z)",
-                  undo.empty() ? "Nothing to undo." : "", false, 28))
-    out.apply(Undo{});
+  const bool fits = ui.fitter.busy() || ui.propagator.busy();
+  if (icon_button(theme, icon::undo, "undo",
+                  fits           ? "Stop the fit (Ctrl+Z)"
+                  : undo.empty() ? "Undo (Ctrl+Z)"
+                                 : "Undo: " + undo.front() + " (Ctrl+Z)",
+                  undo.empty() && !fits ? "Nothing to undo." : "", false, 28)) {
+    if (fits)
+      out.send(CancelFits{});
+    else
+      out.apply(Undo{});
+  }
   same_line(ui, 2);
   if (icon_button(theme, icon::redo, "redo",
                   redo.empty() ? "Redo (Ctrl+Shift+Z)" : "Redo: " + redo.front() + " (Ctrl+Shift+Z)",

@@ -65,7 +65,7 @@ void draw_propagate(const UiContext& ui, Outbox& out) {
   if (ui.propagator.busy()) {
     explanation(theme, format("Propagating: %.0f %%", 100 * ui.propagator.fraction()));
     progress_bar(theme, ui.propagator.fraction());
-    if (button(theme, "Cancel", "The meshes stay as they were", {}, width)) out.send(CancelPropagation{});
+    if (button(theme, "Cancel", "The meshes stay as they were (Escape)", {}, width)) out.send(CancelPropagation{});
     return;
   }
   const Document& document = *ui.snapshot.document;

@@ -64,6 +64,7 @@ void draw_colouring_legend(const UiContext& ui, Colouring colouring) {
     draw_scale(ui.theme, legend);
   else
     draw_names(ui.theme, legend);
+  if (legend.has_confirmed) draw_names(ui.theme, {"", "", "", {{1, 1, 1}}, {"confirmed"}});
   if (legend.has_outliers) draw_names(ui.theme, {"", "", "", {outlier_grey}, {"the scan lacks this part"}});
 }
 

@@ -124,13 +124,20 @@ void draw_free_all(const UiContext& ui, Outbox& out) {
 }
 
 void draw_last_fit(const Theme& theme, const Fitted& fitted) {
-  figure(theme, "Distance to the label", format("%.2f mm", fitted.agreement.assd_mm),
-         "Mean distance between mesh and label, both ways");
-  figure(theme, "95 % of it within", format("%.2f mm", fitted.agreement.hd95_mm),
+  const bool partial = fitted.missing_share.has_value();
+  figure(theme, "Distance to the label", format("%.2f mm", partial ? fitted.target.mean_mm : fitted.agreement.assd_mm),
+         partial ? "Mean distance from the label to the mesh. Flat cuts through the organ do not count"
+                 : "Mean distance between mesh and label, both ways");
+  figure(theme, "95 % of it within", format("%.2f mm", partial ? fitted.target.p95_mm : fitted.agreement.hd95_mm),
          "The 95th percentile of that distance: only 5 % of the surface is farther away");
-  figure(theme, "Dice", format("%.3f", fitted.agreement.dice),
-         "Overlap with the closed label. 1 means that both are the same",
-         fitted.agreement.dice < 0.9 ? palette::amber : palette::text);
+  if (partial)
+    figure(theme, "Missing in the label", format("%.0f %%", 100 * *fitted.missing_share),
+           "Share of the mesh that lies where the label lacks the organ. The mesh is grey there");
+  else
+    figure(theme, "Dice", format("%.3f", fitted.agreement.dice),
+           "Overlap with the closed label. 1 means that both are the same",
+           fitted.agreement.dice < 0.9 ? palette::amber : palette::text);
+  for (const std::string& warning : fitted.warnings) text_lines(warning, palette::amber);
   for (const std::string& remark : fitted.remarks) explanation(theme, remark);
 }
 
@@ -157,7 +164,7 @@ void draw_fit(const UiContext& ui, Outbox& out) {
   caption(theme, "Automatic fit");
   draw_fit_settings(ui, out);
   if (ui.fitter.busy() && !ui.fitter.refining()) {
-    if (button(theme, "Cancel", "The mesh goes back to how it was", {}, width)) out.send(CancelFit{});
+    if (button(theme, "Cancel", "The mesh goes back to how it was (Escape)", {}, width)) out.send(CancelFit{});
   } else if (!ui.labels) {
     if (button(theme, "Open a label map\xe2\x80\xa6", "Opens the label map that the template is fitted to", {}, width))
       out.send(ShowFileDialog{FilePurpose::open_labels, {}});
@@ -177,7 +184,7 @@ void draw_refinement(const UiContext& ui, Outbox& out) {
   if (ui.fitter.refining()) {
     explanation(ui.theme, format("Refining: %.0f %%", 100 * ui.fitter.fraction()));
     progress_bar(ui.theme, ui.fitter.fraction());
-    if (button(ui.theme, "Cancel", "The mesh goes back to how it was", {}, ImGui::GetContentRegionAvail().x))
+    if (button(ui.theme, "Cancel", "The mesh goes back to how it was (Escape)", {}, ImGui::GetContentRegionAvail().x))
       out.send(CancelFit{});
     return;
   }

@@ -90,7 +90,8 @@ void draw_optimise_section(const UiContext& ui, Outbox& out) {
   }
   draw_progress_or_choice(theme, optimisation, out);
   if (optimisation.runs()) {
-    if (button(theme, "Cancel", "The shapes stay as they were fitted", {}, width)) out.send(CancelOptimisation{});
+    if (button(theme, "Cancel", "The shapes stay as they were fitted (Escape)", {}, width))
+      out.send(CancelOptimisation{});
   } else if (button(theme, "Discard", "Drops the optimised shapes. The shapes are again as they were fitted", {},
                     width)) {
     out.send(DiscardOptimised{});

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/adapt/judge_fit.h"
 #include "core/mesh/mesh_quality.h"
 
 namespace homolog {
@@ -70,9 +71,17 @@ double moved_scale_mm(const Document& document) {
   return scale_mm(moved_mm(document).maxCoeff());
 }
 
+/// One, two or five times a power of ten, and not below `mm`.
+double rounded_up(double mm) {
+  const double power = std::pow(10, std::floor(std::log10(std::max(mm, 1e-6))));
+  for (const double step : {1.0, 2.0, 5.0})
+    if (mm <= step * power) return step * power;
+  return 10 * power;
+}
+
+/// From where on a place has to be looked at, so that a colour means the same on every mesh of the organ's size.
 double doubt_scale_mm(const Document& document) {
-  const VertexScalars doubt_mm = doubt_left_mm(document.shape());
-  return doubt_mm.size() == 0 ? 2 : scale_mm(doubt_mm.maxCoeff());
+  return rounded_up(much_doubt_mm(surface_area_mm2(document.mesh())));
 }
 
 /// The largest factor of the scale; the factor 1 stays well below the white of confirmed regions.
@@ -81,7 +90,6 @@ double stiffness_scale(const Document& document) {
 }
 
 constexpr Rgb decided{0.30f, 0.72f, 0.62f}, left_open{0.62f, 0.52f, 0.85f};
-constexpr double outlier_share = 0.85;
 constexpr Rgb no_region{0.80f, 0.81f, 0.83f};
 
 Rgb rgb_of(const std::array<std::uint8_t, 3>& colour) {
@@ -197,7 +205,7 @@ std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, con
   }
   if (const auto& outlier = document.shape().outlier)
     for (std::size_t i = 0; i < n; ++i)
-      colours[i] = mix(colours[i], outlier_grey, outlier_share * (*outlier)[static_cast<Eigen::Index>(i)]);
+      colours[i] = mix(colours[i], outlier_grey, (*outlier)[static_cast<Eigen::Index>(i)]);
   return colours;
 }
 
@@ -211,6 +219,11 @@ std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response,
 }
 
 namespace {
+
+/// Whether confirmed vertices are white; "known" has a name of its own for them.
+bool whitens_confirmed(Colouring colouring) {
+  return colouring == Colouring::stiffness || colouring == Colouring::doubt || colouring == Colouring::confidence;
+}
 
 Legend legend_of_colours(const Document& document, Colouring colouring) {
   switch (colouring) {
@@ -238,9 +251,8 @@ Legend legend_of_colours(const Document& document, Colouring colouring) {
       return {
           "", "", "", {{1, 1, 1}, decided, left_open}, {"confirmed", "decided by hand, fit or snap", "not known yet"}};
     case Colouring::doubt:
-      if (!document.shape().doubt_mm)
-        return {"", "", "", {no_region}, {"not known: fit the mesh to a label map first"}};
-      return {"0 mm", "", figure_text("%.0f mm", doubt_scale_mm(document)), doubt_scale(), {}};
+      if (!document.shape().doubt_mm) return {"", "", "", {no_region}, {"not known: a fit to a label map tells it"}};
+      return {"0 mm", "", "\xe2\x89\xa5 " + figure_text("%.3g mm", doubt_scale_mm(document)), doubt_scale(), {}};
     case Colouring::confidence:
       return {"no edge seen", "", "clear edge", confidence_scale()};
     case Colouring::quality:
@@ -255,6 +267,8 @@ Legend colouring_legend(const Document& document, Colouring colouring) {
   Legend legend = legend_of_colours(document, colouring);
   const auto& outlier = document.shape().outlier;
   legend.has_outliers = outlier && outlier->maxCoeff() > 0;
+  const auto& confirmed = document.shape().confirmed;
+  legend.has_confirmed = whitens_confirmed(colouring) && confirmed && confirmed->maxCoeff() > 0;
   return legend;
 }
 

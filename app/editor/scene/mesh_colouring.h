@@ -27,6 +27,7 @@ struct Legend {
   std::string low, middle, high;
   std::vector<Rgb> colours;        ///< evenly spaced from low to high, or one a name
   std::vector<std::string> names;  ///< of single colours, where there is no scale
+  bool has_confirmed = false;      ///< some of the mesh is white, because it is confirmed
   bool has_outliers = false;       ///< some of the mesh is grey, because the scan lacks its place
 };
 /// Of the mesh where the scan lacks it: much of this grey, and some of the colouring.

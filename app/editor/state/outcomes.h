@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/editor/state/settings.h"
+#include "core/adapt/judge_fit.h"
 #include "core/case/actions/points.h"
 #include "core/measure/compare.h"
 #include "core/mesh/mesh_quality.h"
@@ -17,9 +18,12 @@ namespace homolog {
 /// A finished fit or refinement: the edit, and what it is judged by.
 struct Fitted {
   SetPoints edit;
-  Agreement agreement;               ///< of a fit, with the boundary
-  std::vector<std::string> remarks;  ///< each a sentence
-  bool doubtful = false;             ///< a fit that a person has to look at
+  Agreement agreement;                         ///< of a fit, with the boundary
+  std::vector<std::string> warnings, remarks;  ///< each a sentence
+  bool doubtful = false;                       ///< a fit that a person has to look at
+  /// Of a partial fit: what the label lacks of the mesh, and how far the label lies from the mesh.
+  std::optional<double> missing_share;
+  TargetDistance target;
 };
 
 /// What a snap found.

@@ -81,8 +81,8 @@ QualityFigures quality_figures(const Document& document) {
   if (doubt_mm.size() == 0) return figures;
   figures.doubt_mean_mm = doubt_mm.mean();
   figures.doubt_max_mm = doubt_mm.maxCoeff();
-  const double most_mm = most_doubt_share * std::sqrt(quality.area_mm2);
-  for (Finding& place : doubtful_places(mesh, doubt_mm, most_mm)) figures.findings.push_back(std::move(place));
+  for (Finding& place : doubtful_places(mesh, doubt_mm, much_doubt_mm(quality.area_mm2)))
+    figures.findings.push_back(std::move(place));
   return figures;
 }
 

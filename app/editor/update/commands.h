@@ -29,8 +29,8 @@ struct TypeList {
 /// there, and what it does.
 using AllCommands = TypeList<
     // edits of the case
-    PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineAlongSurface, CancelFit, BlendModel,
-    CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
+    PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineAlongSurface, CancelFit, CancelFits,
+    BlendModel, CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
     // files
     OpenFiles, OpenRequested, CloseLabels, CancelOpening, CancelReading, CancelWriting, SaveCase, SaveCaseAs,
     ExportMesh, ExportLabelMap, ExportLandmarks, ExportTemplate, ExportTemplateLandmarks, ExportPicture, ExportVolumes,

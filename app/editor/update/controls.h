@@ -40,6 +40,7 @@ struct ControlsContext {
   ShownMesh& mesh;           ///< of the document
   bool can_undo = false, can_redo = false;
   std::filesystem::path file = {};  ///< of the case; empty where it has none
+  bool fits = false;                ///< a fit, a refinement or a propagation goes on
 };
 
 /// Does what an event asks for: changes the state, and sends edits and other commands.

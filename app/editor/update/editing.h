@@ -90,7 +90,8 @@ struct Editing {
             shown.mesh(),
             shown.snapshot().can_undo,
             shown.snapshot().can_redo,
-            shown.snapshot().file};
+            shown.snapshot().file,
+            work.fitter.busy() || work.propagator.busy()};
   }
 };
 

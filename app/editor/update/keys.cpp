@@ -136,11 +136,14 @@ std::vector<KeyRow> rows_of_case() {
        "case done, next of the study",
        {{key::enter}, {key::keypad_enter}},
        [](const KeyMoment&) -> Given { return OpenNextCase{}; }},
-      {"Escape", "cancels a drag", {{key::escape}}, [](const KeyMoment&) -> Given { return Escape{}; }},
+      {"Escape", "cancels a drag, stops a fit", {{key::escape}}, [](const KeyMoment&) -> Given { return Escape{}; }},
       {"Ctrl+Z",
-       "undo",
+       "undo, or stops a fit",
        {{'Z', true}},
-       [](const KeyMoment& now) -> Given { return now.context.can_undo ? Given(ApplyEdit{Undo{}}) : std::nullopt; }},
+       [](const KeyMoment& now) -> Given {
+         if (now.context.fits) return CancelFits{};
+         return now.context.can_undo ? Given(ApplyEdit{Undo{}}) : std::nullopt;
+       }},
       {"Ctrl+Shift+Z, Ctrl+Y",
        "redo",
        {{'Z', true, true}, {'Y', true}},
@@ -173,7 +176,12 @@ std::vector<KeyRow> rows_of_models() {
       {"F", "all shapes in view", {{'F'}}, [](const KeyMoment&) -> Given { return ShowAllShapes{}; }},
       {"Shift+A P L R S I", "look from that side", side_chords(),
        [](const KeyMoment& now) -> Given { return LookFromSideInGallery{side_of(now.code)}; }},
-      {"Escape", "unmarks the vertex", {{key::escape}}, [](const KeyMoment&) -> Given { return PinVertex{}; }},
+      {"Escape",
+       "stops, or unmarks a vertex",
+       {{key::escape}},
+       [](const KeyMoment& now) -> Given {
+         return now.state.models.optimisation.runs() ? Given(CancelOptimisation{}) : Given(PinVertex{});
+       }},
       {"Ctrl+O",
        "open a study",
        {{'O', true}},

@@ -103,8 +103,9 @@ bool ShownCase::update_snapshot(EditorState& state) {
   if (!changed && displayed_->frame == frame) return false;
   const auto before = displayed_;
   displayed_ = at_frame(snapshot_->shown, frame);
-  return before->has_shape() != displayed_->has_shape() ||
-         (displayed_->has_shape() && before->shape().points != displayed_->shape().points);
+  if (!before->has_shape() || !displayed_->has_shape()) return before->has_shape() != displayed_->has_shape();
+  const Shape &was = before->shape(), &now = displayed_->shape();
+  return was.points != now.points || was.doubt_mm != now.doubt_mm || was.confirmed != now.confirmed;
 }
 
 void ShownCase::keep_on_disk(EditorState& state) {

@@ -61,7 +61,7 @@ class ShownCase {
   void keep_window(const EditorState& state);
 
   /// Takes in what the session did. Removes from the state what refers to things that are gone. True if the shown mesh
-  /// moved.
+  /// moved, or what is in doubt of it changed.
   bool update_snapshot(EditorState& state);
   /// Whether the session has nothing more to do, and all of it was taken in.
   bool at_rest() const { return !session_->busy() && snapshot_ == session_->snapshot(); }

@@ -95,7 +95,7 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
   Fitted done;
   done.agreement = judgement.agreement;
   done.doubtful = judgement.doubtful;
-  for (const std::string& warning : judgement.warnings) done.remarks.push_back(as_sentence(warning));
+  for (const std::string& warning : judgement.warnings) done.warnings.push_back(as_sentence(warning));
   if (fit->result.allowed.size() > 0) {
     const double model_mm = mean_surface_distance_mm({the_template.topology, fit->result.allowed}, boundary->surface);
     const double beyond_mm = (fit->result.mesh.points - fit->result.allowed).rowwise().norm().mean();
@@ -106,13 +106,9 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
     done.remarks.emplace_back(remark);
   }
   if (settings.partial) {
-    const double share =
+    done.missing_share =
         static_cast<double>(fit->result.outliers.size()) / static_cast<double>(the_template.points.rows());
-    char remark[160];
-    std::snprintf(remark, sizeof remark,
-                  "%.0f %% of the mesh lies where the label lacks the organ. What is there lies %.2f mm off.",
-                  100 * share, judgement.sound_mm);
-    done.remarks.emplace_back(remark);
+    done.target = judgement.target;
   }
   done.edit = std::move(fit->action);
   return done;

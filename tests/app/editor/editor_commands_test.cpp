@@ -75,6 +75,23 @@ TEST_CASE("a fit to the label is said as long as the mesh is as it left it") {
   driver.wait_until("the fit is done", [&] { return driver.document().shape().points->row(0).norm() < 38.5; });
   driver.settle();
   CHECK(driver.shows("Distance to the label"));
+  // A fit that is stopped, by either key or by the button, takes nothing back and leaves the figures of the last one.
+  const Document fitted = driver.document();
+  const auto undo_names = driver.app().snapshot().undo_names;
+  for (int way = 0; way < 3; ++way) {
+    CAPTURE(way);
+    driver.click("Place/Fit to the label");
+    if (way == 0)
+      driver.press('Z', {false, true, false});
+    else if (way == 1)
+      driver.press(key::escape);
+    else
+      driver.click("top bar/undo");
+    driver.settle();
+    CHECK(bool(*driver.document().shape().points == *fitted.shape().points));
+    CHECK(driver.app().snapshot().undo_names == undo_names);
+    CHECK(driver.shows("Distance to the label"));
+  }
   driver.click("top bar/undo");
   driver.settle();
   CHECK_FALSE(driver.shows("Distance to the label"));

@@ -68,6 +68,7 @@ TEST_CASE("a fit shows its steps and gives the shape of the label") {
   const Fitted& fitted = test::must(*done);
   CHECK(fitted.agreement.dice > 0.97);
   CHECK(fitted.remarks.empty());
+  CHECK(fitted.warnings.empty());
   const VertexScalars radii = (fitted.edit.points->rowwise() - Vec3::Constant(60).transpose()).rowwise().norm();
   CHECK(radii.minCoeff() > 23);
   CHECK(radii.maxCoeff() < 25);

@@ -125,19 +125,26 @@ TEST_CASE("the doubt of a fit is an overlay with a legend and a figure") {
   driver.wait_until("the label map is open", [&] { return driver.has("Place/Fit to the label"); });
   driver.click("Correspondence/overlay/Doubt");
   driver.settle();
-  CHECK(driver.shows("not known: fit the mesh to a label map first"));
+  CHECK(driver.shows("not known: a fit to a label map tells it"));
 
   driver.click("Place/Fit to the label");
   driver.wait_until("the fit is done", [&] { return driver.shows("Dice"); });
   driver.settle();
-  CHECK_FALSE(driver.shows("not known: fit the mesh to a label map first"));
+  CHECK_FALSE(driver.shows("not known: a fit to a label map tells it"));
   driver.wait_until("the figure is there", [&] { return driver.shows(" mm, at most 1"); });
   CHECK(driver.state().colouring == Colouring::doubt);
   const Document& document = driver.document();
   REQUIRE(document.shape().doubt_mm);
   const auto colours = mesh_colours(document, Colouring::doubt, {}, 1);
-  CHECK(colouring_legend(document, Colouring::doubt).high == "2 mm");
+  // 6 % of the root of the area is 5.1 mm, and so is the scale's end rounded up.
+  CHECK(colouring_legend(document, Colouring::doubt).high == "\xe2\x89\xa5 10 mm");
   CHECK(std::any_of(colours.begin(), colours.end(), [&](const Rgb& one) { return one != colours.front(); }));
+
+  // What a person confirmed is in doubt no more.
+  CHECK_FALSE(colouring_legend(document, Colouring::doubt).has_confirmed);
+  driver.app().send(ApplyEdit{Confirm{Vec3::Zero(), 100}});
+  driver.wait_until("nothing is in doubt", [&] { return driver.shows("0.0 mm, at most 0.0 mm"); });
+  CHECK(colouring_legend(driver.document(), Colouring::doubt).has_confirmed);
 }
 
 TEST_CASE("a fit to an organ that the scan cuts marks what is missing in grey") {
@@ -160,9 +167,13 @@ TEST_CASE("a fit to an organ that the scan cuts marks what is missing in grey") 
   driver.settle();
   CHECK(driver.state().fit_settings.partial);
   driver.click("Place/Fit to the label");
-  driver.wait_until("the fit is done", [&] { return driver.shows("Dice"); });
+  driver.wait_until("the fit is done", [&] { return driver.shows("Missing in the label"); });
   driver.settle();
-  CHECK(driver.shows("of the mesh lies where the label lacks the organ"));
+  CHECK_FALSE(driver.shows("Dice"));
+  const Fitted& fitted = *driver.state().last_fit;
+  CHECK(*fitted.missing_share > 0.1);
+  CHECK(fitted.target.mean_mm < 0.5);  // the flat cut does not count
+  CHECK(fitted.target.p95_mm < 1.6);
   CHECK(driver.shows("the scan lacks this part"));
 
   const Shape shape = driver.document().shape();

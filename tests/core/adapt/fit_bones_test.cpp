@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "core/adapt/fit.h"
+#include "core/adapt/judge_fit.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/template_making/mesh_template.h"
@@ -85,4 +86,44 @@ TEST_CASE("landmarks of one side bring the other side of a real vertebra to its 
   shown.landmarks = landmarks_of(there, {"A", "E", "G"});
   CAPTURE(alone_mm);
   CHECK(off_mm(shown) < 0.75 * alone_mm);
+}
+
+TEST_CASE("a femur of the other side is said to be mirrored, and its doubt covers how far its landmarks are off") {
+  const auto data = real_data();
+  if (data.empty()) return;
+  const MeshFile own = with_landmarks(data / "bones" / "fem_z009_R.ply", ".mrk.json"),
+                 there = with_landmarks(data / "bones" / "fem_z013_L.ply", ".mrk.json");
+  const auto the_template = even_template(own);
+  // All of it, and without its lower 30 %.
+  MeshFile upper = there;
+  const double low = there.points.col(2).minCoeff(), high = there.points.col(2).maxCoeff();
+  const auto below = [&](Eigen::Index face) {
+    return (Eigen::Array3d(there.points(there.triangles(face, 0), 2), there.points(there.triangles(face, 1), 2),
+                           there.points(there.triangles(face, 2), 2)) < low + 0.3 * (high - low))
+        .any();
+  };
+  Eigen::Index kept = 0;
+  for (Eigen::Index face = 0; face < there.triangles.rows(); ++face)
+    if (!below(face)) upper.triangles.row(kept++) = there.triangles.row(face);
+  upper.triangles.conservativeResize(kept, 3);
+  for (const bool partial : {false, true}) {
+    CAPTURE(partial);
+    FitOptions options;
+    options.partial = partial;
+    const auto boundary = surface_boundary(partial ? upper : there, the_template->points.rows()).value();
+    const auto fit = fit_to_boundary(*the_template, boundary, options).value();
+    CHECK(fit.mirrored);
+    std::size_t covered = 0;
+    for (std::size_t k = 0; k < the_template->landmarks.size(); ++k) {
+      const double doubt_mm = value_at_landmark(*the_template, k, fit.doubt_mm);
+      if (off_by(fit, there, the_template->landmarks[k].name) < 1.44 * doubt_mm) ++covered;
+    }
+    // What is left of a bone places the mirror image less surely.
+    CHECK(covered > (partial ? 0.5 : 0.85) * static_cast<double>(the_template->landmarks.size()));
+    CHECK(judge_fit(*the_template, boundary, options, fit).doubtful);
+  }
+  FitOptions partial;
+  partial.partial = true;
+  const MeshFile same = read_mesh_file(data / "bones" / "fem_z066_R.ply").value();
+  CHECK_FALSE(fit_to_boundary(*the_template, boundary_of_file(same), partial).value().mirrored);
 }

@@ -92,7 +92,6 @@ void StartFit::run(Editing& editing) const {
   }
   if (chosen.model != FitModel::none && !model.model && !model.study)
     return add_notice(editing.state, "The model for the fit is not open any more; choose a model again.");
-  editing.state.last_fit.reset();
   editing.work.fit_seen = false;
   editing.work.started_fit = *this;
   editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name}, chosen, model);
@@ -107,6 +106,11 @@ void RefineAlongSurface::run(Editing& editing) const {
 
 void CancelFit::run(Editing& editing) const {
   cancel_fit(editing);
+}
+
+void CancelFits::run(Editing& editing) const {
+  cancel_fit(editing);
+  editing.work.propagator.cancel();
 }
 
 void PropagateFrames::run(Editing& editing) const {

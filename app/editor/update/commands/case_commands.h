@@ -84,6 +84,13 @@ struct CompleteByModel {
   static constexpr const char* key = "complete by model";
   void run(Editing& editing) const;
 };
+/// Of whatever fits go on: CancelFit and CancelPropagation in one, for the keys.
+struct CancelFits {
+  static constexpr const char* key = "cancel fits";
+  static constexpr bool cancels = true;
+  static constexpr Logged logged = Logged::never;
+  void run(Editing& editing) const;
+};
 /// Carries the meshes of the frames that a person made through the cine; see propagate_document.
 struct PropagateFrames {
   static constexpr const char* key = "propagate";

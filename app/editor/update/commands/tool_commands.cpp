@@ -178,9 +178,11 @@ void SetTemplate::run(EditorState& state) const {
   state.template_settings = settings;
 }
 
-void Escape::run(EditorState& state, const ControlsContext&, Outbox& out) const {
+void Escape::run(EditorState& state, const ControlsContext& context, Outbox& out) const {
   if (state.drag)
     cancel_drag(state, out);
+  else if (context.fits)
+    out.send(CancelFits{});
   else if (state.ruler)
     state.ruler.reset();
   else if (state.finding)

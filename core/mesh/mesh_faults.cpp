@@ -1,5 +1,6 @@
 #include "core/mesh/mesh_faults.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "core/base/listed.h"
@@ -13,19 +14,26 @@ constexpr double flat_deg = 1;
 constexpr double against = -0.5;  ///< cosine between a face's normal and the mean one around it
 
 /// Faces whose normal points against that of the faces around.
-std::size_t turned_faces(const Mesh& mesh) {
+std::vector<std::int32_t> turned_faces(const Mesh& mesh) {
   const Triangles& triangles = mesh.topology->triangles();
   Points around = Points::Zero(mesh.points.rows(), 3);
   for (Eigen::Index f = 0; f < triangles.rows(); ++f)
     for (int k = 0; k < 3; ++k) around.row(triangles(f, k)) += area_normal(mesh, f).transpose();
-  std::size_t turned = 0;
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+  std::vector<std::int32_t> turned;
+  for (std::int32_t f = 0; f < triangles.rows(); ++f) {
     const Vec3 own = area_normal(mesh, f);
     Vec3 others = -3 * own;
     for (int k = 0; k < 3; ++k) others += around.row(triangles(f, k)).transpose();
-    turned += own.dot(others) < against * own.norm() * others.norm();
+    if (own.dot(others) < against * own.norm() * others.norm()) turned.push_back(f);
   }
   return turned;
+}
+
+std::vector<std::int32_t> thin_faces(const Mesh& mesh) {
+  std::vector<std::int32_t> flat;
+  for (std::int32_t f = 0; f < mesh.topology->triangles().rows(); ++f)
+    if (smallest_angle_deg(mesh, f) < flat_deg) flat.push_back(f);
+  return flat;
 }
 
 }  // namespace
@@ -49,11 +57,19 @@ MeshFaults mesh_faults(const Mesh& mesh) {
   const SelfIntersections intersections = find_self_intersections(mesh);
   faults.intersections = intersections.pairs.size();
   faults.all_intersections = intersections.all;
-  faults.turned = turned_faces(mesh);
-  for (Eigen::Index f = 0; f < mesh.topology->triangles().rows(); ++f)
-    faults.flat += smallest_angle_deg(mesh, f) < flat_deg;
+  faults.turned = turned_faces(mesh).size();
+  faults.flat = thin_faces(mesh).size();
   faults.tunnels = mesh.topology->genus();
   return faults;
+}
+
+std::vector<std::int32_t> faulty_faces(const Mesh& mesh) {
+  std::vector<std::int32_t> faces = turned_faces(mesh), flat = thin_faces(mesh);
+  faces.insert(faces.end(), flat.begin(), flat.end());
+  for (const auto& [a, b] : self_intersections(mesh)) faces.insert(faces.end(), {a, b});
+  std::sort(faces.begin(), faces.end());
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  return faces;
 }
 
 }  // namespace homolog

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/mesh/topology.h"
 
@@ -24,5 +26,8 @@ struct MeshFaults {
 };
 
 MeshFaults mesh_faults(const Mesh& mesh);
+
+/// The faces that are counted there, in rising order: that cut others, are turned or flat.
+std::vector<std::int32_t> faulty_faces(const Mesh& mesh);
 
 }  // namespace homolog

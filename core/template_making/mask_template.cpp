@@ -8,16 +8,19 @@
 #include "core/base/parallel.h"
 #include "core/correspondence/colours.h"
 #include "core/mesh/isosurface.h"
+#include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/remesh.h"
 #include "core/template_making/label_body.h"
+#include "core/template_making/solid_voxels.h"
 
 namespace homolog {
 namespace {
 
 // Shares of the organ's size.
 constexpr double auto_width_share = 0.035;
-constexpr double widest_share = 0.6;  ///< that is looked for where a number of tunnels is asked for
+constexpr double widest_share = 0.6;     ///< that is looked for where a number of tunnels is asked for
+constexpr double most_thin_share = 0.5;  ///< of the voxels: from here on an organ is thin as a whole
 
 std::string number(double value, int digits = 1) {
   char text[32];
@@ -46,9 +49,15 @@ class Making {
 
   Result<MaskTemplate> run() {
     if (auto done = resample(); !done) return fail(done.error());
-    if (auto done = smooth(); !done) return fail(done.error());
-    if (auto done = cut(0.6); !done) return fail(done.error());
-    return remesh_surface();
+    surface_ = closed_by(surface_, made_.closing_mm);
+    if (auto shown = show(TemplateStage::closed, 0.3); !shown) return fail(shown.error());
+    const double thin_share = share_of_thin();
+    const MaskTemplate begun = made_;
+    auto ordinary = opened_and_meshed();
+    if (thin_share < most_thin_share || (progress_ && progress_->cancelled()) || (ordinary && is_whole(*ordinary)))
+      return ordinary;
+    made_ = begun;
+    return thickened(thin_share);
   }
 
  private:
@@ -82,9 +91,19 @@ class Making {
     return show(TemplateStage::resampled, 0.2);
   }
 
+  Result<MaskTemplate> opened_and_meshed() {
+    if (auto done = smooth(); !done) return fail(done.error());
+    if (auto done = cut(0.6); !done) return fail(done.error());
+    return remesh_surface();
+  }
+
+  /// Nearly all of the label is there, and no face has a fault.
+  static bool is_whole(const MaskTemplate& made) {
+    constexpr double most_missed_share = 0.02;
+    return made.missed_share < most_missed_share && !mesh_faults(made.mesh).any();
+  }
+
   Result<void> smooth() {
-    surface_ = closed_by(surface_, made_.closing_mm);
-    if (auto shown = show(TemplateStage::closed, 0.3); !shown) return shown;
     const float deepest = *std::min_element(surface_.values().begin(), surface_.values().end());
     surface_ = opened_by(surface_, made_.opening_mm);
     if (!(*std::min_element(surface_.values().begin(), surface_.values().end()) < 0))
@@ -99,6 +118,47 @@ class Making {
                           " vertices; ask for more vertices");
     surface_ = std::move(smooth);
     return show(TemplateStage::smoothed, 0.5);
+  }
+
+  /// How much of the closed label is thinner than what the mesh shows well, as thin bone is, or than an opening that
+  /// nobody asked for. 0 where that does not matter.
+  double share_of_thin() const {
+    constexpr double shown_edges = 1.5;
+    if (!options_.severs || options_.opening_mm.value_or(0) > 0) return 0;
+    const LevelSet thick = opened_by(surface_, std::max(made_.opening_mm, shown_edges / 2 * edge_mm_));
+    return 1 - static_cast<double>(voxels_inside(thick)) / static_cast<double>(voxels_inside(surface_));
+  }
+
+  /// A label whose walls were lost or meet: each is made as thick as the mesh can show, and nothing is opened.
+  Result<MaskTemplate> thickened(double thin_share) {
+    const SolidVoxels solid = solid_voxels(target_, solid_detail(target_, options_.vertices), progress_);
+    if (progress_ && progress_->cancelled()) return cancelled();
+    MaskTemplateOptions of_solid = options_;
+    of_solid.label = 1;
+    of_solid.frame = 0;
+    of_solid.opening_mm = 0;
+    of_solid.severs = false;
+    const ShowStage silent;  // the same stages once more
+    auto made = Making(solid.label_map, of_solid, progress_, silent).run();
+    if (!made && options_.genus.kind == GenusRule::Kind::number) {
+      of_solid.severs = true;
+      made = Making(solid.label_map, of_solid, progress_, silent).run();
+    }
+    if (!made) return fail("", "the thickened walls of " + label_name(options_.label) + ": " + made.error().what);
+    made_.warnings.push_back(number(100 * thin_share) + " % of " + label_name(options_.label) + " is thinner than " +
+                             std::to_string(options_.vertices) + " vertices show well, so thin walls were made " +
+                             number(solid.wall_mm) + " mm thicker; more vertices show thinner walls");
+    made_.opening_mm = 0;
+    made_.resampled_mm = made->resampled_mm;
+    made_.tunnels = std::move(made->tunnels);
+    made_.mesh = std::move(made->mesh);
+    if (show_) show_(TemplateStage::remeshed, made_.mesh);
+    return measured();
+  }
+
+  static std::size_t voxels_inside(const LevelSet& surface) {
+    return static_cast<std::size_t>(
+        std::count_if(surface.values().begin(), surface.values().end(), [](float value) { return value < 0; }));
   }
 
   Result<void> cut(double fraction) {
@@ -118,7 +178,10 @@ class Making {
       return fail("", label_name(options_.label) + " has " + count_of_tunnels(cut.genus_before) +
                           (cut.genus < rule.genus ? ", fewer than --genus " : ", and cannot be brought to --genus ") +
                           std::to_string(rule.genus) + "; use --genus keep" +
-                          (cut.genus < rule.genus && made_.closing_mm > 0 ? " or a smaller closing radius" : ""));
+                          (cut.genus >= rule.genus ? ""
+                           : !options_.severs      ? " or more vertices"
+                           : made_.closing_mm > 0  ? " or a smaller closing radius"
+                                                   : ""));
     surface_ = std::move(cut.surface);
     made_.tunnels.insert(made_.tunnels.end(), cut.tunnels.begin(), cut.tunnels.end());
     return show(TemplateStage::tunnels_cut, fraction);
@@ -151,6 +214,11 @@ class Making {
       return fail("", label_name(options_.label) + " cannot be meshed with " + std::to_string(options_.vertices) +
                           " vertices; ask for " + std::to_string(count) + " or more");
     if (show_) show_(TemplateStage::remeshed, made_.mesh);
+    return measured();
+  }
+
+  /// The finished mesh, compared with the label.
+  Result<MaskTemplate> measured() {
     if (progress_) progress_->report(0.9);
     say_what_is_missed();
     in_parallel(2, [this](int first, int last) {  // each way on a core of its own

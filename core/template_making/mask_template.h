@@ -56,7 +56,8 @@ struct MaskTemplate {
 
 /// A reference mesh of a complex organ from a label of a label map [Erdt 2009, §2.1; docs/templates.md]: signed
 /// distances resampled evenly, closed, opened, smoothed, tunnels cut, marching cubes, vertices spread evenly and
-/// projected back.
+/// projected back. Where walls of an organ that is thin as a whole, such as thin bone, get lost or meet by that, they
+/// are made as thick as the mesh can show [solid_voxels.h] instead, and nothing is opened, with a warning.
 /// The grids that are worked on hold about 16 million voxels at most. Errors: the label does not occur,
 /// vanishes in the opening, has fewer tunnels than asked for, or needs more vertices; cancelled.
 Result<MaskTemplate> make_mask_template(const Volume& mask, const MaskTemplateOptions& options,

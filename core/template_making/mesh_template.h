@@ -21,7 +21,7 @@ struct MeshTemplateOptions {
 
 /// A surface that was made anew from voxels.
 struct Rebuilt {
-  double voxel_mm = 0, wall_mm = 0;  ///< of the voxels; thinner walls were made so thick
+  double voxel_mm = 0, wall_mm = 0;  ///< of the voxels; by so much thin walls were made thicker
   int genus_before = 0;              ///< of the surface
   double closing_mm = 0, opening_mm = 0;
 };
@@ -42,7 +42,8 @@ struct MeshTemplate {
 Result<MeshTemplate> make_mesh_template(const MeshFile& surface, const MeshTemplateOptions& options,
                                         Progress* progress = nullptr);
 
-/// The same surface with `vertices` spread evenly [remesh.h], numbered breadth-first. It must be closed.
+/// The same surface with `vertices` spread evenly [remesh.h], numbered breadth-first. It must be closed. The few faces
+/// that meet others, are turned or flat after that are smoothed, and leave the surface a little.
 Mesh spread_over(const Mesh& surface, int vertices, Progress* progress = nullptr);
 
 }  // namespace homolog

@@ -20,6 +20,7 @@ namespace {
 constexpr double most_solid_voxels = 16e6;
 /// Of half a wall: a thick part's edges and corners lie so far outside of the balls of half a wall that fit into it.
 constexpr double beyond_thick = 0.75;
+constexpr double thin_share = 1.25;  ///< of a wall: thinner ones grow by a wall, since a mesh shows those badly, too
 
 double thick_wall_mm(double wall_mm, double spacing_mm) {
   return std::max(wall_mm, 2 * spacing_mm);
@@ -140,7 +141,8 @@ std::vector<std::uint8_t> thin_parts(const std::vector<std::uint8_t>& set, const
 void make_thick(const Mesh& surface, const VolumeGeometry& grid, double wall_mm, std::vector<std::uint8_t>& inside) {
   std::vector<std::uint8_t> passed = inside;
   add_passed(surface, grid, passed);
-  const std::vector<std::uint8_t> thin = thin_parts(passed, grid, wall_mm / 2);
+  // The voxels that its faces pass make a wall about one voxel thicker than it is.
+  const std::vector<std::uint8_t> thin = thin_parts(passed, grid, (thin_share * wall_mm + grid.spacing_mm[0]) / 2);
   if (std::find(thin.begin(), thin.end(), 1) == thin.end()) return;
   const std::vector<float> away = distance_to(thin, grid);
   // A thin part is a voxel or two thick by itself.

@@ -9,7 +9,7 @@ namespace homolog {
 /// How fine a solid is.
 struct SolidDetail {
   double spacing_mm = 1;  ///< of the voxels; larger where the grid would hold more than 16 million
-  double wall_mm = 0;     ///< thinner walls and struts are made so thick; at least two voxels
+  double wall_mm = 0;     ///< walls and struts below 1.25 times this grow by so much; at least two voxels
 };
 
 /// What a mesh of `vertices` vertices shows: voxels of a quarter of its mean edge, walls of an edge.
@@ -17,7 +17,7 @@ SolidDetail solid_detail(const Mesh& surface, int vertices);
 
 struct SolidVoxels {
   Volume label_map;    ///< uint8, 1 inside
-  double wall_mm = 0;  ///< thinner walls and struts were made so thick
+  double wall_mm = 0;  ///< walls and struts below 1.25 times this grew by so much
 };
 
 /// What a surface encloses, for surfaces that no mesh operation can put in order. Each part counts by itself, so that

@@ -11,6 +11,9 @@
 
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/mesh_repair.h"
+#include "core/mesh/remesh.h"
+#include "core/mesh/surface_search.h"
 #include "core/template_making/solid_voxels.h"
 #include "core/template_making/tunnels.h"
 #include "tests/cpu_time.h"
@@ -134,6 +137,21 @@ TEST_CASE("a thin skull that is rebuilt keeps its walls") {
   const MeshTemplate made = make_mesh_template(thin_skull(0.12, 20, 0.2), with_vertices(5000)).value();
   REQUIRE(made.rebuilt);
   CHECK(made.from_mesh.max_mm < 1.2);
+}
+
+TEST_CASE("few faces of both sides of a thin wall meet where vertices are spread over it, and none in the end") {
+  const Mesh skull = largest_part(repaired(thin_skull(0.4, 20, 0)).value().mesh);
+  const SurfaceSearch search(skull);
+  const auto project = [&](const Vec3& p) { return search.nearest(p).position; };
+  std::size_t before = 0;
+  for (const int vertices : {5000, 8000}) {
+    CAPTURE(vertices);
+    before += self_intersections(remesh_to_count(skull, vertices, project)).size();
+    const Mesh spread = spread_over(skull, vertices);
+    CHECK(self_intersections(spread).empty());
+    CHECK(surface_distance(spread, skull).max_mm < 0.4);
+  }
+  CHECK(before > 0);
 }
 
 TEST_CASE("tunnels of a surface are cut to the number that is asked for") {

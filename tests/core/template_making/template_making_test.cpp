@@ -4,6 +4,7 @@
 #include <random>
 
 #include "core/mesh/isosurface.h"
+#include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/template_making/distance_map.h"
 #include "core/template_making/label_body.h"
@@ -192,6 +193,23 @@ TEST_CASE("thin parts that the mesh does not have are said") {
   const auto whole = make_mask_template(mask_where(ball), options).value();
   CHECK(whole.missed_share == 0);
   CHECK(whole.warnings.empty());
+}
+
+TEST_CASE("a label with walls of two voxels becomes a template without faults that has all of them") {
+  const Volume cap = mask_where([](const Vec3& p) { return std::abs(p.norm() - 24) < 1 && p.z() > -12; });
+  for (const int vertices : {800, 2500, 6000}) {
+    CAPTURE(vertices);
+    const auto made = make_mask_template(cap, options_with(vertices));
+    REQUIRE(made);
+    CHECK(made->missed_share < 0.01);
+    CHECK(made->from_mask.max_mm < 6);
+    const MeshFaults faults = mesh_faults(made->mesh);
+    INFO(faults.words());
+    CHECK_FALSE(faults.any());
+    const bool thin = vertices < 6000;
+    REQUIRE(made->warnings.size() == (thin ? 1 : 0));
+    if (thin) CHECK(made->warnings[0].find("thin walls were made") != std::string::npos);
+  }
 }
 
 TEST_CASE("what cannot become a template is refused in a sentence") {

@@ -22,12 +22,13 @@ Result<Report> study_bias(const BiasJob& options, Progress& progress) {
   if (!read) return fail(read.error());
   progress.part(0.05, 1);
   const auto bias = template_bias(read->subjects, {options.subjects.vertices, options.consensus, &progress});
-  if (!bias) return fail(options.subjects.files.front().string(), bias.error().what);
+  if (!bias) return fail(bias.error());
   Report report;
   report.warnings = std::move(read->warnings);
   report.warnings.insert(report.warnings.end(), bias->warnings.begin(), bias->warnings.end());
   for (const std::string& name : bias->failed)
     report.warnings.push_back(name + ": its template did not fit all subjects, so it is left out as a start");
+  for (const std::string& name : bias->doubtful) report.warnings.push_back(other_organ_warning(name));
   report.values = {
       {"subjects", read->subjects.size()},
       {"starts", read->subjects.size() - bias->failed.size()},

@@ -103,20 +103,27 @@ Result<Report> measure_run(const Template& the_template, const BiasSubject& subj
   return Report{};
 }
 
-/// Landmark → the raters' own mean distance: lines `name,mm`. What is no number is a title.
+/// Landmark → the raters' own mean distance: lines `name,mm`, under a title or without one. Errors: the file cannot be
+/// read, another line has no number, no line has one.
 Result<std::map<std::string, double>> raters_of(const fs::path& path) {
   std::map<std::string, double> raters;
   if (path.empty()) return raters;
   const auto text = read_whole_file(path, 1 << 20);
   if (!text) return fail(text.error());
   std::istringstream in(*text);
+  int at = 0;
   for (std::string line; std::getline(in, line);) {
+    ++at;
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     const auto comma = line.rfind(',');
-    if (comma == std::string::npos) continue;
+    const std::string number = comma == std::string::npos ? "" : line.substr(comma + 1);
     char* end = nullptr;
-    const std::string number = line.substr(comma + 1);
     const double mm = std::strtod(number.c_str(), &end);
-    if (end != number.c_str() && std::isfinite(mm)) raters[line.substr(0, comma)] = mm;
+    const bool whole = end != number.c_str() && std::string(end).find_first_not_of(" \t\r") == std::string::npos;
+    if (whole && std::isfinite(mm) && mm >= 0)
+      raters[line.substr(0, comma)] = mm;
+    else if (at > 1)
+      return fail(path.string(), "has no NAME,MM in line " + std::to_string(at) + "; correct it");
   }
   if (raters.empty()) return fail(path.string(), "has no line NAME,MM; write one for each landmark");
   return raters;
@@ -280,6 +287,13 @@ Result<Report> study_experts(const ExpertsJob& options, Progress& progress) {
     return fail(options.subjects.files.front().string(), "and the others share no landmarks to measure");
   }
   const auto landmarks = landmark_rows(runs, *raters, methods);
+  for (const auto& [name, mm] : *raters)
+    if (std::none_of(subjects.begin(), subjects.end(), [&](const BiasSubject& one) {
+          return std::any_of(one.landmarks.begin(), one.landmarks.end(),
+                             [&](const Landmark& landmark) { return landmark.name == name; });
+        }))
+      report.warnings.push_back(options.raters.string() + ": no subject has the landmark \"" + name +
+                                "\"; check its name");
   const std::string table = experts_table(rows, landmarks, methods);
   report.values = {
       {"methods", rows}, {"landmarks", landmarks}, {"worst", described_worst(runs)}, {"flipped", read->flipped}};

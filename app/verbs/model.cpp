@@ -115,6 +115,12 @@ Result<std::vector<MeshFile>> files_of(const TrainingVerb& options, Progress& pr
 
 /// Slides the set's vertices and writes the meshes; the set then holds the optimised shapes.
 Result<Json> optimise(const ModelOptions& options, TrainingSetRead& read, Progress& progress) {
+  const auto names = shape_names(read.set.names);
+  const fs::path folder = options.optimised_folder();
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (fs::weakly_canonical(read.set.names[k]) == fs::weakly_canonical(folder / (names[k] + ".ply")))
+      return fail(folder.string(),
+                  "holds " + names[k] + ".ply, which is one of the set; name another folder for the optimised meshes");
   progress.part(0, 0.1);
   auto files = files_of(options.training, progress);
   if (!files) return fail(files.error());
@@ -127,7 +133,6 @@ Result<Json> optimise(const ModelOptions& options, TrainingSetRead& read, Progre
       sliding.held.push_back(held_vertices(file, *read.set.topology, !options.free_landmarks));
   auto optimised = optimise_set(read.set, sliding);
   if (!optimised) return fail(optimised.error());
-  const auto names = shape_names(read.set.names);
   std::vector<NamedShape> shapes;
   Json slides = Json::array();
   for (std::size_t k = 0; k < files->size(); ++k) {
@@ -137,11 +142,11 @@ Result<Json> optimise(const ModelOptions& options, TrainingSetRead& read, Progre
     if (flipped) points.col(0) *= -1;
     MeshFile& file = (*files)[k];
     file.points = std::move(points);
+    file.doubt_mm.reset();  // of places that the vertices have left
     if (file.triangles.rows() == 0) file.triangles = read.set.topology->triangles();
     shapes.push_back({names[k], std::make_shared<const MeshFile>(std::move(file)), {}, true});
     slides.push_back({{"name", names[k]}, {"largest_slide_mm", optimised->largest_slide_mm[k]}});
   }
-  const fs::path folder = options.optimised_folder();
   if (auto written = write_shapes(shapes, ".ply", folder, nullptr); !written) return fail(written.error());
   read.set.shapes = std::move(optimised->shapes);
   progress.part(0.9, 1);

@@ -95,20 +95,25 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
     if (!results[k]) return fail(results[k].error());
     read.warnings.insert(read.warnings.end(), warnings[k].begin(), warnings[k].end());
   }
-  std::vector<Boundary> boundaries;
-  for (const BiasSubject& subject : read.subjects) boundaries.push_back(subject.boundary);
-  for (const std::size_t k : mirrored_subjects(boundaries)) {
+  std::vector<const Boundary*> boundaries;
+  for (const BiasSubject& subject : read.subjects) boundaries.push_back(&subject.boundary);
+  const std::string others = boundaries.size() == 2 ? "the other subject" : "most others";
+  for (const std::size_t k : mirrored_subjects(boundaries, &progress)) {
     BiasSubject& subject = read.subjects[k];
     if (!files.flip_mirrored) {
-      read.warnings.push_back(subject.name +
-                              ": looks like a mirror image of most others; flip such subjects with "
-                              "--flip-mirrored, or leave it out");
+      read.warnings.push_back(subject.name + ": looks like a mirror image of " + others +
+                              "; flip such subjects with --flip-mirrored, or leave it out");
       continue;
     }
     flip_subject(subject);
     read.flipped.push_back(subject.name);
   }
   return read;
+}
+
+std::string other_organ_warning(const std::string& name) {
+  return name +
+         ": looks like another organ than most others, since its fits are in much doubt; look at it, or leave it out";
 }
 
 }  // namespace homolog

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "app/verbs/verb.h"
@@ -29,5 +30,8 @@ struct SubjectsRead {
 /// of most others are flipped with their landmarks; without it, warnings name them. Errors: a file that cannot be read,
 /// two of one name, a folder without surfaces, labels or a closing for surfaces only, cancelled.
 Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress);
+
+/// The sentence about a subject whose fits are in much doubt.
+std::string other_organ_warning(const std::string& name);
 
 }  // namespace homolog

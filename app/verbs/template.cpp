@@ -183,7 +183,7 @@ Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
   std::vector<Boundary> subjects;
   for (BiasSubject& subject : read->subjects) subjects.push_back(std::move(subject.boundary));
   const auto made = consensus_template(subjects, {.vertices = options.vertices, .progress = &progress});
-  if (!made) return fail(options.consensus.front().string(), made.error().what);
+  if (!made) return fail(made.error());
   std::vector<std::string> warnings = std::move(read->warnings);
   Json names = Json::array();
   for (const BiasSubject& subject : read->subjects) names.push_back(subject.name);
@@ -191,8 +191,10 @@ Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
     warnings.push_back(read->subjects[made->start].name + ", where the consensus starts: " + warning);
   for (const std::size_t k : made->left_out)
     warnings.push_back(read->subjects[k].name + ": could not be fitted, so the template is made without it");
+  for (const std::size_t k : made->doubtful) warnings.push_back(other_organ_warning(read->subjects[k].name));
   if (!made->rests)
-    warnings.push_back("the mean still moved in the last round; the subjects differ much, so look at the template");
+    warnings.emplace_back(
+        "the mean still moved in the last round; look at the template, and at subjects that differ much");
   return finish(template_file(made->mesh, {{"consensus", names}, {"vertices", options.vertices}}), options,
                 {{"subjects", subjects.size()},
                  {"rounds", made->rounds},
@@ -266,11 +268,13 @@ void add_template(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<TemplateJob>();
   CLI::App* verb = add_verb(app, "template", "A template from a label map or from a surface");
   auto* in = verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over");
-  auto* consensus = verb->add_option("--consensus", options->consensus,
-                                     "Surfaces or label maps of several subjects: their mean shape, which depends "
-                                     "far less on any one of them")
-                        ->excludes(in)
-                        ->expected(2, 1000000);
+  auto* consensus =
+      verb->add_option(
+              "--consensus", options->consensus,
+              "Surfaces or label maps of several subjects, or a folder of surfaces: their mean shape, which depends "
+              "far less on any one of them")
+          ->excludes(in)
+          ->expected(1, 1000000);
   verb->add_flag("--flip-mirrored", options->flip_mirrored, "Flip subjects that are mirror images of most others")
       ->needs(consensus);
   verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness, regions and landmarks)")

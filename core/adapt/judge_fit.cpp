@@ -33,7 +33,11 @@ std::optional<std::string> riddled(const Template& the_template) {
 }
 
 /// Why the fit is doubtful.
-std::string poor_fit(const Agreement& agreement, double doubt_share, bool partial) {
+std::string poor_fit(const Agreement& agreement, double doubt_share, bool partial, bool open) {
+  if (open && !partial)
+    return "the fit is poor, and the surface is open; if parts of the organ are missing, use --partial, else check "
+           "that "
+           "the template is not of another organ or side";
   if (partial || agreement.dice < least_dice || doubt_share > most_doubt_share)
     return "the fit is poor; check that the template is not of another organ or side, and that the label is right";
   char text[200];
@@ -101,6 +105,10 @@ void judge_partial(const Boundary& boundary, const FitResult& fit, FitJudgement&
 
 }  // namespace
 
+bool in_much_doubt(const FitResult& fit) {
+  return fit.mirrored || (fit.doubt_mm.size() > 0 && fit.doubt_mm.mean() > much_doubt_mm(surface_area_mm2(fit.mesh)));
+}
+
 FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, const FitOptions& options,
                        const FitResult& fit) {
   FitJudgement judgement;
@@ -123,7 +131,8 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
     judgement.warnings.push_back("the template itself has " + faults.words() +
                                  ", so its fits have faults too; make it again from a surface without faults");
   else if (judgement.doubtful && !fit.mirrored)
-    judgement.warnings.push_back(poor_fit(judgement.agreement, judgement.doubt_share, options.partial));
+    judgement.warnings.push_back(
+        poor_fit(judgement.agreement, judgement.doubt_share, options.partial, !boundary.surface.topology->closed()));
   else if (tangled)
     judgement.warnings.emplace_back(
         "some triangles are turned or pass through each other, because the organ differs too much from the template "

@@ -16,6 +16,10 @@ inline double much_doubt_mm(double area_mm2) {
   return most_doubt_share * std::sqrt(area_mm2);
 }
 
+/// Whether a fit as a whole is in so much doubt, or looks mirrored, that the organ is likely another one. It costs
+/// nothing, as judge_fit does.
+bool in_much_doubt(const FitResult& fit);
+
 /// How far the target of a partial fit lies from the mesh, the cuts through the organ left out.
 struct TargetDistance {
   double mean_mm = 0, p95_mm = 0;

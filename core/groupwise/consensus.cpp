@@ -7,9 +7,11 @@
 #include <utility>
 
 #include "core/adapt/fit.h"
+#include "core/adapt/judge_fit.h"
 #include "core/base/parallel.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
+#include "core/mesh/remesh.h"
 #include "core/model/procrustes.h"
 #include "core/placement/similarity_fit.h"
 
@@ -20,14 +22,14 @@ namespace {
 constexpr int coarse_vertices = 800;  ///< enough to tell left from right
 
 /// The subjects by size, equal ones by their points: an order that no list of files decides.
-std::vector<std::size_t> by_size(const std::vector<Boundary>& subjects) {
+std::vector<std::size_t> by_size(const std::vector<const Boundary*>& subjects) {
   std::vector<double> areas;
-  for (const Boundary& subject : subjects) areas.push_back(surface_area_mm2(subject.surface));
+  for (const Boundary* subject : subjects) areas.push_back(surface_area_mm2(subject->surface));
   std::vector<std::size_t> order(subjects.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     if (areas[a] != areas[b]) return areas[a] < areas[b];
-    const Points &p = subjects[a].surface.points, &q = subjects[b].surface.points;
+    const Points &p = subjects[a]->surface.points, &q = subjects[b]->surface.points;
     return std::lexicographical_compare(p.data(), p.data() + p.size(), q.data(), q.data() + q.size());
   });
   return order;
@@ -67,22 +69,27 @@ Boundary mirrored_boundary(const Boundary& subject) {
   return other;
 }
 
-std::vector<std::size_t> mirrored_subjects(const std::vector<Boundary>& subjects) {
+std::vector<std::size_t> mirrored_subjects(const std::vector<const Boundary*>& subjects, const Progress* progress) {
   std::vector<std::size_t> like, unlike;
-  if (subjects.empty()) return like;
-  const auto own = own_template(subjects[by_size(subjects)[subjects.size() / 2]], coarse_vertices);
+  if (subjects.size() < 2) return like;
+  const auto own = own_template(*subjects[by_size(subjects)[subjects.size() / 2]], coarse_vertices);
   const auto start = own ? template_of(own->mesh) : tl::make_unexpected(own.error());
   if (!start) return like;
+  const auto cancelled = [progress] { return progress != nullptr && progress->cancelled(); };
   std::vector<char> mirrored(subjects.size());
-  for_each_in_parallel(subjects.size(),
-                       [&](std::size_t k) { mirrored[k] = mirror_image_there(**start, subjects[k]).has_value(); });
+  for_each_in_parallel(subjects.size(), [&](std::size_t k) {
+    mirrored[k] = !cancelled() && mirror_image_there(**start, *subjects[k]).has_value();
+  });
+  if (cancelled()) return like;
   for (std::size_t k = 0; k < subjects.size(); ++k) (mirrored[k] ? unlike : like).push_back(k);
   return unlike.size() > like.size() ? like : unlike;
 }
 
 Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, const ConsensusOptions& options) {
   if (subjects.size() < 2) return fail("", "one subject alone has no consensus; give at least two");
-  const auto order = by_size(subjects);
+  std::vector<const Boundary*> all;
+  for (const Boundary& subject : subjects) all.push_back(&subject);
+  const auto order = by_size(all);
   Consensus consensus;
   consensus.start = options.start.value_or(order[order.size() / 2]);
   std::optional<Progress> making;  // next to no time, but it can be cancelled
@@ -95,24 +102,29 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
     const auto the_template = template_of(consensus.mesh);
     if (!the_template) return fail(the_template.error());
     std::vector<std::optional<Points>> fits(order.size());
+    std::vector<char> doubtful(order.size());
     const double share = 1.0 / options.most_rounds / static_cast<double>(order.size());
     for_each_in_parallel(order.size(), [&](std::size_t k) {
       FitOptions fitting;
       std::optional<Progress> own;
       if (options.progress != nullptr) fitting.progress = &own.emplace(*options.progress, share);
-      if (auto fit = fit_to_boundary(**the_template, subjects[order[k]], fitting))
+      if (auto fit = fit_to_boundary(**the_template, subjects[order[k]], fitting)) {
+        doubtful[k] = in_much_doubt(*fit) ? 1 : 0;
         fits[k] = std::move(fit->mesh.points);
+      }
       if (own) own->report(1);
     });
     if (options.progress != nullptr && options.progress->cancelled())
       return fail("", "the making of the template was cancelled");
     consensus.left_out.clear();
+    consensus.doubtful.clear();
     ShapeMatrix shapes(consensus.mesh.points.size(), 0);
     for (std::size_t k = 0; k < fits.size(); ++k) {
       if (!fits[k]) {
         consensus.left_out.push_back(order[k]);
         continue;
       }
+      if (doubtful[k] != 0) consensus.doubtful.push_back(order[k]);
       shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
       shapes.rightCols(1) = fits[k]->reshaped<Eigen::RowMajor>();
     }
@@ -121,7 +133,9 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
     const Points before = aligned_to(consensus.mesh.points, mean, Alignment::similarity);
     consensus.moved_mm = std::sqrt((mean - before).squaredNorm() / static_cast<double>(mean.rows()));
     consensus.mesh.points = mean;
-    consensus.rests = consensus.moved_mm < options.rests_share * std::sqrt(surface_area_mm2(consensus.mesh));
+    const double area_mm2 = surface_area_mm2(consensus.mesh);
+    consensus.rests = consensus.moved_mm < std::max(options.rests_share * std::sqrt(area_mm2),
+                                                    options.rests_edges * spread_edge_mm(area_mm2, options.vertices));
     consensus.mesh = spread_over(consensus.mesh, options.vertices);
     ++consensus.rounds;
   }

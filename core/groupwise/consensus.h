@@ -16,7 +16,9 @@ namespace homolog {
 struct ConsensusOptions {
   int vertices = 2500;
   int most_rounds = 6;
-  double rests_share = 2e-3;         ///< of the square root of the area: a mean that moves less rests
+  /// A mean that moves less rests: of the square root of the area, or of the mean edge. By so much of an edge the even
+  /// spreading moves vertices from round to round.
+  double rests_share = 2e-3, rests_edges = 0.125;
   std::optional<std::size_t> start;  ///< the subject to start from; absent: the one of median size
   Progress* progress = nullptr;
 };
@@ -25,8 +27,9 @@ struct Consensus {
   Mesh mesh;                          ///< upright as the subjects are on average, its centroid at 0, mm
   int rounds = 0;                     ///< in which all subjects were fitted
   double moved_mm = 0;                ///< root mean square of what the mean's vertices moved in the last round
-  bool rests = false;                 ///< less than `rests_share`
+  bool rests = false;                 ///< less than `rests_share` or `rests_edges`
   std::vector<std::size_t> left_out;  ///< subjects that could not be fitted in the last round
+  std::vector<std::size_t> doubtful;  ///< whose fits of the last round are in much doubt, as of another organ
   std::size_t start = 0;              ///< the subject that was started from
   std::vector<std::string> warnings;  ///< of the start's own template, each a sentence
 };
@@ -39,8 +42,10 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
 /// `vertices` spread evenly over the subject's surface: a template of its own. Errors: as make_mesh_template.
 Result<MeshTemplate> own_template(const Boundary& subject, int vertices, Progress* progress = nullptr);
 
-/// Which subjects look like mirror images of most others.
-std::vector<std::size_t> mirrored_subjects(const std::vector<Boundary>& subjects);
+/// Which subjects look like mirror images of most others, or of two subjects the smaller one of the other. Empty where
+/// it was cancelled.
+std::vector<std::size_t> mirrored_subjects(const std::vector<const Boundary*>& subjects,
+                                           const Progress* progress = nullptr);
 /// The subject of the other side: x negated, faces turned.
 Boundary mirrored_boundary(const Boundary& subject);
 

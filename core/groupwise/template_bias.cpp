@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/adapt/fit.h"
+#include "core/adapt/judge_fit.h"
 #include "core/base/parallel.h"
 #include "core/base/statistics.h"
 #include "core/mesh/surface_search.h"
@@ -20,6 +21,7 @@ constexpr Eigen::Index stand_in_places = 40;
 struct Start {
   std::shared_ptr<const Topology> topology;
   ShapeMatrix fits;
+  std::vector<char> doubtful;  ///< of each subject: its fit is in much doubt
 };
 
 std::vector<Landmark> places_of(const BiasSubject& subject) {
@@ -59,7 +61,8 @@ std::optional<Start> run_start(std::size_t start, const std::vector<Boundary>& b
   if (options.progress != nullptr) own.emplace(*options.progress, options.consensus ? 0.85 * share : 0);
   const auto the_template = template_from(start, boundaries, options, own ? &*own : nullptr, warnings);
   if (!the_template) return std::nullopt;
-  Start run{(*the_template)->topology, ShapeMatrix((*the_template)->points.size(), std::ssize(boundaries))};
+  Start run{(*the_template)->topology, ShapeMatrix((*the_template)->points.size(), std::ssize(boundaries)),
+            std::vector<char>(boundaries.size())};
   std::vector<char> fitted(boundaries.size());
   for_each_in_parallel(boundaries.size(), [&](std::size_t k) {
     std::optional<Progress> of_fit;
@@ -69,7 +72,9 @@ std::optional<Start> run_start(std::size_t start, const std::vector<Boundary>& b
     const auto fit = fit_to_boundary(**the_template, boundaries[k], fitting);
     if (of_fit) of_fit->report(1);
     fitted[k] = fit.has_value();
-    if (fit) run.fits.col(static_cast<Eigen::Index>(k)) = fit->mesh.points.reshaped<Eigen::RowMajor>();
+    if (!fit) return;
+    run.fits.col(static_cast<Eigen::Index>(k)) = fit->mesh.points.reshaped<Eigen::RowMajor>();
+    run.doubtful[k] = in_much_doubt(*fit) ? 1 : 0;
   });
   if (std::find(fitted.begin(), fitted.end(), 0) != fitted.end()) return std::nullopt;
   return run;
@@ -125,7 +130,7 @@ double modified_rv(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 }
 
 Result<TemplateBias> template_bias(const std::vector<BiasSubject>& subjects, const BiasOptions& options) {
-  if (subjects.size() < 3) return fail("", "needs at least three subjects");
+  if (subjects.size() < 3) return fail("", "the study needs at least three subjects");
   std::vector<Boundary> boundaries;
   for (const BiasSubject& subject : subjects) boundaries.push_back(subject.boundary);
   std::vector<std::optional<Start>> runs(subjects.size());
@@ -147,6 +152,11 @@ Result<TemplateBias> template_bias(const std::vector<BiasSubject>& subjects, con
   }
   if (starts.size() < 2) return fail("", "fewer than two subjects gave templates that fit all others; check them");
 
+  for (std::size_t k = 0; k < subjects.size(); ++k) {
+    const auto doubtful =
+        std::count_if(starts.begin(), starts.end(), [k](const Start& s) { return s.doubtful[k] != 0; });
+    if (2 * doubtful > std::ssize(starts)) bias.doubtful.push_back(subjects[k].name);
+  }
   std::vector<double> all;
   std::map<std::string, std::vector<double>> by_name;
   std::vector<std::vector<std::vector<double>>> spreads(subjects.size());

@@ -97,6 +97,10 @@ TEST_CASE("model --optimise slides vertices and writes the meshes and what it ga
     CHECK(read_whole_file(folder.path / "m-optimised" / name).value() ==
           read_whole_file(folder.path / "there" / name).value());
   CHECK(run(folder, "model" + files + " --optimised there -o n.h5.json").status == 2);
+  // The set itself is never written over.
+  const auto before = read_whole_file(folder.path / "k2.ply").value();
+  check_refused(run(folder, "model" + files + " --optimise --optimised . -o n.h5.json"), "another folder");
+  CHECK(read_whole_file(folder.path / "k2.ply").value() == before);
 }
 
 TEST_CASE("template --consensus takes several subjects in any order") {
@@ -165,6 +169,8 @@ TEST_CASE("studies of templates and experts report landmarks by name and the scr
   CHECK(experts.json()["methods"].size() == 8);
   CHECK(experts.json()["landmarks"].size() == 1);
   CHECK(experts.json()["landmarks"][0]["raters_mm"] == 1.25);
+  REQUIRE(write_whole_file(folder.path / "bones/wrong.csv", "landmark,mm\ntip,1.25\nside;2\n"));
+  check_refused(run(folder, "study experts" + files + "--raters bones/wrong.csv --vertices 200"), "line 3");
   CHECK(fs::exists(folder.path / experts.json()["worst"]["mesh"].get<std::string>()));
   check_refused(run(folder, "study experts k0.ply k2.ply --landmarks bones"), "k2");
 }

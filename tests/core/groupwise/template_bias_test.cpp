@@ -110,11 +110,33 @@ TEST_CASE("mirror images among subjects are found and flipped back") {
     subjects.push_back(std::move(one));
   }
   const Points was = subjects[1].surface.points;
-  CHECK(mirrored_subjects(subjects).empty());
+  const auto pointers = [&] {
+    std::vector<const Boundary*> all;
+    for (const Boundary& subject : subjects) all.push_back(&subject);
+    return all;
+  };
+  CHECK(mirrored_subjects(pointers()).empty());
   subjects[1] = mirrored_boundary(subjects[1]);
   CHECK(enclosed_volume_ml(subjects[1].surface) > 0);
-  CHECK(mirrored_subjects(subjects) == std::vector<std::size_t>{1});
+  CHECK(mirrored_subjects(pointers()) == std::vector<std::size_t>{1});
+  Progress cancelled;
+  cancelled.cancel();
+  CHECK(mirrored_subjects(pointers(), &cancelled).empty());
   CHECK(mirrored_boundary(subjects[1]).surface.points == was);
+}
+
+TEST_CASE("another organ among the subjects is named") {
+  std::vector<Boundary> subjects = organs(4);
+  CHECK(consensus_template(subjects, {.vertices = 400}).value().doubtful.empty());
+  Mesh stick = icosphere(3, 12);
+  stick.points.col(1) *= 7;
+  stick.points.col(1).array() += 0.02 * stick.points.col(1).array().square();
+  subjects[2] = mesh_boundary(stick);
+  CHECK(consensus_template(subjects, {.vertices = 400}).value().doubtful == std::vector<std::size_t>{2});
+  std::vector<BiasSubject> named;
+  for (std::size_t k = 0; k < subjects.size(); ++k)
+    named.push_back({std::string(1, static_cast<char>('a' + k)), subjects[k], {}});
+  CHECK(template_bias(named, {.vertices = 400}).value().doubtful == std::vector<std::string>{"c"});
 }
 
 TEST_CASE("a consensus of one subject is refused and a cancelled one says so") {

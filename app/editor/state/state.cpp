@@ -22,7 +22,9 @@ bool paints_regions(const EditorState& state) {
 }
 
 Colouring shown_colouring(const EditorState& state) {
-  if (state.tool == MouseTool::confirm) return Colouring::known;
+  // What is in doubt is what a person confirms.
+  if (state.tool == MouseTool::confirm)
+    return state.colouring == Colouring::doubt ? Colouring::doubt : Colouring::known;
   if (state.tool == MouseTool::stiffness) return paints_regions(state) ? Colouring::regions : Colouring::stiffness;
   return state.shows_confidence && state.confidence ? Colouring::confidence : state.colouring;
 }

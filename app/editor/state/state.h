@@ -231,8 +231,8 @@ struct EditorState {
 bool is_brush(MouseTool tool);
 /// Whether the brush in hand paints regions, or fills them.
 bool paints_regions(const EditorState& state);
-/// The colouring that is shown. While a brush is in hand: what it paints. After a snap: its confidence, until the user
-/// chooses another.
+/// The colouring that is shown. While a brush is in hand: what it paints, or the doubt if that was chosen and the
+/// brush confirms. After a snap: its confidence, until the user chooses another.
 Colouring shown_colouring(const EditorState& state);
 
 /// The plane of a slice view.

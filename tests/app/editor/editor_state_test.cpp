@@ -132,6 +132,9 @@ TEST_CASE("what a brush paints is shown while it is in hand") {
   state.colouring = Colouring::moved;
   state.tool = MouseTool::confirm;
   CHECK(shown_colouring(state) == Colouring::known);
+  state.colouring = Colouring::doubt;  // white where it is confirmed
+  CHECK(shown_colouring(state) == Colouring::doubt);
+  state.colouring = Colouring::moved;
   state.tool = MouseTool::stiffness;
   CHECK(shown_colouring(state) == Colouring::stiffness);
   state.tool = MouseTool::pull;

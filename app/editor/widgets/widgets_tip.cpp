@@ -77,6 +77,7 @@ void tooltip(const Theme& theme, const std::string& text) {
   ImGui::SetNextWindowPos(tip_place(size, control, part, theme.px(6)));
   ImGui::SetNextWindowSize(size);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, pad);
+  ImGui::PushStyleVar(ImGuiStyleVar_Alpha, 1);  // also where the control is disabled
   ImGui::BeginTooltip();
   ImGui::PushFont(theme.small);
   ImGui::TextUnformatted(lines.c_str());
@@ -84,7 +85,7 @@ void tooltip(const Theme& theme, const std::string& text) {
             DrawnItem::Kind::tip);
   ImGui::PopFont();
   ImGui::EndTooltip();
-  ImGui::PopStyleVar();
+  ImGui::PopStyleVar(2);
 }
 
 }  // namespace homolog

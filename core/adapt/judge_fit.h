@@ -30,8 +30,8 @@ struct FitJudgement {
   Agreement agreement;  ///< of the fitted mesh with the boundary
   /// Dice below 0.9, a mean distance above 1 % of the boundary's diagonal, a 95 % distance above 4 %, a mean doubt
   /// above 6 % of the root of its area, or mirrored. A partial fit: `sound_mm` or the target's mean distance
-  /// above 1 %, its 95 % distance above 4 %, the mean doubt of what is there above 6 % of the root of the mesh's area,
-  /// more than 60 % missing, or mirrored.
+  /// above 1 %, the mean doubt of what is there above 6 % of the root of the mesh's area, more than 60 % missing, or
+  /// mirrored.
   bool doubtful = false;
   double sound_mm = 0;                ///< of a partial fit: mean distance of the vertices that are no outliers
   TargetDistance target;              ///< of a partial fit

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include "app/verbs/case_pool.h"
@@ -287,11 +288,11 @@ Result<Report> study_experts(const ExpertsJob& options, Progress& progress) {
     return fail(options.subjects.files.front().string(), "and the others share no landmarks to measure");
   }
   const auto landmarks = landmark_rows(runs, *raters, methods);
+  std::set<std::string> known;
+  for (const BiasSubject& subject : subjects)
+    for (const Landmark& landmark : subject.landmarks) known.insert(landmark.name);
   for (const auto& [name, mm] : *raters)
-    if (std::none_of(subjects.begin(), subjects.end(), [&](const BiasSubject& one) {
-          return std::any_of(one.landmarks.begin(), one.landmarks.end(),
-                             [&](const Landmark& landmark) { return landmark.name == name; });
-        }))
+    if (!known.contains(name))
       report.warnings.push_back(options.raters.string() + ": no subject has the landmark \"" + name +
                                 "\"; check its name");
   const std::string table = experts_table(rows, landmarks, methods);

@@ -105,7 +105,7 @@ Result<Report> measure_run(const Template& the_template, const BiasSubject& subj
 }
 
 /// Landmark → the raters' own mean distance: lines `name,mm`, under a title or without one. Errors: the file cannot be
-/// read, another line has no number, no line has one.
+/// read, another line has no number, a name stands twice, no line has one.
 Result<std::map<std::string, double>> raters_of(const fs::path& path) {
   std::map<std::string, double> raters;
   if (path.empty()) return raters;
@@ -121,10 +121,13 @@ Result<std::map<std::string, double>> raters_of(const fs::path& path) {
     char* end = nullptr;
     const double mm = std::strtod(number.c_str(), &end);
     const bool whole = end != number.c_str() && std::string(end).find_first_not_of(" \t\r") == std::string::npos;
-    if (whole && std::isfinite(mm) && mm >= 0)
-      raters[line.substr(0, comma)] = mm;
-    else if (at > 1)
+    if (at == 1 && end == number.c_str()) continue;  // a title
+    if (!whole || !std::isfinite(mm) || mm < 0)
       return fail(path.string(), "has no NAME,MM in line " + std::to_string(at) + "; correct it");
+    std::string name = line.substr(0, comma);
+    if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+    if (!raters.emplace(name, mm).second)
+      return fail(path.string(), "names \"" + name + "\" twice; leave out one of the lines");
   }
   if (raters.empty()) return fail(path.string(), "has no line NAME,MM; write one for each landmark");
   return raters;

@@ -166,7 +166,7 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
   report.values["doubt_mm"] = described_doubt(the_template, fit);
   if (partial) {
     report.values["outliers"] = fit.outliers.size();
-    report.values["sound_mm"] = judgement.sound_mm;
+    report.values["sound_mm"] = std::ssize(fit.outliers) < fit.mesh.points.rows() ? Json(judgement.sound_mm) : Json();
     report.values["target_mm"] = {{"mean", judgement.target.mean_mm}, {"p95", judgement.target.p95_mm}};
   }
   if (fit.allowed.size() > 0)

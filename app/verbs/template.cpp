@@ -194,7 +194,7 @@ Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
   for (const std::size_t k : made->doubtful) warnings.push_back(other_organ_warning(read->subjects[k].name));
   if (!made->rests)
     warnings.emplace_back(
-        "the mean still moved in the last round; look at the template, and at subjects that differ much");
+        "the mean still moved in the last round; use more vertices, and look at subjects that differ much from others");
   return finish(template_file(made->mesh, {{"consensus", names}, {"vertices", options.vertices}}), options,
                 {{"subjects", subjects.size()},
                  {"rounds", made->rounds},

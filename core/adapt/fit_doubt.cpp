@@ -30,7 +30,8 @@ VertexScalars fit_doubt_mm(const Mesh& mesh, const VertexScalars& spread_mm2, do
     for (Eigen::Index j = 0; j < mesh.points.rows(); ++j)
       if (lacking[index(j)] == 0)
         nearest_mm2 = std::min(nearest_mm2, (mesh.points.row(i) - mesh.points.row(j)).squaredNorm());
-    if (std::isfinite(nearest_mm2)) doubt_mm2[i] += strain * std::pow(std::sqrt(nearest_mm2) + farther_mm, 2);
+    doubt_mm2[i] += std::isfinite(nearest_mm2) ? strain * std::pow(std::sqrt(nearest_mm2) + farther_mm, 2)
+                                               : area_mm2;  // nothing is there, so it may be anywhere
   }
   return doubt_mm2.cwiseSqrt();
 }

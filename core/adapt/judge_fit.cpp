@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/adapt/boundary/cut_faces.h"
+#include "core/base/statistics.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
@@ -15,6 +16,7 @@ namespace homolog {
 namespace {
 
 constexpr double least_dice = 0.9;
+constexpr double hardly_any_dice = 0.5;  ///< below, the template is likely of another organ, whatever else it is
 constexpr double most_share = 0.04, most_mean_share = 0.01;  ///< of the diagonal
 
 bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
@@ -32,13 +34,25 @@ std::optional<std::string> riddled(const Template& the_template) {
          " tunnels, more than organs have, so vertices of its fits do not correspond; make it again with --genus";
 }
 
+/// Whether a surface has a hole so long around that a part seems to be cut off.
+bool is_cut_open(const Mesh& surface) {
+  constexpr double longest_share = 0.1;  ///< of the diagonal; a femur cut through its shaft comes to 0.2
+  const double longest_mm = longest_share * bounds_of(surface.points).diagonal().norm();
+  const auto& rims = surface.topology->rims();
+  return std::any_of(rims.begin(), rims.end(), [&](const std::vector<std::int32_t>& rim) {
+    double length_mm = 0;
+    for (std::size_t k = 0; k < rim.size(); ++k)
+      length_mm += (surface.points.row(rim[k]) - surface.points.row(rim[(k + 1) % rim.size()])).norm();
+    return length_mm > longest_mm;
+  });
+}
+
 /// Why the fit is doubtful.
-std::string poor_fit(const Agreement& agreement, double doubt_share, bool partial, bool open) {
-  if (open && !partial)
-    return "the fit is poor, and the surface is open; if parts of the organ are missing, use --partial, else check "
-           "that "
-           "the template is not of another organ or side";
-  if (partial || agreement.dice < least_dice || doubt_share > most_doubt_share)
+std::string poor_fit(const Agreement& agreement, double doubt_share, bool partial) {
+  if (!partial && agreement.dice >= least_dice && doubt_share > most_doubt_share)
+    return "the mesh follows the boundary, but where along it vertices belong is in much doubt; look at it, give three "
+           "landmarks or more, or use a template that is more alike";
+  if (partial || agreement.dice < least_dice)
     return "the fit is poor; check that the template is not of another organ or side, and that the label is right";
   char text[200];
   std::snprintf(text, sizeof text,
@@ -112,8 +126,18 @@ void judge_partial(const Boundary& boundary, const FitResult& fit, FitJudgement&
 
 }  // namespace
 
-bool in_much_doubt(const FitResult& fit) {
-  return fit.mirrored || (fit.doubt_mm.size() > 0 && fit.doubt_mm.mean() > much_doubt_mm(surface_area_mm2(fit.mesh)));
+double share_of_doubt(const FitResult& fit) {
+  return fit.doubt_mm.size() == 0 ? 0 : fit.doubt_mm.mean() / std::sqrt(surface_area_mm2(fit.mesh));
+}
+
+std::vector<std::size_t> unlike_the_others(const std::vector<double>& shares) {
+  constexpr double clearly = 1.5;
+  std::vector<std::size_t> unlike;
+  if (shares.size() < 3) return unlike;
+  const double usual = quantile(shares, 0.5);
+  for (std::size_t k = 0; k < shares.size(); ++k)
+    if (shares[k] > std::max(most_doubt_share, clearly * usual)) unlike.push_back(k);
+  return unlike;
 }
 
 FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, const FitOptions& options,
@@ -124,12 +148,18 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
     judgement.doubt_share = fit.doubt_mm.mean() / std::sqrt(surface_area_mm2(boundary.surface));
   judgement.doubtful =
       fit.mirrored || judgement.doubt_share > most_doubt_share || is_doubtful(judgement.agreement, boundary);
+  const bool cut_off = !options.partial && the_template.topology->closed() && is_cut_open(boundary.surface);
+  if (cut_off) judgement.doubtful = true;
   if (options.partial) judge_partial(boundary, fit, judgement);
   judgement.warnings = boundary.warnings;
   judgement.warnings.insert(judgement.warnings.end(), fit.warnings.begin(), fit.warnings.end());
   if (fit.mirrored)
     judgement.warnings.emplace_back(
         "the organ looks like the template's mirror image; mirror the template, or use that of the other side");
+  if (cut_off)
+    judgement.warnings.emplace_back(
+        "the surface is open, so parts of the organ seem to be missing; use --partial, or close the surface with "
+        "repair-mesh --holes all");
   if (auto many = riddled(the_template)) judgement.warnings.push_back(std::move(*many));
   const bool tangled = fit.turned_triangles + fit.self_intersections > 0;
   if (!judgement.doubtful && !tangled) return judgement;
@@ -137,9 +167,8 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   if (faults.any())
     judgement.warnings.push_back("the template itself has " + faults.words() +
                                  ", so its fits have faults too; make it again from a surface without faults");
-  else if (judgement.doubtful && !fit.mirrored)
-    judgement.warnings.push_back(
-        poor_fit(judgement.agreement, judgement.doubt_share, options.partial, !boundary.surface.topology->closed()));
+  else if (judgement.doubtful && (!(fit.mirrored || cut_off) || judgement.agreement.dice < hardly_any_dice))
+    judgement.warnings.push_back(poor_fit(judgement.agreement, judgement.doubt_share, options.partial));
   else if (tangled)
     judgement.warnings.emplace_back(
         "some triangles are turned or pass through each other, because the organ differs too much from the template "

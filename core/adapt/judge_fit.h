@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,11 @@ inline double much_doubt_mm(double area_mm2) {
   return most_doubt_share * std::sqrt(area_mm2);
 }
 
-/// Whether a fit as a whole is in so much doubt, or looks mirrored, that the organ is likely another one. It costs
-/// nothing, as judge_fit does.
-bool in_much_doubt(const FitResult& fit);
+/// The mean doubt of a fit as a share of the root of the mesh's area.
+double share_of_doubt(const FitResult& fit);
+/// Which of several fits with one template are in much doubt, and in clearly more than most: likely of another organ.
+/// Of fewer than three nobody can tell. `shares`: see share_of_doubt.
+std::vector<std::size_t> unlike_the_others(const std::vector<double>& shares);
 
 /// How far the target of a partial fit lies from the mesh, the cuts through the organ left out.
 struct TargetDistance {
@@ -29,9 +32,9 @@ struct TargetDistance {
 struct FitJudgement {
   Agreement agreement;  ///< of the fitted mesh with the boundary
   /// Dice below 0.9, a mean distance above 1 % of the boundary's diagonal, a 95 % distance above 4 %, a mean doubt
-  /// above 6 % of the root of its area, or mirrored. A partial fit: `sound_mm` or the target's mean distance
-  /// above 1 %, the mean doubt of what is there above 6 % of the root of the mesh's area, more than 60 % missing, or
-  /// mirrored.
+  /// above 6 % of the root of its area, an open surface for a closed template, or mirrored. A partial fit: `sound_mm`
+  /// or the target's mean distance above 1 %, the mean doubt of what is there above 6 % of the root of the mesh's area,
+  /// more than 60 % missing, or mirrored.
   bool doubtful = false;
   double sound_mm = 0;                ///< of a partial fit: mean distance of the vertices that are no outliers
   TargetDistance target;              ///< of a partial fit

@@ -102,14 +102,14 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
     const auto the_template = template_of(consensus.mesh);
     if (!the_template) return fail(the_template.error());
     std::vector<std::optional<Points>> fits(order.size());
-    std::vector<char> doubtful(order.size());
+    std::vector<double> doubt(order.size());  // 0 where it looks mirrored, which is another matter
     const double share = 1.0 / options.most_rounds / static_cast<double>(order.size());
     for_each_in_parallel(order.size(), [&](std::size_t k) {
       FitOptions fitting;
       std::optional<Progress> own;
       if (options.progress != nullptr) fitting.progress = &own.emplace(*options.progress, share);
       if (auto fit = fit_to_boundary(**the_template, subjects[order[k]], fitting)) {
-        doubtful[k] = in_much_doubt(*fit) ? 1 : 0;
+        doubt[k] = fit->mirrored ? 0 : share_of_doubt(*fit);
         fits[k] = std::move(fit->mesh.points);
       }
       if (own) own->report(1);
@@ -118,13 +118,13 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
       return fail("", "the making of the template was cancelled");
     consensus.left_out.clear();
     consensus.doubtful.clear();
+    for (const std::size_t k : unlike_the_others(doubt)) consensus.doubtful.push_back(order[k]);
     ShapeMatrix shapes(consensus.mesh.points.size(), 0);
     for (std::size_t k = 0; k < fits.size(); ++k) {
       if (!fits[k]) {
         consensus.left_out.push_back(order[k]);
         continue;
       }
-      if (doubtful[k] != 0) consensus.doubtful.push_back(order[k]);
       shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
       shapes.rightCols(1) = fits[k]->reshaped<Eigen::RowMajor>();
     }

@@ -29,7 +29,7 @@ struct Consensus {
   double moved_mm = 0;                ///< root mean square of what the mean's vertices moved in the last round
   bool rests = false;                 ///< less than `rests_share` or `rests_edges`
   std::vector<std::size_t> left_out;  ///< subjects that could not be fitted in the last round
-  std::vector<std::size_t> doubtful;  ///< whose fits of the last round are in much doubt, as of another organ
+  std::vector<std::size_t> doubtful;  ///< in clearly more doubt than the others in the last round [unlike_the_others]
   std::size_t start = 0;              ///< the subject that was started from
   std::vector<std::string> warnings;  ///< of the start's own template, each a sentence
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/index.h"
 #include "core/base/parallel.h"
 #include "core/groupwise/description.h"
 #include "core/groupwise/sliding_surface.h"
@@ -46,19 +45,11 @@ class Sliding {
   Result<GroupwiseResult> run() {
     if (auto ready = prepare(); !ready) return fail(ready.error());
     GroupwiseResult result;
-    std::size_t best = 0;
     for (int round = 0;; ++round) {
       describe();
       result.rounds.push_back({description_bits(described_, last_precision),
                                description_bits(aligned_ * per_mm_, last_precision), 3 * variance_over_shapes(aligned_),
                                0});
-      if (round == 0 || result.rounds.back().bits < result.rounds[best].bits) {
-        best = index(round);
-        result.shapes = shapes_;
-        result.largest_slide_mm.clear();
-        for (const SlidingSurface& surface : surfaces_)
-          result.largest_slide_mm.push_back(surface.slides_mm().maxCoeff());
-      }
       if (options_.show) options_.show(result.rounds);
       if (round == options_.rounds) break;
       const double share = static_cast<double>(round) / std::max(1, options_.rounds - 1);
@@ -67,8 +58,8 @@ class Sliding {
       options_.progress->report(static_cast<double>(round + 1) / options_.rounds);
       if (options_.progress->cancelled()) return fail("", "the optimisation was cancelled");
     }
-    result.rounds.resize(best + 1);
-    result.rounds.back().way_mm = 0;
+    for (const SlidingSurface& surface : surfaces_) result.largest_slide_mm.push_back(surface.slides_mm().maxCoeff());
+    result.shapes = std::move(shapes_);
     return result;
   }
 

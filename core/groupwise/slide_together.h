@@ -30,7 +30,7 @@ struct GroupwiseOptions {
 
 struct GroupwiseResult {
   ShapeMatrix shapes;                    ///< 3n×M, each in the frame that it was given in, mm
-  std::vector<GroupwiseRound> rounds;    ///< the first: as given; the last: the result, the shortest of all
+  std::vector<GroupwiseRound> rounds;    ///< the first: as given; the last: the result
   std::vector<double> largest_slide_mm;  ///< of each shape's vertices
 };
 

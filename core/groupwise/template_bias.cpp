@@ -21,7 +21,7 @@ constexpr Eigen::Index stand_in_places = 40;
 struct Start {
   std::shared_ptr<const Topology> topology;
   ShapeMatrix fits;
-  std::vector<char> doubtful;  ///< of each subject: its fit is in much doubt
+  std::vector<double> doubt;  ///< share_of_doubt of each subject's fit; 0 where it looks mirrored
 };
 
 std::vector<Landmark> places_of(const BiasSubject& subject) {
@@ -62,7 +62,7 @@ std::optional<Start> run_start(std::size_t start, const std::vector<Boundary>& b
   const auto the_template = template_from(start, boundaries, options, own ? &*own : nullptr, warnings);
   if (!the_template) return std::nullopt;
   Start run{(*the_template)->topology, ShapeMatrix((*the_template)->points.size(), std::ssize(boundaries)),
-            std::vector<char>(boundaries.size())};
+            std::vector<double>(boundaries.size())};
   std::vector<char> fitted(boundaries.size());
   for_each_in_parallel(boundaries.size(), [&](std::size_t k) {
     std::optional<Progress> of_fit;
@@ -74,7 +74,7 @@ std::optional<Start> run_start(std::size_t start, const std::vector<Boundary>& b
     fitted[k] = fit.has_value();
     if (!fit) return;
     run.fits.col(static_cast<Eigen::Index>(k)) = fit->mesh.points.reshaped<Eigen::RowMajor>();
-    run.doubtful[k] = in_much_doubt(*fit) ? 1 : 0;
+    run.doubt[k] = fit->mirrored ? 0 : share_of_doubt(*fit);
   });
   if (std::find(fitted.begin(), fitted.end(), 0) != fitted.end()) return std::nullopt;
   return run;
@@ -152,11 +152,13 @@ Result<TemplateBias> template_bias(const std::vector<BiasSubject>& subjects, con
   }
   if (starts.size() < 2) return fail("", "fewer than two subjects gave templates that fit all others; check them");
 
+  std::vector<double> doubt;  // the median over the starts
   for (std::size_t k = 0; k < subjects.size(); ++k) {
-    const auto doubtful =
-        std::count_if(starts.begin(), starts.end(), [k](const Start& s) { return s.doubtful[k] != 0; });
-    if (2 * doubtful > std::ssize(starts)) bias.doubtful.push_back(subjects[k].name);
+    std::vector<double> of_starts;
+    for (const Start& start : starts) of_starts.push_back(start.doubt[k]);
+    doubt.push_back(quantile(of_starts, 0.5));
   }
+  for (const std::size_t k : unlike_the_others(doubt)) bias.doubtful.push_back(subjects[k].name);
   std::vector<double> all;
   std::map<std::string, std::vector<double>> by_name;
   std::vector<std::vector<std::vector<double>>> spreads(subjects.size());

@@ -1,6 +1,8 @@
 #include "core/mesh/mesh_faults.h"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "core/base/listed.h"
@@ -70,6 +72,34 @@ std::vector<std::int32_t> faulty_faces(const Mesh& mesh) {
   std::sort(faces.begin(), faces.end());
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
   return faces;
+}
+
+void smooth_faults(Mesh& mesh) {
+  constexpr int most_rounds = 20;
+  constexpr double most_faulty_share = 0.005;
+  constexpr double step = 0.3;
+  const Triangles& triangles = mesh.topology->triangles();
+  std::vector<std::int32_t> faulty = faulty_faces(mesh);
+  if (static_cast<double>(faulty.size()) > most_faulty_share * static_cast<double>(triangles.rows())) return;
+  Mesh smooth = mesh;
+  std::size_t fewest = faulty.size();
+  for (int round = 0; round < most_rounds && fewest > 0; ++round) {
+    std::set<std::int32_t> vertices;
+    for (const std::int32_t face : faulty)
+      for (int corner = 0; corner < 3; ++corner) vertices.insert(triangles(face, corner));
+    Points moved = smooth.points;
+    for (const std::int32_t v : vertices) {
+      Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
+      const auto ring = mesh.topology->one_ring(v);
+      for (const std::int32_t next : ring) middle += smooth.points.row(next) / static_cast<double>(ring.size());
+      moved.row(v) += step * (middle - smooth.points.row(v));
+    }
+    smooth.points = std::move(moved);
+    faulty = faulty_faces(smooth);
+    if (faulty.size() >= fewest) continue;
+    fewest = faulty.size();
+    mesh.points = smooth.points;
+  }
 }
 
 }  // namespace homolog

@@ -20,7 +20,7 @@ namespace {
 // Shares of the organ's size.
 constexpr double auto_width_share = 0.035;
 constexpr double widest_share = 0.6;     ///< that is looked for where a number of tunnels is asked for
-constexpr double most_thin_share = 0.5;  ///< of the voxels: from here on an organ is thin as a whole
+constexpr double most_thin_share = 0.8;  ///< of the voxels: from here on an organ is thin as a whole
 
 std::string number(double value, int digits = 1) {
   char text[32];
@@ -45,13 +45,15 @@ std::string sides_touched(const LabelBody& region) {
 class Making {
  public:
   Making(const Volume& mask, const MaskTemplateOptions& options, Progress* progress, const ShowStage& show)
-      : mask_(mask), options_(options), progress_(progress), show_(show) {}
+      : mask_(mask), options_(options), progress_(progress), show_(show), severs_(options.severs) {}
 
   Result<MaskTemplate> run() {
     if (auto done = resample(); !done) return fail(done.error());
     surface_ = closed_by(surface_, made_.closing_mm);
     if (auto shown = show(TemplateStage::closed, 0.3); !shown) return fail(shown.error());
     const double thin_share = share_of_thin();
+    // Cut open at its thin places, a thin organ would be torn into strips.
+    if (thin_share >= most_thin_share) severs_ = false;
     const MaskTemplate begun = made_;
     auto ordinary = opened_and_meshed();
     if (thin_share < most_thin_share || (progress_ && progress_->cancelled()) || (ordinary && is_whole(*ordinary)))
@@ -97,10 +99,11 @@ class Making {
     return remesh_surface();
   }
 
-  /// Nearly all of the label is there, and no face has a fault.
-  static bool is_whole(const MaskTemplate& made) {
-    constexpr double most_missed_share = 0.02;
-    return made.missed_share < most_missed_share && !mesh_faults(made.mesh).any();
+  /// Nearly all of the label is there, no part of it far from the mesh, and no face has a fault.
+  bool is_whole(const MaskTemplate& made) const {
+    constexpr double most_missed_share = 0.02, most_edges_off = 1.5;
+    return made.missed_share < most_missed_share && made.from_mask.max_mm < most_edges_off * edge_mm_ &&
+           !mesh_faults(made.mesh).any();
   }
 
   Result<void> smooth() {
@@ -123,8 +126,8 @@ class Making {
   /// How much of the closed label is thinner than what the mesh shows well, as thin bone is, or than an opening that
   /// nobody asked for. 0 where that does not matter.
   double share_of_thin() const {
-    constexpr double shown_edges = 1.5;
-    if (!options_.severs || options_.opening_mm.value_or(0) > 0) return 0;
+    constexpr double shown_edges = 1.75;
+    if (!severs_ || options_.opening_mm.value_or(0) > 0) return 0;
     const LevelSet thick = opened_by(surface_, std::max(made_.opening_mm, shown_edges / 2 * edge_mm_));
     return 1 - static_cast<double>(voxels_inside(thick)) / static_cast<double>(voxels_inside(surface_));
   }
@@ -171,7 +174,7 @@ class Making {
     limits.fill_below_mm = automatic ? fill_below_mm() : widest_mm();
     limits.fill_any = !automatic;
     // A strand that is thinner than the mesh can show would be meshed badly, wherever it leads.
-    limits.sever_below_mm = !options_.severs ? 0 : automatic ? 1.5 * edge_mm_ : widest_mm();
+    limits.sever_below_mm = !severs_ ? 0 : automatic ? 1.5 * edge_mm_ : widest_mm();
     limits.reach_mm = 0.5 * edge_mm_;
     TunnelCut cut = cut_tunnels(surface_, limits);
     if (!automatic && cut.genus != rule.genus)
@@ -179,7 +182,7 @@ class Making {
                           (cut.genus < rule.genus ? ", fewer than --genus " : ", and cannot be brought to --genus ") +
                           std::to_string(rule.genus) + "; use --genus keep" +
                           (cut.genus >= rule.genus ? ""
-                           : !options_.severs      ? " or more vertices"
+                           : !severs_              ? " or more vertices"
                            : made_.closing_mm > 0  ? " or a smaller closing radius"
                                                    : ""));
     surface_ = std::move(cut.surface);
@@ -202,13 +205,14 @@ class Making {
       if (bad.empty() || attempt == most_attempts) break;
       // Clefts and rims finer than a triangle: smoothed away there, and only there. A wall as thin as the mesh can show
       // would get holes by that, so its pores are filled first.
-      if (!options_.severs && attempt == 0) fill_pores();
+      if (!severs_ && attempt == 0) fill_pores();
       const LevelSet smooth = smoothed_near(surface_, 0.5 * edge_mm_, bad, 2 * edge_mm_);
-      surface_ = !options_.severs && attempt == 0 ? united(surface_, smooth) : smooth;
+      surface_ = !severs_ && attempt == 0 ? united(surface_, smooth) : smooth;
       make_one_body(surface_);
       if (auto done = cut(to); !done) return fail(done.error());
       from = to;
     }
+    smooth_faults(made_.mesh);
     const auto count = made_.mesh.points.rows();
     if (std::abs(static_cast<double>(count) - options_.vertices) > 0.02 * options_.vertices)
       return fail("", label_name(options_.label) + " cannot be meshed with " + std::to_string(options_.vertices) +
@@ -297,6 +301,7 @@ class Making {
   const MaskTemplateOptions& options_;
   Progress* progress_;
   const ShowStage& show_;
+  bool severs_;  ///< see MaskTemplateOptions
   double edge_mm_ = 0, size_mm_ = 0;
   LevelSet surface_;
   LabelBody region_;

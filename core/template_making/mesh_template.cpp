@@ -31,35 +31,6 @@ bool is_wreck(const MeshFaults& faults, const Mesh& mesh) {
          static_cast<double>(faults.intersections + faults.turned + faults.flat) > wreck_share * faces;
 }
 
-/// Where thin walls are as thick as an edge is long, faces of both sides meet here and there. Their vertices go towards
-/// the middle of their one-rings for a few rounds; the mesh with the fewest faulty faces is kept.
-void smooth_faults(Mesh& mesh) {
-  constexpr int most_rounds = 20;
-  constexpr double step = 0.3;
-  const Triangles& triangles = mesh.topology->triangles();
-  std::vector<std::int32_t> faulty = faulty_faces(mesh);
-  if (static_cast<double>(faulty.size()) > wreck_share * static_cast<double>(triangles.rows())) return;
-  Mesh smooth = mesh;
-  std::size_t fewest = faulty.size();
-  for (int round = 0; round < most_rounds && fewest > 0; ++round) {
-    std::set<std::int32_t> vertices;
-    for (const std::int32_t face : faulty)
-      for (int corner = 0; corner < 3; ++corner) vertices.insert(triangles(face, corner));
-    Points moved = smooth.points;
-    for (const std::int32_t v : vertices) {
-      Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
-      const auto ring = mesh.topology->one_ring(v);
-      for (const std::int32_t next : ring) middle += smooth.points.row(next) / static_cast<double>(ring.size());
-      moved.row(v) += step * (middle - smooth.points.row(v));
-    }
-    smooth.points = std::move(moved);
-    faulty = faulty_faces(smooth);
-    if (faulty.size() >= fewest) continue;
-    fewest = faulty.size();
-    mesh.points = smooth.points;
-  }
-}
-
 class Meshing {
  public:
   Meshing(const MeshTemplateOptions& options, Progress* progress) : options_(options), progress_(progress) {}

@@ -171,6 +171,10 @@ TEST_CASE("studies of templates and experts report landmarks by name and the scr
   CHECK(experts.json()["landmarks"][0]["raters_mm"] == 1.25);
   REQUIRE(write_whole_file(folder.path / "bones/wrong.csv", "landmark,mm\ntip,1.25\nside;2\n"));
   check_refused(run(folder, "study experts" + files + "--raters bones/wrong.csv --vertices 200"), "line 3");
+  REQUIRE(write_whole_file(folder.path / "bones/wrong.csv", "tip,-1.25\nside,2\n"));
+  check_refused(run(folder, "study experts" + files + "--raters bones/wrong.csv --vertices 200"), "line 1");
+  REQUIRE(write_whole_file(folder.path / "bones/wrong.csv", "tip,1.25\n\"tip\",2\n"));
+  check_refused(run(folder, "study experts" + files + "--raters bones/wrong.csv --vertices 200"), "twice");
   CHECK(fs::exists(folder.path / experts.json()["worst"]["mesh"].get<std::string>()));
   check_refused(run(folder, "study experts k0.ply k2.ply --landmarks bones"), "k2");
 }

@@ -102,6 +102,29 @@ TEST_CASE("a partial fit finds what is missing and lies on what is there") {
   CHECK(missing_mm / static_cast<double>(cut.truth.rows()) < 1.5);  // where only the template's shape speaks
 }
 
+TEST_CASE("an open surface is said to lack parts where the fit was not told so, unless the template is open too") {
+  const CutKidney cut(5, Vec3(0.2, 0.1, 1).normalized(), 0.1);
+  const Boundary open = cut.open();
+  const FitResult fit = fit_to_boundary(*kidney(), open).value();
+  const FitJudgement judgement = judge_fit(*kidney(), open, {}, fit);
+  CHECK(judgement.doubtful);
+  const auto says_partial = [](const FitJudgement& one) {
+    return std::any_of(one.warnings.begin(), one.warnings.end(),
+                       [](const std::string& warning) { return warning.find("use --partial") != std::string::npos; });
+  };
+  CHECK(says_partial(judgement));
+  const auto open_template = make_template({open.surface.points, open.surface.topology->triangles()}, "open").value();
+  const FitResult of_open = fit_to_boundary(*open_template, open).value();
+  CHECK_FALSE(says_partial(judge_fit(*open_template, open, {}, of_open)));
+}
+
+TEST_CASE("of several fits the one in clearly more doubt than most is named") {
+  CHECK(unlike_the_others({0.03, 0.04, 0.2}) == std::vector<std::size_t>{2});
+  CHECK(unlike_the_others({0.2, 0.03}).empty());        // of two nobody can tell which
+  CHECK(unlike_the_others({0.09, 0.08, 0.1}).empty());  // all alike
+  CHECK(unlike_the_others({0.01, 0.01, 0.03}).empty());
+}
+
 TEST_CASE("an end that is gone is found although the template is placed too small at first and is in more doubt") {
   const CutKidney cut(3, Vec3(0.391, -0.311, 0.866).normalized(), 0.25);
   const FitResult fit = partial_fit(cut.open());

@@ -113,6 +113,16 @@ class Meshing {
 
   void say_what_is_far() {
     const double diagonal_mm = bounds_of(surface_.points).diagonal().norm();
+    constexpr double least_volume = 0.8, most_volume = 1.5;  ///< of the surface's, where walls are thin for the mesh
+    const double before_ml = enclosed_volume_ml(surface_), volume = enclosed_volume_ml(made_.mesh) / before_ml;
+    if (surface_.topology->closed() && before_ml > 0 && !(volume >= least_volume && volume <= most_volume)) {
+      char percent[32];
+      std::snprintf(percent, sizeof percent, "%.0f %%", 100 * volume);
+      made_.warnings.push_back(std::string("the template holds ") + percent +
+                               " of the surface's volume, because walls are thin for " +
+                               std::to_string(options_.vertices) + " vertices; ask for more" +
+                               (made_.rebuilt ? "" : ", or give a closing radius to have walls made thicker"));
+    }
     const double mean_mm = std::max(made_.to_mesh.mean_mm, made_.from_mesh.mean_mm);
     if (mean_mm <= far_share * diagonal_mm) return;
     made_.warnings.push_back("the template lies " + in_mm(mean_mm) + " from the surface on average, at most " +

@@ -94,7 +94,8 @@ void draw_colour_choice(const UiContext& ui, Outbox& out) {
   int colouring = static_cast<int>(shown);
   caption(theme, "Colours of the mesh");
   if (choice(theme, "overlay", names, colouring, tips,
-             brush ? "While you hold a brush, the mesh shows what it paints. Doubt stays while you confirm." : "", refusals))
+             brush ? "While you hold a brush, the mesh shows what it paints. Doubt stays while you confirm." : "",
+             refusals))
     out.send(ChooseColouring{static_cast<Colouring>(colouring)});
   draw_colouring_legend(ui, shown);
   if (ui.state.preferences.show.glyphs) {

@@ -34,7 +34,7 @@ Placed find_placement(const Template& the_template, const Boundary& boundary, co
 /// Where the template's vertices lie if the organ is that of the other side (n×3, LPS mm): its mirror image, placed by
 /// a similarity alone. None unless that lies clearly nearer to the boundary than the template; so organs that are their
 /// own mirror images never look mirrored. `partial`: the boundary may lack parts, so only how far it lies from each
-/// template counts; a cut femur or hip of the other side is then found in about four of five cases, and none of the
+/// template counts; a cut femur or hip of the other side is then found in about three of four cases, and none of the
 /// same side looked mirrored.
 std::optional<Points> mirror_image_there(const Template& the_template, const Boundary& boundary,
                                          Orientation orientation = Orientation::patient, bool partial = false);

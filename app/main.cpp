@@ -21,6 +21,7 @@
 #include "app/verbs/verbs.h"
 #include "app/version.h"
 #include "core/base/guarded.h"
+#include "core/base/limits.h"
 #include "core/base/parallel.h"
 #include "core/base/text.h"
 
@@ -140,10 +141,11 @@ void check_values(CLI::App& app) {
                                          : "is empty; give a name or leave it out");
       });
     if (type.starts_with("FLOAT"))
-      option->check([](const std::string& text) {
+      option->check([](const std::string& text) -> std::string {
         double number = 0;
         const bool read = CLI::detail::lexical_cast(text, number);
-        return read && std::isfinite(number) ? std::string() : text + " is no finite number";
+        if (!read || !std::isfinite(number)) return text + " is no finite number";
+        return is_in_reach(number) ? std::string() : text + " is too large; use at most 1,000,000,000";
       });
     if (type.starts_with("UINT"))
       option->check([](const std::string& text) {
@@ -221,6 +223,12 @@ int run_main(int argc, char** argv) {
     return wrong_command_line;
   }
   if (!asked.run) return limit_threads(nullptr) ? run_editor(asked.editor) : wrong_command_line;
+  for (const CLI::Option* option : app.get_options())
+    if (option->count() > 0) {
+      std::cerr << "homolog: " << option->get_name()
+                << ": is for the editor, and has no effect on a verb; leave it out\n";
+      return wrong_command_line;
+    }
   const CLI::App* verb = &app;
   while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
   if (!limit_threads(verb->get_option_no_throw("--jobs"))) return wrong_command_line;

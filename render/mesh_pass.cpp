@@ -30,7 +30,9 @@ float px_per_mm(const Box& box, const Projection& projection) {
 
 template <class T>
 bool MeshPass::Uploaded<T>::update(const std::shared_ptr<const T>& now, std::uint64_t now_revision) {
-  const bool same = owner.lock() == now && now != nullptr && revision == now_revision;
+  const Was is = now != nullptr ? Was::something : Was::null;
+  const bool same = was == is && (is == Was::null || (owner.lock() == now && revision == now_revision));
+  was = is;
   owner = now;
   revision = now_revision;
   return !same;

@@ -27,6 +27,7 @@ class MeshPass {
   struct Uploaded {
     std::weak_ptr<const T> owner;
     std::uint64_t revision = 0;
+    enum class Was { nothing, null, something } was = Was::nothing;
     /// Whether `now` is another object or revision than the last time; remembers it.
     bool update(const std::shared_ptr<const T>& now, std::uint64_t now_revision = 0);
   };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/file_stem.h"
 #include "core/mesh/landmark_io.h"
 
 namespace homolog {
@@ -43,9 +44,7 @@ std::vector<std::string> take_coincident(const Template& the_template, std::map<
 }  // namespace
 
 std::string case_name_of(const fs::path& path) {
-  fs::path name = path.filename();
-  if (name.extension() == ".gz") name = name.stem();
-  return name.stem().string();
+  return file_stem(path);
 }
 
 fs::path landmark_file_in(const fs::path& folder, const std::string& case_name) {

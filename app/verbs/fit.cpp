@@ -65,6 +65,8 @@ Result<Similarity> read_placement(const fs::path& path) {
   auto placement =
       similarity_from_json(json->is_object() && json->contains("placement") ? (*json)["placement"] : *json);
   if (!placement) return fail(path.string(), placement.error().what);
+  if (auto usable = check_placement(*placement); !usable)
+    return fail(path.string(), "the placement " + usable.error().what + "; save the placement again");
   return placement;
 }
 

@@ -41,7 +41,9 @@ fs::path case_path_of(const PropagateVerb& verb) {
 /// meshes that are written are those of the case.
 Result<std::string> case_lines(const PropagateVerb& verb, const Document& initial, Propagation& propagation) {
   EditSession session(initial);
-  std::string lines = case_header(initial, verb.out) + '\n';
+  const auto header = case_header(initial, verb.out);
+  if (!header) return fail(header.error());
+  std::string lines = *header + '\n';
   const auto apply = [&](Action action) {
     lines += action_line(action) + '\n';
     return session.apply(std::move(action));

@@ -46,7 +46,7 @@ Result<void> anneal(Adapting& shape, ShapeSolver& solver, const Annealing& annea
   const double first_mm = annealing.stiffest_share * bounds_of(shape.mesh.points).diagonal().norm();
   const double last_mm = annealing.softest_edges * edge_mm;
   for (int step = 0; step < annealing.steps; ++step) {
-    const double share = static_cast<double>(step) / (annealing.steps - 1);
+    const double share = annealing.steps > 1 ? static_cast<double>(step) / (annealing.steps - 1) : 1;
     const double length_mm = first_mm * std::pow(last_mm / first_mm, share);
     const double stiffness = stiffness_from_length(length_mm, edge_mm);
     if (auto done = solve(shape, solver, stiffness, force(shape.mesh, share)); !done) return done;

@@ -43,6 +43,20 @@ std::string printable(std::string_view text) {
   return shown;
 }
 
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t size = character_size(text);
+    const auto first = static_cast<std::uint8_t>(text.front()), second = static_cast<std::uint8_t>(text[size - 1 > 0]);
+    if (size == 1 && first >= 0x80) return false;
+    // Too long a form, a half of a pair, beyond the last character.
+    if ((first == 0xe0 && second < 0xa0) || (first == 0xed && second >= 0xa0) || (first == 0xf0 && second < 0x90) ||
+        (first == 0xf4 && second >= 0x90))
+      return false;
+    text.remove_prefix(size);
+  }
+  return true;
+}
+
 std::string excerpt(std::string_view text) {
   constexpr std::size_t most_bytes = 200;
   if (text.size() <= most_bytes) return printable(text);

@@ -19,6 +19,9 @@ std::string printable(std::string_view text);
 /// What a file says, as a message may quote it: printable, and its first 200 bytes followed by "…" where it is longer.
 std::string excerpt(std::string_view text);
 
+/// Whether text can be written into JSON as it is: old file names may be bytes that are no UTF-8.
+bool is_utf8(std::string_view text);
+
 /// Whether a name from elsewhere can be joined to a folder and stays in it.
 inline bool is_file_name(const std::string& name) {
   return !name.empty() && name != "." && name != ".." && name.find_first_of(std::string_view("/\0", 2)) == name.npos;

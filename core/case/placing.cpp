@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/limits.h"
 #include "core/placement/landmark_warp.h"
 #include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
@@ -11,9 +12,11 @@ namespace homolog {
 
 namespace {
 
+constexpr double smallest_scale = 1e-6, largest_scale = 1e6;
+
 bool usable(const Similarity& s) {
-  return s.rotation.coeffs().allFinite() && std::abs(s.rotation.norm() - 1) < 1e-6 && std::isfinite(s.scale) &&
-         s.scale > 0 && s.translation.allFinite();
+  return s.rotation.coeffs().allFinite() && std::abs(s.rotation.norm() - 1) < 1e-6 && s.scale >= smallest_scale &&
+         s.scale <= largest_scale && all_in_reach(s.translation);
 }
 
 /// Warps a shape that is as before any edit. Gives a sentence where the warp could not be followed.
@@ -33,7 +36,15 @@ std::string warp(const Template& the_template, const Points& from, const Points&
 
 Result<void> check_placement(const Similarity& placement) {
   if (usable(placement)) return {};
-  return fail("placement", "is not a rotation, a positive scale and a translation");
+  return fail(
+      "placement",
+      "is not a rotation, a scale between 0.000001 and 1,000,000 and a translation of at most 1,000,000,000 mm");
+}
+
+Result<void> check_placement(const Similarity& placement, const Points& rest) {
+  if (auto possible = check_placement(placement); !possible) return possible;
+  if (all_in_reach(placement.apply(rest))) return {};
+  return fail("placement", std::string("brings the mesh to a place that ") + beyond_farthest);
 }
 
 Result<void> check_frame(const Document& document, int frame) {

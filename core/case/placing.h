@@ -4,8 +4,10 @@
 
 namespace homolog {
 
-/// Errors: no unit rotation, no positive scale, a translation that is not finite.
+/// Errors: no unit rotation, a scale or a translation that no case needs (or that is no number).
 Result<void> check_placement(const Similarity& placement);
+/// The same, and a mesh that lies beyond farthest_mm then. `rest`: the template's points.
+Result<void> check_placement(const Similarity& placement, const Points& rest);
 
 /// The shape as it is before any edit: the template at the shape's placement.
 void start_anew(const Template& the_template, Shape& shape);

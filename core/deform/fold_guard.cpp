@@ -115,9 +115,12 @@ double FoldGuard::largest_step(const Vec3& d) {
 }
 
 double FoldGuard::accepted_step(double longest, const std::function<Points(double)>& at) const {
+  constexpr double shortest = 1e-3;
+  constexpr int most_halvings = 64;
   double step = longest;
-  while (step > 1e-3 && !accepts(at(step))) step /= 2;
-  return step > 1e-3 ? step : 0;
+  for (int halvings = 0; halvings < most_halvings && step > shortest; ++halvings, step /= 2)
+    if (accepts(at(step))) return step;
+  return 0;
 }
 
 bool FoldGuard::accepts(const Points& points) const {

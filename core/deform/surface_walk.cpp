@@ -56,13 +56,14 @@ SurfaceFollower::Place SurfaceFollower::followed(const Vec3& cursor, double step
 void SurfaceFollower::move_to(const Vec3& cursor, double edge_mm) {
   // Stations lie on a grid far below any accuracy: how a straight path was divided leaves no trace in their last bits.
   constexpr double grid_per_mm = 1 << 20;
-  constexpr double most_steps = 1000;
+  constexpr int most_steps = 1000;
   const Vec3 way = cursor - cursor_;
   const double length = way.norm();
-  if (length == 0) return;
+  if (!(length > 0) || !std::isfinite(length)) return;
   const double step_mm = std::max(edge_mm / 2, length / most_steps);
   double along = step_mm - beyond_mm_;
-  for (; along <= length; along += step_mm) {
+  if (along < -step_mm) along += std::floor(-along / step_mm) * step_mm;  // after a leap: they would all be at its end
+  for (int step = 0; along <= length && step <= most_steps + 2; ++step, along += step_mm) {
     const Vec3 exact = cursor_ + way * (std::max(along, 0.0) / length);
     station_ = followed((exact * grid_per_mm).array().round().matrix() / grid_per_mm, step_mm);
   }

@@ -115,12 +115,13 @@ struct Overlap {
 
 double dice_of_meshes(const Mesh& a, const Mesh& b) {
   const Box box_a = bounds_of(a.points), box_b = bounds_of(b.points);
-  if (!box_a.intersects(box_b)) return 0;
   const Box box = box_a.merged(box_b);
+  if (!box_a.intersects(box_b) || !box.sizes().allFinite()) return 0;
+  constexpr int most_doublings = 1024;  // of a finite number
   double spacing = dice_spacing_mm;
   const double longest_mm = box.sizes().maxCoeff();
-  while (longest_mm > 0 && spacing * least_voxels_across > longest_mm) spacing /= 2;
-  while ((box.sizes() / spacing + Vec3::Ones()).prod() > largest_grid) spacing *= 2;
+  for (int k = 0; k < most_doublings && longest_mm > 0 && spacing * least_voxels_across > longest_mm; ++k) spacing /= 2;
+  for (int k = 0; k < most_doublings && (box.sizes() / spacing + Vec3::Ones()).prod() > largest_grid; ++k) spacing *= 2;
   VolumeGeometry grid;
   grid.spacing_mm.setConstant(spacing);
   for (std::size_t axis = 0; axis < 3; ++axis)

@@ -7,6 +7,7 @@
 
 #include "core/base/files.h"
 #include "core/base/json.h"
+#include "core/base/limits.h"
 #include "core/base/text.h"
 
 namespace homolog {
@@ -37,6 +38,8 @@ Result<Landmark> landmark_of(std::string name, const Json* coordinates) {
   }
   if (!three_numbers)
     return fail("", "the point \"" + excerpt(landmark.name) + "\" does not have three coordinates; export it again");
+  if (!all_in_reach(landmark.position))
+    return fail("", "the point \"" + excerpt(landmark.name) + "\" " + beyond_farthest + "; export it again in mm");
   return landmark;
 }
 

@@ -207,8 +207,24 @@ Result<StudyRead> read_study(const fs::path& path) {
   return read;
 }
 
+namespace {
+
+/// Errors: a file whose name a study cannot hold.
+Result<void> check_names(const Study& study, const fs::path& path) {
+  std::vector<fs::path> files{study.template_file};
+  for (const StudyCase& one : study.cases) files.insert(files.end(), {one.file, one.imported, one.labels, one.name});
+  for (const fs::path& file : files)
+    if (!file.empty() && !is_utf8(relative_to(folder_of(path), file)))
+      return fail(path.string(), "was not written: the name of " + file.string() +
+                                     " is no UTF-8, so a study cannot hold it; rename that file or folder");
+  return {};
+}
+
+}  // namespace
+
 Result<void> write_study(const Study& study, const fs::path& path) {
   const fs::path folder = folder_of(path);
+  if (auto nameable = check_names(study, path); !nameable) return nameable;
   Json json{{"homolog_study", version}};
   if (!study.template_file.empty()) json["template"] = relative_to(folder, study.template_file);
   json.update(study.other);

@@ -8,6 +8,7 @@
 #include "core/case/action_json.h"
 #include "core/case/action_line.h"
 #include "core/session/case_header.h"
+#include "core/session/case_keeping.h"
 #include "core/session/checkpoint.h"
 #include "core/session/unsaved_cases.h"
 
@@ -113,7 +114,10 @@ Result<EditSession> session_at_start(const LineFile& file, const Scan& scan, con
     return fail(std::move(error));
   }
   override_settings(options, *document);
+  auto labels = labels_in_header(header, file.path().parent_path());
+  if (!labels) return fail(in_line(file.path(), 1, labels.error()));
   EditSession session(std::move(*document), options.limits);
+  session.set_labels(std::move(*labels));
   if (header.contains("placement") && session.document().has_shape()) {
     const auto placement = similarity_from_json(header["placement"]);
     if (!placement) return fail(in_line(file.path(), 1, placement.error()));
@@ -193,33 +197,17 @@ Result<CaseRead> read_lines(const std::shared_ptr<const LineFile>& file, const R
   std::size_t known = 0;
   if (options.from_checkpoint && !overrides(options)) {
     known = go_to_checkpoint(*session, *scan, *file);
-    if (known == 0) session = EditSession(session->initial_document(), options.limits);
+    if (known == 0) {
+      const fs::path labels = session->kept().labels;
+      session = EditSession(session->initial_document(), options.limits);
+      session->set_labels(labels);
+    }
   }
   std::function<void(Action&)> adjust;
   if (overrides(options)) adjust = [options](Action& action) { override_settings(options, action); };
   session->read_from(CaseLines(file, scan->begin, scan->whole_bytes, scan->check), std::move(adjust));
   if (auto played = play(*session, *scan, known, *file, options.progress); !played) return fail(played.error());
   return CaseRead{std::move(*session), std::move(warnings), scan->whole_bytes};
-}
-
-/// Writes the case as far as it got to `path`, and goes on there.
-Result<void> go_on_in(EditSession& session, const fs::path& path) {
-  const auto folder = path.parent_path();
-  const auto old = session.lines().first_line();
-  if (!old) return fail(old.error());
-  const Document& start = session.initial_document();
-  const auto header =
-      old->empty() ? Result<std::string>(case_header(start, folder)) : moved_header(*old, start, folder);
-  if (!header) return fail(path.string(), header.error().what);
-  const auto write = [&](std::ostream& out) -> Result<void> {
-    out << *header << '\n';
-    return session.lines().copy_to(out);
-  };
-  const Readers readers = folder == unsaved_folder() ? Readers::user_alone : Readers::as_usual;
-  auto journal = Journal::create(path, write, session.journal(), readers);
-  if (!journal) return fail(journal.error());
-  session.write_to(std::move(*journal), header->size() + 1);
-  return {};
 }
 
 }  // namespace
@@ -245,7 +233,10 @@ Result<CaseRead> open_case(const fs::path& path, Progress* progress, const std::
   auto read = read_lines((*journal)->file(), options);
   if (!read) return read;
   if (auto cut = (*journal)->keep_first(read->whole_bytes); !cut) return fail(cut.error());
-  read->session.write_to(std::move(*journal), read->session.lines().begin());
+  auto first_line = read->session.lines().first_line();
+  if (!first_line) return fail(first_line.error());
+  if (auto goes_on = read->session.write_to(std::move(*journal), std::move(*first_line)); !goes_on)
+    return fail(goes_on.error());
   if (volume_source.empty()) return read;
   if (auto moved = go_on_in(read->session, path); !moved) return fail(moved.error());
   return read;
@@ -258,9 +249,9 @@ Result<EditSession> create_case(Document initial, const fs::path& path, const Hi
 }
 
 Result<void> save_case_as(EditSession& session, const fs::path& path) {
-  const Journal* journal = session.journal();
+  Journal* journal = session.journal();
   const fs::path old = journal != nullptr ? journal->path() : fs::path();
-  if (journal != nullptr && journal->is_at(path) && journal->unharmed()) return {};
+  if (journal != nullptr && journal->is_at(path) && journal->fate() == Journal::Fate::as_left) return journal->sync();
   if (auto moved = go_on_in(session, path); !moved) return moved;
   std::error_code error;
   if (!old.empty() && old.parent_path() == unsaved_folder()) fs::remove(old, error);

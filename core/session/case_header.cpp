@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/base/json.h"
+#include "core/base/limits.h"
 #include "core/base/text.h"
 #include "core/case/action_json.h"
 #include "core/catalogue/catalogue.h"
@@ -85,7 +86,30 @@ Result<void> check_grid(const Json& header, const Volume& volume, const std::str
   }
 }
 
+/// Names the files of a case in its header. Errors: a name that is no UTF-8.
+Result<void> name_files(const Document& document, const fs::path& labels, const fs::path& folder, Json& header) {
+  const std::string the_template = document.the_template ? document.the_template->source : "";
+  for (const auto& [key, source] :
+       {std::pair("volume", document.volume_source), {"template", the_template}, {"labels", labels.string()}}) {
+    const std::string name = source.empty() ? source : relative_to(folder, source);
+    if (!is_utf8(name))
+      return fail(source, "has a name that is no UTF-8, so a case cannot hold it; rename that file or folder");
+    if (!name.empty())
+      header[key] = name;
+    else if (key == std::string_view("labels"))
+      header.erase(key);
+  }
+  return {};
+}
+
 }  // namespace
+
+Result<fs::path> labels_in_header(const Json& header, const fs::path& folder) {
+  const auto found = header.find("labels");
+  if (found == header.end()) return fs::path();
+  if (!found->is_string()) return fail("", "\"labels\" is no file name; correct it in a text editor");
+  return fs::path(resolved(folder, found->get<std::string>()));
+}
 
 Result<Document> read_header(const Json& header, const fs::path& folder, const std::string& volume_now,
                              Progress* progress, std::vector<std::string>& warnings) {
@@ -111,6 +135,8 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const s
   } catch (const Json::exception&) {
     return fail("", "line 1: a value is of the wrong kind; correct it in a text editor");
   }
+  if (options.stack_spacing_mm && !all_in_reach(*options.stack_spacing_mm))
+    return fail("", std::string("line 1: \"spacing_mm\" ") + beyond_farthest + "; correct it in a text editor");
   if (!volume_source.empty()) {
     std::error_code ignored;
     if (names_file(volume_source) && !fs::exists(volume_source, ignored))
@@ -148,10 +174,9 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const s
   return document;
 }
 
-std::string case_header(const Document& document, const fs::path& folder) {
+Result<std::string> case_header(const Document& document, const fs::path& folder) {
   Json header{{"homolog", format_version}};
-  if (!document.volume_source.empty()) header["volume"] = relative_to(folder, document.volume_source);
-  if (document.the_template) header["template"] = relative_to(folder, document.the_template->source);
+  if (auto named = name_files(document, {}, folder, header); !named) return fail(named.error());
   if (document.has_shape()) header["placement"] = to_json(document.shape().placement);
   if (document.landmark_rule != LandmarkRule::closed_form)
     header["landmarks"] = landmark_rules[static_cast<std::size_t>(document.landmark_rule)];
@@ -171,11 +196,11 @@ std::string case_header(const Document& document, const fs::path& folder) {
   return dumped(header);
 }
 
-Result<std::string> moved_header(const std::string& line, const Document& document, const fs::path& folder) {
+Result<std::string> moved_header(const std::string& line, const Document& document, const fs::path& labels,
+                                 const fs::path& folder) {
   Json header = read_json<Json>(line).value_or(Json());
   if (!header.is_object()) return fail("", "has lost its first line; export the mesh instead");
-  if (!document.volume_source.empty()) header["volume"] = relative_to(folder, document.volume_source);
-  if (document.the_template) header["template"] = relative_to(folder, document.the_template->source);
+  if (auto named = name_files(document, labels, folder, header); !named) return fail(named.error());
   return dumped(header);
 }
 

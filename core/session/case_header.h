@@ -13,13 +13,17 @@ namespace homolog {
 // The first line of a case file: the files that it is made of, and where the template lies.
 
 /// For this document: volume, template (paths relative to `folder`), placement, vertices, connectivity hash, series
-/// UID, voxels, spacing and geometry hash.
-std::string case_header(const Document& document, const std::filesystem::path& folder);
+/// UID, voxels, spacing and geometry hash. Errors: a path that is no UTF-8.
+Result<std::string> case_header(const Document& document, const std::filesystem::path& folder);
 
-/// The same line for a case that goes on in `folder` with the files of `document`; all other keys stay as they are.
-/// Errors: a line that is no header.
-Result<std::string> moved_header(const std::string& line, const Document& document,
+/// The same line for a case that goes on in `folder` with the files of `document`, and with a label map (empty: none);
+/// all other keys stay as they are. Errors: a line that is no header, a path that is no UTF-8.
+Result<std::string> moved_header(const std::string& line, const Document& document, const std::filesystem::path& labels,
                                  const std::filesystem::path& folder);
+
+/// The label map that is shown over the image; empty where a header names none. Errors: it is no text.
+Result<std::filesystem::path> labels_in_header(const nlohmann::ordered_json& header,
+                                               const std::filesystem::path& folder);
 
 /// Loads what a header names; paths are relative to `folder`. `volume_source`: where the image lies now, as the header
 /// says where empty. Errors: no header, a missing volume or template, a mismatch of vertices, connectivity, series or

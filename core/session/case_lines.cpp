@@ -12,12 +12,21 @@ CaseLines::CaseLines(std::shared_ptr<const LineFile> file, std::uint64_t begin, 
   open_ended_ = last && *last != "\n";
 }
 
-void CaseLines::write_to(std::unique_ptr<Journal> journal, std::uint64_t begin) {
+Result<void> CaseLines::write_to(std::unique_ptr<Journal> journal, std::string first_line) {
+  if (in_file() > 0) {
+    auto lines = file_->read(begin_, in_file());
+    if (!lines) return fail(lines.error());
+    in_memory_.insert(0, *lines);
+  }
+  file_.reset();
+  begin_ = end_ = 0;
   journal_ = std::move(journal);
-  file_ = journal_->file();
-  begin_ = begin;
-  end_ = journal_->bytes();
-  in_memory_.clear();
+  first_line_ = std::move(first_line);
+  return {};
+}
+
+void CaseLines::close_journal() {
+  journal_.reset();
 }
 
 std::uint32_t CaseLines::checked(std::uint32_t before, std::string_view bytes) {
@@ -28,12 +37,10 @@ std::uint32_t CaseLines::checked(std::uint32_t before, std::string_view bytes) {
 Result<std::uint64_t> CaseLines::append(std::string_view lines, bool sync) {
   std::string bytes(open_ended_ ? "\n" : "");
   bytes += lines;
-  if (journal_) {
+  in_memory_.reserve(in_memory_.size() + bytes.size());  // memory that is short is noticed before the file changes
+  if (journal_)
     if (auto done = journal_->append(bytes, sync); !done) return fail(done.error());
-    end_ += bytes.size();
-  } else {
-    in_memory_ += bytes;
-  }
+  in_memory_ += bytes;
   open_ended_ = false;
   check_ = checked(check_, bytes);
   return in_file() + in_memory_.size() - lines.size();
@@ -41,27 +48,33 @@ Result<std::uint64_t> CaseLines::append(std::string_view lines, bool sync) {
 
 Result<std::string> CaseLines::read(const LinePlace& place) const {
   if (place.at >= in_file()) return in_memory_.substr(place.at - in_file(), place.bytes);
-  const std::uint64_t at = begin_ + place.at;
-  if (journal_ && at >= journal_->synced_bytes())
-    return std::string(journal_->unsynced_lines().substr(at - journal_->synced_bytes(), place.bytes));
-  return file_->read(at, place.bytes);
+  return file_->read(begin_ + place.at, place.bytes);
 }
 
 Result<std::string> CaseLines::first_line() const {
-  return file_ ? file_->read(0, begin_) : std::string();
+  return file_ ? file_->read(0, begin_) : first_line_;
 }
 
 Result<void> CaseLines::copy_to(std::ostream& out) const {
   constexpr std::uint64_t piece = std::uint64_t{1} << 20;
-  const std::uint64_t synced = journal_ ? journal_->synced_bytes() : end_;
-  for (std::uint64_t at = begin_; at < synced; at += piece) {
-    const auto bytes = file_->read(at, std::min(piece, synced - at));
+  for (std::uint64_t at = begin_; at < end_; at += piece) {
+    const auto bytes = file_->read(at, std::min(piece, end_ - at));
     if (!bytes) return fail(bytes.error());
     out << *bytes;
   }
-  if (journal_) out << journal_->unsynced_lines();  // after a sync that failed only memory holds them for certain
   out << in_memory_;
   return {};
+}
+
+bool CaseLines::are_all_of(const std::filesystem::path& path) const {
+  const auto file = LineFile::open(path);
+  if (!file) return false;
+  const std::uint64_t bytes = first_line_.size() + in_memory_.size();
+  const auto ended = (*file)->read(bytes, 1);  // nothing may follow
+  const auto held = (*file)->read(0, bytes);
+  const std::string_view text = held ? std::string_view(*held) : std::string_view();
+  return held && !ended && text.substr(0, first_line_.size()) == first_line_ &&
+         text.substr(first_line_.size()) == in_memory_;
 }
 
 }  // namespace homolog

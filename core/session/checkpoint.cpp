@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/base/json.h"
+#include "core/base/limits.h"
 #include "core/base/same_values.h"
 #include "core/case/action_json.h"
 #include "core/case/packed.h"
@@ -43,14 +44,17 @@ bool same_template(const Template& a, const Template& b) {
                       a.regions == b.regions && same_landmarks(a.landmarks, b.landmarks));
 }
 
+// Shape and Document are taken apart, so that a new member does not compile until it is kept and compared here.
+
 bool same_shape(const Shape& a, const Shape& b) {
-  return a.placement == b.placement && a.landmarks == b.landmarks && a.strokes == b.strokes &&
-         same_values(a.placed, b.placed) && same_values(a.reference, b.reference) && same_values(a.points, b.points) &&
-         same_values(a.confirmed, b.confirmed) && same_values(a.decided, b.decided) &&
-         same_values(a.unaided, b.unaided) && same_values(a.carried, b.carried) && a.doubt == b.doubt &&
-         same_values(a.doubt_mm, b.doubt_mm) && same_values(a.outlier, b.outlier) &&
-         (a.reference == a.placed) == (b.reference == b.placed) &&
-         (a.points == a.reference) == (b.points == b.reference);
+  const auto& [placement, before_landmarks, landmarks, placed, reference, points, confirmed, decided, unaided, strokes,
+               carried, doubt, doubt_mm, outlier] = a;
+  return placement == b.placement && before_landmarks == b.before_landmarks && landmarks == b.landmarks &&
+         strokes == b.strokes && same_values(placed, b.placed) && same_values(reference, b.reference) &&
+         same_values(points, b.points) && same_values(confirmed, b.confirmed) && same_values(decided, b.decided) &&
+         same_values(unaided, b.unaided) && same_values(carried, b.carried) && doubt == b.doubt &&
+         same_values(doubt_mm, b.doubt_mm) && same_values(outlier, b.outlier) &&
+         (reference == placed) == (b.reference == b.placed) && (points == reference) == (b.points == b.reference);
 }
 
 // A case changes its template in two ways: it turns it into that of the other side, and it names landmarks.
@@ -78,7 +82,9 @@ std::shared_ptr<const Template> changed_template(std::shared_ptr<const Template>
 }
 
 Json json_of(const Shape& shape) {
-  Json json{{"placement", to_json(shape.placement)}, {"strokes", shape.strokes}};
+  Json json{{"placement", to_json(shape.placement)},
+            {"before_landmarks", to_json(shape.before_landmarks)},
+            {"strokes", shape.strokes}};
   Json landmarks = Json::object();
   for (const auto& [name, at] : shape.landmarks) landmarks[name] = packed_array(at);
   json["landmarks"] = std::move(landmarks);
@@ -105,9 +111,11 @@ Shape shape_of(const Json& json, const Template& the_template) {
     return json.contains(key) ? unpacked_array<VertexScalars>(json.at(key), n, 1) : nullptr;
   };
   const auto placement = similarity_from_json(json.at("placement"));
-  if (!placement) throw Unusable{};
+  const auto before_landmarks = similarity_from_json(json.at("before_landmarks"));
+  if (!placement || !before_landmarks) throw Unusable{};
   Shape shape;
   shape.placement = *placement;
+  shape.before_landmarks = *before_landmarks;
   for (const auto& [name, at] : json.at("landmarks").items()) shape.landmarks[name] = *unpacked_array<Vec3>(at, 3, 1);
   shape.placed = std::make_shared<const Points>(shape.placement.apply(the_template.points));
   shape.reference = points("reference", shape.placed);
@@ -186,10 +194,12 @@ bool is_sound(const Regions& regions, Eigen::Index vertices) {
 }
 
 bool is_sound(const Shape& shape) {
-  const auto finite = [](const auto& values) { return !values || values->allFinite(); };
-  return check_placement(shape.placement) && finite(shape.points) && finite(shape.reference) &&
-         finite(shape.confirmed) && finite(shape.decided) && finite(shape.unaided) && finite(shape.carried) &&
-         finite(shape.doubt_mm) && finite(shape.outlier) && shape.strokes >= 0;
+  const auto finite = [](const auto& values) { return !values || all_in_reach(*values); };
+  return check_placement(shape.placement) && check_placement(shape.before_landmarks) && finite(shape.points) &&
+         finite(shape.reference) && finite(shape.confirmed) && finite(shape.decided) && finite(shape.unaided) &&
+         finite(shape.carried) && finite(shape.doubt_mm) && finite(shape.outlier) && shape.strokes >= 0 &&
+         std::all_of(shape.landmarks.begin(), shape.landmarks.end(),
+                     [](const auto& landmark) { return all_in_reach(landmark.second); });
 }
 
 /// Whether a document is one that actions can make: a line that was damaged may be read and hold anything.
@@ -215,18 +225,23 @@ std::uint32_t start_check(const Document& start) {
   const int frames = start.volume ? start.volume->frames : 1;
   std::uint32_t check = CaseLines::checked(0, bytes_of(start.the_template->points));
   check = CaseLines::checked(check, bytes_of(start.the_template->topology->triangles()));
-  return CaseLines::checked(check, json_of(start, start).dump() + std::to_string(frames));
+  // The first line decides what json_of takes from the start.
+  return CaseLines::checked(check, json_of(start, start).dump() + std::to_string(frames) + '/' +
+                                       std::to_string(static_cast<int>(start.landmark_rule)) +
+                                       (start.holds_landmarks ? "held" : ""));
 }
 
 }  // namespace
 
 bool same_document(const Document& a, const Document& b) {
-  return a.volume == b.volume && a.frame == b.frame && (!a.the_template) == (!b.the_template) &&
-         (!a.the_template || same_template(*a.the_template, *b.the_template)) &&
-         same_values(a.stiffness, b.stiffness) && same_values(a.regions, b.regions) &&
-         a.stiffness_base == b.stiffness_base && a.scheme == b.scheme && a.paper_events == b.paper_events &&
-         a.even_spacing == b.even_spacing && a.landmark_pull == b.landmark_pull &&
-         std::equal(a.shapes.begin(), a.shapes.end(), b.shapes.begin(), b.shapes.end(),
+  const auto& [volume_source, volume, the_template, shapes, frame, stiffness, regions, stiffness_base, scheme,
+               paper_events, even_spacing, landmark_pull, landmark_rule, holds_landmarks] = a;
+  return volume_source == b.volume_source && volume == b.volume && frame == b.frame &&
+         (!the_template) == (!b.the_template) && (!the_template || same_template(*the_template, *b.the_template)) &&
+         same_values(stiffness, b.stiffness) && same_values(regions, b.regions) && stiffness_base == b.stiffness_base &&
+         scheme == b.scheme && paper_events == b.paper_events && even_spacing == b.even_spacing &&
+         landmark_pull == b.landmark_pull && landmark_rule == b.landmark_rule && holds_landmarks == b.holds_landmarks &&
+         std::equal(shapes.begin(), shapes.end(), b.shapes.begin(), b.shapes.end(),
                     [](const auto& x, const auto& y) { return x.first == y.first && same_shape(x.second, y.second); });
 }
 

@@ -24,15 +24,18 @@ void visit_arrays(const Document& document, const Visit& visit) {
     visit(the_template.topology.get(), a_vertex * static_cast<std::size_t>(the_template.topology->vertices()));
   }
   for (const auto& [frame, shape] : document.shapes) {
-    doubles(shape.placed);
-    doubles(shape.reference);
-    doubles(shape.points);
-    doubles(shape.confirmed);
-    doubles(shape.decided);
-    doubles(shape.unaided);
-    doubles(shape.carried);
-    doubles(shape.doubt_mm);
-    doubles(shape.outlier);
+    // Taken apart, so that a new member does not compile until it is counted here.
+    const auto& [placement, before_landmarks, landmarks, placed, reference, points, confirmed, decided, unaided,
+                 strokes, carried, doubt, doubt_mm, outlier] = shape;
+    doubles(placed);
+    doubles(reference);
+    doubles(points);
+    doubles(confirmed);
+    doubles(decided);
+    doubles(unaided);
+    doubles(carried);
+    doubles(doubt_mm);
+    doubles(outlier);
   }
 }
 
@@ -86,11 +89,19 @@ void History::push(Step step) {
 
 void History::keep(std::size_t state, std::shared_ptr<const Document> document) {
   if (state == 0) return;
-  std::size_t before = state - 1;
-  while (!kept(before)) --before;
-  bytes_at_most_ += bytes_beside(*document, *kept(before));
   steps_[state - 1].after = std::move(document);
+  // The looks before it came with states of their own.
+  std::size_t first = state;
+  while (first > 1 && steps_[first - 2].look) --first;
+  for (std::size_t added = first; added <= state; ++added)
+    if (kept(added)) bytes_at_most_ += bytes_beside(*kept(added), *kept(nearest_before(added)));
   if (bytes_at_most_ > most_bytes_) thin_out();
+}
+
+std::size_t History::nearest_before(std::size_t state) const {
+  do --state;
+  while (!kept(state));
+  return state;
 }
 
 std::size_t History::bytes() const {

@@ -68,6 +68,7 @@ class History {
   std::size_t bytes() const;  ///< of the kept states
 
  private:
+  std::size_t nearest_before(std::size_t state) const;
   void thin_out();
 
   std::shared_ptr<const Document> start_;

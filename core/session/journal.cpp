@@ -3,11 +3,13 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -41,6 +43,14 @@ bool same_file(const struct stat& a, const struct stat& b) {
   return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
+/// The disk that a file's folder is on; none where the folder is not there.
+std::optional<std::uint64_t> device_of_folder(const fs::path& file) {
+  struct stat folder {};
+  const fs::path parent = file.parent_path();
+  if (::stat(parent.empty() ? "." : parent.c_str(), &folder) != 0) return std::nullopt;
+  return folder.st_dev;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Journal>> Journal::create(const fs::path& path, const Write& write, const Journal* mine,
@@ -65,6 +75,11 @@ Result<std::unique_ptr<Journal>> Journal::open(const fs::path& path) {
   for (int attempts = 5; ::flock(descriptor, LOCK_EX | LOCK_NB) != 0; std::this_thread::sleep_for(blink))
     if (--attempts == 0) return fail(open_elsewhere(path));
   return std::unique_ptr<Journal>(new Journal(std::move(file), static_cast<std::uint64_t>(status.st_size)));
+}
+
+Journal::Journal(std::shared_ptr<const LineFile> file, std::uint64_t bytes)
+    : file_(std::move(file)), bytes_(bytes), folder_device_(device_of_folder(file_->path()).value_or(0)) {
+  remember();
 }
 
 Journal::~Journal() {
@@ -95,7 +110,34 @@ Result<void> Journal::keep_first(std::uint64_t keep_bytes) {
     return fail(path().string(),
                 std::string("cannot be written (") + std::strerror(error) + "); save the case elsewhere");
   bytes_ = keep_bytes;
+  remember();
   return {};
+}
+
+void Journal::remember() {
+  struct stat here {};
+  if (::fstat(file_->descriptor(), &here) == 0) changed_ = here.st_ctim;
+}
+
+Journal::Fate Journal::fate() {
+  mend();
+  struct stat here {
+  }, there{};
+  struct statvfs disk {};
+  if (::stat(path().c_str(), &there) != 0)
+    return device_of_folder(path()) == folder_device_ ? Fate::deleted : Fate::deleted_with_all;
+  if (::fstat(file_->descriptor(), &here) != 0 || !same_file(here, there)) return Fate::replaced;
+  if (::fstatvfs(file_->descriptor(), &disk) == 0 && (disk.f_flag & ST_RDONLY) != 0) return Fate::read_only;
+  if (broken_ != nullptr) return broken_ == changed_by_another ? Fate::touched : Fate::as_left;
+  const bool as_left = static_cast<std::uint64_t>(here.st_size) == bytes_ && here.st_ctim.tv_sec == changed_.tv_sec &&
+                       here.st_ctim.tv_nsec == changed_.tv_nsec;
+  return as_left ? Fate::as_left : Fate::touched;
+}
+
+void Journal::let_go() {
+  unsynced_.clear();
+  sync_failed_ = false;
+  broken_ = nullptr;
 }
 
 Result<void> Journal::unharmed() const {
@@ -123,6 +165,7 @@ Result<void> Journal::append(std::string_view lines, bool sync) {
   }
   if (error == 0) {
     bytes_ += lines.size();
+    remember();
     if (sync)
       unsynced_.clear();
     else
@@ -131,6 +174,7 @@ Result<void> Journal::append(std::string_view lines, bool sync) {
   }
   most_bytes_ = bytes_ + lines.size();
   take_back();
+  remember();
   const std::string what = std::string("could not be written (") + std::strerror(error) + "), so the edit was not made";
   if (broken_ != nullptr && !unsynced_.empty())
     return fail(path().string(), what + ", and the last ones are shown but not saved; save the case elsewhere");
@@ -166,6 +210,7 @@ void Journal::mend() {
   }
   sync_failed_ = sync_failed_ || size < bytes_;  // what is missing is written again
   take_back();
+  remember();
 }
 
 /// After a sync that failed the system may have dropped what it held of the file, and the next sync succeeds without
@@ -181,6 +226,8 @@ bool Journal::write_unsynced_again() {
 }
 
 Result<void> Journal::sync() {
+  mend();
+  if (broken_ != nullptr) return fail(path().string(), std::string(broken_) + "; save the case elsewhere");
   if (!unsynced()) return {};
   if (::fsync(file_->descriptor()) == 0) {
     unsynced_.clear();
@@ -189,7 +236,9 @@ Result<void> Journal::sync() {
   const int error = errno;
   sync_failed_ = true;
   most_bytes_ = bytes_;
-  if (write_unsynced_again()) return {};
+  const bool written = write_unsynced_again();
+  remember();
+  if (written) return {};
   broken_ = not_on_the_disk;
   return fail(path().string(), std::string("could not be written to the disk (") + std::strerror(error) +
                                    "), so the last edits are shown but not saved; save the case elsewhere");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -43,23 +44,36 @@ class Journal {
   Result<void> append(std::string_view lines, bool sync = true);
   /// Whether lines wait for sync(); not after the disk failed: the next lines that are appended bring them along.
   bool unsynced() const { return !unsynced_.empty() && broken_ == nullptr; }
-  /// Brings to the disk what was appended without. Errors: the disk fails; append() tries again.
+  /// Brings to the disk what was appended without. Errors: the disk fails, or did before and still does; append() tries
+  /// again.
   Result<void> sync();
-  /// The lines that wait for sync(), and where they begin. Where the disk failed, the file may hold
-  /// something else there.
-  std::string_view unsynced_lines() const { return unsynced_; }
-  std::uint64_t synced_bytes() const { return bytes_ - unsynced_.size(); }
   const std::filesystem::path& path() const { return file_->path(); }
   /// For reading; lives on when the journal is closed.
   const std::shared_ptr<const LineFile>& file() const { return file_; }
   std::uint64_t bytes() const { return bytes_; }
-  /// Whether lines can be added: no error where the file is as this program left it.
-  Result<void> unharmed() const;
   /// Whether `path` is this very file.
   bool is_at(const std::filesystem::path& path) const;
 
+  /// What became of the file while it was open.
+  enum class Fate {
+    as_left,           ///< as this program left it, or as a disk that fails left it
+    touched,           ///< somebody wrote to it, or changed its attributes
+    replaced,          ///< another file has its name
+    deleted,           ///< no file has its name
+    deleted_with_all,  ///< its folder is gone too, or another disk lies there
+    read_only          ///< its disk takes no more writes
+  };
+  Fate fate();
+  /// A touched file holds what this program wrote after all.
+  void accept_touch() { remember(); }
+  /// The file is another program's now: nothing more is written to it, not even at the end.
+  void let_go();
+
  private:
-  explicit Journal(std::shared_ptr<const LineFile> file, std::uint64_t bytes) : file_(std::move(file)), bytes_(bytes) {}
+  explicit Journal(std::shared_ptr<const LineFile> file, std::uint64_t bytes);
+  Result<void> unharmed() const;
+  std::uint64_t synced_bytes() const { return bytes_ - unsynced_.size(); }
+  void remember();
   void take_back();
   void mend();
   bool write_unsynced_again();
@@ -70,6 +84,8 @@ class Journal {
   bool sync_failed_ = false;      ///< since `unsynced_` was written, which may be lost
   const char* broken_ = nullptr;  ///< why nothing can be appended until mend() succeeds; null: it can
   std::uint64_t most_bytes_ = 0;  ///< of the broken file: what this program may have left there
+  timespec changed_{};            ///< when the file or its attributes changed last, as this program knows it
+  std::uint64_t folder_device_ = 0;
 };
 
 }  // namespace homolog

@@ -8,6 +8,7 @@
 #include "core/case/action_line.h"
 #include "core/case/moved_points.h"
 #include "core/case/placing.h"
+#include "core/session/case_keeping.h"
 #include "core/session/checkpoint.h"
 
 namespace homolog {
@@ -76,7 +77,16 @@ Result<void> EditSession::follow(Document& document, const Compute& compute) {
 }
 
 Result<EditReport> EditSession::apply(Action action, bool joined) {
-  return perform(std::move(action), joined, std::nullopt);
+  keep();
+  const bool is_note = std::holds_alternative<Note>(action);
+  auto report = perform(std::move(action), joined, std::nullopt);
+  edited_ = edited_ || (report && !is_note);
+  return report;
+}
+
+void EditSession::keep() {
+  const std::string news = keep_case(*this);
+  if (!news.empty()) news_ += (news_.empty() ? "" : " ") + news;
 }
 
 Result<EditReport> EditSession::replay(EditStep step, const LinePlace& line) {
@@ -322,7 +332,7 @@ bool EditSession::count(const LineKind& kind, const LinePlace& line, std::uint32
       return true;
     case LineKind::note:
       if (kind.keeps) kept_lines_.push_back(line);
-      return joinable_ = true;
+      return true;
     case LineKind::look:
       looks_.push_back({{}, line});
       joinable_ = false;

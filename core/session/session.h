@@ -32,6 +32,7 @@ struct HistoryLimits {
 struct KeptWithCase {
   std::optional<std::array<double, 2>> window;  ///< the image's values that are shown black and white
   std::filesystem::path template_file;          ///< where the template was saved as it is painted; empty: it was not
+  std::filesystem::path labels;                 ///< the label map over the image, of the first line; empty: none
 };
 
 /// A case being edited: the document, its history and its journal. Belongs to one thread.
@@ -48,7 +49,8 @@ class EditSession {
   /// Applies an action (Undo and Redo too). `joined`: see EditStep; an action begins a step of its own all the same
   /// where the one before it was refused, taken back, or a look at a frame. Computed points are rounded
   /// [moved_points.h]. What is joined, and a look, is written at once but synced only with what follows, or by sync().
-  /// On error nothing has changed, in memory or on disk; where memory runs out (std::bad_alloc) neither.
+  /// On error nothing has changed, in memory or on disk; where memory runs out (std::bad_alloc) neither. Before it
+  /// comes keep().
   Result<EditReport> apply(Action action, bool joined = false);
   /// What the action would give, without doing it. Cheap during a drag, because the gesture is cached. Without an
   /// action it starts from the document. Each of `then` carries on from the result before it; a refusal becomes a
@@ -70,18 +72,29 @@ class EditSession {
   std::uint64_t steps_made() const { return steps_made_; }
   int solves() const { return solves_; }
   const KeptWithCase& kept() const { return kept_; }
+  /// What the first line says; a file of the case is not changed.
+  void set_labels(std::filesystem::path labels) { kept_.labels = std::move(labels); }
   std::size_t history_bytes() const { return history_.bytes(); }
 
   // What keeps the case: every action is a line of it.
 
   bool unsynced() const { return journal() != nullptr && journal()->unsynced(); }
   Result<void> sync() { return unsynced() ? journal()->sync() : Result<void>{}; }
+  /// Where another program took the case's file away, the case goes on elsewhere [keep_case].
+  void keep();
+  /// What keep() had to do, in a sentence; empty where it was nothing.
+  const std::string& news() const { return news_; }
+  void forget_news() { news_.clear(); }
+  /// Whether apply() changed the case.
+  bool edited() const { return edited_; }
 
   const CaseLines& lines() const { return lines_; }
   Journal* journal() const { return lines_.journal(); }
-  /// From now on every action is appended to `journal`, which holds all lines so far behind a first line that ends at
-  /// `begin`.
-  void write_to(std::unique_ptr<Journal> journal, std::uint64_t begin) { lines_.write_to(std::move(journal), begin); }
+  /// From now on every action is appended to `journal`, which holds this first line and all lines so far.
+  Result<void> write_to(std::unique_ptr<Journal> journal, std::string first_line) {
+    return lines_.write_to(std::move(journal), std::move(first_line));
+  }
+  void close_journal() { lines_.close_journal(); }
 
   // How a file is read: its lines one after the other, each played or (up to a checkpoint) only counted.
 
@@ -130,6 +143,8 @@ class EditSession {
   std::size_t steps_to_checkpoint_ = 0;  ///< before which none is tried again
   std::function<void(Action&)> adjust_;
   int solves_ = 0;
+  std::string news_;
+  bool edited_ = false;
 };
 
 }  // namespace homolog

@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "core/session/case_file.h"
+#include "core/session/unsaved_cases.h"
 
 namespace homolog {
 
@@ -29,6 +30,9 @@ struct SessionThread::Shared {
   struct SaveAs {
     std::filesystem::path path;
   };
+  struct Save {
+    bool says_so = false;
+  };
   struct Computed {
     Compute compute;
     bool joined = false;
@@ -37,7 +41,7 @@ struct SessionThread::Shared {
     std::optional<Action> action;
     std::vector<Compute> then;
   };
-  using Job = std::variant<EditStep, Computed, SaveAs>;
+  using Job = std::variant<EditStep, Computed, SaveAs, Save>;
 
   mutable std::mutex mutex;
   std::condition_variable changed;
@@ -74,12 +78,20 @@ struct SessionThread::Shared {
     ++snapshot.revision;
     if (error) snapshot.error = *error;
     auto next = std::make_shared<const Snapshot>(std::move(snapshot));
+    pass_on_news();
     {
       const std::lock_guard lock(mutex);  // nothing fails from here on, so that no refusal is counted twice
       latest = std::move(next);
       if (error && !error->empty()) (refusals.count++ == 0 ? refusals.first : refusals.last) = std::move(*error);
     }
     if (wake) wake();
+  }
+
+  void pass_on_news() {
+    if (session.news().empty()) return;
+    const std::lock_guard lock(mutex);
+    refusals.news.push_back(session.news());
+    session.forget_news();
   }
 
   /// Every edit ends so, whether it was done, refused or nothing: what was previewed is over.
@@ -122,7 +134,7 @@ struct SessionThread::Shared {
     publish(std::move(snapshot), action ? "" : action.error().sentence());
   }
 
-  void do_save(const std::filesystem::path& path) {
+  void do_save_as(const std::filesystem::path& path) {
     Snapshot snapshot = *latest;
     auto saved = save_case_as(session, path);
     describe(snapshot);
@@ -130,6 +142,21 @@ struct SessionThread::Shared {
     ++snapshot.jobs_done;
     if (saved) snapshot.message = "Saved as " + path.string();
     publish(std::move(snapshot), saved ? "" : saved.error().sentence());
+  }
+
+  void do_save(Save save) {
+    session.keep();
+    const Journal* journal = session.journal();
+    Snapshot snapshot = *latest;
+    const auto synced = journal != nullptr ? session.journal()->sync() : Result<void>();
+    describe(snapshot);
+    ++snapshot.committed;
+    ++snapshot.jobs_done;
+    if (save.says_so && synced && journal != nullptr && journal->path().parent_path() != unsaved_folder()) {
+      const std::lock_guard lock(mutex);
+      refusals.saved = "Saved: every edit is in " + journal->path().string();
+    }
+    publish(std::move(snapshot), synced ? "" : synced.error().sentence());
   }
 
   void do_sync() {
@@ -223,13 +250,23 @@ struct SessionThread::Shared {
       }
       try {
         if (job && std::holds_alternative<EditStep>(*job)) do_action(std::get<EditStep>(std::move(*job)));
-        if (job && std::holds_alternative<SaveAs>(*job)) do_save(std::get<SaveAs>(*job).path);
+        if (job && std::holds_alternative<SaveAs>(*job)) do_save_as(std::get<SaveAs>(*job).path);
+        if (job && std::holds_alternative<Save>(*job)) do_save(std::get<Save>(*job));
         if (job && std::holds_alternative<Computed>(*job)) do_computed(std::get<Computed>(*job));
         if (preview) show_preview(*preview);
         if (rests) do_sync();
       } catch (...) {
         tell_in_the_end(std::current_exception(), job.has_value());
       }
+    }
+  }
+
+  /// What was edited must not go with a file that another program took away.
+  void end() {
+    try {
+      if (session.edited()) session.keep();
+      pass_on_news();
+    } catch (const std::bad_alloc&) {
     }
   }
 
@@ -257,7 +294,10 @@ struct SessionThread::Shared {
 
 SessionThread::SessionThread(EditSession session, std::function<void()> wake)
     : shared_(std::make_unique<Shared>(std::move(session), std::move(wake))) {
-  shared_->thread = std::thread([shared = shared_.get()] { shared->run(); });
+  shared_->thread = std::thread([shared = shared_.get()] {
+    shared->run();
+    shared->end();
+  });
 }
 
 SessionThread::~SessionThread() {
@@ -280,6 +320,15 @@ void SessionThread::apply(Action action, bool joined) {
 void SessionThread::apply_computed(Compute compute, bool joined) {
   ++posted_;
   shared_->post_edit(Shared::Computed{std::move(compute), joined});
+}
+
+void SessionThread::save(bool says_so) {
+  ++posted_;
+  {
+    const std::lock_guard lock(shared_->mutex);
+    shared_->jobs.emplace_back(Shared::Save{says_so});
+  }
+  shared_->changed.notify_one();
 }
 
 void SessionThread::save_as(std::filesystem::path path) {

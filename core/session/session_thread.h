@@ -29,10 +29,12 @@ struct Snapshot {
   KeptWithCase kept;           ///< what the case keeps beside its steps
 };
 
-/// What was refused since somebody asked: edits may come and be refused faster than snapshots are looked at.
+/// What a person must be told, since somebody asked: edits may come and be refused faster than snapshots are looked at.
 struct Refusals {
-  std::size_t count = 0;
-  std::string first, last;  ///< sentences; `last` is empty where only one was refused
+  std::vector<std::string> news;  ///< what became of the case's file [keep_case]
+  std::string saved;              ///< that a saving was done
+  std::size_t count = 0;          ///< of what was refused
+  std::string first, last;        ///< sentences; `last` is empty where only one was refused
 };
 
 /// Runs an EditSession on a thread of its own; with it the factorisation for drags is that thread's alone. The
@@ -54,6 +56,9 @@ class SessionThread {
   /// Commits what `compute` makes of the document, once everything posted before is done. It runs on this thread, which
   /// takes no previews meanwhile. Does nothing where `compute` gives no action.
   void apply_computed(Compute compute, bool joined = false);
+  /// Looks after the case's file [EditSession::keep] and brings all edits to the disk. With `says_so`, Refusals::saved
+  /// says where they are.
+  void save(bool says_so);
   /// Continues the journal under another name (Save As): the whole history so far is written there first.
   void save_as(std::filesystem::path path);
 

@@ -32,7 +32,9 @@ VolumeGeometry solid_grid(const Box& box, const SolidDetail& detail) {
   assert(spacing_mm > 0);
   const auto margin_mm = [&] { return thick_wall_mm(detail.wall_mm, spacing_mm) + 2 * spacing_mm; };
   const auto room_mm = [&] { return Vec3(box.sizes() + Vec3::Constant(2 * margin_mm())); };
-  while ((room_mm() / spacing_mm).prod() > most_solid_voxels) spacing_mm *= 1.05;
+  constexpr int most_rounds = 4000;  // a box of 1e80 mm
+  for (int round = 0; round < most_rounds && (room_mm() / spacing_mm).prod() > most_solid_voxels; ++round)
+    spacing_mm *= 1.05;
   VolumeGeometry grid;
   grid.spacing_mm.setConstant(spacing_mm);
   grid.origin_mm = box.min() - Vec3::Constant(margin_mm());

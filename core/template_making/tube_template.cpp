@@ -90,9 +90,11 @@ Result<Body> body_of(const Volume& united, int label) {
 /// The part of the line through `centre` along `axis` that is inside, as distances from `centre`.
 std::pair<double, double> inside_along(const LevelSet& wall, const Vec3& centre, const Vec3& axis) {
   const double step = 0.25 * wall.spacing_mm(), reach = wall.grid().bounds_mm().diagonal().norm();
+  const auto steps = static_cast<int>(std::min(2 * reach / step, 1e6));
   std::pair<double, double> part{0, 0};
   bool any = false;
-  for (double t = -reach; t <= reach; t += step) {
+  double t = -reach;
+  for (int k = 0; k <= steps; ++k, t += step) {
     if (wall.sample(centre + t * axis).value >= 0) continue;
     if (!any) part.first = t;
     part.second = t;

@@ -310,7 +310,9 @@ TunnelCut cut_tunnels(const LevelSet& surface, const TunnelLimits& limits) {
   const auto distances = [&cut] { return signed_distance(inside_of(cut.surface), cut.surface.grid()); };
   if (cut.genus <= limits.keep) return cut;
   LevelSet distance = distances();
-  for (double width_mm = std::min(limits.first_below_mm, widest_mm); cut.genus > limits.keep; width_mm *= 1.4) {
+  constexpr int most_widths = 200;
+  double width_mm = std::min(limits.first_below_mm, widest_mm);
+  for (int k = 0; k < most_widths && cut.genus > limits.keep; ++k, width_mm *= 1.4) {
     const double fill_mm = std::min(width_mm, limits.fill_below_mm),
                  sever_mm = std::min(width_mm, limits.sever_below_mm);
     using How = CutTunnel::How;

@@ -6,6 +6,7 @@
 #include "app/editor/update/window_title.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/base/file_stem.h"
 
 namespace homolog {
 
@@ -56,8 +57,8 @@ void draw_models_status(const UiContext& ui) {
 }  // namespace
 
 std::string study_stem(const ModelsState& state) {
-  const std::string name = state.study_file.filename().string();
-  return name.empty() ? "study" : name.substr(0, name.find('.'));
+  const std::string name = file_stem(state.study_file);
+  return name.empty() ? "study" : name;
 }
 
 std::string of_optimised(const ModelsState& state) {

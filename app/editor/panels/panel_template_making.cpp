@@ -3,6 +3,7 @@
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/base/file_stem.h"
 #include "core/mesh/isosurface.h"
 #include "core/template_making/label_body.h"
 #include "render/label_colours.h"
@@ -101,8 +102,7 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
   for (const std::string& remark : making.remarks) explanation(theme, remark);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
   if (button(theme, "Save and use…", "Saves the template and starts a new case with it", {}, half, true))
-    out.send(
-        ShowFileDialog{FilePurpose::use_made_template, making.source.substr(0, making.source.find('.')) + "-template"});
+    out.send(ShowFileDialog{FilePurpose::use_made_template, file_stem(making.source) + "-template"});
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Back", "Goes back to the template made before this one",
              ui.template_maker.can_undo() ? "" : "No template was made before this one.", half))

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "app/editor/state/view_colours.h"
+#include "core/base/file_stem.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/session/unsaved_cases.h"
 
@@ -265,11 +266,11 @@ void turn_sigma(EditorState& state, double sigma_mm) {
 }
 
 std::string case_name(const std::filesystem::path& file, const Document& document) {
-  if (!file.empty() && file.parent_path() != unsaved_folder()) return file.stem().string();
-  std::string name = std::filesystem::path(document.volume_source).filename().string();
+  if (!file.empty() && file.parent_path() != unsaved_folder()) return file_stem(file);
+  std::string name = file_stem(document.volume_source);
   if (name.empty()) name = "case";
   std::replace(name.begin(), name.end(), ':', '-');
-  return name.substr(0, name.find('.'));
+  return name;
 }
 
 std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document) {
@@ -338,7 +339,8 @@ void remember_recent(std::vector<std::filesystem::path>& recent, const std::file
 }
 
 int shown_frame(const EditorState& state, const Document& document) {
-  return state.shown_frame.value_or(document.frame);
+  const int frames = document.volume ? document.volume->frames : 1;
+  return state.shown_frame ? std::clamp(*state.shown_frame, 0, frames - 1) : document.frame;
 }
 
 const char* tool_name(MouseTool tool) {

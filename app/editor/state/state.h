@@ -121,7 +121,8 @@ struct Notice {
 };
 
 /// Whether the window closes: now, or as soon as what is being written is written, the study's file too or not.
-enum class Quitting { no, when_written, when_written_without_study, now };
+/// `asked`: the case's file is looked after first, and a question may follow.
+enum class Quitting { no, asked, when_written, when_written_without_study, now };
 
 /// Things a newcomer has to do once; each hint goes away when done, all when dismissed.
 struct Hints {

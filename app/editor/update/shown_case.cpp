@@ -36,11 +36,13 @@ bool has_unsaved_edits(const Snapshot& snapshot) {
 }
 
 std::vector<std::string> told(const Refusals& refused) {
-  if (refused.count == 0) return {};
-  if (refused.count == 1 || refused.last == refused.first) return {refused.first};
+  std::vector<std::string> sentences = refused.news;
+  if (refused.count > 0) sentences.push_back(refused.first);
+  if (refused.count < 2 || refused.last == refused.first) return sentences;
   const std::size_t more = refused.count - 1;
-  return {refused.first,
-          more == 1 ? refused.last : std::to_string(more) + " more edits were refused. The last one: " + refused.last};
+  sentences.push_back(more == 1 ? refused.last
+                                : std::to_string(more) + " more edits were refused. The last one: " + refused.last);
+  return sentences;
 }
 
 void remember_case(EditorState& state, const Snapshot& snapshot) {
@@ -63,6 +65,10 @@ Refusals ShownCase::start(EditSession session) {
     kept_window_ = {low, high};
   }
   return refused;
+}
+
+std::shared_ptr<const Document> ShownCase::done() const {
+  return at_frame(snapshot_->document, displayed_->frame);
 }
 
 bool ShownCase::template_is_mirrored() const {
@@ -98,7 +104,9 @@ bool ShownCase::update_snapshot(EditorState& state) {
   snapshot_ = latest;
   if (renamed) remember_case(state, *snapshot_);
   keep_on_disk(state);
-  for (const std::string& sentence : told(session_->take_refusals())) add_notice(state, sentence);
+  const Refusals refused = session_->take_refusals();
+  for (const std::string& sentence : told(refused)) add_notice(state, sentence);
+  if (!refused.saved.empty()) add_notice(state, refused.saved, false);
   const int frame = shown_frame(state, *snapshot_->shown);
   if (!changed && displayed_->frame == frame) return false;
   const auto before = displayed_;

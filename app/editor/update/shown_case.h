@@ -47,6 +47,8 @@ class ShownCase {
   /// What is shown: with the preview, at the frame that plays.
   const Document& document() const { return *displayed_; }
   const std::shared_ptr<const Document>& displayed() const { return displayed_; }
+  /// What is done, without a preview, at the frame that is shown: what works on the case starts from it.
+  std::shared_ptr<const Document> done() const;
   /// The mesh of `document`, for pointing and drawing.
   ShownMesh& mesh() const { return mesh_; }
   /// Counts the cases that were on the screen.
@@ -85,8 +87,8 @@ class ShownCase {
   mutable ShownMesh mesh_;  ///< what is remembered of `displayed_`
 };
 
-/// Why edits came to nothing, in one or two sentences. Of many at once the first says what is wrong with the disk, the
-/// last how it stands now.
+/// What became of the case's file, and why edits came to nothing, in a few sentences. Of many at once the first says
+/// what is wrong with the disk, the last how it stands now.
 std::vector<std::string> told(const Refusals& refused);
 
 /// Puts the case's file among the recent ones, where it is one of its own.

@@ -90,10 +90,9 @@ std::optional<Acts> KeyPointer::move(const KeyStroke& stroke, const EditorApp& a
   const double step_px = (stroke.ctrl ? fine_units : units) * static_cast<double>(app.layout().scale);
   const RectPx rect = places(app)[std::min(*view_, places(app).size() - 1)];
   const auto along = [&](bool back, bool on, double at, float low, float size) {
-    return std::clamp(at + (on     ? step_px
-                            : back ? -step_px
-                                   : 0),
-                      static_cast<double>(low) + 1, static_cast<double>(low + size) - 1);
+    const double first = static_cast<double>(low) + 1, last = static_cast<double>(low + size) - 1;
+    const double to = at + (on ? step_px : back ? -step_px : 0);
+    return std::clamp(to, first, std::max(first, last));  // a view that is hidden has no size
   };
   x_px_ = along(left, right, x_px_, rect.x, rect.width);
   y_px_ = along(up, down, y_px_, rect.y, rect.height);

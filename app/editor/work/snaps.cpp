@@ -48,6 +48,10 @@ struct Snaps::Box {
   bool running = true;
   std::optional<SnapFound> found;
 
+  void end() {
+    const std::lock_guard lock(mutex);
+    running = false;
+  }
   void put(std::optional<SnapFound> result) {
     const std::lock_guard lock(mutex);
     running = false;
@@ -77,8 +81,10 @@ void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const 
   box_ = std::make_shared<Box>();
   SnapOptions options = options_of(settings);
   options.progress = &box_->progress;
+  // Whatever becomes of the job, also where memory runs out: when it is gone the snap has ended.
+  const auto ends = std::shared_ptr<Box>(box_.get(), [box = box_](Box*) { box->end(); });
   session.apply_computed(
-      [box = box_, region, options](const Document& document) -> Result<std::optional<Action>> {
+      [box = box_, ends, region, options](const Document& document) -> Result<std::optional<Action>> {
         const auto begin = Clock::now();
         auto edit = guarded("The snap", [&] { return snap_document(document, region, options); });
         if (!edit) {

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <system_error>
 #include <utility>
 
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/opener.h"
+#include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
 #include "core/base/listed.h"
@@ -31,14 +31,10 @@ struct Scan {
   bool is_map = false;
 };
 
-std::string stem_of(const fs::path& path) {
-  const std::string name = path.filename().string();
-  return name.substr(0, name.find('.'));
-}
-
 /// What may be a scan: files by their names, and folders that hold a series of slices.
-std::vector<fs::path> candidates(const fs::path& folder) {
+std::vector<fs::path> candidates(const fs::path& folder, std::vector<std::string>& warnings) {
   std::vector<fs::path> found;
+  std::size_t slices = 0;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = lower_case(entry->path().filename().string());
@@ -51,8 +47,15 @@ std::vector<fs::path> candidates(const fs::path& folder) {
     const auto& endings = volume_extensions();
     const bool is_volume =
         std::any_of(endings.begin(), endings.end(), [&](const auto& e) { return name.ends_with(e); });
-    if (is_volume && !name.ends_with(".dcm")) found.push_back(entry->path());
+    if (is_volume && !name.ends_with(".dcm"))
+      found.push_back(entry->path());
+    else if (name.ends_with(".dcm"))
+      ++slices;
   }
+  if (slices > 0)
+    warnings.push_back(folder.string() + ": " + std::to_string(slices) +
+                       (slices == 1 ? " DICOM file lies" : " DICOM files lie") +
+                       " loose in it and were left out; put each series into a folder of its own");
   std::sort(found.begin(), found.end());
   return found;
 }
@@ -89,7 +92,7 @@ const Scan* image_of(const Scan& map, const std::vector<Scan>& all) {
   std::size_t most = 0;
   for (const Scan& one : all) {
     if (one.is_map || !on_same_voxels(*map.grid, *one.grid)) continue;
-    const std::size_t same = alike(stem_of(one.path), stem_of(map.path));
+    const std::size_t same = alike(file_stem(one.path), file_stem(map.path));
     if (same > most || all.size() == 2) best = &one, most = same;
   }
   return best;
@@ -122,11 +125,23 @@ struct CaseFile {
   std::string template_file, numbering;
   bool mirrored = false;  ///< it began with the template of the other side
 };
+
+/// Of a file that may be anything; empty where they are longer than any that begin a case.
+std::pair<std::string, std::string> first_two_lines(const fs::path& path) {
+  constexpr std::uintmax_t most_bytes = std::uintmax_t{1} << 20;
+  const auto size = size_of_file(path);
+  const auto file = LineFile::open(path);
+  if (!size || !file) return {};
+  const std::string text = (*file)->read(0, std::min(*size, most_bytes)).value_or("");
+  const std::size_t header_end = text.find('\n');
+  if (header_end == std::string::npos) return {*size < most_bytes ? text : std::string(), {}};
+  const std::size_t first_end = text.find('\n', header_end + 1);
+  const bool is_cut = first_end == std::string::npos && *size > most_bytes;
+  return {text.substr(0, header_end), is_cut ? std::string() : text.substr(header_end + 1, first_end - header_end - 1)};
+}
+
 CaseFile read_case_file(const fs::path& file) {
-  std::ifstream lines(file);
-  std::string header, first;
-  std::getline(lines, header);
-  std::getline(lines, first);
+  const auto [header, first] = first_two_lines(file);
   const auto json = read_json<nlohmann::json>(header);
   if (!json || !json->is_object()) return {};
   const auto text = [&](const char* key) {
@@ -149,23 +164,30 @@ bool starts_alike(const CaseFile& file, const CaseStart& start) {
          (file.numbering.empty() || file.numbering == wanted.topology->hash());
 }
 
-/// `of_others`: counts the files of the same image that were left, since they are of another template.
-Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const CaseStart& start, std::size_t& of_others) {
+/// What became of the scans so far.
+struct Made {
+  std::vector<fs::path> files;  ///< case files, of which each is of one scan alone
+  std::size_t of_others = 0;    ///< files of the same image that were left, since they are of another template
+};
+
+Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const CaseStart& start, Made& made_so_far) {
   StudyCase one;
   const fs::path image = absolute_path(pair.image->path);
-  const std::string stem = stem_of(named_by_map ? pair.map->path : pair.image->path);
+  const std::string stem = file_stem(named_by_map ? pair.map->path : pair.image->path);
   // Scans of other folders may be called the same.
   std::error_code ignored;
   for (int number = 1;; ++number) {
     one.name = number == 1 ? stem : stem + "-" + std::to_string(number);
     one.file = absolute_path(start.cases / (one.name + case_extension));
     if (!fs::exists(one.file, ignored)) break;
+    if (std::find(made_so_far.files.begin(), made_so_far.files.end(), one.file) != made_so_far.files.end()) continue;
     const CaseFile there = read_case_file(one.file);
     if (there.image != image.lexically_normal()) continue;
     const bool known = std::find(start.known.begin(), start.known.end(), one.file) != start.known.end();
     if (known || starts_alike(there, start)) break;
-    ++of_others;
+    ++made_so_far.of_others;
   }
+  made_so_far.files.push_back(one.file);
   one.from_scan = true;
   if (pair.map != nullptr) one.labels = absolute_path(pair.map->path);
   if (fs::exists(one.file, ignored)) return one;
@@ -189,7 +211,7 @@ bool was_worked_on(EditSession& session) {
 Result<WorklistDone> cases_of(const std::vector<fs::path>& asked, const CaseStart& start, Progress& progress) {
   WorklistDone done;
   std::vector<Scan> scans;
-  const auto paths = asked.size() == 1 ? candidates(asked.front()) : asked;
+  const auto paths = asked.size() == 1 ? candidates(asked.front(), done.warnings) : asked;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     progress.report(static_cast<double>(k) / static_cast<double>(paths.size()));
     Progress reading(progress, 0);
@@ -206,15 +228,16 @@ Result<WorklistDone> cases_of(const std::vector<fs::path>& asked, const CaseStar
                                   : "is no scan and no label map, and neither are the others; choose images");
   if (auto made = make_folder(start.cases); !made) return fail(made.error());
   const auto pairs = pairs_of(scans);
-  std::size_t of_others = 0;
+  Made made_so_far;
   for (const Pair& pair : pairs) {
     const auto shared = std::count_if(pairs.begin(), pairs.end(), [&](const Pair& p) { return p.image == pair.image; });
-    auto one = make_case(pair, shared > 1 && pair.map != nullptr, start, of_others);
+    auto one = make_case(pair, shared > 1 && pair.map != nullptr, start, made_so_far);
     if (one)
       done.added.push_back(std::move(*one));
     else
       done.warnings.push_back(one.error().sentence());
   }
+  const std::size_t of_others = made_so_far.of_others;
   if (of_others > 0)
     done.warnings.push_back(start.cases.filename().string() + " holds " +
                             (of_others == 1 ? "a case file" : std::to_string(of_others) + " case files") +

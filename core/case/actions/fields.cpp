@@ -1,8 +1,32 @@
 #include "core/case/actions/fields.h"
 
 #include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "core/base/limits.h"
 
 namespace homolog {
+
+namespace {
+
+/// Errors: no whole number, none that `Number` holds.
+template <class Number>
+Number whole_number(const Fields::Json& from) {
+  if (!from.is_number_integer()) throw Unreadable{excerpt(from.dump()) + " is not a whole number"};
+  const bool is_large = from.is_number_unsigned();
+  if (is_large ? !std::in_range<Number>(from.get<std::uint64_t>()) : !std::in_range<Number>(from.get<std::int64_t>()))
+    throw Unreadable{excerpt(from.dump()) + " is out of range"};
+  return from.get<Number>();
+}
+
+}  // namespace
+
+void Fields::count(const char* key, int& value) {
+  constexpr int most = 1'000'000;
+  member(key, value);
+  if (reads() && (value < 0 || value > most)) throw Unreadable{std::to_string(value) + " is out of range"};
+}
 
 void Fields::constant(const char* key, const Json& value, const char* fault) {
   if (!reads())
@@ -27,22 +51,21 @@ void Fields::read(const Json& from, const char*, bool& to) {
 }
 
 void Fields::read(const Json& from, const char*, int& to) {
-  if (!from.is_number_integer()) throw Unreadable{excerpt(from.dump()) + " is not a whole number"};
-  const auto number = from.get<std::int64_t>();
-  if (number < 0 || number > 1000000) throw Unreadable{excerpt(from.dump()) + " is out of range"};
-  to = static_cast<int>(number);
+  to = whole_number<int>(from);
 }
 
 void Fields::read(const Json& from, const char*, std::int64_t& to) {
-  to = from.get<std::int64_t>();
+  to = whole_number<std::int64_t>(from);
 }
 
-void Fields::read(const Json& from, const char*, double& to) {
+void Fields::read(const Json& from, const char* key, double& to) {
   to = from.get<double>();
+  if (std::string_view(key).ends_with("_mm") && !is_in_reach(to))
+    throw Unreadable{std::string("\"") + key + "\" " + beyond_farthest};
 }
 
 void Fields::read(const Json& from, const char*, std::size_t& to) {
-  to = from.get<std::size_t>();
+  to = whole_number<std::size_t>(from);
 }
 
 void Fields::read(const Json& from, const char*, std::filesystem::path& to) {
@@ -73,6 +96,7 @@ void Fields::read(const Json& from, const char*, std::vector<double>& to) {
 void Fields::read(const Json& from, const char* key, Vec3& to) {
   if (!from.is_array() || from.size() != 3) throw Unreadable{std::string("\"") + key + "\" is not [x,y,z]"};
   to = {from[0].get<double>(), from[1].get<double>(), from[2].get<double>()};
+  if (!all_in_reach(to)) throw Unreadable{std::string("\"") + key + "\" " + beyond_farthest};
 }
 
 void Fields::read(const Json& from, const char* key, Eigen::Quaterniond& to) {

@@ -59,7 +59,7 @@ class Fields {
   /// Whether a line that is read has a member.
   bool has(const char* key) const { return reads() && from_->contains(key); }
 
-  /// A member that every line has.
+  /// A member that every line has. A place, and a number whose key ends in "_mm", is at most farthest_mm.
   template <class Value>
   void member(const char* key, Value& value) {
     if (reads())
@@ -75,6 +75,8 @@ class Fields {
     if (reads()) value = named(names, name);
   }
   void member(const char* key, Similarity& value) { object(key).similarity(value); }
+  /// How many of something: 0 … 1,000,000.
+  void count(const char* key, int& value);
   /// A member that a line may lack: `value` stays as it is then.
   template <class Value>
   void optional(const char* key, Value& value, bool is_written = true) {
@@ -106,7 +108,7 @@ class Fields {
   Fields(const Json* from, Json* to) : from_(from), to_(to) {}
 
   static void read(const Json& from, const char* key, bool& to);
-  static void read(const Json& from, const char* key, int& to);  ///< 0 … 1,000,000
+  static void read(const Json& from, const char* key, int& to);
   static void read(const Json& from, const char* key, std::int64_t& to);
   static void read(const Json& from, const char* key, double& to);
   static void read(const Json& from, const char* key, std::size_t& to);

@@ -34,7 +34,11 @@ const ActionKind<Note>& action_kind(const Note&) {
       .needs_mesh = false,
       .name = [](const Note&) -> std::string { return "note"; },
       .spell = spell_note,
-      .apply = [](const Note&, Edit&) -> Result<EditReport> { return EditReport{}; }};
+      .apply = [](const Note& note, Edit&) -> Result<EditReport> {
+        const std::string file = note.template_file.string();
+        if (is_utf8(file)) return EditReport{};
+        return fail(file, "has a name that is no UTF-8, so a case cannot hold it; save it under another name");
+      }};
   return kind;
 }
 

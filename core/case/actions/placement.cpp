@@ -33,7 +33,8 @@ const ActionKind<SetPlacement>& action_kind(const SetPlacement&) {
       .name = [](const SetPlacement&) -> std::string { return "placement"; },
       .spell = [](Fields& line, SetPlacement& action) { line.member("placement", action.placement); },
       .apply = [](const SetPlacement& action, Edit& edit) -> Result<EditReport> {
-        if (auto usable = check_placement(action.placement); !usable) return fail(usable.error());
+        const Points& rest = edit.before.the_template->points;
+        if (auto usable = check_placement(action.placement, rest); !usable) return fail(usable.error());
         move_placement(*edit.before.the_template, action.placement, edit.shape());
         return EditReport{};
       }};

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/limits.h"
 #include "core/case/actions/decided.h"
 #include "core/case/actions/fields.h"
 #include "core/case/moved_points.h"
@@ -109,13 +110,14 @@ Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
     return fail("points", std::to_string(action.points ? action.points->rows() : 0) + " were given for " +
                               std::to_string(the_template.points.rows()) + " vertices");
   }
-  if (!action.points->allFinite()) return fail("points", "hold a coordinate that is no finite number");
+  if (!all_in_reach(*action.points))
+    return fail("points", std::string("hold a coordinate that is no number, or that ") + beyond_farthest);
   if (action.doubt_mm && action.doubt_mm->size() != the_template.points.rows())
     return fail("doubt_mm", "does not hold one number for each vertex");
   if (action.outlier && action.outlier->size() != the_template.points.rows())
     return fail("outlier", "does not hold one number for each vertex");
   if (action.placement)
-    if (auto usable = check_placement(*action.placement); !usable) return fail(usable.error());
+    if (auto usable = check_placement(*action.placement, the_template.points); !usable) return fail(usable.error());
   const int frame = action.of_frame.value_or(edit.before.frame);
   if (auto exists = check_frame(edit.before, frame); !exists) return fail(exists.error());
   if (!edit.after.shapes.contains(frame)) edit.after.shapes.emplace(frame, shape_of_frame(edit.before, frame));

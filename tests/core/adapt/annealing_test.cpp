@@ -89,4 +89,20 @@ TEST_CASE("the annealing goes from share 0 to share 1 and ends where a step says
   CHECK(refused.error().what == "enough");
 }
 
+TEST_CASE("an annealing of one step is its last one") {
+  Adapting shape = ball_at_rest();
+  Points targets = shape.mesh.points;
+  targets.row(0) *= 1.1;
+  ShapeSolver solver(shape.mesh.topology);
+  std::vector<double> shares;
+  REQUIRE(anneal(shape, solver, {.steps = 1, .softest_edges = 1}, to(targets, [](Eigen::Index i) { return i == 0; }),
+                 [&](double share) -> Result<void> {
+                   shares.push_back(share);
+                   return {};
+                 }));
+  CHECK(shares == std::vector<double>{1});
+  CHECK(shape.mesh.points.allFinite());
+  CHECK((shape.mesh.points.row(0) - targets.row(0)).norm() < 0.5);
+}
+
 }  // namespace homolog

@@ -20,8 +20,8 @@ const Vec3 here(-21.5, 20, 1.0 / 3);
 const std::string written_here = R"("at":[-21.5,20.0,0.3333333333333333])";
 
 std::vector<KnownLine> strokes() {
-  const Vec3 to(-19, 1e-7, 9e20);
-  const std::string from_to = written_here + R"(,"to":[-19.0,1e-07,9e+20],"sigma_mm":12.5)";
+  const Vec3 to(-19, 1e-7, 9e8);
+  const std::string from_to = written_here + R"(,"to":[-19.0,1e-07,900000000.0],"sigma_mm":12.5)";
   return {
       {Stroke{Tool::pull, here, to, 12.5, {}, false, 1}, R"({"tool":"pull",)" + from_to + "}", "pull"},
       {Stroke{Tool::pull, here, to, 12.5, Vec3(1, 2, 3), true, 1},

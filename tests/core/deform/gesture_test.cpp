@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "core/deform/deformer.h"
 #include "core/deform/falloff.h"
@@ -355,4 +356,28 @@ TEST_CASE("a turn strains nothing and a growth by a tenth strains a hundredth") 
   const Points turned = ball.points * Eigen::AngleAxisd(1.2, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   CHECK(strain_share(*ball.topology, ball.points, turned) < 1e-12);
   CHECK(strain_share(*ball.topology, ball.points, 1.1 * turned) == doctest::Approx(0.01));
+}
+
+TEST_CASE("a surface is followed to an end wherever the cursor leaps") {
+  const SurfacePoint start = SurfaceSearch(big_ball).nearest(big_pole).at;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (const Vec3& to :
+       {Vec3(0, 0, 1e308), Vec3(1e300, 1e300, 0), Vec3(infinity, 0, 0), Vec3(0, std::nan(""), 0), Vec3(1e9, 0, 0)}) {
+    SurfaceFollower follower(*big_ball.topology, big_ball.points, start, big_pole);
+    follower.move_to(to, 1);
+    follower.move_to(big_pole + Vec3(0.1, 0, 0), 1);
+    CHECK(follower.position().allFinite());
+  }
+}
+
+TEST_CASE("the search for a step that folds nothing ends for any longest one") {
+  const FoldGuard guard(*big_ball.topology, big_ball.points, big_ball.points);
+  int tried = 0;
+  const auto inside_out = [&](double) {
+    ++tried;
+    return Points(-big_ball.points);
+  };
+  for (const double longest : {1.0, 1e308, std::numeric_limits<double>::infinity(), std::nan("")})
+    CHECK(guard.accepted_step(longest, inside_out) == 0);
+  CHECK(tried < 200);
 }

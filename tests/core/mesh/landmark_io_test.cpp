@@ -92,3 +92,15 @@ TEST_CASE("a landmark file that cannot be understood is refused with a sentence"
   CHECK(read_landmarks(folder.path / "absent.json").error().what.find("does not exist") != std::string::npos);
   CHECK(!write_landmarks(two_poles, folder.path / "points.txt"));
 }
+
+TEST_CASE("a landmark that lies beyond any body is refused by name") {
+  const LandmarkFolder folder;
+  for (const std::string huge : {"1e308", "-1e10", "1000000001"}) {
+    CHECK(folder.refusal(R"([{"id":"tip","coordinates":[0,0,)" + huge + "]}]")
+              .find("\"tip\" lies beyond 1,000,000,000 mm") != std::string::npos);
+    CHECK(folder
+              .refusal(R"({"markups":[{"coordinateSystem":"LPS","controlPoints":[{"label":"tip","position":[)" + huge +
+                       ",0,0]}]}]}")
+              .find("\"tip\" lies beyond") != std::string::npos);
+  }
+}

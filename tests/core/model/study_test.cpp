@@ -90,6 +90,18 @@ TEST_CASE("a study keeps what its worklist knows and goes to cases in doubt firs
   CHECK(read_whole_file(path).value().find("\"labels\": \"maps/c.nii\"") != std::string::npos);
 }
 
+TEST_CASE("a study that would name a file wrongly is not written") {
+  const TemporaryFolder folder;
+  const fs::path path = some_study(folder), odd = folder.path / "s" / "caf\xe9.homolog";
+  const std::string before = read_whole_file(path).value();
+  Study study = read_study(path).value().study;
+  study.cases.push_back({"odd", odd});
+  const auto written = write_study(study, path);
+  REQUIRE_FALSE(written);
+  CHECK(written.error().sentence().find("the name of " + odd.string() + " is no UTF-8") != std::string::npos);
+  CHECK(read_whole_file(path).value() == before);
+}
+
 TEST_CASE("a study that was moved as a whole finds its cases again") {
   const TemporaryFolder folder;
   some_study(folder);

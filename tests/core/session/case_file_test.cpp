@@ -129,6 +129,62 @@ TEST_CASE("lines that are no action are errors that name the line") {
   }
 }
 
+TEST_CASE("a number that no case needs is refused with its line") {
+  const CaseFolder folder;
+  { const EditSession session = folder.create(); }
+  const std::string whole = folder.text();
+  const std::string turned = R"("rotation":[1,0,0,0])";
+  for (const std::string huge : {"1e308", "-1e308", "1.5e154", "1000000001"}) {
+    const std::string place = "[0,0," + huge + "]";
+    for (const std::string& bad : {R"({"tool":"pull","at":[0,0,40],"to":)" + place + R"(,"sigma_mm":12})",
+                                   R"({"tool":"pull","at":)" + place + R"(,"to":[0,0,45],"sigma_mm":12})",
+                                   R"({"tool":"pull","at":[0,0,40],"to":[0,0,45],"on":)" + place + R"(,"sigma_mm":12})",
+                                   R"({"tool":"slide","at":[0,0,40],"to":[0,0,45],"sigma_mm":)" + huge + "}",
+                                   R"({"confirm":{"at":)" + place + R"(,"radius_mm":10,"hold":true}})",
+                                   R"({"confirm":{"at":[0,0,40],"radius_mm":)" + huge + R"(,"hold":true}})",
+                                   R"({"landmark":{"name":"north","at":)" + place + "}}",
+                                   R"({"template_landmark":{"name":"north","at":)" + place + "}}",
+                                   R"({"placement":{)" + turned + R"(,"scale":1,"translation":)" + place + "}}",
+                                   R"({"placement":{)" + turned + R"(,"scale":)" + huge + R"(,"translation":[0,0,0]}})",
+                                   R"({"points":)" + place + "}"}) {
+      folder.append("{\"note\":\"fine\"}\n" + bad + "\n");
+      CHECK_MESSAGE(says(read_case(folder.case_path), "ball.homolog: line 3: "), bad);
+      fs::resize_file(folder.case_path, whole.size());
+    }
+    for (const std::string& placement :
+         {R"("scale":1,"translation":)" + place, R"("scale":)" + huge + R"(,"translation":[0,0,0])"}) {
+      std::ofstream(folder.folder.path / "placed.homolog")
+          << R"({"homolog":1,"template":"ball.ply","placement":{)" + turned + "," + placement + "}}\n";
+      CHECK_MESSAGE(says(read_case(folder.folder.path / "placed.homolog"), "placed.homolog: line 1: "), placement);
+    }
+  }
+  // What is far away, but not too far.
+  folder.append(R"({"tool":"pull","at":[0,0,40],"to":[0,0,999999999],"sigma_mm":12})"
+                "\n");
+  const auto read = read_case(folder.case_path);
+  REQUIRE(read);
+  CHECK(read->session.document().shape().points->allFinite());
+}
+
+TEST_CASE("a file whose name is no UTF-8 is refused and nothing is written of it") {
+  const CaseFolder folder;
+  const fs::path image = folder.folder.path / "caf\xe9.nii", file = folder.folder.path / "a.homolog";
+  const auto begun = create_case(new_document(image.string(), nullptr, nullptr), file);
+  CHECK(says(begun, "caf\xe9.nii: has a name that is no UTF-8"));
+  CHECK_FALSE(fs::exists(file));
+  // Beside the case its name is not written.
+  const fs::path odd = folder.folder.path / "odd\xe9";
+  fs::create_directory(odd);
+  fs::copy_file(folder.template_path, odd / "ball.ply");
+  const Document document = new_document("", nullptr, load_template((odd / "ball.ply").string()).value());
+  REQUIRE(create_case(document, odd / "b.homolog"));
+  CHECK(read_case(odd / "b.homolog"));
+  EditSession session = folder.create();
+  const std::string before = folder.text();
+  CHECK(says(session.apply(Note{"saved", {}, odd / "t.ply"}), "no UTF-8"));
+  CHECK(folder.text() == before);
+}
+
 TEST_CASE("a line that cannot be played is said before the image is looked for") {
   const TemporaryFolder folder;
   const fs::path file = folder.path / "a.homolog";

@@ -111,6 +111,200 @@ TEST_CASE("a case goes on from its last checkpoint as if every line were played"
   CHECK(same_states(all_states(opened->session), all_states(played->session)));
 }
 
+namespace {
+
+/// Every member another than in `start`. Taken apart by number, so that a new member does not compile until it is
+/// filled here, and fails until a checkpoint keeps it.
+Shape full_shape(const Shape& start) {
+  Shape shape = start;
+  const auto n = shape.points->rows();
+  int next = 0;
+  const auto points = [&] {
+    return std::make_shared<const Points>(Points::Random(n, 3) * 40 + Points::Constant(n, 3, ++next));
+  };
+  const auto scalars = [&] { return std::make_shared<const VertexScalars>(VertexScalars::Random(n).cwiseAbs()); };
+  auto& [placement, before_landmarks, landmarks, placed, reference, moved, confirmed, decided, unaided, strokes,
+         carried, doubt, doubt_mm, outlier] = shape;
+  placement = {Eigen::Quaterniond(Eigen::AngleAxisd(1, Vec3::UnitX())), 1.2, Vec3(1, 2, 3)};
+  before_landmarks = {Eigen::Quaterniond(Eigen::AngleAxisd(2, Vec3::UnitY())), 0.7, Vec3(4, 5, 6)};
+  landmarks = {{"north", Vec3(0.1, 0.2, 40.3)}};
+  reference = points();
+  moved = points();
+  confirmed = scalars();
+  decided = scalars();
+  unaided = points();
+  strokes = 7;
+  carried = points();
+  doubt = "a reason";
+  doubt_mm = scalars();
+  outlier = scalars();
+  return shape;
+}
+
+Document full_document(const Document& start) {
+  Document document = start;
+  auto& [volume_source, volume, the_template, shapes, frame, stiffness, regions, stiffness_base, scheme, paper_events,
+         even_spacing, landmark_pull, landmark_rule, holds_landmarks] = document;
+  auto landmarks = the_template->landmarks;
+  landmarks.push_back({"näme", Vec3(1, 2, 3)});
+  the_template = with_landmarks(*the_template, landmarks);
+  for (const int k : {0, 2}) {
+    Shape shape = full_shape(start.shapes.at(0));
+    shape.placed = std::make_shared<const Points>(shape.placement.apply(the_template->points));
+    shapes.insert_or_assign(k, std::move(shape));
+  }
+  frame = 2;
+  stiffness = std::make_shared<const VertexScalars>(*stiffness * 1.5);
+  auto painted = std::make_shared<Regions>();
+  painted->list = {{"hilum", 2, {1, 2, 3}}};
+  painted->of_vertex.assign(static_cast<std::size_t>(stiffness->size()), 1);
+  regions = painted;
+  stiffness_base = 3;
+  scheme = Scheme::paper;
+  paper_events = 4;
+  even_spacing = 0.25;
+  landmark_pull = LandmarkPull::similarity;
+  return document;
+}
+
+}  // namespace
+
+TEST_CASE("a checkpoint keeps every member of a shape and of a document") {
+  const CaseFolder folder;
+  Document start = cine_document(folder, 3);
+  start.landmark_rule = LandmarkRule::weighed;  // what the first line decides
+  start.holds_landmarks = true;
+  const Document full = full_document(start);
+  const auto line = checkpoint_line(start, full, 5);
+  REQUIRE(line);
+  const auto read = read_checkpoint(*line, start, 5);
+  REQUIRE(read);
+  CHECK(same_document(*read, full));
+  const Shape& shape = read->shapes.at(2);
+  CHECK(shape.before_landmarks == full.shapes.at(2).before_landmarks);
+  CHECK(shape.before_landmarks.scale == 0.7);
+  CHECK(read->holds_landmarks);
+
+  // It belongs to that first line alone.
+  Document other = start;
+  other.landmark_rule = LandmarkRule::by_size;
+  CHECK_FALSE(read_checkpoint(*line, other, 5));
+  other = start;
+  other.holds_landmarks = false;
+  CHECK_FALSE(read_checkpoint(*line, other, 5));
+}
+
+TEST_CASE("two documents that differ in one member are not the same") {
+  const CaseFolder folder;
+  const Document start = cine_document(folder, 3), full = full_document(start);
+  CHECK(same_document(full, full));
+  std::vector<std::function<void(Document&)>> changes{
+      [](Document& d) { d.volume_source += "x"; },
+      [](Document& d) { d.volume = nullptr; },
+      [](Document& d) { d.the_template = with_landmarks(*d.the_template, {}); },
+      [](Document& d) { d.shapes.erase(0); },
+      [](Document& d) { d.frame = 0; },
+      [&](Document& d) { d.stiffness = start.stiffness; },
+      [&](Document& d) { d.regions = start.regions; },
+      [](Document& d) { d.stiffness_base = 4; },
+      [](Document& d) { d.scheme = Scheme::raw; },
+      [](Document& d) { d.paper_events = 5; },
+      [](Document& d) { d.even_spacing = 0.5; },
+      [](Document& d) { d.landmark_pull = LandmarkPull::off; },
+      [](Document& d) { d.landmark_rule = LandmarkRule::closed_form; },
+      [](Document& d) { d.holds_landmarks = !d.holds_landmarks; }};
+  const auto of_shape = [&](auto member) {
+    changes.emplace_back([&, member](Document& d) { d.shapes.at(0).*member = start.shapes.at(0).*member; });
+  };
+  of_shape(&Shape::placement);
+  of_shape(&Shape::before_landmarks);
+  of_shape(&Shape::landmarks);
+  of_shape(&Shape::placed);
+  of_shape(&Shape::reference);
+  of_shape(&Shape::points);
+  of_shape(&Shape::confirmed);
+  of_shape(&Shape::decided);
+  of_shape(&Shape::unaided);
+  of_shape(&Shape::strokes);
+  of_shape(&Shape::carried);
+  of_shape(&Shape::doubt);
+  of_shape(&Shape::doubt_mm);
+  of_shape(&Shape::outlier);
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    CAPTURE(k);
+    Document other = full;
+    changes[k](other);
+    CHECK_FALSE(same_document(full, other));
+    CHECK_FALSE(same_document(other, full));
+  }
+}
+
+TEST_CASE("a landmark that is placed after a reopening lies where it does without a checkpoint") {
+  const CaseFolder folder;
+  const PlaceLandmark north{"north", Vec3(3, 5, 50), true};
+  {
+    auto session = create_case(folder.document(), folder.case_path, often).value();
+    const Similarity turned{Eigen::Quaterniond(Eigen::AngleAxisd(1, Vec3::UnitX())), 1.2, Vec3::Zero()};
+    REQUIRE(session.apply(SetPlacement{turned}));
+    for (int k = 0; k < 12; ++k) REQUIRE(session.apply(SetStiffnessBase{5.0 + k}));
+  }
+  const auto lines = lines_of(folder.case_path);
+  REQUIRE(std::any_of(lines.begin(), lines.end(), is_checkpoint));
+  auto opened = open_case(folder.case_path);
+  auto played = read_case(folder.case_path, every_line());
+  REQUIRE(opened);
+  REQUIRE(played);
+  REQUIRE(opened->session.apply(north));
+  REQUIRE(played->session.apply(north));
+  CHECK(*opened->session.document().shape().points == *played->session.document().shape().points);
+  CHECK(same_document(opened->session.document(), played->session.document()));
+}
+
+TEST_CASE("a checkpoint of an older version without that member is passed over") {
+  const CaseFolder folder;
+  {
+    auto session = create_case(folder.document(), folder.case_path, often).value();
+    std::mt19937 random(8);
+    work(session, random, 25);
+  }
+  auto lines = lines_of(folder.case_path);
+  for (std::string& line : lines) {
+    if (!is_checkpoint(line)) continue;
+    auto json = OrderedJson::parse(line);
+    for (auto& shape : json["checkpoint"]["document"]["shapes"]) shape.erase("before_landmarks");
+    line = json.dump();
+  }
+  write_lines(folder.case_path, lines);
+  const auto opened = read_case(folder.case_path), played = read_case(folder.case_path, every_line());
+  REQUIRE(opened);
+  CHECK(opened->session.solves() == played->session.solves());
+  CHECK(same_document(opened->session.document(), played->session.document()));
+}
+
+TEST_CASE("a note between the touches of a stroke parts nothing that a replay keeps together") {
+  const CaseFolder folder;
+  const auto paint = [](double x) { return PaintStiffness{Vec3(x, 0, 40), 10, 20, 0.5}; };
+  {
+    auto session = create_case(folder.document(), folder.case_path, often).value();
+    REQUIRE(session.apply(SetStiffnessBase{5}));
+    REQUIRE(session.apply(Undo{}));
+    REQUIRE(session.apply(Note{"a remark"}));
+    REQUIRE(session.apply(paint(9), true));
+    for (int k = 0; k < 12; ++k) REQUIRE(session.apply(SetStiffnessBase{6.0 + k}));
+  }
+  // A script may join what the program would not.
+  auto lines = lines_of(folder.case_path);
+  for (std::string& line : lines)
+    if (line.find("paint_stiffness") != std::string::npos && line.find("joined") == std::string::npos)
+      line.insert(line.size() - 1, ",\"joined\":true");
+  write_lines(folder.case_path, lines);
+  auto opened = read_case(folder.case_path, {}), played = read_case(folder.case_path, every_line());
+  REQUIRE(opened);
+  REQUIRE(played);
+  CHECK(opened->session.undo_names(99) == played->session.undo_names(99));
+  CHECK(played->session.undo_names(99).size() == 13);
+}
+
 TEST_CASE("a checkpoint is never trusted over the lines before it") {
   const CaseFolder folder;
   Points kept;

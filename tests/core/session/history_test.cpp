@@ -48,6 +48,18 @@ TEST_CASE("the history keeps to its memory however much is done") {
   CHECK(*session.document().shape().points == start);
 }
 
+TEST_CASE("states that come with looks at other frames count too") {
+  const CaseFolder folder;
+  constexpr std::size_t limit = 500'000;
+  EditSession session = create_case(cine_document(folder, 40), folder.case_path, {.bytes = limit}).value();
+  std::mt19937 random(3);
+  for (int k = 0; k < 120; ++k) {
+    REQUIRE(session.apply(SetFrame{k % 40, false}));
+    REQUIRE(session.apply(random_snap(session.document(), random)));
+    REQUIRE(session.history_bytes() <= limit);
+  }
+}
+
 TEST_CASE("steps that were made are counted once and a note joins nothing to the step before it") {
   const CaseFolder folder;
   EditSession session = folder.create();

@@ -38,39 +38,6 @@ TEST_CASE("half a line that cannot be taken back is the last one that a journal 
   ::close(file);
 }
 
-TEST_CASE("a case file that is deleted under the session is noticed and nothing is lost") {
-  const CaseFolder folder;
-  const fs::path saved = folder.folder.path / "saved.homolog";
-  EditSession session = folder.create();
-  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
-  const Points kept = *session.document().shape().points;
-  fs::remove(folder.case_path);
-  CHECK(says(session.apply(pull(-pole, -1.1 * pole)), "ball.homolog: was deleted"));
-  CHECK(*session.document().shape().points == kept);
-  REQUIRE(save_case_as(session, saved));
-  REQUIRE(session.apply(pull(-pole, -1.1 * pole)));
-  const auto read = read_case(saved);
-  REQUIRE(read);
-  CHECK(read->session.strokes() == 2);
-  CHECK(*read->session.document().shape().points == *session.document().shape().points);
-}
-
-TEST_CASE("a case file that is replaced or changed under the session is noticed") {
-  const CaseFolder folder;
-  EditSession session = folder.create();
-  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
-  const fs::path other = folder.folder.path / "other";
-  fs::copy_file(folder.case_path, other);
-  fs::rename(other, folder.case_path);
-  CHECK(says(session.apply(pull(-pole, -1.1 * pole)), "replaced"));
-  REQUIRE(save_case_as(session, folder.case_path));  // under its own name it is replaced in turn
-  REQUIRE(session.apply(pull(-pole, -1.1 * pole)));
-  CHECK(read_case(folder.case_path)->session.strokes() == 2);
-  folder.append("{\"note\":\"from a script\"}\n");
-  CHECK(says(session.apply(Undo{}), "changed by another program"));
-  CHECK(session.strokes() == 2);
-}
-
 TEST_CASE("a case that is only read keeps its lines when it goes on elsewhere") {
   const CaseFolder folder;
   { REQUIRE(folder.create().apply(pull(pole, 1.1 * pole))); }

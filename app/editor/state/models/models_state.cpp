@@ -7,6 +7,7 @@
 #include <numeric>
 #include <system_error>
 
+#include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
@@ -338,9 +339,7 @@ bool is_study_file(const fs::path& file) {
 }
 
 std::string study_name(const fs::path& file) {
-  std::string name = file.filename().string();
-  if (name.ends_with(study_ending)) name.resize(name.size() - study_ending.size());
-  return name;
+  return file_stem(file);
 }
 
 fs::path studies_folder() {

@@ -9,6 +9,7 @@
 
 #include "core/case/document.h"
 #include "core/correspondence/colours.h"
+#include "core/model/procrustes.h"
 #include "core/model/shape_files.h"
 #include "core/model/shape_model.h"
 #include "core/model/sizes.h"
@@ -22,6 +23,8 @@ struct StudyModel {
   std::vector<std::string> names, groups;             ///< of the cases whose shapes are in it, in the study's order
   std::shared_ptr<const Topology> topology;           ///< null where all are points alone
   std::vector<std::shared_ptr<const Points>> shapes;  ///< aligned, mm
+  Alignment alignment = Alignment::none;
+  std::vector<double> sizes_mm;  ///< centroid size of each shape before it was aligned
   std::shared_ptr<const PrincipalComponents> components;
   ShapeModel model;                                ///< of 95 % of the variance
   Mesh mean;                                       ///< without topology where there is none

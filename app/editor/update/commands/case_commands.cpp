@@ -1,5 +1,8 @@
 #include "app/editor/update/commands/case_commands.h"
 
+#include <algorithm>
+#include <cstdlib>
+
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/assistance.h"
@@ -45,7 +48,9 @@ void GoInHistory::spell(Fields& line) {
 }
 void GoInHistory::run(Editing& editing) const {
   stop_playing(editing);
-  for (int k = 0; k < std::abs(steps); ++k) editing.shown.session().apply(steps < 0 ? Action(Undo{}) : Action(Redo{}));
+  constexpr int most = 1000;  // a list shows far fewer
+  const int count = std::abs(std::clamp(steps, -most, most));
+  for (int k = 0; k < count; ++k) editing.shown.session().apply(steps < 0 ? Action(Undo{}) : Action(Redo{}));
 }
 
 void SnapMesh::spell(Fields& line) {
@@ -87,21 +92,21 @@ void StartFit::run(Editing& editing) const {
   if (chosen.model == FitModel::file) model.model = editing.state.fit_model;
   if (chosen.model == FitModel::study) {
     model.study = editing.state.models.fitted.model;
-    const StudyCase* one = find_case(editing.state.models, snapshot.file, snapshot.document->frame);
+    const StudyCase* one = find_case(editing.state.models, snapshot.file, editing.shown.document().frame);
     if (one != nullptr) model.left_out = one->name;
   }
   if (chosen.model != FitModel::none && !model.model && !model.study)
     return add_notice(editing.state, "The model for the fit is not open any more; choose a model again.");
   editing.work.fit_seen = false;
   editing.work.started_fit = *this;
-  editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name}, chosen, model);
+  editing.work.fitter.start_fit(editing.shown.done(), {labels.volume, labels.name}, chosen, model);
 }
 
 void RefineAlongSurface::run(Editing& editing) const {
   if (!editing.shown.document().has_shape()) return;
   stop_playing(editing);
   editing.work.started_fit.reset();
-  editing.work.fitter.start_refinement(editing.shown.snapshot().document);
+  editing.work.fitter.start_refinement(editing.shown.done());
 }
 
 void CancelFit::run(Editing& editing) const {
@@ -117,7 +122,7 @@ void PropagateFrames::run(Editing& editing) const {
   const Document& document = editing.shown.document();
   if (!document.has_shape() || !document.volume || document.volume->frames < 2) return;
   stop_playing(editing);
-  editing.work.propagator.start(editing.shown.snapshot().document);
+  editing.work.propagator.start(editing.shown.done());
 }
 
 void CancelPropagation::run(Editing& editing) const {

@@ -217,10 +217,9 @@ void Quit::spell(Fields& line) {
   line.member("without_study", without_study);
 }
 void Quit::run(Editing& editing) const {
-  if (has_unsaved_edits(editing.shown.snapshot()) && !sure)
-    editing.state.dialog = QuitDialog{};
-  else
-    quit_when_written(editing, without_study);
+  if (sure) return quit_when_written(editing, without_study);
+  editing.shown.session().save(false);  // the case's file may be gone
+  editing.state.quitting = Quitting::asked;
 }
 
 }  // namespace homolog

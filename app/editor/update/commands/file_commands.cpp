@@ -95,7 +95,7 @@ void OpenRequested::spell(Fields& line) {
   int subject = 1;
   if (request.demo) std::tie(organ, subject) = *request.demo;
   spell_choice_or_null(line, "phantom", organ_names, organ);
-  line.optional("subject", subject, request.demo.has_value());
+  if (line.reads() ? line.has("subject") : request.demo.has_value()) line.count("subject", subject);
   if (line.reads() && organ) request.demo = {*organ, subject};
 }
 void OpenRequested::run(Editing& editing) const {
@@ -153,7 +153,7 @@ void SaveCase::run(Editing& editing) const {
   const auto& file = editing.shown.snapshot().file;
   if (as || file.empty() || file.parent_path() == unsaved_folder())
     return editing.out.send(ShowFileDialog{FilePurpose::save_case, case_name(file, editing.shown.document())});
-  add_notice(editing.state, "Saved: every edit is in " + file.string(), false);
+  editing.shown.session().save(true);
 }
 
 void FileCommand::spell(Fields& line) {

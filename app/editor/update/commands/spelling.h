@@ -46,14 +46,14 @@ inline void spell_template(Fields& line, TemplateSettings& settings) {
   line.optional("all_labels", settings.all_labels, settings.all_labels);
   line.member("tube", settings.tube);
   Fields mask = line.object("organ_options");
-  mask.member("vertices", settings.mask.vertices);
+  mask.count("vertices", settings.mask.vertices);
   mask.or_null("closing_mm", settings.mask.closing_mm);
   mask.or_null("opening_mm", settings.mask.opening_mm);
   spell_choice(mask, "tunnels", tunnel_names, settings.mask.genus.kind);
-  mask.member("genus", settings.mask.genus.genus);
+  mask.count("genus", settings.mask.genus.genus);
   Fields tube = line.object("tube_options");
-  tube.member("rings", settings.tube_options.rings);
-  tube.member("sectors", settings.tube_options.sectors);
+  tube.count("rings", settings.tube_options.rings);
+  tube.count("sectors", settings.tube_options.sectors);
   tube.member("capped", settings.tube_options.capped);
   line.member("outer_label", settings.outer_label);
   line.member("axis_by_ruler", settings.axis_by_ruler);

@@ -209,7 +209,8 @@ void MoveInGuide::spell(Fields& line) {
 void MoveInGuide::run(EditorState& state) const {
   if (!state.guide) return;
   const auto last = static_cast<int>(state.guide->steps.size());
-  state.guide->at = static_cast<std::size_t>(std::clamp(static_cast<int>(state.guide->at) + steps, 0, last));
+  const int at = static_cast<int>(state.guide->at);
+  state.guide->at = static_cast<std::size_t>(at + std::clamp(steps, -at, last - at));
   look_at_step(state);
 }
 

@@ -16,7 +16,12 @@ void quit_when_written(Editing& editing, bool without_study) {
 void update_quit(Editing& editing) {
   EditorState& state = editing.state;
   Models& models = editing.work.models;
-  if (state.quitting == Quitting::no || editing.work.exports.busy()) return;
+  if (state.quitting == Quitting::asked && editing.shown.at_rest()) {
+    state.quitting = Quitting::no;
+    if (!has_unsaved_edits(editing.shown.snapshot())) return quit_when_written(editing, false);
+    state.dialog = QuitDialog{};
+  }
+  if (state.quitting == Quitting::no || state.quitting == Quitting::asked || editing.work.exports.busy()) return;
   if (state.quitting == Quitting::when_written) {
     if (models.files_running()) return;
     models.take_files(state, editing.out);

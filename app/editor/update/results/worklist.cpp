@@ -4,6 +4,8 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/file_stem.h"
+
 namespace homolog {
 
 namespace {
@@ -20,11 +22,13 @@ StudyCase* case_on_screen(Editing& editing) {
 
 void take_added(EditorState& state, std::vector<StudyCase> added) {
   ModelsState& models = state.models;
-  std::size_t count = 0;
+  std::size_t count = 0, known_already = 0;
   for (StudyCase& one : added) {
     auto& cases = models.study.cases;
-    if (std::any_of(cases.begin(), cases.end(), [&](const StudyCase& known) { return known.file == one.file; }))
+    if (std::any_of(cases.begin(), cases.end(), [&](const StudyCase& known) { return known.file == one.file; })) {
+      ++known_already;
       continue;
+    }
     const std::string stem = one.name;
     for (int number = 2; find_case(models.study, one.name) != nullptr; ++number)
       one.name = stem + "-" + std::to_string(number);
@@ -32,11 +36,13 @@ void take_added(EditorState& state, std::vector<StudyCase> added) {
     ++count;
   }
   if (count > 0) ++models.shapes_revision, ++models.study_revision;
-  add_notice(state,
-             count == 0   ? std::string("The scans of this folder are in the study already.")
-             : count == 1 ? std::string("1 scan was added.")
-                          : std::to_string(count) + " scans were added.",
-             false);
+  std::string news = count == 0   ? "The scans of this folder are in the study already."
+                     : count == 1 ? "1 scan was added."
+                                  : std::to_string(count) + " scans were added.";
+  if (count > 0 && known_already > 0)
+    news += known_already == 1 ? " 1 is in the study already."
+                               : " " + std::to_string(known_already) + " are in the study already.";
+  add_notice(state, std::move(news), false);
 }
 
 void take_fitted(EditorState& state, const WorklistDone& done) {
@@ -62,8 +68,7 @@ void ask_for_label(Editing& editing, const WorklistDone& done) {
 fs::path case_folder(const ModelsState& models) {
   for (const StudyCase& one : models.study.cases)
     if (one.from_scan) return one.file.parent_path();
-  const std::string name = models.study_file.filename().string();
-  return models.study_file.parent_path() / (name.substr(0, name.find('.')) + "-cases");
+  return models.study_file.parent_path() / (file_stem(models.study_file) + "-cases");
 }
 
 /// Once all that was asked for is done.

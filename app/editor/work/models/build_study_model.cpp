@@ -180,6 +180,9 @@ Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std:
   model->names = std::move(set.names);
   model->groups = std::move(groups);
   model->topology = std::move(set.topology);
+  model->alignment = alignment;
+  for (Eigen::Index k = 0; k < set.shapes.cols(); ++k)
+    model->sizes_mm.push_back(centroid_size_mm(points_of(set.shapes, k)));
   align(set.shapes, alignment);
   model->centre_mm = points_of(Eigen::VectorXd(set.shapes.rowwise().mean())).colwise().mean();
   for (Eigen::Index k = 0; k < set.shapes.cols(); ++k) {

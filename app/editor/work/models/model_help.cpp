@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/base/index.h"
 #include "core/model/conditional.h"
 
 namespace homolog {
@@ -21,9 +22,12 @@ Result<ShapeModel> model_without(const StudyModel& study, std::ptrdiff_t left_ou
   Eigen::Index column = 0;
   for (std::ptrdiff_t k = 0; k < std::ssize(study.shapes); ++k) {
     if (k == left_out) continue;
-    const Points& points = *study.shapes[static_cast<std::size_t>(k)];
-    shapes.col(column++) = Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
+    const Points& points = *study.shapes[index(k)];
+    const double size_mm = centroid_size_mm(points);
+    const double own_size = size_mm > 0 ? study.sizes_mm[index(k)] / size_mm : 1;
+    shapes.col(column++) = own_size * Eigen::Map<const Eigen::VectorXd>(points.data(), points.size());
   }
+  align(shapes, study.alignment);  // the one that is left out has no part in where the others lie
   return make_model(principal_components(std::move(shapes)), share_kept, study.topology, {});
 }
 

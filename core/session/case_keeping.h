@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/session/session.h"
+
+namespace homolog {
+
+/// Writes the case as far as it got to `path` (paths in its first line made relative to the new folder, every other
+/// line as it is), and goes on there. Errors: Journal::create's.
+Result<void> go_on_in(EditSession& session, const std::filesystem::path& path);
+
+/// Looks whether the path still holds the case's file as this program left it. Where another program deleted, moved or
+/// emptied it, all lines are written anew there. Where another file is there, or its folder is gone, that is left
+/// alone, and the case goes on as an unsaved one; where none can be made, in memory. Gives a sentence that says so;
+/// empty where all is well.
+std::string keep_case(EditSession& session);
+
+}  // namespace homolog

@@ -1,0 +1,37 @@
+#include "core/base/text.h"
+
+#include <doctest/doctest.h>
+
+#include "core/base/file_stem.h"
+
+namespace homolog {
+
+TEST_CASE("a file's name loses the ending of its format and no other dots") {
+  for (const auto& [name, stem] :
+       std::vector<std::pair<std::string, std::string>>{{"ct.nii.gz", "ct"},
+                                                        {"CT.NII.GZ", "CT"},
+                                                        {"sub.01.nii.gz", "sub.01"},
+                                                        {"sub.02.nii", "sub.02"},
+                                                        {"organ.seg.nrrd", "organ"},
+                                                        {"v1.2.seg.nrrd", "v1.2"},
+                                                        {"kidney 1.2.homolog", "kidney 1.2"},
+                                                        {"points.mrk.json", "points"},
+                                                        {"all.study.json", "all"},
+                                                        {"femur.h5.json", "femur"},
+                                                        {"1.2.840.113619.2", "1.2.840.113619.2"},
+                                                        {"a.b.c", "a.b.c"},
+                                                        {".nii.gz", ".nii"},
+                                                        {"", ""}}) {
+    CAPTURE(name);
+    CHECK(file_stem("some.folder/" + name) == stem);
+  }
+}
+
+TEST_CASE("bytes that are no UTF-8 are known as such") {
+  for (const char* text : {"", "plain", "Öffnung", "心", "\xf0\x9f\xab\x80"}) CHECK(is_utf8(text));
+  for (const char* text :
+       {"caf\xe9", "\xc3", "\xc0\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xff", "\xe2\x82", "a\x80"})
+    CHECK_FALSE(is_utf8(text));
+}
+
+}  // namespace homolog

@@ -66,6 +66,17 @@ Result<void> go_on_in(EditSession& session, const fs::path& path) {
   return session.write_to(std::move(*journal), first_line);
 }
 
+Result<void> name_labels(EditSession& session, const fs::path& labels) {
+  if (session.kept().labels == labels) return {};
+  session.keep();
+  const fs::path before = session.kept().labels;
+  session.set_labels(labels);
+  if (session.journal() == nullptr) return {};
+  auto written = go_on_in(session, fs::path(session.journal()->path()));
+  if (!written) session.set_labels(before);
+  return written;
+}
+
 std::string keep_case(EditSession& session) {
   Journal* journal = session.journal();
   const Fate fate = journal != nullptr ? journal->fate() : Fate::as_left;

@@ -217,6 +217,7 @@ void EditSession::add_steps(History::Step step) {
 void EditSession::keep(const Note& note) {
   if (note.window) kept_.window = note.window;
   if (!note.template_file.empty()) kept_.template_file = note.template_file;
+  if (note.fit) kept_.fit = note.fit;
 }
 
 /// What may also be left undone: where memory is short a later edit does it.

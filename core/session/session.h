@@ -32,6 +32,7 @@ struct HistoryLimits {
 struct KeptWithCase {
   std::optional<std::array<double, 2>> window;  ///< the image's values that are shown black and white
   std::filesystem::path template_file;          ///< where the template was saved as it is painted; empty: it was not
+  std::optional<FitFigures> fit;                ///< of the last fit to a label map
   std::filesystem::path labels;                 ///< the label map over the image, of the first line; empty: none
 };
 

@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "core/session/case_file.h"
+#include "core/session/case_keeping.h"
 #include "core/session/unsaved_cases.h"
 
 namespace homolog {
@@ -33,6 +34,9 @@ struct SessionThread::Shared {
   struct Save {
     bool says_so = false;
   };
+  struct NameLabels {
+    std::filesystem::path file;
+  };
   struct Computed {
     Compute compute;
     bool joined = false;
@@ -41,7 +45,7 @@ struct SessionThread::Shared {
     std::optional<Action> action;
     std::vector<Compute> then;
   };
-  using Job = std::variant<EditStep, Computed, SaveAs, Save>;
+  using Job = std::variant<EditStep, Computed, SaveAs, Save, NameLabels>;
 
   mutable std::mutex mutex;
   std::condition_variable changed;
@@ -159,6 +163,14 @@ struct SessionThread::Shared {
     publish(std::move(snapshot), synced ? "" : synced.error().sentence());
   }
 
+  void do_name_labels(const std::filesystem::path& file) {
+    Snapshot snapshot = *latest;
+    const auto named = name_labels(session, file);
+    describe(snapshot);
+    ++snapshot.jobs_done;
+    publish(std::move(snapshot), named ? "" : named.error().sentence());
+  }
+
   void do_sync() {
     const auto synced = session.sync();
     if (synced) return;
@@ -252,6 +264,7 @@ struct SessionThread::Shared {
         if (job && std::holds_alternative<EditStep>(*job)) do_action(std::get<EditStep>(std::move(*job)));
         if (job && std::holds_alternative<SaveAs>(*job)) do_save_as(std::get<SaveAs>(*job).path);
         if (job && std::holds_alternative<Save>(*job)) do_save(std::get<Save>(*job));
+        if (job && std::holds_alternative<NameLabels>(*job)) do_name_labels(std::get<NameLabels>(*job).file);
         if (job && std::holds_alternative<Computed>(*job)) do_computed(std::get<Computed>(*job));
         if (preview) show_preview(*preview);
         if (rests) do_sync();
@@ -268,6 +281,14 @@ struct SessionThread::Shared {
       pass_on_news();
     } catch (const std::bad_alloc&) {
     }
+  }
+
+  void post(Job job) {
+    {
+      const std::lock_guard lock(mutex);
+      jobs.push_back(std::move(job));
+    }
+    changed.notify_one();
   }
 
   void post_edit(Job job) {
@@ -324,20 +345,17 @@ void SessionThread::apply_computed(Compute compute, bool joined) {
 
 void SessionThread::save(bool says_so) {
   ++posted_;
-  {
-    const std::lock_guard lock(shared_->mutex);
-    shared_->jobs.emplace_back(Shared::Save{says_so});
-  }
-  shared_->changed.notify_one();
+  shared_->post(Shared::Save{says_so});
+}
+
+void SessionThread::name_labels(std::filesystem::path labels) {
+  ++posted_;
+  shared_->post(Shared::NameLabels{std::move(labels)});
 }
 
 void SessionThread::save_as(std::filesystem::path path) {
   ++posted_;
-  {
-    const std::lock_guard lock(shared_->mutex);
-    shared_->jobs.emplace_back(Shared::SaveAs{std::move(path)});
-  }
-  shared_->changed.notify_one();
+  shared_->post(Shared::SaveAs{std::move(path)});
 }
 
 std::shared_ptr<const Snapshot> SessionThread::snapshot() const {

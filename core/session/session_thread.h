@@ -59,6 +59,8 @@ class SessionThread {
   /// Looks after the case's file [EditSession::keep] and brings all edits to the disk. With `says_so`, Refusals::saved
   /// says where they are.
   void save(bool says_so);
+  /// Says which label map is shown over the image, so that the case opens with it again [name_labels].
+  void name_labels(std::filesystem::path labels);
   /// Continues the journal under another name (Save As): the whole history so far is written there first.
   void save_as(std::filesystem::path path);
 

@@ -58,7 +58,10 @@ Refusals ShownCase::start(EditSession session) {
   ++number_;
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
-  if (displayed_->volume != volume_before) close_labels();
+  if (displayed_->volume != volume_before)
+    labels_ = {};
+  else if (labels_.volume)
+    session_->name_labels(labels_.file);
   kept_window_ = snapshot_->kept.window;
   if (!kept_window_ && displayed_->volume) {
     const auto [low, high] = default_window(*displayed_->volume);
@@ -69,6 +72,11 @@ Refusals ShownCase::start(EditSession session) {
 
 std::shared_ptr<const Document> ShownCase::done() const {
   return at_frame(snapshot_->document, displayed_->frame);
+}
+
+void ShownCase::show_labels(ShownLabels labels) {
+  labels_ = std::move(labels);
+  session_->name_labels(labels_.file);
 }
 
 bool ShownCase::template_is_mirrored() const {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -19,6 +20,7 @@ namespace homolog {
 struct ShownLabels {
   std::shared_ptr<const Volume> volume;  ///< null without one
   std::string name;
+  std::filesystem::path file;
   std::vector<int> values;         ///< without 0
   std::map<int, double> sizes_mm;  ///< of each and of every_label together [organ_size_mm]
 };
@@ -69,8 +71,9 @@ class ShownCase {
   bool at_rest() const { return !session_->busy() && snapshot_ == session_->snapshot(); }
 
   const ShownLabels& labels() const { return labels_; }
-  void show_labels(ShownLabels labels) { labels_ = std::move(labels); }
-  void close_labels() { labels_ = {}; }
+  /// The case's file names them from then on.
+  void show_labels(ShownLabels labels);
+  void close_labels() { show_labels({}); }
 
  private:
   void keep_on_disk(EditorState& state);

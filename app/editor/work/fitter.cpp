@@ -114,6 +114,32 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
   return done;
 }
 
+FitFigures figures_of(const Fitted& fitted) {
+  const bool partial = fitted.missing_share.has_value();
+  FitFigures figures;
+  figures.mesh = mesh_hash(*fitted.edit.points);
+  figures.mean_mm = partial ? fitted.target.mean_mm : fitted.agreement.assd_mm;
+  figures.p95_mm = partial ? fitted.target.p95_mm : fitted.agreement.hd95_mm;
+  if (!partial) figures.dice = fitted.agreement.dice;
+  figures.missing_share = fitted.missing_share;
+  figures.warnings = fitted.warnings;
+  figures.remarks = fitted.remarks;
+  return figures;
+}
+
+Fitted fitted_of(const FitFigures& figures, std::shared_ptr<const Points> made) {
+  Fitted fitted;
+  fitted.edit.by = by_fit;
+  fitted.edit.points = std::move(made);
+  fitted.agreement.assd_mm = fitted.target.mean_mm = figures.mean_mm;
+  fitted.agreement.hd95_mm = fitted.target.p95_mm = figures.p95_mm;
+  fitted.agreement.dice = figures.dice.value_or(0);
+  fitted.missing_share = figures.missing_share;
+  fitted.warnings = figures.warnings;
+  fitted.remarks = figures.remarks;
+  return fitted;
+}
+
 void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels labels, const FitSettings& settings,
                        const ModelOfFit& model) {
   document_ = document;

@@ -133,6 +133,24 @@ Result<void> read_labels(Opened& opened, Progress& progress) {
   return {};
 }
 
+/// The label map that a case was left with; where it cannot be read, a warning says so.
+Result<void> read_kept_labels(Opened& opened, Progress& progress) {
+  const fs::path kept = opened.opened_case->session.kept().labels;
+  if (kept.empty()) return {};
+  opened.request.labels = kept;
+  auto read = read_labels(opened, progress);
+  if (read) return {};
+  if (progress.cancelled()) return read;
+  opened.request.labels.clear();
+  std::error_code ignored;
+  opened.warnings.push_back(
+      fs::exists(kept, ignored)
+          ? "The label map of this case cannot be shown: " + read.error().sentence()
+          : "The label map of this case, " + kept.string() +
+                ", is not there any more. Put it back, or open it from where it is now (Place, Open a label map).");
+  return {};
+}
+
 /// The template that a case was saved to: where it was, or beside the case's file where the folder was moved.
 void load_saved_template(Opened& opened) {
   const fs::path& saved = opened.opened_case->session.kept().template_file;
@@ -201,7 +219,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
                                 " is read-only. Your changes are kept in a new case. Save it under another name.");
     opened.opened_case = std::move(*read);
     load_saved_template(opened);
-    return request.labels.empty() ? Result<void>() : read_labels(opened, progress);
+    return request.labels.empty() ? read_kept_labels(opened, progress) : read_labels(opened, progress);
   }
   if (auto made = make_sample(request); !made) return made;
   if (!request.volume_source.empty()) {

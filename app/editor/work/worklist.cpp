@@ -16,6 +16,7 @@
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
+#include "core/session/case_keeping.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {
@@ -289,7 +290,10 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   auto fitted = fit_to_labels(session.document(), map, settings, {}, fit);
   if (!fitted) return fail(fitted.error());
   const std::string remark = fitted->remarks.empty() ? std::string() : fitted->remarks.front();
+  const Note figures{"fit", {}, {}, figures_of(*fitted)};
   if (auto applied = session.apply(std::move(fitted->edit)); !applied) return fail(applied.error());
+  if (auto noted = session.apply(figures); !noted) return fail(noted.error());
+  if (auto named = name_labels(session, one.labels); !named) return fail(named.error());
   if (!fitted->doubtful) return std::string();
   return remark.empty() ? "The fit is doubtful." : remark;
 }

@@ -1,5 +1,10 @@
 #include "core/case/actions/history_marks.h"
 
+#include <bit>
+#include <cstdint>
+
+#include "core/base/hash.h"
+#include "core/base/text.h"
 #include "core/case/actions/fields.h"
 
 namespace homolog {
@@ -7,6 +12,16 @@ namespace homolog {
 namespace {
 
 constexpr const char* not_true = "\"undo\" and \"redo\" take true";
+
+void spell_figures(Fields line, FitFigures& fit) {
+  line.member("mesh", fit.mesh);
+  line.member("mean_mm", fit.mean_mm);
+  line.member("p95_mm", fit.p95_mm);
+  line.optional("dice", fit.dice);
+  line.optional("missing_share", fit.missing_share);
+  line.optional("warnings", fit.warnings, !fit.warnings.empty());
+  line.optional("remarks", fit.remarks, !fit.remarks.empty());
+}
 
 void spell_note(Fields& line, Note& note) {
   line.member("note", note.text);
@@ -18,9 +33,18 @@ void spell_note(Fields& line, Note& note) {
     note.window = {window[0], window[1]};
   }
   line.optional("template_file", note.template_file, !note.template_file.empty());
+  if (line.reads() ? !line.has("fit") : !note.fit) return;
+  if (!note.fit) note.fit.emplace();
+  spell_figures(line.object("fit"), *note.fit);
 }
 
 }  // namespace
+
+std::string mesh_hash(const Points& points) {
+  Hash hash;
+  for (const double x : points.reshaped()) hash.add(std::bit_cast<std::uint64_t>(x));
+  return hash.hex();
+}
 
 const ActionKind<Note>& action_kind(const Note&) {
   static constexpr ActionKind<Note> kind{
@@ -29,15 +53,16 @@ const ActionKind<Note>& action_kind(const Note&) {
       .meaning =
           "a remark. It may say how the case is shown, which is no step and which no undo takes back: "
           "`\"window\":[-160,240]` are the image's values that are black and white, `\"template_file\"` is where the "
-          "template was saved as it is painted. The last of each counts",
+          "template was saved as it is painted, `\"fit\":{…}` are the figures of the last fit to a label map, and the "
+          "hash of the mesh that they are of. The last of each counts",
       .role = LineRole::note,
       .needs_mesh = false,
       .name = [](const Note&) -> std::string { return "note"; },
       .spell = spell_note,
       .apply = [](const Note& note, Edit&) -> Result<EditReport> {
-        const std::string file = note.template_file.string();
-        if (is_utf8(file)) return EditReport{};
-        return fail(file, "has a name that is no UTF-8, so a case cannot hold it; save it under another name");
+        if (is_utf8(note.template_file)) return EditReport{};
+        return fail(note.template_file,
+                    "has a name that is no UTF-8, so a case cannot hold it; save it under another name");
       }};
   return kind;
 }

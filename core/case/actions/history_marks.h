@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/case/actions/kind.h"
 
@@ -10,13 +11,26 @@ namespace homolog {
 
 // Lines that change no mesh.
 
+/// What the window says of a fit to a label map.
+struct FitFigures {
+  std::string mesh;                     ///< mesh_hash of what it made
+  double mean_mm = 0, p95_mm = 0;       ///< distance between mesh and label; of a partial fit, from the label
+  std::optional<double> dice;           ///< with the closed label
+  std::optional<double> missing_share;  ///< of a partial fit: what the label lacks of the mesh
+  std::vector<std::string> warnings, remarks;
+  bool operator==(const FitFigures&) const = default;
+};
+/// A name for these very points.
+std::string mesh_hash(const Points& points);
+
 /// A remark; it may say how the case is shown and what becomes of it, which no undo takes back.
 struct Note {
   std::string text;
   std::optional<std::array<double, 2>> window;  ///< the image's values that are shown black and white
   std::string template_file;                    ///< where the template was saved as it is painted; empty: it was not
+  std::optional<FitFigures> fit{};              ///< of the last one
   /// Whether it says more than its text.
-  bool keeps() const { return window || !template_file.empty(); }
+  bool keeps() const { return window || !template_file.empty() || fit; }
   bool operator==(const Note&) const = default;
 };
 const ActionKind<Note>& action_kind(const Note&);

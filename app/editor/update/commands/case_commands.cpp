@@ -92,21 +92,21 @@ void StartFit::run(Editing& editing) const {
   if (chosen.model == FitModel::file) model.model = editing.state.fit_model;
   if (chosen.model == FitModel::study) {
     model.study = editing.state.models.fitted.model;
-    const StudyCase* one = find_case(editing.state.models, snapshot.file, editing.shown.document().frame);
+    const StudyCase* one = find_case(editing.state.models, snapshot.file, snapshot.document->frame);
     if (one != nullptr) model.left_out = one->name;
   }
   if (chosen.model != FitModel::none && !model.model && !model.study)
     return add_notice(editing.state, "The model for the fit is not open any more; choose a model again.");
   editing.work.fit_seen = false;
   editing.work.started_fit = *this;
-  editing.work.fitter.start_fit(editing.shown.done(), {labels.volume, labels.name}, chosen, model);
+  editing.work.fitter.start_fit(snapshot.document, {labels.volume, labels.name}, chosen, model);
 }
 
 void RefineAlongSurface::run(Editing& editing) const {
   if (!editing.shown.document().has_shape()) return;
   stop_playing(editing);
   editing.work.started_fit.reset();
-  editing.work.fitter.start_refinement(editing.shown.done());
+  editing.work.fitter.start_refinement(editing.shown.snapshot().document);
 }
 
 void CancelFit::run(Editing& editing) const {

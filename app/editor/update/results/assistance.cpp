@@ -22,7 +22,10 @@ void take_fit(Editing& editing, Fitted fitted) {
     state.last_fit = fitted;
     if (editing.work.started_fit) editing.log.is_done(*editing.work.started_fit);
   }
+  const bool is_fit = fitted.edit.by == by_fit;
+  Note figures{"fit", {}, {}, figures_of(fitted)};
   editing.shown.session().apply(std::move(fitted.edit));
+  if (is_fit) editing.shown.session().apply(std::move(figures), true);
 }
 
 void ask_model(Editing& editing) {

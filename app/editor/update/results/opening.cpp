@@ -1,10 +1,12 @@
 #include "app/editor/update/results/opening.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <tuple>
 #include <variant>
 
+#include "core/base/paths.h"
 #include "core/catalogue/catalogue.h"
 #include "core/session/unsaved_cases.h"
 
@@ -20,7 +22,8 @@ void show_labels(Editing& editing, const Opened& opened) {
                name +
                    " lies outside the image: none of its labels is in it. Check that both are of one scan, "
                    "and that the program that wrote the label map kept its place.");
-  editing.shown.show_labels({opened.labels, name, opened.label_values, opened.label_sizes_mm});
+  editing.shown.show_labels(
+      {opened.labels, name, absolute_path(opened.request.labels), opened.label_values, opened.label_sizes_mm});
 }
 
 void start_document(Editing& editing, Document document) {
@@ -120,6 +123,16 @@ void start_with(Editing& editing, Opened opened) {
   if (!demo) offer_flip(state, *editing.shown.snapshot().document);
 }
 
+/// What the case keeps of its last fit, where one of its meshes is still as that left it.
+std::optional<Fitted> kept_fit(const Snapshot& snapshot) {
+  const auto& kept = snapshot.kept.fit;
+  const auto& shapes = snapshot.document->shapes;
+  const auto of = std::find_if(shapes.begin(), shapes.end(), [&](const auto& shape) {
+    return kept && mesh_hash(*shape.second.points) == kept->mesh;
+  });
+  return of == shapes.end() ? std::nullopt : std::optional(fitted_of(*kept, of->second.points));
+}
+
 }  // namespace
 
 void start_session(Editing& editing, EditSession session) {
@@ -180,6 +193,7 @@ void show_opened(Editing& editing, Opened opened) {
     start_session(editing, std::move(opened.opened_case->session));
     if (opened.the_template) editing.shown.adopt_template(std::move(opened.the_template));
     if (opened.labels) show_labels(editing, opened);
+    state.last_fit = kept_fit(editing.shown.snapshot());
   } else {
     start_with(editing, std::move(opened));
   }

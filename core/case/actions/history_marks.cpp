@@ -53,7 +53,7 @@ const ActionKind<Note>& action_kind(const Note&) {
       .meaning =
           "a remark. It may say how the case is shown, which is no step and which no undo takes back: "
           "`\"window\":[-160,240]` are the image's values that are black and white, `\"template_file\"` is where the "
-          "template was saved as it is painted, `\"fit\":{…}` are the figures of the last fit to a label map, and the "
+          "template was saved as it is painted, `\"fit\":{…}` are the figures of the last fit to a label map, with a "
           "hash of the mesh that they are of. The last of each counts",
       .role = LineRole::note,
       .needs_mesh = false,

@@ -234,6 +234,11 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
   return request.labels.empty() || opened.labels ? Result<void>() : read_labels(opened, progress);
 }
 
+/// As dialogs, recent files and cases need it, wherever the program was started.
+std::string whole_path(const fs::path& path) {
+  return names_file(path.string()) ? absolute_path(path).string() : path.string();
+}
+
 }  // namespace
 
 bool holds_labels(const Volume& volume) {
@@ -265,11 +270,11 @@ Result<OpenRequest> sort_files(const std::vector<fs::path>& paths) {
       request.case_file = absolute_path(path);  // as studies name it
     } else if (!folder && ends_with_any(path, mesh_extensions())) {
       if (!request.template_source.empty()) return fail(path.string(), "is a second template; open one at a time");
-      request.template_source = path.string();
+      request.template_source = whole_path(path);
     } else if (request.volume_source.empty()) {
-      request.volume_source = path.string();
+      request.volume_source = whole_path(path);
     } else if (request.other_source.empty()) {
-      request.other_source = path.string();
+      request.other_source = whole_path(path);
     } else {
       return fail(second_image(path.string(), ""));
     }

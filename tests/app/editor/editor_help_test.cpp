@@ -3,6 +3,7 @@
 #include <atomic>
 
 #include "app/editor/work/fitter.h"
+#include "app/editor/work/models/build_study_model.h"
 #include "app/editor/work/models/model_help.h"
 #include "core/base/parallel.h"
 #include "core/mesh/icosphere.h"
@@ -46,6 +47,7 @@ std::shared_ptr<const StudyModel> balls_model() {
     if (radius_mm == 22) points.col(2) *= 1.2;
     model.topology = mesh.topology;
     model.shapes.push_back(std::make_shared<const Points>(points));
+    model.sizes_mm.push_back(centroid_size_mm(points));
   }
   model.mean = {model.topology, *model.shapes.front()};
   return std::make_shared<const StudyModel>(std::move(model));
@@ -144,6 +146,35 @@ TEST_CASE("the model completes what strokes leave open and leaves alone what is 
     if (known[i] >= 1) CHECK(moved[i] == 0);
   CHECK(moved.maxCoeff() > 0.01);
   CHECK(known_vertices(completed.shape()) == known);
+}
+
+TEST_CASE("a model without one shape is the model of the others whatever that one is") {
+  // Two studies that differ in the one that is left out, which alone is turned, far away and long.
+  const auto study_with = [](double stretch, double turn) {
+    std::vector<Points> shapes;
+    for (const double share : {1.0, 1.1, 0.9, 1.05}) {
+      shapes.push_back(icosphere(2, 20).points);
+      shapes.back().col(2) *= share;
+      shapes.back().col(0) *= 2 - share * share;
+    }
+    const Eigen::AngleAxisd turned(turn, Vec3(1, 2, 3).normalized());
+    shapes.back().col(1) *= stretch;
+    shapes.back() =
+        Points(shapes.back() * turned.toRotationMatrix().transpose()).rowwise() + Eigen::RowVector3d(9, 9, 9);
+    TrainingSet set;
+    set.topology = icosphere(2, 20).topology;
+    set.shapes.resize(shapes.front().size(), std::ssize(shapes));
+    for (std::size_t k = 0; k < shapes.size(); ++k) {
+      set.names.push_back("ball" + std::to_string(k));
+      set.shapes.col(static_cast<Eigen::Index>(k)) =
+          Eigen::Map<const Eigen::VectorXd>(shapes[k].data(), shapes[k].size());
+    }
+    return test::must(make_study_model(std::move(set), std::vector<std::string>(4), Alignment::similarity, Progress()));
+  };
+  const auto plain = test::must(model_without(*study_with(1.2, 0), 3)),
+             other = test::must(model_without(*study_with(3, 1.5), 3));
+  CHECK((plain.mean - other.mean).cwiseAbs().maxCoeff() < 1e-6);
+  CHECK((plain.variances - other.variances).cwiseAbs().maxCoeff() < 1e-6 * plain.variances[0]);
 }
 
 TEST_CASE("the model's help does not add up and can be taken back") {

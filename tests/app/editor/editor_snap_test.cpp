@@ -7,8 +7,11 @@
 #include "core/session/case_file.h"
 #include "core/volume/volume_io.h"
 #include "tests/ball.h"
+#include "tests/beating_ball.h"
 #include "tests/desk.h"
+#include "tests/failing_memory.h"
 #include "tests/temporary_folder.h"
+#include "tests/thread_limit.h"
 #include "tests/wait.h"
 
 namespace homolog {
@@ -65,6 +68,37 @@ TEST_CASE("a snap comes after what was asked before it and is undone as one step
   CHECK(done.document().shape().points->row(0) == before.row(0));
   REQUIRE(done.apply(Undo{}));
   CHECK(*done.document().shape().points == before);
+}
+
+TEST_CASE("a snap has ended wherever memory ran out") {
+  const ThreadLimit one_thread(1);  // what one thread needs is always the same
+  const Document ball = BeatingBall::document();
+  // Whether a snap that has room for so many large things comes to its end.
+  const auto snaps_with = [&](int allocations) {
+    auto limit = std::make_shared<std::optional<test::MemoryEndsAfter>>();
+    const auto nothing = [](const Document&) { return std::optional<Action>(); };
+    SessionThread session{EditSession(ball), [] {}};
+    session.apply_computed([=](const Document& document) {
+      limit->emplace(allocations);
+      return nothing(document);
+    });
+    Snaps snaps;
+    snaps.start(session, std::nullopt, {});
+    session.apply_computed([=](const Document& document) {
+      limit->reset();
+      return nothing(document);
+    });
+    (void)session.finish();
+    CHECK_FALSE(snaps.busy());
+    return snaps.take().has_value();
+  };
+  int too_few = 0, enough = 1 << 20;
+  REQUIRE(snaps_with(enough));
+  while (enough - too_few > 1) {
+    const int middle = (too_few + enough) / 2;
+    (snaps_with(middle) ? enough : too_few) = middle;
+  }
+  for (int fewer = 1; fewer < 8; ++fewer) CHECK_FALSE(snaps_with(enough - fewer));
 }
 
 namespace {

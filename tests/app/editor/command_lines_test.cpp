@@ -1,0 +1,136 @@
+#include <doctest/doctest.h>
+
+#include <array>
+#include <climits>
+#include <limits>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "app/editor/update/command_log.h"
+#include "core/case/action_json.h"
+#include "core/case/actions/fields.h"
+
+// A command's line holds every member, whatever its value.
+
+namespace homolog {
+
+namespace {
+
+using OrderedJson = Fields::Json;
+
+template <class... Listed>
+std::vector<Command> one_of_each_listed(TypeList<Listed...>) {
+  return {Listed{}...};
+}
+
+/// Commands with members that they have only sometimes.
+std::vector<Command> full_commands() {
+  std::vector<Command> commands = one_of_each_listed(AllCommands());
+  commands.emplace_back(SnapMesh{SnapArea{Vec3(1, 2, 3), 4}, true});
+  AnimateMode animated;
+  animated.mode = 3;
+  commands.emplace_back(animated);
+  FitSettings fit;
+  fit.closing_mm = 2;
+  fit.partial = fit.all_labels = true;
+  commands.emplace_back(StartFit{fit});
+  for_each_action_kind([&](const auto& kind) {
+    const Action action = action_from_json(OrderedJson::parse(kind.example)).value();
+    commands.emplace_back(ApplyEdit{action, true});
+    commands.emplace_back(PreviewEdit{action});
+  });
+  return commands;
+}
+
+/// Members that are a number of things: they are never negative.
+bool is_count(const std::string& key) {
+  return key == "vertices" || key == "rings" || key == "sectors" || key == "genus" || key == "subject" ||
+         key == "landmarks";
+}
+
+/// Values that a member of the same kind may have.
+std::vector<OrderedJson> others(const OrderedJson& value, const std::string& key, std::mt19937& random) {
+  const bool is_length = key.ends_with("_mm");
+  std::uniform_real_distribution<double> some(-1e6, 1e6);
+  if (value.is_boolean()) return {!value.get<bool>()};
+  if (value.is_number_unsigned())
+    return {std::uint64_t{0}, std::uint64_t{1} << 40, std::numeric_limits<std::uint64_t>::max()};
+  if (value.is_number_integer() && is_count(key)) return {0, 7, 1000000};
+  if (value.is_number_integer()) return {-1, -3, 70000, INT_MIN, INT_MAX, static_cast<int>(random())};
+  if (value.is_number_float() && is_length) return {0.1, some(random), -1e9, 1e9, 1e-300};
+  if (value.is_number_float() && key == "scale") return {1e-6, 1e6, 1 / 3.0};
+  if (value.is_number_float()) return {0.1, some(random), -1e300, 1e300, 5e-324};
+  return {};
+}
+
+/// Calls `visit` for the line with each of its members, of which each is another for a while.
+template <class Visit>
+void with_others(OrderedJson& line, OrderedJson& part, std::mt19937& random, const Visit& visit) {
+  if (part.is_object()) {
+    for (auto& [key, value] : part.items()) {
+      const OrderedJson before = value;
+      for (const OrderedJson& other : others(before, key, random)) {
+        value = other;
+        visit(key);
+      }
+      value = before;
+      with_others(line, value, random, visit);
+    }
+  } else if (part.is_array() && part.size() == 3 && part[0].is_number_float()) {
+    const OrderedJson before = part;
+    for (const double mm : {-1e9, 1e9, -0.1, 1e-300}) {
+      part[1] = mm;
+      visit("a place");
+    }
+    part = before;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a command's line reads back as it was whatever number each of its members is") {
+  std::mt19937 random(1);
+  std::size_t tried = 0;
+  std::set<std::string> keys;
+  for (const Command& command : full_commands()) {
+    OrderedJson line = OrderedJson::parse(log_line(command));
+    with_others(line, line, random, [&](const std::string& key) {
+      // Packed numbers belong to as many vertices as they say.
+      if (key == "landmarks") return;
+      const auto read = command_of_line(line.dump());
+      INFO(key << " in " << line.dump());
+      // An action may refuse what no case can hold.
+      if (!read && line["do"] != "edit" && line["do"] != "preview") FAIL_CHECK(read.error().sentence());
+      if (read) CHECK(OrderedJson::parse(log_line(*read)) == line);
+      ++tried;
+      keys.insert(key);
+    });
+  }
+  CHECK(tried > 300);
+  CHECK(keys.contains("steps"));
+}
+
+TEST_CASE("steps back in the history and in the guide are read from a log") {
+  for (const int steps : {-3, -1, INT_MIN, INT_MAX}) {
+    const auto back = command_of_line(log_line(GoInHistory{steps}));
+    REQUIRE(back);
+    CHECK(log_line(*back) == log_line(GoInHistory{steps}));
+    CHECK(log_line(GoInHistory{steps}).find("\"steps\":" + std::to_string(steps)) != std::string::npos);
+    const auto in_guide = command_of_line(log_line(MoveInGuide{steps}));
+    REQUIRE(in_guide);
+    CHECK(log_line(*in_guide) == log_line(MoveInGuide{steps}));
+  }
+}
+
+TEST_CASE("a line of a log with a number that no case needs is refused") {
+  for (const char* bad :
+       {R"({"do":"look at","point_mm":[0,0,1e308]})", R"({"do":"look at","point_mm":[0,-1.1e9,0]})"}) {
+    const auto read = command_of_line(bad);
+    REQUIRE_FALSE(read);
+    CHECK(read.error().sentence().find("lies beyond 1,000,000,000 mm") != std::string::npos);
+  }
+}
+
+}  // namespace homolog

@@ -165,7 +165,7 @@ struct SessionThread::Shared {
 
   void do_name_labels(const std::filesystem::path& file) {
     Snapshot snapshot = *latest;
-    const auto named = name_labels(session, file);
+    const auto named = homolog::name_labels(session, file);
     describe(snapshot);
     ++snapshot.jobs_done;
     publish(std::move(snapshot), named ? "" : named.error().sentence());

@@ -5,9 +5,11 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "core/mesh/icosphere.h"
 #include "render/label_colours.h"
+#include "render/mesh_pass.h"
 #include "tests/render_help.h"
 
 namespace homolog {
@@ -92,6 +94,41 @@ void check_grids_and_planes() {
 }
 
 }  // namespace
+
+namespace {
+
+int uploads = 0;
+decltype(epoxy_glBufferData) upload_to_driver = nullptr;
+
+void count_upload(GLenum kind, GLsizeiptr bytes, const void* data, GLenum usage) {
+  ++uploads;
+  upload_to_driver(kind, bytes, data, usage);
+}
+
+}  // namespace
+
+TEST_CASE("a surface is uploaded once with colours of its own or without") {
+  const Mesh ball = icosphere(2, 20);
+  MeshLayer layer;
+  layer.topology = ball.topology;
+  layer.points = std::make_shared<const Points>(ball.points);
+  layer.surface = true;
+  layer.surface_opacity = 1;
+  auto pass = MeshPass::make();
+  REQUIRE(pass);
+  pass->update({layer});
+  upload_to_driver = std::exchange(epoxy_glBufferData, count_upload);
+  uploads = 0;
+  for (int draw = 0; draw < 5; ++draw) pass->update({layer});
+  CHECK(uploads == 0);
+  layer.colours = std::make_shared<const std::vector<Rgb>>(static_cast<std::size_t>(ball.points.rows()), Rgb{1, 2, 3});
+  for (int draw = 0; draw < 5; ++draw) pass->update({layer});
+  CHECK(uploads == 1);
+  layer.colours = nullptr;
+  for (int draw = 0; draw < 5; ++draw) pass->update({layer});
+  CHECK(uploads == 2);
+  epoxy_glBufferData = upload_to_driver;
+}
 
 TEST_CASE("a slice of an int16 volume shows the voxels where they lie in the patient") {
   check_grids_and_planes<std::int16_t>();

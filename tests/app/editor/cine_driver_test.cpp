@@ -168,4 +168,26 @@ TEST_CASE("frames in doubt are shown one after the other and volumes are written
   CHECK(test::must(read_whole_file(file)).starts_with("frame,seconds,volume_ml,known,doubt\n1,0.0000,"));
 }
 
+TEST_CASE("a cine that plays is propagated from the frame that is shown") {
+  Driver driver(BeatingBall::document());
+  driver.app().send(ApplyEdit{SetFrame{2}});
+  driver.settle();
+  driver.app().send(ApplyEdit{StartFrameFrom{0}});
+  driver.settle();
+  driver.app().send(ApplyEdit{SetFrame{0}});
+  driver.settle();
+  // As when it plays: the case is at frame 0, and frame 2 is on the screen.
+  driver.state().playing = true;
+  driver.state().next_frame_seconds = 1e9;
+  driver.state().shown_frame = 2;
+  driver.frame();
+  REQUIRE(driver.app().snapshot().document->frame == 0);
+  driver.app().send(PropagateFrames{});
+  driver.wait_until("every frame has a mesh", [&] { return driver.document().shapes.size() == BeatingBall::frames; });
+  driver.settle();
+  CHECK(driver.document().frame == 2);
+  CHECK(driver.lines_with("\"by\":\"start of the cine\",\"of_frame\":2") == 1);
+  CHECK(driver.document().shapes.at(0).carried != nullptr);
+}
+
 }  // namespace homolog

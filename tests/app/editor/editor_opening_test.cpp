@@ -2,6 +2,9 @@
 
 #include <sys/stat.h>
 
+#include <fstream>
+#include <set>
+
 #include "app/editor/update/controls.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
@@ -414,6 +417,70 @@ TEST_CASE("a folder of scans becomes a worklist that is fitted and gone through 
   driver.app().send(AddScans{{scans}});
   driver.wait_until("that is said", [&] { return driver.shows("in the study already"); });
   CHECK(cases.size() == 4);
+}
+
+TEST_CASE("scans whose names hold dots are cases of their own and none vanishes") {
+  const Globe globe;
+  const fs::path scans = globe.folder.path / "scans";
+  fs::create_directory(scans);
+  const std::vector<std::string> subjects{"sub.01", "sub.02", "sub.03"};
+  for (const std::string& subject : subjects) {
+    fs::rename(globe.image(subject + ".nii"), scans / (subject + ".nii"));
+    write_ball_map(scans / (subject + "_seg.nii"), 18, Vec3::Zero());
+  }
+  std::ofstream(scans / "loose.dcm") << "x";
+  Driver driver(globe.document());
+  driver.press(key::tab);
+  driver.app().send(AddScans{{scans}});
+  driver.wait_until("the scans are cases", [&] { return driver.shows("3 scans were added."); });
+  driver.settle();
+  CHECK(driver.shows("1 DICOM file lies loose in it and was left out") ==
+        driver.shows("put each series into a folder of its own"));
+  CHECK(driver.shows("loose in it"));
+  REQUIRE(driver.state().models.study.cases.size() == 3);
+  for (const std::string& subject : subjects) {
+    const StudyCase& one = case_named(driver, subject);
+    CHECK(one.labels == scans / (subject + "_seg.nii"));
+    CHECK(fs::path(test::must(read_case(one.file)).session.document().volume_source) == scans / (subject + ".nii"));
+  }
+
+  // Two maps of one image whose names differ by their endings alone.
+  const fs::path twice = globe.folder.path / "twice";
+  fs::create_directory(twice);
+  fs::rename(globe.image("m_ct.nii"), twice / "m_ct.nii");
+  write_ball_map(twice / "m.nii", 18, Vec3::Zero());
+  write_ball_map(twice / "m.mha", 16, Vec3::Zero());
+  driver.app().send(AddScans{{twice}});
+  driver.wait_until("both maps are cases", [&] { return driver.shows("2 scans were added."); });
+  driver.settle();
+  std::set<fs::path> maps;
+  for (const StudyCase& one : driver.state().models.study.cases) maps.insert(one.labels);
+  CHECK(maps.contains(twice / "m.nii"));
+  CHECK(maps.contains(twice / "m.mha"));
+  CHECK(maps.size() == 5);
+  fs::rename(globe.image("sub.04.nii"), scans / "sub.04.nii");
+  driver.app().send(AddScans{{scans}});
+  driver.wait_until("what is new is said",
+                    [&] { return driver.shows("1 scan was added. 3 are in the study already."); });
+}
+
+TEST_CASE("what begins a case file is read without the rest of it") {
+  const Globe globe;
+  const fs::path scans = globe.folder.path / "scans", cases = globe.folder.path / "s-cases";
+  fs::create_directory(scans);
+  fs::create_directory(cases);
+  write_ball_map(scans / "a.nii", 18, Vec3::Zero());
+  // Something else of that name: a line of 100 GB, which takes no room on the disk.
+  std::ofstream(cases / "a.homolog") << "{";
+  fs::resize_file(cases / "a.homolog", std::uintmax_t{100} << 30);
+  Driver driver(globe.document());
+  driver.press(key::tab);
+  driver.app().send(NewStudy{{globe.folder.path / "s.study.json"}});
+  driver.settle();
+  driver.app().send(AddScans{{scans}});
+  driver.wait_until("the scan is a case", [&] { return driver.state().models.study.cases.size() == 1; });
+  driver.settle();
+  CHECK(driver.state().models.study.cases.front().file == cases / "a-2.homolog");
 }
 
 TEST_CASE("a worklist begins with the template mirrored as it is and fits it") {

@@ -123,6 +123,22 @@ TEST_CASE("fit starts where a placement file says") {
   CHECK(run(folder, "fit ball.ply --mask good.nii.gz -o M.ply --placement near.json").status == 0);
   check_refused(run(folder, "fit ball.ply --mask good.nii.gz -o N.ply --placement far.json"), "placement");
   check_refused(run(folder, "fit ball.ply --mask good.nii.gz -o N.ply --placement wrong.json"), "wrong.json");
+  for (const char* huge : {R"("scale":1,"translation":[0,1e308,0])", R"("scale":1,"translation":[0,-2e9,0])",
+                           R"("scale":1e300,"translation":[0,0,0])", R"("scale":1e-300,"translation":[0,0,0])"}) {
+    std::ofstream(folder.path / "huge.json") << R"({"rotation":[1,0,0,0],)" << huge << "}";
+    check_refused(run(folder, "fit ball.ply --mask good.nii.gz -o N.ply --placement huge.json", "timeout 20 "),
+                  "huge.json");
+  }
+}
+
+TEST_CASE("a pull to nowhere is refused with its line and none runs for ever") {
+  const BallFolder folder;
+  std::ofstream(folder.path / "far.homolog") << R"({"homolog":1,"template":"ball.ply"})"
+                                             << "\n"
+                                             << R"({"tool":"pull","at":[0,0,20],"to":[0,0,1e308],"sigma_mm":10})"
+                                             << "\n";
+  for (const char* verb : {"info far.homolog", "replay far.homolog -o o.ply"})
+    check_refused(run(folder, verb, "timeout 20 "), "far.homolog: line 2: \"to\" lies beyond 1,000,000,000 mm");
 }
 
 TEST_CASE("study schemes compares ways of working and writes tables and case files") {

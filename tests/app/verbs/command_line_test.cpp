@@ -112,7 +112,14 @@ TEST_CASE("a wrong command line is one line with status 2 and where the help is"
                                   "convert a.ply ''",
                                   "info ''",
                                   "mirror a.ply -o ''",
-                                  "fit t.ply --mask '' -o o.ply"}) {
+                                  "fit t.ply --mask '' -o o.ply",
+                                  "--log session.log info a.ply",
+                                  "--replay session.log info a.ply",
+                                  "--template t.ply info a.ply",
+                                  "fit t.ply --mask m.nii -o o.ply --closing-mm 1e10",
+                                  "template m.nii -o o.ply --tube --axis 0,1e308,1",
+                                  "snap a.ply --image b.nii -o c.ply --reach-mm 1e308",
+                                  "convert a.tif b.nii --spacing 1,1e300,1"}) {
     const Ran ran = run(folder, wrong);
     INFO(wrong << ": " << ran.errors);
     CHECK(ran.status == 2);

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "app/editor/window/key_pointer.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
@@ -270,6 +271,23 @@ TEST_CASE("a question is answered with keys") {
   CHECK(std::holds_alternative<FileDialog>(*driver.state().dialog));
   driver.press(key::escape);
   CHECK_FALSE(driver.state().dialog);
+}
+
+TEST_CASE("the keys' pointer stays in the window when its view is hidden") {
+  const BrightBall ball;
+  Driver driver(ball.document());
+  KeyPointer pointer;
+  REQUIRE(pointer.press({.key = 'V'}, driver.app()));  // in the first view
+  driver.state().maximised = ViewKind::space;
+  driver.frames(3);
+  REQUIRE(driver.app().layout().images[0].width == 0);
+  for (const int arrow : {key::left, key::right, key::up, key::down}) {
+    const auto acts = pointer.press({.key = arrow}, driver.app());
+    REQUIRE(acts);
+    const auto& to = std::get<KeyPointer::Move>(acts->front());
+    CHECK(to.x_px >= 0);
+    CHECK(to.y_px >= 0);
+  }
 }
 
 }  // namespace homolog

@@ -46,6 +46,7 @@ Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
       {"self_intersections", self_intersections(after).size()},
       {"seconds", seconds}};
   report.warnings = read->warnings;
+  if (!session.news().empty()) report.warnings.push_back(session.news());
   for (const std::string& warning : refined->warnings) report.warnings.push_back(verb.file.string() + ": " + warning);
   return report;
 }

@@ -72,6 +72,7 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   }
   Report report = snap_report(snapped->result, after.mesh(), *after.shape().placed, image);
   report.values["seconds"] = seconds;
+  if (!session->news().empty()) report.warnings.push_back(session->news());
   return report;
 }
 

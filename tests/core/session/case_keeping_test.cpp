@@ -1,5 +1,7 @@
 #include "core/session/case_keeping.h"
 
+#include <thread>
+
 #include "core/session/session_thread.h"
 #include "core/session/unsaved_cases.h"
 #include "tests/case_folder.h"

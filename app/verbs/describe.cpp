@@ -183,7 +183,9 @@ Result<Report> describe_file(const std::filesystem::path& path, const VolumeRead
   }
   auto read = read_volume(path, options);
   if (!read) return fail(read.error());
-  return Report{describe(read->volume), read->warnings};
+  Report report{describe(read->volume), read->warnings};
+  if (!read->other_layers.empty()) report.values["layers"] = read->other_layers.size() + 1;
+  return report;
 }
 
 }  // namespace homolog

@@ -21,8 +21,9 @@ struct UserOptions {
   bool mirror = false;
 };
 
-Result<ExperimentSubject> subject_of(const UserOptions& options, const Template& the_template, Progress& progress) {
-  auto subject = mask_subject(options.mask, options.target, the_template, progress);
+Result<ExperimentSubject> subject_of(const UserOptions& options, const Template& the_template,
+                                     std::vector<std::string>& warnings, Progress& progress) {
+  auto subject = mask_subject(options.mask, options.target, the_template, warnings, progress);
   if (!subject || options.landmarks.empty()) return subject;
   auto landmarks = read_landmarks(options.landmarks);
   if (!landmarks) return fail(landmarks.error());
@@ -36,7 +37,8 @@ Result<Report> study_user(const UserOptions& options, Progress& progress) {
   if (!scheme) return fail(scheme.error());
   auto the_template = load_template(options.template_source);
   if (!the_template) return fail(the_template.error());
-  const auto subject = subject_of(options, **the_template, progress);
+  Report report;
+  const auto subject = subject_of(options, **the_template, report.warnings, progress);
   if (!subject) return fail(subject.error());
   std::shared_ptr<const Volume> image;
   if (!options.image.empty()) {
@@ -54,7 +56,6 @@ Result<Report> study_user(const UserOptions& options, Progress& progress) {
   const auto run = run_scheme(session, *subject, *scheme, work);
   if (!run) return fail(options.out.string(), run.error().what);
   if (auto saved = save_case_as(session, options.out); !saved) return fail(saved.error());
-  Report report;
   report.values = {{"case", options.out.string()}, {"scheme", scheme->name}};
   report.values.update(json_of(*run));
   return report;
@@ -90,9 +91,10 @@ void add_target_options(CLI::App& verb, TargetOptions& options) {
 }
 
 Result<ExperimentSubject> mask_subject(const fs::path& path, const TargetOptions& options, const Template& the_template,
-                                       Progress& progress) {
+                                       std::vector<std::string>& warnings, Progress& progress) {
   auto mask = read_mask(path, options.labels, 0, progress);
   if (!mask) return fail(mask.error());
+  warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
   auto boundary = label_boundary(mask->volume, mask->label, 0, options.closing_mm, the_template.points.rows());
   if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
   ExperimentSubject subject;

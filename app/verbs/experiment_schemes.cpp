@@ -78,7 +78,7 @@ void share_landmarks(std::vector<Landmark> landmarks, std::size_t index, Experim
 }
 
 Result<ExperimentSubject> read_subject(const SchemesOptions& options, const Template& the_template, std::size_t index,
-                                       Progress& progress) {
+                                       std::vector<std::string>& warnings, Progress& progress) {
   if (!options.phantoms.empty()) {
     const auto organ = built_in_organ(options.template_source);
     if (!organ) return fail(organ.error());
@@ -91,7 +91,7 @@ Result<ExperimentSubject> read_subject(const SchemesOptions& options, const Temp
     if (!mesh) return fail(mesh.error());
     subject->target = mesh_boundary(*mesh).surface;
   } else {
-    subject = mask_subject(path, options.target, the_template, progress);
+    subject = mask_subject(path, options.target, the_template, warnings, progress);
   }
   if (!subject || options.landmarks.empty()) return subject;
   auto landmarks = read_landmarks(options.landmarks[index]);
@@ -119,10 +119,11 @@ Result<Plan> plan_of(const SchemesOptions& options, Report& report, Progress& pr
   const auto results = run_cases(
       read.size(),
       [&](std::size_t i, Progress& own) -> Result<Report> {
-        auto subject = read_subject(options, *plan.the_template, i, own);
+        Report said;
+        auto subject = read_subject(options, *plan.the_template, i, said.warnings, own);
         if (!subject) return fail(subject.error());
         read[i] = std::move(*subject);
-        return Report{};
+        return said;
       },
       progress);
   for (std::size_t i = 0; i < read.size(); ++i) {
@@ -130,6 +131,7 @@ Result<Plan> plan_of(const SchemesOptions& options, Report& report, Progress& pr
       report.warnings.push_back(results[i].error().sentence());
       continue;
     }
+    report.warnings.insert(report.warnings.end(), results[i]->warnings.begin(), results[i]->warnings.end());
     read[i].name = names[i];
     plan.subjects.push_back(std::move(read[i]));
   }

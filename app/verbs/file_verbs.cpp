@@ -50,9 +50,11 @@ Result<std::vector<std::string>> check_effect(const fs::path& path, const std::s
 }
 
 /// The 0.5 isosurface of a label of a label map, or of several together, as it is; without any: of the only one.
-Result<Mesh> read_labelled_surface(const fs::path& path, const std::vector<int>& labels, Progress& progress) {
+Result<Mesh> read_labelled_surface(const fs::path& path, const std::vector<int>& labels,
+                                   std::vector<std::string>& warnings, Progress& progress) {
   const auto mask = read_mask(path, labels, 0, progress);
   if (!mask) return fail(mask.error());
+  warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
   auto surface = mask_surface(mask->volume, mask->label);
   if (!surface) return fail(path.string(), mask->named(surface.error().what));
   return surface;
@@ -94,7 +96,7 @@ void add_info(CLI::App& app, CommandLine& asked) {
     if (!report || options->mask.empty()) return report;
     const auto mesh = read_mesh(options->file);
     if (!mesh) return fail(mesh.error());
-    const auto target = read_labelled_surface(options->mask, options->labels, progress);
+    const auto target = read_labelled_surface(options->mask, options->labels, report->warnings, progress);
     if (!target) return fail(target.error());
     report->values["distance_to_mask_mm"] = json_of(surface_distance(*mesh, *target));
     report->values["distance_from_mask_mm"] = json_of(surface_distance(*target, *mesh));
@@ -128,6 +130,10 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     }
     auto read = read_volume(options->in, read_options(options->series, options->spacing_mm, progress));
     if (!read) return fail(read.error());
+    if (!read->other_layers.empty())
+      return fail(options->in.string(), "holds its segments in " + std::to_string(read->other_layers.size() + 1) +
+                                            " layers, which one label map cannot hold; export the segments that are "
+                                            "meant as a label map of their own");
     if (auto written = write_volume(read->volume, options->out, &progress); !written) return fail(written.error());
     warnings->insert(warnings->begin(), read->warnings.begin(), read->warnings.end());
     return Report{describe(read->volume), std::move(*warnings)};

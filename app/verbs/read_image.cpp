@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "core/measure/compare.h"
+#include "core/volume/read_labels.h"
 
 namespace homolog {
 
@@ -78,6 +79,8 @@ Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<
                            Progress& progress) {
   auto read = read_image(path, frame, progress);
   if (!read) return fail(read.error());
+  if (auto chosen = choose_layer(path, labels, *read); !chosen) return fail(chosen.error());
+  warn_of_soft_labels(path, read->volume, frame, read->warnings);
   if (labels.size() > 1) {  // one that does not occur adds nothing: most kidneys have no tumour
     const auto held = labels_of(read->volume, frame);
     std::vector<int> there;

@@ -34,6 +34,7 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
   } else {
     auto mask = read_mask(path, files.labels, 0, progress);
     if (!mask) return fail(mask.error());
+    warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
     auto boundary = label_boundary(mask->volume, mask->label, 0, files.closing_mm, files.vertices);
     if (!boundary) return fail(path.string(), boundary.error().what);
     subject.boundary = std::move(*boundary);

@@ -15,6 +15,7 @@ struct DicomPlaneSource {
   std::size_t file = 0, plane_in_file = 0;
   const DicomPlane* plane = nullptr;
   double along_normal_mm = 0;
+  DicomTimes times;  ///< of the plane; past midnight they go on
 };
 
 /// The planes in the order of the volume (slices fastest, then frames), and its grid.
@@ -27,8 +28,8 @@ struct DicomArrangement {
 };
 
 /// Orders the planes of one series: from slice to slice along their normal, and by time where several lie at every
-/// place. `path` is named in errors: planes of different sizes or directions, a slice that is missing, uneven or
-/// shifted. `warnings`: what was assumed.
+/// place. `path` is named in errors: planes of different sizes, directions, spaces or echo times, a slice that is
+/// missing, uneven or shifted to the side, and several at one place that are no frames. `warnings`: what was assumed.
 Result<DicomArrangement> arrange(const std::filesystem::path& path, const std::vector<DicomHeader>& headers,
                                  std::vector<std::string>& warnings);
 

@@ -1,6 +1,7 @@
 #include "core/volume/dicom_header.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace homolog {
@@ -8,32 +9,26 @@ namespace homolog {
 namespace {
 
 namespace tag {
-constexpr DicomTag modality = 0x00080060, series_description = 0x0008103e, acquisition_time = 0x00080032,
-                   slice_thickness = 0x00180050, spacing_between_slices = 0x00180088, trigger_time = 0x00181060,
-                   frame_time = 0x00181063, imager_pixel_spacing = 0x00181164, series_uid = 0x0020000e,
-                   instance_number = 0x00200013, image_position = 0x00200032, image_orientation = 0x00200037,
-                   temporal_position = 0x00200100, temporal_index = 0x00209128, trigger_delay = 0x00209153,
-                   samples = 0x00280002, photometric = 0x00280004, frame_count = 0x00280008, rows = 0x00280010,
-                   columns = 0x00280011, pixel_spacing = 0x00280030, bits_allocated = 0x00280100,
-                   bits_stored = 0x00280101, high_bit = 0x00280102, pixel_representation = 0x00280103,
-                   window_centre = 0x00281050, window_width = 0x00281051, rescale_intercept = 0x00281052,
-                   rescale_slope = 0x00281053, grid_offsets = 0x3004000c, dose_scaling = 0x3004000e,
-                   shared_groups = 0x52009229, plane_groups = 0x52009230;
+constexpr DicomTag image_type = 0x00080008, instance_uid = 0x00080018, modality = 0x00080060,
+                   series_description = 0x0008103e, slice_thickness = 0x00180050, kilovolts = 0x00180060,
+                   echo_time = 0x00180081, inversion_time = 0x00180082, echo_numbers = 0x00180086,
+                   spacing_between_slices = 0x00180088, frame_time = 0x00181063, frame_times = 0x00181065,
+                   imager_pixel_spacing = 0x00181164, kernel = 0x00181210, flip_angle = 0x00181314,
+                   effective_echo_time = 0x00189082, b_value = 0x00189087, gradient_direction = 0x00189089,
+                   series_uid = 0x0020000e, acquisition_number = 0x00200012, instance_number = 0x00200013,
+                   image_position = 0x00200032, image_orientation = 0x00200037, frame_of_reference = 0x00200052,
+                   samples = 0x00280002, photometric = 0x00280004, frame_count = 0x00280008,
+                   increment_pointer = 0x00280009, rows = 0x00280010, columns = 0x00280011, pixel_spacing = 0x00280030,
+                   bits_allocated = 0x00280100, bits_stored = 0x00280101, high_bit = 0x00280102,
+                   pixel_representation = 0x00280103, window_centre = 0x00281050, window_width = 0x00281051,
+                   rescale_intercept = 0x00281052, rescale_slope = 0x00281053, modality_table = 0x00283000,
+                   slice_vector = 0x00540080, slice_locations = 0x00182005, grid_offsets = 0x3004000c,
+                   dose_scaling = 0x3004000e;
 // Sequences within the functional groups of enhanced files [DICOM PS3.3, C.7.6.16].
-constexpr DicomTag cardiac_group = 0x00189118, content_group = 0x00209111, position_group = 0x00209113,
+constexpr DicomTag echo_group = 0x00189114, diffusion_group = 0x00189117, position_group = 0x00209113,
                    orientation_group = 0x00209116, measures_group = 0x00289110, window_group = 0x00289132,
                    rescale_group = 0x00289145;
 }  // namespace tag
-
-/// The elements that describe one aspect of one plane: those of the plane's functional group, else of the group shared
-/// by all, else of the file itself.
-const DicomItem& aspect_of(const DicomItem& data, std::size_t plane, DicomTag aspect) {
-  if (const DicomItem* own = item_of(data, tag::plane_groups, plane))
-    if (const DicomItem* found = item_of(*own, aspect, 0)) return *found;
-  if (const DicomItem* shared = item_of(data, tag::shared_groups, 0))
-    if (const DicomItem* found = item_of(*shared, aspect, 0)) return *found;
-  return data;
-}
 
 Vec3 vector_from(const std::vector<double>& numbers, std::size_t first) {
   return {numbers[first], numbers[first + 1], numbers[first + 2]};
@@ -65,10 +60,76 @@ DicomPlane plane_from(const DicomItem& data, std::size_t index, bool big_endian)
   const DicomItem& voi = aspect_of(data, index, tag::window_group);
   const auto centre = number_of(voi, tag::window_centre), width = number_of(voi, tag::window_width);
   if (centre && width && *width > 0) plane.window = std::pair(*centre, *width);
-  const auto delay = binary_number_of(aspect_of(data, index, tag::cardiac_group), tag::trigger_delay, big_endian);
-  const auto position = binary_number_of(aspect_of(data, index, tag::content_group), tag::temporal_index, big_endian);
-  plane.time_ms = delay.value_or(position.value_or(0));
+  plane.times = times_of(data, index, big_endian);
+  plane.echo_ms = binary_number_of(aspect_of(data, index, tag::echo_group), tag::effective_echo_time, big_endian);
+  if (!plane.echo_ms) plane.echo_ms = number_of(data, tag::echo_time);
+  plane.b_value = binary_number_of(aspect_of(data, index, tag::diffusion_group), tag::b_value, big_endian);
   return plane;
+}
+
+std::vector<DicomSetting> settings_from(const DicomItem& data) {
+  return {{"image types", text_of(data, tag::image_type)},
+          {"echo numbers", text_of(data, tag::echo_numbers)},
+          {"flip angles", text_of(data, tag::flip_angle)},
+          {"inversion times", text_of(data, tag::inversion_time)},
+          {"tube voltages", text_of(data, tag::kilovolts)},
+          {"reconstruction kernels", text_of(data, tag::kernel)},
+          {"gradient directions", text_of(data, tag::gradient_direction)}};
+}
+
+/// By what the planes of a file step on, as it says: the first tag of the frame increment pointer, 0 without one.
+DicomTag increment_of(const DicomItem& data, bool big_endian) {
+  const auto found = data.find(tag::increment_pointer);
+  if (found == data.end() || found->second.value.size() < 4) return 0;
+  const auto byte = [&](std::size_t i) {
+    return static_cast<DicomTag>(static_cast<unsigned char>(found->second.value[i]));
+  };
+  return big_endian ? byte(0) << 24 | byte(1) << 16 | byte(2) << 8 | byte(3)
+                    : byte(1) << 24 | byte(0) << 16 | byte(3) << 8 | byte(2);
+}
+
+/// What the planes of a scan of nuclear medicine differ in besides their slice [DICOM PS3.3, C.8.4.8]; empty: nothing.
+std::string steps_through(const DicomItem& data) {
+  constexpr std::array<std::pair<DicomTag, const char*>, 7> vectors{{{0x00540010, "energy windows"},
+                                                                     {0x00540020, "detectors"},
+                                                                     {0x00540030, "phases"},
+                                                                     {0x00540060, "R-R intervals"},
+                                                                     {0x00540070, "time slots"},
+                                                                     {0x00540090, "angles"},
+                                                                     {0x00540100, "time slices"}}};
+  for (const auto& [vector, name] : vectors) {
+    const auto found = data.find(vector);
+    if (found == data.end()) continue;
+    const std::string& value = found->second.value;
+    if (value.size() > 2 && value.substr(2) != value.substr(0, value.size() - 2)) return name;
+  }
+  return {};
+}
+
+/// Planes of a file that gives one position for all of them are a stack where it says how far they lie apart, and
+/// frames where it says how long they take. What it says first counts: by what its planes step on.
+void spread_planes(const DicomItem& data, bool big_endian, DicomHeader& header) {
+  auto& planes = header.planes;
+  const DicomTag increment = increment_of(data, big_endian);
+  const auto steps = number_of(aspect_of(data, 0, tag::measures_group), tag::spacing_between_slices);
+  const auto step = steps ? steps : number_of(data, tag::spacing_between_slices);
+  const bool in_time = increment == tag::frame_time || increment == tag::frame_times;
+  const bool by_slices = increment == tag::slice_vector || increment == tag::slice_locations;
+  const bool in_space = !in_time && (by_slices || (step && *step != 0));
+  header.planes_are_frames = planes.size() > 1 && (in_time || (header.frame_ms > 0 && !in_space));
+  const DicomPlane first = planes.front();
+  const bool alike = std::all_of(planes.begin(), planes.end(), [&](const DicomPlane& plane) {
+    return plane.times == first.times && plane.position_mm == first.position_mm;
+  });
+  const auto apart = step ? step : first.slice_step_mm;
+  // Scans of the beating heart give both a frame time and how far their slices lie apart.
+  if (!alike || !in_space || (header.frame_ms > 0 && !by_slices) || !apart || !first.position_mm || !first.axes) return;
+  for (std::size_t p = 0; p < planes.size(); ++p)
+    if (own_aspect(data, p, tag::position_group)) return;
+  // A step below zero runs against the normal.
+  const Vec3 normal = first.axes->first.cross(first.axes->second);
+  for (std::size_t p = 0; p < planes.size(); ++p)
+    planes[p].position_mm = *first.position_mm + static_cast<double>(p) * *apart * normal;
 }
 
 /// The most planes that the pixels can be: of encoded ones, each has a fragment of its own.
@@ -113,7 +174,14 @@ DicomHeader dicom_header(const DicomSet& set) {
   header.series_uid = text_of(data, tag::series_uid);
   header.series_description = text_of(data, tag::series_description);
   header.modality = text_of(data, tag::modality);
+  header.instance_uid = text_of(data, tag::instance_uid);
+  header.frame_of_reference = text_of(data, tag::frame_of_reference);
   header.instance_number = number_of(data, tag::instance_number).value_or(0);
+  header.acquisition_number = text_of(data, tag::acquisition_number);
+  header.settings = settings_from(data);
+  const auto table = data.find(tag::modality_table);
+  header.steps_through = steps_through(data);
+  header.has_modality_table = table != data.end() && !table->second.items.empty();
   header.rows = small_number(tag::rows, 0);
   header.columns = small_number(tag::columns, 0);
   header.samples_per_pixel = small_number(tag::samples, 1);
@@ -122,15 +190,10 @@ DicomHeader dicom_header(const DicomSet& set) {
   header.high_bit = small_number(tag::high_bit, header.bits_stored - 1);
   header.is_signed = small_number(tag::pixel_representation, 0) == 1;
   header.photometric = text_of(data, tag::photometric);
-  header.frame_ms = number_of(data, tag::frame_time).value_or(0);
-  header.step_is_given = number_of(data, tag::spacing_between_slices).has_value();
+  const auto times = numbers_of(data, tag::frame_times);
+  header.frame_ms = number_of(data, tag::frame_time).value_or(times.size() > 1 ? times[1] : 0);
   const std::size_t planes = plane_count(data, header);
   for (std::size_t p = 0; p < planes; ++p) header.planes.push_back(plane_from(data, p, set.big_endian));
-  if (planes == 1) {
-    DicomPlane& plane = header.planes.front();
-    for (const DicomTag source : {tag::trigger_time, tag::temporal_position, tag::acquisition_time})
-      if (const auto time = number_of(data, source); time && plane.time_ms == 0) plane.time_ms = *time;
-  }
   // Dose grids give their planes as offsets along the normal [DICOM PS3.3, C.8.8.3.2].
   const auto offsets = numbers_of(data, tag::grid_offsets);
   if (const DicomPlane first = header.planes.front();
@@ -138,6 +201,8 @@ DicomHeader dicom_header(const DicomSet& set) {
     const Vec3 normal = first.axes->first.cross(first.axes->second);
     for (std::size_t p = 0; p < offsets.size(); ++p)
       header.planes[p].position_mm = *first.position_mm + (offsets[p] - offsets[0]) * normal;
+  } else {
+    spread_planes(data, set.big_endian, header);
   }
   return header;
 }

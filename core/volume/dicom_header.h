@@ -8,6 +8,7 @@
 
 #include "core/base/geometry.h"
 #include "core/base/result.h"
+#include "core/volume/dicom_clocks.h"
 #include "core/volume/dicom_set.h"
 #include "core/volume/stored_voxels.h"
 
@@ -21,14 +22,26 @@ struct DicomPlane {
   std::optional<double> slice_step_mm;                ///< distance between planes, or their thickness
   Rescale rescale;
   std::optional<std::pair<double, double>> window;  ///< centre, width
-  double time_ms = 0;  ///< within the heart beat, or an index where no time is given; orders planes at one place
+  DicomTimes times;
+  std::optional<double> echo_ms, b_value;  ///< of MR; planes that differ in them are of different images
+};
+
+/// What else differs between images of one place: "image types", and the value as it stands in the file.
+struct DicomSetting {
+  const char* name;
+  std::string value;
+  bool operator==(const DicomSetting& other) const { return value == other.value; }
 };
 
 /// What a volume needs to know of a DICOM file besides its pixels.
 struct DicomHeader {
   std::filesystem::path path;
   std::string series_uid, series_description, modality;
+  std::string instance_uid;        ///< of the file; copies have the same
+  std::string frame_of_reference;  ///< UID of the space in which positions are given
   double instance_number = 0;
+  std::string acquisition_number;
+  std::vector<DicomSetting> settings;  ///< the same ones, in the same order, for every file
   int rows = 0, columns = 0, samples_per_pixel = 1;
   int bits_allocated = 0, bits_stored = 0, high_bit = 0;
   bool is_signed = false;
@@ -38,7 +51,9 @@ struct DicomHeader {
   std::optional<DicomPixels> pixels;
   bool pixels_missing = false;  ///< the file claims more planes than its pixels can be; `planes` is then only the first
   double frame_ms = 0;          ///< time between the planes of a cine; 0 where they are not a cine
-  bool step_is_given = false;   ///< the file says how far its planes lie apart
+  bool planes_are_frames = false;  ///< the file's planes follow one another in time, not in space
+  bool has_modality_table = false;
+  std::string steps_through;  ///< what its planes are of besides slices, such as "time slots"; empty: nothing
   std::vector<DicomPlane> planes;
   std::vector<std::string> warnings;
 

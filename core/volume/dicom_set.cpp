@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr DicomTag item_tag = 0xfffee000, item_end = 0xfffee00d, sequence_end = 0xfffee0dd, pixel_data = 0x7fe00010;
-constexpr DicomTag transfer_syntax_tag = 0x00020010;
+constexpr DicomTag transfer_syntax_tag = 0x00020010, shared_groups = 0x52009229, plane_groups = 0x52009230;
 constexpr std::uint32_t undefined_length = 0xffffffff;
 constexpr std::uint32_t longest_value = 1 << 16;
 constexpr int deepest = 32;
@@ -29,8 +29,9 @@ constexpr std::string_view deflated_syntax = "1.2.840.10008.1.2.1.99", big_endia
                            implicit_syntax = "1.2.840.10008.1.2";
 
 /// Sequences that a file without type marks does not declare but that are needed: functional groups and their parts.
-constexpr std::array<DicomTag, 9> known_sequences{0x00189118, 0x00209111, 0x00209113, 0x00209116, 0x00289110,
-                                                  0x00289132, 0x00289145, 0x52009229, 0x52009230};
+constexpr std::array<DicomTag, 14> known_sequences{0x00189114, 0x00189117, 0x00189118,    0x00209111,  0x00209113,
+                                                   0x00209116, 0x00209253, 0x00209310,    0x00283000,  0x00289110,
+                                                   0x00289132, 0x00289145, shared_groups, plane_groups};
 
 bool is_known_sequence(DicomTag tag) {
   return std::find(known_sequences.begin(), known_sequences.end(), tag) != known_sequences.end();
@@ -310,6 +311,18 @@ const DicomItem* item_of(const DicomItem& item, DicomTag sequence, std::size_t i
   const auto found = item.find(sequence);
   if (found == item.end() || index >= found->second.items.size()) return nullptr;
   return &found->second.items[index];
+}
+
+const DicomItem* own_aspect(const DicomItem& data, std::size_t plane, DicomTag aspect) {
+  const DicomItem* own = item_of(data, plane_groups, plane);
+  return own != nullptr ? item_of(*own, aspect, 0) : nullptr;
+}
+
+const DicomItem& aspect_of(const DicomItem& data, std::size_t plane, DicomTag aspect) {
+  if (const DicomItem* own = own_aspect(data, plane, aspect)) return *own;
+  if (const DicomItem* shared = item_of(data, shared_groups, 0))
+    if (const DicomItem* found = item_of(*shared, aspect, 0)) return *found;
+  return data;
 }
 
 }  // namespace homolog

@@ -66,4 +66,11 @@ std::optional<double> binary_number_of(const DicomItem& item, DicomTag tag, bool
 /// The item of a sequence, counted from 0; null where there is none.
 const DicomItem* item_of(const DicomItem& item, DicomTag sequence, std::size_t index);
 
+/// The elements that describe one aspect of one plane: those of the plane's functional group, else of the group shared
+/// by all, else of the file itself [DICOM PS3.3, C.7.6.16].
+const DicomItem& aspect_of(const DicomItem& data, std::size_t plane, DicomTag aspect);
+
+/// The plane's own functional group of that kind; null where it has none.
+const DicomItem* own_aspect(const DicomItem& data, std::size_t plane, DicomTag aspect);
+
 }  // namespace homolog

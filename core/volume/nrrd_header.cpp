@@ -120,6 +120,44 @@ bool is_remark(const std::string& line) {
          field_value(line, "content");
 }
 
+/// The words of a list in which each is quoted, as the format has it, or none, as others write it: with commas or
+/// brackets between them.
+std::vector<std::string> quoted_words(std::string_view text) {
+  constexpr std::string_view between = " \t,[]()";
+  std::vector<std::string> words;
+  while (true) {
+    text.remove_prefix(std::min(text.find_first_not_of(between), text.size()));
+    if (text.empty()) return words;
+    const bool quoted = text[0] == '"' || text[0] == '\'';
+    const auto end = std::min(quoted ? text.find(text[0], 1) : text.find_first_of(between), text.size());
+    std::string word(text.substr(quoted ? 1 : 0, quoted ? end - 1 : end));
+    word.erase(0, std::min(word.find_first_not_of(" \t"), word.size()));
+    word.erase(word.find_last_not_of(" \t") + 1);
+    words.push_back(std::move(word));
+    text.remove_prefix(std::min(end + (quoted ? 1 : 0), text.size()));
+  }
+}
+
+/// Takes what a line says of units or of what a list of values is. Whether the library need not see the line.
+bool take_over(const std::string& line, NrrdHeader& header) {
+  if (const auto units = field_value(line, "spaceunits")) {
+    header.space_units = quoted_words(*units);
+    return true;
+  }
+  if (const auto units = field_value(line, "units")) {
+    header.units = quoted_words(*units);
+    return true;
+  }
+  const std::string_view segment = "Segment";
+  if (const auto pair = line.find(":="); pair != std::string::npos && line.starts_with(segment)) {
+    const std::string_view key = std::string_view(line).substr(segment.size(), pair - segment.size());
+    header.is_segmentation = header.is_segmentation || key.starts_with("ation_") ||
+                             (!key.empty() && key[0] >= '0' && key[0] <= '9' && key.find('_') != key.npos);
+  }
+  header.is_diffusion = header.is_diffusion || line.starts_with("modality:=DWMRI");
+  return false;
+}
+
 /// Goes through the lines of a header.
 class Lines {
  public:
@@ -186,6 +224,8 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
   auto text = header_text(path);
   if (!text) return fail(text.error());
   NrrdHeader header;
+  const std::string name = lower_case(path.filename().string());
+  header.is_segmentation = name.ends_with(".seg.nrrd") || name.ends_with(".seg.nhdr");
   Lines lines(*text);
   bool ended = false, sized = false, dimensioned = false;
   while (!ended) {
@@ -204,11 +244,12 @@ Result<NrrdHeader> read_nrrd_header(const fs::path& path) {
     }
     dimensioned = dimensioned || field_value(*line, "dimension");
     ended = line->empty();
+    const bool taken = take_over(*line, header);
     if (is_remark(*line)) continue;
     if (line->size() > longest_field)
       return fail(path.string(), "has a header line of " + std::to_string(line->size()) +
                                      " characters, which no field of NRRD needs; export it again");
-    header.fields += *line + "\n";
+    if (!taken) header.fields += *line + "\n";
   }
   const bool whole = ended || (header.detached && text->size() < longest_header);
   if (!whole || !text->starts_with("NRRD")) return no_header(path);

@@ -9,15 +9,20 @@
 
 namespace homolog {
 
-/// An NRRD header in two parts: the text that the library may see, and where the voxels are. The library must not see
-/// the latter: it hands a "data file" that holds a '%' to sprintf, opens pipes, and takes "-" for the standard input.
+/// An NRRD header in two parts: the text that the library may see, and what is read here. It must not see where the
+/// voxels are: it hands a "data file" that holds a '%' to sprintf, opens pipes, and takes "-" for the standard input.
+/// And it refuses units that are not quoted as it does.
 struct NrrdHeader {
-  std::string fields;               ///< every line but "data file" and the names below it
+  std::string fields;               ///< every line but "data file", the names below it, and units
   std::uintmax_t voxels_begin = 0;  ///< behind the header, where the voxels follow in the same file
 
   bool detached = false;                     ///< the voxels are in files of their own
   std::vector<std::filesystem::path> files;  ///< these, in order, beside the header
   int file_dimension = 0;                    ///< axes that each file holds; 0: all but the last, or all in one file
+
+  std::vector<std::string> space_units, units;  ///< of the space's directions, and of the array's axes; none: not said
+  bool is_segmentation = false;                 ///< of 3D Slicer: a list of values is one of layers
+  bool is_diffusion = false;                    ///< a list of values is one of gradients
 };
 
 /// Reads a file's header up to the empty line that ends it [NRRD format, "data file", the three ways of naming files].

@@ -28,6 +28,9 @@ struct VolumeReadOptions {
 struct VolumeRead {
   Volume volume;
   std::vector<std::string> warnings;
+  /// Of a segmentation whose segments overlap or share labels (3D Slicer): the layers behind `volume`, which is the
+  /// first, on its grid. read_labels.h chooses among them.
+  std::vector<Volume> other_layers;
 };
 
 /// Reads a volume of one of the formats in formats/, frames of a cine included: a file, a DICOM series' folder, or a
@@ -47,8 +50,9 @@ bool looks_like_volume(const std::filesystem::path& path);
 bool is_picture_stack(const std::filesystem::path& path);
 
 /// Writes NIfTI (.nii, .nii.gz; qform and sform, RAS on disk), NRRD (.nrrd) or MetaImage (.mha), chosen by the
-/// extension, whole or not at all. NIfTI-1 keeps directions in single precision. Errors: the extension, the disk,
-/// cancelled.
+/// extension, whole or not at all. NIfTI-1 keeps the place in single precision; where that would move voxels by more
+/// than a thousandth of one, or an axis has more than 32,767 voxels, NIfTI-2 is written. Errors: the extension, the
+/// disk, cancelled.
 Result<void> write_volume(const Volume& volume, const std::filesystem::path& path, Progress* progress = nullptr);
 
 }  // namespace homolog

@@ -15,6 +15,7 @@
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
 #include "core/template_making/label_body.h"
+#include "core/volume/read_labels.h"
 
 namespace homolog {
 
@@ -123,10 +124,10 @@ Result<void> open_volume(Opened& opened, Progress& progress) {
   return {};
 }
 
-Result<void> read_labels(Opened& opened, Progress& progress) {
+Result<void> open_labels(Opened& opened, Progress& progress) {
   VolumeReadOptions options;
   options.progress = &progress;
-  auto read = read_volume(opened.request.labels, options);
+  auto read = read_labels(opened.request.labels, options);
   if (!read) return fail(read.error());
   opened.warnings.insert(opened.warnings.end(), read->warnings.begin(), read->warnings.end());
   take_labels(opened, std::move(read->volume));
@@ -138,7 +139,7 @@ Result<void> read_kept_labels(Opened& opened, Progress& progress) {
   const fs::path kept = opened.opened_case->session.kept().labels;
   if (kept.empty()) return {};
   opened.request.labels = kept;
-  auto read = read_labels(opened, progress);
+  auto read = open_labels(opened, progress);
   if (read) return {};
   if (progress.cancelled()) return read;
   opened.request.labels.clear();
@@ -219,7 +220,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
                                 " is read-only. Your changes are kept in a new case. Save it under another name.");
     opened.opened_case = std::move(*read);
     load_saved_template(opened);
-    return request.labels.empty() ? read_kept_labels(opened, progress) : read_labels(opened, progress);
+    return request.labels.empty() ? read_kept_labels(opened, progress) : open_labels(opened, progress);
   }
   if (auto made = make_sample(request); !made) return made;
   if (!request.volume_source.empty()) {
@@ -231,7 +232,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
     if (!the_template) return fail(the_template.error());
     opened.the_template = std::move(*the_template);
   }
-  return request.labels.empty() || opened.labels ? Result<void>() : read_labels(opened, progress);
+  return request.labels.empty() || opened.labels ? Result<void>() : open_labels(opened, progress);
 }
 
 /// As dialogs, recent files and cases need it, wherever the program was started.

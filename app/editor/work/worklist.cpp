@@ -18,6 +18,7 @@
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
 #include "core/volume/volume_io.h"
+#include "core/volume/read_labels.h"
 
 namespace homolog {
 
@@ -274,6 +275,10 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   options.progress = &progress;
   auto labels = read_volume(one.labels, options);
   if (!labels) return fail(labels.error());
+  const std::size_t wanted = settings.all_labels || settings.label == 0 ? 0 : 1;
+  if (auto chosen = choose_layer(one.labels, {&settings.label, wanted}, *labels); !chosen) return fail(chosen.error());
+  std::vector<std::string> soft;
+  warn_of_soft_labels(one.labels.filename(), labels->volume, 0, soft);
   const NamedLabels map{std::make_shared<const Volume>(std::move(labels->volume)), one.labels.filename().string()};
   std::vector<int> held;
   const auto label = label_in(map, settings.all_labels ? 0 : settings.label, held);
@@ -294,7 +299,7 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   if (auto applied = session.apply(std::move(fitted->edit)); !applied) return fail(applied.error());
   if (auto noted = session.apply(figures); !noted) return fail(noted.error());
   if (auto named = name_labels(session, one.labels); !named) return fail(named.error());
-  if (!fitted->doubtful) return std::string();
+  if (!fitted->doubtful) return soft.empty() ? std::string() : soft.front();
   return remark.empty() ? "The fit is doubtful." : remark;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/base/memory.h"
 #include "core/volume/dicom_arrangement.h"
+#include "core/volume/dicom_copies.h"
 #include "core/volume/dicom_header.h"
 #include "core/volume/dicom_pixels.h"
 #include "core/volume/formats/formats.h"
@@ -23,6 +24,13 @@ tl::unexpected<Error> file_cut(const DicomHeader& header) {
 
 Result<void> check_image(const DicomHeader& header) {
   if (header.pixels_missing) return file_cut(header);
+  if (header.is_image() && header.has_modality_table)
+    return fail(header.path.string(),
+                "gives the meaning of its pixels by a table (Modality LUT), which cannot be read; export it with a "
+                "rescale slope and intercept");
+  if (header.is_image() && !header.steps_through.empty() && header.planes.size() > 1)
+    return fail(header.path.string(), "holds planes of several " + header.steps_through +
+                                          ", which are no stack of slices; export one of them as a volume");
   if (header.is_image()) return {};
   return fail(header.path.string(), "holds no image" +
                                         (header.modality.empty() ? "" : " (its modality is " + header.modality + ")") +
@@ -126,11 +134,12 @@ StoredVoxels rescaled_by_plane(const StoredVoxels& stored, const std::vector<Dic
       stored);
 }
 
-Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHeader>& headers, Progress* progress) {
+Result<VolumeRead> read_headers(const fs::path& path, const std::vector<DicomHeader>& all, Progress* progress) {
   VolumeRead result;
   Volume& volume = result.volume;
-  for (const DicomHeader& header : headers)
+  for (const DicomHeader& header : all)
     if (const auto image = check_image(header); !image) return fail(image.error());
+  const std::vector<DicomHeader> headers = without_copies(path, all, result.warnings);
   for (const DicomHeader& header : headers)
     result.warnings.insert(result.warnings.end(), header.warnings.begin(), header.warnings.end());
   auto arrangement = arrange(path, headers, result.warnings);

@@ -9,6 +9,7 @@
 #include "core/base/files.h"
 #include "core/base/text.h"
 #include "core/volume/formats/formats.h"
+#include "core/volume/length_units.h"
 #include "core/volume/readers.h"
 #include "core/volume/write_voxels.h"
 
@@ -140,8 +141,7 @@ Result<Layout> layout_of(const Header& header, const fs::path& path, std::vector
   if (header.text(spacings).empty())
     warnings.push_back(path.string() + ": does not say how large a voxel is; 1 mm is assumed");
   const bool directed = !matrix.empty();
-  const std::string units = header.text({"DistanceUnits"});
-  const double scale = units == "um" ? 1e-3 : units == "cm" ? 10 : 1;
+  const double scale = mm_or_warn(path, header.text({"DistanceUnits"}), warnings);
   std::array<std::int64_t, 3> dims{1, 1, 1};
   Mat3 steps = Mat3::Identity();
   Vec3 origin_mm = Vec3::Zero();
@@ -199,6 +199,21 @@ Result<VoxelRun> find_run(const Header& header, Scalar type, double bytes, const
   return run;
 }
 
+/// Intensity = slope · stored + offset, where the header says so. Nothing where it does not say it in numbers.
+std::optional<Rescale> intensity_of(const Header& header) {
+  const std::initializer_list<std::string_view> slope{"ElementToIntensityFunctionSlope"},
+      offset{"ElementToIntensityFunctionOffset"};
+  const auto number = [&](const auto& names, double otherwise) -> std::optional<double> {
+    if (header.text(names).empty()) return otherwise;
+    const auto numbers = header.numbers(names);
+    if (numbers.size() != 1) return {};
+    return numbers.front();
+  };
+  const auto a = number(slope, 1), b = number(offset, 0);
+  if (!a || !b || *a == 0) return {};
+  return Rescale{*a, *b};
+}
+
 Result<VolumeRead> read_metaimage(const fs::path& path, const VolumeReadOptions& options) {
   const auto head = read_head(path, longest_text);
   if (!head) return fail(head.error());
@@ -208,6 +223,11 @@ Result<VolumeRead> read_metaimage(const fs::path& path, const VolumeReadOptions&
     return fail(path.string(), "holds several values for each voxel (vectors or colours); export one scalar volume");
   const auto type = stored_type(header->text({"ElementType"}));
   if (!type) return fail(path.string(), "holds voxels that are no plain numbers; export it as a scalar volume");
+  const auto rescale = intensity_of(*header);
+  if (!rescale)
+    return fail(path.string(),
+                "rescales its voxels by what is no number, or by 0 (ElementToIntensityFunction); export "
+                "it again");
   VolumeRead result;
   const auto shape = layout_of(*header, path, result.warnings);
   if (!shape) return fail(shape.error());
@@ -218,9 +238,9 @@ Result<VolumeRead> read_metaimage(const fs::path& path, const VolumeReadOptions&
   for (const int size : shape->geometry.dims) bytes *= size;
   const auto run = find_run(*header, *type, bytes, path);
   if (!run) return fail(run.error());
-  auto stored = read_run(*run, shape->geometry, shape->frames, false, options.progress);
+  auto stored = read_run(*run, shape->geometry, shape->frames, !rescale->identity(), options.progress);
   if (!stored) return fail(stored.error());
-  if (auto kept = keep_voxels(std::move(*stored), {}, path.string(), result.volume, result.warnings); !kept)
+  if (auto kept = keep_voxels(std::move(*stored), *rescale, path.string(), result.volume, result.warnings); !kept)
     return fail(kept.error());
   return result;
 }

@@ -11,6 +11,7 @@
 
 #include "core/base/files.h"
 #include "core/volume/formats/formats.h"
+#include "core/volume/length_units.h"
 #include "core/volume/readers.h"
 #include "core/volume/write_voxels.h"
 
@@ -36,7 +37,9 @@ struct NiftiHeader {
   double voxels_begin = 0;  ///< as the header says: vox_offset
   bool sized = true;        ///< it says how large a voxel is
   bool scale_is_finite = true;
-  int bits = 0;  ///< of a voxel, as it says; 0 where it does not
+  double analyze_scale = 1;    ///< of the older format, as SPM keeps it there
+  double analyze_unit_mm = 1;  ///< of the older format, whose units are a word
+  int bits = 0;                ///< of a voxel, as it says; 0 where it does not
 };
 
 /// The two files of a pair by the name of either; for a single file both are that file.
@@ -102,8 +105,11 @@ void take_over(Header& header, NiftiHeader& result) {
   result.sized = mend_pixdim(header);
   result.bits = header.bitpix;
   // A slope that is NaN, which nibabel writes, or 0 says that there is none.
-  const bool scaled = !result.analyze && !std::isnan(header.scl_slope) && header.scl_slope != 0;
-  result.scale_is_finite = !scaled || (std::isfinite(header.scl_slope) && std::isfinite(header.scl_inter));
+  const bool scaled = !std::isnan(header.scl_slope) && header.scl_slope != 0;
+  result.scale_is_finite =
+      !scaled || (std::isfinite(header.scl_slope) && (result.analyze || std::isfinite(header.scl_inter)));
+  // SPM's scale factor lies where NIfTI keeps its slope. Other programs leave 0 there.
+  if (scaled && result.analyze) result.analyze_scale = static_cast<double>(header.scl_slope);
   result.bytes = sizeof header;
   result.voxels_begin = take_voxels_begin(header);
 }
@@ -125,6 +131,8 @@ std::optional<NiftiHeader> parse_header(const std::string& head, const fs::path&
                      : nifti_swap_as_nifti1(&header);
     if (!plausible(header)) return {};
     take_over(header, result);
+    constexpr std::size_t units_at = 56, units_bytes = 4;
+    if (result.analyze) result.analyze_unit_mm = mm_per_unit(head.substr(units_at, units_bytes).c_str()).value_or(1);
     result.image.reset(nifti_convert_n1hdr2nim(header, name.c_str()));
   } else if (size == sizeof(nifti_2_header) || swapped_size == sizeof(nifti_2_header)) {
     if (head.size() < sizeof(nifti_2_header)) return {};
@@ -199,11 +207,11 @@ Affine to_lps(const nifti_dmat44& ras, double mm_per_unit) {
   return affine;
 }
 
-double mm_per_unit(int units) {
+double mm_per_nifti_unit(int units) {
   return units == NIFTI_UNITS_METER ? 1e3 : units == NIFTI_UNITS_MICRON ? 1e-3 : 1;
 }
 
-double seconds_per_unit(int units) {
+double seconds_per_nifti_unit(int units) {
   switch (units) {
     case NIFTI_UNITS_MSEC:
       return 1e-3;
@@ -224,7 +232,7 @@ Result<VolumeGeometry> geometry_of(const NiftiHeader& header, const fs::path& pa
                                    std::vector<std::string>& warnings) {
   const nifti_image& image = *header.image;
   const std::array<std::int64_t, 3> dims{image.nx, image.ny, image.nz};
-  const double scale = mm_per_unit(image.xyz_units);
+  const double scale = header.analyze ? header.analyze_unit_mm : mm_per_nifti_unit(image.xyz_units);
   const Affine qform = to_lps(image.qto_xyz, scale), sform = to_lps(image.sto_xyz, scale);
   const bool has_qform = image.qform_code > 0 && !header.analyze;
   if (image.sform_code > 0 && !header.analyze) {
@@ -242,6 +250,16 @@ Result<VolumeGeometry> geometry_of(const NiftiHeader& header, const fs::path& pa
                      "left, back and head");
   return make_geometry(path, dims, scale * Vec3(image.dx, image.dy, image.dz).asDiagonal().toDenseMatrix(),
                        Vec3::Zero());
+}
+
+/// The scale factor that SPM writes into Analyze headers, which other programs ignore.
+Rescale analyze_rescale(const NiftiHeader& header, const fs::path& path, std::vector<std::string>& warnings) {
+  if (header.analyze_scale == 1) return {};
+  char factor[32];
+  std::snprintf(factor, sizeof factor, "%g", header.analyze_scale);
+  warnings.push_back(path.string() + ": its values are multiplied by " + factor +
+                     ", the scale factor of SPM's Analyze header; programs that do not know it show others");
+  return {header.analyze_scale, 0};
 }
 
 Result<VolumeRead> read_nifti(const fs::path& path, const VolumeReadOptions& options) {
@@ -270,12 +288,13 @@ Result<VolumeRead> read_nifti(const fs::path& path, const VolumeReadOptions& opt
   auto geometry = geometry_of(*header, path, result.warnings);
   if (!geometry) return fail(geometry.error());
   volume.geometry = *geometry;
-  if (image.nt > 1) volume.frame_seconds = std::max(0.0, image.dt * seconds_per_unit(image.time_units));
+  if (image.nt > 1) volume.frame_seconds = std::max(0.0, image.dt * seconds_per_nifti_unit(image.time_units));
   Rescale rescale;
   if (!header->scale_is_finite)
     return fail(pair->header.string(), "scales its voxels by a number that is not finite; export it again");
   if (std::isfinite(image.scl_slope) && image.scl_slope != 0 && std::isfinite(image.scl_inter))
     rescale = {image.scl_slope, image.scl_inter};
+  if (header->analyze) rescale = analyze_rescale(*header, path, result.warnings);
 
   const auto begin = voxels_begin(*header, *pair);
   if (!begin) return fail(begin.error());
@@ -337,8 +356,20 @@ nifti_image nifti_header_image(const Volume& volume) {
   return image;
 }
 
-/// Header and the four bytes that say that no extension follows. NIfTI-1 counts voxels in 16 bits; larger grids are
-/// written as NIfTI-2.
+/// Whether single precision, in which NIfTI-1 keeps sizes and places, moves no voxel by more than a thousandth of one.
+bool is_held_by_floats(const VolumeGeometry& geometry) {
+  const auto rounded = [](const auto& matrix) { return matrix.template cast<float>().template cast<double>().eval(); };
+  const Mat3 steps = geometry.direction * geometry.spacing_mm.asDiagonal();
+  const Vec3 last(geometry.dims[0] - 1, geometry.dims[1] - 1, geometry.dims[2] - 1);
+  const double most = 1e-3 * geometry.spacing_mm.minCoeff();
+  const Mat3 off_steps = rounded(steps) - steps;
+  const Vec3 off_origin = rounded(geometry.origin_mm) - geometry.origin_mm;
+  const double off = (off_origin.cwiseAbs() + off_steps.cwiseAbs() * last).maxCoeff();
+  const Vec3 sizes = rounded(geometry.spacing_mm);
+  return off <= most && sizes.allFinite() && sizes.minCoeff() > 0;
+}
+
+/// Header and the four bytes that say that no extension follows.
 template <class Header>
 std::string header_bytes(Header header, std::int64_t offset) {
   header.vox_offset = static_cast<decltype(header.vox_offset)>(offset);
@@ -349,8 +380,10 @@ std::string header_bytes(Header header, std::int64_t offset) {
 
 Result<void> write_nifti(const Volume& volume, const fs::path& path, Progress* progress) {
   nifti_image image = nifti_header_image(volume);
-  const bool small =
-      std::all_of(image.dim + 1, image.dim + 5, [](auto n) { return n <= std::numeric_limits<short>::max(); });
+  // NIfTI-1 counts voxels in 16 bits and keeps places in 32; what they do not hold is written as NIfTI-2.
+  const bool small = is_held_by_floats(volume.geometry) && std::all_of(image.dim + 1, image.dim + 5, [](auto n) {
+                       return n <= std::numeric_limits<short>::max();
+                     });
   std::string header;
   constexpr std::int64_t nifti1_offset = 352, nifti2_offset = 544;
   image.nifti_type = small ? NIFTI_FTYPE_NIFTI1_1 : NIFTI_FTYPE_NIFTI2_1;

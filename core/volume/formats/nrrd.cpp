@@ -1,5 +1,3 @@
-#include <NrrdIO.h>
-
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -11,7 +9,9 @@
 
 #include "core/base/files.h"
 #include "core/volume/formats/formats.h"
+#include "core/volume/nrrd_grid.h"
 #include "core/volume/nrrd_header.h"
+#include "core/volume/read_labels.h"
 #include "core/volume/readers.h"
 #include "core/volume/text_voxels.h"
 #include "core/volume/write_voxels.h"
@@ -91,81 +91,6 @@ std::optional<Scalar> stored_type(int type) {
   }
 }
 
-/// Which axes of the array are the patient's, and which one, if any, holds frames.
-struct Axes {
-  std::vector<unsigned> space;
-  std::optional<unsigned> frames;
-};
-
-Result<Axes> find_axes(const Nrrd& nrrd, const fs::path& path) {
-  Axes axes;
-  for (unsigned a = 0; a < nrrd.dim; ++a) {
-    const NrrdAxisInfo& axis = nrrd.axis[a];
-    const bool placed = nrrd.spaceDim > 0 && std::isfinite(axis.spaceDirection[0]);
-    const bool domain = axis.kind == nrrdKindUnknown || axis.kind == nrrdKindDomain || axis.kind == nrrdKindSpace;
-    if (placed || (nrrd.spaceDim == 0 && domain && axes.space.size() < 3)) {
-      axes.space.push_back(a);
-    } else if (axis.size == 1) {
-      continue;
-    } else if (!axes.frames && (domain || axis.kind == nrrdKindTime || axis.kind == nrrdKindList)) {
-      axes.frames = a;
-    } else {
-      return fail(path.string(),
-                  "holds several values for each voxel (vectors, colours or five dimensions); export one "
-                  "scalar volume or a series of frames");
-    }
-  }
-  if (axes.space.size() < 2 || axes.space.size() > 3)
-    return fail(path.string(), "is no image of two or three dimensions; export it as a volume");
-  if (axes.frames && *axes.frames != 0 && *axes.frames != nrrd.dim - 1)
-    return fail(path.string(), "keeps its frames between two axes of space; export it with the frames first or last");
-  return axes;
-}
-
-/// LPS = sign · the file's space [NRRD format, §"space"]; spaces that do not name the patient's sides stay as they are.
-Vec3 lps_signs(int space, const fs::path& path, std::vector<std::string>& warnings) {
-  switch (space) {
-    case nrrdSpaceRightAnteriorSuperior:
-      return {-1, -1, 1};
-    case nrrdSpaceLeftAnteriorSuperior:
-      return {1, -1, 1};
-    case nrrdSpaceLeftPosteriorSuperior:
-      return {1, 1, 1};
-    default:
-      warnings.push_back(path.string() +
-                         ": does not give the patient's orientation; its axes are assumed to run to the left, "
-                         "back and head");
-      return {1, 1, 1};
-  }
-}
-
-Result<VolumeGeometry> geometry_of(const Nrrd& nrrd, const Axes& axes, const fs::path& path,
-                                   std::vector<std::string>& warnings) {
-  std::array<std::int64_t, 3> dims{1, 1, 1};
-  Mat3 steps = Mat3::Identity();
-  Vec3 origin = Vec3::Zero();
-  bool unsized = false;
-  for (std::size_t a = 0; a < axes.space.size(); ++a) {
-    const NrrdAxisInfo& axis = nrrd.axis[axes.space[a]];
-    const auto column = static_cast<Eigen::Index>(a);
-    dims[a] = static_cast<std::int64_t>(std::min<std::size_t>(axis.size, std::numeric_limits<std::int64_t>::max()));
-    for (unsigned s = 0; s < nrrd.spaceDim; ++s) {
-      steps(s, column) = axis.spaceDirection[s];
-      if (std::isfinite(nrrd.spaceOrigin[s])) origin[s] = nrrd.spaceOrigin[s];
-    }
-    if (nrrd.spaceDim == 0) {
-      const bool sized = std::isfinite(axis.spacing) && axis.spacing != 0;
-      if (sized) steps(column, column) = std::abs(axis.spacing);
-      unsized = unsized || (!sized && axis.size > 1);
-      if (std::isfinite(axis.min)) origin[column] = axis.min;
-    }
-  }
-  if (unsized) warnings.push_back(path.string() + ": does not say how large a voxel is; 1 mm is assumed");
-  if (nrrd.spaceDim > 3) return fail(path.string(), "is placed in four dimensions; export it in a space of three");
-  const Vec3 signs = lps_signs(nrrd.space, path, warnings);
-  return make_geometry(path, dims, signs.asDiagonal() * steps, signs.asDiagonal() * origin);
-}
-
 /// Frames that are stored fastest (3D Slicer's sequences) moved to the back.
 struct FramesToBack {
   std::size_t frames;
@@ -242,10 +167,14 @@ Result<VoxelRun> find_run(const NrrdHeader& header, const Nrrd& nrrd, const Nrrd
   return run;
 }
 
-double frame_seconds_of(const NrrdAxisInfo& axis) {
-  if (!std::isfinite(axis.spacing) || axis.spacing <= 0) return 0;
-  const std::string units = axis.units ? axis.units : "";
-  return units == "ms" || units == "msec" ? axis.spacing / 1000 : axis.spacing;
+/// What a list of values is besides frames.
+void name_list(const fs::path& path, const NrrdHeader& header, VolumeRead& read) {
+  if (read.volume.frames < 2) return;
+  if (header.is_segmentation) return take_layers(path, read);
+  if (header.is_diffusion)
+    read.warnings.push_back(path.string() +
+                            ": holds an image for each gradient of a diffusion scan; they are shown as "
+                            "frames, though they do not follow one another in time");
 }
 
 Result<VolumeRead> read_nrrd(const fs::path& path, const VolumeReadOptions& options) {
@@ -261,13 +190,13 @@ Result<VolumeRead> read_nrrd(const fs::path& path, const VolumeReadOptions& opti
 
   VolumeRead result;
   Volume& volume = result.volume;
-  auto geometry = geometry_of(*nrrd, *axes, path, result.warnings);
+  auto geometry = grid_of(*nrrd, *header, *axes, path, result.warnings);
   if (!geometry) return fail(geometry.error());
   volume.geometry = *geometry;
   const std::size_t frames = axes->frames ? nrrd->axis[*axes->frames].size : 1;
   if (frames > std::numeric_limits<int>::max()) return fail(path.string(), "claims more frames than there can be");
   volume.frames = static_cast<int>(frames);
-  if (axes->frames) volume.frame_seconds = frame_seconds_of(nrrd->axis[*axes->frames]);
+  if (axes->frames) volume.frame_seconds = seconds_between_frames(*nrrd, *header, *axes->frames);
 
   const auto run = find_run(*header, *nrrd, *state, *type, path);
   if (!run) return fail(run.error());
@@ -280,6 +209,7 @@ Result<VolumeRead> read_nrrd(const fs::path& path, const VolumeReadOptions& opti
   if (frames_first) stored = std::visit(FramesToBack{frames}, *stored);
   if (auto kept = keep_voxels(std::move(*stored), {}, path.string(), volume, result.warnings); !kept)
     return fail(kept.error());
+  name_list(path, *header, result);
   return result;
 }
 

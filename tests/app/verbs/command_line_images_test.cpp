@@ -1,6 +1,8 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
 #include "tests/command_line.h"
 #include "tests/real_data.h"
 #include "tests/tiff_bytes.h"
@@ -56,4 +58,84 @@ TEST_CASE("the program refuses damaged and mislabelled images that are made here
         "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\ndata file: %3000d.raw 1 4 1\n");
   REQUIRE(::mkfifo((folder.path / "pipe.nii").c_str(), 0600) == 0);
   check_image_refused(folder, folder.path / "pipe.nii");
+}
+
+namespace {
+
+/// A segmentation as 3D Slicer saves it: a cube of 6 mm in each of two layers, the second 4 mm to the left of the first
+/// and over it.
+void put_layers(const fs::path& file, char first, char second) {
+  constexpr int n = 16;
+  std::string voxels;
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i)
+        for (const int layer : {0, 1}) {
+          const int from = 4 + 4 * layer;
+          const bool within = i >= from && i < from + 6 && j >= 4 && j < 10 && k >= 4 && k < 10;
+          voxels += !within ? '\0' : layer == 0 ? first : second;
+        }
+  const std::string header =
+      "NRRD0004\n# Complete NRRD file format specification at:\n# http://teem.sourceforge.net/nrrd/format.html\n"
+      "type: unsigned char\ndimension: 4\nspace: left-posterior-superior\nsizes: 2 16 16 16\n"
+      "space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\nencoding: raw\n"
+      "space origin: (0,0,0)\nSegment0_ID:=Segment_1\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n"
+      "Segment1_ID:=Segment_2\nSegment1_LabelValue:=2\nSegment1_Layer:=1\n"
+      "Segmentation_ContainedRepresentationNames:=Binary labelmap|\n\n";
+  write_bytes(file, header + voxels);
+}
+
+}  // namespace
+
+TEST_CASE("verbs find a label in any layer of a segmentation and say that there are layers") {
+  const TemporaryFolder folder;
+  put_layers(folder.path / "two.seg.nrrd", 1, 2);
+  put_layers(folder.path / "same.seg.nrrd", 1, 1);
+  const Ran info = run(folder, "info two.seg.nrrd --json");
+  CHECK(info.status == 0);
+  CHECK(info.json()["layers"] == 2);
+  CHECK(info.json()["frames"] == 1);
+  CHECK(info.errors.find("2 layers, not frames") != std::string::npos);
+  for (const int label : {1, 2}) {
+    const Ran made = run(folder, "template two.seg.nrrd --vertices 300 -o t.ply --label " + std::to_string(label));
+    INFO(made.errors);
+    REQUIRE(made.status == 0);
+    CHECK(made.errors.find("2 layers") != std::string::npos);
+    const auto mesh = read_mesh(folder.path / "t.ply");
+    REQUIRE(mesh);
+    CHECK(mesh->points.col(0).mean() == doctest::Approx(label == 1 ? 6.5 : 10.5).epsilon(0.05));
+  }
+  const Ran both = run(folder, "template two.seg.nrrd --vertices 300 -o t.ply --label 1,2");
+  CHECK(both.status == 0);
+  CHECK(read_mesh(folder.path / "t.ply")->points.col(0).mean() == doctest::Approx(8.5).epsilon(0.05));
+  check_refused(run(folder, "template two.seg.nrrd --vertices 300 -o u.ply"), "label 2 in layer 1");
+  check_refused(run(folder, "template two.seg.nrrd --vertices 300 -o u.ply --label 3"), "label 3");
+  check_refused(run(folder, "template same.seg.nrrd --vertices 300 -o u.ply --label 1"), "label 1 in layers 0 and 1");
+  check_refused(run(folder, "template same.seg.nrrd --vertices 300 -o u.ply"), "label 1 in layers 0 and 1");
+  check_refused(run(folder, "convert two.seg.nrrd u.nii"), "2 layers");
+  CHECK(!fs::exists(folder.path / "u.nii"));
+  CHECK(run(folder, "info t.ply --mask two.seg.nrrd --label 2").status == 0);
+}
+
+TEST_CASE("every verb that takes a label map says that its values are no whole numbers") {
+  const TemporaryFolder folder;
+  Volume soft;
+  soft.geometry.dims = {16, 16, 16};
+  std::vector<float> voxels;
+  for (int v = 0; v < 16 * 16 * 16; ++v) {
+    const int i = v % 16, j = v / 16 % 16, k = v / 256;
+    const bool within = i >= 4 && i < 12 && j >= 4 && j < 12 && k >= 4 && k < 12;
+    voxels.push_back(within ? 0.9882f : 0.0f);
+  }
+  soft.data = voxels;
+  REQUIRE(write_volume(soft, folder.path / "soft.nii"));
+  for (const char* verb :
+       {"template soft.nii --vertices 300 -o t.ply", "compare t.ply --mask soft.nii", "info t.ply --mask soft.nii",
+        "fit t.ply --mask soft.nii -o f.ply", "study user t.ply --mask soft.nii -o c.homolog --pulls 1"}) {
+    CAPTURE(std::string(verb));
+    const Ran ran = run(folder, verb);
+    INFO(ran.errors);
+    CHECK(ran.status == 0);
+    CHECK(ran.errors.find("soft.nii: holds values that are no whole numbers, as 0.9882") != std::string::npos);
+  }
 }

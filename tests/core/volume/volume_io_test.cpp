@@ -147,6 +147,34 @@ TEST_CASE("a grid beyond sixteen bits is written as NIfTI-2") {
   CHECK(read->volume.data == volume.data);
 }
 
+TEST_CASE("a place that single precision does not hold is written as NIfTI-2") {
+  const auto written = [](const Vec3& origin_mm, double spacing_mm) {
+    const TemporaryFolder folder;
+    VolumeGeometry geometry;
+    geometry.dims = {4, 3, 2};
+    geometry.origin_mm = origin_mm;
+    geometry.spacing_mm = Vec3::Constant(spacing_mm);
+    for (const char* name : {"v.nii", "v.nii.gz"}) {
+      REQUIRE(write_volume(ramp<std::uint8_t>(geometry, 1), folder.path / name));
+      const auto read = read_volume(folder.path / name);
+      REQUIRE(read);
+      CHECK((read->volume.geometry.origin_mm - origin_mm).norm() < 1e-3 * spacing_mm);
+      CHECK(read->volume.geometry.spacing_mm[0] == doctest::Approx(spacing_mm));
+    }
+    std::ifstream in(folder.path / "v.nii", std::ios::binary);
+    std::int32_t header_bytes = 0;
+    in.read(reinterpret_cast<char*>(&header_bytes), sizeof header_bytes);
+    return header_bytes;
+  };
+  constexpr std::int32_t first = 348, second = 540;
+  CHECK(written(Vec3(-117.855, 35.7229, -7.2488), 0.7) == first);
+  CHECK(written(Vec3(448251.3, -5411932.3, 300), 1) == second);
+  CHECK(written(Vec3(0, 0, 20000.3), 0.5) == second);
+  CHECK(written(Vec3(117.855, 0, 0), 0.001) == second);  // micrometres
+  CHECK(written(Vec3(1e40, 0, 0), 1e36) == second);
+  CHECK(written(Vec3::Zero(), 1e-50) == second);
+}
+
 TEST_CASE("integers go to the smallest type that holds them and floats stay floats") {
   const auto type_of = [](int datatype, auto values) {
     const int bits = static_cast<int>(8 * sizeof(values[0]));
@@ -609,4 +637,32 @@ TEST_CASE("what is packed behind the voxels without end is refused in time") {
   for (int i = 0; i < 300; ++i) streams += packed;
   CHECK(
       says(read_as("v.nii.gz", gzipped(Nifti({4, 1, 1}, 2, 8).bytes + "abcd") + streams), "far more than the voxels"));
+}
+
+TEST_CASE("SPM's scale factor in an Analyze header is applied and said") {
+  const TemporaryFolder folder;
+  Nifti header({2, 1, 1}, 4, 16);
+  std::memset(&header.bytes[252], 0, 96);  // the header of before NIfTI: no magic word and no sform
+  header.put(108, 0.0f);
+  write_bytes(folder.path / "v.img", bytes_of<std::int16_t>({-2, 300}));
+  const auto read = [&] {
+    write_bytes(folder.path / "v.hdr", header.bytes.substr(0, 348));
+    return *read_volume(folder.path / "v.img");
+  };
+  CHECK(read().volume.range_max == 300);
+  CHECK(read().warnings.size() == 1);
+  header.put(112, 0.25f);
+  CHECK(read().volume.range_max == 75);
+  CHECK(read().volume.range_min == -0.5);
+  const auto warnings = read().warnings;
+  CHECK(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+    return warning.find("multiplied by 0.25, the scale factor of SPM") != std::string::npos;
+  }));
+  header.put(112, 1.0f);
+  CHECK(read().volume.range_max == 300);
+  std::memcpy(&header.bytes[56], "cm", 2);
+  CHECK(read().volume.geometry.spacing_mm == Vec3(10, 10, 10));
+  header.put(112, std::numeric_limits<float>::infinity());
+  write_bytes(folder.path / "v.hdr", header.bytes.substr(0, 348));
+  CHECK(says(read_volume(folder.path / "v.img"), "not finite"));
 }

@@ -1,0 +1,188 @@
+#include "core/volume/read_labels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "core/base/listed.h"
+
+namespace homolog {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The first finite value that is no whole number, up to what rescaling by 32-bit floats leaves.
+std::optional<float> first_soft(std::span<const float> values) {
+  constexpr float exactly = 1e-3f;
+  const auto found = std::find_if(values.begin(), values.end(), [](float value) {
+    return std::isfinite(value) && std::abs(value - std::rint(value)) > exactly;
+  });
+  if (found == values.end()) return {};
+  return *found;
+}
+
+/// In which layers each label lies.
+std::map<int, std::vector<std::size_t>> layers_of(std::span<const Volume* const> layers) {
+  std::map<int, std::vector<std::size_t>> found;
+  for (std::size_t layer = 0; layer < layers.size(); ++layer)
+    for (const auto& [label, voxels] : labels_of(*layers[layer])) found[label].push_back(layer);
+  return found;
+}
+
+std::vector<const Volume*> all_layers(const VolumeRead& read) {
+  std::vector<const Volume*> layers{&read.volume};
+  for (const Volume& layer : read.other_layers) layers.push_back(&layer);
+  return layers;
+}
+
+/// "label 1 in layer 0, label 2 in layer 1", the first of them.
+std::string layer_words(const std::map<int, std::vector<std::size_t>>& layers) {
+  constexpr std::size_t most = 8;
+  std::vector<std::string> words;
+  for (const auto& [label, in] : layers) {
+    std::vector<std::string> numbers;
+    for (const std::size_t layer : in) numbers.push_back(std::to_string(layer));
+    words.push_back("label " + std::to_string(label) + " in layer " + listed(numbers, " and "));
+    if (words.size() == most && layers.size() > most) {
+      words.push_back("…");
+      break;
+    }
+  }
+  return words.empty() ? "without labels" : listed(words, ", ");
+}
+
+/// Sets the voxels that have a label in `from`, or any of `labels` where some are given.
+void put_over(const Volume& from, std::span<const int> labels, Volume& to) {
+  std::visit(
+      [&]<class T>(std::vector<T>& voxels) {
+        const auto& source = std::get<std::vector<T>>(from.data);
+        for (std::size_t i = 0; i < voxels.size(); ++i) {
+          const auto label = std::rint(static_cast<double>(source[i]));
+          const auto is = [label](int wanted) { return label == wanted; };
+          if (labels.empty() ? label != 0 : std::any_of(labels.begin(), labels.end(), is)) voxels[i] = source[i];
+        }
+      },
+      to.data);
+  to.range_min = std::min(to.range_min, from.range_min);
+  to.range_max = std::max(to.range_max, from.range_max);
+}
+
+bool overlap(const Volume& a, const Volume& b) {
+  return std::visit(
+      [&]<class T>(const std::vector<T>& voxels) {
+        const auto& others = std::get<std::vector<T>>(b.data);
+        for (std::size_t i = 0; i < voxels.size(); ++i)
+          if (voxels[i] != 0 && others[i] != 0) return true;
+        return false;
+      },
+      a.data);
+}
+
+/// The "frames" of a volume, each as one of its own.
+std::vector<Volume> frames_of(const Volume& volume) {
+  std::vector<Volume> result;
+  const std::size_t voxels = volume.geometry.voxels();
+  for (int frame = 0; frame < volume.frames; ++frame) {
+    Volume& one = result.emplace_back();
+    one.geometry = volume.geometry;
+    std::visit(
+        [&](const auto& all) {
+          const auto begin = all.begin() + static_cast<std::ptrdiff_t>(voxels * static_cast<std::size_t>(frame));
+          std::decay_t<decltype(all)> own(begin, begin + static_cast<std::ptrdiff_t>(voxels));
+          const auto [low, high] = std::minmax_element(own.begin(), own.end());
+          one.range_min = static_cast<double>(*low);
+          one.range_max = static_cast<double>(*high);
+          one.data = std::move(own);
+        },
+        volume.data);
+  }
+  return result;
+}
+
+}  // namespace
+
+void warn_of_soft_labels(const fs::path& path, const Volume& labels, int frame, std::vector<std::string>& warnings) {
+  const auto* values = std::get_if<std::vector<float>>(&labels.data);
+  if (values == nullptr) return;
+  const std::size_t count = labels.geometry.voxels();
+  const auto soft = first_soft(std::span(*values).subspan(count * static_cast<std::size_t>(frame), count));
+  if (!soft) return;
+  char number[32];
+  std::snprintf(number, sizeof number, "%.4g", static_cast<double>(*soft));
+  warnings.push_back(path.string() + ": holds values that are no whole numbers, as " + number +
+                     ", which are rounded to the nearest label; save it as a label map of whole numbers, or threshold "
+                     "it where its boundary is meant to be");
+}
+
+Result<VolumeRead> read_labels(const fs::path& path, const VolumeReadOptions& options) {
+  auto read = read_volume(path, options);
+  if (!read) return read;
+  const std::size_t before = read->warnings.size();
+  for (int frame = 0; frame < read->volume.frames && read->warnings.size() == before; ++frame)
+    warn_of_soft_labels(path, read->volume, frame, read->warnings);
+  return read;
+}
+
+void take_layers(const fs::path& path, VolumeRead& read) {
+  std::vector<Volume> layers = frames_of(read.volume);
+  read.volume = std::move(layers.front());
+  layers.erase(layers.begin());
+  read.other_layers = std::move(layers);
+  const std::string count = std::to_string(read.other_layers.size() + 1);
+  const auto all = all_layers(read);
+  const auto held = layers_of(all);
+  bool apart = std::all_of(held.begin(), held.end(), [](const auto& label) { return label.second.size() == 1; });
+  Volume united = apart ? read.volume : Volume();
+  for (std::size_t layer = 1; layer < all.size() && apart; ++layer) {
+    apart = !overlap(united, *all[layer]);
+    if (apart) put_over(*all[layer], {}, united);
+  }
+  if (apart) {
+    read.volume = std::move(united);
+    read.other_layers.clear();
+    read.warnings.push_back(path.string() + ": holds its segments in " + count +
+                            " layers that nowhere overlap; they are read as one label map");
+    return;
+  }
+  read.warnings.push_back(path.string() + ": holds its segments in " + count + " layers, not frames: " +
+                          layer_words(held) + "; the first is taken unless --label names a segment of another");
+}
+
+Result<void> choose_layer(const fs::path& path, std::span<const int> labels, VolumeRead& read) {
+  if (read.other_layers.empty()) return {};
+  const auto held = layers_of(all_layers(read));
+  std::vector<int> wanted(labels.begin(), labels.end());
+  if (wanted.empty()) {
+    if (held.empty()) return {};  // said where the label is looked for
+    if (held.size() > 1)
+      return fail(path.string(),
+                  "holds its segments in layers (" + layer_words(held) + "); choose one of them by its label");
+    wanted.push_back(held.begin()->first);
+  }
+  std::vector<std::size_t> from;
+  for (const int label : wanted) {
+    const auto found = held.find(label);
+    if (found == held.end()) continue;  // said where the label is looked for
+    if (found->second.size() > 1) {
+      std::vector<std::string> numbers;
+      for (const std::size_t layer : found->second) numbers.push_back(std::to_string(layer));
+      return fail(path.string(), "has label " + std::to_string(label) + " in layers " + listed(numbers, " and ") +
+                                     ", so that it does not tell which segment is meant; export that segment alone as "
+                                     "a label map");
+    }
+    from.push_back(found->second.front());
+  }
+  if (from.empty()) return {};
+  const auto layer = [&](std::size_t l) -> const Volume& { return l == 0 ? read.volume : read.other_layers[l - 1]; };
+  Volume chosen = layer(from.front());
+  for (const std::size_t other : from)
+    if (other != from.front()) put_over(layer(other), wanted, chosen);
+  read.volume = std::move(chosen);
+  read.other_layers.clear();
+  return {};
+}
+
+}  // namespace homolog

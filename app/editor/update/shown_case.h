@@ -21,6 +21,7 @@ struct ShownLabels {
   std::string name;
   std::vector<int> values;         ///< without 0
   std::map<int, double> sizes_mm;  ///< of each and of every_label together [organ_size_mm]
+  std::optional<int> frame;        ///< of a cine, where the map holds one frame only: the one that it belongs to
 };
 
 /// Whether there are edits of a case that has no file of its own.
@@ -69,6 +70,14 @@ class ShownCase {
   const ShownLabels& labels() const { return labels_; }
   void show_labels(ShownLabels labels) { labels_ = std::move(labels); }
   void close_labels() { labels_ = {}; }
+  /// The map belongs to another frame of the cine.
+  void set_labels_frame(int frame) {
+    if (labels_.frame) labels_.frame = frame;
+  }
+  /// The map where it belongs to the frame that is shown, else null.
+  std::shared_ptr<const Volume> labels_here() const {
+    return labels_.frame && *labels_.frame != displayed_->frame ? nullptr : labels_.volume;
+  }
 
  private:
   void keep_on_disk(EditorState& state);

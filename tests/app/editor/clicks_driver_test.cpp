@@ -123,7 +123,7 @@ TEST_CASE("a brush that is held still paints without waiting for the pointer") {
   const OrganScan scan;
   Driver driver(scan.document());
   driver.press('C');
-  const Eigen::Vector2d at = on_mesh(driver, ViewKind::axial);
+  on_mesh(driver, ViewKind::axial);
   driver.settle();
   driver.frames(70);
   driver.button(MouseButton::left, true);

@@ -260,7 +260,7 @@ TEST_CASE("after landmarks are undone the next one is the first that is missing"
   driver.press('L');
   const RectPx& view = driver.app().layout().image(ViewKind::axial);
   for (const int k : {0, 1}) {
-    driver.move(view.x + view.width / 2 + 30 * k, view.y + view.height / 2 + 10);
+    driver.move(view.x + view.width / 2 + 30.0f * static_cast<float>(k), view.y + view.height / 2 + 10);
     driver.button(MouseButton::left, true);
     driver.button(MouseButton::left, false);
     driver.settle();

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/case/action_line.h"
+#include "core/case/edit_words.h"
 #include "core/case/moved_points.h"
 #include "core/case/placing.h"
 #include "core/session/case_keeping.h"
@@ -160,7 +161,7 @@ Result<EditReport> EditSession::edit(Action action, bool joined, const std::opti
   const auto* note = std::get_if<Note>(&action);
   const bool is_note = note != nullptr;
   History::Step step;
-  step.name = action_name(action);
+  step.name = edit_words(action, document());
   step.joined = joined;
   step.stroke = std::holds_alternative<Stroke>(action);
   step.after = std::make_shared<const Document>(std::move(updated->document));
@@ -296,7 +297,7 @@ std::string EditSession::name(const std::optional<History::Way>& way) {
   std::string& known = history_.step(way->step).name;
   if (!known.empty()) return known;
   const auto step = read_step(way->step);
-  return known = step ? action_name(step->action) : "edit";  // a long line is not read again
+  return known = step ? edit_words(step->action, document()) : "edit";  // a long line is not read again
 }
 
 std::vector<std::string> EditSession::undo_names(std::size_t most) {

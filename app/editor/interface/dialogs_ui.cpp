@@ -227,7 +227,7 @@ void draw_labels_to_fit(const UiContext& ui, const LabelDialog& dialog, Outbox& 
 void draw_replace(const UiContext& ui, const ReplaceDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!begin_dialog(ui, "Replace the file?", 520, 0)) close_dialog(out);
-  explanation(theme, dialog.path.string() + " exists already.");
+  explanation(theme, dialog.there.string() + " exists already.");
   gap(theme, 4);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   if (button(theme, "Replace it", "Its content now is lost", {}, half)) out.send(AcceptReplacement{});
@@ -276,10 +276,9 @@ void draw_spacing(const UiContext& ui, const SpacingDialog& dialog, Outbox& out)
   bool released = false, changed = false;
   for (int axis = 0; axis < 3; ++axis) {
     if (axis > 0) ImGui::SameLine(0, theme.px(4));
-    changed |=
-        number_field(theme, format("spacing %d", axis).c_str(), spacing[axis], 0.01, "%.3f", "mm", width, "", released);
+    changed |= number_field(theme, format("spacing %d", axis).c_str(), spacing[axis], 0.01, "%.3f", "mm", width, "",
+                            released, 24, {1e-3, 1000, "The distance"});
   }
-  spacing = spacing.cwiseMax(1e-3);
   if (changed) out.send(SetStackSpacing{spacing});
   gap(theme, 4);
   if (button(theme, "Open", "With these voxels", {}, ImGui::GetContentRegionAvail().x, true)) {

@@ -84,6 +84,7 @@ void Drawing::draw(int width_px, int height_px, double frames_per_second) {
   ImGui::NewFrame();
   begin_controls();
   draw_interface(ui_context(state_, frames_per_second), out_);
+  for (std::string& refusal : std::exchange(controls_memory().refusals, {})) add_notice(state_, std::move(refusal));
   ImGui::Render();
   if (pictures_) ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
@@ -254,7 +255,7 @@ SceneBuilder::Input Drawing::scene_input(const EditorState& state) const {
   return {state,
           shown_.displayed(),
           shown_.snapshot().preview,
-          shown_.labels().volume,
+          shown_.labels_here(),
           shown_making(state, work_),
           shown_.mesh().outlines()};
 }
@@ -289,6 +290,7 @@ UiContext Drawing::ui_context(const EditorState& state, double fps) const {
           shown_.labels().name,
           shown_.labels().values,
           shown_.labels().sizes_mm,
+          shown_.labels().frame,
           work_.template_maker,
           work_.fitter,
           work_.propagator,

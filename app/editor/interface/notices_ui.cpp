@@ -56,8 +56,10 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   const Notice& notice = ui.state.notices[index];
   const ImU32 colour = notice.error ? palette::bad : palette::accent;
   const float width = card_width(ui), left = theme.px(36), pad = theme.px(12), end = width - theme.px(44);
-  // One that is longer than some lines is shown without its middle.
-  constexpr float most_lines = 5, of_broken_lines = 0.8f;
+  // A sentence is said whole, as far as the views have room for it.
+  const float room_px = bottom_px - top_of_cards(ui) - 2 * pad - theme.px(36);
+  constexpr float of_broken_lines = 0.8f;
+  const float most_lines = std::max(5.0f, std::floor(room_px / theme.body->FontSize));
   ImGui::PushFont(theme.body);
   const std::string text = shortened(notice.text, most_lines * of_broken_lines * (end - left));
   ImGui::PopFont();
@@ -112,8 +114,9 @@ RunningWork study_work(const RunningJob& job) {
 void draw_notices(const UiContext& ui, Outbox& out) {
   const KeyGroup group("cards");
   float bottom_px = ui.layout.status_line.y - ui.theme.px(16);
-  for (std::size_t i = ui.state.notices.size(); i > 0; --i) draw_notice(ui, i - 1, bottom_px, out);
+  // What runs stays where it is, and a new notice moves none of those that are there.
   for (const RunningWork& work : ui.running) draw_work(ui, work, bottom_px, out);
+  for (std::size_t i = 0; i < ui.state.notices.size(); ++i) draw_notice(ui, i, bottom_px, out);
   draw_guide(ui, bottom_px, out);
 }
 

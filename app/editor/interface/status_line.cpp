@@ -10,7 +10,7 @@
 namespace homolog {
 
 int label_there(const UiContext& ui, const Vec3& p_mm) {
-  if (!ui.labels) return 0;
+  if (!ui.labels || (ui.labels_frame && *ui.labels_frame != shown_frame(ui.state, ui.document()))) return 0;
   const Vec3 voxel = ui.labels->geometry.to_voxel(p_mm).array().round();
   const auto& dims = ui.labels->geometry.dims;
   for (int axis = 0; axis < 3; ++axis)

@@ -213,8 +213,8 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
 }
 
 /// From a dot on the outline, which is to be taken hold of, an arrow the way that the guide's pull goes, with a bar
-/// where it should end. A short way has an arrow of some length all the same, beyond its bar; in other slices it is
-/// faint.
+/// where it should end and the arrow's tip lies. A short way has an arrow of some length all the same, which begins
+/// before the dot; in other slices it is faint.
 void draw_guide_arrow(const UiContext& ui, const GuideStep& step, const ViewMap& map, ImDrawList& draw) {
   const auto from = map.to_px(pulled_from(step, ui.document().mesh())), to = map.to_px(step.to_mm);
   if (!from || !to) return;
@@ -226,13 +226,13 @@ void draw_guide_arrow(const UiContext& ui, const GuideStep& step, const ViewMap&
   const float thick = ui.theme.px(3), rim = ui.theme.px(2);
   if (length > 0.5) {
     const Eigen::Vector2d along = way / length, across(-along.y(), along.x());
-    const Eigen::Vector2d tip = *from + std::max(length, shortest) * along, neck = tip - head * along;
+    const Eigen::Vector2d tip = *to, neck = tip - head * along, tail = tip - std::max(length, shortest) * along;
     const ImVec2 low = on_screen(neck + 0.6 * head * across), high = on_screen(neck - 0.6 * head * across);
     const ImVec2 left = on_screen(*to + bar * across), right = on_screen(*to - bar * across);
-    draw.AddLine(on_screen(*from), on_screen(neck), edge, thick + rim);
+    draw.AddLine(on_screen(tail), on_screen(neck), edge, thick + rim);
     draw.AddLine(left, right, edge, thick + rim);
     draw.AddTriangle(on_screen(tip), low, high, edge, rim);
-    draw.AddLine(on_screen(*from), on_screen(neck), colour, thick);
+    draw.AddLine(on_screen(tail), on_screen(neck), colour, thick);
     draw.AddTriangleFilled(on_screen(tip), low, high, colour);
     draw.AddLine(left, right, colour, thick);
   }

@@ -92,11 +92,16 @@ void draw_worklist(const UiContext& ui, Outbox& out) {
   const ModelsState& state = ui.state.models;
   const float width = (ImGui::GetContentRegionAvail().x - theme.px(8)) / 2;
   if (state.listing) {
-    text_line(shortened(state.listing_what, ImGui::GetContentRegionAvail().x), palette::dim);
-    progress_bar(theme, state.listing_fraction);
-    if (button(theme, "Cancel", "Stops. Cases that are fitted already stay fitted", {},
-               ImGui::GetContentRegionAvail().x))
+    // As high as the two buttons, and Cancel is not where the fit was started.
+    if (button(theme, "Cancel", "Stops. Cases that are fitted already stay fitted", {}, width))
       out.send(CancelWorklist{});
+    ImGui::SameLine(0, theme.px(8));
+    ImGui::BeginGroup();
+    ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, theme.px(2)});
+    text_line(shortened(state.listing_what, width), palette::dim);
+    progress_bar(theme, state.listing_fraction);
+    ImGui::PopStyleVar();
+    ImGui::EndGroup();
     return;
   }
   if (button(theme, std::string(icon::plus) + "  Scans\xe2\x80\xa6",

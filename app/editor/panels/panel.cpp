@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,32 +34,26 @@ void CaseNumber::settle(bool changed, bool released, const std::function<Action(
 
 namespace {
 
-/// Keeps the section at the pointer where it is, or else the one at the panel's top, when something above it grows or
-/// shrinks: the curve of a cine, or the rows of a template.
+/// Keeps the control at the pointer where it is, or else the first one in the panel, when something above it grows or
+/// shrinks: the curve of a cine, the stages of a template that is made, the rows of a template.
 class LookedAt {
  public:
-  LookedAt() {
-    if (ImGui::IsWindowHovered(ImGuiHoveredFlags_AllowWhenBlockedByActiveItem))
-      place_px_ += ImGui::GetMousePos().y - ImGui::GetWindowPos().y;
-  }
   /// The panel goes to a place of its own.
   void lead(float top_px) {
     ImGui::SetScrollY(top_px);
     led_ = true;
   }
-  /// A section begins at `top_px`. The last one that began above the place before counts.
-  void meet(const char* title, float top_px) {
-    float& before_px =
-        *ImGui::GetStateStorage()->GetFloatRef(ImGui::GetID((std::string("top of ") + title).c_str()), top_px);
-    if (before_px <= place_px_ + 1) grown_px_ = top_px - before_px;
-    before_px = top_px;
-  }
   void keep() const {
-    if (!led_ && grown_px_ != 0) ImGui::SetScrollY(ImGui::GetScrollY() + grown_px_);
+    float& scrolled_before = *ImGui::GetStateStorage()->GetFloatRef(ImGui::GetID("scrolled"), ImGui::GetScrollY());
+    const float since_px = ImGui::GetScrollY() - std::exchange(scrolled_before, ImGui::GetScrollY());
+    if (led_) return;
+    const bool pointed = ImGui::IsWindowHovered(ImGuiHoveredFlags_AllowWhenBlockedByActiveItem);
+    const float at_px = pointed ? ImGui::GetMousePos().y : ImGui::GetWindowPos().y;
+    if (const float grown_px = key_focus().moved_px(at_px) + since_px; std::abs(grown_px) >= 1)
+      ImGui::SetScrollY(ImGui::GetScrollY() + grown_px);
   }
 
  private:
-  float place_px_ = ImGui::GetScrollY(), grown_px_ = 0;
   bool led_ = false;
 };
 
@@ -85,11 +80,10 @@ void draw_sections(const UiContext& ui, const char* name, const RectPx& rect, st
     const bool at_first = one.opens != nullptr ? one.opens(ui) : one.open_at_first;
     const bool open = chosen == sections_open.end() ? at_first : chosen->second;
     bool toggled = false;
-    if (std::string_view(one.title) == place_section &&
-        std::exchange(controls_memory().place_shown, ui.state.place_wanted) != ui.state.place_wanted)
+    if (one.title == ui.state.wanted_section &&
+        std::exchange(controls_memory().section_shown, ui.state.section_wanted) != ui.state.section_wanted)
       looked_at.lead(ImGui::GetCursorPosY());
     const float top_px = ImGui::GetCursorPosY();
-    looked_at.meet(one.title, top_px);
     const bool shown = section(theme, one.title, open, toggled, one.holds != nullptr ? one.holds(ui) : "");
     bool& opens = *ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID(one.title));  // since the click that opens it
     if (toggled) {
@@ -135,7 +129,7 @@ void draw_side_panel(const UiContext& ui, Outbox& out) {
        {"Cine", draw_cine_section, true, is_cine},
        {"Template", draw_template_section, false, nullptr, is_own_scan, template_in_words},
        {place_section, draw_place_section, false, nullptr, nullptr, placed_in_words},
-       {"Deform", draw_deform_section, true},
+       {deform_section, draw_deform_section, true},
        {"Correspondence", draw_correspondence_section, true},
        {"Export", draw_export_section, false}}};
   draw_sections(ui, "side panel", ui.layout.panel, sections, out);

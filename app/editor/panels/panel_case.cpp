@@ -1,6 +1,7 @@
 #include <tuple>
 
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 #include "app/editor/work/sample.h"
@@ -55,6 +56,28 @@ void draw_window_presets(const UiContext& ui, Outbox& out) {
   }
 }
 
+/// Which frame of a cine the label map belongs to, and the way there.
+void draw_labels_frame(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const int shown = shown_frame(ui.state, ui.document());
+  const auto& of = ui.labels_frame;
+  const char* const tip = "The label map holds one frame. It is shown there only";
+  if (!of)
+    figure(theme, "Belongs to", !ui.labels ? "none" : "every frame", "A label map of one frame is shown at its frame");
+  else if (figure_link(theme, "Belongs to", format("frame %d", *of), format("%s. Click to go there", tip),
+                       *of == shown ? palette::text : palette::amber)) {
+    out.send(SeekFrame{*of});
+    out.send(ShowFrame{*of});
+  }
+  if (button(theme, "It is of this frame", format("The label map belongs to frame %d, which is shown", shown),
+             !ui.labels     ? "Overlay a label map first."
+             : !of          ? "The label map holds every frame."
+             : *of == shown ? "It belongs to this frame already."
+                            : "",
+             ImGui::GetContentRegionAvail().x))
+    out.send(SetLabelsFrame{shown});
+}
+
 }  // namespace
 
 void draw_case_section(const UiContext& ui, Outbox& out) {
@@ -75,8 +98,10 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   if (button(theme, std::string(icon::save) + "  Save as…", "Continue the case under another name (Ctrl+Shift+S)", {},
              half))
     out.send(SaveCase{true});
-  if (button(theme, "Unsaved cases…",
-             "Cases that were open when the program ended without saving. Recover or delete them", {}, half))
+  const std::size_t unsaved = ui.state.unsaved_found;
+  if (button(theme, unsaved == 0 ? "Unsaved cases…" : format("Unsaved cases (%zu)…", unsaved),
+             "Cases that were open when the program ended without saving. Recover or delete them", {}, half,
+             unsaved > 0))
     out.send(ShowRecovery{});
   ImGui::SameLine();
   if (button(theme, "First steps…", "The first case and its guide: five pulls that fit a kidney", {}, half))
@@ -112,6 +137,7 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
              ui.labels ? "" : "Overlay a label map first."))
     out.send(SetLabelOpacity{opacity / 100});
   const float width = ImGui::GetContentRegionAvail().x;
+  if (document.volume->frames > 1) draw_labels_frame(ui, out);
   if (ui.labels) {
     if (button(theme, "Remove the overlay", "The file is not changed", {}, width)) out.send(CloseLabels{});
   } else if (button(theme, "Overlay a label map…", "Shown over the slices in colours", {}, width)) {

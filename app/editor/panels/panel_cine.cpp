@@ -25,7 +25,7 @@ void draw_frame_controls(const UiContext& ui, Outbox& out) {
   const int frames = document.volume->frames, frame = shown_frame(ui.state, document);
   double value = frame;
   bool released = false;
-  const SliderRange range{0, static_cast<double>(frames - 1), "%.0f", "", false};
+  const SliderRange range{0, static_cast<double>(frames - 1), "%.0f", "", false, true};
   if (slider(theme, "Frame", value, range, "Frame of the cine. Each frame has a mesh of its own", released))
     out.send(SeekFrame{static_cast<int>(std::lround(value))});
   // A number that is typed changes and is released at once.
@@ -61,22 +61,19 @@ std::string frames_in_words(const std::vector<int>& frames) {
 
 void draw_propagate(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const float width = ImGui::GetContentRegionAvail().x;
-  if (ui.propagator.busy()) {
-    explanation(theme, format("Propagating: %.0f %%", 100 * ui.propagator.fraction()));
-    progress_bar(theme, ui.propagator.fraction());
-    if (button(theme, "Cancel", "The meshes stay as they were (Escape)", {}, width)) out.send(CancelPropagation{});
-    return;
-  }
   const Document& document = *ui.snapshot.document;
-  const std::string refusal = ui.fitter.busy() ? "Wait for the fit." : ui.needs_shape();
-  const std::string from = refusal.empty() ? frames_in_words(starting_frames(document)) : "";
+  const bool busy = ui.propagator.busy();
+  const std::string needs = ui.fitter.busy() ? "Wait for the fit." : ui.needs_shape();
+  const std::string from = needs.empty() ? frames_in_words(starting_frames(document)) : "";
   if (button(theme, "Propagate",
              "Carries the mesh of " + from +
                  " through the cine. Frames that you edited or confirmed stay as they are. One step to undo",
-             refusal, width, true))
+             busy ? "The mesh is being carried through the cine." : needs, ImGui::GetContentRegionAvail().x, true))
     out.send(PropagateFrames{});
-  if (!from.empty()) explanation(theme, "From " + from + ". Correct a frame, and propagate again.");
+  std::optional<WorkShown> running;
+  if (busy) running = {"Propagating", ui.propagator.fraction(), "The meshes stay as they were (Escape)"};
+  if (work_area(theme, from.empty() ? "" : "From " + from + ". Correct a frame, and propagate again.", running))
+    out.send(CancelPropagation{});
 }
 
 /// Where frames and volumes lie in the plot.

@@ -70,9 +70,16 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
   }
   if (brush.paints == BrushPaints::region || brush.paints == BrushPaints::fill)
     changed |= draw_region_to_paint(ui, brush);
-  if (brush.paints == BrushPaints::factor)
+  if (brush.paints == BrushPaints::factor) {
     changed |= slider(theme, "Paints factor", brush.stiffness_factor, {0.1, 50, "%.1f", "\xc3\x97", true},
-                      "Stiffness relative to the base; Alt paints 1", released);
+                      "Stiffness relative to the base. Below 1 is softer: it follows a stroke closely. Above 1 is "
+                      "stiffer: it keeps its shape. Alt paints 1",
+                      released);
+    const double factor = brush.stiffness_factor;
+    caption(theme, factor < 1   ? "\xe2\x86\x90 Softer than the rest. Stiffer is to the right"
+                   : factor > 1 ? "Stiffer than the rest. Softer is to the left \xe2\x86\x92"
+                                : "As stiff as the rest. Softer is to the left");
+  }
   if (brush.paints == BrushPaints::factor || brush.paints == BrushPaints::region) {
     double soft = 100 * brush.soft;
     changed |= slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false},
@@ -123,7 +130,7 @@ void draw_scheme(const UiContext& ui, Outbox& out) {
               "No optimisation: vertices move by the falloff of the stroke alone"}))
     out.apply(SetScheme{static_cast<Scheme>(scheme), document.paper_events});
   if (document.scheme == Scheme::paper)
-    case_slider(ui, out, "Mouse events", document.paper_events, {1, 100, "%.0f", "", true},
+    case_slider(ui, out, "Mouse events", document.paper_events, {1, 100, "%.0f", "", true, true},
                 "The number of mouse events in one stroke. The mesh is solved once for each", [](double value) {
                   return SetScheme{Scheme::paper, static_cast<int>(std::lround(value))};
                 });

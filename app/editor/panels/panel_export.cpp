@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <cmath>
 
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
@@ -14,11 +14,14 @@ bool draw_picture_options(const Theme& theme, PictureOptions& options) {
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
   bool released = false, changed = false;
   double width = options.width, height = options.height;
-  changed |= number_field(theme, "width", width, 4, "%.0f", "px wide", half, "Width of the picture", released);
+  constexpr double least_px = 64, most_px = 8192;
+  changed |= number_field(theme, "width", width, 4, "%.0f", "px wide", half, "Width of the picture", released, 24,
+                          {least_px, most_px, "The width", true});
   ImGui::SameLine(0, theme.px(4));
-  changed |= number_field(theme, "height", height, 4, "%.0f", "px high", half, "Height of the picture", released);
-  options.width = static_cast<int>(std::clamp(width, 64.0, 8192.0));
-  options.height = static_cast<int>(std::clamp(height, 64.0, 8192.0));
+  changed |= number_field(theme, "height", height, 4, "%.0f", "px high", half, "Height of the picture", released, 24,
+                          {least_px, most_px, "The height", true});
+  options.width = static_cast<int>(std::lround(width));
+  options.height = static_cast<int>(std::lround(height));
   int ground = options.transparent ? 2 : options.light ? 1 : 0;
   caption(theme, "Ground");
   if (choice(theme, "ground", {"Dark ground", "Light", "Transparent"}, ground,
@@ -39,14 +42,25 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
     if (ui.state.playing) out.send(PlayFrames{false});
     out.send(ShowFileDialog{purpose, file});
   };
+  const Document& document = *ui.snapshot.document;
+  const bool of_all = document.shapes.size() > 1 && ui.state.export_all_frames;
+  const std::string no_mesh = of_all ? "" : ui.needs_shape();
+  if (document.shapes.size() > 1) {
+    caption(theme, "Frames to write");
+    int all = ui.state.export_all_frames ? 0 : 1;
+    if (choice(theme, "frames", {format("All %zu", document.shapes.size()), "This one"}, all,
+               {"Every frame that has a mesh, in files with the frame's number: \xe2\x80\xa6-frame-07.ply",
+                "The frame that is shown, in one file"}))
+      out.send(ExportAllFrames{all == 0});
+  }
   if (button(theme, "Mesh…",
              "With the template's numbering, ready for a shape model: " +
                  listed(mesh_format_extensions(&MeshFormat::keeps_numbers), " or ") +
                  ". Without numbering: " + listed(mesh_format_extensions(&MeshFormat::keeps_numbers, false), " and ") +
                  ". Without faces: " + listed(mesh_format_extensions(&MeshFormat::has_faces, false), " and "),
-             ui.needs_shape(), width))
+             no_mesh, width))
     ask(FilePurpose::export_mesh, name + ".ply");
-  const std::string refusal = ui.needs_shape().empty() ? ui.needs_volume() : ui.needs_shape();
+  const std::string refusal = no_mesh.empty() ? ui.needs_volume() : no_mesh;
   if (button(theme, "Label map…", "Voxels of the image whose centre is inside the mesh", refusal, width))
     ask(FilePurpose::export_label_map, name + "-label.nii.gz");
   gap(theme, 4);

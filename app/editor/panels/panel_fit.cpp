@@ -71,7 +71,8 @@ void draw_fit_settings(const UiContext& ui, Outbox& out) {
   // While none was chosen for this map, it is the one that the mesh lies in.
   const int own = fit_label(ui);
   int label = own;
-  bool changed = label_choice(ui, label, settings.all_labels);
+  bool changed =
+      label_choice(ui, label, settings.all_labels, "Opens the label map that the template is fitted to", out);
   if (label != own) settings.label = label;
   changed |= ball_slider(ui, "Closing", settings.closing_mm, settings.all_labels ? every_label : label,
                          "Radius. Clefts of the label narrower than twice the radius are filled before the fit");
@@ -107,7 +108,11 @@ bool person_confirmed(const UiContext& ui) {
 
 std::string fit_refusal(const UiContext& ui) {
   if (auto busy = busy_refusal(ui); !busy.empty()) return busy;
+  if (!ui.labels) return "Open a label map first.";
   if (ui.label_values.empty()) return "The label map is empty.";
+  if (ui.labels_frame && *ui.labels_frame != ui.displayed->frame)
+    return format("The label map belongs to frame %d. Go there, or say that it is of this frame (Case).",
+                  *ui.labels_frame);
   if (person_confirmed(ui)) return "A fit moves every vertex, but you confirmed some. Free them below first.";
   if (auto refusal = model_refusal(ui); !refusal.empty()) return refusal;
   return ui.needs_shape();
@@ -142,13 +147,13 @@ void draw_last_fit(const Theme& theme, const Fitted& fitted) {
 }
 
 /// How far the fit is, or how good the last one was; always of the same height, so that nothing below moves.
-void draw_fit_figures(const UiContext& ui) {
+void draw_fit_figures(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const float end_px = ImGui::GetCursorPosY() + 3 * theme.px(22);
   const bool fitting = ui.fitter.busy() && !ui.fitter.refining();
   if (fitting) {
-    explanation(theme, format("Fitting: %.0f %%", 100 * ui.fitter.fraction()));
-    progress_bar(theme, ui.fitter.fraction());
+    if (work_area(theme, "", WorkShown{"Fitting", ui.fitter.fraction(), "The mesh goes back to how it was (Escape)"}))
+      out.send(CancelFit{});
   } else if (ui.labels && ui.state.last_fit && *ui.state.last_fit->edit.points == *ui.committed_shape().points) {
     draw_last_fit(theme, *ui.state.last_fit);
   }
@@ -163,31 +168,17 @@ void draw_fit(const UiContext& ui, Outbox& out) {
   gap(theme, 4);
   caption(theme, "Automatic fit");
   draw_fit_settings(ui, out);
-  if (ui.fitter.busy() && !ui.fitter.refining()) {
-    if (button(theme, "Cancel", "The mesh goes back to how it was (Escape)", {}, width)) out.send(CancelFit{});
-  } else if (!ui.labels) {
-    if (button(theme, "Open a label map\xe2\x80\xa6", "Opens the label map that the template is fitted to", {}, width))
-      out.send(ShowFileDialog{FilePurpose::open_labels, {}});
-  } else {
-    if (button(theme, "Fit to the label", "You see the mesh move. The fit is one step to undo", fit_refusal(ui), width,
-               true)) {
-      FitSettings settings = ui.state.fit_settings;
-      settings.label = fit_label(ui);
-      out.send(StartFit{settings});
-    }
-    if (person_confirmed(ui)) draw_free_all(ui, out);
+  if (button(theme, "Fit to the label", "You see the mesh move. The fit is one step to undo", fit_refusal(ui), width,
+             true)) {
+    FitSettings settings = ui.state.fit_settings;
+    settings.label = fit_label(ui);
+    out.send(StartFit{settings});
   }
-  draw_fit_figures(ui);
+  if (ui.labels && person_confirmed(ui)) draw_free_all(ui, out);
+  draw_fit_figures(ui, out);
 }
 
 void draw_refinement(const UiContext& ui, Outbox& out) {
-  if (ui.fitter.refining()) {
-    explanation(ui.theme, format("Refining: %.0f %%", 100 * ui.fitter.fraction()));
-    progress_bar(ui.theme, ui.fitter.fraction());
-    if (button(ui.theme, "Cancel", "The mesh goes back to how it was (Escape)", {}, ImGui::GetContentRegionAvail().x))
-      out.send(CancelFit{});
-    return;
-  }
   gap(ui.theme, 4);
   const std::string busy = busy_refusal(ui);
   if (button(ui.theme, "Refine along the surface",
@@ -196,6 +187,11 @@ void draw_refinement(const UiContext& ui, Outbox& out) {
              "vertices stay. One step to undo",
              busy.empty() ? ui.needs_shape() : busy, ImGui::GetContentRegionAvail().x))
     out.send(RefineAlongSurface{});
+  std::optional<WorkShown> running;
+  if (ui.fitter.refining()) running = {"Refining", ui.fitter.fraction(), "The mesh goes back to how it was (Escape)"};
+  const auto& last = ui.state.last_refinement;
+  const bool known = last && ui.has_shape() && *last->edit.points == *ui.committed_shape().points;
+  if (work_area(ui.theme, known ? last->remarks.back() : "", running)) out.send(CancelFit{});
 }
 
 }  // namespace homolog

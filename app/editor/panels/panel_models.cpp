@@ -171,22 +171,20 @@ void draw_measures_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const float width = ImGui::GetContentRegionAvail().x;
-  if (state.evaluating) {
-    explanation(theme, format("Measuring: %.0f %%", 100 * state.evaluating_fraction));
-    progress_bar(theme, state.evaluating_fraction);
-    if (button(theme, "Cancel", "Stop measuring", {}, width)) out.send(CancelEvaluation{});
-    return;
-  }
-  if (!state.evaluation) {
+  if (!state.evaluation || state.evaluating) {
     const bool enough = state.model && state.model->names.size() >= 3;
     explanation(theme, "Compactness, generalisation and specificity at every number of modes.");
     if (button(theme, std::string(icon::chart) + "  Measure",
                "Measures the model. Specificity takes 1,000 random shapes (seed 1)",
-               !enough                     ? "At least three shapes are needed: one is left out each time."
+               state.evaluating            ? "The model is being measured."
+               : !enough                   ? "At least three shapes are needed: one is left out each time."
                : state.optimisation.runs() ? "Wait until the shapes are optimised."
                                            : "",
                width, true))
       out.send(StartEvaluation{});
+    std::optional<WorkShown> running;
+    if (state.evaluating) running = {"Measuring", state.evaluating_fraction, "Stop measuring"};
+    if (work_area(theme, "", running)) out.send(CancelEvaluation{});
     return;
   }
   const Evaluation& evaluation = *state.evaluation;

@@ -61,8 +61,9 @@ void draw_figures(const Theme& theme, const OptimisedStudy* done) {
 void draw_progress_or_choice(const Theme& theme, const StudyOptimisation& optimisation, Outbox& out) {
   const float end_px = ImGui::GetCursorPosY() + theme.px(36);
   if (optimisation.runs()) {
-    explanation(theme, format("Optimising: %.0f %%", 100 * optimisation.fraction));
-    progress_bar(theme, optimisation.fraction);
+    if (work_area(theme, "",
+                  WorkShown{"Optimising", optimisation.fraction, "The shapes stay as they were fitted (Escape)"}))
+      out.send(CancelOptimisation{});
   } else {
     int shown = optimisation.shown ? 1 : 0;
     if (choice(theme, "shapes", {"As fitted", "Optimised"}, shown,
@@ -89,13 +90,9 @@ void draw_optimise_section(const UiContext& ui, Outbox& out) {
     return;
   }
   draw_progress_or_choice(theme, optimisation, out);
-  if (optimisation.runs()) {
-    if (button(theme, "Cancel", "The shapes stay as they were fitted (Escape)", {}, width))
-      out.send(CancelOptimisation{});
-  } else if (button(theme, "Discard", "Drops the optimised shapes. The shapes are again as they were fitted", {},
-                    width)) {
+  if (button(theme, "Discard", "Drops the optimised shapes. The shapes are again as they were fitted",
+             optimisation.runs() ? "The shapes are being optimised." : "", width))
     out.send(DiscardOptimised{});
-  }
   draw_bits(theme, optimisation);
   draw_figures(theme, optimisation.done.get());
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -41,7 +42,7 @@ class PlacementNumbers {
     static constexpr std::array<const char*, 3> towards{"left", "back", "head"};
     caption(theme, "Centre (L, P, S)");
     row(
-        "centre", centre_, 0.1, "mm",
+        "centre", centre_, 0.1, "mm", {Vec3::Constant(1e5), "The centre"},
         [](int axis) { return std::string("mm towards the patient's ") + towards[static_cast<std::size_t>(axis)]; },
         [this](int axis, double value) {
           Similarity change;
@@ -49,8 +50,10 @@ class PlacementNumbers {
           return change.after(placement_);
         });
     caption(theme, "Turn about L, P, S");
+    // The middle one of three angles goes half as far: beyond, others would be shown for the same turn.
     row(
-        "angle", angles_, 0.25, "\xc2\xb0", [](int) { return "Degrees about the patient's axes, in this order"; },
+        "angle", angles_, 0.25, "\xc2\xb0", {Vec3(180, 90, 180), "The angle"},
+        [](int) { return "Degrees about the patient's axes, in this order"; },
         [this](int axis, double value) {
           Vec3 angles = angles_;
           angles[axis] = value;
@@ -73,8 +76,13 @@ class PlacementNumbers {
   }
 
  private:
+  struct Reach {
+    Vec3 high;  ///< to both sides of 0
+    const char* name;
+  };
   template <class Tip, class Placement>
-  void row(const char* name, const Vec3& committed, double per_px, const char* unit, Tip tip, Placement placement_for) {
+  void row(const char* name, const Vec3& committed, double per_px, const char* unit, const Reach& reach, Tip tip,
+           Placement placement_for) {
     const Theme& theme = ui_.theme;
     const float width = std::floor((ImGui::GetContentRegionAvail().x - 2 * theme.px(4)) / 3);
     for (int axis = 0; axis < 3; ++axis) {
@@ -82,8 +90,8 @@ class PlacementNumbers {
       const std::string id = format("%s %d", name, axis);
       CaseNumber number(ui_, id, committed[axis]);
       bool released = false;
-      const bool changed =
-          number_field(theme, id.c_str(), number.value, per_px, "%.1f", unit, width, tip(axis), released);
+      const bool changed = number_field(theme, id.c_str(), number.value, per_px, "%.1f", unit, width, tip(axis),
+                                        released, 24, {-reach.high[axis], reach.high[axis], reach.name});
       number.settle(
           changed, released, [&](double value) { return SetPlacement{placement_for(axis, value)}; }, out_);
     }
@@ -134,11 +142,20 @@ std::string off_tip(const UiContext& ui, double distance_mm) {
                        distance_mm);
 }
 
+/// Whether a name is too long to stand beside its distance and its buttons: then every row has a second line for the
+/// distance, whether it is there yet or not, so that no row moves.
+bool need_two_lines(const Theme& theme, const std::vector<Landmark>& landmarks) {
+  const float room = ImGui::GetContentRegionAvail().x - theme.px(72 + 32 + 10) - ImGui::CalcTextSize("88.8 mm off").x;
+  return std::any_of(landmarks.begin(), landmarks.end(),
+                     [&](const Landmark& one) { return ImGui::CalcTextSize(one.name.c_str()).x > room; });
+}
+
 void draw_landmark_list(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const Template& the_template = *ui.document().the_template;
   const auto& placed = ui.document().shape().landmarks;
   const std::string wanted = landmark_in_hand(ui.state, ui.document());
+  const bool two_lines = need_two_lines(theme, the_template.landmarks);
   for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
     const Landmark& landmark = the_template.landmarks[l];
     const Part part(landmark.name, "landmark");
@@ -146,11 +163,11 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     const bool done = place != placed.end();
     const bool next = landmark.name == wanted, in_hand = next && ui.state.tool == MouseTool::landmark;
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    const float width = ImGui::GetContentRegionAvail().x, height = theme.px(24);
+    const float width = ImGui::GetContentRegionAvail().x, height = theme.px(two_lines ? 40 : 24);
     const float buttons = done ? theme.px(72) : 0.0f;
     const LandmarkHold hold = landmark_hold(the_template, l, ui.document().shape());
     const std::string off = done && !hold.met ? format("%.1f mm off", hold.distance_mm) : next && !done ? "next" : "";
-    const float off_width = off.empty() ? 0 : ImGui::CalcTextSize(off.c_str()).x + theme.px(10);
+    const float off_width = off.empty() || two_lines ? 0 : ImGui::CalcTextSize(off.c_str()).x + theme.px(10);
     const std::string shown = shortened(landmark.name, width - buttons - off_width - theme.px(32));
     std::string tip =
         done ? "To place it again, click here, then click in a slice" : "Click here, then click its place in a slice";
@@ -162,7 +179,8 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     if (in_hand || row.hovered)
       draw.AddRectFilled(at, {at.x + width, at.y + height},
                          in_hand ? with_alpha(palette::accent, 0.18f) : palette::raised, theme.px(4));
-    const float text_y = std::floor(at.y + (height - ImGui::GetFontSize()) / 2);
+    const float line_height = two_lines ? height / 2 : height;
+    const float text_y = std::floor(at.y + (line_height - ImGui::GetFontSize()) / 2);
     text_at(draw, {at.x + theme.px(6), text_y},
             done   ? (hold.met ? palette::good : palette::dim)
             : next ? palette::accent
@@ -171,10 +189,11 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
             : next ? icon::right_angle
                    : icon::outline);
     text_at(draw, {at.x + theme.px(28), text_y}, palette::text, shown);
-    text_at(draw, {at.x + theme.px(36) + ImGui::CalcTextSize(shown.c_str()).x, text_y},
-            done ? palette::dim : palette::accent, off);
+    const float off_x = two_lines ? theme.px(28) : theme.px(36) + ImGui::CalcTextSize(shown.c_str()).x;
+    text_at(draw, {at.x + off_x, two_lines ? text_y + height / 2 : text_y}, done ? palette::dim : palette::accent, off);
     if (!done) continue;
     ImGui::SameLine(0, 0);
+    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + (height - theme.px(24)) / 2);
     draw_hold(ui, landmark, place->second, hold, out);
   }
 }

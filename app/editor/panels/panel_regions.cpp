@@ -115,8 +115,8 @@ void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
   CaseNumber factor(ui, "factor of " + region.name, committed_factor(ui, region));
   bool released = false;
   const bool changed = number_field(theme, "factor", factor.value, 0.05, "%.1f", "\xc3\x97", factor_width,
-                                    "Stiffness factor of the region: stiffness = base × factor", released, 28);
-  factor.value = std::clamp(factor.value, 0.01, 1000.0);
+                                    "Stiffness factor of the region: stiffness = base × factor", released, 28,
+                                    {0.01, 1000, "The factor of " + region.name});
   factor.settle(
       changed, released,
       [&](double value) {

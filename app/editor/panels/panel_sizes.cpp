@@ -188,18 +188,12 @@ void draw_observers_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const float width = ImGui::GetContentRegionAvail().x;
-  if (ui.comparing) {
-    explanation(theme, format("Comparing: %.0f %%", 100 * *ui.comparing));
-    progress_bar(theme, *ui.comparing);
-    if (button(theme, "Cancel", "Nothing is compared", {}, width)) out.send(CancelObservers{});
-    return;
-  }
   if (state.observers) {
     figure(theme, "With", state.other_observer.filename().string(), state.other_observer.string());
     draw_agreement(ui, *state.observers, out);
     if (button(theme, "Table\xe2\x80\xa6", "Every case with Dice, distances, volumes and landmarks: .csv", {}, width))
       out.send(ShowFileDialog{FilePurpose::export_observers, study_stem(state) + "-observers.csv"});
-  } else if (state.observers_outdated) {
+  } else if (state.observers_outdated && !ui.comparing) {
     explanation(theme, "Shapes have changed since they were compared.");
     if (button(theme, "Compare again", "With " + state.other_observer.string(), {}, width, true))
       out.send(CompareObservers{{state.other_observer}});
@@ -208,8 +202,14 @@ void draw_observers_section(const UiContext& ui, Outbox& out) {
   }
   if (button(theme, "Compare with a study\xe2\x80\xa6",
              "Choose the study of the other observer. Its cases must have the same names",
-             state.shapes.empty() ? "This study has no shape yet." : "", width))
+             ui.comparing           ? "A comparison is running."
+             : state.shapes.empty() ? "This study has no shape yet."
+                                    : "",
+             width))
     out.send(ShowFileDialog{FilePurpose::open_observer, {}});
+  std::optional<WorkShown> running;
+  if (ui.comparing) running = {"Comparing", *ui.comparing, "Nothing is compared"};
+  if (work_area(theme, "", running)) out.send(CancelObservers{});
 }
 
 }  // namespace homolog

@@ -81,15 +81,16 @@ void draw_snap(const UiContext& ui, Outbox& out) {
   rule(theme);
   caption(theme, "Snap to the image");
   const float width = ImGui::GetContentRegionAvail().x;
-  if (ui.snapping) {
-    if (button(theme, "Cancel", "The mesh is not changed", {}, width)) out.send(CancelSnap{});
-  } else if (button(theme, "Snap the whole mesh",
-                    "Draws the mesh to the boundary in the image. Confirmed vertices stay. The key N snaps only the "
-                    "part under "
-                    "the pointer, as wide as \xcf\x83. If the pointer is not on the mesh, N snaps all",
-                    ui.needs_volume(), width)) {
+  const float cancel_width = theme.px(72);
+  if (button(theme, "Snap the whole mesh",
+             "Draws the mesh to the boundary in the image. Confirmed vertices stay. The key N snaps only the "
+             "part under "
+             "the pointer, as wide as \xcf\x83. If the pointer is not on the mesh, N snaps all",
+             ui.snapping ? "A snap is running." : ui.needs_volume(), width - cancel_width - theme.px(4)))
     out.send(SnapMesh{});
-  }
+  ImGui::SameLine(0, theme.px(4));
+  if (button(theme, "Cancel", "The mesh is not changed", ui.snapping ? "" : "No snap is running.", cancel_width))
+    out.send(CancelSnap{});
   SnapSettings snap = ui.state.snap;
   if (draw_snap_settings(ui, snap)) out.send(SetSnap{snap});
   if (ui.state.snapped) {

@@ -26,7 +26,7 @@ void whole_number(const Theme& theme, const char* label, int& value, const Slide
 
 void draw_organ_settings(const UiContext& ui, int label, MaskTemplateOptions& options, bool& changed) {
   const Theme& theme = ui.theme;
-  whole_number(theme, "Vertices", options.vertices, {500, 40000, "%.0f", "", true},
+  whole_number(theme, "Vertices", options.vertices, {500, 40000, "%.0f", "", true, true},
                "How many vertices the template gets", changed);
   changed |= ball_slider(ui, "Closing", options.closing_mm, label,
                          "Radius. Fills clefts that are narrower than twice the radius");
@@ -49,10 +49,10 @@ void draw_organ_settings(const UiContext& ui, int label, MaskTemplateOptions& op
 
 void draw_tube_settings(const UiContext& ui, int label, TemplateSettings& settings, bool& changed) {
   const Theme& theme = ui.theme;
-  whole_number(theme, "Rings", settings.tube_options.rings, {6, 100, "%.0f", "", false}, "From the base to the apex",
-               changed);
-  whole_number(theme, "Sectors", settings.tube_options.sectors, {12, 128, "%.0f", "", false}, "Vertices of a ring",
-               changed);
+  whole_number(theme, "Rings", settings.tube_options.rings, {6, 100, "%.0f", "", false, true},
+               "From the base to the apex", changed);
+  whole_number(theme, "Sectors", settings.tube_options.sectors, {12, 128, "%.0f", "", false, true},
+               "Vertices of a ring", changed);
   const std::string no_ruler = ui.state.ruler ? "" : "Draw the ruler (D) from the base to the apex first.";
   bool by_ruler = settings.axis_by_ruler;
   if (toggle(theme, "Axis by the ruler", by_ruler,
@@ -124,19 +124,8 @@ int template_label(const UiContext& ui) {
   return is_known(there) ? there : known.front();
 }
 
-}  // namespace
-
-bool ball_slider(const UiContext& ui, const char* name, std::optional<double>& radius_mm, int label,
-                 const std::string& tip) {
-  const auto size = ui.label_sizes_mm.find(label);
-  double radius = radius_mm.value_or(size == ui.label_sizes_mm.end() ? 1 : ball_share * size->second);
-  bool released = false;
-  if (!slider(ui.theme, name, radius, {0, 10, "%.1f", "mm", false}, tip, released)) return false;
-  radius_mm = radius;
-  return true;
-}
-
-bool label_choice(const UiContext& ui, int& label, bool& all_labels) {
+/// The labels of the map that is open, to choose one; true where another is chosen.
+bool label_list(const UiContext& ui, int& label, bool& all_labels) {
   const auto& known = ui.label_values;
   if (known.empty()) {
     // The list is there before it has anything to choose: what lies below stays where it is.
@@ -169,6 +158,24 @@ bool label_choice(const UiContext& ui, int& label, bool& all_labels) {
   return absent || changed;
 }
 
+}  // namespace
+
+bool ball_slider(const UiContext& ui, const char* name, std::optional<double>& radius_mm, int label,
+                 const std::string& tip) {
+  const auto size = ui.label_sizes_mm.find(label);
+  double radius = radius_mm.value_or(size == ui.label_sizes_mm.end() ? 1 : ball_share * size->second);
+  bool released = false;
+  if (!slider(ui.theme, name, radius, {0, 10, "%.1f", "mm", false}, tip, released)) return false;
+  radius_mm = radius;
+  return true;
+}
+
+bool label_choice(const UiContext& ui, int& label, bool& all_labels, const std::string& open_tip, Outbox& out) {
+  const bool changed = label_list(ui, label, all_labels);
+  if (button(ui.theme, "Open a label map…", open_tip, {}, ImGui::GetContentRegionAvail().x))
+    out.send(ShowFileDialog{FilePurpose::open_labels, {}});
+  return changed;
+}
 void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality& quality, bool fans) {
   figure(theme, "Vertices", format("%ld", static_cast<long>(mesh.points.rows())));
   figure(theme, "Surface", format("%s, genus %d", mesh.topology->closed() ? "closed" : "open", mesh.topology->genus()),
@@ -195,7 +202,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   TemplateSettings settings = ui.state.template_settings;
   const int own = template_label(ui);
   int label = own;
-  bool changed = label_choice(ui, label, settings.all_labels);
+  bool changed = label_choice(ui, label, settings.all_labels, "A template is made from one of its labels", out);
   if (label != own) settings.label = label;
   caption(theme, "What the label is");
   int kind = settings.tube ? 1 : 0;
@@ -213,17 +220,18 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
 
   const float width = ImGui::GetContentRegionAvail().x;
   const auto making = ui.template_maker.latest();
-  if (!ui.labels) {
-    if (button(theme, "Open a label map…", "A template is made from one of its labels", {}, width))
-      out.send(ShowFileDialog{FilePurpose::open_labels, {}});
-  } else if (ui.template_maker.busy()) {
-    progress_bar(theme, ui.template_maker.fraction());
-    if (button(theme, "Cancel", "Stops after this stage", {}, width)) out.send(CancelTemplate{});
-  } else if (button(theme, "Make the template", "You see each stage in the views",
-                    ui.label_values.empty() ? "The label map is empty." : "", width, !making || !making->mesh)) {
+  const bool busy = ui.template_maker.busy();
+  const std::string refusal = busy                      ? "The template is being made."
+                              : !ui.labels              ? "Open a label map first."
+                              : ui.label_values.empty() ? "The label map is empty."
+                                                        : "";
+  if (button(theme, "Make the template", "You see each stage in the views", refusal, width, !making || !making->mesh)) {
     settings.label = label;
     out.send(MakeTemplate{settings, settings.axis_by_ruler ? ui.state.ruler : std::nullopt});
   }
+  std::optional<WorkShown> running;
+  if (busy) running = {"Making the template", ui.template_maker.fraction(), "Stops after this stage"};
+  if (work_area(theme, "", running)) out.send(CancelTemplate{});
   if (!making) return;
   if (!making->stages.empty()) draw_stages(ui, *making, out);
   if (!making->error.empty()) explanation(theme, making->error);

@@ -48,6 +48,7 @@ struct UiContext {
   std::string labels_name;
   const std::vector<int>& label_values;         ///< of the overlay, without 0
   const std::map<int, double>& label_sizes_mm;  ///< of each and of every_label together
+  std::optional<int> labels_frame;              ///< of a cine, that a map of one frame belongs to
   const TemplateMaker& template_maker;
   const Fitter& fitter;
   const Propagator& propagator;
@@ -101,8 +102,8 @@ void draw_regions(const UiContext& ui, Outbox& out);
 void draw_template_landmarks(const UiContext& ui, Outbox& out);
 void draw_template_making(const UiContext& ui, Outbox& out);
 /// The labels of the overlay to choose from, and all together; one that it does not hold becomes its first. True where
-/// it changed.
-bool label_choice(const UiContext& ui, int& label, bool& all_labels);
+/// it changed. Below it a button opens a map; `open_tip` says what for.
+bool label_choice(const UiContext& ui, int& label, bool& all_labels, const std::string& open_tip, Outbox& out);
 /// The radius of a ball; without one the share of the organ's size that is used then is shown. True where it changed.
 bool ball_slider(const UiContext& ui, const char* name, std::optional<double>& radius_mm, int label,
                  const std::string& tip);

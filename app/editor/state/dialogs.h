@@ -71,6 +71,7 @@ struct FileDialog {
 struct ReplaceDialog {
   FileDialog files;  ///< to go back to
   std::filesystem::path path;
+  std::filesystem::path there;  ///< of the files that are written under that name, the first that is there
 };
 /// Several series in a DICOM folder: one is chosen.
 struct SeriesDialog {

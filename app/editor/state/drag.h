@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -53,9 +54,18 @@ struct BrushDrag {
   double to_next_px = 0;      ///< along the path, until the next dab
   bool painted = false;       ///< a dab met the mesh
   bool reversed = false;      ///< Alt: frees where the brush holds
+  /// Until then it may be the first press of a double click, and paints nothing while the pointer stays.
+  std::optional<double> waits_until;
 };
 struct RulerDrag {
   ViewKind view = ViewKind::axial;
+};
+
+/// What a click asks for, while another press may still make it a double click, which edits nothing.
+struct HeldClick {
+  std::optional<Action> action;
+  std::string notice;  ///< in place of an action: why there is none
+  double until = 0;    ///< by the clock of the events
 };
 
 using Drag =

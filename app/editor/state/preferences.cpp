@@ -35,6 +35,7 @@ void each_entry(Value& p, Visit visit) {
   visit("hint_scrolled", p.hints.scrolled);
   visit("hint_turned", p.hints.turned_camera);
   visit("guide_done", p.guide_done);
+  visit("told_unsaved", p.told_unsaved);
 }
 
 }  // namespace

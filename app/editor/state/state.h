@@ -57,9 +57,9 @@ struct BrushSettings {
   bool erases = false;  ///< takes vertices out of their region instead
   FillRegion::By fill_by = FillRegion::By::region;
   double fill_tolerance_per_mm = FillRegion{}.tolerance_per_mm;
-  double stiffness_factor = 5;  ///< painted by the stiffness brush, relative to the base
-  double soft = 0.5;            ///< share of the radius over which it blends
-  bool hold = true;             ///< the confirm brush holds, else it frees
+  double stiffness_factor = 0.2;  ///< painted by the stiffness brush, relative to the base
+  double soft = 0.5;              ///< share of the radius over which it blends
+  bool hold = true;               ///< the confirm brush holds, else it frees
 };
 
 /// A region whose name is being typed.
@@ -78,18 +78,22 @@ struct Hover {
   PlacePart part = PlacePart::none;  ///< of the placement handles
 };
 
-/// For double clicks.
-struct LastPress {
-  double x_px = 0, y_px = 0, seconds = -1;
-};
-
-/// Radius of the ball that shows a placed landmark.
-inline constexpr double landmark_radius_mm = 1.5;
-
 struct Ruler {
   Vec3 from = Vec3::Zero(), to = Vec3::Zero();
   double length_mm() const { return (to - from).norm(); }
 };
+
+/// For double clicks: the last press of the left button in a view, and what a double click brings back.
+struct LastPress {
+  double x_px = 0, y_px = 0, seconds = -1;
+  int clicks = 0;  ///< that follow each other at one place
+  std::optional<Ruler> ruler;
+  Camera3D camera;
+  bool played = false;
+};
+
+/// Radius of the ball that shows a placed landmark.
+inline constexpr double landmark_radius_mm = 1.5;
 
 /// A number of the case that is being changed in the panel: what it is now, whatever the screen shows yet.
 struct PanelEdit {
@@ -132,6 +136,8 @@ struct Hints {
 
 /// The title of the section that the tools of placing unfold.
 inline constexpr const char* place_section = "Place";
+/// The title of the section that holds the settings of the brushes.
+inline constexpr const char* deform_section = "Deform";
 
 /// What is kept between runs.
 struct Preferences {
@@ -144,6 +150,7 @@ struct Preferences {
   bool light = false;        ///< the light theme
   ShownParts show;
   Hints hints;
+  double told_unsaved = 0;                    ///< when cases that were never saved were offered, seconds since 1970
   bool guide_done = false;                    ///< the guide to the first case was followed or closed
   std::vector<std::filesystem::path> recent;  ///< images and cases, newest first
   std::vector<std::filesystem::path> recent_studies;
@@ -189,8 +196,12 @@ struct EditorState {
   double model_help = 0;              ///< 0…1: how far the study's model completes every stroke
   std::optional<double> hints_until;  ///< when the hints go by themselves, seconds of the window's clock
   bool hints_over = false;
-  std::uint64_t place_wanted = 0;  ///< counts how often a tool of placing asked for its section
-  std::optional<Fitted> last_fit;  ///< spoken of for as long as its mesh is the case's
+  std::string wanted_section;             ///< of the side panel, that a tool has asked for
+  std::uint64_t section_wanted = 0;       ///< counts how often
+  std::optional<Fitted> last_fit;         ///< spoken of for as long as its mesh is the case's
+  std::optional<Fitted> last_refinement;  ///< likewise
+  bool export_all_frames = true;          ///< of a cine with several meshes; else the frame that is shown
+  std::size_t unsaved_found = 0;          ///< cases that were never saved and that nobody was told of before
   SnapSettings snap;
   std::optional<SnapFound> snapped;                 ///< the last snap
   std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
@@ -204,6 +215,7 @@ struct EditorState {
   std::optional<Hover> hover;
   LastPress last_press;
   std::optional<Drag> drag;
+  std::optional<HeldClick> held_click;
   MouseButton drag_button = MouseButton::left;  ///< whose release ends the drag
   std::optional<Ruler> ruler;
   std::optional<PanelEdit> panel_edit;

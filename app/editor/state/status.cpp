@@ -60,6 +60,9 @@ std::string brush_hint(const EditorState& state, const Document& shown) {
 }
 
 std::string hint(const EditorState& state, const Document& shown, bool making_shown) {
+  if (state.unsaved_found > 0 && !state.drag)
+    return std::to_string(state.unsaved_found) + (state.unsaved_found == 1 ? " case was" : " cases were") +
+           " not saved. Unsaved cases (Case) recovers them.";
   if (!shown.volume && !shown.has_shape()) return "Open an image, or drop one on the window.";
   if (making_shown) return "You see the template that is being made. Close it (Template) to see the case's mesh again.";
   if (!shown.has_shape()) return why_no_mesh(shown);

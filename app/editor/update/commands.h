@@ -32,9 +32,9 @@ using AllCommands = TypeList<
     PreviewEdit, ApplyEdit, GoInHistory, SnapMesh, CancelSnap, StartFit, RefineAlongSurface, CancelFit, CancelFits,
     BlendModel, CompleteByModel, ShowFrame, PlayFrames, PropagateFrames, CancelPropagation,
     // files
-    OpenFiles, OpenRequested, CloseLabels, CancelOpening, CancelReading, CancelWriting, SaveCase, SaveCaseAs,
-    ExportMesh, ExportLabelMap, ExportLandmarks, ExportTemplate, ExportTemplateLandmarks, ExportPicture, ExportVolumes,
-    ImportLandmarks, OpenFitModel, ImportStiffness, ImportTemplateLandmarks,
+    OpenFiles, OpenRequested, CloseLabels, SetLabelsFrame, CancelOpening, CancelReading, CancelWriting, SaveCase,
+    SaveCaseAs, ExportMesh, ExportLabelMap, ExportLandmarks, ExportTemplate, ExportTemplateLandmarks, ExportAllFrames,
+    ExportPicture, ExportVolumes, ImportLandmarks, OpenFitModel, ImportStiffness, ImportTemplateLandmarks,
     // the making of a template
     MakeTemplate, CancelTemplate, UndoTemplate, CloseTemplateMaking, UseMadeTemplate, ShowTemplateStage,
     // tools

@@ -7,7 +7,7 @@ namespace homolog {
 
 namespace {
 
-constexpr double wheel_zoom = 1.12, wheel_sigma = 1.1, double_click_seconds = 0.35, pick_reach_units = 8;
+constexpr double wheel_zoom = 1.12, wheel_sigma = 1.1, pick_reach_units = 8;
 
 void turn_wheel(EditorState& state, const InputEvent& event, double steps, const ControlsContext& context,
                 Outbox& out) {
@@ -36,14 +36,37 @@ void turn_wheel(EditorState& state, const InputEvent& event, double steps, const
   }
 }
 
-bool is_double_click(EditorState& state, const InputEvent& event) {
-  const LastPress last = state.last_press;
-  state.last_press = {event.x_px, event.y_px, event.seconds};
-  const double reach = 4;
-  const bool second = event.seconds - last.seconds < double_click_seconds &&
-                      std::hypot(event.x_px - last.x_px, event.y_px - last.y_px) < reach;
-  if (second) state.last_press.seconds = -1;
-  return second;
+/// Counts a press of the left button: 1 for the first at its place, 2 for that of a double click, and so on.
+int count_click(EditorState& state, const InputEvent& event) {
+  const int clicks = near_last_press(state, event) ? state.last_press.clicks + 1 : 1;
+  if (clicks == 1) {
+    state.last_press.ruler = state.ruler;
+    state.last_press.camera = state.camera;
+    state.last_press.played = state.playing;
+  }
+  state.last_press.x_px = event.x_px;
+  state.last_press.y_px = event.y_px;
+  state.last_press.seconds = event.seconds;
+  return state.last_press.clicks = clicks;
+}
+
+/// A view fills the window, or all four are seen again. What the click before began is taken back: it was none.
+void double_click(EditorState& state, Outbox& out) {
+  if (state.held_click && state.held_click->action) out.preview(std::nullopt);
+  state.held_click.reset();
+  state.ruler = state.last_press.ruler;
+  const ViewKind kind = state.hover->view;
+  if (kind == ViewKind::space) state.camera = state.last_press.camera;
+  if (state.last_press.played && !state.playing) out.send(PlayFrames{true});
+  state.maximised = state.maximised ? std::nullopt : std::optional(kind);
+}
+
+/// Whether a click that is held is a click by now: the time is over, or something else begins.
+bool ends_held_click(const EditorState& state, const InputEvent& event) {
+  if (event.seconds >= state.held_click->until) return true;
+  if (std::holds_alternative<MouseMove>(event.what) || std::holds_alternative<MouseRelease>(event.what)) return false;
+  const auto* press = std::get_if<MousePress>(&event.what);
+  return press == nullptr || press->button != MouseButton::left || event.over_panel || !near_last_press(state, event);
 }
 
 /// Whether an event acts on what lies under the pointer now: a press that begins something, and a drag that follows the
@@ -104,8 +127,19 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
   state.hover = std::move(hover);
 }
 
-void handle_event(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
+bool near_last_press(const EditorState& state, const InputEvent& event) {
+  const LastPress& last = state.last_press;
+  return last.clicks > 0 && event.seconds - last.seconds < double_click_seconds &&
+         std::hypot(event.x_px - last.x_px, event.y_px - last.y_px) < double_click_px;
+}
+
+void handle_event(EditorState& state, const InputEvent& event, const ControlsContext& given, Outbox& out) {
   state.active = true;
+  ControlsContext context = given;
+  if (state.held_click && ends_held_click(state, event)) {
+    context.can_undo = context.can_undo || state.held_click->action;
+    do_held_click(state, context, out);
+  }
   const double last_x_px = state.hover ? state.hover->x_px : event.x_px;
   const double last_y_px = state.hover ? state.hover->y_px : event.y_px;
   // What the pointer is over is looked up once: before a press or a drag that needs it, else after what the event did.
@@ -116,15 +150,14 @@ void handle_event(EditorState& state, const InputEvent& event, const ControlsCon
     press_key(state, event, pressed->key, context, out);
   } else if (const auto* press = std::get_if<MousePress>(&event.what)) {
     if (!pointed || !state.hover) return;
-    if (press->button != MouseButton::left || !is_double_click(state, event)) {
+    const int clicks = press->button == MouseButton::left ? count_click(state, event) : 1;
+    if (clicks == 1)
       start_drag(state, event, press->button, context, out);
-      return;
-    }
-    const ViewKind kind = state.hover->view;
-    state.maximised = state.maximised ? std::nullopt : std::optional(kind);
+    else if (clicks % 2 == 0)
+      double_click(state, out);
     return;
   } else if (const auto* release = std::get_if<MouseRelease>(&event.what)) {
-    if (state.drag && release->button == state.drag_button) finish_drag(state, context, out);
+    if (state.drag && release->button == state.drag_button) finish_drag(state, event, context, out);
   } else if (const auto* wheel = std::get_if<Wheel>(&event.what)) {
     turn_wheel(state, event, wheel->steps, context, out);
   } else if (state.drag) {

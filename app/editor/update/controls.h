@@ -60,8 +60,18 @@ void press_key(const EditorState& state, const InputEvent& event, int key, const
 void start_drag(EditorState& state, const InputEvent& event, MouseButton button, const ControlsContext& context,
                 Outbox& out);
 void move_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out);
-void finish_drag(EditorState& state, const ControlsContext& context, Outbox& out);
+void finish_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out);
 void cancel_drag(EditorState& state, Outbox& out);
+
+/// Two presses within this time, and this near to each other, are a double click.
+inline constexpr double double_click_seconds = 0.35, double_click_px = 4;
+/// Whether an event comes so soon and so near after the last press that both may be one click.
+bool near_last_press(const EditorState& state, const InputEvent& event);
+/// Does what a click asked for; nothing where none is held.
+void do_held_click(EditorState& state, const ControlsContext& context, Outbox& out);
+/// The same once no press can make it a double click; and a brush that is held still begins to paint. `seconds` is the
+/// clock of the events.
+void settle_click(EditorState& state, double seconds, const ControlsContext& context, Outbox& out);
 
 /// One stamp of the stiffness or the confirm brush.
 std::optional<Action> brush_action(const EditorState& state, const Document& document, const Vec3& at);

@@ -45,6 +45,14 @@ void paint_to(EditorState& state, const ControlsContext& context, double x_px, d
   drag.y_px = y_px;
 }
 
+/// The dab at the press of a brush that has not begun to paint; nullopt where it covers nothing of the mesh.
+std::optional<Action> first_dab(const EditorState& state, const ControlsContext& context) {
+  const auto& drag = std::get<BrushDrag>(*state.drag);
+  const ViewMap map = view_map(state, context.layout, context.document, drag.view);
+  const auto at = dab_at(state, context, map, drag.x_px, drag.y_px);
+  return at ? brush_action(state, context.document, *at) : std::nullopt;
+}
+
 /// A press of the left button: where, and what lies there.
 struct Press {
   EditorState& state;
@@ -59,6 +67,12 @@ struct Press {
   /// What is taken hold of belongs to the frame that is shown.
   void stay_at_frame() const {
     if (state.playing) out.send(PlayFrames{false});
+  }
+  /// A press that asks for something at once does so when it can be no double click.
+  bool hold(HeldClick click) const {
+    click.until = event.seconds + double_click_seconds;
+    state.held_click = std::move(click);
+    return true;
   }
 };
 
@@ -117,13 +131,17 @@ bool start_brush(const Press& press) {
   EditorState& state = press.state;
   const Hover& hover = press.hover;
   if (!press.document().has_shape() || (!hover.on_mesh && press.in_space())) return false;
-  if (paints_regions(state) && press.document().regions->list.empty()) {
-    add_notice(state, "There is no region to paint yet. Add one first (Template, Regions).");
-    return true;
-  }
+  if (paints_regions(state) && press.document().regions->list.empty())
+    return press.hold({{}, "There is no region to paint yet. Add one first (Template, Regions)."});
   press.stay_at_frame();
-  state.drag = BrushDrag{hover.view, press.event.x_px, press.event.y_px, 0, false, press.event.alt};
-  paint_to(state, press.context, press.event.x_px, press.event.y_px, press.out);
+  state.drag = BrushDrag{hover.view,
+                         press.event.x_px,
+                         press.event.y_px,
+                         0,
+                         false,
+                         press.event.alt,
+                         press.event.seconds + double_click_seconds};
+  if (const auto dab = first_dab(state, press.context)) press.out.preview(dab);
   return true;
 }
 
@@ -131,17 +149,9 @@ bool set_template_landmark(const Press& press) {
   EditorState& state = press.state;
   const Hover& hover = press.hover;
   if (!hover.on_mesh) return false;
-  if (state.template_landmark.empty()) {
-    add_notice(state, "Type the landmark's name first (Template), or choose one in the list to move it.", false);
-    return true;
-  }
-  // A new one is done with its click; whoever moves those that are there may go on in their list.
-  const auto& known = press.document().the_template->landmarks;
-  const bool is_new = std::none_of(known.begin(), known.end(),
-                                   [&name = state.template_landmark](const Landmark& one) { return one.name == name; });
-  if (is_new) state.tool = state.tool_before_naming;
-  press.out.apply(SetTemplateLandmark{std::exchange(state.template_landmark, {}), *hover.on_mesh});
-  return true;
+  if (state.template_landmark.empty())
+    return press.hold({{}, "Type the landmark's name first (Template), or choose one in the list to move it."});
+  return press.hold({SetTemplateLandmark{state.template_landmark, *hover.on_mesh}, {}});
 }
 
 bool start_ruler(const Press& press) {
@@ -258,7 +268,11 @@ void move_drag(EditorState& state, const InputEvent& event, const ControlsContex
       landmark->to = to;
       out.preview(drag_action(state));
     }
-  } else if (std::holds_alternative<BrushDrag>(*state.drag)) {
+  } else if (auto* brush = std::get_if<BrushDrag>(&*state.drag)) {
+    if (brush->waits_until && event.seconds < *brush->waits_until &&
+        std::hypot(event.x_px - brush->x_px, event.y_px - brush->y_px) < double_click_px)
+      return;
+    brush->waits_until.reset();
     paint_to(state, context, event.x_px, event.y_px, out);
   } else if (auto* ruler = std::get_if<RulerDrag>(&*state.drag)) {
     // In space both ends lie on the surface: a length across the screen would be too short.
@@ -277,26 +291,75 @@ std::optional<Action> drag_action(const EditorState& state) {
   return std::nullopt;
 }
 
-void finish_drag(EditorState& state, const ControlsContext& context, Outbox& out) {
-  if (const auto action = drag_action(state)) {
-    out.apply(*action);
-    if (const auto* stroke = std::get_if<Stroke>(&*action)) {
-      state.preferences.hints.dragged = true;
-      if (moves_boundary(stroke->tool)) {
-        if (state.snap.with_strokes && context.document.volume)
-          out.send(SnapMesh{snap_region(context.document, *stroke), true});
-        if (state.model_help > 0) out.send(CompleteByModel{});
-      }
+namespace {
+
+/// What follows from an edit by the mouse that is done.
+void commit(EditorState& state, const Action& action, const ControlsContext& context, Outbox& out) {
+  // A new one is done with its click; whoever moves those that are there may go on in their list.
+  if (const auto* named = std::get_if<SetTemplateLandmark>(&action)) {
+    const auto& known = context.document.the_template->landmarks;
+    if (std::none_of(known.begin(), known.end(), [&](const Landmark& one) { return one.name == named->name; }))
+      state.tool = state.tool_before_naming;
+    state.template_landmark.clear();
+  }
+  out.apply(action);
+  state.unsaved_found = 0;  // the sentence about them has been seen by now; the button stays
+  if (const auto* stroke = std::get_if<Stroke>(&action)) {
+    state.preferences.hints.dragged = true;
+    if (moves_boundary(stroke->tool)) {
+      if (state.snap.with_strokes && context.document.volume)
+        out.send(SnapMesh{snap_region(context.document, *stroke), true});
+      if (state.model_help > 0) out.send(CompleteByModel{});
     }
-    if (const auto* placed = std::get_if<PlaceLandmark>(&*action))
-      state.landmark = next_unplaced_landmark(context.document, placed->name);
+  }
+  if (const auto* placed = std::get_if<PlaceLandmark>(&action)) {
+    state.landmark = next_unplaced_landmark(context.document, placed->name);
+    const auto& volume = context.document.volume;
+    if (volume && placed->at && !volume->geometry.holds(*placed->at))
+      add_notice(state, "\"" + placed->name +
+                            "\" was placed outside the image, where nothing shows its place. Undo takes it back.");
+  }
+}
+
+}  // namespace
+
+void do_held_click(EditorState& state, const ControlsContext& context, Outbox& out) {
+  if (!state.held_click) return;
+  const HeldClick click = *std::exchange(state.held_click, std::nullopt);
+  if (click.action)
+    commit(state, *click.action, context, out);
+  else
+    add_notice(state, click.notice);
+}
+
+void settle_click(EditorState& state, double seconds, const ControlsContext& context, Outbox& out) {
+  if (state.held_click && seconds >= state.held_click->until) do_held_click(state, context, out);
+  auto* brush = state.drag ? std::get_if<BrushDrag>(&*state.drag) : nullptr;
+  if (brush == nullptr || !brush->waits_until || seconds < *brush->waits_until) return;
+  brush->waits_until.reset();
+  paint_to(state, context, brush->x_px, brush->y_px, out);
+}
+
+void finish_drag(EditorState& state, const InputEvent& event, const ControlsContext& context, Outbox& out) {
+  auto* brush = std::get_if<BrushDrag>(&*state.drag);
+  const bool waits = brush != nullptr && brush->waits_until.has_value();
+  const bool may_be_double = state.drag_button == MouseButton::left && near_last_press(state, event);
+  if (waits && !may_be_double) {
+    brush->waits_until.reset();
+    paint_to(state, context, event.x_px, event.y_px, out);
+  } else if (const auto action = waits ? first_dab(state, context) : drag_action(state)) {
+    if (may_be_double)
+      state.held_click = HeldClick{action, {}, state.last_press.seconds + double_click_seconds};
+    else
+      commit(state, *action, context, out);
   }
   if (std::holds_alternative<RulerDrag>(*state.drag) && state.ruler->length_mm() == 0) state.ruler.reset();
   state.drag.reset();
 }
 
 void cancel_drag(EditorState& state, Outbox& out) {
-  if (drag_action(state)) out.preview(std::nullopt);
+  const auto* brush = std::get_if<BrushDrag>(&*state.drag);
+  if (drag_action(state) || (brush != nullptr && brush->waits_until)) out.preview(std::nullopt);
   if (const auto* window = std::get_if<WindowLevelDrag>(&*state.drag)) {
     state.window_low = window->low;
     state.window_high = window->high;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "app/editor/state/files/file_extensions.h"
+#include "core/base/text.h"
 #include "core/mesh/formats/formats.h"
 #include "core/volume/formats/formats.h"
 
@@ -22,6 +23,11 @@ Command to(const fs::path& chosen, const EditorState&) {
 template <class C>
 Command to_several(const std::vector<fs::path>& chosen) {
   return C{chosen};
+}
+
+template <class C>
+Command of_frames(const fs::path& chosen, const EditorState& state) {
+  return C{{chosen}, state.export_all_frames};
 }
 
 Command template_of(const fs::path& chosen, const EditorState&) {
@@ -101,12 +107,12 @@ const std::vector<FilePurposeKind>& file_purposes() {
        to<AddScans>,
        to_several<AddScans>},
       {FilePurpose::save_case, "save case", "Save the case", {true, {case_extension}}, to<SaveCaseAs>},
-      {FilePurpose::export_mesh, "export mesh", "Export the mesh", {true, exported}, to<ExportMesh>},
+      {FilePurpose::export_mesh, "export mesh", "Export the mesh", {true, exported}, of_frames<ExportMesh>},
       {FilePurpose::export_label_map,
        "export label map",
        "Export the label map",
        {true, volume_format_endings(&VolumeFormat::written)},
-       to<ExportLabelMap>},
+       of_frames<ExportLabelMap>},
       {FilePurpose::export_landmarks,
        "export landmarks",
        "Export the placed landmarks",
@@ -164,6 +170,32 @@ const std::vector<FilePurposeKind>& file_purposes() {
 const FilePurposeKind& file_purpose(FilePurpose purpose) {
   const auto& all = file_purposes();
   return *std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.purpose == purpose; });
+}
+
+bool has_several_meshes(const Document& document) {
+  return document.shapes.size() > 1;
+}
+
+fs::path file_of_frame(FilePurpose purpose, const fs::path& chosen, int frame, const Document& document) {
+  const std::string name = chosen.filename().string();
+  std::string ending = chosen.extension().string();
+  for (const std::string& known : file_purpose(purpose).files.extensions)
+    if (known.size() > ending.size() && lower_case(name).ends_with(known))
+      ending = name.substr(name.size() - known.size());
+  const int last = document.volume ? document.volume->frames - 1 : document.shapes.rbegin()->first;
+  const std::size_t digits = std::max<std::size_t>(2, std::to_string(last).size());
+  std::string number = std::to_string(frame);
+  number.insert(0, digits - std::min(digits, number.size()), '0');
+  return chosen.parent_path() / (name.substr(0, name.size() - ending.size()) + "-frame-" + number + ending);
+}
+
+std::vector<fs::path> files_written(FilePurpose purpose, const fs::path& chosen, const EditorState& state,
+                                    const Document& document) {
+  const bool of_frames = purpose == FilePurpose::export_mesh || purpose == FilePurpose::export_label_map;
+  if (!of_frames || !state.export_all_frames || !has_several_meshes(document)) return {chosen};
+  std::vector<fs::path> files;
+  for (const auto& [frame, shape] : document.shapes) files.push_back(file_of_frame(purpose, chosen, frame, document));
+  return files;
 }
 
 FilePurpose purpose_of(const std::string& name) {

@@ -24,4 +24,13 @@ const FilePurposeKind& file_purpose(FilePurpose purpose);
 /// By its name in the log; that to open a file where there is none of that name.
 FilePurpose purpose_of(const std::string& name);
 
+/// Whether an export can write the meshes of several frames.
+bool has_several_meshes(const Document& document);
+/// "heart-frame-07.ply": what the file of one frame is called where `chosen` is "heart.ply".
+std::filesystem::path file_of_frame(FilePurpose purpose, const std::filesystem::path& chosen, int frame,
+                                    const Document& document);
+/// What is written where `chosen` is accepted for a purpose: itself, or a file for each frame.
+std::vector<std::filesystem::path> files_written(FilePurpose purpose, const std::filesystem::path& chosen,
+                                                 const EditorState& state, const Document& document);
+
 }  // namespace homolog

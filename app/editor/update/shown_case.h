@@ -23,6 +23,7 @@ struct ShownLabels {
   std::filesystem::path file;
   std::vector<int> values;         ///< without 0
   std::map<int, double> sizes_mm;  ///< of each and of every_label together [organ_size_mm]
+  std::optional<int> frame;        ///< of a cine, where the map holds one frame only: the one that it belongs to
 };
 
 /// Whether there are edits of a case that has no file of its own.
@@ -74,6 +75,14 @@ class ShownCase {
   /// The case's file names them from then on.
   void show_labels(ShownLabels labels);
   void close_labels() { show_labels({}); }
+  /// The map belongs to another frame of the cine.
+  void set_labels_frame(int frame) {
+    if (labels_.frame) labels_.frame = frame;
+  }
+  /// The map where it belongs to the frame that is shown, else null.
+  std::shared_ptr<const Volume> labels_here() const {
+    return labels_.frame && *labels_.frame != displayed_->frame ? nullptr : labels_.volume;
+  }
 
  private:
   void keep_on_disk(EditorState& state);

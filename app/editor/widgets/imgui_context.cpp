@@ -61,24 +61,37 @@ ControlsMemory& controls_memory() {
 void begin_controls() {
   ControlsMemory& memory = controls_memory();
   memory.last_controls = std::exchange(memory.controls, {});
+  if (!menus_open()) memory.searched.clear();
   memory.keys.begin_frame();
 }
 
+bool menus_open() {
+  return ImGui::GetCurrentContext()->OpenPopupStack.Size > 0;
+}
+
 bool close_menus() {
-  if (ImGui::GetCurrentContext()->OpenPopupStack.Size == 0) return false;
+  if (!menus_open()) return false;
   ImGui::ClosePopupToLevel(0, true);
   return true;
 }
 
-void close_menus_beside(double x_px, double y_px) {
+void erase_searched() {
+  std::string& text = controls_memory().searched;
+  // A letter of UTF-8 ends with the byte before it that is none of those that go on with one.
+  while (!text.empty() && (static_cast<unsigned char>(text.back()) & 0xC0U) == 0x80U) text.pop_back();
+  if (!text.empty()) text.pop_back();
+  key_focus().start_again();
+}
+
+bool close_menus_beside(double x_px, double y_px) {
   const ImVec2 at{static_cast<float>(x_px), static_cast<float>(y_px)};
   const auto& open = ImGui::GetCurrentContext()->OpenPopupStack;
   controls_memory().menu_closed = 0;
   for (const ImGuiPopupData& popup : open)
-    if (popup.Window == nullptr || popup.Window->OuterRectClipped.Contains(at)) return;
-  if (open.Size == 0) return;
+    if (popup.Window == nullptr || popup.Window->OuterRectClipped.Contains(at)) return false;
+  if (open.Size == 0) return false;
   controls_memory().menu_closed = open[0].PopupId;
-  close_menus();
+  return close_menus();
 }
 
 void look_for_letters(const std::string& text) {

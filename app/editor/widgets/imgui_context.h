@@ -9,14 +9,23 @@
 
 namespace homolog {
 
+/// A number while it is typed: its control, what stands there, and what stood there before.
+struct TypedNumber {
+  unsigned item = 0;  ///< ImGui's id; 0: none
+  std::string text, before;
+};
+
 /// What the controls remember from one frame to the next, beside what ImGui does. One in each ImGui context.
 struct ControlsMemory {
   std::set<unsigned> unknown_letters;  ///< that were to be shown and that no font has, code points
-  std::uint64_t place_shown = 0;       ///< EditorState::place_wanted that the panel has scrolled to
+  std::uint64_t section_shown = 0;     ///< EditorState::section_wanted that the panel has scrolled to
   unsigned menu_closed = 0;            ///< ImGui's id of the menu that the press that goes on has closed
   bool pointer_by_keys = false;        ///< keys move the pointer, so it is drawn
   std::vector<RectPx> controls;        ///< what is seen of each control that was drawn in this frame so far
   std::vector<RectPx> last_controls;   ///< in the frame before: where no tooltip should lie
+  TypedNumber typed;
+  std::vector<std::string> refusals;  ///< of numbers that were typed, until somebody says them
+  std::string searched;               ///< what was typed into the list or menu that is open
   KeyFocus keys;
 };
 /// Of the current context.
@@ -49,10 +58,14 @@ class ImGuiOnOpenGl {
   ImGuiAlone imgui_;
 };
 
+/// Whether a menu or a list is open over the window.
+bool menus_open();
 /// Closes the menus and lists that are open over the window; true where there were some.
 bool close_menus();
-/// The same where they do not lie at that px: what was clicked there takes the click.
-void close_menus_beside(double x_px, double y_px);
+/// The same where they do not lie at that px.
+bool close_menus_beside(double x_px, double y_px);
+/// Takes the last letter of what was typed into the open list away.
+void erase_searched();
 /// Takes down letters of a text (UTF-8) that the fonts do not have.
 void look_for_letters(const std::string& text);
 

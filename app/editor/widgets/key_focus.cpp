@@ -208,7 +208,8 @@ void KeyFocus::find_lost() {
     return;
   }
   if (in_front() && focused() == 0) {
-    if (ImGui::GetIO().WantTextInput || all.size() == 1) return;  // a field has the keys already, or there is no choice
+    // A field has the keys already, or there is no choice; what was searched for is there to be chosen.
+    if (ImGui::GetIO().WantTextInput || (all.size() == 1 && controls_memory().searched.empty())) return;
     go_to(first_of(all));
     explains_ = false;
     return;
@@ -253,6 +254,22 @@ bool KeyFocus::at_last_control() const {
 bool KeyFocus::marks(unsigned id) const {
   const bool typed_elsewhere = ImGui::GetIO().WantTextInput && ImGui::GetActiveID() != id;
   return speaks_ && id != 0 && id == focused() && !typed_elsewhere;
+}
+
+float KeyFocus::moved_px(float at_px) const {
+  const ImGuiWindow& window = *ImGui::GetCurrentContext()->CurrentWindow;
+  float nearest_px = FLT_MAX, moved = 0;
+  for (const Stop& before : last_) {
+    const float low = before.rect.y, high = low + before.rect.height;
+    if (before.window != window.ID || high < window.InnerRect.Min.y || low > window.InnerRect.Max.y) continue;
+    const float away_px = std::max({low - at_px, at_px - high, 0.0f});
+    if (away_px >= nearest_px) continue;
+    const auto now = std::ranges::find_if(drawn_, [&](const Stop& one) { return one.id == before.id; });
+    if (now == drawn_.end()) continue;
+    nearest_px = away_px;
+    moved = now->rect.y - low;
+  }
+  return moved;
 }
 
 int KeyFocus::take_steps() {

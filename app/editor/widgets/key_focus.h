@@ -34,6 +34,8 @@ class KeyFocus {
   void step(int steps) { steps_ = steps; }
   /// From a field that is typed into to the next control; the typing there is done.
   void leave_field(Way way);
+  /// Of a menu or a dialog the keys reach what they reach at first.
+  void start_again() { at_.erase(layer()); }
   /// The keys are the program's own again.
   void leave();
   /// Who was used last: the reached control is marked and explained while that is the keyboard.
@@ -61,6 +63,9 @@ class KeyFocus {
   int take_steps();
   /// The window that is drawn now is a dialog, over all others.
   void mark_dialog();
+  /// How far down the control nearest to a height of the window that is drawn now has moved on the screen since the
+  /// frame before; of those that were seen and are still there. 0 where there is none.
+  float moved_px(float at_px) const;
   /// What is drawn now belongs to this group whatever its window; 0: to its window.
   void set_group(unsigned group) { drawn_group_ = group; }
   /// The keys cannot reach what is drawn now.

@@ -102,6 +102,38 @@ void progress_bar(const Theme& theme, double fraction) {
   ImGui::Dummy({width, height});
 }
 
+bool work_area(const Theme& theme, const std::string& at_rest, const std::optional<WorkShown>& running) {
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = available(), height = theme.px(36), cancel_width = theme.px(72);
+  bool cancelled = false;
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(8), theme.px(4)});
+  ImGui::BeginGroup();
+  if (running) {
+    const float bar_width = width - cancel_width - theme.px(8);
+    ImGui::PushFont(theme.small);
+    text_line(shortened(format("%s: %.0f %%", running->what.c_str(), 100 * running->fraction), bar_width),
+              palette::dim);
+    ImGui::PopFont();
+    ImGui::GetWindowDrawList()->PushClipRect({at.x, at.y}, {at.x + bar_width, at.y + height}, true);
+    progress_bar(theme, running->fraction * static_cast<double>(bar_width / width));
+    ImGui::GetWindowDrawList()->PopClipRect();
+    ImGui::SetCursorScreenPos({at.x + width - cancel_width, at.y});
+    cancelled = button(theme, "Cancel", running->cancel_tip, {}, cancel_width);
+  } else if (!at_rest.empty()) {
+    constexpr float lines = 2, of_broken_lines = 0.85f;
+    ImGui::PushFont(theme.small);
+    const std::string shown = shortened(at_rest, lines * of_broken_lines * width);
+    ImGui::PopFont();
+    explanation(theme, shown);
+    if (shown != at_rest && is_explained()) tooltip(theme, at_rest);
+  }
+  ImGui::EndGroup();
+  ImGui::PopStyleVar();
+  ImGui::SetCursorScreenPos(at);
+  ImGui::Dummy({width, height});
+  return cancelled;
+}
+
 bool section(const Theme& theme, const char* title, bool open, bool& toggled, const std::string& holds) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const ImVec2 size{available(), theme.px(36)};
@@ -229,40 +261,6 @@ bool choice(const Theme& theme, const char* id, const std::vector<std::string>& 
   return chosen != before;
 }
 
-bool number_field(const Theme& theme, const char* id, double& value, double per_px, const char* pattern,
-                  const char* unit, float width_px, const std::string& tip, bool& released, float height_units) {
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float height = theme.px(height_units);
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {theme.px(6), (height - ImGui::GetFontSize()) / 2});
-  ImGui::SetNextItemWidth(width_px);
-  ImGui::PushID(id);
-  const ImGuiID item = ImGui::GetID("##number");
-  const bool typing = ImGui::TempInputIsActive(item);
-  // ImGui centres the number of a drag field: hidden here and drawn again at the right edge.
-  if (!typing) ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32_BLACK_TRANS);
-  bool changed = ImGui::DragScalar("##number", ImGuiDataType_Double, &value, static_cast<float>(per_px), nullptr,
-                                   nullptr, pattern);
-  if (!typing) ImGui::PopStyleColor();
-  ImGui::PopStyleVar();
-  ImGui::PopID();
-  released = ImGui::IsItemDeactivatedAfterEdit();
-  constexpr double px_per_step = 4;
-  if (const int steps = key_focus().take_steps(); steps != 0) {
-    value += steps * px_per_step * per_px;
-    changed = released = true;
-  }
-  std::array<char, 64> digits{};
-  std::snprintf(digits.data(), digits.size(), pattern, value);
-  const std::string text = std::string(digits.data()) + (unit[0] != 0 ? std::string(" ") + unit : std::string());
-  note_control(Kind::number, id, text, tip);
-  if (!tip.empty() && !typing && is_explained()) tooltip(theme, tip);
-  if (!ImGui::TempInputIsActive(item)) {
-    const bool disabled = (ImGui::GetCurrentContext()->CurrentItemFlags & ImGuiItemFlags_Disabled) != 0;
-    text_in(at, {at.x + width_px - theme.px(6), at.y + height}, disabled ? palette::faint : palette::text, text, 1);
-  }
-  return changed;
-}
-
 bool slider(const Theme& theme, const char* label, double& value, const SliderRange& range, const std::string& tip,
             bool& released, const std::string& refusal) {
   const Control control(theme, tip, refusal);
@@ -299,10 +297,9 @@ bool slider(const Theme& theme, const char* label, double& value, const SliderRa
   ImGui::SetCursorScreenPos({at.x + width - value_width, at.y});
   bool typed = false;
   const double per_px = (range.high - range.low) / 400;
-  if (number_field(theme, "value", value, per_px, range.format, range.unit, value_width, tip, typed)) {
-    value = std::clamp(value, range.low, range.high);
+  if (number_field(theme, "value", value, per_px, range.format, range.unit, value_width, tip, typed, 24,
+                   {range.low, range.high, label, range.whole}))
     changed = true;
-  }
   released = released || typed;
   return changed;
 }

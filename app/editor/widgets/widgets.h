@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,14 +51,24 @@ struct SliderRange {
   const char* format = "%.1f";
   const char* unit = "";
   bool logarithmic = false;
+  bool whole = false;  ///< whole numbers only
 };
 /// Label, track and value with unit in a row; the value can be typed after a click on it. `released` is set when the
 /// change is finished (the mouse let go, Enter pressed).
 bool slider(const Theme& theme, const char* label, double& value, const SliderRange& range, const std::string& tip,
             bool& released, const std::string& refusal = {});
-/// A right-aligned number that is dragged sideways or typed.
+/// What a number may be, and what it is called. A number that is typed beyond them is refused with a sentence; one that
+/// is dragged stops there.
+struct NumberLimits {
+  double low = 0, high = 1;
+  std::string name;    ///< "Scale"
+  bool whole = false;  ///< whole numbers only
+};
+/// A right-aligned number that is dragged sideways or typed. What is typed is taken when the typing ends: as it is, or
+/// not at all.
 bool number_field(const Theme& theme, const char* id, double& value, double per_px, const char* format,
-                  const char* unit, float width_px, const std::string& tip, bool& released, float height_units = 24);
+                  const char* unit, float width_px, const std::string& tip, bool& released, float height_units,
+                  const NumberLimits& limits);
 
 /// A line of text to type; true while it changes.
 bool text_field(const Theme& theme, const char* name, std::string& text, const char* hint, float width_px,
@@ -107,6 +118,16 @@ void rule(const Theme& theme);
 void gap(const Theme& theme, float units);
 /// A bar that fills as work goes on, as wide as there is room.
 void progress_bar(const Theme& theme, double fraction);
+
+/// Work that goes on: "Fitting".
+struct WorkShown {
+  std::string what;
+  double fraction = 0;
+  std::string cancel_tip;
+};
+/// The room below a button that starts work: two lines of text while it rests, else how far it is, with a button that
+/// cancels it; true where that was pressed. Always of the same height, so that nothing moves under the pointer.
+bool work_area(const Theme& theme, const std::string& at_rest, const std::optional<WorkShown>& running);
 
 ImVec2 text_size(ImFont* font, const std::string& text);
 /// Text at a px of the window in the font that is pushed, or in another; beyond `wrap_px` it goes on in the next line.

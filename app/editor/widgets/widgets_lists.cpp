@@ -1,10 +1,15 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/base/text.h"
+
+// ImTextCharToUtf8 is declared here only.
+#include <imgui_internal.h>
 
 // Lists, menus and places that take clicks.
 
@@ -69,6 +74,30 @@ void draw_swatch(const Theme& theme, ImDrawList& draw, ImVec2 low, float height,
 
 }  // namespace
 
+namespace {
+
+/// Takes what is typed while a list or a menu is open, and shows it above the entries.
+void draw_searched(const Theme& theme) {
+  std::string& searched = controls_memory().searched;
+  ImGuiIO& io = ImGui::GetIO();
+  if (!io.WantTextInput)
+    for (const ImWchar letter : io.InputQueueCharacters) {
+      std::array<char, 5> bytes{};
+      ImTextCharToUtf8(bytes.data(), letter);
+      searched += bytes.data();
+      key_focus().start_again();
+    }
+  if (!searched.empty()) caption(theme, ("Search: " + searched).c_str());
+}
+
+/// Whether an entry of a list or a menu holds what was typed.
+bool is_searched(const std::string& entry) {
+  const std::string& searched = controls_memory().searched;
+  return searched.empty() || lower_case(entry).find(lower_case(searched)) != std::string::npos;
+}
+
+}  // namespace
+
 bool combo(const Theme& theme, const char* name, const std::vector<std::string>& options, int& chosen,
            const std::vector<ImU32>& swatches) {
   const bool known = chosen >= 0 && chosen < static_cast<int>(options.size());
@@ -97,7 +126,11 @@ bool combo(const Theme& theme, const char* name, const std::vector<std::string>&
   bool changed = false;
   if (open) {
     enter_part(name);
+    draw_searched(theme);
+    bool any = false;
     for (std::size_t i = 0; i < options.size(); ++i) {
+      if (!is_searched(options[i])) continue;
+      any = true;
       const bool now = static_cast<int>(i) == chosen;
       const std::string row = shortened(options[i], width - 2 * side - room_px);
       look_for_letters(options[i]);
@@ -110,6 +143,7 @@ bool combo(const Theme& theme, const char* name, const std::vector<std::string>&
       note_control(Kind::row, options[i], now ? "on" : "off", {});
       if (row != options[i] && is_explained()) tooltip(theme, options[i]);
     }
+    if (!any && !options.empty()) caption(theme, "Nothing is called so.");
     leave_part();
     ImGui::EndCombo();
   }
@@ -126,11 +160,14 @@ bool begin_menu(const Theme& theme, const char* name) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme.px(8), theme.px(8)});
   const bool open = ImGui::BeginPopup(name);
   ImGui::PopStyleVar();
-  if (open) enter_part(name);
-  return open;
+  if (!open) return false;
+  enter_part(name);
+  draw_searched(theme);
+  return true;
 }
 
 bool menu_item(const Theme& theme, const char* label, const char* keys, const std::string& tip) {
+  if (!is_searched(label)) return false;
   const bool chosen = ImGui::MenuItem(label, keys);
   note_control(Kind::row, label, {}, tip);
   if (!tip.empty() && is_explained()) tooltip(theme, tip);

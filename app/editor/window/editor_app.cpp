@@ -75,6 +75,7 @@ bool EditorApp::update(double seconds) {
     out_.send(std::move(to_replay_.front()));
     to_replay_.pop_front();
   }
+  settle_click(state_, seconds, editing_.controls(), out_);
   run_commands();
   const auto done = guarded("", [&]() -> Result<void> {
     const bool nothing_ran = nothing_goes_on();

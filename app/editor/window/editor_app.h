@@ -34,7 +34,10 @@ class EditorApp {
   /// Does these one after the other, each when the one before it is done.
   void replay(std::vector<Command> commands);
   /// Done by the next update.
-  void send(Command command) { out_.send(std::move(command)); }
+  void send(Command command) {
+    do_held_click(state_, editing_.controls(), out_);
+    out_.send(std::move(command));
+  }
 
   void handle(const InputEvent& event);
   /// Takes in what the threads did, and moves what moves by itself. True where there is something new to draw.
@@ -73,8 +76,8 @@ class EditorApp {
   /// Whether everything that was asked for so far is done, and its results are taken in.
   bool rests() const { return took_all_ && nothing_goes_on(); }
   bool nothing_goes_on() const {
-    return !work_.busy() && !work_.models.has_to_write(state_.models) && shown_.at_rest() && !work_.quality.busy() &&
-           out_.empty();
+    return !state_.held_click && !work_.busy() && !work_.models.has_to_write(state_.models) && shown_.at_rest() &&
+           !work_.quality.busy() && out_.empty();
   }
   void run_commands();
 

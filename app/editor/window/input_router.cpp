@@ -43,7 +43,9 @@ void InputRouter::button(MouseButton button, bool down, const Held& held, double
 
 void InputRouter::press_button(MouseButton button, bool down, const Held& held, double seconds) {
   queue_.button(button, down);
-  if (down) close_menus_beside(x_px_, y_px_);
+  // A click beside an open list closes it, and edits nothing in the view where it was made.
+  if (down && close_menus_beside(x_px_, y_px_) && app_.layout().view_at(x_px_, y_px_) && !interface_at(x_px_, y_px_))
+    return;
   if (down)
     send(MousePress{button}, held, seconds);
   else
@@ -68,7 +70,7 @@ void InputRouter::let_go(const Held& held, double seconds) {
 }
 
 void InputRouter::type(unsigned int character) {
-  if (queue_.keys_wait() || ImGui::GetIO().WantTextInput) queue_.type(character);
+  if (queue_.keys_wait() || ImGui::GetIO().WantTextInput || menus_open()) queue_.type(character);
 }
 
 bool InputRouter::give_to_controls(const KeyStroke& stroke, bool in_field) {
@@ -115,7 +117,8 @@ bool InputRouter::give_to_controls(const KeyStroke& stroke, bool in_field) {
     case key::enter:
     case key::keypad_enter:
     case ' ':
-      if (!keys.at_control()) return false;
+      // A blank may be a part of what is searched for.
+      if (!keys.at_control() || (stroke.key == ' ' && !controls_memory().searched.empty())) return false;
       keys.activate();
       queue_.wait_for_field();
       return true;
@@ -150,6 +153,11 @@ bool InputRouter::do_key(const KeyStroke& stroke, double seconds) {
   const bool printable = stroke.key < key::escape && !stroke.ctrl;
   if (stroke.key == key::escape && !in_field && close_menus()) return false;
   if (give_to_controls(stroke, in_field)) return false;
+  // An open list is searched for what is typed, and no key does anything behind it.
+  if (!in_field && menus_open()) {
+    if (stroke.key == key::backspace) erase_searched();
+    return false;
+  }
   if (!in_field && give_to_pointer(stroke, seconds)) return false;
   // A field that is typed into keeps its keys; a dialog's list is moved through all the same.
   if (!in_field || (in_dialog && !printable && !enter)) {

@@ -11,6 +11,7 @@
 #include "core/adapt/judge_fit.h"
 #include "core/assist/assist.h"
 #include "core/mesh/isosurface.h"
+#include "core/mesh/mesh_quality.h"
 #include "core/model/model_prior.h"
 
 namespace homolog {
@@ -43,11 +44,19 @@ Result<Fitted> refined(const Document& document, Progress& progress) {
   done.edit = std::move(refinement->action);
   const auto moved_mm = (*done.edit.points - *document.shape().points).rowwise().norm();
   const auto off = surface_distance({document.the_template->topology, *done.edit.points}, document.mesh());
-  char remark[200];
-  std::snprintf(
-      remark, sizeof remark,
-      "Vertices moved along the surface by %.2f mm on average, at most %.1f mm. The surface moved at most %.2f mm.",
-      moved_mm.mean(), moved_mm.maxCoeff(), off.max_mm);
+  const auto smallest_deg = [&](const Points& points) {
+    const Mesh mesh{document.the_template->topology, points};
+    double least = 180;
+    for (Eigen::Index face = 0; face < mesh.topology->triangles().rows(); ++face)
+      least = std::min(least, smallest_angle_deg(mesh, face));
+    return least;
+  };
+  char remark[300];
+  std::snprintf(remark, sizeof remark,
+                "Refined: vertices moved along the surface by %.2f mm on average, at most %.1f mm. The smallest angle "
+                "was %.1f\xc2\xb0 and is %.1f\xc2\xb0. The surface moved at most %.2f mm.",
+                moved_mm.mean(), moved_mm.maxCoeff(), smallest_deg(*document.shape().points),
+                smallest_deg(*done.edit.points), off.max_mm);
   done.remarks = std::move(refinement->warnings);
   done.remarks.emplace_back(remark);
   return done;

@@ -46,6 +46,13 @@ bool left_alone(const fs::path& journal) {
   return !error && fs::file_time_type::clock::now() - changed > std::chrono::minutes(1);
 }
 
+/// Whether all that was done is undone; a long file is not read for it.
+bool is_undone(const fs::path& journal) {
+  constexpr std::uintmax_t most_bytes = 1 << 16;
+  std::error_code error;
+  return fs::file_size(journal, error) <= most_bytes && !error && count_steps(journal) == 0;
+}
+
 }  // namespace
 
 void Recovery::look() {
@@ -63,6 +70,7 @@ void Recovery::look() {
         if (left_alone(one.journal)) remove_without_edits(one.journal);
         continue;
       }
+      if (is_undone(one.journal)) continue;
       std::string name = name_in(one.header);
       found.cases.push_back(
           {one.journal, name.empty() ? one.journal.filename().string() : std::move(name), date_of(one.journal)});

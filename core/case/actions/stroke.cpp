@@ -1,9 +1,12 @@
 #include "core/case/actions/stroke.h"
 
+#include <array>
+#include <cstdio>
 #include <utility>
 
 #include "core/case/actions/decided.h"
 #include "core/case/actions/fields.h"
+#include "core/case/held_landmarks.h"
 
 namespace homolog {
 
@@ -26,6 +29,44 @@ void spell_stroke(Fields& line, Stroke& stroke) {
   line.optional("strength", stroke.strength, stroke.tool == Tool::relax);
 }
 
+/// Why the mesh hardly followed a drag, where something that is held near it is the reason; empty where it followed, or
+/// nothing is held.
+std::string hold_words(const Document& before, const Stroke& stroke, double moved_mm) {
+  constexpr double least_drag_mm = 0.5;
+  // A pull along the surface moves it little by itself.
+  const double followed_share = stroke.tool == Tool::pull ? 0.25 : 0.5;
+  const double dragged_mm = (stroke.to - stroke.at).norm();
+  if (stroke.tool == Tool::relax || dragged_mm < least_drag_mm || moved_mm >= followed_share * dragged_mm) return {};
+  const Shape& shape = before.shape();
+  if (!shape.confirmed) return {};
+  const auto of_mm = [](double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.1f mm", value);
+    return std::string(text.data());
+  };
+  const std::string moved = "The mesh moved " + of_mm(moved_mm) + " of " + of_mm(dragged_mm) + ": ";
+  // The nearest vertex that is held, and the landmark that holds it.
+  double nearest_mm = stroke.sigma_mm;
+  bool any = false;
+  for (Eigen::Index v = 0; v < shape.points->rows(); ++v) {
+    const double away_mm = (shape.points->row(v).transpose() - stroke.at).norm();
+    if ((*shape.confirmed)[v] <= 0.5 || away_mm >= nearest_mm) continue;
+    nearest_mm = away_mm;
+    any = true;
+  }
+  if (!any) return {};
+  const auto& landmarks = before.the_template->landmarks;
+  constexpr double same_mm = 5;
+  for (std::size_t l = 0; l < landmarks.size(); ++l) {
+    const LandmarkHold hold = landmark_hold(*before.the_template, l, shape);
+    const double away_mm = (carried_landmark(*before.the_template, l, *shape.points) - stroke.at).norm();
+    if (hold.placed && hold.held && away_mm <= nearest_mm + same_mm)
+      return moved + "\"" + landmarks[l].name + "\", " + of_mm(away_mm) +
+             " away, is held. Its lock in Place releases it.";
+  }
+  return moved + "confirmed vertices are " + of_mm(nearest_mm) + " away. Alt with Confirm (C) frees them.";
+}
+
 Result<EditReport> apply_stroke(const Stroke& stroke, Edit& edit) {
   const Document& before = edit.before;
   const Shape& shape = before.shape();
@@ -40,7 +81,8 @@ Result<EditReport> apply_stroke(const Stroke& stroke, Edit& edit) {
   report.on = outcome->on;
   report.response = outcome->response;
   report.solves = outcome->solves;
-  if (report.stopped_by_guard) report.message = "Stopped before a triangle turned over.";
+  report.message =
+      report.stopped_by_guard ? "Stopped before a triangle turned over." : hold_words(before, stroke, report.moved_mm);
   Shape& after = edit.shape();
   if (shape.unaided) {
     // Relax, and every stroke of `paper`, put a vertex somewhere; other strokes carry it by a distance.

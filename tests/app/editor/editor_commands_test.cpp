@@ -70,7 +70,7 @@ TEST_CASE("a fit to the label is said as long as the mesh is as it left it") {
   Driver driver(ball.document);
   driver.click("side panel/Place");
   open_by_dialog(driver, "Place/Open a label map…", ball.label);
-  driver.wait_until("the label map is open", [&] { return driver.has("Place/Fit to the label"); });
+  driver.wait_until("the label map is open", [&] { return driver.control("Place/Fit to the label").enabled; });
   driver.click("Place/Fit to the label");
   driver.wait_until("the fit is done", [&] { return driver.document().shape().points->row(0).norm() < 38.5; });
   driver.settle();
@@ -114,7 +114,7 @@ TEST_CASE("the commands of a session lead to the same case again") {
     open_by_dialog(driver, "Place/Import…", ball.landmarks);
     driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("north"); });
     open_by_dialog(driver, "Place/Open a label map…", ball.label);
-    driver.wait_until("the label map is open", [&] { return driver.has("Place/Fit to the label"); });
+    driver.wait_until("the label map is open", [&] { return driver.control("Place/Fit to the label").enabled; });
     driver.click("Place/Fit to the label");
     driver.wait_until("the fit is done", [&] { return driver.document().shape().points->row(0).norm() < 38.5; });
     // A fit that is given up leaves nothing, in the case or in the log.
@@ -151,15 +151,19 @@ TEST_CASE("the history lists the steps by name and a click goes there") {
   driver.app().send(ApplyEdit{Confirm{pole, 10, true}});
   driver.app().send(ApplyEdit{SetStiffnessBase{3}});
   driver.settle();
+  const auto names = driver.app().snapshot().undo_names;
+  REQUIRE(names.size() == 3);
+  CHECK(names[1].starts_with("confirm 10 mm, "));
+  CHECK(names[2].starts_with("pull "));
   driver.click("top bar/history");
-  driver.click("history/Undo: confirm");
+  driver.click("history/Undo: " + names[1]);
   driver.wait_until("two steps are taken back", [&] { return driver.app().snapshot().redo_names.size() == 2; });
   CHECK(bool(*driver.document().shape().points == pulled));
   CHECK(driver.document().shape().confirmed == nullptr);
   driver.settle();
-  CHECK(driver.shows("Undone: confirm."));
+  CHECK(driver.shows("Undone: " + names[1] + "."));
   driver.click("top bar/history");
-  driver.click("history/Undo: pull");
+  driver.click("history/Undo: " + names[2]);
   driver.wait_until("nothing is left to undo", [&] { return !driver.app().snapshot().can_undo; });
   CHECK(bool(*driver.document().shape().points == before));
   driver.click("top bar/history");

@@ -219,7 +219,9 @@ TEST_CASE("nothing moves while shapes are optimised and when they are") {
   models.optimisation.of = std::make_shared<const StudyToOptimise>(StudyToOptimise{models.fitted, models.alignment});
   driver.frames(2);
   const auto top_px = [&](const char* name) { return driver.control(name).rect.y; };
-  const float below_px = top_px("models panel/Sizes"), cancel_px = top_px("Optimise/Cancel");
+  const float below_px = top_px("models panel/Sizes"), cancel_px = top_px("Optimise/Cancel"),
+              discard_px = top_px("Optimise/Discard");
+  CHECK_FALSE(driver.control("Optimise/Discard").enabled);
   models.optimisation.bits = {12, 11};
   driver.frames(2);
   CHECK(top_px("Optimise/Cancel") == cancel_px);
@@ -228,7 +230,8 @@ TEST_CASE("nothing moves while shapes are optimised and when they are") {
   done->after = {11, 1, 3, 0.9, 1.5, 1};
   models.optimisation.done = std::move(done);
   driver.frames(2);
-  CHECK(top_px("Optimise/Discard") == cancel_px);
+  CHECK(top_px("Optimise/Discard") == discard_px);
+  CHECK(driver.control("Optimise/Discard").enabled);
   CHECK(top_px("models panel/Sizes") == below_px);
 }
 

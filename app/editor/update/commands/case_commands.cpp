@@ -40,6 +40,10 @@ void ApplyEdit::spell(Fields& line) {
 }
 void ApplyEdit::run(Editing& editing) const {
   stop_playing(editing);
+  // What is placed next is what the case lacks then.
+  if (std::holds_alternative<Undo>(action) || std::holds_alternative<Redo>(action)) editing.state.landmark.clear();
+  if (const auto* placed = std::get_if<PlaceLandmark>(&action); placed != nullptr && !placed->at)
+    editing.state.landmark = placed->name;
   editing.shown.session().apply(action, joined);
 }
 
@@ -48,6 +52,7 @@ void GoInHistory::spell(Fields& line) {
 }
 void GoInHistory::run(Editing& editing) const {
   stop_playing(editing);
+  editing.state.landmark.clear();
   constexpr int most = 1000;  // a list shows far fewer
   const int count = std::abs(std::clamp(steps, -most, most));
   for (int k = 0; k < count; ++k) editing.shown.session().apply(steps < 0 ? Action(Undo{}) : Action(Redo{}));
@@ -146,6 +151,7 @@ void ShowFrame::spell(Fields& line) {
   line.member("frame", frame);
 }
 void ShowFrame::run(Editing& editing) const {
+  if (frame != editing.shown.snapshot().document->frame) editing.state.landmark.clear();
   editing.shown.session().apply(SetFrame{frame});
   editing.state.shown_frame.reset();
 }

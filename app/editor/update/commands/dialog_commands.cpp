@@ -141,7 +141,7 @@ void ShowAllFiles::run(EditorState& state) const {
   }
 }
 
-void AcceptFile::run(EditorState& state, const ControlsContext&, Outbox& out) const {
+void AcceptFile::run(EditorState& state, const ControlsContext& context, Outbox& out) const {
   auto* dialog = open_dialog<FileDialog>(state);
   if (dialog == nullptr) return;
   if (const auto several = chosen_files(dialog->browser); several.size() > 1) {
@@ -155,11 +155,13 @@ void AcceptFile::run(EditorState& state, const ControlsContext&, Outbox& out) co
   state.preferences.folder = path->parent_path();
   if (dialog->browser.kind.saves) state.saved_folder = path->parent_path();
   std::error_code ignored;
-  if (dialog->browser.kind.saves && std::filesystem::exists(*path, ignored)) {
-    ReplaceDialog replace{std::move(*dialog), *path};
-    state.dialog = std::move(replace);
-    return;
-  }
+  if (dialog->browser.kind.saves)
+    for (const std::filesystem::path& file : files_written(dialog->purpose, *path, state, context.document))
+      if (std::filesystem::exists(file, ignored)) {
+        ReplaceDialog replace{std::move(*dialog), *path, file};
+        state.dialog = std::move(replace);
+        return;
+      }
   out.send(file_purpose(dialog->purpose).command(*path, state));
   state.dialog.reset();
 }

@@ -6,6 +6,7 @@
 #include "app/editor/state/status.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
+#include "app/editor/update/file_purposes.h"
 #include "app/editor/update/results/imports.h"
 #include "core/base/files.h"
 #include "core/base/picture_io.h"
@@ -130,6 +131,13 @@ void CloseLabels::run(Editing& editing) const {
   editing.shown.close_labels();
 }
 
+void SetLabelsFrame::spell(Fields& line) {
+  line.member("frame", frame);
+}
+void SetLabelsFrame::run(Editing& editing) const {
+  editing.shown.set_labels_frame(frame);
+}
+
 void CancelOpening::run(Editing& editing) const {
   editing.work.opener.cancel();
 }
@@ -164,24 +172,54 @@ void SaveCaseAs::run(Editing& editing) const {
   if (!nothing_to_save(editing)) editing.shown.session().save_as(path);
 }
 
-void ExportMesh::run(Editing& editing) const {
-  const Document document = as_done(editing);
-  if (!document.has_shape()) return no_mesh_to_export(editing);
-  write_beside(
-      editing, path,
-      [file = to_mesh_file(document, document.frame)](const auto& to, Progress&) { return write_mesh_file(file, to); },
-      lost_in(path));
+void ExportAllFrames::spell(Fields& line) {
+  line.member("all", all);
+}
+void ExportAllFrames::run(EditorState& state) const {
+  state.export_all_frames = all;
 }
 
-void ExportLabelMap::run(Editing& editing) const {
+void ExportMesh::spell(Fields& line) {
+  FileCommand::spell(line);
+  line.optional("all_frames", all_frames, all_frames);
+}
+void ExportMesh::run(Editing& editing) const {
   const Document document = as_done(editing);
+  const auto write = [&](int frame, const fs::path& file) {
+    write_beside(
+        editing, file,
+        [mesh = to_mesh_file(document, frame)](const auto& to, Progress&) { return write_mesh_file(mesh, to); },
+        lost_in(path));
+  };
+  if (all_frames && has_several_meshes(document)) {
+    for (const auto& [frame, shape] : document.shapes)
+      write(frame, file_of_frame(FilePurpose::export_mesh, path, frame, document));
+    return;
+  }
   if (!document.has_shape()) return no_mesh_to_export(editing);
+  write(document.frame, path);
+}
+
+void ExportLabelMap::spell(Fields& line) {
+  FileCommand::spell(line);
+  line.optional("all_frames", all_frames, all_frames);
+}
+void ExportLabelMap::run(Editing& editing) const {
+  Document document = as_done(editing);
+  const bool all = all_frames && has_several_meshes(document);
+  if (!all && !document.has_shape()) return no_mesh_to_export(editing);
   if (!document.volume)
     return add_notice(editing.state, "A label map needs the voxels of an image. Open the image of this mesh first.");
-  write_beside(editing, path,
-               [mesh = document.mesh(), grid = document.volume->geometry](const auto& to, Progress& progress) {
-                 return write_volume(label_map(mesh, grid, 1), to, &progress);
-               });
+  const auto write = [&](int frame, const fs::path& file) {
+    document.frame = frame;
+    write_beside(editing, file,
+                 [mesh = document.mesh(), grid = document.volume->geometry](const auto& to, Progress& progress) {
+                   return write_volume(label_map(mesh, grid, 1), to, &progress);
+                 });
+  };
+  if (!all) return write(document.frame, path);
+  for (const auto& [frame, shape] : document.shapes)
+    write(frame, file_of_frame(FilePurpose::export_label_map, path, frame, document));
 }
 
 void ExportLandmarks::run(Editing& editing) const {

@@ -42,6 +42,13 @@ struct CloseLabels {
   static constexpr const char* key = "close labels";
   void run(Editing& editing) const;
 };
+/// The label map, which holds one frame, belongs to another frame of the cine.
+struct SetLabelsFrame {
+  static constexpr const char* key = "set labels frame";
+  int frame = 0;
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
 struct CancelOpening {
   static constexpr const char* key = "cancel opening";
   static constexpr bool cancels = true;
@@ -81,12 +88,17 @@ struct SaveCaseAs : FileCommand {
   static constexpr const char* key = "save case as";
   void run(Editing& editing) const;
 };
+/// The mesh of the frame that is shown, or numbered files of all frames.
 struct ExportMesh : FileCommand {
   static constexpr const char* key = "export mesh";
+  bool all_frames = false;
+  void spell(Fields& line);
   void run(Editing& editing) const;
 };
 struct ExportLabelMap : FileCommand {
   static constexpr const char* key = "export label map";
+  bool all_frames = false;
+  void spell(Fields& line);
   void run(Editing& editing) const;
 };
 struct ExportLandmarks : FileCommand {
@@ -101,6 +113,13 @@ struct ExportTemplate : FileCommand {
 struct ExportTemplateLandmarks : FileCommand {
   static constexpr const char* key = "export template landmarks";
   void run(Editing& editing) const;
+};
+/// Which frames of a cine the next exports write: all that have a mesh, or the one that is shown.
+struct ExportAllFrames {
+  static constexpr const char* key = "export all frames";
+  bool all = true;
+  void spell(Fields& line);
+  void run(EditorState& state) const;
 };
 /// A picture, as the panel's options say.
 struct ExportPicture : FileCommand {

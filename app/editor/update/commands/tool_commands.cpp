@@ -21,9 +21,11 @@ void ChooseTool::spell(Fields& line) {
 void ChooseTool::run(EditorState& state) const {
   if (tool == MouseTool::template_landmark && state.tool != tool) state.tool_before_naming = state.tool;
   state.tool = tool;
-  if (tool != MouseTool::place && tool != MouseTool::landmark) return;
-  state.preferences.sections_open[place_section] = true;
-  ++state.place_wanted;
+  const bool places = tool == MouseTool::place || tool == MouseTool::landmark;
+  if (!places && !is_brush(tool)) return;
+  state.wanted_section = places ? place_section : deform_section;
+  state.preferences.sections_open[state.wanted_section] = true;
+  ++state.section_wanted;
 }
 
 void ChooseSigma::spell(Fields& line) {

@@ -13,7 +13,7 @@ struct ControlsContext;
 
 // The tool in hand, and its settings.
 
-/// Place and Landmark also unfold the section of the panel that they belong to.
+/// Place, Landmark and the brushes also bring the section of the panel that they belong to into view.
 struct ChooseTool {
   static constexpr const char* key = "choose tool";
   MouseTool tool = MouseTool::pull;

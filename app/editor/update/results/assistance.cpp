@@ -16,6 +16,7 @@ void take_fit(Editing& editing, Fitted fitted) {
   EditorState& state = editing.state;
   if (fitted.edit.by == by_refinement) {
     for (const std::string& remark : fitted.remarks) add_notice(state, remark, false);
+    state.last_refinement = fitted;
     editing.log.is_done(RefineAlongSurface{});
   } else {
     look_at_mesh(state, *fitted.edit.points);

@@ -99,6 +99,7 @@ void import_landmarks(Editing& editing, const std::filesystem::path& path) {
               then.state,
               name + ": no name in it is a landmark of the template. Rename its points as in the list (Place).");
         stop_playing(then);
+        then.state.landmark.clear();
         for (std::size_t i = 0; i < known.size(); ++i)
           then.shown.session().apply(PlaceLandmark{known[i].name, known[i].position}, i > 0);
         if (known.size() < read.size())

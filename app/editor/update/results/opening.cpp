@@ -22,8 +22,18 @@ void show_labels(Editing& editing, const Opened& opened) {
                name +
                    " lies outside the image: none of its labels is in it. Check that both are of one scan, "
                    "and that the program that wrote the label map kept its place.");
-  editing.shown.show_labels(
-      {opened.labels, name, absolute_path(opened.request.labels), opened.label_values, opened.label_sizes_mm});
+  const Document& document = editing.shown.document();
+  std::optional<int> frame;
+  if (document.volume && document.volume->frames > 1 && opened.labels->frames == 1) {
+    frame = document.frame;
+    add_notice(editing.state,
+               name + " holds one frame. It is shown at frame " + std::to_string(*frame) +
+                   ", the one on the screen. If it belongs to another one, go there and press \"It is of this frame\" "
+                   "(Case).",
+               false);
+  }
+  editing.shown.show_labels({opened.labels, name, absolute_path(opened.request.labels), opened.label_values,
+                             opened.label_sizes_mm, frame});
 }
 
 void start_document(Editing& editing, Document document) {
@@ -61,10 +71,12 @@ bool lies_on(const std::shared_ptr<const Template>& the_template, const std::sha
   return the_template && volume && volume->geometry.bounds_mm().intersects(bounds_of(the_template->points));
 }
 
-/// Whether a phantom is open with the template that came with it: nobody chose that one for an image of their own.
-bool shows_demo(const ShownCase& shown) {
-  const auto& the_template = shown.loaded_template();
-  return is_phantom(shown.document().volume_source) && the_template && is_built_in(the_template->source);
+void say_template_stays(EditorState& state, const Template& loaded) {
+  add_notice(state,
+             "The template " + std::filesystem::path(loaded.source).filename().string() +
+                 " of the case before was placed in this image too. Choose another one in Template where it shows "
+                 "another organ.",
+             false);
 }
 
 /// Where the views look.
@@ -94,8 +106,12 @@ void start_with(Editing& editing, Opened opened) {
   const auto volume = new_image ? opened.volume : now.volume;
   const std::string source = new_image ? opened.request.volume_source : now.volume_source;
   // A case's first line names the template's file, so a mirrored one is loaded as it is there and mirrored again.
-  const bool stays = !opened.the_template && !(new_image && !is_phantom(source) && shows_demo(editing.shown));
-  const auto the_template = stays ? editing.shown.loaded_template() : opened.the_template;
+  // Nobody chose a built-in template for an image that was not yet open, which may show another organ.
+  const auto& loaded = editing.shown.loaded_template();
+  const bool foreign = new_image && now.volume && loaded && is_built_in(loaded->source);
+  const bool stays = !opened.the_template && !foreign;
+  const auto the_template = stays ? loaded : opened.the_template;
+  if (stays && new_image && now.volume && loaded) say_template_stays(state, *loaded);
   const bool mirrored = stays && editing.shown.template_is_mirrored();
   const bool demo = opened.demo.has_value();
   const bool in_place = opened.request.template_in_place && !new_image && lies_on(the_template, volume);

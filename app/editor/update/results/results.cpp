@@ -1,6 +1,8 @@
 #include "app/editor/update/results/results.h"
 
 #include <algorithm>
+#include <chrono>
+#include <filesystem>
 
 #include "app/editor/update/results/assistance.h"
 #include "app/editor/update/results/opening.h"
@@ -59,6 +61,22 @@ bool take_stage(Editing& editing) {
   return true;
 }
 
+double seconds_since_1970(std::chrono::system_clock::time_point time) {
+  return std::chrono::duration<double>(time.time_since_epoch()).count();
+}
+
+double changed_seconds(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto changed = std::filesystem::last_write_time(file, error);
+  return error ? 0 : seconds_since_1970(std::chrono::file_clock::to_sys(changed));
+}
+
+void show_found(Editing& editing, Recovery::Found found) {
+  editing.state.unsaved_found = 0;
+  editing.state.dialog = RecoverDialog{found.cases, {}};
+  editing.work.recovery.count(std::move(found));
+}
+
 /// Offers the cases that were found; true where there is something new to draw.
 bool take_recovery(Editing& editing) {
   auto looked = editing.work.recovery.take();
@@ -78,14 +96,18 @@ bool take_recovery(Editing& editing) {
         if (shown.journal == counted.journal) shown.details = counted.details;
   } else if (found->cases.empty()) {
     if (offer == RecoveryOffer::asked) add_notice(state, "There is no case to recover.", false);
-  } else if (offer == RecoveryOffer::notice || (state.dialog && open == nullptr)) {
-    add_notice(state,
-               std::to_string(found->cases.size()) + (found->cases.size() == 1 ? " case was" : " cases were") +
-                   " not saved. Unsaved cases… in the section Case recovers them.",
-               false);
+  } else if (offer == RecoveryOffer::asked) {
+    show_found(editing, std::move(*found));
   } else {
-    state.dialog = RecoverDialog{found->cases, {}};
-    editing.work.recovery.count(std::move(*found));
+    // Each is offered at one start after it was changed; later they are found in the section Case.
+    state.unsaved_found = static_cast<std::size_t>(
+        std::count_if(found->cases.begin(), found->cases.end(), [&](const RecoverDialog::Found& one) {
+          return changed_seconds(one.journal) > state.preferences.told_unsaved;
+        }));
+    if (state.unsaved_found == 0) return false;
+    state.preferences.told_unsaved = seconds_since_1970(std::chrono::system_clock::now());
+    const bool in_dialog = offer == RecoveryOffer::dialog && !(state.dialog && open == nullptr);
+    if (in_dialog) show_found(editing, std::move(*found));
   }
   return true;
 }
@@ -210,6 +232,11 @@ std::optional<double> next_move_seconds(const EditorState& state, const Work& wo
   if (state.playing) return std::max(state.next_frame_seconds - now, 0.0);
   if (work.busy()) return progress_seconds;
   auto next = work.models.next_move_seconds(state.models);
+  const auto* brush = state.drag ? std::get_if<BrushDrag>(&*state.drag) : nullptr;
+  const auto held = state.held_click   ? std::optional(state.held_click->until)
+                    : brush != nullptr ? brush->waits_until
+                                       : std::nullopt;
+  if (held) next = std::min(next.value_or(*held - now), std::max(*held - now, 0.0));
   if (const auto rest = work.quality.rest_seconds()) next = std::min(next.value_or(*rest), *rest);
   if (state.hints_until && !state.hints_over)
     next = std::min(next.value_or(*state.hints_until - now), std::max(*state.hints_until - now, 0.0));

@@ -112,6 +112,54 @@ TEST_CASE("a view maps mm to px and back") {
   }
 }
 
+TEST_CASE("each side is looked at from there with the head or the front upwards") {
+  struct Side {
+    LookFrom from;
+    const char *eye, *up, *right;
+  };
+  for (const Side& side : {Side{LookFrom::anterior, "A", "S", "L"}, Side{LookFrom::posterior, "P", "S", "R"},
+                           Side{LookFrom::left, "L", "S", "P"}, Side{LookFrom::right, "R", "S", "A"},
+                           Side{LookFrom::superior, "S", "A", "R"}, Side{LookFrom::inferior, "I", "A", "L"}}) {
+    const Camera3D camera = camera_from(side.from, Box(Vec3(-10, -20, -30), Vec3(30, 20, 10)));
+    CHECK(direction_letters(camera.to_eye) == side.eye);
+    CHECK(direction_letters(camera.up) == side.up);
+    CHECK(direction_letters(camera_right(camera)) == side.right);
+    CHECK((camera.target - Vec3(10, 0, -10)).norm() < 1e-9);
+    CHECK(side_names[static_cast<std::size_t>(side.from)][0] - 'a' + 'A' == side.eye[0]);
+    CHECK(side_letters[static_cast<std::size_t>(side.from)] == side.eye[0]);
+    Camera3D turned_there;
+    look_from(turned_there, side.from);
+    CHECK(turned_there.to_eye == camera.to_eye);
+  }
+}
+
+TEST_CASE("positions name the side that they lie on") {
+  CHECK(position_text(Vec3(-17.6, 35.34, 12.06)) == "R 17.6 P 35.3 S 12.1");
+  CHECK(position_text(Vec3(1, -2, -3)) == "L 1.0 A 2.0 I 3.0");
+}
+
+TEST_CASE("a drag to the right brings the organ's left side to the front") {
+  const Camera3D front = camera_from(LookFrom::anterior, Box());
+  const Camera3D right = turned(front, 10, 0), down = turned(front, 0, 10);
+  CHECK(right.to_eye.dot(camera_right(front)) == doctest::Approx(-std::sin(0.08)));
+  CHECK(down.to_eye.dot(front.up) == doctest::Approx(std::sin(0.08)));
+  CHECK(camera_mm_per_px(front, 500) ==
+        doctest::Approx(2 * front.distance_mm * std::tan(front.fov_deg / 360 * 3.14159265358979) / 500));
+}
+
+TEST_CASE("a surface is looked at from its outside") {
+  Camera3D camera;
+  look_from_outside(camera, Vec3(2, 0, 0));
+  CHECK((camera.to_eye - Vec3::UnitX()).norm() < 1e-9);
+  CHECK((camera.up - Vec3::UnitZ()).norm() < 1e-9);
+  look_from_outside(camera, Vec3(0, 0, 3));
+  CHECK((camera.to_eye - Vec3::UnitZ()).norm() < 1e-9);
+  CHECK((camera.up - Vec3(0, -1, 0)).norm() < 1e-9);
+  const Camera3D kept = camera;
+  look_from_outside(camera, Vec3::Zero());
+  CHECK(camera.to_eye == kept.to_eye);
+}
+
 TEST_CASE("turning the camera keeps its distance and its axes at right angles") {
   const Camera3D camera = turned(camera_from(LookFrom::superior, Box()), 123, 45);
   CHECK(camera.to_eye.norm() == doctest::Approx(1));

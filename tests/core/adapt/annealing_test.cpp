@@ -56,6 +56,39 @@ TEST_CASE("where no force is known the shape decides") {
   CHECK((shape.mesh.points - targets).rowwise().norm().mean() < 1);
 }
 
+TEST_CASE("the softest stiffness comes last and decides how small a bump the mesh follows") {
+  const auto height_mm = [](const Annealing& annealing) {
+    Adapting shape = ball_at_rest();
+    Points targets = shape.rest;
+    targets.row(0) *= 1.15;  // 3 mm at one vertex
+    ShapeSolver solver(shape.mesh.topology);
+    REQUIRE(anneal(shape, solver, annealing, to(targets, [](Eigen::Index) { return true; })));
+    return shape.mesh.points.row(0).norm() - 20;
+  };
+  const double soft = height_mm({.steps = 8, .softest_edges = 1}), stiff = height_mm({.steps = 8, .softest_edges = 4});
+  CHECK(soft > 0.8);
+  CHECK(stiff < 0.5 * soft);
+  CHECK(height_mm({.steps = 8, .softest_edges = 0.5}) > 1.2 * soft);
+}
+
+TEST_CASE("the first step is as stiff as a share of the diagonal") {
+  const auto height_mm = [](double stiffest_share) {
+    Adapting shape = ball_at_rest();
+    Points targets = shape.rest;
+    targets.row(0) *= 1.15;
+    ShapeSolver solver(shape.mesh.topology);
+    double first_mm = 0;
+    REQUIRE(anneal(shape, solver, {.steps = 4, .softest_edges = 1, .stiffest_share = stiffest_share},
+                   to(targets, [](Eigen::Index) { return true; }), [&](double share) -> Result<void> {
+                     if (share == 0) first_mm = shape.mesh.points.row(0).norm() - 20;
+                     return {};
+                   }));
+    return first_mm;
+  };
+  CHECK(height_mm(0.3) < 0.1);
+  CHECK(height_mm(0.05) > 5 * height_mm(0.3));
+}
+
 TEST_CASE("held vertices stay to the last bit and their surroundings fade towards them") {
   Adapting shape = ball_at_rest();
   const Points before = shape.rest, targets = before.rowwise() + Eigen::RowVector3d(4, 0, 0);

@@ -125,6 +125,16 @@ TEST_CASE("of several fits the one in clearly more doubt than most is named") {
   CHECK(unlike_the_others({0.01, 0.01, 0.03}).empty());
 }
 
+TEST_CASE("half as much doubt again as most have is clearly more and only above six hundredths") {
+  CHECK(unlike_the_others({0.05, 0.05, 0.10}) == std::vector<std::size_t>{2});
+  CHECK(unlike_the_others({0.12, 0.05, 0.05, 0.074}) == std::vector<std::size_t>{0});
+  CHECK(unlike_the_others({0.05, 0.05, 0.074}).empty());
+  CHECK(unlike_the_others({0.05, 0.076, 0.05}) == std::vector<std::size_t>{1});
+  CHECK(unlike_the_others({0.03, 0.03, 0.059}).empty());
+  CHECK(unlike_the_others({0.03, 0.03, 0.061}) == std::vector<std::size_t>{2});
+  CHECK(unlike_the_others({0.3, 0.03}).empty());
+}
+
 TEST_CASE("an end that is gone is found although the template is placed too small at first and is in more doubt") {
   const CutKidney cut(3, Vec3(0.391, -0.311, 0.866).normalized(), 0.25);
   const FitResult fit = partial_fit(cut.open());
@@ -169,6 +179,33 @@ TEST_CASE("a partial fit of a whole organ misses nothing") {
   FitOptions options;
   options.partial = true;
   CHECK_FALSE(judge_fit(*kidney(), whole, options, fit).doubtful);
+}
+
+TEST_CASE("a partial fit leaves a flat cut alone and keeps the template's shape beyond it") {
+  // A long organ of which a third lacks behind a cut across it.
+  Mesh organ = icosphere(3, 20);
+  organ.points.col(2) *= 2;
+  organ.points.col(0) *= 0.7;
+  constexpr double cut_mm = 15;
+  Volume labels = label_map(organ, grid_around(organ.points, 1.5));
+  auto& voxels = std::get<std::vector<std::uint8_t>>(labels.data);
+  for (std::size_t v = 0; v < voxels.size(); ++v) {
+    const auto [columns, rows, slices] = labels.geometry.dims;
+    const auto k = static_cast<double>(v / static_cast<std::size_t>(columns * rows));
+    if (labels.geometry.to_mm(Vec3(0, 0, k)).z() > cut_mm) voxels[v] = 0;
+  }
+  const Boundary cut = label_boundary(labels, 1, 0, std::nullopt, organ.points.rows()).value();
+  REQUIRE(flat_faces(cut.surface).size() == 1);
+  FitOptions options;
+  options.partial = true;
+  options.placement = Similarity{};
+  const auto whole = make_template({organ.points, organ.topology->triangles()}, "organ").value();
+  const FitResult fit = fit_to_boundary(*whole, cut, options).value();
+  double right = 0, beyond = 0;
+  for (Eigen::Index i = 0; i < organ.points.rows(); ++i) beyond += organ.points(i, 2) > cut_mm ? 1 : 0;
+  for (const std::int32_t i : fit.outliers) right += organ.points(i, 2) > cut_mm ? 1 : 0;
+  CHECK(2 * right / (static_cast<double>(fit.outliers.size()) + beyond) > 0.9);
+  CHECK(fit.mesh.points.col(2).maxCoeff() > 35);  // of 40
 }
 
 TEST_CASE("a ball that was cut has one flat face where the whole ball has none") {

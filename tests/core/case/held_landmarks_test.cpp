@@ -113,4 +113,30 @@ TEST_CASE("whether a case holds landmarks is in its first line and its lines giv
   CHECK(*read->session.document().shape().points == before);
 }
 
+TEST_CASE("a landmark is held by all of its corners and met within an edge or two mm") {
+  const CaseFolder folder;
+  Document document = holding(folder);
+  Shape& shape = document.shapes.at(0);
+  const Template& the_template = *document.the_template;
+  const auto corners = the_template.topology->triangles().row(the_template.landmark_points[0].face);
+  VertexScalars confirmed = VertexScalars::Zero(shape.points->rows());
+  for (int k = 0; k < 3; ++k) {
+    confirmed[corners[k]] = 1;
+    shape.confirmed = std::make_shared<const VertexScalars>(confirmed);
+    CHECK(landmark_hold(the_template, 0, shape).held == (k == 2));
+  }
+  double edge_mm = 0;
+  for (int k = 0; k < 3; ++k)
+    edge_mm = std::max(edge_mm, (shape.reference->row(corners[k]) - shape.reference->row(corners[(k + 1) % 3])).norm());
+  REQUIRE(edge_mm > 2);
+  const Vec3 on_mesh = carried_landmark(the_template, 0, *shape.points);
+  for (const double share : {0.9, 1.1}) {
+    shape.landmarks["north"] = on_mesh + Vec3(0, 0, share * edge_mm);
+    const LandmarkHold hold = landmark_hold(the_template, 0, shape);
+    CHECK(hold.placed);
+    CHECK(hold.distance_mm == doctest::Approx(share * edge_mm));
+    CHECK(hold.met == (share < 1));
+  }
+}
+
 }  // namespace homolog

@@ -131,6 +131,36 @@ TEST_CASE("every brush needs a place and a radius that are numbers") {
   CHECK(says(session.apply(Confirm{{0, 0, endless}, 5, true}), "needs a place"));
 }
 
+TEST_CASE("a soft brush sets the value within and blends it over its outer share") {
+  EditSession session = ball_session();
+  const double base = session.document().stiffness_base, radius_mm = 16, soft = 0.5;
+  REQUIRE(session.apply(PaintStiffness{{0, 0, 20}, radius_mm, 9 * base, soft}));
+  const Points& points = *session.document().shape().points;
+  int within = 0, between = 0;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const double share = (points.row(i).transpose() - Vec3(0, 0, 20)).norm() / radius_mm;
+    const double edge = std::clamp((1 - share) / soft, 0.0, 1.0);
+    // The blend rises without a corner: half at the middle of the edge.
+    CHECK((*session.document().stiffness)[i] == doctest::Approx(1 + 8 * edge * edge * (3 - 2 * edge)));
+    within += share < 1 - soft ? 1 : 0;
+    between += share > 1 - soft && share < 1 ? 1 : 0;
+  }
+  CHECK(within > 5);
+  CHECK(between > 20);
+}
+
+TEST_CASE("smoothing goes its share of the way to the mean of the neighbours") {
+  EditSession session = ball_session();
+  const Document before = session.document();
+  VertexScalars factors = VertexScalars::Ones(before.stiffness->size());
+  const Eigen::Index top = 0;
+  factors[top] = 7;
+  REQUIRE(session.apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(factors)}));
+  const Vec3 at = before.shape().points->row(top);
+  REQUIRE(session.apply(SmoothStiffness{at, 12, 0.25}));
+  CHECK((*session.document().stiffness)[top] == doctest::Approx(7 - 0.25 * 6));
+}
+
 TEST_CASE("smoothing draws factors together and keeps uniform ones") {
   EditSession session = ball_session();
   REQUIRE(session.apply(SmoothStiffness{{0, 0, 20}, 15, 1}));

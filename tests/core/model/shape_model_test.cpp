@@ -150,6 +150,25 @@ TEST_CASE("no rotation of one aligned shape brings it nearer to the mean") {
   }
 }
 
+TEST_CASE("a mirror image gains from a reflection and a copy loses by it") {
+  const Points shape = points_of(random_shapes(20, 1), 0);
+  Points mirrored = shape;
+  mirrored.col(1) *= -1;
+  CHECK(reflection_gain(shape, some_pose(2).apply(mirrored)) > 1000);
+  CHECK(reflection_gain(shape, some_pose(3).apply(shape)) < 0.001);
+}
+
+TEST_CASE("a mode is gone along by its own deviations") {
+  const ShapeModel model = make_model(principal_components(random_shapes(12, 6)), 1, nullptr, {});
+  for (const Eigen::Index mode : {0, 3})
+    for (const double deviations : {-2.0, 0.5, 3.0}) {
+      Eigen::VectorXd b = Eigen::VectorXd::Zero(mode + 1);
+      b[mode] = deviations * std::sqrt(model.variances[mode]);
+      CHECK((mode_shape(model, mode, deviations) - shape_of(model, b)).norm() < 1e-9);
+      CHECK(coefficients(model, mode_shape(model, mode, deviations))[mode] == doctest::Approx(b[mode]));
+    }
+}
+
 TEST_CASE("the Gram matrix gives the components that the covariance would give") {
   const ShapeMatrix shapes = random_shapes(9, 6);
   const PrincipalComponents components = principal_components(shapes);
@@ -213,6 +232,15 @@ TEST_CASE("compactness rises to the share of all but the last mode") {
   const Eigen::VectorXd variances = components.variances();
   CHECK(shares.back().mean == doctest::Approx(1 - variances[6] / variances.sum()));
   CHECK(shares.front().standard_error == doctest::Approx(std::sqrt(2.0 / 8) * variances[0] / variances.sum()));
+}
+
+TEST_CASE("a measure is the mean with the error of a sample's mean") {
+  const Measured four = measured(Eigen::Vector4d(1, 2, 3, 6));
+  CHECK(four.mean == doctest::Approx(3));
+  CHECK(four.standard_error == doctest::Approx(std::sqrt((4 + 1 + 0 + 9) / 3.0 / 4)));
+  CHECK(measured(Eigen::VectorXd::Constant(1, 5)).mean == 5);
+  CHECK(measured(Eigen::VectorXd::Constant(1, 5)).standard_error == 0);
+  CHECK(measured(Eigen::VectorXd()).mean == 0);
 }
 
 TEST_CASE("measures agree with building every model directly") {

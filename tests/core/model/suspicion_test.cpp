@@ -109,3 +109,14 @@ TEST_CASE("a triangle that collapsed to nothing is finite and leads the list") {
   CHECK(std::isfinite(triangles.front().stretch));
   CHECK(triangles.front().stretch > 100);
 }
+
+TEST_CASE("a vertex that varies in every shape and a shape that varies at every vertex are not suspicious there") {
+  const Mesh ball = icosphere(3, 40);
+  const PrincipalComponents components = cohort(ball, [](int k, Points& points) {
+    points.row(50) += std::sin(7.0 * k) * Eigen::RowVector3d(1, 1, -1);  // stands out in each shape
+    if (k == 9) points += 0.2 * Points::Random(points.rows(), 3);        // stands out at each vertex
+  });
+  const auto landmarks = suspicious_vertices(components, ball.topology, 3);
+  CHECK(landmarks.size() < 4);
+  for (const SuspiciousVertex& one : landmarks) CHECK(one.vertex != 50);
+}

@@ -179,3 +179,42 @@ TEST_CASE("landmarks that contradict each other are believed less") {
   }
   CHECK(known_matches(placed, Points(0, 3), Points(0, 3), VertexScalars(0)).noise_mm.size() == 0);
 }
+
+TEST_CASE("the lengths of a warp and its kernel are those of the organ's size") {
+  const WarpLengths lengths = warp_lengths(200);
+  CHECK(lengths.reach_mm == doctest::Approx(50));
+  CHECK(lengths.bump_mm == doctest::Approx(9));
+  CHECK(lengths.noise_mm == doctest::Approx(1));
+  CHECK(older_warp_lengths(200).reach_mm == doctest::Approx(50));
+  CHECK(older_warp_lengths(200).bump_mm == 6);
+  CHECK(older_warp_lengths(200).noise_mm == 0.7);
+  const WarpKernel kernel(Eigen::RowVector3d(0, 0, 10), {50, 9, 1});
+  const Points from = rows({{0, 0, 10}, {30, 0, 10}}), to = rows({{0, 0, 10}, {30, 40, 10}});
+  const Eigen::MatrixXd found = kernel(from, to);
+  CHECK(found(0, 0) == doctest::Approx(81));
+  CHECK(found(0, 1) == doctest::Approx(81 * std::exp(-0.5)));  // one reach away
+  CHECK(found(1, 1) == doctest::Approx(81 * std::exp(-0.5 * 0.64) + 0.0009 * 900));
+}
+
+TEST_CASE("landmarks decide of the size by how far they spread over their error") {
+  const PlacementPrior prior;
+  const double diagonal_mm = 100, noise_mm = 4.5;  // the error of a landmark is that share of the diagonal
+  for (const double half_mm : {2.0, 10.0, 50.0}) {
+    const Points from = rows({{0, 0, half_mm}, {0, 0, -half_mm}});
+    const double spread = 2 * half_mm * half_mm / (noise_mm * noise_mm), before = 1 / (0.5 * 0.5);
+    const double scale = likely_similarity(from, 1.3 * from, prior, diagonal_mm).scale;
+    CHECK(scale == doctest::Approx((1.3 * spread + before) / (spread + before)));
+  }
+  // Larger and smaller by the same factor are both found.
+  const Points wide = 100 * corners;
+  CHECK(likely_similarity(wide, 2 * wide, prior, diagonal_mm).scale == doctest::Approx(2).epsilon(0.001));
+  CHECK(likely_similarity(wide, 0.5 * wide, prior, diagonal_mm).scale == doctest::Approx(0.5).epsilon(0.001));
+}
+
+TEST_CASE("two landmarks keep their order") {
+  const Points from = rows({{0, 0, 50}, {0, 0, -50}});
+  for (const Vec3& first : {Vec3(3, 4, 60), Vec3(0, 1, -40), Vec3(20, 0, 1)}) {
+    const Points to = rows({first, -first});
+    CHECK(largest_difference(nearest_similarity(from, to, {}).apply(from), to) < 1e-9);
+  }
+}

@@ -79,6 +79,58 @@ TEST_CASE("steps that were made are counted once and a note joins nothing to the
   CHECK(session.undo_names(9).size() == 2);
 }
 
+TEST_CASE("undo and redo go over what is joined and over what was only looked at") {
+  History history(std::make_shared<const Document>(), 1000);
+  const auto push = [&](bool joined, bool look) {
+    history.reserve(1);
+    history.push({.joined = joined, .look = look});
+  };
+  push(false, false);  // step 0
+  push(true, false);
+  push(true, false);
+  push(false, true);
+  push(false, false);  // step 4
+  const auto leads = [](const std::optional<History::Way>& way, std::size_t to, std::size_t step) {
+    return way && way->to == to && way->step == step;
+  };
+  CHECK(history.current() == 5);
+  CHECK(leads(history.undo(), 4, 4));
+  CHECK(leads(history.undo(4), 0, 2));
+  CHECK_FALSE(history.undo(0));
+  CHECK(leads(history.redo(0), 3, 0));
+  CHECK(leads(history.redo(3), 5, 4));
+  CHECK_FALSE(history.redo(5));
+  history.go_to(3);
+  push(false, false);  // what could be done again is forgotten
+  CHECK(history.size() == 4);
+  CHECK(history.current() == 4);
+  CHECK_FALSE(history.redo());
+  CHECK(leads(history.undo(), 3, 3));
+}
+
+TEST_CASE("states near the present one are kept and those far away are thinned out evenly") {
+  const auto state = [] {
+    auto document = std::make_shared<Document>();
+    document->stiffness = std::make_shared<const VertexScalars>(VertexScalars::Ones(125));  // 1,000 bytes
+    return document;
+  };
+  History history(state(), 100'000);
+  for (std::size_t k = 1; k <= 300; ++k) {
+    history.reserve(1);
+    history.push({.after = nullptr});
+    history.keep(k, state());
+    CHECK(history.bytes() <= 100'000);
+  }
+  for (std::size_t k = 268; k <= 300; ++k) CHECK(history.kept(k) != nullptr);
+  std::vector<std::size_t> far;
+  for (std::size_t k = 1; k < 200; ++k)
+    if (history.kept(k) != nullptr) far.push_back(k);
+  REQUIRE(far.size() > 5);
+  for (std::size_t k = 1; k < far.size(); ++k) CHECK(far[k] - far[k - 1] <= 2 * far[0]);
+  CHECK(history.bytes() > 50'000);
+  CHECK(history.kept(0) != nullptr);
+}
+
 TEST_CASE("the touches of a brush stroke are kept once") {
   const CaseFolder folder;
   EditSession session = folder.create();

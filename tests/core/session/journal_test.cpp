@@ -3,17 +3,101 @@
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <random>
+#include <sstream>
 
+#include "core/session/case_lines.h"
 #include "core/session/unsaved_cases.h"
 #include "tests/case_folder.h"
 #include "tests/environment_variable.h"
 #include "tests/refusal.h"
 #include "tests/small_files.h"
 
+namespace {
+
+std::atomic<int> syncs = 0;
+
+}  // namespace
+
+/// In place of the C library's, in this program: counts.
+extern "C" int fsync(int descriptor) {
+  ++syncs;
+  return static_cast<int>(::syscall(SYS_fsync, descriptor));
+}
+
 namespace homolog {
+
+TEST_CASE("every line is brought to the disk before it counts as written unless it may wait") {
+  const CaseFolder folder;
+  const fs::path path = folder.folder.path / "lines";
+  write_bytes(path, "{}\n");
+  const auto journal = Journal::open(path).value();
+  const int before = syncs;
+  REQUIRE(journal->append("{\"a\":1}\n"));
+  CHECK(syncs == before + 1);
+  CHECK_FALSE(journal->unsynced());
+  REQUIRE(journal->append("{\"b\":1}\n", false));
+  REQUIRE(journal->append("{\"c\":1}\n", false));
+  CHECK(syncs == before + 1);
+  CHECK(journal->unsynced());
+  CHECK(journal->unsynced_lines() == "{\"b\":1}\n{\"c\":1}\n");
+  CHECK(journal->synced_bytes() == 11);
+  REQUIRE(journal->sync());
+  CHECK(syncs == before + 2);
+  CHECK(journal->synced_bytes() == journal->bytes());
+  REQUIRE(journal->sync());  // nothing waits
+  CHECK(syncs == before + 2);
+  REQUIRE(journal->append("{\"d\":1}\n", false));
+  REQUIRE(journal->append("{\"e\":1}\n"));  // which brings the one before along
+  CHECK(syncs == before + 3);
+  CHECK_FALSE(journal->unsynced());
+  REQUIRE(journal->keep_first(11));
+  CHECK(syncs == before + 4);
+  CHECK(read_whole_file(path).value() == "{}\n{\"a\":1}\n");
+}
+
+TEST_CASE("every edit of a case and every undo is on the disk when it is done") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  for (const Action& action : {Action(pull(pole, 1.1 * pole)), Action(SetStiffnessBase{5}), Action(Undo{}),
+                               Action(Redo{}), Action(PlaceLandmark{"north", pole})}) {
+    const int before = syncs;
+    REQUIRE(session.apply(action));
+    CHECK(syncs > before);
+    CHECK_FALSE(session.unsynced());
+  }
+}
+
+TEST_CASE("what waits for the disk is brought there when a journal is closed") {
+  const CaseFolder folder;
+  const fs::path path = folder.folder.path / "lines";
+  write_bytes(path, "{}\n");
+  int before = 0;
+  {
+    const auto journal = Journal::open(path).value();
+    REQUIRE(journal->append("{\"a\":1}\n", false));
+    before = syncs;
+  }
+  CHECK(syncs == before + 1);
+  CHECK_FALSE(Journal::in_use(path));
+}
+
+TEST_CASE("a journal that is open is nobody else's") {
+  const CaseFolder folder;
+  const fs::path path = folder.folder.path / "lines";
+  write_bytes(path, "{}\n");
+  const auto journal = Journal::open(path).value();
+  CHECK(Journal::in_use(path));
+  CHECK(says(Journal::open(path), "is open in another program"));
+  std::ofstream(path, std::ios::app) << "{}\n";
+  CHECK(says(journal->append("{}\n"), "changed by another program"));
+  fs::resize_file(path, 3);
+  CHECK(journal->append("{}\n"));
+}
 
 TEST_CASE("half a line that cannot be taken back is the last one that a journal gets") {
   // A file in memory that may grow but not shrink, so that no rollback succeeds.
@@ -123,6 +207,24 @@ TEST_CASE("a long file is read line by line whatever its pieces are") {
   REQUIRE(::mkfifo((folder.folder.path / "pipe").c_str(), 0600) == 0);
   CHECK_FALSE(LineFile::open(folder.folder.path / "pipe"));
   CHECK_FALSE(Journal::open(folder.folder.path / "pipe"));
+}
+
+TEST_CASE("a line behind one without its line feed is found again and both are checked") {
+  const CaseFolder folder;
+  const fs::path path = folder.folder.path / "lines";
+  write_bytes(path, "head\n{\"a\":1}");
+  const auto file = LineFile::open(path).value();
+  CaseLines lines(file, 5, 12, CaseLines::checked(0, "{\"a\":1}"));
+  const auto second = lines.append("{\"b\":2}\n"), third = lines.append("{\"c\":3}\n");
+  REQUIRE(second);
+  REQUIRE(third);
+  CHECK(lines.read({0, 7}).value() == "{\"a\":1}");
+  CHECK(lines.read({*second, 7}).value() == "{\"b\":2}");
+  CHECK(lines.read({*third, 7}).value() == "{\"c\":3}");
+  CHECK(lines.check() == CaseLines::checked(0, "{\"a\":1}\n{\"b\":2}\n{\"c\":3}\n"));
+  std::ostringstream all;
+  REQUIRE(lines.copy_to(all));
+  CHECK(all.str() == "{\"a\":1}\n{\"b\":2}\n{\"c\":3}\n");
 }
 
 }  // namespace homolog

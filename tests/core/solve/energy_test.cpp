@@ -95,6 +95,37 @@ TEST_CASE("the solver agrees with a dense solve and held vertices hardly follow"
   CHECK(x.head(20).cwiseAbs().maxCoeff() < 1e-2 * x.cwiseAbs().maxCoeff());
 }
 
+TEST_CASE("the energy of one moved vertex and the matrix are those worked out by hand") {
+  // Every vertex of a tetrahedron neighbours the three others.
+  const Mesh mesh = shapes::tetrahedron(10);
+  VertexScalars w(4);
+  w << 1, 2, 4, 8;
+  const Eigen::Matrix4d laplacian = shape_laplacian(*mesh.topology, w);
+  Eigen::Matrix4d by_hand;
+  by_hand << 17, -3, -5, -9, -3, 19, -6, -10, -5, -6, 23, -12, -9, -10, -12, 31;
+  CHECK((laplacian - by_hand).cwiseAbs().maxCoeff() < 1e-12);
+  Points moved = mesh.points;
+  moved(0, 2) += 2;
+  // 2 mm, squared, once for the target and for each edge by the stiffness of both its ends.
+  CHECK(deformation_energy(*mesh.topology, w, moved, mesh.points, mesh.points) == doctest::Approx(4 * (1 + 17)));
+  CHECK(deformation_energy(*mesh.topology, w, moved, mesh.points, moved) == doctest::Approx(4 * 17));
+  const Points targets = implied_targets(*mesh.topology, w, moved, mesh.points);
+  CHECK(targets(0, 2) - moved(0, 2) == doctest::Approx(2 * 17));
+  CHECK(targets(3, 2) - moved(3, 2) == doctest::Approx(-2 * 9));
+}
+
+TEST_CASE("a firm hold outweighs what pulls at a vertex by the same factor everywhere") {
+  const Mesh mesh = shapes::tetrahedron(10);
+  VertexScalars w(4), held(4);
+  w << 1, 2, 4, 8;
+  held << 1, 0, 0.5, 1;
+  const VertexScalars hold = firm_hold(*mesh.topology, w, held);
+  CHECK(hold[0] == doctest::Approx(holding_weight * 18));
+  CHECK(hold[1] == 0);
+  CHECK(hold[2] == doctest::Approx(holding_weight * 24 / 2));
+  CHECK(hold[3] == doctest::Approx(holding_weight * 32));
+}
+
 TEST_CASE("a stiffness that is zero or not a number is refused") {
   const Mesh mesh = icosphere(1);
   ShapeSolver solver(mesh.topology);
@@ -121,6 +152,25 @@ TEST_CASE("local rotations of a turned shape are that rotation and cancel in the
   const Points laplacian_r = shape_laplacian(*s.mesh.topology, s.w) * s.mesh.points;
   CHECK((rotated_reference_force(*s.mesh.topology, s.w, s.mesh.points, none) - laplacian_r).cwiseAbs().maxCoeff() <
         1e-9);
+}
+
+TEST_CASE("in a turned reference each end of an edge turns its own share") {
+  const Mesh mesh = icosphere(1, 20);
+  const VertexScalars w = uneven_weights(mesh.points.rows());
+  std::vector<Mat3> turns;
+  for (Eigen::Index i = 0; i < w.size(); ++i)
+    turns.push_back(
+        Eigen::AngleAxisd(0.3 * static_cast<double>(i), Vec3(1, static_cast<double>(i), 2).normalized()).matrix());
+  const Points force = rotated_reference_force(*mesh.topology, w, mesh.points, turns);
+  for (Eigen::Index i = 0; i < w.size(); ++i) {
+    Vec3 expected = Vec3::Zero();
+    for (const std::int32_t j : mesh.topology->one_ring(i)) {
+      const Vec3 edge = (mesh.points.row(i) - mesh.points.row(j)).transpose();
+      expected +=
+          w[i] * (turns[static_cast<std::size_t>(i)] * edge) + w[j] * (turns[static_cast<std::size_t>(j)] * edge);
+    }
+    CHECK((force.row(i).transpose() - expected).norm() < 1e-9);
+  }
 }
 
 TEST_CASE("local rotations agree with the singular value decomposition and are never reflections") {

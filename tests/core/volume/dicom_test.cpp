@@ -157,13 +157,16 @@ TEST_CASE("rescaling and the window come from the file and may differ from slice
   const TemporaryFolder folder;
   for (int s = 0; s < 2; ++s) {
     slice.z = s;
-    slice.before_pixels = element(0x00281052, "DS", "0") + element(0x00281053, "DS", s == 0 ? "0.5" : "2");
+    slice.before_pixels =
+        element(0x00281052, "DS", s == 0 ? "10" : "-3.5") + element(0x00281053, "DS", s == 0 ? "0.5" : "2");
     write_bytes(folder.path / (std::to_string(s) + ".dcm"), slice.bytes());
   }
   const auto each = read_volume(folder.path);
   REQUIRE(each);
-  CHECK(each->volume.at(2, 1, 0) == 2.5);
-  CHECK(each->volume.at(2, 1, 1) == 10);
+  CHECK(each->volume.at(0, 0, 0) == 10);
+  CHECK(each->volume.at(2, 1, 0) == 12.5);
+  CHECK(each->volume.at(0, 0, 1) == -3.5);
+  CHECK(each->volume.at(2, 1, 1) == 6.5);
 }
 
 TEST_CASE("only the stored bits of a pixel count") {

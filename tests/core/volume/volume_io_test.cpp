@@ -194,6 +194,13 @@ TEST_CASE("integers go to the smallest type that holds them and floats stay floa
   CHECK(type_of(768, std::vector<std::uint32_t>{0, 65535}) == "uint16");
   CHECK(type_of(1024, std::vector<std::int64_t>{-1, 65535}) == "float32");
   CHECK(type_of(1280, std::vector<std::uint64_t>{0, 300}) == "int16");
+  // The first that no longer fit.
+  CHECK(type_of(8, std::vector<std::int32_t>{0, 255}) == "uint8");
+  CHECK(type_of(8, std::vector<std::int32_t>{0, 256}) == "int16");
+  CHECK(type_of(8, std::vector<std::int32_t>{-32768, 32767}) == "int16");
+  CHECK(type_of(8, std::vector<std::int32_t>{-32769, 0}) == "float32");
+  CHECK(type_of(8, std::vector<std::int32_t>{0, 32768}) == "uint16");
+  CHECK(type_of(8, std::vector<std::int32_t>{0, 65536}) == "float32");
   CHECK(type_of(16, std::vector<float>{0, 1}) == "float32");
   CHECK(type_of(64, std::vector<double>{-1.5, 2.5}) == "float32");
 }

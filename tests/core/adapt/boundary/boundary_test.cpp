@@ -1,6 +1,8 @@
 #include <doctest/doctest.h>
 
 #include "core/adapt/boundary/boundary.h"
+#include "core/adapt/boundary/boundary_search.h"
+#include "core/adapt/boundary/partial_placements.h"
 #include "core/mesh/mesh_quality.h"
 #include "tests/adapting.h"
 #include "tests/shapes.h"
@@ -52,4 +54,39 @@ TEST_CASE("the largest part of a surface is its boundary") {
   CHECK(boundary.surface.points == large.points);
   CHECK(boundary.surface.topology->triangles() == large.topology->triangles());
   CHECK(boundary.warnings.size() == 1);
+}
+
+TEST_CASE("the counterpart of a vertex is where the boundary faces its way though the other side is nearer") {
+  Mesh plate = icosphere(3, 30);
+  plate.points.col(2) *= 0.1;  // 6 mm thick in its middle
+  Mesh below = plate;
+  below.points.col(2).array() -= 4;
+  const Boundary boundary = mesh_boundary(plate);
+  BoundarySearch search(boundary, plate.points.rows());
+  const BoundaryPull found = search.nearest(below);
+  for (Eigen::Index i = 0; i < plate.points.rows(); ++i) {
+    if (plate.points.row(i).head<2>().norm() > 10) continue;
+    CHECK(found.weights[i] == 1);
+    CHECK((found.targets(i, 2) > 0) == (plate.points(i, 2) > 0));
+  }
+}
+
+TEST_CASE("other placements of a partial fit grow from the far end and move towards what is missing") {
+  const Points points = icosphere(2, 20).points;
+  const VertexScalars missing = (points.col(2).array() > 10).cast<double>();
+  const Similarity found{Eigen::Quaterniond::Identity(), 2, Vec3(1, 2, 3)};
+  const auto others = placements_towards(found, points, missing);
+  REQUIRE(others.size() == other_placements);
+  Eigen::Index lowest = 0;
+  points.col(2).minCoeff(&lowest);
+  const Vec3 kept = points.row(lowest), before = found.inverse().apply(kept);
+  CHECK(others[0].scale == doctest::Approx(2 * 1.06));
+  CHECK((others[0].apply(before) - kept).norm() < 1e-9);
+  CHECK(others[1].scale == doctest::Approx(2 * 1.12));
+  CHECK((others[1].apply(before) - kept).norm() < 1e-9);
+  CHECK(others[2].scale == doctest::Approx(2));
+  const Vec3 moved = others[2].translation - found.translation;
+  CHECK(moved.z() == doctest::Approx(0.05 * bounds_of(points).diagonal().norm()).epsilon(0.01));
+  CHECK(moved.head<2>().norm() < 0.1 * moved.z());
+  CHECK(placements_towards(found, points, VertexScalars::Zero(points.rows())).empty());
 }

@@ -1,6 +1,7 @@
 #include "app/verbs/describe.h"
 
 #include "app/verbs/mending_report.h"
+#include "core/mesh/inside_out.h"
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mesh_quality.h"
@@ -63,6 +64,16 @@ std::vector<std::string> about(const std::filesystem::path& path, std::vector<st
   for (std::string& warning : warnings)
     if (!warning.starts_with(subject)) warning.insert(0, subject);
   return warnings;
+}
+
+std::vector<std::string> mesh_warnings(const std::filesystem::path& path, const MeshFile& file, const Mesh& mesh) {
+  std::vector<std::string> warnings = file.warnings;
+  if (auto inward = inside_out(mesh)) warnings.push_back(std::move(*inward));
+  return about(path, std::move(warnings));
+}
+
+Meeting meeting_of(const std::filesystem::path& path, const Points& points) {
+  return {path.string(), bounds_of(points).diagonal().norm()};
 }
 
 Json json_of(const Vec3& p) {

@@ -4,6 +4,7 @@
 
 #include "app/verbs/verb.h"
 #include "core/measure/compare.h"
+#include "core/measure/meeting.h"
 #include "core/mesh/mesh_io.h"
 #include "core/volume/volume_io.h"
 
@@ -19,6 +20,12 @@ Result<Report> describe_file(const std::filesystem::path& path, const VolumeRead
 
 /// Warnings that each begin with the name of the file they are about.
 std::vector<std::string> about(const std::filesystem::path& path, std::vector<std::string> warnings);
+
+/// What is to be said of a mesh whose volume counts: its reader's warnings, and faces that look inward.
+std::vector<std::string> mesh_warnings(const std::filesystem::path& path, const MeshFile& file, const Mesh& mesh);
+
+/// A file that meets another one, with the size of what it holds [meeting.h].
+Meeting meeting_of(const std::filesystem::path& path, const Points& points);
 
 Json json_of(const Vec3& p);
 /// {mean, p95, max}

@@ -87,15 +87,17 @@ void add_user(CLI::App& study, CommandLine& asked) {
 
 void add_target_options(CLI::App& verb, TargetOptions& options) {
   add_label_option(verb, options.labels, "Which label of the mask, where it holds several; 1,2: both together");
+  add_mask_frame_option(verb, options.frame);
   add_ball_option(verb, "--closing-mm", options.closing_mm, "Clefts narrower than twice this radius (mm) are filled");
 }
 
 Result<ExperimentSubject> mask_subject(const fs::path& path, const TargetOptions& options, const Template& the_template,
                                        std::vector<std::string>& warnings, Progress& progress) {
-  auto mask = read_mask(path, options.labels, 0, progress);
+  auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
   if (!mask) return fail(mask.error());
   warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
-  auto boundary = label_boundary(mask->volume, mask->label, 0, options.closing_mm, the_template.points.rows());
+  auto boundary =
+      label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm, the_template.points.rows());
   if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
   ExperimentSubject subject;
   subject.target = std::move(boundary->surface);

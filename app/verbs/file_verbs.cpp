@@ -1,10 +1,13 @@
+#include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "app/verbs/describe.h"
 #include "app/verbs/read_image.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/label_map.h"
+#include "core/mesh/mesh_frame.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
 #include "core/model/observers.h"
@@ -49,15 +52,18 @@ Result<std::vector<std::string>> check_effect(const fs::path& path, const std::s
   return warnings;
 }
 
-/// The 0.5 isosurface of a label of a label map, or of several together, as it is; without any: of the only one.
-Result<Mesh> read_labelled_surface(const fs::path& path, const std::vector<int>& labels,
-                                   std::vector<std::string>& warnings, Progress& progress) {
-  const auto mask = read_mask(path, labels, 0, progress);
-  if (!mask) return fail(mask.error());
-  warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
-  auto surface = mask_surface(mask->volume, mask->label);
-  if (!surface) return fail(path.string(), mask->named(surface.error().what));
+/// The 0.5 isosurface of the label that is meant, as it is.
+Result<Mesh> labelled_surface(const fs::path& path, const MaskRead& mask) {
+  auto surface = mask_surface(mask.volume, mask.label, mask.frame);
+  if (!surface) return fail(path.string(), mask.named(surface.error().what));
   return surface;
+}
+
+/// Says where a mesh and a surface that should lie in one place do not because of units or axes.
+void warn_of_misfit(const fs::path& path, const Mesh& mesh, const fs::path& other_path, const Mesh& other,
+                    std::vector<std::string>& warnings) {
+  if (const auto misfit = misfit_in_scan(mesh, other))
+    warnings.push_back(misfit_sentence(*misfit, meeting_of(path, mesh.points), meeting_of(other_path, other.points)));
 }
 
 /// Reads a mesh, changes it, and writes it once it is known to be one that can be read again.
@@ -80,6 +86,7 @@ void add_info(CLI::App& app, CommandLine& asked) {
     std::vector<int> labels;
     std::string series;
     std::vector<double> spacing_mm;
+    std::optional<int> frame;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "info", "What a volume, mesh, template, case or model is");
@@ -88,16 +95,24 @@ void add_info(CLI::App& app, CommandLine& asked) {
   add_spacing(*verb, options->spacing_mm);
   auto* mask = verb->add_option("--mask", options->mask, "A label map: also measure the mesh's distance to it");
   add_label_option(*verb, options->labels, "Which label of the mask; 1,2: both together")->needs(mask);
+  add_mask_frame_option(*verb, options->frame)->needs(mask);
   const auto info = [options](Progress& progress) -> Result<Report> {
     const auto warnings = check_effect(options->file, options->series, !options->spacing_mm.empty());
     if (!warnings) return fail(warnings.error());
     auto report = describe_file(options->file, read_options(options->series, options->spacing_mm, progress));
     if (report) report->warnings.insert(report->warnings.end(), warnings->begin(), warnings->end());
     if (!report || options->mask.empty()) return report;
+    const auto file = read_mesh_file(options->file);
+    if (!file) return fail(file.error());
     const auto mesh = read_mesh(options->file);
     if (!mesh) return fail(mesh.error());
-    const auto target = read_labelled_surface(options->mask, options->labels, report->warnings, progress);
+    const auto mask = read_mask(options->mask, options->labels, {options->frame, noted_frame(*file)}, progress);
+    if (!mask) return fail(mask.error());
+    const auto target = labelled_surface(options->mask, *mask);
     if (!target) return fail(target.error());
+    report->warnings.insert(report->warnings.end(), mask->warnings.begin(), mask->warnings.end());
+    warn_of_misfit(options->file, *mesh, options->mask, *target, report->warnings);
+    mask->report_frame(report->values);
     report->values["distance_to_mask_mm"] = json_of(surface_distance(*mesh, *target));
     report->values["distance_from_mask_mm"] = json_of(surface_distance(*target, *mesh));
     return report;
@@ -110,6 +125,8 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     fs::path in, out;
     std::string series;
     std::vector<double> spacing_mm;
+    double times = 1;
+    bool from_ras = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "convert", "Any readable volume or mesh to any writable format");
@@ -117,6 +134,10 @@ void add_convert(CLI::App& app, CommandLine& asked) {
   verb->add_option("OUT", options->out, "The file to write; its extension chooses the format")->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
   add_spacing(*verb, options->spacing_mm);
+  verb->add_option("--times", options->times,
+                   "Multiply a mesh's coordinates, which are in another unit than mm: 1000 for metres, 10 for cm")
+      ->check(CLI::Range(1e-9, 1e9));
+  verb->add_flag("--from-ras", options->from_ras, "A mesh's coordinates are RAS, though its file does not say so");
   const auto convert = [options](Progress& progress) -> Result<Report> {
     if (is_mesh_name(options->in) != is_mesh_name(options->out)) {
       return fail(options->out.string(),
@@ -126,8 +147,18 @@ void add_convert(CLI::App& app, CommandLine& asked) {
     auto warnings = check_effect(options->in, options->series, !options->spacing_mm.empty());
     if (!warnings) return fail(warnings.error());
     if (is_mesh_name(options->in)) {
-      return describe_and_write(options->in, options->out, [](MeshFile mesh) { return mesh; });
+      const Vec3 times = options->times * (options->from_ras ? Vec3(-1, -1, 1) : Vec3(1, 1, 1));
+      return describe_and_write(options->in, options->out, [times](MeshFile mesh) {
+        if (times == Vec3(1, 1, 1)) return mesh;
+        mesh.points *= times.asDiagonal();
+        for (Landmark& landmark : mesh.landmarks) landmark.position = landmark.position.cwiseProduct(times);
+        if (mesh.doubt_mm) *mesh.doubt_mm *= std::abs(times.z());
+        return mesh;
+      });
     }
+    if (options->times != 1 || options->from_ras)
+      return fail(options->in.string(),
+                  "is a volume, on which --times and --from-ras have no effect; correct the geometry in its header");
     auto read = read_volume(options->in, read_options(options->series, options->spacing_mm, progress));
     if (!read) return fail(read.error());
     if (!read->other_layers.empty())
@@ -174,17 +205,26 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
   verb->add_option("-o,--output", options->out, "The label map to write (.nii.gz, .nrrd, .mha)")->required();
   verb->add_option("--value", options->value, "Label of the voxels inside")->check(CLI::Range(1, 32767));
   const auto label = [options](Progress& progress) -> Result<Report> {
+    const auto file = read_mesh_file(options->mesh);
+    if (!file) return fail(file.error());
     auto mesh = read_mesh(options->mesh);
     if (!mesh) return fail(mesh.error());
     auto like = read_volume(options->like, read_options("", {}, progress));
     if (!like) return fail(like.error());
+    const auto misfit = misfit_in_image(bounds_of(mesh->points), like->volume.geometry);
     const Volume labels = label_map(*mesh, like->volume.geometry, options->value);
     if (auto written = write_volume(labels, options->out, &progress); !written) return fail(written.error());
     const auto counted = labels_of(labels);
     const std::size_t voxels = counted.contains(options->value) ? counted.at(options->value) : 0;
     Report report;
     report.warnings = like->warnings;
-    if (voxels == 0) {
+    for (std::string& warning : mesh_warnings(options->mesh, *file, *mesh))
+      report.warnings.push_back(std::move(warning));
+    if (misfit) {
+      const double image_mm = like->volume.geometry.bounds_mm().diagonal().norm();
+      report.warnings.push_back(
+          misfit_sentence(*misfit, meeting_of(options->mesh, mesh->points), {options->like.string(), image_mm}));
+    } else if (voxels == 0) {
       report.warnings.push_back(options->mesh.string() + " lies outside " + options->like.string() +
                                 ", so the label map is empty; check that both are in the same space (LPS or RAS)");
     }
@@ -196,6 +236,9 @@ void add_label_map(CLI::App& app, CommandLine& asked) {
 }
 
 namespace {
+
+/// Meshes that overlap so much lie in one place.
+constexpr double surely_met = 0.7;
 
 Json describe(const Agreement& agreement) {
   Json values{{"dice", agreement.dice},
@@ -231,33 +274,46 @@ void add_compare(CLI::App& app, CommandLine& asked) {
   struct Options {
     fs::path mesh, mask, other;
     std::vector<int> labels;
+    std::optional<int> frame;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "compare", "How well a mesh agrees with a mask or another mesh");
   verb->add_option("MESH", options->mesh, "The mesh, or a case for its mesh")->required();
   auto* mask_option = verb->add_option("--mask", options->mask, "A label map to compare with");
   add_label_option(*verb, options->labels, "Which label of the mask; 1,2: both together")->needs(mask_option);
+  add_mask_frame_option(*verb, options->frame)->needs(mask_option);
   verb->add_option("--mesh", options->other, "Another mesh or case to compare with")->excludes(mask_option);
   const auto compare = [options](Progress& progress) -> Result<Report> {
     const auto file = read_shape(options->mesh);
     if (!file) return fail(file.error());
     auto mesh = surface_of(*file, options->mesh);
     if (!mesh) return fail(mesh.error());
+    std::vector<std::string> warnings = mesh_warnings(options->mesh, *file, *mesh);
     if (!options->other.empty()) {
       const auto other_file = read_shape(options->other);
       if (!other_file) return fail(other_file.error());
       auto other = surface_of(*other_file, options->other);
       if (!other) return fail(other.error());
-      Report report{describe(compare_meshes(*mesh, *other)), {}};
+      const Agreement agreement = compare_meshes(*mesh, *other);
+      for (std::string& warning : mesh_warnings(options->other, *other_file, *other))
+        warnings.push_back(std::move(warning));
+      if (agreement.dice < surely_met) warn_of_misfit(options->mesh, *mesh, options->other, *other, warnings);
+      Report report{describe(agreement), std::move(warnings)};
       if (const auto landmarks = landmark_distances_mm(*file, *other_file); !landmarks.empty())
         report.values["landmarks_mm"] = landmarks;
       return report;
     }
-    const auto mask = read_mask(options->mask, options->labels, 0, progress);
+    const auto mask = read_mask(options->mask, options->labels, {options->frame, noted_frame(*file)}, progress);
     if (!mask) return fail(mask.error());
-    const auto agreement = compare_with_mask(*mesh, mask->volume, mask->label);
+    const auto agreement = compare_with_mask(*mesh, mask->volume, mask->label, mask->frame);
     if (!agreement) return fail(options->mask.string(), mask->named(agreement.error().what));
-    return Report{describe(*agreement), mask->warnings};
+    warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
+    if (agreement->dice < surely_met)
+      if (const auto target = labelled_surface(options->mask, *mask))
+        warn_of_misfit(options->mesh, *mesh, options->mask, *target, warnings);
+    Report report{describe(*agreement), std::move(warnings)};
+    mask->report_frame(report.values);
+    return report;
   };
   verb->callback([options, compare, &asked] {
     if (options->mask.empty() == options->other.empty()) throw CLI::RequiredError("exactly one of --mask and --mesh");

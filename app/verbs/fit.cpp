@@ -16,11 +16,13 @@
 #include "core/base/statistics.h"
 #include "core/case/action_json.h"
 #include "core/catalogue/catalogue.h"
+#include "core/mesh/mesh_frame.h"
 #include "core/mesh/mirror.h"
 #include "core/model/model_prior.h"
 #include "core/model/statismo.h"
 #include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
+#include "core/template/template_warnings.h"
 
 // The verb `fit`: a template to one label map or surface, or to many, or to the boundary that an image shows.
 
@@ -35,7 +37,8 @@ struct Options {
   std::vector<fs::path> masks, meshes;
   fs::path image, out, placement, landmarks, model;
   double beyond = 1;
-  SnapArguments snap;  ///< for an image
+  SnapArguments snap;        ///< for an image
+  std::optional<int> frame;  ///< of a label map: as asked
   std::vector<int> labels;
   std::optional<double> closing_mm;
   bool mirror = false, partial = false;
@@ -97,8 +100,7 @@ using Clock = std::chrono::steady_clock;
 struct Target {
   Clock::time_point started = Clock::now();  ///< once the file was read
   Boundary boundary;
-  std::optional<Volume> mask;
-  int label = 0;
+  std::optional<MaskRead> mask;
 };
 
 Result<Target> read_target(const Options& options, const fs::path& path, Eigen::Index vertices, Progress& progress) {
@@ -108,16 +110,17 @@ Result<Target> read_target(const Options& options, const fs::path& path, Eigen::
     const auto started = Clock::now();
     auto boundary = surface_boundary(*file, vertices, &progress);
     if (!boundary) return fail(path.string(), boundary.error().what);
-    return Target{started, std::move(*boundary), std::nullopt, 0};
+    boundary->warnings.insert(boundary->warnings.begin(), file->warnings.begin(), file->warnings.end());
+    return Target{started, std::move(*boundary), std::nullopt};
   }
-  auto mask = read_mask(path, options.labels, options.snap.frame, progress);
+  auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
   if (!mask) return fail(mask.error());
   const auto started = Clock::now();
-  auto boundary = label_boundary(mask->volume, mask->label, options.snap.frame, options.closing_mm, vertices);
+  auto boundary = label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm, vertices);
   if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
   boundary->warnings = mask->named(std::move(boundary->warnings));
   boundary->warnings.insert(boundary->warnings.begin(), mask->warnings.begin(), mask->warnings.end());
-  return Target{started, std::move(*boundary), std::move(mask->volume), mask->label};
+  return Target{started, std::move(*boundary), std::move(*mask)};
 }
 
 MeshFile fitted_file(const Template& the_template, const FitResult& fit, bool partial) {
@@ -151,11 +154,15 @@ Json described_doubt(const Template& the_template, const FitResult& fit) {
 }
 
 Report report_of(const Target& target, const Template& the_template, const FitResult& fit,
-                 const FitJudgement& judgement, bool partial, int frame, double seconds) {
+                 const FitJudgement& judgement, bool partial, double seconds) {
   const Agreement& agreement = judgement.agreement;
   Report report;
   report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", agreement.dice}};
-  if (target.mask) report.values["dice_raw"] = dice_with_mask(fit.mesh, *target.mask, target.label, frame);
+  if (target.mask) {
+    const MaskRead& mask = *target.mask;
+    report.values["dice_raw"] = dice_with_mask(fit.mesh, mask.volume, mask.label, mask.frame);
+    mask.report_frame(report.values);
+  }
   report.values.update(Json{{"turned_triangles", fit.turned_triangles},
                             {"self_intersections", fit.self_intersections},
                             {"unseen_vertices", fit.unseen.size()},
@@ -188,14 +195,18 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
   const auto fit = fit_to_boundary(*shared.the_template, target->boundary, fitting);
   if (!fit) return fail(path.string(), fit.error().what);
   const double seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
-  if (auto written = write_mesh_file(fitted_file(*shared.the_template, *fit, options.partial), out); !written)
-    return fail(written.error());
+  MeshFile file = fitted_file(*shared.the_template, *fit, options.partial);
+  if (target->mask && target->mask->volume.frames > 1) note_frame(file, target->mask->frame);
+  if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
   const FitJudgement judgement = judge_fit(*shared.the_template, target->boundary, fitting, *fit);
-  Report report =
-      report_of(*target, *shared.the_template, *fit, judgement, options.partial, options.snap.frame, seconds);
+  Report report = report_of(*target, *shared.the_template, *fit, judgement, options.partial, seconds);
   report.warnings = std::move(landmarks->warnings);
   report.warnings.insert(report.warnings.end(), judgement.warnings.begin(), judgement.warnings.end());
   report.warnings = about(path, std::move(report.warnings));
+  const Meeting own{options.template_source, bounds_of(shared.the_template->points).diagonal().norm()};
+  const Meeting there = meeting_of(path, target->boundary.surface.points);
+  if (const auto misfit = misfit_of_size(own.size_mm, there.size_mm))
+    report.warnings.insert(report.warnings.begin(), misfit_sentence(*misfit, own, there));
   return report;
 }
 
@@ -243,8 +254,9 @@ Result<Report> fit_image(const Options& options, const Shared& shared, Progress&
   fit.mesh = mesh;
   fit.unseen = snapped->unseen;
   fit.landmarks = carried_landmarks(the_template, mesh.points);
-  if (auto written = write_mesh_file(fitted_file(the_template, fit, false), options.out); !written)
-    return fail(written.error());
+  MeshFile file = fitted_file(the_template, fit, false);
+  if (image->volume.frames > 1) note_frame(file, options.snap.frame);
+  if (auto written = write_mesh_file(file, options.out); !written) return fail(written.error());
   Report report = snap_report(*snapped, mesh, placed, options.image);
   report.values["placement"] = to_json(nearest_similarity(the_template.points, mesh.points, *placement));
   report.values["landmarks_used"] = shared.fit.placement ? 0 : landmarks->places.size();
@@ -307,9 +319,14 @@ Result<Report> fit_many(const Options& options, const Shared& shared, Progress& 
 Result<Report> fit(const Options& options, Progress& progress) {
   const auto shared = shared_of(options);
   if (!shared) return fail(shared.error());
-  if (!options.image.empty()) return fit_image(options, *shared, progress);
-  if (!is_mesh_name(options.out)) return fit_many(options, *shared, progress);
-  return fit_case(options, *shared, options.cases().front(), options.out, progress);
+  auto report = !options.image.empty() ? fit_image(options, *shared, progress)
+                : !is_mesh_name(options.out)
+                    ? fit_many(options, *shared, progress)
+                    : fit_case(options, *shared, options.cases().front(), options.out, progress);
+  if (!report) return report;
+  const auto warnings = template_warnings(*shared->the_template);
+  report->warnings.insert(report->warnings.begin(), warnings.begin(), warnings.end());
+  return report;
 }
 
 /// Refuses options that were given and do nothing for what is fitted to.
@@ -380,6 +397,7 @@ void add_fit(CLI::App& app, CommandLine& asked) {
                  "marked as outlier in the mesh");
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->callback([options, verb, &asked] {
+    if (verb->count("--frame") > 0) options->frame = options->snap.frame;
     check(*options);
     check_effect(*options, *verb);
     asked.run = [options](Progress& progress) { return fit(*options, progress); };

@@ -1,6 +1,7 @@
 #include "app/verbs/verb.h"
 #include "core/base/files.h"
 #include "core/base/listed.h"
+#include "core/measure/meeting.h"
 #include "core/mesh/formats/formats.h"
 #include "core/model/landmark_table.h"
 #include "core/model/model_files.h"
@@ -69,12 +70,16 @@ Result<Report> run_measure(const ShapesVerb& options, Progress& progress) {
   Report report;
   report.warnings = std::move(all->warnings);
   std::vector<ShapeSizes> sizes;
+  std::vector<Meeting> met;
   std::shared_ptr<const Topology> faces;
   for (std::size_t k = 0; k < all->shapes.size(); ++k) {
     auto one = sizes_of(all->shapes[k], faces);
     if (!one) return fail(all->names[k], one.error().what);
+    if (!one->inward.empty()) report.warnings.push_back(all->names[k] + ": " + one->inward);
+    met.push_back({all->names[k], bounds_of(all->shapes[k].points).diagonal().norm()});
     sizes.push_back(std::move(*one));
   }
+  for (std::string& sentence : misfits_among(met, "the other shapes")) report.warnings.push_back(std::move(sentence));
   const auto pairs = landmark_pairs(sizes);
   Json cases = Json::array(), distances = Json::object();
   std::vector<std::optional<double>> volumes, areas;
@@ -185,6 +190,8 @@ Result<Report> run_observers(const fs::path& first, const fs::path& second, cons
   };
   alone(comparison->only_first, second);
   alone(comparison->only_second, first);
+  for (const ObservedCase& one : comparison->cases)
+    report.warnings.insert(report.warnings.end(), one.warnings.begin(), one.warnings.end());
   Json cases = Json::array();
   for (const ObservedCase& one : comparison->cases) cases.push_back(described(one));
   report.values = {{"cases", std::move(cases)}, {"summary", summary_of(comparison->cases)}};

@@ -8,9 +8,11 @@
 #include "core/base/files.h"
 #include "core/case/action_line.h"
 #include "core/catalogue/catalogue.h"
+#include "core/mesh/mesh_frame.h"
 #include "core/model/study.h"
 #include "core/session/case_file.h"
 #include "core/session/case_header.h"
+#include "core/template/template_warnings.h"
 
 // The verb `propagate`: the mesh of one frame through a whole cine.
 
@@ -106,6 +108,7 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
     file.points = propagation.frames[f].points;
     file.landmarks = carried_landmarks(*initial.the_template, file.points);
+    note_frame(file, static_cast<int>(f));
     if (auto written = write_mesh_file(file, verb.out / (frame_name(f) + ".ply")); !written) return written;
   }
   const double frame_seconds = initial.volume->frame_seconds;
@@ -167,6 +170,8 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   Report report = report_of(verb, *propagation);
   report.values["seconds"] = seconds;
   report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
+  const auto of_template = template_warnings(**the_template);
+  report.warnings.insert(report.warnings.begin(), of_template.begin(), of_template.end());
   return report;
 }
 

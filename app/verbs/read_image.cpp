@@ -4,6 +4,7 @@
 #include <charconv>
 #include <iterator>
 
+#include "core/base/listed.h"
 #include "core/measure/compare.h"
 #include "core/volume/read_labels.h"
 
@@ -75,11 +76,70 @@ std::vector<std::string> MaskRead::named(std::vector<std::string> sentences) con
   return sentences;
 }
 
-Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<int>& labels, int frame,
+CLI::Option* add_mask_frame_option(CLI::App& verb, std::optional<int>& frame) {
+  return verb
+      .add_option_function<int>(
+          "--frame", [&frame](const int& asked) { frame = asked; },
+          "Which frame of a label map with several, from 0 (default: that of the mesh where it says so, else the "
+          "first)")
+      ->check(CLI::NonNegativeNumber);
+}
+
+namespace {
+
+/// "3–7 and 12"
+std::string listed_frames(const std::vector<int>& frames) {
+  std::vector<std::string> runs;
+  for (std::size_t k = 0; k < frames.size();) {
+    std::size_t last = k;
+    while (last + 1 < frames.size() && frames[last + 1] == frames[last] + 1) ++last;
+    runs.push_back(std::to_string(frames[k]) + (last > k ? "–" + std::to_string(frames[last]) : ""));
+    k = last + 1;
+  }
+  constexpr std::size_t most = 8;
+  if (runs.size() > most) {
+    runs.resize(most);
+    runs.back() = "…";
+  }
+  return listed(runs, " and ");
+}
+
+/// An error where a frame of several holds none of the labels, or no label at all where none is named.
+Result<void> check_frame(const Volume& mask, const std::vector<int>& labels, int frame) {
+  const auto holds = [&](int f) {
+    const auto held = labels_of(mask, f);
+    return labels.empty() ? !held.empty()
+                          : std::any_of(labels.begin(), labels.end(), [&](int label) { return held.contains(label); });
+  };
+  if (mask.frames < 2 || holds(frame)) return {};
+  std::vector<int> others;
+  for (int f = 0; f < mask.frames; ++f)
+    if (f != frame && holds(f)) others.push_back(f);
+  std::string what = "label";
+  for (std::size_t k = 0; k < labels.size(); ++k) what += (k > 0 ? "+" : " ") + std::to_string(labels[k]);
+  const std::string none = "frame " + std::to_string(frame) + " holds no " + what;
+  if (others.empty()) return fail("", none + ", nor does any other; name a label that occurs by --label");
+  return fail("", none + "; give --frame " + std::to_string(others.front()) +
+                      (others.size() > 1 ? ", or another of " + listed_frames(others) : ""));
+}
+
+}  // namespace
+
+Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<int>& labels, const MaskFrame& asked,
                            Progress& progress) {
-  auto read = read_image(path, frame, progress);
+  auto read = read_image(path, asked.asked.value_or(0), progress);
   if (!read) return fail(read.error());
   if (auto chosen = choose_layer(path, labels, *read); !chosen) return fail(chosen.error());
+  const int frames = read->volume.frames;
+  const int frame = asked.asked ? *asked.asked : frames > 1 ? asked.of_mesh.value_or(0) : 0;
+  if (frame >= frames)
+    return fail(path.string(), "has " + std::to_string(frames) +
+                                   " frames, counted from 0, and the mesh belongs to frame " + std::to_string(frame) +
+                                   "; choose --frame among them");
+  if (auto held = check_frame(read->volume, labels, frame); !held) return fail(path.string(), held.error().what);
+  if (frames > 1 && !asked.asked && !asked.of_mesh)
+    read->warnings.push_back(path.string() + ": has " + std::to_string(frames) +
+                             " frames, of which frame 0 was taken; choose another by --frame");
   warn_of_soft_labels(path, read->volume, frame, read->warnings);
   if (labels.size() > 1) {  // one that does not occur adds nothing: most kidneys have no tumour
     const auto held = labels_of(read->volume, frame);
@@ -87,11 +147,11 @@ Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<
     std::copy_if(labels.begin(), labels.end(), std::back_inserter(there), [&](int l) { return held.contains(l); });
     unite_labels(read->volume, there);
     const int label = there.empty() ? labels.front() : there.front();
-    return MaskRead{std::move(*read), label, labels};
+    return MaskRead{std::move(*read), label, frame, labels};
   }
   const auto chosen = !labels.empty() ? Result<int>(labels.front()) : only_label(read->volume, frame);
   if (!chosen) return fail(path.string(), chosen.error().what + " by --label");
-  return MaskRead{std::move(*read), *chosen, {*chosen}};
+  return MaskRead{std::move(*read), *chosen, frame, {*chosen}};
 }
 
 }  // namespace homolog

@@ -20,16 +20,31 @@ CLI::Option* add_label_option(CLI::App& verb, std::vector<int>& labels, const st
 CLI::Option* add_ball_option(CLI::App& verb, const std::string& name, std::optional<double>& radius_mm,
                              const std::string& help);
 
+/// Which frame of a label map is meant.
+struct MaskFrame {
+  std::optional<int> asked;    ///< by --frame
+  std::optional<int> of_mesh;  ///< that the mesh belongs to which meets it [noted_frame]
+};
+/// Adds `--frame K`; without it `frame` stays empty.
+CLI::Option* add_mask_frame_option(CLI::App& verb, std::optional<int>& frame);
+
 struct MaskRead : VolumeRead {
   int label = 0;          ///< of the union, where several were asked for: the first of them
+  int frame = 0;          ///< which is meant
   std::vector<int> from;  ///< the labels that it holds
 
   /// A sentence about `label` that names all of `from`: "label 1+2".
   std::string named(std::string sentence) const;
   std::vector<std::string> named(std::vector<std::string> sentences) const;
+  /// Says in a report which frame was taken, where there are several.
+  void report_frame(Json& values) const {
+    if (volume.frames > 1) values["frame"] = frame;
+  }
 };
-/// A label map and which label of the frame is meant: the union of `labels`, or the only one where they are none.
-Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<int>& labels, int frame,
+/// A label map, and which frame and label of it are meant. The frame: the one that is asked for, else the one that the
+/// mesh belongs to, else the first, with a warning where there are several. The label: the union of `labels`, or the
+/// only one where they are none. Errors: a frame without them names those that hold some.
+Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<int>& labels, const MaskFrame& frame,
                            Progress& progress);
 
 }  // namespace homolog

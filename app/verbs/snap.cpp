@@ -1,11 +1,13 @@
 #include <chrono>
 #include <optional>
 
+#include "app/verbs/describe.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
 #include "core/assist/assist.h"
 #include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
+#include "core/template/template_warnings.h"
 
 // The verb `snap`: draws a mesh, or a case's mesh as one more edit of it, to the boundary that an image shows.
 
@@ -44,12 +46,24 @@ Result<EditSession> opened(const SnapVerb& verb, Progress& progress) {
   return std::move(read->session);
 }
 
+/// What is to be said of the mesh's file, and of a mesh that does not lie in the image because of units or axes.
+std::vector<std::string> meeting_warnings(const SnapVerb& verb, const Document& document) {
+  std::vector<std::string> warnings = template_warnings(*document.the_template);
+  const Points& points = *document.shape().points;
+  const VolumeGeometry& grid = document.volume->geometry;
+  if (const auto misfit = misfit_in_image(bounds_of(points), grid))
+    warnings.push_back(misfit_sentence(*misfit, meeting_of(verb.source, points),
+                                       {document.volume_source, grid.bounds_mm().diagonal().norm()}));
+  return warnings;
+}
+
 Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   auto session = opened(verb, progress);
   if (!session) return fail(session.error());
   const Document& before = session->document();
   if (!before.the_template || !before.has_shape())
     return fail(verb.source.string(), "has no mesh in the frame it shows; start it in the editor");
+  const auto met = meeting_warnings(verb, before);
   auto options = snap_options(verb.snap, before.shape().points->rows(), progress);
   if (!options) return fail(options.error());
   options->progress = &progress;
@@ -71,6 +85,7 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
     if (auto written = write_mesh_file(file, verb.out); !written) return fail(written.error());
   }
   Report report = snap_report(snapped->result, after.mesh(), *after.shape().placed, image);
+  report.warnings.insert(report.warnings.begin(), met.begin(), met.end());
   report.values["seconds"] = seconds;
   if (!session->news().empty()) report.warnings.push_back(session->news());
   return report;

@@ -32,10 +32,10 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
     if (!boundary) return fail(path.string(), boundary.error().what);
     subject.boundary = std::move(*boundary);
   } else {
-    auto mask = read_mask(path, files.labels, 0, progress);
+    auto mask = read_mask(path, files.labels, {files.frame, {}}, progress);
     if (!mask) return fail(mask.error());
     warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
-    auto boundary = label_boundary(mask->volume, mask->label, 0, files.closing_mm, files.vertices);
+    auto boundary = label_boundary(mask->volume, mask->label, mask->frame, files.closing_mm, files.vertices);
     if (!boundary) return fail(path.string(), boundary.error().what);
     subject.boundary = std::move(*boundary);
   }
@@ -77,9 +77,10 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
     if (case_name_of(paths[k]) == case_name_of(paths[k - 1]))
       return fail(paths[k].string(), "has the name of " + paths[k - 1].string() + "; rename one of them");
   if (paths.empty()) return fail(files.files.front().string(), "holds no surfaces; name the files themselves");
-  if ((!files.labels.empty() || files.closing_mm) && std::all_of(paths.begin(), paths.end(), is_mesh_name))
+  if ((!files.labels.empty() || files.closing_mm || files.frame) &&
+      std::all_of(paths.begin(), paths.end(), is_mesh_name))
     return fail(files.files.front().string(),
-                "is no label map, so --label and --closing-mm have no effect; leave them out");
+                "is no label map, so --label, --frame and --closing-mm have no effect; leave them out");
   SubjectsRead read;
   read.subjects.resize(paths.size());
   std::vector<std::vector<std::string>> warnings(paths.size());
@@ -96,6 +97,10 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
     if (!results[k]) return fail(results[k].error());
     read.warnings.insert(read.warnings.end(), warnings[k].begin(), warnings[k].end());
   }
+  std::vector<Meeting> met;
+  for (std::size_t k = 0; k < paths.size(); ++k)
+    met.push_back(meeting_of(paths[k], read.subjects[k].boundary.surface.points));
+  for (std::string& sentence : misfits_among(met, "the other subjects")) read.warnings.push_back(std::move(sentence));
   std::vector<const Boundary*> boundaries;
   for (const BiasSubject& subject : read.subjects) boundaries.push_back(&subject.boundary);
   const std::string others = boundaries.size() == 2 ? "the other subject" : "most others";

@@ -33,7 +33,8 @@ struct TemplateJob {
   std::vector<fs::path> consensus;
   bool flip_mirrored = false;
   std::vector<int> labels;
-  int frame = 0, vertices = 2500;
+  std::optional<int> frame;
+  int vertices = 2500;
   std::optional<double> closing_mm, opening_mm;
   std::string genus = "auto";
   bool tube = false, capped = false;
@@ -98,7 +99,7 @@ void name_labels(const MaskRead& mask, Json& provenance) {
 Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progress& progress) {
   MaskTemplateOptions making;
   making.label = mask.label;
-  making.frame = options.frame;
+  making.frame = mask.frame;
   making.vertices = options.vertices;
   making.closing_mm = options.closing_mm;
   making.opening_mm = options.opening_mm;
@@ -133,7 +134,7 @@ Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progr
 Result<Report> tube(const TemplateJob& options, const MaskRead& mask) {
   TubeTemplateOptions making;
   making.label = mask.label;
-  making.frame = options.frame;
+  making.frame = mask.frame;
   making.rings = options.rings;
   making.sectors = options.sectors;
   making.capped = options.capped;
@@ -176,8 +177,14 @@ Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
 
 Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
   progress.part(0, 0.05);
-  auto read = read_subjects(
-      {options.consensus, {}, options.labels, options.closing_mm, options.vertices, options.flip_mirrored}, progress);
+  auto read = read_subjects({options.consensus,
+                             {},
+                             options.labels,
+                             options.frame,
+                             options.closing_mm,
+                             options.vertices,
+                             options.flip_mirrored},
+                            progress);
   if (!read) return fail(read.error());
   progress.part(0.05, 1);
   std::vector<Boundary> subjects;
@@ -207,15 +214,17 @@ Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
 Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
   if (!options.consensus.empty()) return from_consensus(options, progress);
   if (is_mesh_name(options.in)) {
-    if (!options.labels.empty() || options.frame != 0)
+    if (!options.labels.empty() || options.frame)
       return fail(options.in.string(), "is a mesh, on which --label and --frame have no effect; leave them out");
     if (options.tube)
       return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
     return from_mesh(options, progress);
   }
-  const auto mask = read_mask(options.in, options.labels, options.frame, progress);
+  const auto mask = read_mask(options.in, options.labels, {options.frame, {}}, progress);
   if (!mask) return fail(mask.error());
-  return options.tube ? tube(options, *mask) : from_mask(options, *mask, progress);
+  auto report = options.tube ? tube(options, *mask) : from_mask(options, *mask, progress);
+  if (report) mask->report_frame(report->values);
+  return report;
 }
 
 /// `options` lives as long as the verb.
@@ -254,8 +263,7 @@ void check_effect(const TemplateJob& options, const CLI::App& verb) {
   if (!options.consensus.empty()) {
     if (options.tube)
       throw CLI::ValidationError("--consensus", "is not for --tube, whose rings are alike in all subjects");
-    for (const char* name : {"--frame", "--opening-mm", "--genus"})
-      refuse_without_effect(verb, name, "a template of one subject");
+    for (const char* name : {"--opening-mm", "--genus"}) refuse_without_effect(verb, name, "a template of one subject");
   }
   if (options.tube)
     for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})
@@ -282,7 +290,7 @@ void add_template(CLI::App& app, CommandLine& asked) {
   verb->add_option("--landmarks", options->landmarks,
                    "Named points for the template (.mrk.json, .fcsv, .json), in the template's space");
   add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together");
-  verb->add_option("--frame", options->frame, "Which frame of a cine label map, from 0")->check(CLI::NonNegativeNumber);
+  add_mask_frame_option(*verb, options->frame);
   verb->add_option("--vertices", options->vertices, "How many vertices")
       ->check(CLI::Range(100, 200000))
       ->capture_default_str();

@@ -346,7 +346,9 @@ class Fitting {
     const bool told = result.landmarks_place || options_.allowed;
     VertexScalars spread = spread_mm2();
     if (const auto image = mirror_image_there(reference_, boundary_, options_.orientation, options_.partial)) {
-      result.mirrored = true;
+      result.half_turned = options_.orientation == Orientation::patient && !options_.placement &&
+                           half_turn_there(reference_, boundary_, *image, options_.partial);
+      result.mirrored = !result.half_turned;
       spread += (*image - mesh.points).rowwise().squaredNorm();
     }
     result.doubt_mm =

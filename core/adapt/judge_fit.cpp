@@ -120,7 +120,8 @@ void judge_partial(const Boundary& boundary, const FitResult& fit, FitJudgement&
     if (missing[static_cast<std::size_t>(i)] == 0) sound_doubt_mm += fit.doubt_mm[i] / there;
   const bool in_doubt = sound_doubt_mm > much_doubt_mm(surface_area_mm2(fit.mesh));
   const double diagonal_mm = bounds_of(boundary.surface.points).diagonal().norm();
-  judgement.doubtful = fit.mirrored || in_doubt || there < (1 - most_missing) * static_cast<double>(points.rows()) ||
+  judgement.doubtful = fit.mirrored || fit.half_turned || in_doubt ||
+                       there < (1 - most_missing) * static_cast<double>(points.rows()) ||
                        std::max(judgement.sound_mm, judgement.target.mean_mm) > most_mean_share * diagonal_mm;
 }
 
@@ -146,8 +147,8 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
   if (fit.doubt_mm.size() > 0)
     judgement.doubt_share = fit.doubt_mm.mean() / std::sqrt(surface_area_mm2(boundary.surface));
-  judgement.doubtful =
-      fit.mirrored || judgement.doubt_share > most_doubt_share || is_doubtful(judgement.agreement, boundary);
+  judgement.doubtful = fit.mirrored || fit.half_turned || judgement.doubt_share > most_doubt_share ||
+                       is_doubtful(judgement.agreement, boundary);
   const bool cut_off = !options.partial && the_template.topology->closed() && is_cut_open(boundary.surface);
   if (cut_off) judgement.doubtful = true;
   if (options.partial) judge_partial(boundary, fit, judgement);
@@ -156,6 +157,10 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   if (fit.mirrored)
     judgement.warnings.emplace_back(
         "the organ looks like the template's mirror image; mirror the template, or use that of the other side");
+  if (fit.half_turned)
+    judgement.warnings.emplace_back(
+        "the organ is turned by half a turn against the template, as RAS is against LPS; if the coordinates of one of "
+        "them are RAS, turn them by convert --from-ras");
   if (cut_off)
     judgement.warnings.emplace_back(
         "the surface is open, so parts of the organ seem to be missing; use --partial, or close the surface with "
@@ -167,7 +172,8 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   if (faults.any())
     judgement.warnings.push_back("the template itself has " + faults.words() +
                                  ", so its fits have faults too; make it again from a surface without faults");
-  else if (judgement.doubtful && (!(fit.mirrored || cut_off) || judgement.agreement.dice < hardly_any_dice))
+  else if (judgement.doubtful &&
+           (!(fit.mirrored || fit.half_turned || cut_off) || judgement.agreement.dice < hardly_any_dice))
     judgement.warnings.push_back(poor_fit(judgement.agreement, judgement.doubt_share, options.partial));
   else if (tangled)
     judgement.warnings.emplace_back(

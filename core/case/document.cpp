@@ -1,5 +1,7 @@
 #include "core/case/document.h"
 
+#include "core/mesh/mesh_frame.h"
+
 namespace homolog {
 
 MeshFile painted_template(const Document& document) {
@@ -18,6 +20,7 @@ MeshFile to_mesh_file(const Document& document, int frame) {
   for (const auto& [name, position] : shape.landmarks) file.landmarks.push_back({name, position});
   if (VertexScalars doubt_mm = doubt_left_mm(shape); doubt_mm.size() > 0) file.doubt_mm = std::move(doubt_mm);
   if (shape.outlier) file.outlier = *shape.outlier;
+  if (document.volume && document.volume->frames > 1) note_frame(file, frame);
   return file;
 }
 

@@ -88,8 +88,8 @@ struct Document {
 
 /// The template of a case as it was painted: its own points, with the case's stiffness and regions.
 MeshFile painted_template(const Document& document);
-/// A shape of the case as a file holds it: its points, the case's stiffness, and the landmarks where they were placed
-/// in the image. `frame` must have a shape.
+/// A shape of the case as a file holds it: its points, the case's stiffness, the landmarks where they were placed in
+/// the image, and of a cine the frame [mesh_frame.h]. `frame` must have a shape.
 MeshFile to_mesh_file(const Document& document, int frame);
 
 /// A case without edits: the template at `placement`; without one in the middle of the volume, upright, at its own

@@ -78,7 +78,9 @@ std::vector<std::size_t> mirrored_subjects(const std::vector<const Boundary*>& s
   const auto cancelled = [progress] { return progress != nullptr && progress->cancelled(); };
   std::vector<char> mirrored(subjects.size());
   for_each_in_parallel(subjects.size(), [&](std::size_t k) {
-    mirrored[k] = !cancelled() && mirror_image_there(**start, *subjects[k]).has_value();
+    if (cancelled()) return;
+    const auto image = mirror_image_there(**start, *subjects[k]);
+    mirrored[k] = image && !half_turn_there(**start, *subjects[k], *image, false);
   });
   if (cancelled()) return like;
   for (std::size_t k = 0; k < subjects.size(); ++k) (mirrored[k] ? unlike : like).push_back(k);

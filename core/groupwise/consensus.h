@@ -42,8 +42,8 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
 /// `vertices` spread evenly over the subject's surface: a template of its own. Errors: as make_mesh_template.
 Result<MeshTemplate> own_template(const Boundary& subject, int vertices, Progress* progress = nullptr);
 
-/// Which subjects look like mirror images of most others, or of two subjects the smaller one of the other. Empty where
-/// it was cancelled.
+/// Which subjects look like mirror images of most others (and not only turned as RAS is against LPS), or of two
+/// subjects the smaller one of the other. Empty where it was cancelled.
 std::vector<std::size_t> mirrored_subjects(const std::vector<const Boundary*>& subjects,
                                            const Progress* progress = nullptr);
 /// The subject of the other side: x negated, faces turned.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
+#include <optional>
 #include <set>
 
 #include "core/base/files.h"
@@ -73,9 +75,10 @@ std::string_view fcsv_value(std::string_view line, std::string_view key) {
   return bare(line.substr(equals + 1));
 }
 
-/// The columns of a .fcsv that a landmark is read from.
+/// The columns of a .fcsv that a landmark is read from, of `all`.
 struct FcsvColumns {
-  std::size_t id = 0, x = 1, label = 11;
+  std::size_t id = 0, x = 1, label = 11, all = 14;
+  std::optional<std::size_t> turned = 4;  ///< the first of four that hold a unit quaternion
 };
 
 Result<FcsvColumns> fcsv_columns(std::string_view names) {
@@ -83,10 +86,35 @@ Result<FcsvColumns> fcsv_columns(std::string_view names) {
   const auto find = [&](std::string_view name) {
     return static_cast<std::size_t>(std::find(fields.begin(), fields.end(), name) - fields.begin());
   };
-  const FcsvColumns columns{find("id"), find("x"), find("label")};
+  FcsvColumns columns{find("id"), find("x"), find("label"), fields.size(), std::nullopt};
+  if (find("ow") + 3 < fields.size()) columns.turned = find("ow");
   if (columns.x + 2 >= fields.size() || fields[columns.x + 1] != "y" || fields[columns.x + 2] != "z")
     return fail("", "has no columns x, y and z; save it in 3D Slicer again");
   return columns;
+}
+
+bool is_whole_number(std::string_view text) {
+  int value = 0;
+  const auto [after, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return !text.empty() && error == std::errc() && after == text.data() + text.size();
+}
+
+/// Whether a line has the fields that its columns say. 3D Slicer 5 adds two numbers that it names no columns for. A
+/// decimal comma makes two fields of one, so that x, y and z would be other numbers than were meant.
+bool fits_columns(const std::vector<std::string>& fields, const FcsvColumns& columns) {
+  const std::size_t count = fields.size();
+  const bool place_alone = count == columns.x + 3 && columns.id < count;
+  if (count < columns.all && !place_alone && count <= columns.label) return false;
+  if (count > columns.all &&
+      !(count == columns.all + 2 && is_whole_number(fields[count - 1]) && is_whole_number(fields[count - 2])))
+    return false;
+  if (!columns.turned || *columns.turned + 3 >= count) return true;
+  double squares = 0;
+  for (std::size_t k = *columns.turned; k < *columns.turned + 4; ++k) {
+    const double part = std::strtod(fields[k].c_str(), nullptr);
+    squares += part * part;
+  }
+  return squares < 1e-6 || std::abs(squares - 1) < 0.1;
 }
 
 Result<std::vector<Landmark>> fcsv_landmarks(std::string_view text) {
@@ -114,6 +142,9 @@ Result<std::vector<Landmark>> fcsv_landmarks(std::string_view text) {
     }
     if (line.find_first_not_of(' ') == std::string_view::npos) continue;
     const auto fields = csv_fields(line);
+    if (!fits_columns(fields, columns))
+      return fail("", "has a line with other fields than its columns say (\"" + excerpt(line) +
+                          "\"), as decimal commas give; save it with decimal points");
     const auto field = [&](std::size_t column) { return column < fields.size() ? fields[column] : std::string(); };
     Json coordinates = Json::array();
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -142,6 +173,10 @@ Result<void> check_names(const std::vector<Landmark>& landmarks) {
 }
 
 Result<void> add_slicer_markup(const Json& markup, std::vector<Landmark>& landmarks) {
+  const Json* named = member(markup, "coordinateSystem");
+  if (named != nullptr && !named->is_string())
+    return fail("", "gives its coordinateSystem as " + excerpt(named->dump()) +
+                        ", which is no name of a space; write \"LPS\" or \"RAS\"");
   const std::string space = text_of(markup, "coordinateSystem");
   if (space != "LPS" && space != "RAS" && !space.empty())
     return fail("", "gives its points in \"" + excerpt(space) + "\"; save it in LPS or RAS");

@@ -6,6 +6,8 @@
 #include <set>
 
 #include "core/base/parallel.h"
+#include "core/measure/meeting.h"
+#include "core/mesh/inside_out.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/model_files.h"
 #include "core/model/shape_files.h"
@@ -16,6 +18,9 @@ namespace homolog {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// Meshes that overlap so much lie in one place.
+constexpr double surely_met = 0.7;
 
 Result<Mesh> surface_of(const MeshFile& file) {
   if (file.triangles.rows() == 0) return fail("", "has points alone; surfaces can be compared");
@@ -77,6 +82,15 @@ Result<ObservedCase> compare_observers(std::string name, const MeshFile& a, cons
   one.volume_a_ml = enclosed_volume_ml(*first);
   one.volume_b_ml = enclosed_volume_ml(*second);
   one.landmarks_mm = landmark_distances_mm(a, b);
+  const auto met = [](const std::string& who, const Mesh& mesh) {
+    return Meeting{who, bounds_of(mesh.points).diagonal().norm()};
+  };
+  const std::string by_first = one.name + " of the first", by_second = one.name + " of the second";
+  if (one.agreement.dice < surely_met)
+    if (const auto misfit = misfit_in_scan(*first, *second))
+      one.warnings.push_back(misfit_sentence(*misfit, met(by_first, *first), met(by_second, *second)));
+  for (const auto& [who, mesh] : {std::pair(by_first, &*first), std::pair(by_second, &*second)})
+    if (const auto inward = inside_out(*mesh)) one.warnings.push_back(who + ": " + *inward);
   return one;
 }
 

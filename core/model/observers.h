@@ -25,6 +25,7 @@ struct ObservedCase {
   Agreement agreement;
   double volume_a_ml = 0, volume_b_ml = 0;
   std::map<std::string, double> landmarks_mm;
+  std::vector<std::string> warnings;  ///< units, axes or faces that differ; each names the case
 };
 /// Errors: points alone, faces that are no surface.
 Result<ObservedCase> compare_observers(std::string name, const MeshFile& a, const MeshFile& b);

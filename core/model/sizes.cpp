@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <set>
 
+#include "core/mesh/inside_out.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/model_files.h"
 
@@ -41,6 +42,7 @@ Result<ShapeSizes> sizes_of(const MeshFile& mesh, std::shared_ptr<const Topology
   for (Eigen::Index face = 0; face < mesh.triangles.rows(); ++face) twice_area += area_normal(shape, face).norm();
   sizes.volume_ml = enclosed_volume_ml(shape);
   sizes.area_mm2 = twice_area / 2;
+  sizes.inward = inside_out(shape).value_or("");
   return sizes;
 }
 

@@ -18,6 +18,7 @@ namespace homolog {
 struct ShapeSizes {
   std::optional<double> volume_ml;  ///< enclosed, boundary loops capped flat; none for points alone
   std::optional<double> area_mm2;   ///< of the surface; none for points alone
+  std::string inward;               ///< why the volume is negative [inside_out.h]; empty: it is not
   std::vector<Landmark> landmarks;  ///< LPS mm
 };
 

@@ -7,8 +7,11 @@
 #include <utility>
 
 #include "core/base/statistics.h"
+#include "core/mesh/inside_out.h"
 #include "core/mesh/mirror.h"
+#include "core/model/numbering.h"
 #include "core/model/shape_files.h"
+#include "core/placement/similarity_fit.h"
 
 namespace homolog {
 
@@ -56,6 +59,48 @@ void find_sizes(const TrainingSet& set, std::vector<std::string>& found) {
   }
 }
 
+/// Shapes that are turned against most others as RAS is against LPS: negated x and y are half a turn about z.
+void find_half_turns(const TrainingSet& set, std::vector<std::string>& found) {
+  constexpr double near_rad = 0.6;
+  const Eigen::Quaterniond half_turn(0, 0, 0, 1);
+  const Points first = points_of(set.shapes, 0);
+  std::vector<std::string> upright, turned;
+  for (Eigen::Index i = 0; i < set.shapes.cols(); ++i) {
+    const Eigen::Quaterniond rotation = nearest_similarity(first, points_of(set.shapes, i), Similarity{}).rotation;
+    if (rotation.angularDistance(Eigen::Quaterniond::Identity()) < near_rad)
+      upright.push_back(set.names[static_cast<std::size_t>(i)]);
+    else if (rotation.angularDistance(half_turn) < near_rad)
+      turned.push_back(set.names[static_cast<std::size_t>(i)]);
+  }
+  const auto& fewer = turned.size() > upright.size() ? upright : turned;
+  if (fewer.empty() || upright.size() + turned.size() < set.names.size()) return;  // they lie anyhow
+  found.push_back(
+      joined(fewer) +
+      ": turned by half a turn against the other shapes, as RAS is against LPS; if its coordinates are RAS, "
+      "turn it by convert --from-ras");
+}
+
+/// All faces look inward.
+void find_inward(const TrainingSet& set, std::vector<std::string>& found) {
+  if (!set.topology) return;
+  if (const auto inward = inside_out({set.topology, points_of(set.shapes, 0)}))
+    found.push_back(set.names.front() + ", as all shapes: " + *inward);
+}
+
+/// Errors: a shape whose vertices are in another order than most others have them.
+Result<void> check_order(const TrainingSet& set) {
+  const OtherNumbering other = other_numbering(set.shapes, set.topology);
+  if (other.shapes.empty()) return {};
+  std::vector<std::string> names;
+  for (const Eigen::Index shape : other.shapes) names.push_back(set.names[static_cast<std::size_t>(shape)]);
+  const std::string first = names.front();
+  names.erase(names.begin());
+  return fail(first, "has its vertices in another order than " + set.names[static_cast<std::size_t>(other.example)] +
+                         (names.empty() ? "" : " (so has " + joined(names) + ")") +
+                         ": what lies side by side there lies far apart here; only shapes in correspondence make a "
+                         "model, so leave it out or make it from the same template");
+}
+
 }  // namespace
 
 std::vector<std::string> oddities(const TrainingSet& set) {
@@ -63,6 +108,8 @@ std::vector<std::string> oddities(const TrainingSet& set) {
   if (set.shapes.cols() < 2) return found;
   find_twins(set, found);
   find_sizes(set, found);
+  find_half_turns(set, found);
+  find_inward(set, found);
   return found;
 }
 
@@ -182,6 +229,7 @@ Result<TrainingSetRead> TrainingSetBuilder::finish(bool flip_mirrored) {
   }
   set_.topology = *topology;
   set_.shapes.conservativeResize(Eigen::NoChange, count);
+  if (auto ordered = check_order(set_); !ordered) return fail(ordered.error());
   if (((set_.shapes.rightCols(count - 1).colwise() - set_.shapes.col(0)).array() == 0).all())
     return fail(set_.names.front(),
                 "is the same shape as all others, so there is nothing to model; give different shapes");

@@ -45,8 +45,8 @@ class TrainingSetBuilder {
   void add(std::string name, const MeshFile& mesh);
   std::size_t shapes() const { return set_.names.size(); }
   /// The set, once; the warnings are its oddities, but mirror images are only listed. Errors: a shape with another
-  /// vertex count or other faces than most of the rest have (the error's subject is its name), fewer than two shapes,
-  /// shapes that are all equal.
+  /// vertex count, other faces or another order of vertices [numbering.h] than most of the rest have (the error's
+  /// subject is its name), fewer than two shapes, shapes that are all equal.
   Result<TrainingSetRead> finish(bool flip_mirrored = false);
 
  private:
@@ -57,9 +57,9 @@ class TrainingSetBuilder {
 };
 
 /// Reads meshes (PLY, VTK, VTP, OBJ), `.particles`, case files and studies into one training set. A file that cannot be
-/// read (absent, damaged, a NaN vertex) is left out with a warning. Errors: a mesh with another vertex count or other
-/// faces than most of the rest have (named, with both counts), shape_sources' and read_shapes', fewer than two shapes
-/// left, shapes that are all equal, cancelled.
+/// read (absent, damaged, a NaN vertex) is left out with a warning. Errors: a mesh with another vertex count, other
+/// faces or another order of vertices than most of the rest have (named), shape_sources' and read_shapes', fewer than
+/// two shapes left, shapes that are all equal, cancelled.
 Result<TrainingSetRead> read_training_set(const std::vector<std::filesystem::path>& files,
                                           const TrainingOptions& options = {}, Progress* progress = nullptr);
 

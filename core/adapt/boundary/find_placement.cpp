@@ -194,6 +194,21 @@ Placed find_placement(const Template& the_template, const Boundary& boundary, co
   return placed(the_template, boundary, hints, at_rest);
 }
 
+bool half_turn_there(const Template& the_template, const Boundary& boundary, const Points& image, bool partial) {
+  constexpr double clearly = 0.8;  // an organ and its mirror image may be alike but for a half turn, as kidneys are
+  MeshFile file = to_mesh_file(the_template);
+  file.points.leftCols<2>() *= -1;
+  file.landmarks.clear();
+  const auto turned = make_template(file, the_template.source);
+  if (!turned) return false;
+  const Placed found = placed(**turned, boundary, {{}, Orientation::patient, {}, partial}, nearly);
+  const auto mm = [&](const Points& points) {
+    return one_way_distance_mm(boundary.surface.points, {the_template.topology, points}) +
+           (partial ? 0 : one_way_distance_mm(points, boundary.surface));
+  };
+  return mm(found.placement.apply((*turned)->points)) < clearly * mm(image);
+}
+
 std::optional<Points> mirror_image_there(const Template& the_template, const Boundary& boundary,
                                          Orientation orientation, bool partial) {
   // Of femora, hips and phantom kidneys the template of the other side comes to 1.8 times and more of its mirror

@@ -39,4 +39,9 @@ Placed find_placement(const Template& the_template, const Boundary& boundary, co
 std::optional<Points> mirror_image_there(const Template& the_template, const Boundary& boundary,
                                          Orientation orientation = Orientation::patient, bool partial = false);
 
+/// Whether a template whose mirror image lies at `image` comes clearly nearer to the boundary yet once its coordinates
+/// are turned from RAS to LPS, by half a turn: then that is what is wrong with it, or with the boundary. Only sense
+/// where the patient's axes count.
+bool half_turn_there(const Template& the_template, const Boundary& boundary, const Points& image, bool partial);
+
 }  // namespace homolog

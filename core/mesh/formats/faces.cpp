@@ -1,6 +1,9 @@
 #include "core/mesh/formats/faces.h"
 
 #include <limits>
+#include <string>
+
+#include "core/mesh/formats/polygons.h"
 
 namespace homolog::formats {
 namespace {
@@ -22,42 +25,43 @@ void add_strip(std::span<const std::int64_t> strip, std::vector<std::int32_t>& c
 
 }  // namespace
 
-Result<void> add_polygon(std::span<const std::int64_t> polygon, std::vector<std::int32_t>& corners) {
+Result<void> Faces::add(std::span<const std::int64_t> polygon) {
   if (polygon.size() < 3)
     return fail("", "has a face of " + std::to_string(polygon.size()) + " corners; remove degenerate faces");
   if (auto checked = check_indices(polygon); !checked) return checked;
+  if (polygon.size() > 3) polygons_.push_back({corners_.size(), 3 * (polygon.size() - 2)});
   for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
-    corners.insert(corners.end(), {static_cast<std::int32_t>(polygon[0]), static_cast<std::int32_t>(polygon[i]),
-                                   static_cast<std::int32_t>(polygon[i + 1])});
+    corners_.insert(corners_.end(), {static_cast<std::int32_t>(polygon[0]), static_cast<std::int32_t>(polygon[i]),
+                                     static_cast<std::int32_t>(polygon[i + 1])});
   return {};
 }
 
-Result<void> add_cells(std::span<const std::int64_t> ends, std::span<const std::int64_t> connectivity, bool strips,
-                       std::vector<std::int32_t>& corners) {
+Result<void> Faces::add_cells(std::span<const std::int64_t> ends, std::span<const std::int64_t> connectivity,
+                              bool strips) {
   std::int64_t start = 0;
   for (const std::int64_t end : ends) {
     if (end < start || end > static_cast<std::int64_t>(connectivity.size()))
       return fail("", "has faces whose offsets do not fit their corners; export it again");
     const auto cell = connectivity.subspan(static_cast<std::size_t>(start), static_cast<std::size_t>(end - start));
-    if (auto checked = strips ? check_indices(cell) : add_polygon(cell, corners); !checked) return checked;
-    if (strips) add_strip(cell, corners);
+    if (auto checked = strips ? check_indices(cell) : add(cell); !checked) return checked;
+    if (strips) add_strip(cell, corners_);
     start = end;
   }
   return {};
 }
 
+Result<void> Faces::fill(MeshFile& mesh, std::vector<double> coordinates) && {
+  mesh.points = to_points(std::move(coordinates));
+  PolygonCutter cutter(mesh.points);
+  for (const Polygon& polygon : polygons_)
+    if (!cutter.cut(std::span(corners_).subspan(polygon.start, polygon.count)))
+      return fail("", "has faces of so many corners that they cannot be cut into triangles; cut them where you export");
+  mesh.triangles = Eigen::Map<const Triangles>(corners_.data(), static_cast<Eigen::Index>(corners_.size() / 3), 3);
+  return {};
+}
+
 Points to_points(std::vector<double> coordinates) {
   return Eigen::Map<const Points>(coordinates.data(), static_cast<Eigen::Index>(coordinates.size() / 3), 3);
-}
-
-Triangles to_triangles(std::vector<std::int32_t> corners) {
-  return Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
-}
-
-void flip_if_ras(std::string_view text, MeshFile& mesh) {
-  if (text.find("SPACE=RAS") == std::string_view::npos) return;
-  mesh.points.leftCols<2>() *= -1;
-  for (Landmark& landmark : mesh.landmarks) landmark.position.head<2>() *= -1;
 }
 
 }  // namespace homolog::formats

@@ -9,6 +9,7 @@
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/ply_comments.h"
 #include "core/mesh/formats/scalars.h"
+#include "core/mesh/formats/space.h"
 #include "core/mesh/formats/text.h"
 
 namespace homolog::formats {
@@ -152,7 +153,7 @@ class AsciiSource {
 struct Body {
   std::vector<double> coordinates;
   std::map<std::string, VertexScalars, std::less<>> values;  ///< of every other property, by name
-  std::vector<std::int32_t> corners;
+  Faces faces;
 };
 
 Error truncated() {
@@ -242,7 +243,7 @@ Result<void> read_faces(const Element& element, Text& text, Source& source, Body
         return Result<void>(fail("", "names a vertex by something that is no whole number; export it again"));
       polygon.push_back(static_cast<std::int64_t>(v));
     }
-    return add_polygon(polygon, body.corners);
+    return body.faces.add(polygon);
   });
 }
 
@@ -290,8 +291,8 @@ Result<MeshFile> read_ply(std::string_view bytes) {
   if (!body) return fail(body.error());
 
   MeshFile mesh;
-  mesh.points = to_points(std::move(body->coordinates));
-  mesh.triangles = to_triangles(std::move(body->corners));
+  if (auto filled = std::move(body->faces).fill(mesh, std::move(body->coordinates)); !filled)
+    return fail(filled.error());
   for (auto& [name, values] : body->values) {
     if (name == "stiffness")
       mesh.stiffness = std::move(values);
@@ -304,15 +305,11 @@ Result<MeshFile> read_ply(std::string_view bytes) {
     else
       mesh.arrays.emplace(name, std::move(values));
   }
-  std::string_view space;
-  for (const std::string_view comment : header->comments) {
-    if (names_space(comment))
-      space = comment;
-    else
-      keep_comment(comment, mesh);
-  }
+  SpaceNames space;
+  for (const std::string_view comment : header->comments)
+    if (comment.starts_with("homolog.") || !space.look_in(comment)) keep_comment(comment, mesh);
   settle_regions(mesh);
-  flip_if_ras(space, mesh);
+  space.apply_to(mesh);
   if (ascii) warn_if_cut(text, mesh.warnings);
   if (ascii ? !text.word().empty() : text.remaining() > 2)
     mesh.warnings.emplace_back("the file holds more than its header announces; compare it with its source");

@@ -46,10 +46,6 @@ std::optional<Region> region_from(std::string_view text) {
 
 }  // namespace
 
-bool names_space(std::string_view comment) {
-  return !comment.starts_with(landmark_key) && comment.find("SPACE=") != std::string_view::npos;
-}
-
 void keep_comment(std::string_view comment, MeshFile& mesh) {
   if (comment.starts_with(landmark_key)) {
     if (auto landmark = landmark_from(comment.substr(landmark_key.size()))) {

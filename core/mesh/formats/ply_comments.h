@@ -7,9 +7,6 @@
 
 namespace homolog::formats {
 
-/// Whether a comment of a header names the space of its coordinates, as 3D Slicer writes it.
-bool names_space(std::string_view comment);
-
 /// Keeps what a comment of a header says: a landmark, a region, the stiffness base, or else the comment. One that
 /// cannot be read is kept as a comment, with a warning.
 void keep_comment(std::string_view comment, MeshFile& mesh);

@@ -1,8 +1,10 @@
 #include <unordered_map>
 
+#include "core/base/text.h"
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"
+#include "core/mesh/formats/space.h"
 #include "core/mesh/formats/text.h"
 
 namespace homolog::formats {
@@ -52,7 +54,8 @@ Result<std::vector<double>> ascii_corners(std::string_view bytes) {
   Text text(bytes);
   text.line();
   bool whole = false;
-  for (std::string_view word = text.word(); !word.empty(); word = text.word()) {
+  for (std::string word = lower_case(std::string(text.word())); !word.empty();
+       word = lower_case(std::string(text.word()))) {
     whole = word == "endsolid";
     if (whole) text.line();
     if (word != "vertex") continue;
@@ -66,20 +69,27 @@ Result<std::vector<double>> ascii_corners(std::string_view bytes) {
   return corners;
 }
 
+/// Whether it begins as text does: "solid" in small letters or capitals. Headers of binary files may begin so too, but
+/// then their size fits, or a byte of zero follows.
+bool begins_as_text(std::string_view bytes) {
+  const bool solid = lower_case(std::string(bytes.substr(0, 5))) == "solid";
+  return solid && bytes.substr(0, header_size + 4).find('\0') == std::string_view::npos;
+}
+
 Result<MeshFile> read_stl(std::string_view bytes) {
   const bool binary =
       bytes.size() >= header_size + 4 &&
-      (!bytes.starts_with("solid") ||
+      (!begins_as_text(bytes) ||
        bytes.size() ==
            header_size + 4 + facet_size * load<std::uint32_t>(bytes.data() + header_size, std::endian::little));
-  if (!binary && !bytes.starts_with("solid"))
+  if (!binary && !begins_as_text(bytes))
     return fail("", "is not an STL file or is truncated; check its extension or copy it again");
   const auto corners = binary ? binary_corners(bytes) : ascii_corners(bytes);
   if (!corners) return fail(corners.error());
 
   MeshFile mesh;
   Merger merger;
-  std::vector<std::int32_t> kept;
+  Faces kept;
   std::size_t degenerate = 0;
   for (std::size_t i = 0; i + 9 <= corners->size(); i += 9) {
     std::array<std::int64_t, 3> face{};
@@ -89,14 +99,15 @@ Result<MeshFile> read_stl(std::string_view bytes) {
     }
     if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0])
       ++degenerate;
-    else if (auto added = add_polygon(face, kept); !added)
+    else if (auto added = kept.add(face); !added)
       return fail(added.error());
   }
-  mesh.points = to_points(std::move(merger).coordinates());
-  mesh.triangles = to_triangles(std::move(kept));
+  if (auto filled = std::move(kept).fill(mesh, std::move(merger).coordinates()); !filled) return fail(filled.error());
   if (degenerate > 0)
     mesh.warnings.push_back(std::to_string(degenerate) + " faces with two equal corners were left out");
-  flip_if_ras(bytes.substr(0, binary ? header_size : bytes.find('\n')), mesh);
+  SpaceNames space;
+  space.look_in(bytes.substr(0, binary ? header_size : bytes.find('\n')));
+  space.apply_to(mesh);
   return mesh;
 }
 

@@ -2,6 +2,7 @@
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"
+#include "core/mesh/formats/space.h"
 #include "core/mesh/formats/text.h"
 
 namespace homolog::formats {
@@ -13,12 +14,13 @@ Error damaged_vtk() {
   return {"", "is truncated or holds something that is no number; copy or export it again"};
 }
 
+/// `name` in small letters.
 std::optional<Scalar> vtk_scalar(std::string_view name) {
   if (name == "char" || name == "signed_char") return Scalar::int8;
   if (name == "unsigned_char") return Scalar::uint8;
   if (name == "short") return Scalar::int16;
   if (name == "unsigned_short") return Scalar::uint16;
-  if (name == "int" || name == "vtkIdType" || name == "vtkidtype") return Scalar::int32;
+  if (name == "int" || name == "vtkidtype") return Scalar::int32;
   if (name == "unsigned_int") return Scalar::uint32;
   if (name == "long" || name == "vtktypeint64") return Scalar::int64;
   if (name == "unsigned_long" || name == "vtktypeuint64") return Scalar::uint64;
@@ -27,46 +29,63 @@ std::optional<Scalar> vtk_scalar(std::string_view name) {
   return std::nullopt;
 }
 
-/// A legacy file: three lines, then key words each followed by their numbers.
+/// A string as VTK writes it into text: %20 for a blank, and so on.
+std::string decoded(std::string_view text) {
+  std::string plain;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    unsigned code = 0;
+    if (text[at] == '%' && at + 2 < text.size() &&
+        std::from_chars(text.data() + at + 1, text.data() + at + 3, code, 16).ptr == text.data() + at + 3) {
+      plain += static_cast<char>(code);
+      at += 2;
+    } else {
+      plain += text[at];
+    }
+  }
+  return plain;
+}
+
+/// A legacy file: three lines, then key words, in small letters or capitals, each followed by their numbers.
 class VtkReader {
  public:
   explicit VtkReader(std::string_view bytes) : text_(bytes) {}
 
   Result<MeshFile> read() {
     if (auto head = read_head(); !head) return fail(head.error());
-    for (std::string_view key = text_.word(); !key.empty(); key = text_.word()) {
-      if (key == "POINT_DATA" || key == "CELL_DATA") break;  // nothing of these is kept
+    for (std::string key = key_word(); !key.empty(); key = key_word()) {
+      if (key == "point_data" || key == "cell_data") break;  // nothing of these is kept
       if (auto part = read_part(key); !part) return fail(part.error());
     }
-    mesh_.points = to_points(std::move(coordinates_));
-    mesh_.triangles = to_triangles(std::move(corners_));
-    flip_if_ras(title_, mesh_);
+    if (auto filled = std::move(faces_).fill(mesh_, std::move(coordinates_)); !filled) return fail(filled.error());
+    space_.apply_to(mesh_);
     if (ascii_) warn_if_cut(text_, mesh_.warnings);
     return std::move(mesh_);
   }
 
  private:
+  std::string key_word() { return lower_case(std::string(text_.word())); }
+
   Result<void> read_head() {
-    constexpr std::string_view magic = "# vtk DataFile Version ";
+    constexpr std::string_view magic = "# vtk datafile version ";
     const std::string_view first = text_.line();
-    if (!first.starts_with(magic))
+    if (!lower_case(std::string(first.substr(0, 100))).starts_with(magic))
       return fail("", "is not a legacy VTK file (its first line is not \"# vtk DataFile\"); check its extension");
     offsets_form_ = to_number<double>(Text(first.substr(magic.size())).word()).value_or(0) >= 5;
-    title_ = text_.line();
-    const std::string_view encoding = text_.word();
-    ascii_ = encoding == "ASCII";
-    if (!ascii_ && encoding != "BINARY") return fail("", "is neither ASCII nor BINARY VTK; export it again");
-    if (text_.word() != "DATASET" || text_.word() != "POLYDATA")
+    space_.look_in(text_.line());
+    const std::string encoding = key_word();
+    ascii_ = encoding == "ascii";
+    if (!ascii_ && encoding != "binary") return fail("", "is neither ASCII nor BINARY VTK; export it again");
+    if (key_word() != "dataset" || key_word() != "polydata")
       return fail("", "holds no surface (its DATASET is not POLYDATA); extract the surface and save it again");
     return {};
   }
 
   Result<void> read_part(std::string_view key) {
-    if (key == "POINTS") return read_points();
-    if (key == "POLYGONS" || key == "TRIANGLE_STRIPS") return read_cells(key == "TRIANGLE_STRIPS", true);
-    if (key == "VERTICES" || key == "LINES") return read_cells(false, false);
-    if (key == "FIELD") return skip_field();
-    if (key == "METADATA") {
+    if (key == "points") return read_points();
+    if (key == "polygons" || key == "triangle_strips") return read_cells(key == "triangle_strips", true);
+    if (key == "vertices" || key == "lines") return read_cells(false, false);
+    if (key == "field") return read_field();
+    if (key == "metadata") {
       text_.line();
       while (text_.remaining() > 0 && !text_.line().empty()) {
       }
@@ -99,7 +118,7 @@ class VtkReader {
 
   Result<void> read_points() {
     const auto count = text_.number<std::size_t>();
-    const std::string_view type = text_.word();
+    const std::string type = key_word();
     if (!count || *count > text_.remaining()) return fail(damaged_vtk());
     auto values = numbers<double>(type, 3 * *count);
     if (!values) return fail(values.error());
@@ -115,7 +134,7 @@ class VtkReader {
                                   : read_counted(*first, *second, ends, connectivity);
         !read)
       return read;
-    return keep ? add_cells(ends, connectivity, strips, corners_) : Result<void>();
+    return keep ? faces_.add_cells(ends, connectivity, strips) : Result<void>();
   }
 
   /// Versions before 5: `size` integers, each cell its number of vertices and then these.
@@ -139,9 +158,9 @@ class VtkReader {
   Result<void> read_offsets(std::size_t offsets, std::size_t size, std::vector<std::int64_t>& ends,
                             std::vector<std::int64_t>& connectivity) {
     if (offsets == 0) return {};
-    for (auto [key, count, values] : {std::tuple("OFFSETS", offsets, &ends), {"CONNECTIVITY", size, &connectivity}}) {
-      if (text_.word() != key) return fail(damaged_vtk());
-      auto read = numbers<std::int64_t>(text_.word(), count);
+    for (auto [key, count, values] : {std::tuple("offsets", offsets, &ends), {"connectivity", size, &connectivity}}) {
+      if (key_word() != key) return fail(damaged_vtk());
+      auto read = numbers<std::int64_t>(key_word(), count);
       if (!read) return fail(read.error());
       *values = std::move(*read);
     }
@@ -151,59 +170,67 @@ class VtkReader {
     return {};
   }
 
-  /// FIELD name arrays, each: name components tuples type, then the values.
-  Result<void> skip_field() {
+  /// FIELD name arrays, each: name components tuples type, then the values. Of these SPACE alone is kept.
+  Result<void> read_field() {
     text_.word();
     const auto arrays = text_.number<std::size_t>();
     if (!arrays) return fail(damaged_vtk());
     for (std::size_t i = 0; i < *arrays; ++i) {
       std::string_view name = text_.word();
-      if (name == "METADATA") {
-        if (auto skipped = read_part(name); !skipped) return skipped;
+      if (lower_case(std::string(name)) == "metadata") {
+        if (auto skipped = read_part("metadata"); !skipped) return skipped;
         name = text_.word();
       }
       const auto components = text_.number<std::size_t>(), tuples = text_.number<std::size_t>();
-      const std::string_view type = text_.word();
+      const std::string type = key_word();
       if (!components || !tuples || *components > text_.remaining() || *tuples > text_.remaining())
         return fail(damaged_vtk());
       if (*components != 0 && *tuples > text_.remaining() / *components) return fail(damaged_vtk());
-      if (auto skipped = skip_values(type, *components * *tuples); !skipped) return skipped;
+      const auto value = text_of_values(type, *components * *tuples);
+      if (!value) return fail(value.error());
+      if (decoded(name) == "SPACE") space_.add(*value);
     }
     return {};
   }
 
-  Result<void> skip_values(std::string_view type, std::size_t count) {
-    if (type != "string") {
+  /// The first string of an array of strings, or an array of characters as a string; empty for other numbers.
+  Result<std::string> text_of_values(std::string_view type, std::size_t count) {
+    std::string text;
+    if (type != "string" && type != "utf8_string") {
       const auto values = numbers<double>(type, count);
-      return values ? Result<void>() : fail(values.error());
+      if (!values) return fail(values.error());
+      if (vtk_scalar(type) != Scalar::int8 && vtk_scalar(type) != Scalar::uint8) return text;
+      for (const double value : *values)
+        if (value > 0 && value < 128) text += static_cast<char>(value);
+      return text;
     }
     text_.line();
     for (std::size_t i = 0; i < count; ++i) {
-      if (ascii_)
-        text_.line();
-      else if (!skip_binary_string())
-        return fail(damaged_vtk());
+      const auto one = ascii_ ? std::optional(decoded(text_.line())) : binary_string();
+      if (!one) return fail(damaged_vtk());
+      if (i == 0) text = *one;
     }
-    return {};
+    return text;
   }
 
   /// The two high bits of its first byte say in how many bytes (8, 4, 2, 1) its length stands.
-  bool skip_binary_string() {
+  std::optional<std::string> binary_string() {
     const auto first = text_.take(1);
-    if (!first) return false;
+    if (!first) return std::nullopt;
     const auto head = static_cast<std::uint8_t>(first->front());
     const auto rest = text_.take((std::size_t{8} >> (head >> 6)) - 1);
-    if (!rest) return false;
+    if (!rest) return std::nullopt;
     std::size_t length = head & 63u;
     for (const char c : *rest) length = length << 8 | static_cast<std::uint8_t>(c);
-    return text_.take(length).has_value();
+    const auto text = text_.take(length);
+    return text ? std::optional<std::string>(*text) : std::nullopt;
   }
 
   Text text_;
-  std::string_view title_;
+  SpaceNames space_;
   bool ascii_ = false, offsets_form_ = false;
   std::vector<double> coordinates_;
-  std::vector<std::int32_t> corners_;
+  Faces faces_;
   MeshFile mesh_;
 };
 

@@ -7,6 +7,7 @@
 #include "core/mesh/formats/faces.h"
 #include "core/mesh/formats/formats.h"
 #include "core/mesh/formats/scalars.h"
+#include "core/mesh/formats/space.h"
 #include "core/mesh/formats/text.h"
 
 namespace homolog::formats {
@@ -87,14 +88,16 @@ class VtpReader {
     for (const auto piece : poly_data.children("Piece"))
       if (auto read = read_piece(piece); !read) return fail(read.error());
     MeshFile mesh;
-    mesh.points = to_points(std::move(coordinates_));
-    mesh.triangles = to_triangles(std::move(corners_));
-    const auto space = poly_data.child("FieldData").find_child_by_attribute("DataArray", "Name", "SPACE");
-    if (space) {
-      const auto name = text_of(space);
+    if (auto filled = std::move(faces_).fill(mesh, std::move(coordinates_)); !filled) return fail(filled.error());
+    SpaceNames space;
+    // VTK writes strings as <Array>; others as <DataArray>.
+    for (const auto field : poly_data.child("FieldData").children()) {
+      if (field.attribute("Name").value() != std::string_view("SPACE")) continue;
+      const auto name = text_of(field);
       if (!name) return fail(name.error());
-      flip_if_ras("SPACE=" + *name, mesh);
+      space.add(*name);
     }
+    space.apply_to(mesh);
     return mesh;
   }
 
@@ -155,7 +158,7 @@ class VtpReader {
       return fail("", "announces another number of faces than it holds; export it again");
     for (std::int64_t& v : *connectivity)
       if (v >= 0 && v < std::int64_t{1} << 40) v += first_vertex;
-    return add_cells(*ends, *connectivity, name == std::string_view("Strips"), corners_);
+    return faces_.add_cells(*ends, *connectivity, name == std::string_view("Strips"));
   }
 
   template <class To>
@@ -188,7 +191,7 @@ class VtpReader {
     if (node.attribute("format").value() == std::string_view("ascii")) {
       const auto codes = ascii_array<int>(node.child_value());
       if (!codes) return fail(codes.error());
-      for (const int code : *codes) text += static_cast<char>(code);
+      for (const int code : *codes) text += static_cast<char>(code > 0 && code < 128 ? code : 0);
     } else {
       auto bytes = content(node);
       if (!bytes) return fail(bytes.error());
@@ -261,7 +264,7 @@ class VtpReader {
   std::endian order_ = std::endian::little;
   Scalar header_ = Scalar::uint32;
   std::vector<double> coordinates_;
-  std::vector<std::int32_t> corners_;
+  Faces faces_;
   std::size_t encoded_left_ = 0, decoded_left_ = 0;  ///< of bytes that may still be taken
 };
 

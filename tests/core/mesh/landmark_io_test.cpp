@@ -72,6 +72,38 @@ TEST_CASE("the older list of fiducials of Slicer is read whatever its columns an
   CHECK(refusal("").find("no fiducial file") != std::string::npos);
 }
 
+TEST_CASE("fiducials with decimal commas are refused and the two further fields of Slicer 5 are not") {
+  const LandmarkFolder folder;
+  const std::string head =
+      "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
+      "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n";
+  const auto read = [&](const std::string& line) { return read_landmarks(folder.file("f.fcsv", head + line + '\n')); };
+  for (const char* line :
+       {"1,1,5,2,5,3,5,0,0,0,1,1,1,0,a,,", "1,1,5,2,5,3,5,0,0,0,1,1,1,0,a", "1,1,5,2,5,3,5",
+        "1,1,5,2,3,0,0,0,1,1,1,0,a,,", "1,1,5,2,5,3,0,0,0,1,1,1,0,a", "1,1,5,2,3,0,0,0,1,1,1,0,a,,,2,0"}) {
+    CAPTURE(line);
+    const auto landmarks = read(line);
+    REQUIRE(!landmarks);
+    CHECK(landmarks.error().what.find("decimal points") != std::string::npos);
+  }
+  for (const char* line :
+       {"1,1.5,2.5,3.5,0,0,0,1,1,1,0,a,,,2,0", "1,1.5,2.5,3.5,0,0,0,1,1,1,0,a,,vtkMRMLScalarVolumeNode1",
+        "1,1.5,2.5,3.5,0.707107,0,0,0.707107,1,1,0,a", "a,1.5,2.5,3.5"}) {
+    CAPTURE(line);
+    CHECK(read(line).value() == std::vector<Landmark>{{"a", Vec3(1.5, 2.5, 3.5)}});
+  }
+}
+
+TEST_CASE("a space of markups that is no name is refused") {
+  const LandmarkFolder folder;
+  for (const char* space : {"0", "1", "null", "[\"RAS\"]", "true"}) {
+    CAPTURE(space);
+    const std::string why = folder.refusal(R"({"markups": [{"coordinateSystem": )" + std::string(space) +
+                                           R"(, "controlPoints": [{"label": "a", "position": [1, 2, 3]}]}]})");
+    CHECK(why.find("write \"LPS\" or \"RAS\"") != std::string::npos);
+  }
+}
+
 TEST_CASE("a landmark file that cannot be understood is refused with a sentence") {
   const LandmarkFolder folder;
   CHECK(folder.refusal("[{\"id\":").find("no valid JSON") != std::string::npos);

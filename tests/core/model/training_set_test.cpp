@@ -2,7 +2,10 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <numeric>
+#include <random>
 
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
@@ -107,6 +110,107 @@ TEST_CASE("a mesh with another count or other faces is refused by name wherever 
   Folder large_letters(2);
   large_letters.add(organ(2), "organ2.Stl");
   check_refused(large_letters, "organ2.Stl", ".stl");
+}
+
+namespace {
+
+/// Where each vertex of a shape in another order comes from.
+std::vector<Eigen::Index> shuffled(Eigen::Index count, unsigned seed) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(count));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::mt19937 random(seed);
+  for (std::size_t k = order.size() - 1; k > 0; --k) std::swap(order[k], order[random() % (k + 1)]);
+  return order;
+}
+
+Mesh in_order(const Mesh& mesh, const std::vector<Eigen::Index>& order) {
+  return {mesh.topology, Points(mesh.points(order, Eigen::all))};
+}
+
+}  // namespace
+
+TEST_CASE("a shape whose vertices are in another order is refused by name wherever it stands") {
+  for (const char* ending : {".ply", ".particles"})
+    for (const std::size_t at : {0, 2, 5}) {
+      CAPTURE(ending);
+      CAPTURE(at);
+      Folder folder;
+      for (int k = 0; k < 6; ++k)
+        folder.add(k == static_cast<int>(at) ? in_order(organ(k), shuffled(162, 5)) : organ(k),
+                   "organ" + std::to_string(k) + ending);
+      check_refused(folder, "organ" + std::to_string(at) + ending + ": has its vertices in another order than",
+                    "organ");
+    }
+}
+
+TEST_CASE("several shapes that have one other order and a part that is in another order are named") {
+  const auto order = shuffled(162, 7);
+  Folder two;
+  for (int k = 0; k < 6; ++k)
+    two.add(k == 1 || k == 4 ? in_order(organ(k), order) : organ(k), "organ" + std::to_string(k) + ".ply");
+  check_refused(two, "organ1.ply: has its vertices in another order than", "organ4.ply");
+  Folder half;  // as many of each: the faces tell which is right
+  for (int k = 0; k < 4; ++k)
+    half.add(k < 2 ? in_order(organ(k), order) : organ(k), "organ" + std::to_string(k) + ".ply");
+  check_refused(half, "organ0.ply: has its vertices in another order than", "organ2.ply (so has");
+  Folder pair;
+  pair.add(in_order(organ(0), order), "organ0.ply");
+  pair.add(organ(1), "organ1.ply");
+  check_refused(pair, "organ0.ply: has its vertices in another order than", "organ1.ply");
+  Folder part;
+  auto some = shuffled(162, 9);
+  for (std::size_t k = 54; k < some.size(); ++k) some[k] = static_cast<Eigen::Index>(k);
+  for (std::size_t k = 0; k < 54; ++k) some[k] = static_cast<Eigen::Index>((k + 17) % 54);
+  for (int k = 0; k < 5; ++k)
+    part.add(k == 3 ? in_order(organ(k), some) : organ(k), "organ" + std::to_string(k) + ".ply");
+  check_refused(part, "organ3.ply: has its vertices in another order than", "organ0.ply");
+  Folder reversed;
+  for (int k = 0; k < 5; ++k) {
+    Mesh mesh = organ(k);
+    if (k == 2) mesh.points = mesh.points.colwise().reverse().eval();
+    reversed.add(mesh, "organ" + std::to_string(k) + ".particles");
+  }
+  check_refused(reversed, "organ2.particles: has its vertices in another order than", "organ0.particles");
+}
+
+TEST_CASE("shapes that differ much and a few swapped vertices are no other order") {
+  Folder folder;
+  for (int k = 0; k < 6; ++k) {
+    Mesh mesh = organ(10 * k);  // up to twice as long, and sheared
+    if (k == 3) mesh.points.row(5).swap(mesh.points.row(90));
+    if (k == 4) mesh.points *= 1000;
+    if (k == 5) mesh.points.leftCols<2>() *= -1;
+    folder.add(mesh, "organ" + std::to_string(k) + ".ply");
+  }
+  const auto read = read_training_set(folder.files);
+  REQUIRE_MESSAGE(read, read.error().sentence());
+  Folder few;  // too few points to tell
+  for (int k = 0; k < 3; ++k) few.add(shapes::box(Vec3::Zero(), Vec3(1 + k, 2, 3)), "box" + std::to_string(k) + ".ply");
+  CHECK(read_training_set(few.files));
+}
+
+TEST_CASE("real shapes are in one order and are named once one of them is shuffled") {
+  const fs::path data = real_data();
+  if (data.empty()) return;
+  for (const char* name : {"meshes/patella", "meshes/bivme_lv_cine25", "odd/shuffled_vertices"}) {
+    CAPTURE(name);
+    Folder folder;
+    for (const auto& entry : fs::directory_iterator(data / name))
+      if (is_mesh_name(entry.path())) folder.files.push_back(entry.path());
+    std::sort(folder.files.begin(), folder.files.end());
+    REQUIRE(folder.files.size() > 3);
+    if (name == std::string("odd/shuffled_vertices")) {
+      check_refused(folder, "s3.obj: has its vertices in another order than", "shuffled_vertices");
+      continue;
+    }
+    const auto read = read_training_set(folder.files);
+    REQUIRE_MESSAGE(read, read.error().sentence());
+    MeshFile other = read_mesh_file(folder.files[1]).value();
+    other.points = Points(other.points(shuffled(other.points.rows(), 3), Eigen::all));
+    REQUIRE(write_mesh_file(other, folder.path / ("shuffled" + folder.files[1].extension().string())));
+    folder.files[1] = folder.path / ("shuffled" + folder.files[1].extension().string());
+    check_refused(folder, "shuffled", "another order");
+  }
 }
 
 TEST_CASE("a file that cannot be read is named and the rest goes on") {

@@ -71,6 +71,8 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
     if (auto written = write_mesh_file(file, verb.out); !written) return fail(written.error());
   }
   Report report = snap_report(snapped->result, after.mesh(), *after.shape().placed, image);
+  report.values["held_landmarks"] = snapped->landmarks;
+  report.values["held_pulls"] = snapped->pulls;
   report.values["seconds"] = seconds;
   return report;
 }

@@ -49,6 +49,7 @@ bool same_shape(const Shape& a, const Shape& b) {
          same_values(a.confirmed, b.confirmed) && same_values(a.decided, b.decided) &&
          same_values(a.unaided, b.unaided) && same_values(a.carried, b.carried) && a.doubt == b.doubt &&
          same_values(a.doubt_mm, b.doubt_mm) && same_values(a.outlier, b.outlier) &&
+         same_values(a.pulled, b.pulled) && a.pulls == b.pulls && same_values(a.unsnapped, b.unsnapped) &&
          (a.reference == a.placed) == (b.reference == b.placed) &&
          (a.points == a.reference) == (b.points == b.reference);
 }
@@ -93,6 +94,9 @@ Json json_of(const Shape& shape) {
   if (!shape.doubt.empty()) json["doubt"] = shape.doubt;
   if (shape.doubt_mm) json["doubt_mm"] = packed_array(*shape.doubt_mm);
   if (shape.outlier) json["outlier"] = packed_array(*shape.outlier);
+  if (shape.pulled) json["pulled"] = packed_array(*shape.pulled);
+  if (shape.pulls > 0) json["pulls"] = shape.pulls;
+  if (shape.unsnapped) json["unsnapped"] = packed_array(*shape.unsnapped);
   return json;
 }
 
@@ -119,6 +123,9 @@ Shape shape_of(const Json& json, const Template& the_template) {
   shape.doubt = json.value("doubt", "");
   shape.doubt_mm = scalars("doubt_mm");
   shape.outlier = scalars("outlier");
+  shape.pulled = scalars("pulled");
+  shape.pulls = json.value("pulls", 0);
+  shape.unsnapped = points("unsnapped", nullptr);
   shape.strokes = json.at("strokes").get<int>();
   return shape;
 }
@@ -189,7 +196,8 @@ bool is_sound(const Shape& shape) {
   const auto finite = [](const auto& values) { return !values || values->allFinite(); };
   return check_placement(shape.placement) && finite(shape.points) && finite(shape.reference) &&
          finite(shape.confirmed) && finite(shape.decided) && finite(shape.unaided) && finite(shape.carried) &&
-         finite(shape.doubt_mm) && finite(shape.outlier) && shape.strokes >= 0;
+         finite(shape.doubt_mm) && finite(shape.outlier) && finite(shape.pulled) && finite(shape.unsnapped) && shape.strokes >= 0 &&
+         shape.pulls >= 0;
 }
 
 /// Whether a document is one that actions can make: a line that was damaged may be read and hold anything.

@@ -33,6 +33,8 @@ void visit_arrays(const Document& document, const Visit& visit) {
     doubles(shape.carried);
     doubles(shape.doubt_mm);
     doubles(shape.outlier);
+    doubles(shape.pulled);
+    doubles(shape.unsnapped);
   }
 }
 

@@ -77,6 +77,10 @@ void draw_propagate(const UiContext& ui, Outbox& out) {
              refusal, width, true))
     out.send(PropagateFrames{});
   if (!from.empty()) explanation(theme, "From " + from + ". Correct a frame, and propagate again.");
+  if (!refusal.empty()) return;
+  if (const double missing = missing_share_of(*document.the_template, document.shape()); missing > 0)
+    text_lines(format("The mesh %s, so volumes are too small. Make the template again.", missing_doubt(missing).c_str()),
+               palette::amber);
 }
 
 /// Where frames and volumes lie in the plot.

@@ -245,7 +245,13 @@ Result<Report> fit_image(const Options& options, const Shared& shared, Progress&
     snapping->strength *= options.beyond;
   }
   const Points placed = mesh.points;
-  const SnapStart start{mesh, placed, the_template.stiffness, VertexScalars::Ones(mesh.points.rows())};
+  SnapStart start{mesh, placed, the_template.stiffness, VertexScalars::Ones(mesh.points.rows())};
+  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
+    const auto there = landmarks->places.find(the_template.landmarks[l].name);
+    if (there == landmarks->places.end()) continue;
+    if ((carried_landmark(the_template, l, mesh.points) - there->second).norm() <= snapping->edges.reach_mm)
+      start.pins.push_back({the_template.landmark_points[l], there->second});
+  }
   const auto snapped = snap(image->volume, options.snap.frame, start, *snapping);
   if (!snapped) return fail(options.image.string(), snapped.error().what);
   const double seconds = std::chrono::duration<double>(Clock::now() - started).count();

@@ -122,8 +122,11 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
   return write_study(study_of(verb, propagation, case_path_of(verb)), verb.out / "cine.study.json");
 }
 
-Report report_of(const PropagateVerb& verb, const Propagation& propagation) {
+Report report_of(const PropagateVerb& verb, const Propagation& propagation, double missing_share) {
   Report report;
+  if (missing_share > 0)
+    report.warnings.push_back(verb.mesh + ": every frame " + missing_doubt(missing_share) +
+                              ", so volumes are too small; make the template again with another --axis");
   Json frames = Json::array(), doubtful = Json::array();
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
     const PropagatedFrame& frame = propagation.frames[f];
@@ -135,6 +138,7 @@ Report report_of(const PropagateVerb& verb, const Propagation& propagation) {
                       {"doubt", frame.doubt}});
     if (frame.doubt.empty()) continue;
     doubtful.push_back(f);
+    if (missing_share > 0 && frame.doubt == missing_doubt(missing_share)) continue;
     report.warnings.push_back(verb.image.string() + ": frame " + std::to_string(f) + " " + frame.doubt +
                               "; look at it in the editor");
   }
@@ -159,6 +163,7 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   if (!image) return fail(image.error());
   PropagateOptions options = verb.options;
   options.progress = &progress;
+  options.missing_share = (*the_template)->missing_share;
   const auto start = std::chrono::steady_clock::now();
   auto propagation = propagate(image->volume, verb.frame, {(*the_template)->topology, (*the_template)->points},
                                (*the_template)->stiffness, options);
@@ -167,7 +172,7 @@ Result<Report> run_propagate(const PropagateVerb& verb, Progress& progress) {
   const Document initial =
       new_document(verb.image.string(), std::make_shared<const Volume>(std::move(image->volume)), *the_template);
   if (auto written = write_all(verb, initial, *propagation); !written) return fail(written.error());
-  Report report = report_of(verb, *propagation);
+  Report report = report_of(verb, *propagation, options.missing_share);
   report.values["seconds"] = seconds;
   report.warnings.insert(report.warnings.begin(), image->warnings.begin(), image->warnings.end());
   const auto of_template = template_warnings(**the_template);

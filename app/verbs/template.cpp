@@ -13,6 +13,7 @@
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/surface_search.h"
+#include "core/template/template.h"
 #include "core/template_making/mesh_template.h"
 #include "core/template_making/template_file.h"
 #include "core/volume/volume_io.h"
@@ -145,12 +146,20 @@ Result<Report> tube(const TemplateJob& options, const MaskRead& mask) {
   if (!made) return fail(options.in.string(), mask.named(made.error().what));
   std::vector<std::string> warnings = mask.warnings;
   for (std::string& warning : about(options.in, mask.named(made->warnings))) warnings.push_back(std::move(warning));
+  const std::string missing = missing_from(*made, mask.label);
+  if (!missing.empty())
+    warnings.push_back(options.in.string() + ": " + mask.named(missing) +
+                       "; give its --axis, or a --base and an --apex, and make it again");
   Json provenance = provenance_of(options.in.filename().string(), making);
   name_labels(mask, provenance);
-  return finish(template_file(made->mesh, provenance), options,
+  MeshFile file = template_file(made->mesh, provenance);
+  if (!missing.empty()) file.comments.push_back(missing_share_comment(made->missing_share));
+  return finish(std::move(file), options,
                 {{"distance_to_mask_mm", json_of(made->to_mask)},
                  {"distance_from_mask_mm", json_of(made->from_mask)},
-                 {"axis", json_of(made->axis)}},
+                 {"axis", json_of(made->axis)},
+                 {"label_ml", made->label_ml},
+                 {"missed", {{"ml", made->missing_share * made->label_ml}, {"share", made->missing_share}}}},
                 std::move(warnings));
 }
 
@@ -229,7 +238,7 @@ Result<Report> make_template_file(const TemplateJob& options, Progress& progress
 
 /// `options` lives as long as the verb.
 void add_tube_options(CLI::App& verb, TemplateJob& options) {
-  auto* tube_flag = verb.add_flag("--tube", options.tube, "A ring × sector grid along the main axis (left ventricle)");
+  auto* tube_flag = verb.add_flag("--tube", options.tube, "A ring × sector grid along an axis (left ventricle)");
   verb.add_option("--rings", options.rings, "Rings of a tube, base to apex")
       ->check(CLI::Range(3, 1000))
       ->needs(tube_flag)
@@ -238,7 +247,8 @@ void add_tube_options(CLI::App& verb, TemplateJob& options) {
       ->check(CLI::Range(6, 1000))
       ->needs(tube_flag)
       ->capture_default_str();
-  verb.add_option("--axis", options.axis, "X,Y,Z direction from the base to the apex (LPS)")
+  verb.add_option("--axis", options.axis, "X,Y,Z direction from the base to the apex (LPS); else the slices' normal where slices are thick, or the "
+                  "label's main axis")
       ->delimiter(',')
       ->expected(3)
       ->needs(tube_flag);

@@ -1,5 +1,7 @@
 #include "core/adapt/annealing.h"
 
+#include <Eigen/QR>
+#include <Eigen/SparseCore>
 #include <cmath>
 
 #include "core/deform/local_rotations.h"
@@ -20,6 +22,36 @@ void hold(const Adapting& shape, const VertexScalars& w, Force& force) {
   }
 }
 
+/// Where the pins lie, k×3, and each one's weights at its corners: a column of n values.
+struct PinnedPlaces {
+  Points to;
+  Eigen::SparseMatrix<double> weights;
+
+  PinnedPlaces(const Adapting& shape)
+      : to(std::ssize(shape.pins), 3), weights(shape.mesh.points.rows(), std::ssize(shape.pins)) {
+    const auto& triangles = shape.mesh.topology->triangles();
+    for (Eigen::Index k = 0; k < to.rows(); ++k) {
+      const Pin& pin = shape.pins[static_cast<std::size_t>(k)];
+      to.row(k) = pin.place.transpose();
+      for (int c = 0; c < 3; ++c) weights.coeffRef(triangles(pin.on.face, c), k) += pin.on.weights[c];
+    }
+  }
+};
+
+/// The solution of Eq. 3 under the condition that the pins are met, from the one without it: what M spreads from each
+/// pin's corners is added.
+void meet_pins(const Adapting& shape, const ShapeSolver& solver, Points& solved) {
+  if (shape.pins.empty()) return;
+  const PinnedPlaces pinned(shape);
+  Eigen::MatrixXd spread(solved.rows(), pinned.to.rows());
+  for (Eigen::Index k = 0; k < spread.cols(); ++k)
+    spread.col(k) = solver.solve(VertexScalars(Eigen::VectorXd(pinned.weights.col(k))));
+  const Eigen::MatrixXd between = pinned.weights.transpose() * spread;
+  const Eigen::MatrixXd off = pinned.to - pinned.weights.transpose() * solved;
+  // Two pins in one place cannot both be met: the least squares between them.
+  solved += spread * between.completeOrthogonalDecomposition().solve(off);
+}
+
 /// Eq. 3 with these forces and a reference that turns with the shape.
 Result<void> solve(Adapting& shape, ShapeSolver& solver, double stiffness, Force force) {
   const Topology& topology = *shape.mesh.topology;
@@ -28,6 +60,7 @@ Result<void> solve(Adapting& shape, ShapeSolver& solver, double stiffness, Force
   if (auto ready = solver.factorise(w, (force.weights.array() - 1).matrix()); !ready) return ready;
   const auto rotations = local_rotations(topology, shape.placed, shape.mesh.points);
   Points solved = solver.solve(Points(force.pulls + rotated_reference_force(topology, w, shape.placed, rotations)));
+  meet_pins(shape, solver, solved);
   for (const std::int32_t i : shape.held) solved.row(i) = shape.mesh.points.row(i);
   shape.mesh.points = std::move(solved);
   return {};

@@ -6,9 +6,16 @@
 
 #include "core/adapt/force.h"
 #include "core/base/result.h"
+#include "core/mesh/surface_search.h"
 #include "core/solve/shape_solver.h"
 
 namespace homolog {
+
+/// A point of a mesh's surface that goes to a place, LPS mm.
+struct Pin {
+  SurfacePoint on;
+  Vec3 place = Vec3::Zero();
+};
 
 /// A mesh that adapts, and the reference that it keeps to. All n×3.
 struct Adapting {
@@ -18,6 +25,7 @@ struct Adapting {
   Points placed;                   ///< R: `rest` under `placement`, LPS mm
   VertexScalars factors;           ///< of the stiffness; their mean is 1
   std::vector<std::int32_t> held;  ///< vertices that stay exactly where they are
+  std::vector<Pin> pins;           ///< on triangles of which not all corners are held: exactly met by every solve
 
   /// Lays the reference anew on the mesh as it is now.
   void refit();

@@ -260,6 +260,7 @@ class Propagating {
     const double most_mm = std::max(least_doubtful_mm, doubtful_edges * mean_edge_mm(*mesh_.topology, mesh_.points));
     for (std::size_t f = 0; f < result_.frames.size(); ++f) {
       auto& frame = result_.frames[f];
+      if (options_.missing_share > 0 && frame.doubt.empty()) frame.doubt = missing_doubt(options_.missing_share);
       if (!frame.doubt.empty() || known_.contains(static_cast<int>(f))) continue;
       if (frame.confidence < doubtful_frame * usual)
         frame.doubt = "shows less of the boundary than other frames";
@@ -280,10 +281,12 @@ class Propagating {
   }
 
   void measure() {
-    std::map<int, double> volumes;
-    for (std::size_t f = 0; f < result_.frames.size(); ++f)
-      if (result_.frames[f].doubt.empty()) volumes[static_cast<int>(f)] = result_.frames[f].volume_ml;
-    result_.ejection = *ejection_of(volumes);  // known frames are in no doubt
+    std::map<int, double> all, trusted;
+    for (std::size_t f = 0; f < result_.frames.size(); ++f) {
+      all[static_cast<int>(f)] = result_.frames[f].volume_ml;
+      if (result_.frames[f].doubt.empty()) trusted[static_cast<int>(f)] = result_.frames[f].volume_ml;
+    }
+    result_.ejection = *ejection_of(trusted.empty() ? all : trusted);
   }
 
   const Volume& cine_;
@@ -299,6 +302,11 @@ class Propagating {
 };
 
 }  // namespace
+
+std::string missing_doubt(double missing_share) {
+  return "comes from a template that lacks " + std::to_string(std::lround(100 * missing_share)) +
+         " % of the label that it was made of";
+}
 
 std::optional<Ejection> ejection_of(const std::map<int, double>& volumes_ml) {
   if (volumes_ml.empty()) return std::nullopt;

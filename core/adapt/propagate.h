@@ -15,6 +15,8 @@ namespace homolog {
 struct PropagateOptions {
   double reach_mm = 6;          ///< how far the boundary may move from one frame to the next
   std::map<int, Points> known;  ///< meshes of further frames that are right (n×3, LPS mm): they stay as they are
+  /// Of the label that the meshes come from: what they lack. Where they lack some, every frame is in doubt.
+  double missing_share = 0;
   Progress* progress = nullptr;
 };
 
@@ -41,8 +43,11 @@ struct Propagation {
   std::vector<PropagatedFrame> frames;
   std::vector<int> known;  ///< the frames whose meshes were given
   bool cycle = false;      ///< the last frame leads on to the first, by the images or by the volumes
-  Ejection ejection;       ///< doubtful frames left out
+  Ejection ejection;       ///< doubtful frames left out; of all where all are in doubt
 };
+
+/// What is in doubt of a mesh that lacks a share of its label, as PropagatedFrame::doubt.
+std::string missing_doubt(double missing_share);
 
 /// Carries the mesh of one frame through all frames of a cine, in both directions: each frame starts from the one
 /// before and snaps to where the image looks along the normals as it does in the known frame that it came from. Between

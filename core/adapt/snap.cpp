@@ -4,6 +4,8 @@
 
 #include "core/adapt/annealing.h"
 #include "core/adapt/untangle.h"
+#include "core/deform/falloff.h"
+#include "core/mesh/mesh_quality.h"
 
 namespace homolog {
 
@@ -14,6 +16,10 @@ constexpr double softest_edges = 1.5;
 constexpr double softest_edges_learned = 3;  ///< a case done before differs less: the shape is trusted more
 constexpr double last_reach_share = 0.3;     ///< of the reach at the last step
 constexpr double least_seen_share = 0.1;
+constexpr double least_clear = 0.15, clear_enough = 0.5;  ///< confidence of an edge that is none, and of one that counts
+constexpr double most_beyond_others = 3;  ///< times as clear as those around it counts an edge at most
+constexpr double pin_slope = 0.7;         ///< a mm away from a pin the boundary may lie so far off the mesh
+constexpr double pin_tolerance_mm = 2;
 constexpr double doubtful_snap = 0.55;
 
 constexpr const char* no_edge = "shows no edge around the mesh; place the mesh on the organ, or search farther";
@@ -28,6 +34,32 @@ std::vector<std::int32_t> unseen_vertices(const VolumeGeometry& image, const Poi
   return unseen;
 }
 
+/// What an edge counts: nothing where it is hardly one, and little where those around it are none. A single vertex with
+/// an edge would be drawn out to a spur.
+VertexScalars supported(const Topology& topology, const VertexScalars& clearness) {
+  const Eigen::ArrayXd share = ((clearness.array() - least_clear) / (clear_enough - least_clear)).max(0).min(1);
+  const VertexScalars clear = clearness.array() * share.square() * (3 - 2 * share);
+  VertexScalars counts = clear;
+  for (Eigen::Index i = 0; i < clear.size(); ++i) {
+    if (clear[i] <= 0) continue;
+    const auto ring = topology.one_ring(i);
+    double around = 0;
+    for (const std::int32_t j : ring) around += clear[j];
+    counts[i] = std::min(clear[i], most_beyond_others * around / static_cast<double>(std::max<std::size_t>(1, ring.size())));
+  }
+  return counts;
+}
+
+/// Around a pin the surface is known: edges far off the mesh count less the nearer they are to it.
+void mind_pins(const Mesh& mesh, const std::vector<Pin>& pins, BoundaryPull& pull) {
+  for (const Pin& pin : pins) {
+    const Eigen::VectorXd away = (mesh.points.rowwise() - pin.place.transpose()).rowwise().norm();
+    const Eigen::VectorXd shift = (pull.targets - mesh.points).rowwise().norm();
+    const Eigen::ArrayXd off = shift.array() / (pin_tolerance_mm + pin_slope * away.array());
+    pull.weights.array() *= (-0.5 * off.square()).exp();
+  }
+}
+
 class Snapping {
  public:
   Snapping(const Volume& image, int frame, const SnapStart& start, const SnapOptions& options)
@@ -35,7 +67,9 @@ class Snapping {
         start_(start),
         options_(options),
         edges_(image, frame, start.mesh, options.edges),
-        shape_{start.mesh, start.mesh.points, {}, start.mesh.points, start.stiffness / start.stiffness.mean(), {}} {
+        shape_{start.mesh, start.rest.size() > 0 ? start.rest : start.mesh.points, {}, {},
+               start.stiffness / start.stiffness.mean(), {}, start.pins} {
+    shape_.refit();
     for (Eigen::Index i = 0; i < start.free.size(); ++i)
       if (!(start.free[i] > 0)) shape_.held.push_back(static_cast<std::int32_t>(i));
   }
@@ -55,7 +89,9 @@ class Snapping {
   /// The pull of the image, and another one back to P⁰ where the image decides in part only.
   Force force(const Mesh& mesh, double share_of_way) const {
     const double reach_mm = edges_.reach_mm() * (1 + share_of_way * (last_reach_share - 1));
-    const BoundaryPull pull = edges_.find(mesh, reach_mm);
+    BoundaryPull pull = edges_.find(mesh, reach_mm);
+    pull.weights = supported(*mesh.topology, pull.weights);
+    mind_pins(mesh, start_.pins, pull);
     Force force{VertexScalars(pull.weights.size()), Points(pull.weights.size(), 3)};
     for (Eigen::Index i = 0; i < force.weights.size(); ++i) {
       const double share = options_.strength * start_.free[i];
@@ -80,8 +116,20 @@ class Snapping {
   void make_sound() {
     Mesh& mesh = shape_.mesh;
     untangle(mesh, shape_.placed, shape_.factors);
+    if (!shape_.pins.empty()) meet_again();
     for (const std::int32_t i : shape_.held) mesh.points.row(i) = start_.mesh.points.row(i);
     mesh.points = without_turning(*mesh.topology, start_.placed, start_.mesh.points, mesh.points);
+  }
+
+  /// What untangling moved away from the pins comes back, with what lies around.
+  void meet_again() {
+    Mesh& mesh = shape_.mesh;
+    const double edge_mm = mean_edge_mm(*mesh.topology, mesh.points);
+    for (const Pin& pin : shape_.pins) {
+      const Eigen::RowVector3d off = pin.place.transpose() - pin.on.interpolate(*mesh.topology, mesh.points);
+      const VertexScalars around = gaussian_falloff(*mesh.topology, mesh.points, pin.on, 2 * edge_mm, edge_mm, false);
+      mesh.points += around * (off / pin.on.interpolate(*mesh.topology, around)[0]);
+    }
   }
 
   SnapResult finish() const {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/adapt/allowed_shapes.h"
+#include "core/adapt/annealing.h"
 #include "core/adapt/image/edge_search.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
@@ -23,6 +24,8 @@ struct SnapStart {
   Points placed;            ///< the template as placed: what "turned" is measured against
   VertexScalars stiffness;  ///< factors
   VertexScalars free;       ///< 0 held exactly … 1 free, per vertex; confirmed ones are held
+  Points rest{};            ///< the shape that the stiffness keeps to, n×3; empty: that of the mesh
+  std::vector<Pin> pins{};  ///< places that points of free triangles go to, whatever the image shows
 };
 
 struct SnapResult {

@@ -1,5 +1,6 @@
 #include "core/assist/assist.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
@@ -29,7 +30,52 @@ std::shared_ptr<const Appearance> appearance_of_frames(const Document& document)
   return appearance;
 }
 
+/// How free a vertex is that strokes have carried this far.
+double free_share(double pulled) {
+  return (1 - pulled) * (1 - pulled);
+}
+
+/// Pins the mesh to the placed landmarks that a snap may move it to.
+void pin_landmarks(const Document& document, double reach_mm, SnapStart& start, SnapEdit& edit) {
+  const Template& the_template = *document.the_template;
+  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
+    const LandmarkHold hold = landmark_hold(the_template, l, document.shape());
+    if (!hold.placed) continue;
+    if (document.holds_landmarks && hold.met && !hold.held) continue;  // a person released it
+    const SurfacePoint& on = the_template.landmark_points[l];
+    const auto corners = the_template.topology->triangles().row(on.face);
+    if (std::any_of(corners.begin(), corners.end(), [&](auto corner) { return !(start.free[corner] > 0); })) {
+      edit.landmarks += hold.met ? 1 : 0;  // it is held as its vertices are
+      continue;
+    }
+    if (!hold.met && hold.distance_mm > reach_mm) {
+      ++edit.far_landmarks;
+      continue;
+    }
+    start.pins.push_back({on, document.shape().landmarks.at(the_template.landmarks[l].name)});
+    ++edit.landmarks;
+  }
+}
+
+void hold_pulled(const Shape& shape, SnapStart& start, SnapEdit& edit) {
+  constexpr double noticed = 0.5;
+  if (!shape.pulled) return;
+  if (((shape.pulled->array() > noticed) && (start.free.array() > 0)).any()) edit.pulls = shape.pulls;
+  start.free.array() *= shape.pulled->unaryExpr(&free_share).array();
+}
+
+std::string counted_words(int count, const std::string& one) {
+  return std::to_string(count) + " " + one + (count == 1 ? "" : "s");
+}
+
 }  // namespace
+
+std::string held_in_words(const SnapEdit& edit) {
+  std::string words;
+  if (edit.landmarks > 0) words = counted_words(edit.landmarks, "landmark");
+  if (edit.pulls > 0) words += (words.empty() ? "" : " and ") + counted_words(edit.pulls, "pull");
+  return words;
+}
 
 Result<FitEdit> fit_document(const Document& document, const Boundary& boundary, bool as_placed, FitOptions options) {
   if (!document.the_template || !document.has_shape())
@@ -47,12 +93,13 @@ Result<FitEdit> fit_document(const Document& document, const Boundary& boundary,
 }
 
 Result<SnapEdit> snap_document(const Document& document, const std::optional<SnapArea>& region,
-                               const SnapOptions& options) {
+                               const SnapOptions& options, SnapHolds holds) {
   if (!document.the_template || !document.has_shape())
     return fail("", "There is no mesh to snap; load a template first.");
   if (!document.volume) return fail("", "There is no image to snap to; open one first.");
   const Shape& shape = document.shape();
-  SnapStart start{document.mesh(), *shape.placed, *document.stiffness, VertexScalars::Ones(shape.points->rows())};
+  SnapStart start{document.mesh(), *shape.placed, *document.stiffness, VertexScalars::Ones(shape.points->rows()), {}, {}};
+  if (shape.unsnapped) start.rest = *shape.unsnapped;
   if (region) {
     const Topology& topology = *document.the_template->topology;
     const SurfacePoint at = nearest_on_surface(topology, start.mesh.points, region->at).at;
@@ -62,15 +109,20 @@ Result<SnapEdit> snap_document(const Document& document, const std::optional<Sna
   }
   if (const auto confirmed = confirmed_without_landmarks(document))
     start.free.array() *= (confirmed->array() < 1).cast<double>();
+  SnapEdit edit;
+  if (holds == SnapHolds::all) hold_pulled(shape, start, edit);
+  pin_landmarks(document, options.edges.reach_mm, start, edit);
   SnapOptions learned = options;
   if (options.edges.polarity == Polarity::automatic && options.edges.appearance == nullptr)
     learned.edges.appearance = appearance_of_frames(document);
   auto result = snap(*document.volume, document.frame, start, learned);
   if (!result) return fail(result.error());
-  SnapEdit edit;
   edit.action = points_edit(document, result->points, by_snap);
   edit.result = std::move(*result);
   edit.result.points = *edit.action.points;
+  if (edit.far_landmarks > 0)
+    edit.result.warnings.push_back(counted_words(edit.far_landmarks, "placed landmark") + (edit.far_landmarks == 1 ? " lies" : " lie") +
+                                   " farther from the mesh than a snap looks; bring the mesh there with Grab");
   return edit;
 }
 

@@ -30,14 +30,27 @@ struct SnapArea {
 
 struct SnapEdit {
   SetPoints action;
-  SnapResult result;  ///< `points` are those that the action gives
+  SnapResult result;   ///< `points` are those that the action gives
+  int landmarks = 0;   ///< placed ones that the mesh was held at
+  int pulls = 0;       ///< strokes since the last fit whose part of the mesh was held
+  int far_landmarks = 0;  ///< placed ones farther from the mesh than a snap looks; it did not go there
 };
 
-/// Snaps the mesh [snap.h], or the part of it in `region`, to its image; confirmed vertices stay. With automatic
-/// polarity and no appearance given, what the boundary looks like is learned from the nearest edited frame of a cine.
-/// Errors: no mesh, no image, and those of snap().
+/// What a snap may not move, beside what is confirmed.
+enum class SnapHolds {
+  all,       ///< the mesh at placed landmarks, and what was pulled since the last fit [Shape::pulled]
+  landmarks  ///< the mesh at placed landmarks: for a snap that finishes a stroke
+};
+
+/// Snaps the mesh [snap.h], or the part of it in `region`, to its image; confirmed vertices stay. So does what was
+/// pulled, as far as the strokes carried it. Placed landmarks within the reach are met exactly, but where a person
+/// released them. With automatic polarity and no appearance given, what the boundary looks like is learned from the
+/// nearest edited frame of a cine. Errors: no mesh, no image, and those of snap().
 Result<SnapEdit> snap_document(const Document& document, const std::optional<SnapArea>& region,
-                               const SnapOptions& options);
+                               const SnapOptions& options, SnapHolds holds = SnapHolds::all);
+
+/// "4 landmarks and 2 pulls"; empty where nothing was held.
+std::string held_in_words(const SnapEdit& edit);
 
 struct RefineEdit {
   SetPoints action;

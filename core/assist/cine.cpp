@@ -1,5 +1,6 @@
 #include "core/assist/cine.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -22,7 +23,11 @@ Result<CineEdit> propagate_document(const Document& document, const PropagateOpt
   const std::vector<int> start = starting_frames(document);
   PropagateOptions from = options;
   from.known.clear();
-  for (const int frame : start) from.known[frame] = *document.shapes.at(frame).points;
+  for (const int frame : start) {
+    const Shape& shape = document.shapes.at(frame);
+    from.known[frame] = *shape.points;
+    from.missing_share = std::max(from.missing_share, missing_share_of(*document.the_template, shape));
+  }
   const Mesh mesh{document.the_template->topology, from.known.at(start.front())};
   auto done = propagate(*document.volume, start.front(), mesh, *document.stiffness, from);
   if (!done) return fail(done.error());
@@ -51,7 +56,10 @@ VolumeCurve volume_curve(const Document& document, const VolumeCurve& before) {
     VolumeCurve::Frame& one = curve.frames[frame];
     one.points = shape.points;
     one.known = frame_is_known(shape);
-    if (!one.known) one.doubt = shape.doubt;
+    if (!one.known)
+      one.doubt = shape.doubt;
+    else if (const double missing = missing_share_of(*document.the_template, shape); missing > 0)
+      one.doubt = missing_doubt(missing);
     const auto known = before.frames.find(frame);
     one.volume_ml = known != before.frames.end() && known->second.points == shape.points
                         ? known->second.volume_ml

@@ -1,6 +1,7 @@
 #include "core/case/document.h"
 
 #include "core/mesh/mesh_frame.h"
+#include "core/mesh/mesh_quality.h"
 
 namespace homolog {
 
@@ -16,6 +17,9 @@ MeshFile to_mesh_file(const Document& document, int frame) {
   const Shape& shape = document.shapes.at(frame);
   MeshFile file = painted_template(document);
   file.points = *shape.points;
+  file.comments.clear();
+  if (const double share = missing_share_of(*document.the_template, shape); share > 0)
+    file.comments.push_back(missing_share_comment(share));
   file.landmarks.clear();
   for (const auto& [name, position] : shape.landmarks) file.landmarks.push_back({name, position});
   if (VertexScalars doubt_mm = doubt_left_mm(shape); doubt_mm.size() > 0) file.doubt_mm = std::move(doubt_mm);
@@ -27,6 +31,13 @@ MeshFile to_mesh_file(const Document& document, int frame) {
 VertexScalars doubt_left_mm(const Shape& shape) {
   if (!shape.doubt_mm) return {};
   return shape.confirmed ? shape.doubt_mm->cwiseProduct((1 - shape.confirmed->array()).matrix()) : *shape.doubt_mm;
+}
+
+double missing_share_of(const Template& the_template, const Shape& shape) {
+  const double share = the_template.missing_share;
+  if (share <= 0) return 0;
+  const double placed_ml = enclosed_volume_ml({the_template.topology, *shape.placed});
+  return enclosed_volume_ml({the_template.topology, *shape.points}) > (1 + share / 2) * placed_ml ? 0 : share;
 }
 
 bool frame_is_known(const Shape& shape) {

@@ -30,6 +30,13 @@ struct Shape {
   std::shared_ptr<const VertexScalars> decided;    ///< 0 … 1: see below; null: nothing is
   std::shared_ptr<const Points> unaided;           ///< see unaided_points; null: no model moved anything
   int strokes = 0;                                 ///< edits of P since it was last equal to R
+  /// How far strokes have carried each vertex since the last fit, 0 … 1: so far a snap holds it. Null: nothing is
+  /// held. What is released is let go.
+  std::shared_ptr<const VertexScalars> pulled;
+  int pulls = 0;  ///< how many strokes that were
+  /// P without what snaps moved since the last fit: the shape that a snap keeps to, so that snaps do not add up. Null:
+  /// P itself.
+  std::shared_ptr<const Points> unsnapped;
   std::shared_ptr<const Points> carried;           ///< P as it came from other frames of a cine; null: it did not
   std::string doubt;                              ///< why what was carried here has to be looked at; empty: it need not
   std::shared_ptr<const VertexScalars> doubt_mm;  ///< of the last fit [FitResult::doubt_mm]; null: there is none
@@ -40,6 +47,10 @@ struct Shape {
 
 /// What is still in doubt of `doubt_mm`: nothing where a vertex is confirmed. Empty where there is no doubt_mm.
 VertexScalars doubt_left_mm(const Shape& shape);
+
+/// The share of its label that a frame's mesh still lacks, since the template that it is lacks it [Template]: 0 once
+/// edits have given the mesh at least half of that volume.
+double missing_share_of(const Template& the_template, const Shape& shape);
 
 /// Whether a person made a frame's mesh what it is: it was edited or confirmed since it came from other frames.
 bool frame_is_known(const Shape& shape);

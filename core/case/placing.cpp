@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/limits.h"
+#include "core/case/actions/decided.h"
 #include "core/placement/landmark_warp.h"
 #include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
@@ -72,6 +73,7 @@ void start_anew(const Template& the_template, Shape& shape) {
   shape.doubt_mm.reset();
   shape.outlier.reset();
   shape.strokes = 0;
+  forget_pulls_and_snaps(shape);
 }
 
 Result<EditReport> carry_to_landmarks(const Template& the_template, LandmarkPull fit, LandmarkRule rule, Shape& shape) {

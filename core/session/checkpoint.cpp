@@ -48,12 +48,13 @@ bool same_template(const Template& a, const Template& b) {
 
 bool same_shape(const Shape& a, const Shape& b) {
   const auto& [placement, before_landmarks, landmarks, placed, reference, points, confirmed, decided, unaided, strokes,
-               carried, doubt, doubt_mm, outlier] = a;
+               pulled, pulls, unsnapped, carried, doubt, doubt_mm, outlier] = a;
   return placement == b.placement && before_landmarks == b.before_landmarks && landmarks == b.landmarks &&
          strokes == b.strokes && same_values(placed, b.placed) && same_values(reference, b.reference) &&
          same_values(points, b.points) && same_values(confirmed, b.confirmed) && same_values(decided, b.decided) &&
          same_values(unaided, b.unaided) && same_values(carried, b.carried) && doubt == b.doubt &&
-         same_values(doubt_mm, b.doubt_mm) && same_values(outlier, b.outlier) &&
+         same_values(doubt_mm, b.doubt_mm) && same_values(outlier, b.outlier) && same_values(pulled, b.pulled) &&
+         pulls == b.pulls && same_values(unsnapped, b.unsnapped) &&
          (reference == placed) == (b.reference == b.placed) && (points == reference) == (b.points == b.reference);
 }
 
@@ -99,6 +100,9 @@ Json json_of(const Shape& shape) {
   if (!shape.doubt.empty()) json["doubt"] = shape.doubt;
   if (shape.doubt_mm) json["doubt_mm"] = packed_array(*shape.doubt_mm);
   if (shape.outlier) json["outlier"] = packed_array(*shape.outlier);
+  if (shape.pulled) json["pulled"] = packed_array(*shape.pulled);
+  if (shape.pulls > 0) json["pulls"] = shape.pulls;
+  if (shape.unsnapped) json["unsnapped"] = packed_array(*shape.unsnapped);
   return json;
 }
 
@@ -127,6 +131,9 @@ Shape shape_of(const Json& json, const Template& the_template) {
   shape.doubt = json.value("doubt", "");
   shape.doubt_mm = scalars("doubt_mm");
   shape.outlier = scalars("outlier");
+  shape.pulled = scalars("pulled");
+  shape.pulls = json.value("pulls", 0);
+  shape.unsnapped = points("unsnapped", nullptr);
   shape.strokes = json.at("strokes").get<int>();
   return shape;
 }
@@ -197,7 +204,8 @@ bool is_sound(const Shape& shape) {
   const auto finite = [](const auto& values) { return !values || all_in_reach(*values); };
   return check_placement(shape.placement) && check_placement(shape.before_landmarks) && finite(shape.points) &&
          finite(shape.reference) && finite(shape.confirmed) && finite(shape.decided) && finite(shape.unaided) &&
-         finite(shape.carried) && finite(shape.doubt_mm) && finite(shape.outlier) && shape.strokes >= 0 &&
+         finite(shape.carried) && finite(shape.doubt_mm) && finite(shape.outlier) && finite(shape.pulled) &&
+         finite(shape.unsnapped) && shape.strokes >= 0 && shape.pulls >= 0 &&
          std::all_of(shape.landmarks.begin(), shape.landmarks.end(),
                      [](const auto& landmark) { return all_in_reach(landmark.second); });
 }

@@ -26,7 +26,7 @@ void visit_arrays(const Document& document, const Visit& visit) {
   for (const auto& [frame, shape] : document.shapes) {
     // Taken apart, so that a new member does not compile until it is counted here.
     const auto& [placement, before_landmarks, landmarks, placed, reference, points, confirmed, decided, unaided,
-                 strokes, carried, doubt, doubt_mm, outlier] = shape;
+                 strokes, pulled, pulls, unsnapped, carried, doubt, doubt_mm, outlier] = shape;
     doubles(placed);
     doubles(reference);
     doubles(points);
@@ -36,6 +36,8 @@ void visit_arrays(const Document& document, const Visit& visit) {
     doubles(carried);
     doubles(doubt_mm);
     doubles(outlier);
+    doubles(pulled);
+    doubles(unsnapped);
   }
 }
 

@@ -1,6 +1,32 @@
 #include "core/template/template.h"
 
+#include <cstdio>
+
+#include "core/mesh/formats/text.h"
+
 namespace homolog {
+
+namespace {
+
+constexpr std::string_view missing_share_key = "homolog.missing_share ";
+
+/// 0 where no comment says it.
+double missing_share_in(const std::vector<std::string>& comments) {
+  for (const std::string& comment : comments) {
+    if (!comment.starts_with(missing_share_key)) continue;
+    const auto share = formats::to_number<double>(std::string_view(comment).substr(missing_share_key.size()));
+    if (share && *share > 0 && *share <= 1) return *share;
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::string missing_share_comment(double share) {
+  char number[32];
+  std::snprintf(number, sizeof number, "%.4f", share);
+  return std::string(missing_share_key) + number;
+}
 
 Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source) {
   auto topology = Topology::make(file.points.rows(), std::move(file.triangles));
@@ -12,6 +38,7 @@ Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string
   made.points = std::move(file.points);
   made.stiffness_base = file.stiffness_base;
   made.regions = std::move(file.regions);
+  made.missing_share = missing_share_in(file.comments);
   return with_landmarks(made, std::move(file.landmarks));
 }
 
@@ -34,6 +61,7 @@ MeshFile to_mesh_file(const Template& the_template) {
   file.stiffness_base = the_template.stiffness_base;
   file.regions = the_template.regions;
   file.landmarks = the_template.landmarks;
+  if (the_template.missing_share > 0) file.comments.push_back(missing_share_comment(the_template.missing_share));
   return file;
 }
 

@@ -23,7 +23,11 @@ struct Template {
   Regions regions;
   std::vector<Landmark> landmarks;            ///< named, in the template's own frame
   std::vector<SurfacePoint> landmark_points;  ///< where on the surface each of them lies
+  double missing_share = 0;  ///< of the label that it was made of: what it lacks, where that is said [below]
 };
+
+/// The comment by which a template's file says that it lacks a share of the label that it was made of.
+std::string missing_share_comment(double share);
 
 /// A template from what a file holds; factors default to 1. Errors: Topology::make's.
 Result<std::shared_ptr<const Template>> make_template(MeshFile file, std::string source);

@@ -125,16 +125,27 @@ LevelSet opened_by(const LevelSet& surface, double radius_mm) {
 }
 
 LevelSet smoothed(const LevelSet& surface, double sigma_mm) {
-  const double sigma = sigma_mm / surface.spacing_mm();
+  return smoothed(surface, Vec3(Vec3::Constant(sigma_mm)));
+}
+
+namespace {
+
+/// The weights of a Gaussian, at −reach … reach samples.
+std::vector<float> gaussian_weights(double sigma) {
   const int reach = static_cast<int>(std::ceil(3 * sigma));
-  if (reach < 1) return surface;
   std::vector<float> weights;
   for (int o = -reach; o <= reach; ++o) weights.push_back(static_cast<float>(std::exp(-0.5 * o * o / (sigma * sigma))));
   float sum = 0;
   for (const float weight : weights) sum += weight;
   for (float& weight : weights) weight /= sum;
+  return weights;
+}
 
-  const auto limit = static_cast<float>(4 * sigma_mm);
+}  // namespace
+
+LevelSet smoothed(const LevelSet& surface, const Vec3& sigma_mm) {
+  if (!(sigma_mm.maxCoeff() > 0)) return surface;
+  const auto limit = static_cast<float>(4 * sigma_mm.maxCoeff());
   std::vector<float> values = surface.values(), line;
   for (float& value : values) value = std::clamp(value, -limit, limit);
   const auto& dims = surface.grid().dims;
@@ -142,6 +153,9 @@ LevelSet smoothed(const LevelSet& surface, double sigma_mm) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t a = (axis + 1) % 3, b = (axis + 2) % 3;
     const auto size = index(dims[axis]);
+    const std::vector<float> weights =
+        gaussian_weights(sigma_mm[static_cast<Eigen::Index>(axis)] / surface.spacing_mm());
+    const int reach = static_cast<int>(weights.size() / 2);
     line.resize(size + 2 * index(reach));
     for (std::size_t ib = 0; ib < index(dims[b]); ++ib)
       for (std::size_t ia = 0; ia < index(dims[a]); ++ia) {

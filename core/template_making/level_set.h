@@ -46,8 +46,10 @@ LevelSet resampled(const LevelSet& surface, double spacing_mm);
 LevelSet closed_by(const LevelSet& surface, double radius_mm);
 /// Removes what a ball of `radius_mm` does not fit into. Elsewhere values stay as they are.
 LevelSet opened_by(const LevelSet& surface, double radius_mm);
-/// Smoothed by a Gaussian of standard deviation `sigma_mm`, values first limited to ±4 sigma.
+/// Smoothed by a Gaussian of standard deviation `sigma_mm`, values first limited to ±4 sigma; or one for each axis of
+/// the grid, values limited by the largest.
 LevelSet smoothed(const LevelSet& surface, double sigma_mm);
+LevelSet smoothed(const LevelSet& surface, const Vec3& sigma_mm);
 
 /// The surface where it is smoothed by `sigma_mm` near `places` (LPS mm), fading over about `radius_mm`.
 LevelSet smoothed_near(const LevelSet& surface, double sigma_mm, const std::vector<Vec3>& places, double radius_mm);

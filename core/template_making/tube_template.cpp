@@ -1,6 +1,5 @@
 #include "core/template_making/tube_template.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -9,7 +8,7 @@
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/tube_mesh.h"
-#include "core/template_making/level_set.h"
+#include "core/template_making/tube_body.h"
 
 namespace homolog {
 namespace {
@@ -44,65 +43,6 @@ Volume with_labels(const Volume& mask, const std::vector<int>& labels, int frame
   return united;
 }
 
-/// A body and its wall as a level set.
-struct Body {
-  LevelSet wall;
-  Mesh boundary;  ///< of the voxels
-  Vec3 centre = Vec3::Zero(), main_axis = Vec3::UnitZ();
-  std::optional<std::string> several;  ///< the warning of other parts
-};
-
-/// `label`: the outermost, which warnings name.
-Result<Body> body_of(const Volume& united, int label) {
-  const Vec3& voxel_mm = united.geometry.spacing_mm;
-  const LabelExtent extent = label_extent(united, 1, 0);
-  const auto region = label_body(united, 1, 0, extent, voxel_mm.minCoeff(), 4 * voxel_mm.minCoeff());
-  if (!region) return fail(region.error());
-  Body body;
-  // A part of a slice's thickness, in which thick slices would show as rings.
-  body.wall = smoothed(resampled(signed_distance(region->inside, region->grid), voxel_mm.minCoeff()),
-                       std::max(0.5 * voxel_mm.minCoeff(), 0.2 * voxel_mm.maxCoeff()));
-  body.several = several_parts(*region, label);
-  auto boundary = boundary_of(*region);
-  if (!boundary) return fail(boundary.error());
-  body.boundary = std::move(*boundary);
-
-  const VolumeGeometry& grid = body.wall.grid();
-  Mat3 spread = Mat3::Zero();
-  double count = 0;
-  std::size_t v = 0;
-  for (int k = 0; k < grid.dims[2]; ++k)
-    for (int j = 0; j < grid.dims[1]; ++j)
-      for (int i = 0; i < grid.dims[0]; ++i)
-        if (body.wall.values()[v++] < 0) {
-          const Vec3 p = grid.to_mm({1.0 * i, 1.0 * j, 1.0 * k});
-          body.centre += p;
-          spread += p * p.transpose();
-          ++count;
-        }
-  if (count == 0) return fail("", "the label is too thin to be sampled; use a finer label map");
-  body.centre /= count;
-  spread = spread / count - body.centre * body.centre.transpose();
-  body.main_axis = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(2);
-  return body;
-}
-
-/// The part of the line through `centre` along `axis` that is inside, as distances from `centre`.
-std::pair<double, double> inside_along(const LevelSet& wall, const Vec3& centre, const Vec3& axis) {
-  const double step = 0.25 * wall.spacing_mm(), reach = wall.grid().bounds_mm().diagonal().norm();
-  const auto steps = static_cast<int>(std::min(2 * reach / step, 1e6));
-  std::pair<double, double> part{0, 0};
-  bool any = false;
-  double t = -reach;
-  for (int k = 0; k <= steps; ++k, t += step) {
-    if (wall.sample(centre + t * axis).value >= 0) continue;
-    if (!any) part.first = t;
-    part.second = t;
-    any = true;
-  }
-  return part;
-}
-
 /// How far the wall is from `centre` in a direction; 0 where the centre is outside.
 double wall_distance(const LevelSet& wall, const Vec3& centre, const Vec3& direction) {
   const double step = 0.5 * wall.spacing_mm(), reach = wall.grid().bounds_mm().diagonal().norm();
@@ -122,9 +62,22 @@ struct Ring {
   std::vector<Vec3> points;  ///< one a sector; empty where the plane finds no wall
 };
 
+/// A point inside in the plane through `near` perpendicular to the axis: `near`, or what lies towards the inside.
+Vec3 inside_near(const LevelSet& wall, const Vec3& axis, Vec3 near) {
+  constexpr int rounds = 40;
+  for (int round = 0; round < rounds; ++round) {
+    const auto [value, gradient] = wall.sample(near);
+    if (value < 0) break;
+    const Vec3 across = gradient - gradient.dot(axis) * axis;
+    if (across.norm() < 1e-6) break;
+    near -= (value + 0.5 * wall.spacing_mm()) * across.normalized();
+  }
+  return near;
+}
+
 /// The ring in the plane through `near` perpendicular to the axis, around the middle of the body's section there.
 Ring ring_at(const LevelSet& wall, const Frame& frame, int sectors, const Vec3& near) {
-  Ring ring{near, {}};
+  Ring ring{inside_near(wall, frame.axis, near), {}};
   for (int round = 0; round < 6; ++round) {
     ring.points.clear();
     Vec3 sum = Vec3::Zero();
@@ -149,6 +102,13 @@ double mean_radius(const Ring& ring) {
   return ring.points.empty() ? 0 : sum / static_cast<double>(ring.points.size());
 }
 
+double area_of(const Ring& ring, const Vec3& axis) {
+  double twice = 0;
+  for (std::size_t s = 0; s < ring.points.size(); ++s)
+    twice += (ring.points[s] - ring.middle).cross(ring.points[(s + 1) % ring.points.size()] - ring.middle).dot(axis);
+  return 0.5 * std::abs(twice);
+}
+
 /// Whether all of a ring lies on the side wall, none on the flat end of a label map that ends at the base.
 bool on_side_wall(const Ring& ring, const LevelSet& wall, const Vec3& axis) {
   return !ring.points.empty() && std::all_of(ring.points.begin(), ring.points.end(), [&](const Vec3& p) {
@@ -156,34 +116,76 @@ bool on_side_wall(const Ring& ring, const LevelSet& wall, const Vec3& axis) {
   });
 }
 
-/// A tube's extent along its axis.
-struct Extent {
-  Vec3 base, apex;  ///< on the axis
+/// What the rings of one sheet are cut from.
+class Sheet {
+ public:
+  Sheet(const TubeBody& body, TubeWall wall, const Frame& frame)
+      : wall_(std::move(wall)), frame_(frame), line_(body.region, frame.axis), side_mm_(wall_.base_mm) {
+    if (!wall_.flat_base) find_side(body.region);
+  }
+
+  /// Where the tube begins by default: at the label's end. Where that is slanted, half of it lies on either side.
+  double base_mm() const { return base_mm_.value_or(wall_.base_mm); }
+  double apex_mm() const { return wall_.apex_mm; }
+  const LevelSet& wall() const { return wall_.wall; }
+
+  /// The ring at a height; before the side wall begins, as there.
+  Ring ring(double height_mm, int sectors) const {
+    const double within = std::max(height_mm, side_mm_);
+    Ring ring = ring_at(wall_.wall, frame_, sectors, line_.at(within));
+    const Vec3 back = (height_mm - within) * frame_.axis;
+    ring.middle += back;
+    for (Vec3& p : ring.points) p += back;
+    return ring;
+  }
+
+  Vec3 apex(const Ring& last) const {
+    const double ahead = wall_.flat_base ? wall_.apex_mm - last.middle.dot(frame_.axis)
+                                         : wall_distance(wall_.wall, last.middle, frame_.axis);
+    return last.middle + ahead * frame_.axis;
+  }
+
+ private:
+  /// Where the side wall begins behind the label's end, and where to begin so that as much lies before it.
+  void find_side(const LabelBody& region) {
+    const double step = 0.25 * wall_.wall.spacing_mm();
+    const double farthest = wall_.base_mm + 0.4 * (wall_.apex_mm - wall_.base_mm);
+    double height = wall_.base_mm;
+    Ring here;
+    for (; height < farthest; height += step) {
+      here = ring_at(wall_.wall, frame_, 32, line_.at(height));
+      if (on_side_wall(here, wall_.wall, frame_.axis)) break;
+    }
+    side_mm_ = height;
+    if (const double area = area_of(here, frame_.axis); area > 0)
+      base_mm_ = std::max(wall_.base_mm, height - volume_below(region, frame_.axis, height) / area);
+  }
+
+  TubeWall wall_;
+  const Frame& frame_;
+  CentreLine line_;
+  double side_mm_;
+  std::optional<double> base_mm_;
 };
 
-Extent extent_of(const LevelSet& wall, const Vec3& centre, const Frame& frame) {
-  const auto [start, end] = inside_along(wall, centre, frame.axis);
-  double t = start;
-  const double step = 0.25 * wall.spacing_mm();
-  while (t < start + 0.4 * (end - start) &&
-         !on_side_wall(ring_at(wall, frame, 32, centre + t * frame.axis), wall, frame.axis))
-    t += step;
-  return {centre + t * frame.axis, centre + end * frame.axis};
+/// A ring on the cone from it to the apex, for ends that are flat.
+void narrow(Ring& ring, const Vec3& apex, double share) {
+  for (Vec3& p : ring.points) p += share * (apex - p);
+  ring.middle += share * (apex - ring.middle);
 }
 
-/// Rings at equal steps along the mean wall from the base to the apex.
-Result<std::vector<Ring>> even_rings(const LevelSet& wall, const Frame& frame, const Extent& extent, int rings,
-                                     int sectors) {
+/// Rings at equal steps along the mean wall from `base_mm` to the apex.
+Result<std::vector<Ring>> even_rings(const Sheet& sheet, double base_mm, int rings, int sectors) {
   constexpr int samples = 150;
-  const Vec3 way = extent.apex - extent.base;
+  const double way = sheet.apex_mm() - base_mm;
   std::vector<double> walked{0}, place{0};
-  double radius = mean_radius(ring_at(wall, frame, 32, extent.base));
+  double radius = mean_radius(sheet.ring(base_mm, 32));
   for (int s = 1; s <= samples; ++s) {
     const double t = static_cast<double>(s) / samples;
-    const Ring ring = s < samples ? ring_at(wall, frame, 32, extent.base + t * way) : Ring{};
+    const Ring ring = s < samples ? sheet.ring(base_mm + t * way, 32) : Ring{};
     if (s < samples && ring.points.empty()) continue;  // the last hair's breadth before the apex
     const double here = mean_radius(ring);
-    walked.push_back(walked.back() + std::hypot((t - place.back()) * way.norm(), here - radius));
+    walked.push_back(walked.back() + std::hypot((t - place.back()) * way, here - radius));
     place.push_back(t);
     radius = here;
   }
@@ -194,7 +196,9 @@ Result<std::vector<Ring>> even_rings(const LevelSet& wall, const Frame& frame, c
     while (next + 1 < walked.size() && walked[next] < wanted) ++next;
     const double share = (wanted - walked[next - 1]) / std::max(1e-12, walked[next] - walked[next - 1]);
     const double t = place[next - 1] + share * (place[next] - place[next - 1]);
-    result.push_back(ring_at(wall, frame, sectors, extent.base + t * way));
+    const bool closing = next + 1 == walked.size();
+    result.push_back(sheet.ring(base_mm + (closing ? place[next - 1] : t) * way, sectors));
+    if (closing) narrow(result.back(), sheet.apex(result.back()), share);
     if (result.back().points.empty())
       return fail("", "the organ has no closed outline around the axis at ring " + std::to_string(r) +
                           "; give another --axis, or make the template without --tube");
@@ -203,24 +207,14 @@ Result<std::vector<Ring>> even_rings(const LevelSet& wall, const Frame& frame, c
 }
 
 /// One sheet's vertices, as tube_triangles() numbers them.
-Points sheet_points(const LevelSet& wall, const Frame& frame, const std::vector<Ring>& rings, bool capped) {
+Points sheet_points(const Sheet& sheet, const std::vector<Ring>& rings, bool capped) {
   std::vector<Vec3> vertices;
   for (const Ring& ring : rings) vertices.insert(vertices.end(), ring.points.begin(), ring.points.end());
-  vertices.push_back(rings.back().middle + wall_distance(wall, rings.back().middle, frame.axis) * frame.axis);
+  vertices.push_back(sheet.apex(rings.back()));
   if (capped) vertices.push_back(rings.front().middle);
   Points points(static_cast<Eigen::Index>(vertices.size()), 3);
   for (std::size_t v = 0; v < vertices.size(); ++v) points.row(static_cast<Eigen::Index>(v)) = vertices[v];
   return points;
-}
-
-/// The main axis with the apex, the narrower end, ahead.
-Vec3 towards_narrower_end(const Body& body) {
-  const Frame frame = frame_of(body.main_axis);
-  const auto [start, end] = inside_along(body.wall, body.centre, frame.axis);
-  const auto radius_at = [&, from = start, to = end](double share) {
-    return mean_radius(ring_at(body.wall, frame, 32, body.centre + (from + share * (to - from)) * frame.axis));
-  };
-  return radius_at(0.85) <= radius_at(0.15) ? frame.axis : Vec3(-frame.axis);
 }
 
 /// `outer`, at least `wall_mm` around `inner`: label maps often end at the apex with the cavity bare.
@@ -237,6 +231,12 @@ LevelSet around(const LevelSet& outer, const LevelSet& inner, double wall_mm) {
   return {grid, std::move(values)};
 }
 
+LevelSet moved_out(const LevelSet& wall, double mm) {
+  std::vector<float> values = wall.values();
+  for (float& value : values) value -= static_cast<float>(mm);
+  return {wall.grid(), std::move(values)};
+}
+
 Mesh united(const Mesh& a, const Mesh& b) {
   Points points(a.points.rows() + b.points.rows(), 3);
   points << a.points, b.points;
@@ -246,46 +246,116 @@ Mesh united(const Mesh& a, const Mesh& b) {
   return {Topology::make(points.rows(), std::move(triangles)).value(), std::move(points)};
 }
 
+/// A tube along one axis.
+struct Tube {
+  Frame frame;
+  Mesh mesh, inner;  ///< all sheets; the inner one
+  Overlap overlap;   ///< of the inner one with its label
+};
+
+/// One sheet as a mesh, from `base_mm` on.
+Result<Mesh> sheet_mesh(const Sheet& sheet, double base_mm, const TubeTemplateOptions& options) {
+  const auto rings = even_rings(sheet, base_mm, options.rings, options.sectors);
+  if (!rings) return fail(rings.error());
+  const Points points = sheet_points(sheet, *rings, options.capped);
+  return Mesh{Topology::make(points.rows(), tube_triangles(options.rings, options.sectors, options.capped)).value(),
+              points};
+}
+
+/// The wall moved by less than half of a voxel, so that the sheet holds as much as the label has from `base_mm` on:
+/// smoothing and the steps between thick slices cost some of it.
+Result<TubeWall> evened_out(const TubeBody& body, TubeWall wall, const Frame& frame, double base_mm, double voxel_mm,
+                            const TubeTemplateOptions& options) {
+  const auto sheet = sheet_mesh(Sheet(body, wall, frame), base_mm, options);
+  if (!sheet) return fail(sheet.error());
+  const double wanted_mm3 = body.volume_mm3() - volume_below(body.region, frame.axis, base_mm);
+  const double lacks_mm = (wanted_mm3 - 1000 * enclosed_volume_ml(*sheet)) / surface_area_mm2(*sheet);
+  wall.wall = moved_out(wall.wall, std::clamp(lacks_mm, -0.5 * voxel_mm, 0.5 * voxel_mm));
+  return wall;
+}
+
+/// `bodies`: the inner one, then that around both. `wall_mm`: between the sheets at least.
+Result<Tube> tube_along(const std::vector<TubeBody>& bodies, const Vec3& axis, double wall_mm,
+                        const TubeTemplateOptions& options) {
+  Tube tube;
+  tube.frame = frame_of(axis);
+  std::vector<Sheet> sheets;
+  double base_mm = 0;
+  for (const TubeBody& body : bodies) {
+    TubeWall wall = tube_wall(body, axis);
+    if (sheets.empty()) {
+      base_mm = Sheet(body, wall, tube.frame).base_mm();
+      if (options.base_and_apex) base_mm = std::max(base_mm, options.base_and_apex->first.dot(axis));
+      if (base_mm >= wall.apex_mm)
+        return fail("", "the label ends before the base that was given; give a point on it, and one towards the apex");
+      auto evened = evened_out(body, std::move(wall), tube.frame, base_mm, wall_mm, options);
+      if (!evened) return fail(evened.error());
+      wall = std::move(*evened);
+    } else {
+      wall.wall = around(wall.wall, sheets.front().wall(), wall_mm);
+      wall.apex_mm = std::max(wall.apex_mm, sheets.front().apex_mm() + wall_mm);
+    }
+    sheets.emplace_back(body, std::move(wall), tube.frame);
+  }
+  for (const Sheet& sheet : sheets) {
+    auto made = sheet_mesh(sheet, base_mm, options);
+    if (!made) return fail(made.error());
+    if (!tube.mesh.topology) tube.inner = *made;
+    tube.mesh = tube.mesh.topology ? united(tube.mesh, *made) : *made;
+  }
+  tube.overlap = overlap_of(bodies.front().region, tube.inner);
+  return tube;
+}
+
+/// Along the axis that was given, or along the best one. A likelier axis stays where another is hardly better.
+Result<Tube> best_tube(const std::vector<TubeBody>& bodies, double wall_mm, const TubeTemplateOptions& options) {
+  constexpr double clearly_better = 0.01;
+  if (options.base_and_apex) {
+    const auto& [base, apex] = *options.base_and_apex;
+    return tube_along(bodies, (apex - base).normalized(), wall_mm, options);
+  }
+  if (options.axis) return tube_along(bodies, options.axis->normalized(), wall_mm, options);
+  std::optional<Result<Tube>> best;
+  for (const Vec3& axis : likely_axes(bodies.front())) {
+    auto tube = tube_along(bodies, towards_smaller_end(bodies.front().region, axis), wall_mm, options);
+    if (!best || (tube && (!*best || tube->overlap.dice() > (*best)->overlap.dice() + clearly_better)))
+      best = std::move(tube);
+  }
+  return std::move(*best);
+}
+
 }  // namespace
+
+std::string missing_from(const TubeTemplate& made, int label) {
+  if (made.missing_share <= most_missing_share) return {};
+  return std::to_string(std::lround(100 * made.missing_share)) + " % of " + label_name(label) +
+         " is not in the template";
+}
 
 Result<TubeTemplate> make_tube_template(const Volume& mask, const TubeTemplateOptions& options) {
   assert(options.rings >= 2 && options.sectors >= 3);
-  std::vector<Body> bodies;
+  std::vector<TubeBody> bodies;
   for (const auto& labels : options.outer_label
                                 ? std::vector<std::vector<int>>{{options.label}, {options.label, *options.outer_label}}
                                 : std::vector<std::vector<int>>{{options.label}}) {
-    auto body = body_of(with_labels(mask, labels, options.frame), labels.back());
+    auto body = tube_body(with_labels(mask, labels, options.frame), labels.back());
     if (!body) return fail("", label_name(labels.back()) + " does not occur in the label map; name one that does");
-    if (!bodies.empty()) body->wall = around(body->wall, bodies.front().wall, mask.geometry.spacing_mm.minCoeff());
     bodies.push_back(std::move(*body));
   }
+  auto tube = best_tube(bodies, mask.geometry.spacing_mm.minCoeff(), options);
+  if (!tube) return fail(tube.error());
 
-  const Body& inner = bodies.front();
-  Vec3 centre = inner.centre;
-  Frame frame;
-  if (options.base_and_apex) {
-    centre = options.base_and_apex->first;
-    frame = frame_of((options.base_and_apex->second - centre).normalized());
-  } else {
-    frame = frame_of(options.axis ? options.axis->normalized() : towards_narrower_end(inner));
-  }
   TubeTemplate made;
-  for (const Body& body : bodies)
-    if (body.several) made.warnings.push_back(*body.several);
-  made.axis = frame.axis;
   std::optional<Mesh> boundary;
-  Vec3 base = options.base_and_apex ? options.base_and_apex->first : extent_of(inner.wall, centre, frame).base;
-  for (const Body& body : bodies) {
-    Extent extent = extent_of(body.wall, centre, frame);
-    extent.base = base;
-    const auto rings = even_rings(body.wall, frame, extent, options.rings, options.sectors);
-    if (!rings) return fail(rings.error());
-    const Points points = sheet_points(body.wall, frame, *rings, options.capped);
-    auto topology = Topology::make(points.rows(), tube_triangles(options.rings, options.sectors, options.capped));
-    const Mesh sheet{topology.value(), points};
-    made.mesh = made.mesh.topology ? united(made.mesh, sheet) : sheet;
+  for (const TubeBody& body : bodies) {
+    if (body.several) made.warnings.push_back(*body.several);
     boundary = boundary ? united(*boundary, body.boundary) : body.boundary;
   }
+  made.mesh = std::move(tube->mesh);
+  made.axis = tube->frame.axis;
+  made.volume_ml = enclosed_volume_ml(tube->inner);
+  made.label_ml = bodies.front().volume_mm3() / 1000;
+  made.missing_share = tube->overlap.missing;
   const Mesh closed = capped(made.mesh);
   made.to_mask = surface_distance(closed, *boundary);
   made.from_mask = surface_distance(*boundary, closed);

@@ -69,6 +69,8 @@ void draw_last_snap(const UiContext& ui, Outbox& out) {
   else if (figure_link(theme, "No clear edge", format(unclear == 1 ? "%zu place" : "%zu places", unclear),
                        tip + ". Click to go to the next one", palette::amber))
     out.send(ShowFinding{FindingKind::unclear});
+  figure(theme, "Held", found.held.empty() ? "nothing" : found.held,
+         "Placed landmarks and what was pulled since the last fit stay where you put them. Release lets them go");
   figure(theme, "Moved", format("%.1f mm in %.2f s", found.moved_mm, found.seconds),
          "Mean distance that the vertices moved, and how long it took");
 }
@@ -82,11 +84,12 @@ void draw_snap(const UiContext& ui, Outbox& out) {
   caption(theme, "Snap to the image");
   const float width = ImGui::GetContentRegionAvail().x;
   const float cancel_width = theme.px(72);
-  if (button(theme, "Snap the whole mesh",
-             "Draws the mesh to the boundary in the image. Confirmed vertices stay. The key N snaps only the "
-             "part under "
-             "the pointer, as wide as \xcf\x83. If the pointer is not on the mesh, N snaps all",
-             ui.snapping ? "A snap is running." : ui.needs_volume(), width - cancel_width - theme.px(4)))
+  if (button(
+          theme, "Snap the whole mesh",
+          "Draws the mesh to the boundary in the image. What is confirmed, placed landmarks and what was pulled since "
+          "the last fit stay. The key N snaps only the part under the pointer, as wide as "
+          "\xcf\x83. If the pointer is not on the mesh, N snaps all",
+          ui.snapping ? "A snap is running." : ui.needs_volume(), width - cancel_width - theme.px(4)))
     out.send(SnapMesh{});
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Cancel", "The mesh is not changed", ui.snapping ? "" : "No snap is running.", cancel_width))

@@ -56,7 +56,8 @@ void draw_tube_settings(const UiContext& ui, int label, TemplateSettings& settin
   const std::string no_ruler = ui.state.ruler ? "" : "Draw the ruler (D) from the base to the apex first.";
   bool by_ruler = settings.axis_by_ruler;
   if (toggle(theme, "Axis by the ruler", by_ruler,
-             "On: the ruler is the axis, from the base to the apex. Off: the label's main axis", no_ruler)) {
+             "On: the ruler is the axis, from the base to the apex. Off: the slices' normal where slices are thick, or the "
+             "label's main axis", no_ruler)) {
     settings.axis_by_ruler = by_ruler;
     changed = true;
   }
@@ -99,6 +100,7 @@ void draw_result(const UiContext& ui, const TemplateMaking& making, Outbox& out)
   figure(theme, "Label to template", format("%.2f mm, at most %.1f", making.from_mask.mean_mm, making.from_mask.max_mm),
          "Mean and largest distance from the label's surface to the template's. It also shows clefts that the template "
          "does not follow");
+  if (!making.missing.empty()) text_lines(making.missing, palette::amber);
   for (const std::string& remark : making.remarks) explanation(theme, remark);
   const float half = (ImGui::GetContentRegionAvail().x - theme.px(4)) / 2;
   if (button(theme, "Save and use…", "Saves the template and starts a new case with it", {}, half, true))
@@ -208,7 +210,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   int kind = settings.tube ? 1 : 0;
   if (choice(theme, "template kind", {"Organ", "Tube"}, kind,
              {"For any shape: vertices are spread evenly over the surface",
-              "For a ventricle: rings and sectors along the main axis"})) {
+              "For a ventricle: rings and sectors along an axis"})) {
     settings.tube = kind == 1;
     changed = true;
   }

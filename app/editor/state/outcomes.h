@@ -32,6 +32,7 @@ struct SnapFound {
   std::shared_ptr<const VertexScalars> confidence;  ///< per vertex, 0…1
   double mean_confidence = 0, moved_mm = 0, seconds = 0;
   bool doubtful = false;
+  std::string held;     ///< "4 landmarks and 2 pulls": what the snap left where a person put it; empty: nothing
   std::string warning;  ///< a sentence; empty where there is none
 
   bool is_of(const Points& shape) const { return shape.rows() == points.rows() && shape == points; }
@@ -53,6 +54,8 @@ struct TemplateMaking {
   MeshQuality quality;
   SurfaceDistance to_mask, from_mask;
   std::vector<std::string> remarks;  ///< warnings, and what was left out or filled, each a sentence
+  double missing_share = 0;          ///< of a tube: the label's volume that is not in it
+  std::string missing;               ///< the sentence, where that is much
   std::string error;                 ///< the sentence, where it failed
 };
 

@@ -36,7 +36,7 @@ SnapArea snap_region(const Document& document, const Stroke& stroke) {
 
 Compute snap_compute(const SnapArea& region, const SnapSettings& settings) {
   return [region, options = options_of(settings)](const Document& document) -> Result<std::optional<Action>> {
-    auto edit = snap_document(document, region, options);
+    auto edit = snap_document(document, region, options, SnapHolds::landmarks);
     return edit ? std::optional<Action>(std::move(edit->action)) : std::nullopt;
   };
 }
@@ -84,9 +84,10 @@ void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const 
   // Whatever becomes of the job, also where memory runs out: when it is gone the snap has ended.
   const auto ends = std::shared_ptr<Box>(box_.get(), [box = box_](Box*) { box->end(); });
   session.apply_computed(
-      [box = box_, ends, region, options](const Document& document) -> Result<std::optional<Action>> {
+      [box = box_, ends, region, options, holds = joined ? SnapHolds::landmarks : SnapHolds::all](
+          const Document& document) -> Result<std::optional<Action>> {
         const auto begin = Clock::now();
-        auto edit = guarded("The snap", [&] { return snap_document(document, region, options); });
+        auto edit = guarded("The snap", [&] { return snap_document(document, region, options, holds); });
         if (!edit) {
           box->put(std::nullopt);
           if (box->progress.cancelled()) return std::optional<Action>();
@@ -98,6 +99,7 @@ void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const 
         found.mean_confidence = edit->result.mean_confidence;
         found.moved_mm = edit->result.moved_mm;
         found.doubtful = edit->result.doubtful;
+        found.held = held_in_words(*edit);
         found.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
         for (const std::string& warning : edit->result.warnings)
           found.warning += (found.warning.empty() ? "Snap: " : "; ") + warning;

@@ -45,6 +45,10 @@ void make(TemplateMaking& making, const Volume& labels, Progress& progress,
       making.to_mask = made->to_mask;
       making.from_mask = made->from_mask;
       making.remarks = std::move(made->warnings);
+      making.missing_share = made->missing_share;
+      making.missing = missing_from(*made, making.settings.tube_options.label);
+      if (!making.missing.empty())
+        making.missing += ". Draw the ruler (D) from the base to the apex, and choose Axis by the ruler.";
     } else {
       making.error = made.error().sentence();
     }

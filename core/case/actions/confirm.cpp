@@ -1,6 +1,7 @@
 #include "core/case/actions/confirm.h"
 
 #include "core/case/actions/brush.h"
+#include "core/case/actions/decided.h"
 #include "core/case/actions/fields.h"
 
 namespace homolog {
@@ -14,6 +15,15 @@ void spell_confirm(Fields& line, Confirm& action) {
   dab.optional("hold", action.hold);
 }
 
+/// What is released is no longer held as pulled either.
+void let_go(const Confirm& action, Shape& shape) {
+  constexpr double hardly = 0.05;
+  VertexScalars pulled = *shape.pulled;
+  brush(*shape.points, action.at, action.radius_mm, 0, [&](Eigen::Index i, double) { pulled[i] = 0; });
+  if (pulled.maxCoeff() < hardly) return forget_pulls(shape);
+  shape.pulled = std::make_shared<const VertexScalars>(std::move(pulled));
+}
+
 Result<EditReport> apply_confirm(const Confirm& action, Edit& edit) {
   if (auto usable = check_brush(action.at, action.radius_mm, 0); !usable) return fail(usable.error());
   const auto& held = edit.before.shape().confirmed;
@@ -22,6 +32,7 @@ Result<EditReport> apply_confirm(const Confirm& action, Edit& edit) {
   const int touched = brush(*edit.before.shape().points, action.at, action.radius_mm, 0,
                             [&](Eigen::Index i, double) { (*confirmed)[i] = action.hold ? 1 : 0; });
   edit.shape().confirmed = confirmed->any() ? confirmed : nullptr;
+  if (!action.hold && edit.shape().pulled) let_go(action, edit.shape());
   EditReport report;
   report.message = touched == 0 ? nothing_covered
                                 : std::to_string(touched) + (touched == 1 ? " vertex " : " vertices ") +

@@ -11,6 +11,25 @@ inline void decide(Shape& shape, std::shared_ptr<const VertexScalars> share) {
   shape.decided = shape.decided ? std::make_shared<const VertexScalars>(shape.decided->cwiseMax(*share)) : share;
 }
 
+/// Notes what a stroke has carried: a snap holds it from then on.
+inline void note_pull(Shape& shape, const VertexScalars& share) {
+  const VertexScalars carried = share.cwiseMax(0).cwiseMin(1);
+  shape.pulled = std::make_shared<const VertexScalars>(shape.pulled ? shape.pulled->cwiseMax(carried) : carried);
+  ++shape.pulls;
+}
+
+/// Lets go of what was pulled.
+inline void forget_pulls(Shape& shape) {
+  shape.pulled.reset();
+  shape.pulls = 0;
+}
+
+/// The mesh is begun anew, or fitted: what was pulled and snapped before counts no more.
+inline void forget_pulls_and_snaps(Shape& shape) {
+  forget_pulls(shape);
+  shape.unsnapped.reset();
+}
+
 /// The shape without the model's help, after an edit that sets points: a vertex that the edit moved is where the edit
 /// put it. All n×3, LPS mm.
 inline Points unaided_after(const Points& unaided, const Points& from, const Points& to) {

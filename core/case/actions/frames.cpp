@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/case/actions/decided.h"
 #include "core/case/actions/fields.h"
 #include "core/case/placing.h"
 
@@ -36,6 +37,7 @@ Result<EditReport> apply_copy(const StartFrameFrom& action, Edit& edit) {
   begun.doubt.clear();
   begun.doubt_mm.reset();
   begun.outlier.reset();
+  forget_pulls_and_snaps(begun);
   edit.after.shapes.insert_or_assign(edit.after.frame, std::move(begun));
   return EditReport{};
 }

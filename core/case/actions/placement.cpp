@@ -15,6 +15,7 @@ void move_placement(const Template& the_template, const Similarity& placement, S
   const bool warped = shape.reference != shape.placed;
   const bool edited = shape.points != shape.reference;
   if (shape.unaided) shape.unaided = moved(*shape.unaided);
+  if (shape.unsnapped) shape.unsnapped = moved(*shape.unsnapped);
   shape.placement = shape.before_landmarks = placement;
   shape.placed = std::make_shared<const Points>(placement.apply(the_template.points));
   shape.reference = warped ? moved(*shape.reference) : shape.placed;

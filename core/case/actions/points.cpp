@@ -90,6 +90,21 @@ bool keeps_doubt(const std::string& by) {
   return by == by_model || by == by_snap;
 }
 
+/// Whether what was pulled before such an edit is still held: a person's place for it goes before that of the image.
+bool keeps_pulls(const std::string& by) {
+  return by == by_model || by == by_snap || by == by_refinement;
+}
+
+/// What an edit by `action`, which is not yet done, leaves of what was pulled and of the shape without snaps.
+void keep_unsnapped(const SetPoints& action, Shape& shape) {
+  if (!keeps_pulls(action.by)) return forget_pulls_and_snaps(shape);
+  if (action.by == by_snap) {
+    if (!shape.unsnapped) shape.unsnapped = shape.points;
+  } else if (shape.unsnapped) {
+    shape.unsnapped = std::make_shared<const Points>(*shape.unsnapped + *action.points - *shape.points);
+  }
+}
+
 /// What an edit by `action` leaves of the shape without the model's help.
 std::shared_ptr<const Points> unaided_by(const SetPoints& action, const Shape& shape) {
   if (action.by == by_model) {
@@ -131,6 +146,7 @@ Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
     const auto moved_mm2 = (*action.points - *shape.points).rowwise().squaredNorm().array();
     decide(shape, std::make_shared<const VertexScalars>((moved_mm2 > 0).cast<double>()));
   }
+  keep_unsnapped(action, shape);
   shape.points = action.points;
   shape.carried = action.by == by_propagation ? action.points : nullptr;
   shape.doubt = action.doubt;

@@ -91,8 +91,11 @@ Result<EditReport> apply_stroke(const Stroke& stroke, Edit& edit) {
         std::make_shared<const Points>(absolute ? unaided_after(*shape.unaided, *shape.points, outcome->points)
                                                 : Points(*shape.unaided + outcome->points - *shape.points));
   }
+  if (shape.unsnapped)
+    after.unsnapped = std::make_shared<const Points>(*shape.unsnapped + outcome->points - *shape.points);
   after.points = std::make_shared<const Points>(std::move(outcome->points));
   if (outcome->response) decide(after, outcome->response);
+  if (outcome->response && report.moved_mm > 0) note_pull(after, *outcome->response);
   ++after.strokes;
   return report;
 }

@@ -324,6 +324,38 @@ TEST_CASE("the doubt of a fit is kept until vertices are put elsewhere along the
   CHECK_FALSE(session.apply(fit));
 }
 
+TEST_CASE("a mirrored template lies where the mesh lay as its mirror image and older lines replay as they did") {
+  const CaseFolder folder;
+  // A template of another scan, as a fit has placed it here: a little turned, and far from its own frame's middle.
+  MeshFile far = read_mesh_file(folder.template_path).value();
+  for (auto p : far.points.rowwise()) p = p.cwiseProduct(Eigen::RowVector3d(1, 0.6, 0.8)) + Eigen::RowVector3d(-180, 90, 700);
+  far.landmarks.clear();
+  REQUIRE(write_mesh_file(far, folder.template_path));
+  EditSession session = folder.create();
+  const auto shape = [&]() -> const Shape& { return session.document().shape(); };
+  Similarity placement;
+  placement.rotation = Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized());
+  placement.scale = 1.1;
+  placement.translation = Vec3(20, -5, 8);
+  const auto fitted = std::make_shared<const Points>(placement.apply(far.points));
+  REQUIRE(session.apply(SetPoints{by_fit, placement, fitted}));
+  const Eigen::RowVector3d centre = fitted->colwise().mean();
+
+  REQUIRE(session.apply(MirrorTemplate{}));
+  Points image = fitted->rowwise() - centre;
+  image.col(0) *= -1;
+  CHECK((shape().points->rowwise() - centre - image).cwiseAbs().maxCoeff() < 1e-9);
+  CHECK(*shape().points == *shape().placed);
+  CHECK(shape().before_landmarks == shape().placement);
+  const Points mirrored = *shape().points;
+  CHECK(*read_case(folder.case_path)->session.document().shape().points == mirrored);
+  REQUIRE(session.apply(MirrorTemplate{}));  // there and back
+  CHECK((*shape().points - *fitted).cwiseAbs().maxCoeff() < 1e-9);
+
+  REQUIRE(session.apply(parse_action(R"({"mirror":"sagittal"})").value().action));
+  CHECK((shape().points->colwise().mean() - centre).norm() > 300);
+}
+
 TEST_CASE("what a scan lacks is kept with the fit and goes into files") {
   const CaseFolder folder;
   EditSession session = folder.create();

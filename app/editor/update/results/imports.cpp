@@ -61,7 +61,9 @@ Result<void> write_template(const TemplateMaking& making, const std::filesystem:
   const TemplateSettings& settings = making.settings;
   const auto provenance =
       settings.tube ? provenance_of(making.source, settings.tube_options) : provenance_of(making.source, settings.mask);
-  return write_mesh_file(template_file(*making.mesh, provenance), path);
+  MeshFile file = template_file(*making.mesh, provenance);
+  if (!making.missing.empty()) file.comments.push_back(missing_share_comment(making.missing_share));
+  return write_mesh_file(file, path);
 }
 
 /// Reads a file beside the window with `read`, and hands what it gives to `take`, where the case is still the same.

@@ -70,9 +70,11 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
   }
   if (brush.paints == BrushPaints::region || brush.paints == BrushPaints::fill)
     changed |= draw_region_to_paint(ui, brush);
-  if (brush.paints == BrushPaints::factor)
+  if (brush.paints == BrushPaints::factor) {
     changed |= slider(theme, "Paints factor", brush.stiffness_factor, {0.1, 50, "%.1f", "\xc3\x97", true},
-                      "Stiffness relative to the base; Alt paints 1", released);
+                      "Stiffness relative to the base: below 1 is softer, above 1 stiffer. Alt paints 1", released);
+    slider_ends(theme, "soft", "stiff");
+  }
   if (brush.paints == BrushPaints::factor || brush.paints == BrushPaints::region) {
     double soft = 100 * brush.soft;
     changed |= slider(theme, "Soft edge", soft, {0, 100, "%.0f", "%", false},
@@ -98,7 +100,8 @@ void draw_brush(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   BrushSettings brush = ui.state.brush;
   bool released = false, changed = false;
-  changed |= slider(theme, "Brush radius", brush.radius_mm, {1, 100, "%.1f", "mm", true},
+  changed |= slider(theme, "Brush radius", brush.radius_mm,
+                    {0.008 * ui.state.organ_mm, 0.8 * ui.state.organ_mm, "%.1f", "mm", true},
                     "Radius of the stiffness brush and of Confirm", released);
   if (ui.state.tool == MouseTool::stiffness) {
     changed |= draw_paints(ui, brush);

@@ -1,4 +1,5 @@
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
@@ -83,7 +84,7 @@ void draw_snap(const UiContext& ui, Outbox& out) {
   const float width = ImGui::GetContentRegionAvail().x;
   if (ui.snapping) {
     if (button(theme, "Cancel", "The mesh is not changed", {}, width)) out.send(CancelSnap{});
-  } else if (button(theme, "Snap the whole mesh",
+  } else if (button(theme, std::string(icon::snap) + "  Snap the whole mesh",
                     "Draws the mesh to the boundary in the image. Confirmed vertices stay. The key N snaps only the "
                     "part under "
                     "the pointer, as wide as \xcf\x83. If the pointer is not on the mesh, N snaps all",

@@ -1,6 +1,8 @@
 #include "app/editor/update/results/results.h"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "app/editor/update/results/assistance.h"
 #include "app/editor/update/results/opening.h"
@@ -57,6 +59,24 @@ bool take_stage(Editing& editing) {
   editing.work.seen_making = making;
   if (first) look_at_mesh(editing.state, making->stages.front().surface->points);
   return true;
+}
+
+/// Asks for the surface of the label in hand while it is to be seen, and takes it in.
+bool update_label_surface(Editing& editing) {
+  const EditorState& state = editing.state;
+  LabelSurfaces& surfaces = editing.work.label_surfaces;
+  const ShownLabels& labels = editing.shown.labels();
+  // While the mesh or a frame moves the label stays; it is asked for again when that is done.
+  if (state.drag || state.shown_frame) return surfaces.update();
+  std::optional<LabelSurfaces::Wanted> wanted;
+  if (labels.volume && state.preferences.show.label_surface && !state.models.shown) {
+    const Document& document = *editing.shown.snapshot().document;
+    const int label = label_in_hand(state.fit_settings, labels.values, *labels.volume, document);
+    const int frame = document.frame < labels.volume->frames ? document.frame : 0;
+    if (label != 0) wanted = LabelSurfaces::Wanted{labels.volume, label, frame};
+  }
+  surfaces.want(std::move(wanted));
+  return surfaces.update();
 }
 
 /// Offers the cases that were found; true where there is something new to draw.
@@ -133,7 +153,12 @@ bool update_quality(Editing& editing) {
   EditorState& state = editing.state;
   if (!editing.work.quality.update()) return false;
   const auto& figures = editing.work.quality.latest();
-  if (!state.drag && figures) state.intersecting_at_rest = figures->intersecting;
+  if (!state.drag && figures) {
+    const std::size_t before = std::exchange(state.intersecting_at_rest, figures->intersecting);
+    if (figures->intersecting > before && !state.intersecting_before) state.intersecting_before = before;
+    if (state.intersecting_before && figures->intersecting <= *state.intersecting_before)
+      state.intersecting_before.reset();
+  }
   if (!state.finding || state.finding->finding.faces.empty() || !figures) return true;
   const auto& marked = state.finding->finding;
   const bool there = std::any_of(figures->findings.begin(), figures->findings.end(), [&](const Finding& one) {
@@ -180,6 +205,7 @@ bool take_results(Editing& editing, double seconds) {
   update_quit(editing);
   changed |= update_quality(editing);
   changed |= take_stage(editing);
+  changed |= update_label_surface(editing);
   changed |= take_observers(editing);
   changed |= take_recovery(editing);
   forget_old_news(state, seconds);

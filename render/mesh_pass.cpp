@@ -104,11 +104,12 @@ void MeshPass::update(Surface& surface, const MeshLayer& mesh) {
   }
 }
 
-void MeshPass::draw_triangles(const gl::Program& program, const Surface& surface, const Projection& projection) const {
+void MeshPass::draw_triangles(const gl::Program& program, const Surface& surface, const Projection& projection,
+                              float opacity) const {
   program.use();
   program.set("eye_from_mm", projection.eye_from_mm);
   program.set("clip_from_eye", projection.clip_from_eye);
-  program.set("opacity", surface.opacity);
+  program.set("opacity", opacity);
   // Edges only a few pixels long would hide the surface: they fade.
   const float edge_px = static_cast<float>(surface.edge_mm) * px_per_mm(surface.box, projection);
   program.set("edge_opacity", surface.opacity * std::clamp(edge_px / 30, 0.05f, 0.5f));
@@ -121,7 +122,7 @@ void MeshPass::draw_edges(const Surface& surface, const Projection& projection) 
   glEnable(GL_POLYGON_OFFSET_LINE);
   glPolygonOffset(-1, -1);
   glDepthMask(GL_FALSE);
-  draw_triangles(edges_, surface, projection);
+  draw_triangles(edges_, surface, projection, surface.opacity);
   glDepthMask(GL_TRUE);
   glDisable(GL_POLYGON_OFFSET_LINE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
@@ -130,9 +131,22 @@ void MeshPass::draw_edges(const Surface& surface, const Projection& projection) 
 void MeshPass::draw_opaque(const Projection& projection) {
   for (const Surface& surface : surfaces_) {
     if (!surface.shown || surface.opacity < 1) continue;
-    if (surface.faces) draw_triangles(faces_, surface, projection);
+    if (surface.faces) draw_triangles(faces_, surface, projection, surface.opacity);
     if (surface.edges) draw_edges(surface, projection);
   }
+}
+
+void MeshPass::draw_hidden(const Projection& projection) {
+  constexpr float ghost = 0.4f;
+  glEnable(GL_CULL_FACE);
+  glCullFace(GL_BACK);
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_FALSE);
+  for (const Surface& surface : surfaces_)
+    if (surface.shown && surface.faces && surface.opacity >= 1) draw_triangles(faces_, surface, projection, ghost);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LEQUAL);
+  glDisable(GL_CULL_FACE);
 }
 
 void MeshPass::draw_transparent(const Projection& projection) {
@@ -151,13 +165,13 @@ void MeshPass::draw_transparent(const Surface& surface, const Projection& projec
   if (surface.faces) {
     glCullFace(GL_FRONT);
     glDepthMask(GL_FALSE);
-    draw_triangles(faces_, surface, projection);
+    draw_triangles(faces_, surface, projection, surface.opacity);
     glDepthMask(GL_TRUE);
     glCullFace(GL_BACK);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    draw_triangles(faces_, surface, projection);
+    draw_triangles(faces_, surface, projection, surface.opacity);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    draw_triangles(faces_, surface, projection);
+    draw_triangles(faces_, surface, projection, surface.opacity);
   }
   glCullFace(GL_BACK);
   if (surface.edges) draw_edges(surface, projection);

@@ -17,6 +17,9 @@ class MeshPass {
   /// Uploads what changed in the meshes of the scene; the draws that follow show these.
   void update(const std::vector<MeshLayer>& meshes);
   void draw_opaque(const Projection& projection);
+  /// Of the opaque ones what the depth that was drawn hides, seen through it: faintly, and without depth of its own.
+  /// Before draw_opaque().
+  void draw_hidden(const Projection& projection);
   /// The far side first, then the nearest layer of the near side. Several surfaces are drawn from far to near, an
   /// enclosing one after what it encloses.
   void draw_transparent(const Projection& projection);
@@ -45,7 +48,8 @@ class MeshPass {
   };
   static Surface make_surface();
   void update(Surface& surface, const MeshLayer& mesh);
-  void draw_triangles(const gl::Program& program, const Surface& surface, const Projection& projection) const;
+  void draw_triangles(const gl::Program& program, const Surface& surface, const Projection& projection,
+                      float opacity) const;
   void draw_edges(const Surface& surface, const Projection& projection) const;
   void draw_transparent(const Surface& surface, const Projection& projection) const;
 

@@ -1,5 +1,6 @@
 #include "render/renderer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/gl.h"
@@ -151,7 +152,9 @@ Result<void> Renderer::draw(const Scene& scene, const Camera3D& view, const Targ
   };
   draw_planes([](const PlaneInSpace& part) { return part.behind_meshes; });
   glClear(GL_DEPTH_BUFFER_BIT);
-  draw_planes([](const PlaneInSpace& part) { return !part.behind_meshes && part.opacity >= 1; });
+  const auto is_solid = [](const PlaneInSpace& part) { return !part.behind_meshes && part.opacity >= 1; };
+  draw_planes(is_solid);
+  if (std::any_of(scene.planes.begin(), scene.planes.end(), is_solid)) parts_->meshes.draw_hidden(projection);
   parts_->meshes.draw_opaque(projection);
   parts_->glyphs.draw(scene.glyphs, projection);
   std::vector<LineInstance> lines;

@@ -96,7 +96,7 @@ struct PlaneInSpace {
   SliceView plane;
   double half_width_mm = 100, half_height_mm = 100;
   std::array<float, 3> frame_colour{1, 1, 1};
-  float opacity = 1;           ///< below 1 it lets meshes be seen through it
+  float opacity = 1;  ///< below 1 it lets all be seen through it; at 1 it cuts meshes, whose rest shines through
   bool behind_meshes = false;  ///< hides nothing of a mesh, wherever it lies
 };
 

@@ -147,8 +147,11 @@ double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double e
   return std::max({edge_mm / 3, 0.5 * voxel_mm.minCoeff(), std::cbrt(std::max(0.0, volume_mm3) / most_voxels)});
 }
 
-Result<LabelBody> label_body(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
-                             double margin_mm) {
+namespace {
+
+/// A label with a margin around it: its largest part alone, cavities filled, or all of it.
+Result<LabelBody> label_cut_out(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
+                                double margin_mm, bool one_body) {
   if (extent.area_mm2 <= 0) return fail("", label_name(label) + " does not occur in the label map; name one that does");
   const VolumeGeometry& whole = mask.geometry;
   Blocks blocks = blocks_of(whole, extent, spacing_mm, margin_mm);
@@ -178,13 +181,25 @@ Result<LabelBody> label_body(const Volume& mask, int label, int frame, const Lab
   region.inside.resize(count.size());
   std::transform(count.begin(), count.end(), region.inside.begin(),
                  [half](std::uint16_t n) { return static_cast<std::uint8_t>(n >= half); });
-  region.body = make_one_body(region.inside, region.grid.dims);
+  if (one_body) region.body = make_one_body(region.inside, region.grid.dims);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int last = whole.dims[axis] - 1;
     region.touches[2 * axis] = extent.first[axis] == 0 && reaches(region, axis, blocks.holding(0, axis));
     region.touches[2 * axis + 1] = extent.last[axis] == last && reaches(region, axis, blocks.holding(last, axis));
   }
   return region;
+}
+
+}  // namespace
+
+Result<LabelBody> label_body(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
+                             double margin_mm) {
+  return label_cut_out(mask, label, frame, extent, spacing_mm, margin_mm, true);
+}
+
+Result<LabelBody> whole_label(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
+                              double margin_mm) {
+  return label_cut_out(mask, label, frame, extent, spacing_mm, margin_mm, false);
 }
 
 std::size_t voxels_off(const LabelBody& region, const Mesh& mesh) {

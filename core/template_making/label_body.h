@@ -51,6 +51,10 @@ double worked_spacing_mm(const Volume& mask, const LabelExtent& extent, double e
 Result<LabelBody> label_body(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
                              double margin_mm);
 
+/// The same with every part of the label, and its cavities: nothing is counted in `body`.
+Result<LabelBody> whole_label(const Volume& mask, int label, int frame, const LabelExtent& extent, double spacing_mm,
+                              double margin_mm);
+
 /// How many voxels of a region lie outside of a mesh and farther from it than two voxels (of the region's grid, along
 /// its longest axis).
 std::size_t voxels_off(const LabelBody& region, const Mesh& mesh);

@@ -307,4 +307,37 @@ TEST_CASE("a picture wider than the driver draws is refused with its limit") {
   CHECK(framebuffer.error().what.find("16777216 × 4") != std::string::npos);
 }
 
+TEST_CASE("a solid slice before an organ lets it be seen and still hides what has no mesh") {
+  Scene scene;
+  VolumeGeometry grid;
+  grid.dims = {40, 40, 40};
+  grid.spacing_mm.setConstant(3);
+  grid.origin_mm.setConstant(-58.5);
+  scene.image = {test::volume_of<std::uint8_t>(grid, [](int, int, int) { return 100; }), 0, 0, 200, true};
+  scene.meshes.push_back(test::layer_of(icosphere(4, 25)));
+  scene.background = {0, 0, 0, 1};
+  scene.planes = {{test::coronal(Vec3(0, -40, 0), 1), 58, 58}};  // between the eye and the ball
+  Camera3D camera;
+  camera.distance_mm = 300;
+  const Picture with = picture_of(scene, camera, 200, 200);
+  Scene without = scene;
+  without.meshes.clear();
+  const Picture plane = picture_of(without, camera, 200, 200);
+  const auto brightness = [](const Picture& picture, int x, int y) {
+    const auto p = pixel(picture, x, y);
+    return p[0] + p[1] + p[2];
+  };
+  // Its middle is lit, and differs from its rim: its shape is seen, not a shadow.
+  CHECK(std::abs(brightness(with, 100, 100) - brightness(plane, 100, 100)) > 60);
+  CHECK(std::abs(brightness(with, 100, 100) - brightness(with, 121, 118)) > 20);
+  CHECK(pixel(with, 50, 50) == pixel(plane, 50, 50));
+  // Half before the plane, half behind it: the half before is as it is without the plane.
+  scene.planes[0].plane = test::sagittal(Vec3(0, 0, 0), 1);
+  camera.to_eye = Vec3(-0.9, -0.3, 0).normalized();
+  const Picture cut = picture_of(scene, camera, 200, 200);
+  scene.planes.clear();
+  const Picture alone = picture_of(scene, camera, 200, 200);
+  CHECK(pixel(cut, 95, 100) == pixel(alone, 95, 100));
+}
+
 }  // namespace homolog

@@ -5,6 +5,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/update/window_title.h"
 #include "app/editor/widgets/icons.h"
+#include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
@@ -26,7 +27,8 @@ void draw_show_toggles(const UiContext& ui, Outbox& out) {
       {icon::surface, "Surface in the 3D view", &ShownParts::surface},
       {icon::wireframe, "Triangles on the surface", &ShownParts::wireframe},
       {icon::glyphs, "Glyphs: balls on some vertices, in the vertex's hue", &ShownParts::glyphs},
-      {icon::planes, "Slices in the 3D view (T): seen through, behind the surface, solid, off", &ShownParts::planes},
+      {icon::planes, "Slices in the 3D view (T): seen through, behind the surface, cutting it, off",
+       &ShownParts::planes},
       {icon::crosshair, "Cross-hair (X); Shift with the mouse moves it", &ShownParts::crosshair},
   }};
   for (const Item& item : items) {
@@ -106,16 +108,22 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
   const float toggles = 6 * theme.px(30) + 3 * theme.px(30) + theme.px(16);
   const float beside = std::max(toggles, theme.px(320));  // the switch and the file buttons
   ImGui::PushFont(theme.strong);
-  const std::string title = shortened(case_title(ui.snapshot), bar.width - 2 * (beside + theme.px(16)));
+  const std::string whole = case_title(ui.snapshot);
+  const std::string title = shortened(whole, bar.width - 2 * (beside + theme.px(16)));
   const ImVec2 size = ImGui::CalcTextSize(title.c_str());
-  text_at(*ImGui::GetWindowDrawList(), {std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)},
-          palette::text, title);
+  const ImVec2 title_at{std::floor((bar.width - size.x) / 2), std::floor((bar.height - size.y) / 2)};
+  text_at(*ImGui::GetWindowDrawList(), title_at, palette::text, title);
   ImGui::PopFont();
+  if (title != whole && size.x > 0) {
+    const OutOfKeysReach nothing_to_press;
+    ImGui::SetCursorScreenPos(title_at);
+    area(theme, "title", size, whole);
+  }
 
   ImGui::SetCursorPos({bar.width - toggles - theme.px(8), theme.px(8)});
   draw_show_toggles(ui, out);
   same_line(ui, 12);
-  if (icon_button(theme, icon::enlarge, "fit", "Everything in view (F)", {}, false, 28)) out.send(ShowAll{});
+  if (icon_button(theme, icon::everything, "fit", "Everything in view (F)", {}, false, 28)) out.send(ShowAll{});
   same_line(ui, 2);
   if (icon_button(theme, icon::keys, "keys", "Keys and mouse (F1)", {}, false, 28)) out.send(ShowKeys{});
   same_line(ui, 2);

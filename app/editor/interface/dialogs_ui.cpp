@@ -159,12 +159,13 @@ void draw_unsaved_case(const UiContext& ui, const RecoverDialog::Found& found, b
   const float whole = ImGui::GetContentRegionAvail().x, height = theme.px(44), gap_px = theme.px(4);
   const float first = theme.px(90), second = theme.px(82), buttons = asked ? first + gap_px + second : first;
   const float width = whole - buttons - theme.px(8), top = ImGui::GetCursorPosY(), left = ImGui::GetCursorPosX();
-  const AreaState row = area(theme, "Recover", {width, height}, "Click to open it as it was");
+  const std::string name = shortened(found.name, width - theme.px(16));
+  const AreaState row = area(theme, "Recover", {width, height},
+                             (name == found.name ? "" : found.name + "\n") + "Click to open it as it was");
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   if (row.hovered) draw.AddRectFilled(at, {at.x + width, at.y + height}, palette::raised, theme.px(4));
   const float line = ImGui::GetTextLineHeight();
-  text_at(draw, {at.x + theme.px(8), at.y + theme.px(4)}, row.hovered ? palette::accent : palette::text,
-          shortened(found.name, width - theme.px(16)));
+  text_at(draw, {at.x + theme.px(8), at.y + theme.px(4)}, row.hovered ? palette::accent : palette::text, name);
   ImGui::PushFont(theme.small);
   text_at(draw, {at.x + theme.px(8), at.y + theme.px(6) + line}, palette::dim,
           shortened(found.details, width - theme.px(16)));

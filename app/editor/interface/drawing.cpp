@@ -257,7 +257,9 @@ SceneBuilder::Input Drawing::scene_input(const EditorState& state) const {
           shown_.snapshot().preview,
           shown_.labels_here(),
           shown_making(state, work_),
-          shown_.mesh().outlines()};
+          shown_.mesh().outlines(),
+          state.preferences.show.label_surface && shown_.labels().volume ? work_.label_surfaces.shown() : nullptr,
+          work_.label_surfaces.label()};
 }
 
 std::vector<RunningWork> Drawing::running_work() const {
@@ -271,6 +273,10 @@ std::vector<RunningWork> Drawing::running_work() const {
   };
   show("opening", "Opening ", work_.opener.running(), CancelOpening{}, "Stops. The open case stays as it is");
   show("reading", "Reading ", work_.imports.running(), CancelReading{}, "Stops. The case stays as it is");
+  ShownParts without = state_.preferences.show;
+  without.label_surface = false;
+  show("label surface", "Surface of ", work_.label_surfaces.running(), ShowParts{without},
+       "Stops, and shows no surface of the label (U)");
   if (const auto job = work_.models.files_running(); job && job->seconds > shown_after_seconds)
     running.push_back(study_work(*job));
   if (const auto file = work_.exports.running())

@@ -22,9 +22,10 @@ ImU32 to_im(const Rgb& colour) {
   return ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], 1});
 }
 
-std::string cut(ImFont* font, const std::string& text, float width_px) {
+/// `names`: of all that are shown beside it.
+std::string cut(ImFont* font, const std::string& text, float width_px, const std::vector<std::string>& names = {}) {
   ImGui::PushFont(font);
-  std::string shown = shortened(text, width_px);
+  std::string shown = shortened_among(text, names, width_px);
   ImGui::PopFont();
   return shown;
 }
@@ -68,7 +69,7 @@ void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, s
   if (cell.width >= theme.px(56)) {
     const float room = cell.width - theme.px(8);
     shadowed(draw, theme.small, {low.x + theme.px(4), low.y + theme.px(2)}, name_colour(model, k, pointed),
-             cut(theme.small, model.names[k], room));
+             cut(theme.small, model.names[k], room, model.names));
   }
   draw.PopClipRect();
   if (state.selected == model.names[k]) draw.AddRect(low, high, palette::accent, 0, 0, std::max(theme.scale, 1.0f));
@@ -101,7 +102,7 @@ void draw_header_row(const UiContext& ui, const RectPx& rect, Outbox& out) {
   draw_side_buttons<LookFromSideInGallery>(ui, rect.width - 8 * theme.px(24), theme.px(2), theme.px(24),
                                            ". The first shape sets the directions", out);
   ImGui::SetCursorPos({rect.width - theme.px(28), theme.px(2)});
-  if (icon_button(theme, icon::enlarge, "fit", "All shapes in view (F)", {}, false, 24)) out.send(ShowAllShapes{});
+  if (icon_button(theme, icon::everything, "fit", "All shapes in view (F)", {}, false, 24)) out.send(ShowAllShapes{});
 }
 
 void draw_tools_row(const UiContext& ui, const RectPx& rect, Outbox& out) {

@@ -31,7 +31,8 @@ class NameTags {
     const ImVec2 size = text_size(theme_.small, name);
     const float aside = theme_.px(9), middle = size.y / 2;
     // Above and below a name may stand off its point's middle, where the view ends.
-    const float edge = theme_.px(2);
+    // Clear of the frame of the view: beside it an "l" is read as a part of it.
+    const float edge = theme_.px(6);
     const auto low = static_cast<float>(view_.x) + edge;
     const float high = static_cast<float>(view_.x + view_.width) - edge - size.x;
     const float x = std::max(low, std::min(at.x - size.x / 2, high));

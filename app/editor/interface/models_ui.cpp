@@ -48,8 +48,20 @@ void draw_models_status(const UiContext& ui) {
     left = state.model_error;
   else if (state.model)
     left = "Drag: turn all shapes. Right-drag: move. Wheel: zoom. Click: mark a vertex. Double-click: look at it.";
-  text_at(draw, {bar.x + theme.px(12), y}, palette::dim, shortened(left, bar.width - theme.px(120)));
-  const std::string right = ui.frames_per_second >= 1 ? format("%.0f fps", ui.frames_per_second) : "";
+  const float from = bar.x + theme.px(12), room = bar.width - theme.px(120);
+  const std::string fitting = whole_sentences(left, room);
+  if (fitting != left && left == state.model_error) {
+    draw_tall_message(ui, left);
+  } else {
+    text_at(draw, {from, y}, palette::dim, fitting);
+    if (fitting != left) {
+      ImGui::SetCursorScreenPos({from, y});
+      area(theme, "message", {room, ImGui::GetFontSize()}, left);
+    }
+  }
+  const EvenDigits digits(theme);
+  const bool moves = state.turning && ui.frames_per_second >= 1;
+  const std::string right = moves ? format("%.0f frames/s", ui.frames_per_second) : "";
   text_at(draw, {bar.x + bar.width - theme.px(12) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right);
   end_status_line();
 }

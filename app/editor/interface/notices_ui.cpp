@@ -56,21 +56,22 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   const Notice& notice = ui.state.notices[index];
   const ImU32 colour = notice.error ? palette::bad : palette::accent;
   const float width = card_width(ui), left = theme.px(36), pad = theme.px(12), end = width - theme.px(44);
-  // A sentence is said whole, as far as the views have room for it.
-  const float room_px = bottom_px - top_of_cards(ui) - 2 * pad - theme.px(36);
-  constexpr float of_broken_lines = 0.8f;
-  const float most_lines = std::max(5.0f, std::floor(room_px / theme.body->FontSize));
-  ImGui::PushFont(theme.body);
-  const std::string text = shortened(notice.text, most_lines * of_broken_lines * (end - left));
-  ImGui::PopFont();
-  const float lines = text_size(theme.body, in_lines(theme.body, text, end - left)).y;
+  // The whole sentence; one that is taller than most of the window scrolls.
+  const float lines = std::ceil(text_size(theme.body, in_lines(theme.body, notice.text, end - left)).y);
+  const float most = std::max(0.6f * (ui.layout.status_line.y - top_of_cards(ui)), theme.px(60));
+  const float shown = std::min(lines, most);
   const bool offers = !notice.kept.empty();
-  const float height = std::ceil(lines) + 2 * pad + (offers ? theme.px(28) + theme.px(8) : 0);
+  const float height = shown + 2 * pad + (offers ? theme.px(28) + theme.px(8) : 0);
   begin_card(ui, format("notice %zu", index).c_str(), height, bottom_px, colour);
   text_line(notice.error ? icon::warning : icon::info, colour);
   ImGui::SameLine(left);
-  text_lines(text, palette::text, end);
-  if (text != notice.text && is_explained()) tooltip(theme, notice.text);
+  if (shown < lines) {
+    ImGui::BeginChild("sentence", {end - left + theme.px(12), shown});
+    text_lines(notice.text, palette::text, end - left);
+    ImGui::EndChild();
+  } else {
+    text_lines(notice.text, palette::text, end);
+  }
   if (offers) {
     ImGui::SetCursorPosX(left);
     if (button(theme, "Open it again", notice.kept.string(), {}, theme.px(140), true)) {
@@ -91,7 +92,9 @@ void draw_work(const UiContext& ui, const RunningWork& work, float& bottom_px, O
   const float height = theme.px(12 + 28 + 8 + 4 + 12), cancel = card_width(ui) - theme.px(12 + 76);
   begin_card(ui, work.kind, height, bottom_px, palette::accent);
   ImGui::AlignTextToFramePadding();
-  text_line(shortened(work.what, cancel - theme.px(24)));
+  const std::string what = shortened(work.what, cancel - theme.px(24));
+  text_line(what);
+  if (what != work.what && is_explained()) tooltip(theme, work.what);
   ImGui::SameLine(cancel);
   if (button(theme, "Cancel", work.cancel_tip, work.no_cancel, theme.px(76))) out.send(work.cancel);
   progress_bar(theme, work.fraction);

@@ -42,6 +42,16 @@ std::string read_out(const UiContext& ui) {
 
 }  // namespace
 
+void draw_tall_message(const UiContext& ui, const std::string& message) {
+  const Theme& theme = ui.theme;
+  const RectPx& bar = ui.layout.status_line;
+  const float pad = theme.px(12), wrap = std::min(bar.width - 2 * pad, static_cast<float>(theme.px(720)));
+  const float height = text_size(theme.small, in_lines(theme.small, message, wrap)).y + theme.px(12);
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();  // over the views, below cards and dialogs
+  draw.AddRectFilled({bar.x, bar.y - height}, {bar.x + wrap + 2 * pad, bar.y}, palette::raised);
+  text_at(draw, theme.small, {bar.x + pad, bar.y - height + theme.px(6)}, palette::amber, message, wrap);
+}
+
 float begin_status_line(const UiContext& ui) {
   const RectPx& bar = ui.layout.status_line;
   begin_region("status line", bar, palette::surface);
@@ -68,24 +78,36 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   const std::string message = status.warns ? std::string(icon::warning) + "  " + status.text : status.text;
 
   std::string right;
-  if (snapshot.solver_ms > 0) right = format("%.2f ms", snapshot.solver_ms);
-  if (ui.frames_per_second >= 1) right += format("    %.0f fps", ui.frames_per_second);
+  if (snapshot.solver_ms > 0) right = format("solved in %.2f ms", snapshot.solver_ms);
+  // A window at rest, or one that shows how far work is, draws as seldom as it can.
+  const bool moves = ui.state.drag || ui.state.playing;
+  if (moves && ui.frames_per_second >= 1) right += format("    %.0f frames/s", ui.frames_per_second);
+  const EvenDigits digits(theme);
   const ImVec2 size = ImGui::CalcTextSize(right.c_str());
   const ImVec2 at{bar.x + bar.width - theme.px(12) - size.x, y};
   const float end = at.x - theme.px(12), wanted = ImGui::CalcTextSize(message.c_str()).x;
-  // A warning is said whole: where there is too little room, over the place of what lies at the pointer.
-  const bool all_of_it = status.warns && wanted > end - middle;
-  const float from = all_of_it ? std::max(left, end - wanted) : middle;
-  if (!all_of_it) text_at(draw, {left, y}, palette::text, shortened(read_out(ui), middle - left - theme.px(12)));
-  const std::string fitting = shortened(message, end - from);
-  text_at(draw, {from, y}, colour, fitting);
-  if (fitting != message) {
-    ImGui::SetCursorScreenPos({from, y});
-    area(theme, "message", {end - from, size.y}, message);
+  const std::string there = shortened(read_out(ui), middle - left - theme.px(12));
+  const float beside = there.empty() ? left : left + ImGui::CalcTextSize(there.c_str()).x + theme.px(24);
+  // What is said whole may begin where the read-out ends. A warning is said whole: else over the read-out.
+  const bool all_of_it = status.warns && wanted > end - beside;
+  const float from = all_of_it               ? std::max(left, end - wanted)
+                     : wanted > end - middle ? std::max(std::min(beside, middle), end - wanted)
+                                             : middle;
+  if (!all_of_it) text_at(draw, {left, y}, palette::text, there);
+  if (all_of_it && wanted > end - left) {
+    draw_tall_message(ui, message);
+  } else {
+    const std::string fitting = whole_sentences(message, end - from);
+    text_at(draw, {from, y}, colour, fitting);
+    if (fitting != message) {
+      ImGui::SetCursorScreenPos({from, y});
+      area(theme, "message", {end - from, size.y}, message);
+    }
   }
   text_at(draw, at, palette::dim, right);
   ImGui::SetCursorScreenPos(at);
-  area(theme, "timings", {std::max(size.x, 1.0f), size.y}, "Time to compute the last edit · pictures drawn per second");
+  area(theme, "timings", {std::max(size.x, 1.0f), size.y},
+       "Time to compute the last edit Â· pictures drawn in the last second, while something moves");
   end_status_line();
 }
 

@@ -36,10 +36,11 @@ float caption_scale(float picture_width_px, float cell_width_px) {
   return std::max(1.0f, std::min(picture_width_px / usual_width_px, cell_width_px / least_cell_px));
 }
 
-void draw_cell_name(ImDrawList& draw, const Theme& theme, const RectPx& cell, const std::string& name) {
+void draw_cell_name(ImDrawList& draw, const Theme& theme, const RectPx& cell, const std::string& name,
+                    const std::vector<std::string>& names) {
   const float inset = theme.px(8);
   ImGui::PushFont(theme.body);
-  const std::string shown = shortened(name, cell.width - 2 * inset);
+  const std::string shown = shortened_among(name, names, cell.width - 2 * inset);
   ImGui::PopFont();
   shadowed_text(draw, theme.body, {cell.x + inset, cell.y + inset}, palette::mark, shown);
 }
@@ -57,7 +58,8 @@ void draw_cell_scale(ImDrawList& draw, const Theme& theme, const RectPx& cell, d
 }
 
 void draw_study_captions(ImDrawList& draw, const Theme& theme, const ModelsState& state, const StudyCells& cells) {
-  for (std::size_t k = 0; k < cells.names.size(); ++k) draw_cell_name(draw, theme, cells.grid.cell(k), cells.names[k]);
+  for (std::size_t k = 0; k < cells.names.size(); ++k)
+    draw_cell_name(draw, theme, cells.grid.cell(k), cells.names[k], cells.names);
   // The cells are seen without perspective, 30° at the target across their shorter side.
   RectPx cell = cells.grid.cell(0);
   const double mm_per_px =

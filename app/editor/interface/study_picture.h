@@ -21,8 +21,9 @@ struct StudyCells {
 StudyCells study_cells(const ModelsState& state, StudyPicture what, float width_px, float height_px);
 /// The scale of the letters on a picture of cells: they grow with the picture, as far as names have room in the cells.
 float caption_scale(float picture_width_px, float cell_width_px);
-/// The name of what a cell shows, and a scale bar at its lower left.
-void draw_cell_name(ImDrawList& draw, const Theme& theme, const RectPx& cell, const std::string& name);
+/// The name of what a cell shows, one of `names`, and a scale bar at its lower left.
+void draw_cell_name(ImDrawList& draw, const Theme& theme, const RectPx& cell, const std::string& name,
+                    const std::vector<std::string>& names = {});
 void draw_cell_scale(ImDrawList& draw, const Theme& theme, const RectPx& cell, double mm_per_px);
 /// Names of the cells, and how long a piece of them is.
 void draw_study_captions(ImDrawList& draw, const Theme& theme, const ModelsState& state, const StudyCells& cells);

@@ -25,6 +25,15 @@ std::string length_text(double length_mm) {
   return length_mm >= 10 ? format("%.0f mm", length_mm) : format("%g mm", length_mm);
 }
 
+/// A text near a place, moved so far that the whole of it lies in the view.
+void put_within(ImDrawList& draw, const Theme& theme, const RectPx& view, ImVec2 at, ImVec2 size,
+                const std::string& text) {
+  const float edge = theme.px(4), low_x = view.x + edge, low_y = view.y + edge;
+  const float high_x = view.x + view.width - edge - size.x, high_y = view.y + view.height - edge - size.y;
+  shadowed_text(draw, theme.strong, {std::max(low_x, std::min(at.x, high_x)), std::max(low_y, std::min(at.y, high_y))},
+                palette::mark, text);
+}
+
 /// At the lower left, clear of the letter in the middle of the lower edge; above it where there is no room beside it.
 void draw_scale_bar(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const RectPx& rect = map.rect();
@@ -107,9 +116,10 @@ void draw_stroke_note(const UiContext& ui, const StrokeDrag& drag, bool stopped,
     std::string text;
   };
   const double moved_mm = ui.snapshot.preview ? ui.snapshot.preview->moved_mm : 0;
-  std::vector<Line> lines{{ui.theme.strong, stopped ? palette::amber : palette::mark,
-                           format("%.1f mm%s", moved_mm, stopped ? "  stopped" : "")},
-                          {ui.theme.small, palette::mark_dim, format("\xcf\x83 %.1f mm", drag.stroke.sigma_mm)}};
+  std::vector<Line> lines{
+      {ui.theme.even_digits(ui.theme.strong), stopped ? palette::amber : palette::mark,
+       format("%.1f mm%s", moved_mm, stopped ? "  stopped" : "")},
+      {ui.theme.even_digits(ui.theme.small), palette::mark_dim, format("\xcf\x83 %.1f mm", drag.stroke.sigma_mm)}};
   const auto& figures = ui.quality.latest();
   if (figures && figures->intersecting > ui.state.intersecting_at_rest)
     lines.push_back({ui.theme.small, palette::amber, "passes through the opposite wall"});
@@ -168,11 +178,9 @@ void draw_finding(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   if (map.is_slice()) return;
   const std::string text = finding_words(shown.finding.kind) +
                            (shown.of > 1 ? format(", %zu of %zu (J: next)", shown.number, shown.of) : "");
-  const float width = text_size(ui.theme.strong, text).x, margin = ui.theme.px(8);
-  const float left = map.rect().x + margin, right = map.rect().x + map.rect().width - margin - width;
-  shadowed_text(draw, ui.theme.strong,
-                {std::max(left, std::min(on_screen(*px).x - width / 2, right)), on_screen(*px).y + ui.theme.px(20)},
-                palette::mark, text);
+  const ImVec2 size = text_size(ui.theme.strong, text);
+  put_within(draw, ui.theme, map.rect(), {on_screen(*px).x - size.x / 2, on_screen(*px).y + ui.theme.px(20)}, size,
+             text);
 }
 
 /// What a press would do: the point that would be taken hold of, with σ or the brush around it.
@@ -206,10 +214,11 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const ImU32 colour = with_alpha(palette::accent, in_plane ? 1.0f : 0.35f);
   draw.AddLine(on_screen(*from), on_screen(*to), colour, 1.5f * ui.theme.scale);
   for (const auto& end : {*from, *to}) draw.AddCircleFilled(on_screen(end), ui.theme.px(3), colour);
-  const Eigen::Vector2d middle = (*from + *to) / 2;
-  if (in_plane)
-    shadowed_text(draw, ui.theme.strong, {on_screen(middle).x + ui.theme.px(8), on_screen(middle).y + ui.theme.px(4)},
-                  palette::mark, format("%.1f mm", ruler.length_mm()));
+  if (!in_plane) return;
+  // Beside its middle, and within the view also where that lies beyond it.
+  const std::string text = format("%.1f mm", ruler.length_mm());
+  const ImVec2 middle = on_screen((*from + *to) / 2), size = text_size(ui.theme.strong, text);
+  put_within(draw, ui.theme, map.rect(), {middle.x + ui.theme.px(8), middle.y + ui.theme.px(4)}, size, text);
 }
 
 /// From a dot on the outline, which is to be taken hold of, an arrow the way that the guide's pull goes, with a bar
@@ -311,6 +320,12 @@ void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
     }
     if (show.letters) draw_letters(ui, map, draw);
     if (map.is_slice()) draw_scale_bar(ui, map, draw);
+  }
+  // In the 3D view, or in the one that fills the window: above its scale bar and the letters.
+  if (kind == ui.state.maximised.value_or(ViewKind::space)) {
+    const RectPx& rect = map.rect();
+    const bool above = map.is_slice() || (show.letters && rect.width < ui.theme.px(420));
+    draw_view_legend(ui, rect, rect.y + rect.height - ui.theme.px(above ? 40 : 8), draw);
   }
   const auto& guide = ui.state.guide;
   const bool pulls = guide && guide->shown && guide->at < guide->steps.size() && ui.has_shape();

@@ -8,4 +8,7 @@ namespace homolog {
 /// ruler, hints.
 void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw);
 
+/// What the mesh's colours mean, at the lower left of a view, above `bottom_px`. Nothing where each vertex has its hue.
+void draw_view_legend(const UiContext& ui, const RectPx& view, float bottom_px, ImDrawList& draw);
+
 }  // namespace homolog

@@ -30,6 +30,7 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
     const double along = normal.dot(ui.state.crosshair_mm);
     const std::string letters = direction_letters(along < 0 ? Vec3(-normal) : normal);
     const std::string position = format("%s %.1f mm", letters.c_str(), std::abs(along));
+    const EvenDigits digits(theme);
     text_at(draw, {rect.x + theme.px(24) + title_width, text_y}, palette::dim, position);
   }
 

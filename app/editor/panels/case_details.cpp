@@ -62,20 +62,13 @@ bool says_work(const StudyCase& one) {
 
 }  // namespace
 
-/// Why a person has to look at it; of a very long sentence the row of the list says the rest.
-std::string doubt_shown(const StudyCase& one, float width_px) {
-  constexpr float most_lines = 4;
-  return shortened(one.doubt, 0.9f * most_lines * width_px);
-}
-
 float case_details_height(const UiContext& ui, const StudyCase& one) {
   constexpr float plain = 206, row = 36;  // layout units
   const ModelsState& state = ui.state.models;
   float more_lines = 0;  // of a doubt, beyond its first
   if (!one.doubt.empty()) {
     const float width = ImGui::GetContentRegionAvail().x;
-    const std::string text = doubt_shown(one, width);
-    more_lines = ImGui::CalcTextSize(text.c_str(), nullptr, false, width).y - ImGui::GetFontSize();
+    more_lines = text_size(ImGui::GetFont(), in_lines(ImGui::GetFont(), one.doubt, width)).y - ImGui::GetFontSize();
   }
   return more_lines + ui.theme.px(plain + (offers_flip(state, one) ? row : 0) +
                                   (other_frames(state, one).empty() ? 0 : row) + (says_work(one) ? row : 0));
@@ -90,7 +83,7 @@ void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out) {
   text_line(shortened(one.name, ImGui::GetContentRegionAvail().x));
   ImGui::PopFont();
   if (!one.doubt.empty())
-    text_lines(doubt_shown(one, ImGui::GetContentRegionAvail().x), palette::amber);
+    text_lines(one.doubt, palette::amber);
   else if (says_work(one))
     text_line(work_on(one), palette::dim);
   int chosen = static_cast<int>(one.state);

@@ -207,6 +207,7 @@ void draw_row(const UiContext& ui, const StudyCase& one, const std::vector<std::
     ImGui::PopFont();
   }
   if (const auto distance = distance_mm(state, one)) {
+    const EvenDigits digits(theme);
     const std::string text = format("%.2f", *distance);
     text_at(draw, {at.x + columns.right - ImGui::CalcTextSize(text.c_str()).x, y}, distance_colour(*state.model, shape),
             text);
@@ -224,11 +225,19 @@ void draw_mirrored(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto& mirrored = ui.state.models.mirrored;
   if (mirrored.empty()) return;
+  // As many whole names as three lines hold.
   std::string names;
-  for (const std::string& name : mirrored) names += (names.empty() ? "" : ", ") + name;
-  text_lines(mirrored.size() == 1 ? names + " is a mirror image of the other shapes."
-                                  : format("%zu shapes are mirror images of the others: ", mirrored.size()) +
-                                        shortened(names, 3 * ImGui::GetContentRegionAvail().x) + ".",
+  std::size_t named = 0;
+  for (const std::string& name : mirrored) {
+    const std::string more = (named == 0 ? "" : ", ") + name;
+    if (named > 0 && ImGui::CalcTextSize((names + more).c_str()).x > 3 * ImGui::GetContentRegionAvail().x) break;
+    names += more;
+    ++named;
+  }
+  if (named < mirrored.size()) names += format(" and %zu more", mirrored.size() - named);
+  text_lines(mirrored.size() == 1
+                 ? names + " is a mirror image of the other shapes."
+                 : format("%zu shapes are mirror images of the others: ", mirrored.size()) + names + ".",
              palette::amber);
   if (button(theme, mirrored.size() == 1 ? "Flip it (left and right)" : "Flip them (left and right)",
              "Only in this study. The files are not changed", {}, ImGui::GetContentRegionAvail().x))

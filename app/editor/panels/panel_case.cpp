@@ -136,6 +136,12 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   if (slider(theme, "Opacity", opacity, {0, 100, "%.0f", "%", false}, "Of the label map over the image", released,
              ui.labels ? "" : "Overlay a label map first."))
     out.send(SetLabelOpacity{opacity / 100});
+  ShownParts parts = ui.state.preferences.show;
+  if (toggle(
+          theme, "Label's surface in 3D", parts.label_surface,
+          "The smooth surface of the label that a fit would go to (Place), seen through, to compare the mesh with (U)",
+          ui.labels ? "" : "Overlay a label map first."))
+    out.send(ShowParts{parts});
   const float width = ImGui::GetContentRegionAvail().x;
   if (document.volume->frames > 1) draw_labels_frame(ui, out);
   if (ui.labels) {

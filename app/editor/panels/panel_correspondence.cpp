@@ -11,20 +11,17 @@ namespace {
 
 /// A swatch and a name each, side by side as far as they fit.
 void draw_names(const Theme& theme, const Legend& legend) {
-  const float swatch = theme.px(10), row = theme.px(18), left = ImGui::GetCursorScreenPos().x;
+  const float side = theme.px(10), row = theme.px(18), left = ImGui::GetCursorScreenPos().x;
   const float right = left + ImGui::GetContentRegionAvail().x;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   ImVec2 at = ImGui::GetCursorScreenPos();
   for (std::size_t i = 0; i < legend.names.size(); ++i) {
-    const std::string name = shortened(legend.names[i], right - left - swatch - theme.px(4));
-    const float width = swatch + theme.px(4) + ImGui::CalcTextSize(name.c_str()).x;
+    const std::string name = shortened_among(legend.names[i], legend.names, right - left - side - theme.px(4));
+    const float width = side + theme.px(4) + ImGui::CalcTextSize(name.c_str()).x;
     if (at.x > left && at.x + width > right) at = {left, at.y + row};
     const auto& [r, g, b] = legend.colours[i];
-    const float y = at.y + (row - swatch) / 2;
-    draw.AddRectFilled({at.x, y}, {at.x + swatch, y + swatch}, ImGui::ColorConvertFloat4ToU32({r, g, b, 1}),
-                       theme.px(2));
-    text_at(draw, {at.x + swatch + theme.px(4), std::floor(at.y + (row - ImGui::GetFontSize()) / 2)}, palette::dim,
-            name);
+    colour_swatch(draw, theme, {at.x, at.y + (row - side) / 2}, side, ImGui::ColorConvertFloat4ToU32({r, g, b, 1}));
+    text_at(draw, {at.x + side + theme.px(4), std::floor(at.y + (row - ImGui::GetFontSize()) / 2)}, palette::dim, name);
     at.x += width + theme.px(12);
   }
   ImGui::Dummy({right - left, at.y + row - ImGui::GetCursorScreenPos().y});
@@ -32,31 +29,34 @@ void draw_names(const Theme& theme, const Legend& legend) {
 
 void draw_scale(const Theme& theme, const Legend& legend) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float width = ImGui::GetContentRegionAvail().x, bar = theme.px(6), height = theme.px(26);
-  ImGui::Dummy({width, height});
-  ImDrawList& draw = *ImGui::GetWindowDrawList();
-  const auto colour = [&](std::size_t i) {
+  const float width = ImGui::GetContentRegionAvail().x;
+  ImGui::Dummy({width, theme.px(26)});
+  draw_legend_scale(*ImGui::GetWindowDrawList(), theme, legend, at, width, palette::dim);
+}
+
+}  // namespace
+
+void draw_legend_scale(ImDrawList& draw, const Theme& theme, const Legend& legend, ImVec2 at, float width_px,
+                       ImU32 colour) {
+  const float bar = theme.px(6);
+  const auto at_step = [&](std::size_t i) {
     const auto& [r, g, b] = legend.colours[i];
     return ImGui::ColorConvertFloat4ToU32({r, g, b, 1});
   };
   const std::size_t parts = legend.colours.size() - 1;
   for (std::size_t i = 0; i < parts; ++i) {
     const auto x = [&](std::size_t k) {
-      return std::round(at.x + width * static_cast<float>(k) / static_cast<float>(parts));
+      return std::round(at.x + width_px * static_cast<float>(k) / static_cast<float>(parts));
     };
-    draw.AddRectFilledMultiColor({x(i), at.y}, {x(i + 1), at.y + bar}, colour(i), colour(i + 1), colour(i + 1),
-                                 colour(i));
+    draw.AddRectFilledMultiColor({x(i), at.y}, {x(i + 1), at.y + bar}, at_step(i), at_step(i + 1), at_step(i + 1),
+                                 at_step(i));
   }
-  ImGui::PushFont(theme.small);
   const float y = at.y + bar + theme.px(3);
-  text_at(draw, {at.x, y}, palette::dim, legend.low);
-  const float middle = ImGui::CalcTextSize(legend.middle.c_str()).x, high = ImGui::CalcTextSize(legend.high.c_str()).x;
-  text_at(draw, {std::round(at.x + (width - middle) / 2), y}, palette::dim, legend.middle);
-  text_at(draw, {at.x + width - high, y}, palette::dim, legend.high);
-  ImGui::PopFont();
+  const float middle = text_size(theme.small, legend.middle).x, high = text_size(theme.small, legend.high).x;
+  text_at(draw, theme.small, {at.x, y}, colour, legend.low);
+  text_at(draw, theme.small, {std::round(at.x + (width_px - middle) / 2), y}, colour, legend.middle);
+  text_at(draw, theme.small, {at.x + width_px - high, y}, colour, legend.high);
 }
-
-}  // namespace
 
 void draw_colouring_legend(const UiContext& ui, Colouring colouring) {
   const Legend legend = colouring_legend(ui.document(), colouring);
@@ -101,7 +101,8 @@ void draw_colour_choice(const UiContext& ui, Outbox& out) {
   if (ui.state.preferences.show.glyphs) {
     double spacing_mm = ui.state.glyph_spacing_mm;
     bool released = false;
-    if (slider(theme, "Glyph spacing", spacing_mm, {3, 60, "%.0f", "mm", true},
+    const double organ_mm = ui.state.organ_mm;
+    if (slider(theme, "Glyph spacing", spacing_mm, {organ_mm / 50, organ_mm / 2, "%.1f", "mm", true},
                "Smallest distance between two glyphs, on the template", released))
       out.send(SpaceGlyphs{spacing_mm});
   }

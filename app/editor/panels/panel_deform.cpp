@@ -75,10 +75,7 @@ bool draw_paints(const UiContext& ui, BrushSettings& brush) {
                       "Stiffness relative to the base. Below 1 is softer: it follows a stroke closely. Above 1 is "
                       "stiffer: it keeps its shape. Alt paints 1",
                       released);
-    const double factor = brush.stiffness_factor;
-    caption(theme, factor < 1   ? "\xe2\x86\x90 Softer than the rest. Stiffer is to the right"
-                   : factor > 1 ? "Stiffer than the rest. Softer is to the left \xe2\x86\x92"
-                                : "As stiff as the rest. Softer is to the left");
+    slider_ends(theme, "soft", "stiff");
   }
   if (brush.paints == BrushPaints::factor || brush.paints == BrushPaints::region) {
     double soft = 100 * brush.soft;
@@ -105,7 +102,8 @@ void draw_brush(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   BrushSettings brush = ui.state.brush;
   bool released = false, changed = false;
-  changed |= slider(theme, "Brush radius", brush.radius_mm, {1, 100, "%.1f", "mm", true},
+  changed |= slider(theme, "Brush radius", brush.radius_mm,
+                    {0.008 * ui.state.organ_mm, 0.8 * ui.state.organ_mm, "%.1f", "mm", true},
                     "Radius of the stiffness brush and of Confirm", released);
   if (ui.state.tool == MouseTool::stiffness) {
     changed |= draw_paints(ui, brush);

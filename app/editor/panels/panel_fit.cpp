@@ -3,6 +3,7 @@
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/widgets.h"
+#include "app/editor/work/label_surfaces.h"
 #include "core/case/actions/confirm.h"
 #include "core/case/held_landmarks.h"
 #include "core/mesh/isosurface.h"
@@ -56,13 +57,11 @@ std::string model_refusal(const UiContext& ui) {
   return fits ? "" : "Open a study with at least two other cases of this template first (Models).";
 }
 
+/// One label, also while all are taken together.
 int fit_label(const UiContext& ui) {
-  const auto& known = ui.label_values;
-  const int chosen = ui.state.fit_settings.label;
-  if (known.size() < 2 || std::find(known.begin(), known.end(), chosen) != known.end() || !ui.has_shape())
-    return known.size() == 1 ? known.front() : chosen;
-  const int found = label_at_mesh(*ui.labels, ui.displayed->frame, *ui.document().shape().points);
-  return found != 0 ? found : known.front();
+  FitSettings settings = ui.state.fit_settings;
+  settings.all_labels = false;
+  return ui.labels ? label_in_hand(settings, ui.label_values, *ui.labels, ui.document()) : settings.label;
 }
 
 void draw_fit_settings(const UiContext& ui, Outbox& out) {

@@ -156,6 +156,8 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
   const auto& placed = ui.document().shape().landmarks;
   const std::string wanted = landmark_in_hand(ui.state, ui.document());
   const bool two_lines = need_two_lines(theme, the_template.landmarks);
+  std::vector<std::string> names;
+  for (const Landmark& landmark : the_template.landmarks) names.push_back(landmark.name);
   for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
     const Landmark& landmark = the_template.landmarks[l];
     const Part part(landmark.name, "landmark");
@@ -168,7 +170,7 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     const LandmarkHold hold = landmark_hold(the_template, l, ui.document().shape());
     const std::string off = done && !hold.met ? format("%.1f mm off", hold.distance_mm) : next && !done ? "next" : "";
     const float off_width = off.empty() || two_lines ? 0 : ImGui::CalcTextSize(off.c_str()).x + theme.px(10);
-    const std::string shown = shortened(landmark.name, width - buttons - off_width - theme.px(32));
+    const std::string shown = shortened_among(landmark.name, names, width - buttons - off_width - theme.px(32));
     std::string tip =
         done ? "To place it again, click here, then click in a slice" : "Click here, then click its place in a slice";
     if (done && !hold.met) tip = off_tip(ui, hold.distance_mm) + ".\n" + tip;

@@ -82,20 +82,21 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
   const Region& region = regions.list[index];
   if (ui.state.renaming && ui.state.renaming->rename.name == region.name) return draw_renaming(ui, regions, width, out);
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float swatch = theme.px(12), indent = theme.px(20), y = at.y + (theme.px(28) - swatch) / 2;
+  const float side = theme.px(12), indent = theme.px(20), y = at.y + (theme.px(28) - side) / 2;
   const bool chosen = ui.state.tool == MouseTool::stiffness && ui.state.brush.region == region.name;
   const bool on_swatch = ImGui::GetMousePos().x < at.x + indent;
+  std::vector<std::string> names;
+  for (const Region& one : regions.list) names.push_back(one.name);
   const auto row = list_row(theme, region.name, chosen, {width, theme.px(28)},
                             on_swatch ? std::string("Click for another colour")
                                       : format("%d vertices. Click to paint the region, double-click to rename it",
                                                landmarks_in(regions, index + 1)),
-                            indent);
+                            indent, names);
   if (row.clicked && on_swatch) out.apply(SetRegion{{region.name, region.factor, next_colour(regions, region.colour)}});
   if (row.clicked && !on_swatch) take_region_brush(region.name, out);
   if (row.doubled && !on_swatch) out.send(NameRegion{RegionNaming{{region.name, region.name}}});
-  ImGui::GetWindowDrawList()->AddRectFilled({at.x + theme.px(4), y}, {at.x + theme.px(4) + swatch, y + swatch},
-                                            IM_COL32(region.colour[0], region.colour[1], region.colour[2], 255),
-                                            theme.px(2));
+  colour_swatch(*ImGui::GetWindowDrawList(), theme, {at.x + theme.px(4), y}, side,
+                IM_COL32(region.colour[0], region.colour[1], region.colour[2], 255));
 }
 
 /// The factor that the case holds: the shown document may be a preview of the very change that is compared with it.
@@ -114,9 +115,10 @@ void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
   ImGui::SameLine(0, theme.px(4));
   CaseNumber factor(ui, "factor of " + region.name, committed_factor(ui, region));
   bool released = false;
-  const bool changed = number_field(theme, "factor", factor.value, 0.05, "%.1f", "\xc3\x97", factor_width,
-                                    "Stiffness factor of the region: stiffness = base × factor", released, 28,
-                                    {0.01, 1000, "The factor of " + region.name});
+  const bool changed =
+      number_field(theme, "factor", factor.value, 0.05, "%.1f", "\xc3\x97", factor_width,
+                   "Stiffness factor of the region: below 1 it is softer than the base, above 1 stiffer", released, 28,
+                   {0.01, 1000, "The factor of " + region.name});
   factor.settle(
       changed, released,
       [&](double value) {
@@ -181,12 +183,14 @@ void draw_template_landmarks(const UiContext& ui, Outbox& out) {
     out.send(NameTemplateLandmark{});
     out.send(ChooseTool{ui.state.tool_before_naming});
   }
+  std::vector<std::string> names;
+  for (const Landmark& landmark : landmarks) names.push_back(landmark.name);
   for (const Landmark& landmark : naming ? std::span(landmarks) : std::span<const Landmark>()) {
     const Part part(landmark.name, "landmark of the template");
     const float remove_width = theme.px(24);
     const float name_width = ImGui::GetContentRegionAvail().x - remove_width - theme.px(4);
     if (list_row(theme, landmark.name, naming && ui.state.template_landmark == landmark.name,
-                 {name_width, theme.px(28)}, "To move it, click here, then on the mesh")
+                 {name_width, theme.px(28)}, "To move it, click here, then on the mesh", 0, names)
             .clicked) {
       out.send(NameTemplateLandmark{landmark.name});
       out.send(ChooseTool{MouseTool::template_landmark});

@@ -27,6 +27,7 @@ struct FigureTable {
            const std::vector<std::string>& names = {}) const {
     ImDrawList& draw = *ImGui::GetWindowDrawList();
     text_at(draw, at, colour, shortened_among(name, names, right(0, 3) - theme.px(figure_units) - theme.px(4)));
+    const EvenDigits digits(theme);
     for (std::size_t k = 0; k < figures.size(); ++k)
       text_at(draw, {at.x + right(k, 3) - text_size(ImGui::GetFont(), figures[k]).x, at.y}, colour, figures[k]);
   }

@@ -1,4 +1,5 @@
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
@@ -85,7 +86,7 @@ void draw_snap(const UiContext& ui, Outbox& out) {
   const float width = ImGui::GetContentRegionAvail().x;
   const float cancel_width = theme.px(72);
   if (button(
-          theme, "Snap the whole mesh",
+          theme, std::string(icon::snap) + "  Snap the whole mesh",
           "Draws the mesh to the boundary in the image. What is confirmed, placed landmarks and what was pulled since "
           "the last fit stay. The key N snaps only the part under the pointer, as wide as "
           "\xcf\x83. If the pointer is not on the mesh, N snaps all",

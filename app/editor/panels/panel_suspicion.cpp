@@ -12,7 +12,8 @@ namespace {
 constexpr std::size_t most_rows = 30;  ///< of a kind; the worst come first
 
 /// One thing to look at; its place is looked at in the gallery, and its case opened there by a double click.
-void draw_entry(const UiContext& ui, int id, const GalleryVertex& place, const std::string& text,
+/// `where`: after the case's name.
+void draw_entry(const UiContext& ui, int id, const GalleryVertex& place, const std::string& where,
                 const std::string& value, const std::string& tip, ImU32 colour, bool has_place, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
@@ -30,7 +31,8 @@ void draw_entry(const UiContext& ui, int id, const GalleryVertex& place, const s
                        lit ? with_alpha(palette::accent, 0.25f) : palette::raised, theme.px(4));
   const float y = at.y + std::floor((size.y - ImGui::GetFontSize()) / 2);
   const float value_width = ImGui::CalcTextSize(value.c_str()).x;
-  text_at(draw, {at.x, y}, palette::text, shortened(text, size.x - value_width - theme.px(12)));
+  const float name_room = size.x - value_width - theme.px(12) - ImGui::CalcTextSize(where.c_str()).x;
+  text_at(draw, {at.x, y}, palette::text, shortened_among(name, state.model->names, name_room) + where);
   text_at(draw, {at.x + size.x - value_width, y}, colour, value);
 }
 
@@ -51,12 +53,11 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
     return;
   }
   const StudyModel& model = *state.model;
-  const auto name = [&](Eigen::Index shape) { return model.names[static_cast<std::size_t>(shape)]; };
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
   int id = 0;
   draw_caption(theme, "Cases far from the mean", model.suspicious_shapes.size());
   for (const SuspiciousShape& one : model.suspicious_shapes)
-    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), 0}, name(one.shape), format("%.2f mm", one.distance_mm),
+    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), 0}, "", format("%.2f mm", one.distance_mm),
                one.suspicion == Suspicion::far_outside
                    ? "Very unusual: more than 3 interquartile ranges above the upper quartile (Tukey's outer fence)"
                    : "Unusual: more than 1.5 interquartile ranges above the upper quartile (Tukey's fence)",
@@ -64,8 +65,8 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
   draw_caption(theme, "Vertices in unexpected places", model.suspicious_vertices.size());
   for (std::size_t k = 0; k < std::min(most_rows, model.suspicious_vertices.size()); ++k) {
     const SuspiciousVertex& one = model.suspicious_vertices[k];
-    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), one.vertex},
-               name(one.shape) + format(", %td", one.vertex), format("%.2f mm", one.deviation_mm),
+    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), one.vertex}, format(", %td", one.vertex),
+               format("%.2f mm", one.deviation_mm),
                format("Vertex %td lies %.2f mm from where the model of the other shapes expects it. The usual distance "
                       "is %.2f mm.",
                       one.vertex, one.deviation_mm, one.usual_mm),
@@ -76,8 +77,8 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
     const SuspiciousTriangle& one = model.suspicious_triangles[k];
     const Eigen::Index corner = model.topology->triangles()(one.triangle, 0);
     draw_entry(
-        ui, id++, {static_cast<std::size_t>(one.shape), corner},
-        name(one.shape) + format(", triangle %td", one.triangle), format("%.2f\xc3\x97", one.stretch),
+        ui, id++, {static_cast<std::size_t>(one.shape), corner}, format(", triangle %td", one.triangle),
+        format("%.2f\xc3\x97", one.stretch),
         format("Triangle %td is stretched or shrunk by a factor of %.2f from the mean shape. The usual factor is %.2f.",
                one.triangle, one.stretch, one.usual),
         palette::amber, true, out);

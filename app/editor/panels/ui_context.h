@@ -22,6 +22,8 @@
 
 namespace homolog {
 
+struct Legend;
+
 /// Work beside the window that takes longer than a moment, and is shown with a progress bar.
 struct RunningWork {
   const char* kind = "";  ///< "opening"
@@ -135,6 +137,9 @@ bool draw_picture_options(const Theme& theme, PictureOptions& options);
 
 /// What the overlay's colours mean, as a bar with figures.
 void draw_colouring_legend(const UiContext& ui, Colouring colouring);
+/// The bar of a legend that has a scale, and under it its figures in `colour`.
+void draw_legend_scale(ImDrawList& draw, const Theme& theme, const Legend& legend, ImVec2 at, float width_px,
+                       ImU32 colour);
 
 /// The whole window, inside an ImGui frame.
 void draw_interface(const UiContext& ui, Outbox& out);
@@ -144,6 +149,8 @@ void begin_region(const char* name, const RectPx& rect, ImU32 colour, float padd
 void end_region();
 /// The line at the window's foot, in the small font; gives the y of its text. end_status_line() follows.
 float begin_status_line(const UiContext& ui);
+/// A warning that the status line does not hold: all of it, in lines above the line.
+void draw_tall_message(const UiContext& ui, const std::string& message);
 void end_status_line();
 
 }  // namespace homolog

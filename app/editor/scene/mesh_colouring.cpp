@@ -238,7 +238,7 @@ Legend legend_of_colours(const Document& document, Colouring colouring) {
     case Colouring::moved:
       return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(document)), rising(), {}};
     case Colouring::stiffness:
-      return {"0", "", figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising(), {}};
+      return {"0 soft", "", "stiff " + figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising(), {}};
     case Colouring::regions: {
       Legend legend{"", "", "", {no_region}, {"no region"}};
       for (const Region& region : document.regions->list) {
@@ -262,6 +262,19 @@ Legend legend_of_colours(const Document& document, Colouring colouring) {
 }
 
 }  // namespace
+
+const char* colouring_title(Colouring colouring) {
+  static constexpr std::array titles{"Hue of the vertex",
+                                     "Stretch of edges",
+                                     "Moved",
+                                     "Stiffness",
+                                     "Regions",
+                                     "Shape of triangles",
+                                     "Known",
+                                     "Doubt",
+                                     "Confidence of the snap"};
+  return titles[static_cast<std::size_t>(colouring)];
+}
 
 Legend colouring_legend(const Document& document, Colouring colouring) {
   Legend legend = legend_of_colours(document, colouring);

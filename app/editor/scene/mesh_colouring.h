@@ -33,5 +33,7 @@ struct Legend {
 /// Of the mesh where the scan lacks it: much of this grey, and some of the colouring.
 inline constexpr Rgb outlier_grey{0.42f, 0.43f, 0.46f};
 Legend colouring_legend(const Document& document, Colouring colouring);
+/// "Stiffness", as a legend in a view is titled.
+const char* colouring_title(Colouring colouring);
 
 }  // namespace homolog

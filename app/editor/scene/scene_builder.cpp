@@ -1,6 +1,9 @@
 #include "app/editor/scene/scene_builder.h"
 
+#include <algorithm>
+
 #include "app/editor/scene/mesh_colouring.h"
+#include "render/label_colours.h"
 
 namespace homolog {
 
@@ -8,6 +11,7 @@ namespace {
 
 /// The stages before the last have far more vertices than can be told apart; the finished mesh shows its edges.
 constexpr Eigen::Index wireframe_below = 12000;
+constexpr float label_opacity = 0.35f;  // of a label's surface: the mesh is compared with it
 
 }  // namespace
 
@@ -19,6 +23,7 @@ void SceneBuilder::update(const Input& input) {
     ++points_revision_;
     ++colours_revision_;
   }
+  update_label_surface(input);
   if (document.the_template != reference_) {
     reference_ = document.the_template;
     hues_ = reference_ ? vertex_hues(*reference_->topology) : std::vector<float>();
@@ -77,6 +82,17 @@ void SceneBuilder::update_mesh(const Input& input) {
   ++colours_revision_;
 }
 
+void SceneBuilder::update_label_surface(const Input& input) {
+  if (input.label_surface == label_surface_) return;
+  label_surface_ = input.label_surface;
+  label_points_.reset();
+  label_colours_.reset();
+  if (!label_surface_) return;
+  label_points_ = std::make_shared<const Points>(label_surface_->points);
+  label_colours_ = std::make_shared<const std::vector<Rgb>>(static_cast<std::size_t>(label_points_->rows()),
+                                                            label_colour(std::max(input.label, 1)));
+}
+
 void SceneBuilder::update_glyphs(const Input& input) {
   if (!input.state.preferences.show.glyphs || glyph_spacing_mm_ == input.state.glyph_spacing_mm) return;
   glyph_spacing_mm_ = input.state.glyph_spacing_mm;
@@ -124,6 +140,15 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     mesh.wireframe = show.wireframe;
     mesh.saturated_outline = false;
     scene.meshes.push_back(std::move(mesh));
+  }
+  if (label_surface_ && kind == ViewKind::space && !making_) {
+    MeshLayer label;
+    label.topology = label_surface_->topology;
+    label.points = label_points_;
+    label.colours = label_colours_;
+    label.outline = false;
+    label.surface_opacity = label_opacity;
+    scene.meshes.push_back(std::move(label));
   }
   scene.glyphs = glyph_layer(input);
   if (kind == ViewKind::space) {

@@ -21,6 +21,8 @@ class SceneBuilder {
     std::shared_ptr<const Volume> labels;
     std::shared_ptr<const Mesh> making;  ///< a template being made, shown in place of the case's mesh; null: none
     std::shared_ptr<Outlines> outlines;  ///< shared with who points at them; null: none are kept
+    std::shared_ptr<const Mesh> label_surface = nullptr;  ///< of the overlay, shown in 3D; null: none
+    int label = 0;                                        ///< whose surface that is
   };
 
   /// Takes in a new moment; cheap where nothing changed.
@@ -31,6 +33,7 @@ class SceneBuilder {
  private:
   void update_mesh(const Input& input);
   void update_glyphs(const Input& input);
+  void update_label_surface(const Input& input);
   GlyphLayer glyph_layer(const Input& input) const;
 
   std::shared_ptr<const Template> reference_;
@@ -48,6 +51,9 @@ class SceneBuilder {
   bool stopped_ = false;
   std::shared_ptr<const Mesh> making_;
   std::shared_ptr<const Points> making_points_;
+  std::shared_ptr<const Mesh> label_surface_;
+  std::shared_ptr<const Points> label_points_;
+  std::shared_ptr<const std::vector<Rgb>> label_colours_;
   std::vector<std::int32_t> glyphs_;
   double glyph_spacing_mm_ = 0;
 };

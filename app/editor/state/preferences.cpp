@@ -25,6 +25,7 @@ void each_entry(Value& p, Visit visit) {
   visit("show_surface", p.show.surface);
   visit("show_planes", p.show.planes);
   visit("plane_look", p.show.plane_look);
+  visit("show_label_surface", p.show.label_surface);
   visit("linked_zoom", p.linked_zoom);
   visit("light", p.light);
   visit("show_glyphs", p.show.glyphs);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numbers>
 #include <tuple>
 
@@ -129,6 +130,8 @@ void show_document(EditorState& state, const Document& document, const Layout& l
   state.ruler.reset();
   state.panel_edit.reset();
   state.said_in.reset();
+  state.intersecting_before.reset();
+  state.intersecting_at_rest = std::numeric_limits<std::size_t>::max();  // not known yet
   state.renaming.reset();
   state.shown_frame.reset();
   state.playing = false;
@@ -138,12 +141,28 @@ void show_document(EditorState& state, const Document& document, const Layout& l
     state.crosshair_mm = bounds_of(*document.shape().points).center();
     state.wheel_sigma_mm.reset();
     state.sigma_presets_mm = default_sigmas_mm(*document.shape().reference);
+    follow_organ(state, bounds_of(*document.shape().reference).diagonal().norm());
     state.landmark = next_unplaced_landmark(document);
   } else {
     state.crosshair_mm = geometry_of(document).bounds_mm().center();
   }
   settle_crosshair(state, document);
   show_all(state, document, layout);
+}
+
+void follow_organ(EditorState& state, double diagonal_mm) {
+  constexpr double much = 1.5, glyph_share = 1.0 / 12, brush_share = 0.08;
+  if (!(diagonal_mm > 0)) return;
+  const bool alike = diagonal_mm < much * state.organ_mm && state.organ_mm < much * diagonal_mm;
+  state.organ_mm = diagonal_mm;
+  if (alike) return;
+  // Two digits, as a person would choose them.
+  const auto rounded = [](double mm) {
+    const double unit = std::pow(10, std::floor(std::log10(mm)) - 1);
+    return std::round(mm / unit) * unit;
+  };
+  state.glyph_spacing_mm = rounded(glyph_share * diagonal_mm);
+  state.brush.radius_mm = rounded(brush_share * diagonal_mm);
 }
 
 void look_at_mesh(EditorState& state, const Points& points) {
@@ -214,7 +233,7 @@ void look_at_step(EditorState& state) {
 }
 
 void look_closely(EditorState& state, const Mesh& mesh, std::int32_t vertex) {
-  constexpr double near_mm = 150;
+  const double near_mm = 1.2 * bounds_of(mesh.points).diagonal().norm();
   const Vec3 at = mesh.points.row(vertex);
   state.crosshair_mm = state.camera.target = at;
   state.camera.distance_mm = std::min(state.camera.distance_mm, near_mm);

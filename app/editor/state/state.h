@@ -43,6 +43,7 @@ enum class PlaneLook { translucent, behind, solid };
 struct ShownParts {
   bool outline = true, surface = true, planes = true, glyphs = false, wireframe = false, crosshair = true,
        letters = true;
+  bool label_surface = false;  ///< of the label in hand, smooth and seen through, in the 3D view
   PlaneLook plane_look = PlaneLook::translucent;
   bool operator==(const ShownParts&) const = default;
 };
@@ -51,7 +52,7 @@ struct ShownParts {
 enum class BrushPaints { factor, region, smooth, fill };
 
 struct BrushSettings {
-  double radius_mm = 10;
+  double radius_mm = 10;  ///< of an organ as large as a kidney; see follow_organ()
   BrushPaints paints = BrushPaints::factor;
   std::string region;   ///< that is painted or filled; the first one where there is none of that name
   bool erases = false;  ///< takes vertices out of their region instead
@@ -207,10 +208,13 @@ struct EditorState {
   std::shared_ptr<const VertexScalars> confidence;  ///< of it, while the mesh is as it left it; else null
   Colouring colouring = Colouring::vertex_hue;      ///< that was chosen; never confidence
   bool shows_confidence = true;                     ///< instead of it, while there is one
-  double glyph_spacing_mm = 12;
+  double organ_mm = 125;                            ///< the diagonal of the organ that sizes in mm were last chosen for
+  double glyph_spacing_mm = 10.5;
   std::vector<Finding> unclear_edges;    ///< of `confidence`
   std::optional<ShownFinding> finding;   ///< that is looked at
   std::size_t intersecting_at_rest = 0;  ///< pairs of faces, before a drag
+  /// How many there were before an edit took the surface through itself; none where there are no more than that.
+  std::optional<std::size_t> intersecting_before;
 
   std::optional<Hover> hover;
   LastPress last_press;
@@ -260,6 +264,9 @@ std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document&
 /// Shows a case from the start: cross-hair in the middle of the mesh (or volume), everything in view, σ presets from
 /// the size of the placed reference; window from the volume, or as it was on the same image.
 void show_document(EditorState& state, const Document& document, const Layout& layout, bool same_image = false);
+/// Glyphs and the brush get sizes for an organ of another size than they had; for one that is about as large they keep
+/// what a person chose. `diagonal_mm`: of its bounding box.
+void follow_organ(EditorState& state, double diagonal_mm);
 /// Brings the slices to the guide's step, where there is one to do.
 void look_at_step(EditorState& state);
 /// Brings the cross-hair, the middle of every slice view and the 3D view close to a point of the mesh, seen from

@@ -95,6 +95,16 @@ std::string doubt_of(const EditorState& state, const Document& shown) {
   return "Frame " + std::to_string(shown.frame) + " " + here->second.doubt + ".";
 }
 
+/// That an edit took a wall of the mesh through another one; empty where none did, and when a person
+/// has gone on to something else.
+std::string through_itself(const EditorState& state, const Document& shown) {
+  const bool news = state.intersecting_before && state.said_in == situation_of(state, shown);
+  if (!news || state.drag || state.playing) return {};
+  return "The surface passes through itself (" + std::to_string(state.intersecting_at_rest) +
+         (state.intersecting_at_rest == 1 ? " pair" : " pairs") +
+         " of triangles). J leads there, Ctrl+Z takes it back.";
+}
+
 }  // namespace
 
 std::string why_no_mesh(const Document& shown) {
@@ -109,10 +119,12 @@ Status status_of(const EditorState& state, const Snapshot& snapshot, const Docum
   if (snapshot.preview) {
     if (snapshot.preview->stopped_by_guard) return {"Stopped: the surface would fold if you dragged farther.", true};
     if (!snapshot.preview->message.empty()) return {snapshot.preview->message};
+  } else if (std::string through = making_shown ? "" : through_itself(state, shown); !through.empty()) {
+    return {std::move(through), true};
   } else if (!snapshot.message.empty() && state.said_in == situation_of(state, shown)) {
     return {snapshot.message};
   }
-  // The panel says it too, but perhaps out of sight.
+  // The panel says both too, but perhaps out of sight.
   if (std::string doubt = making_shown ? "" : doubt_of(state, shown); !doubt.empty()) return {std::move(doubt), true};
   return {hint(state, shown, making_shown)};
 }

@@ -117,8 +117,9 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
     const double reach_mm = is_brush(state.tool) ? std::max(pick_mm, state.brush.radius_mm) : pick_mm;
     hover.on_mesh = mesh_at(state, context, map, x_px, y_px, reach_mm);
     if (!map.is_slice()) hover.p_mm = hover.on_mesh;
+    constexpr double landmark_share = 0.012;  // of the organ: how thick a placed landmark is
     const double slice_reach_mm =
-        0.75 * slice_step_mm(geometry_of(context.document), map.into_screen()) + landmark_radius_mm;
+        0.75 * slice_step_mm(geometry_of(context.document), map.into_screen()) + landmark_share * state.organ_mm;
     hover.landmark =
         landmark_at(map, context.document.shape().landmarks, x_px, y_px, slice_reach_mm, context.layout.scale);
     if (state.tool == MouseTool::place)

@@ -11,6 +11,7 @@
 #include "app/editor/update/shown_case.h"
 #include "app/editor/work/exports.h"
 #include "app/editor/work/fitter.h"
+#include "app/editor/work/label_surfaces.h"
 #include "app/editor/work/models/model_help.h"
 #include "app/editor/work/models/study_appearance.h"
 #include "app/editor/work/models/study_optimiser.h"
@@ -47,6 +48,7 @@ struct Work {
   Propagator propagator;
   Snaps snaps;
   TemplateMaker template_maker;
+  LabelSurfaces label_surfaces;
   StudyAppearance study_appearance;
   StudyOptimiser study_optimiser;
   ModelHelp model_help;

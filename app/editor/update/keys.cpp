@@ -130,6 +130,7 @@ std::vector<KeyRow> rows_of_case() {
        "slices in 3D: the next look",
        {{'T'}},
        [](const KeyMoment& now) -> Given { return ShowParts{with_next_planes(now.state.preferences.show)}; }},
+      {"U", "the label's surface in 3D", {{'U'}}, toggle_part<&ShownParts::label_surface>},
       {"Shift+A P L R S I", "look from that side", side_chords(),
        [](const KeyMoment& now) -> Given { return LookFromSide{side_of(now.code)}; }},
       {"Enter",

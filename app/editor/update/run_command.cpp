@@ -13,6 +13,7 @@ Work::Work(const std::function<void()>& wake)
       fitter(wake),
       propagator(wake),
       template_maker(wake),
+      label_surfaces(wake),
       study_appearance(wake),
       study_optimiser(wake),
       model_help(wake),
@@ -24,7 +25,7 @@ Work::Work(const std::function<void()>& wake)
 bool Work::busy() const {
   return opener.busy() || imports.busy() || exports.busy() || template_maker.busy() || fitter.busy() ||
          propagator.busy() || observers.busy() || study_appearance.busy() || study_optimiser.busy() ||
-         model_help.busy() || models.busy() || worklist.busy() || snaps.busy();
+         model_help.busy() || label_surfaces.busy() || models.busy() || worklist.busy() || snaps.busy();
 }
 
 void Outbox::apply(Action action, bool joined) {

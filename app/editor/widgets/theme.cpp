@@ -66,8 +66,10 @@ ImFont* add_font(const unsigned char* bytes, std::size_t size, float size_px, co
                                                     &config, ranges);
 }
 
-/// Digits of one width, so that numbers that change do not jitter and columns align.
-void make_digits_tabular(ImFont& font) {
+/// A copy of a font, on the same texture, whose digits have one width. The atlas owns it.
+ImFont* with_digits_of_one_width(const ImFont& proportional) {
+  ImFont& font = *IM_NEW(ImFont)(proportional);
+  ImGui::GetIO().Fonts->Fonts.push_back(&font);
   float widest = 0;
   for (ImWchar digit = '0'; digit <= '9'; ++digit) widest = std::max(widest, font.FindGlyph(digit)->AdvanceX);
   for (ImWchar digit = '0'; digit <= '9'; ++digit) {
@@ -78,6 +80,7 @@ void make_digits_tabular(ImFont& font) {
     glyph.AdvanceX = widest;
   }
   font.BuildLookupTable();
+  return &font;
 }
 
 void set_style(float scale) {
@@ -201,7 +204,9 @@ Theme make_theme(float scale, const std::set<unsigned>& letters, bool light) {
   theme.small = with_icons(font_inter_regular, font_inter_regular_size, 14);
   theme.icons = add_font(font_fork_awesome, font_fork_awesome_size, theme.px(20), icon_ranges);
   atlas.Build();
-  for (ImFont* font : {theme.body, theme.strong, theme.small}) make_digits_tabular(*font);
+  std::size_t k = 0;
+  for (const ImFont* font : {theme.body, theme.strong, theme.small})
+    theme.with_even_digits[k++] = with_digits_of_one_width(*font);
   set_style(scale);
   return theme;
 }

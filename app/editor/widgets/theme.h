@@ -2,6 +2,8 @@
 
 #include <imgui.h>
 
+#include <array>
+#include <cstddef>
 #include <set>
 
 #include "app/editor/state/view_colours.h"
@@ -15,6 +17,16 @@ struct Theme {
   ImFont* strong = nullptr;  ///< Inter SemiBold
   ImFont* small = nullptr;   ///< Inter Regular, for captions
   ImFont* icons = nullptr;   ///< Fork Awesome, for the tool strip
+  /// The first three with digits of one width, so that numbers that change do not jitter and columns align. Names are
+  /// written without: a "1" would stand apart.
+  std::array<ImFont*, 3> with_even_digits{};
+
+  /// The one of `font` that has digits of one width; `font` itself where there is none.
+  ImFont* even_digits(ImFont* font) const {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (font == std::array{body, strong, small}[k] && with_even_digits[k] != nullptr) return with_even_digits[k];
+    return font;
+  }
 
   /// Layout units (a grid of 4) to px.
   float px(float units) const { return static_cast<float>(static_cast<int>(units * scale + 0.5f)); }

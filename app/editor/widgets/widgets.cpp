@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "app/editor/widgets/drawn_items.h"
 #include "app/editor/widgets/icons.h"
@@ -330,7 +331,27 @@ bool field_left() {
   return ImGui::IsItemDeactivatedAfterEdit();
 }
 
+namespace {
+
+/// Whether a text is of numbers and units: a name has letters at its digits, and is written as names are.
+bool is_of_numbers(const std::string& text) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  bool any = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (!is_digit(text[i])) continue;
+    any = true;
+    const std::size_t next = i + 1 < text.size() && text[i + 1] == '.' ? i + 2 : i + 1;
+    if ((i > 0 && is_letter(text[i - 1])) || (next < text.size() && is_letter(text[next]))) return false;
+  }
+  return any;
+}
+
+}  // namespace
+
 void figure(const Theme& theme, const char* label, const std::string& value, const std::string& tip, ImU32 colour) {
+  std::optional<EvenDigits> digits;
+  if (is_of_numbers(value)) digits.emplace(theme);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = available(), row = theme.px(20);
   // Where the label leaves too little room the value has a row of its own.
@@ -375,6 +396,27 @@ void caption(const Theme& theme, const char* text) {
   ImGui::PushFont(theme.small);
   text_line(text, palette::dim);
   ImGui::PopFont();
+}
+
+void slider_ends(const Theme& theme, const char* low, const char* high) {
+  // As slider() lies: between its label and its number.
+  ImGui::PushFont(theme.small);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float width = available(), height = ImGui::GetFontSize() + theme.px(2);
+  const float left = std::min(static_cast<float>(theme.px(label_units)), std::floor(0.4f * width));
+  const float right = width - theme.px(value_units) - theme.px(8);
+  const float y = at.y - theme.px(6);
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  text_at(draw, {at.x + left, y}, palette::dim, low);
+  text_at(draw, {at.x + right - ImGui::CalcTextSize(high).x, y}, palette::dim, high);
+  ImGui::PopFont();
+  ImGui::Dummy({width, height - theme.px(6)});
+}
+
+void colour_swatch(ImDrawList& draw, const Theme& theme, ImVec2 low, float side_px, ImU32 colour) {
+  const ImVec2 high{low.x + side_px, low.y + side_px};
+  draw.AddRectFilled(low, high, colour, theme.px(2));
+  draw.AddRect(low, high, palette::faint, theme.px(2), 0, std::max(theme.scale, 1.0f));
 }
 
 void rule(const Theme& theme) {

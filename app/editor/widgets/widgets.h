@@ -94,9 +94,9 @@ struct AreaOptions {
 /// A place that takes clicks and is drawn by who asks for it: a row of a list, a surface to turn.
 AreaState area(const Theme& theme, const std::string& name, ImVec2 size, const std::string& tip = {},
                const AreaOptions& options = {});
-/// A row of a list with its text, `indent_px` from its left.
+/// A row of a list with its text, `indent_px` from its left; `names` are the texts of all rows [shortened_among].
 AreaState list_row(const Theme& theme, const std::string& text, bool selected, ImVec2 size, const std::string& tip = {},
-                   float indent_px = 0);
+                   float indent_px = 0, const std::vector<std::string>& names = {});
 
 /// A list of commands over the window: open_menu() when its button is pressed, begin_menu() and, where that is true,
 /// its items and end_menu().
@@ -114,6 +114,10 @@ bool figure_link(const Theme& theme, const char* label, const std::string& value
 /// A paragraph in dim text.
 void explanation(const Theme& theme, const std::string& text);
 void caption(const Theme& theme, const char* text);
+/// Under a slider: what its two ends mean, in small dim text.
+void slider_ends(const Theme& theme, const char* low, const char* high);
+/// A square of a colour with a rim, so that white is seen on a light ground and black on a dark one.
+void colour_swatch(ImDrawList& draw, const Theme& theme, ImVec2 low, float side_px, ImU32 colour);
 void rule(const Theme& theme);
 void gap(const Theme& theme, float units);
 /// A bar that fills as work goes on, as wide as there is room.
@@ -128,6 +132,14 @@ struct WorkShown {
 /// The room below a button that starts work: two lines of text while it rests, else how far it is, with a button that
 /// cancels it; true where that was pressed. Always of the same height, so that nothing moves under the pointer.
 bool work_area(const Theme& theme, const std::string& at_rest, const std::optional<WorkShown>& running);
+/// While it lives, digits of the font that is in use have one width: for numbers that change or stand in columns.
+class EvenDigits {
+ public:
+  explicit EvenDigits(const Theme& theme) { ImGui::PushFont(theme.even_digits(ImGui::GetFont())); }
+  ~EvenDigits() { ImGui::PopFont(); }
+  EvenDigits(const EvenDigits&) = delete;
+  EvenDigits& operator=(const EvenDigits&) = delete;
+};
 
 ImVec2 text_size(ImFont* font, const std::string& text);
 /// Text at a px of the window in the font that is pushed, or in another; beyond `wrap_px` it goes on in the next line.
@@ -146,8 +158,12 @@ std::string in_lines(ImFont* font, const std::string& text, float width_px);
 /// The text with its middle left out where it is wider; nothing where not even the dots fit.
 std::string shortened(const std::string& text, float width_px);
 
-/// The same for one of several names: where shortened() would make others look like it, what tells them apart stays,
-/// and what they share is left out.
+/// As many whole sentences from the beginning as fit; where not one does, the first without its middle.
+std::string whole_sentences(const std::string& text, float width_px);
+
+/// As shortened() for one of several names, so that it is not taken for another: its words are cut short ("body ant.
+/// sup.") where each is still known among the others; else what it shares with them is left out. Numbers stay whole
+/// where there is room for them.
 std::string shortened_among(const std::string& name, const std::vector<std::string>& names, float width_px);
 
 /// printf into a string.

@@ -35,7 +35,7 @@ AreaState area(const Theme& theme, const std::string& name, ImVec2 size, const s
 }
 
 AreaState list_row(const Theme& theme, const std::string& text, bool selected, ImVec2 size, const std::string& tip,
-                   float indent_px) {
+                   float indent_px, const std::vector<std::string>& names) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::PushID(text.c_str());
   // What is chosen is told from what is pointed at.
@@ -51,7 +51,7 @@ AreaState list_row(const Theme& theme, const std::string& text, bool selected, I
   note_control(Kind::row, text, selected ? "on" : "off", tip);
   const float height = size.y > 0 ? size.y : ImGui::GetTextLineHeight();
   const float room = (size.x > 0 ? size.x : ImGui::GetContentRegionAvail().x) - indent_px - theme.px(8);
-  const std::string shown = shortened(text, room);
+  const std::string shown = shortened_among(text, names, room);
   const std::string said = shown == text ? tip : tip.empty() ? text : text + "\n" + tip;
   if (!said.empty() && is_explained()) tooltip(theme, said);
   text_at(*ImGui::GetWindowDrawList(), {at.x + indent_px + theme.px(4), at.y + (height - ImGui::GetFontSize()) / 2},
@@ -68,8 +68,8 @@ std::string swatch_room(const Theme& theme) {
 }
 
 void draw_swatch(const Theme& theme, ImDrawList& draw, ImVec2 low, float height, ImU32 colour) {
-  const float side = theme.px(10), y = std::floor(low.y + (height - side) / 2);
-  draw.AddRectFilled({low.x, y}, {low.x + side, y + side}, colour, theme.px(2));
+  const float side = theme.px(10);
+  colour_swatch(draw, theme, {low.x, std::floor(low.y + (height - side) / 2)}, side, colour);
 }
 
 }  // namespace
@@ -112,7 +112,7 @@ bool combo(const Theme& theme, const char* name, const std::vector<std::string>&
   const bool coloured = swatches.size() == options.size() && !options.empty();
   const std::string room = coloured ? swatch_room(theme) : std::string();
   const float room_px = coloured ? ImGui::CalcTextSize(room.c_str()).x : 0;
-  const std::string fitting = shortened(shown, width - arrow - 2 * side - room_px);
+  const std::string fitting = shortened_among(shown, options, width - arrow - 2 * side - room_px);
   look_for_letters(shown);
   ImDrawList& below = *ImGui::GetWindowDrawList();
   const ImGuiID id = ImGui::GetID("##list");
@@ -132,7 +132,7 @@ bool combo(const Theme& theme, const char* name, const std::vector<std::string>&
       if (!is_searched(options[i])) continue;
       any = true;
       const bool now = static_cast<int>(i) == chosen;
-      const std::string row = shortened(options[i], width - 2 * side - room_px);
+      const std::string row = shortened_among(options[i], options, width - 2 * side - room_px);
       look_for_letters(options[i]);
       const ImVec2 row_at = ImGui::GetCursorScreenPos();
       if (ImGui::Selectable((room + row + "###" + std::to_string(i)).c_str(), now) && !now) {

@@ -35,6 +35,8 @@ Result<void> write_captions(Picture& picture, const std::vector<PictureCaption>&
   const auto width = static_cast<float>(picture.width), height = static_cast<float>(picture.height);
   float narrowest = width;
   for (const PictureCaption& caption : captions) narrowest = std::min(narrowest, caption.rect.width);
+  std::vector<std::string> names;
+  for (const PictureCaption& caption : captions) names.push_back(caption.name);
   const Theme theme = make_theme(caption_scale(width, narrowest));
   auto framebuffer = Framebuffer::make(picture.width, picture.height, 1);
   if (!framebuffer) return fail(framebuffer.error());
@@ -47,7 +49,7 @@ Result<void> write_captions(Picture& picture, const std::vector<PictureCaption>&
   ImGui::NewFrame();
   use_palette(false, light);
   for (const PictureCaption& caption : captions) {
-    draw_cell_name(*ImGui::GetBackgroundDrawList(), theme, caption.rect, caption.name);
+    draw_cell_name(*ImGui::GetBackgroundDrawList(), theme, caption.rect, caption.name, names);
     if (caption.mm_per_px > 0) draw_cell_scale(*ImGui::GetBackgroundDrawList(), theme, caption.rect, caption.mm_per_px);
   }
   use_palette(false);

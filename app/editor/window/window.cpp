@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/window/editor.h"
 #include "app/editor/window/editor_app.h"
+#include "app/editor/window/frame_rate.h"
 #include "app/editor/window/input_router.h"
 
 namespace homolog {
@@ -206,19 +208,29 @@ bool draw_frame(Window& window, int width, int height, double frames_per_second,
   return false;
 }
 
+/// The sooner of a wait and of a time on the window's clock, as a wait in seconds; nothing where neither is given.
+std::optional<double> sooner(std::optional<double> wait, std::optional<double> at) {
+  if (!at) return wait;
+  const double until = std::max(*at - glfwGetTime(), 0.0) + 1e-3;
+  return std::min(wait.value_or(until), until);
+}
+
 /// Draws when there is something new, at most once in a display's period; sleeps otherwise.
 bool run_loop(Window& window) {
   const double period = display_period_seconds();
-  double drawn_at = 0, smoothed_period = 0;
+  double drawn_at = 0;
+  FrameRate rate;
   int failed_in_a_row = 0;
   while (!window.app->wants_to_quit()) {
     if (window.frames_due == 0) keep_preferences(window);
     if (window.frames_due > 0)
       glfwPollEvents();
-    else if (const auto wait = window.app->next_move_seconds(glfwGetTime()))
+    else if (const auto wait = sooner(window.app->next_move_seconds(glfwGetTime()), rate.ends_at()))
       glfwWaitEventsTimeout(std::max(*wait, period));
     else
       glfwWaitEvents();
+    // The rate that the last picture speaks of is over.
+    if (window.frames_due == 0 && rate.ends_at() && glfwGetTime() > *rate.ends_at()) window.frames_due = 1;
     if (glfwWindowShouldClose(window.handle)) {
       glfwSetWindowShouldClose(window.handle, GLFW_FALSE);
       window.app->ask_to_quit();
@@ -240,15 +252,13 @@ bool run_loop(Window& window) {
       window.app->update(glfwGetTime());
     }
     const double now = glfwGetTime();
-    const bool steady = now - drawn_at < 0.25;
-    smoothed_period = steady && smoothed_period > 0 ? 0.9 * smoothed_period + 0.1 * (now - drawn_at) : now - drawn_at;
     drawn_at = now;
     --window.frames_due;
 
     int width = 0, height = 0;
     glfwGetFramebufferSize(window.handle, &width, &height);
     if (width == 0 || height == 0) continue;
-    if (!draw_frame(window, width, height, steady ? 1 / smoothed_period : 0, failed_in_a_row)) return false;
+    if (!draw_frame(window, width, height, rate.drawn(now), failed_in_a_row)) return false;
   }
   return true;
 }

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include "core/mesh/icosphere.h"
+#include "render/label_colours.h"
 #include "tests/ball.h"
 
 namespace homolog {
@@ -26,6 +28,46 @@ TEST_CASE("the overlay known follows the frame also where two frames share their
   const auto decided = colours_of(0), open = colours_of(1);
   CHECK(decided != open);
   CHECK(colours_of(0) == decided);
+}
+
+TEST_CASE("the surface of a label is seen through in the 3D view and in no slice") {
+  const auto document = std::make_shared<const Document>(ball_document(40, 2));
+  EditorState state;
+  const std::optional<EditReport> no_preview;
+  SceneBuilder builder;
+  const auto surface = std::make_shared<const Mesh>(icosphere(3, 42));
+  SceneBuilder::Input input{state, document, no_preview, nullptr, nullptr, nullptr, surface, 3};
+  builder.update(input);
+  const Scene space = builder.scene(input, ViewKind::space);
+  REQUIRE(space.meshes.size() == 2);
+  CHECK(space.meshes[1].topology == surface->topology);
+  CHECK(space.meshes[1].surface_opacity < 0.6f);
+  CHECK(space.meshes[1].colours->front() == label_colour(3));
+  CHECK(space.meshes[1].points == builder.scene(input, ViewKind::space).meshes[1].points);  // uploaded once
+  CHECK(builder.scene(input, ViewKind::axial).meshes.size() == 1);
+  input.label_surface = nullptr;
+  builder.update(input);
+  CHECK(builder.scene(input, ViewKind::space).meshes.size() == 1);
+}
+
+TEST_CASE("glyphs are as large as the organ asks for") {
+  for (const double radius_mm : {10.0, 125.0}) {
+    const auto document = std::make_shared<const Document>(ball_document(radius_mm, 3));
+    EditorState state;
+    show_document(state, *document, {});
+    state.preferences.show.glyphs = true;
+    const std::optional<EditReport> no_preview;
+    SceneBuilder builder;
+    const SceneBuilder::Input input{state, document, no_preview, nullptr, nullptr, nullptr};
+    builder.update(input);
+    const Scene scene = builder.scene(input, ViewKind::space);
+    CHECK(scene.glyphs.glyphs.size() > 20);
+    CHECK(scene.glyphs.glyphs.size() < 300);
+    for (const auto& glyph : scene.glyphs.glyphs) {
+      CHECK(static_cast<double>(glyph.radius_mm) > 0.02 * radius_mm);
+      CHECK(static_cast<double>(glyph.radius_mm) < 0.06 * radius_mm);
+    }
+  }
 }
 
 }  // namespace homolog

@@ -78,6 +78,20 @@ TEST_CASE("a wall that is pulled through the opposite one is said at the pointer
   CHECK(note(driver, through) == nullptr);
 }
 
+TEST_CASE("a wall that was left beyond the opposite one is said after the pull until it is taken back") {
+  Driver driver(disc_document(), {1600, 1000, 1});
+  driver.settle();
+  const std::string said = "The surface passes through itself (";
+  CHECK_FALSE(driver.shows(said));
+  pull_wall(driver, {22}, [](double) {});
+  driver.button(MouseButton::left, false);
+  driver.settle();
+  CHECK(driver.shows(said));
+  driver.app().send(ApplyEdit{Undo{}});
+  driver.settle();
+  CHECK_FALSE(driver.shows(said));
+}
+
 TEST_CASE("what is said of a pull stays within its view where the pointer is at its edge") {
   for (const auto& [width, height] : {std::pair(1280, 800), std::pair(800, 600)}) {
     Driver driver(disc_document(), {width, height, 1});

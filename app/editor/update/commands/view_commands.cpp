@@ -39,6 +39,7 @@ void ShowParts::spell(Fields& line) {
   line.member("wireframe", parts.wireframe);
   line.member("crosshair", parts.crosshair);
   line.member("letters", parts.letters);
+  line.optional("label_surface", parts.label_surface, parts.label_surface);
   int look = static_cast<int>(parts.plane_look);
   line.optional("plane_look", look, parts.plane_look != PlaneLook::translucent);
   if (line.reads()) parts.plane_look = static_cast<PlaneLook>(std::clamp(look, 0, 2));

@@ -247,8 +247,10 @@ void add_tube_options(CLI::App& verb, TemplateJob& options) {
       ->check(CLI::Range(6, 1000))
       ->needs(tube_flag)
       ->capture_default_str();
-  verb.add_option("--axis", options.axis, "X,Y,Z direction from the base to the apex (LPS); else the slices' normal where slices are thick, or the "
-                  "label's main axis")
+  verb.add_option(
+          "--axis", options.axis,
+          "X,Y,Z direction from the base to the apex (LPS); else the slices' normal where slices are thick, or the "
+          "label's main axis")
       ->delimiter(',')
       ->expected(3)
       ->needs(tube_flag);

@@ -16,7 +16,8 @@ constexpr double softest_edges = 1.5;
 constexpr double softest_edges_learned = 3;  ///< a case done before differs less: the shape is trusted more
 constexpr double last_reach_share = 0.3;     ///< of the reach at the last step
 constexpr double least_seen_share = 0.1;
-constexpr double least_clear = 0.15, clear_enough = 0.5;  ///< confidence of an edge that is none, and of one that counts
+constexpr double least_clear = 0.15,
+                 clear_enough = 0.5;      ///< confidence of an edge that is none, and of one that counts
 constexpr double most_beyond_others = 3;  ///< times as clear as those around it counts an edge at most
 constexpr double pin_slope = 0.7;         ///< a mm away from a pin the boundary may lie so far off the mesh
 constexpr double pin_tolerance_mm = 2;
@@ -45,7 +46,8 @@ VertexScalars supported(const Topology& topology, const VertexScalars& clearness
     const auto ring = topology.one_ring(i);
     double around = 0;
     for (const std::int32_t j : ring) around += clear[j];
-    counts[i] = std::min(clear[i], most_beyond_others * around / static_cast<double>(std::max<std::size_t>(1, ring.size())));
+    counts[i] =
+        std::min(clear[i], most_beyond_others * around / static_cast<double>(std::max<std::size_t>(1, ring.size())));
   }
   return counts;
 }
@@ -67,9 +69,14 @@ class Snapping {
         start_(start),
         options_(options),
         edges_(image, frame, start.mesh, options.edges),
-        shape_{start.mesh, start.rest.size() > 0 ? start.rest : start.mesh.points, {}, {},
-               start.stiffness / start.stiffness.mean(), {}, start.pins} {
-    shape_.refit();
+        shape_{start.mesh,
+               start.rest.size() > 0 ? start.rest : start.mesh.points,
+               {},
+               start.mesh.points,
+               start.stiffness / start.stiffness.mean(),
+               {},
+               start.pins} {
+    if (start.rest.size() > 0) shape_.refit();
     for (Eigen::Index i = 0; i < start.free.size(); ++i)
       if (!(start.free[i] > 0)) shape_.held.push_back(static_cast<std::int32_t>(i));
   }

@@ -98,7 +98,8 @@ Result<SnapEdit> snap_document(const Document& document, const std::optional<Sna
     return fail("", "There is no mesh to snap; load a template first.");
   if (!document.volume) return fail("", "There is no image to snap to; open one first.");
   const Shape& shape = document.shape();
-  SnapStart start{document.mesh(), *shape.placed, *document.stiffness, VertexScalars::Ones(shape.points->rows()), {}, {}};
+  SnapStart start{
+      document.mesh(), *shape.placed, *document.stiffness, VertexScalars::Ones(shape.points->rows()), {}, {}};
   if (shape.unsnapped) start.rest = *shape.unsnapped;
   if (region) {
     const Topology& topology = *document.the_template->topology;
@@ -121,7 +122,8 @@ Result<SnapEdit> snap_document(const Document& document, const std::optional<Sna
   edit.result = std::move(*result);
   edit.result.points = *edit.action.points;
   if (edit.far_landmarks > 0)
-    edit.result.warnings.push_back(counted_words(edit.far_landmarks, "placed landmark") + (edit.far_landmarks == 1 ? " lies" : " lie") +
+    edit.result.warnings.push_back(counted_words(edit.far_landmarks, "placed landmark") +
+                                   (edit.far_landmarks == 1 ? " lies" : " lie") +
                                    " farther from the mesh than a snap looks; bring the mesh there with Grab");
   return edit;
 }

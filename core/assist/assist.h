@@ -30,9 +30,9 @@ struct SnapArea {
 
 struct SnapEdit {
   SetPoints action;
-  SnapResult result;   ///< `points` are those that the action gives
-  int landmarks = 0;   ///< placed ones that the mesh was held at
-  int pulls = 0;       ///< strokes since the last fit whose part of the mesh was held
+  SnapResult result;      ///< `points` are those that the action gives
+  int landmarks = 0;      ///< placed ones that the mesh was held at
+  int pulls = 0;          ///< strokes since the last fit whose part of the mesh was held
   int far_landmarks = 0;  ///< placed ones farther from the mesh than a snap looks; it did not go there
 };
 

@@ -37,7 +37,7 @@ struct Shape {
   /// P without what snaps moved since the last fit: the shape that a snap keeps to, so that snaps do not add up. Null:
   /// P itself.
   std::shared_ptr<const Points> unsnapped;
-  std::shared_ptr<const Points> carried;           ///< P as it came from other frames of a cine; null: it did not
+  std::shared_ptr<const Points> carried;          ///< P as it came from other frames of a cine; null: it did not
   std::string doubt;                              ///< why what was carried here has to be looked at; empty: it need not
   std::shared_ptr<const VertexScalars> doubt_mm;  ///< of the last fit [FitResult::doubt_mm]; null: there is none
   /// Of the last fit, where it was one to an organ that lacks parts: 1 where the scan lacks the vertex's place, else 0

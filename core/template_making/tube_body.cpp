@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "core/base/index.h"
 #include "core/mesh/isosurface.h"
@@ -154,8 +155,7 @@ Result<TubeBody> tube_body(const Volume& united, int label) {
     const Vec3 p = grid.spacing_mm.cwiseProduct(Vec3(i, j, k) - centre);
     spread += p * p.transpose() / count;
   });
-  body.main_axis =
-      (grid.direction * Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(2)).normalized();
+  body.main_axis = (grid.direction * Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(2)).normalized();
   return body;
 }
 
@@ -200,8 +200,8 @@ CentreLine::CentreLine(const LabelBody& region, const Vec3& axis) : axis_(axis) 
 }
 
 Vec3 CentreLine::at(double height_mm) const {
-  const auto above = static_cast<std::size_t>(std::upper_bound(heights_.begin(), heights_.end(), height_mm) -
-                                              heights_.begin());
+  const auto above =
+      static_cast<std::size_t>(std::upper_bound(heights_.begin(), heights_.end(), height_mm) - heights_.begin());
   const std::size_t b = std::min(above, heights_.size() - 1), a = above == 0 ? 0 : above - 1;
   const double length = heights_[b] - heights_[a];
   const double share = length > 0 ? std::clamp((height_mm - heights_[a]) / length, 0.0, 1.0) : 0;
@@ -248,8 +248,8 @@ Overlap overlap_of(const LabelBody& region, const Mesh& mesh) {
     for (int j = 0; j < fine.dims[1]; ++j)
       for (int i = 0; i < fine.dims[0]; ++i, ++v) {
         if (covered[v] == 0) continue;
-        const std::size_t whole = index(i / parts[0]) + index(dims[0]) * (index(j / parts[1]) +
-                                                                          index(dims[1]) * index(k / parts[2]));
+        const std::size_t whole =
+            index(i / parts[0]) + index(dims[0]) * (index(j / parts[1]) + index(dims[1]) * index(k / parts[2]));
         (region.inside[whole] != 0 ? both : mesh_only) += 1;
         if (count[whole] < std::numeric_limits<std::uint16_t>::max()) ++count[whole];
       }

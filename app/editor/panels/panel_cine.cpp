@@ -76,8 +76,9 @@ void draw_propagate(const UiContext& ui, Outbox& out) {
     out.send(CancelPropagation{});
   if (!refusal.empty()) return;
   if (const double missing = missing_share_of(*document.the_template, document.shape()); missing > 0)
-    text_lines(format("The mesh %s, so volumes are too small. Make the template again.", missing_doubt(missing).c_str()),
-               palette::amber);
+    text_lines(
+        format("The mesh %s, so volumes are too small. Make the template again.", missing_doubt(missing).c_str()),
+        palette::amber);
 }
 
 /// Where frames and volumes lie in the plot.

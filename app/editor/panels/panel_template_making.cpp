@@ -56,8 +56,10 @@ void draw_tube_settings(const UiContext& ui, int label, TemplateSettings& settin
   const std::string no_ruler = ui.state.ruler ? "" : "Draw the ruler (D) from the base to the apex first.";
   bool by_ruler = settings.axis_by_ruler;
   if (toggle(theme, "Axis by the ruler", by_ruler,
-             "On: the ruler is the axis, from the base to the apex. Off: the slices' normal where slices are thick, or the "
-             "label's main axis", no_ruler)) {
+             "On: the ruler is the axis, from the base to the apex. Off: the slices' normal where slices are thick, or "
+             "the "
+             "label's main axis",
+             no_ruler)) {
     settings.axis_by_ruler = by_ruler;
     changed = true;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 
 #include "core/case/document.h"
 
@@ -13,8 +14,9 @@ inline void decide(Shape& shape, std::shared_ptr<const VertexScalars> share) {
 
 /// Notes what a stroke has carried: a snap holds it from then on.
 inline void note_pull(Shape& shape, const VertexScalars& share) {
-  const VertexScalars carried = share.cwiseMax(0).cwiseMin(1);
-  shape.pulled = std::make_shared<const VertexScalars>(shape.pulled ? shape.pulled->cwiseMax(carried) : carried);
+  VertexScalars carried = share.cwiseMax(0).cwiseMin(1);
+  if (shape.pulled) carried = carried.cwiseMax(*shape.pulled).eval();
+  shape.pulled = std::make_shared<const VertexScalars>(std::move(carried));
   ++shape.pulls;
 }
 

@@ -30,9 +30,9 @@ double doubt_share(double spread_share, double strain, double roundness,
   return fit_doubt_mm(doubted(), spread, strain, roundness, missing)[0] / std::sqrt(area_mm2);
 }
 
-/// A fit of a plate of 60 × 60 × 2 mm to the same plate `off_mm` above it.
+/// A fit of a plate of 60 × 60 × 6 mm to the same plate `off_mm` above it.
 FitJudgement judged_plate(double off_mm) {
-  const Mesh plate = shapes::box(Vec3(0, 0, 0), Vec3(60, 60, 2));
+  const Mesh plate = shapes::box(Vec3(0, 0, 0), Vec3(60, 60, 6));
   const auto plate_template = make_template({plate.points, plate.topology->triangles()}, "plate").value();
   Mesh above = plate;
   above.points.col(2).array() += off_mm;
@@ -66,10 +66,10 @@ TEST_CASE("what is missing is in doubt by its way to what is there and by the st
 }
 
 TEST_CASE("a fit is doubtful below nine tenths of overlap") {
-  const FitJudgement near = judged_plate(0.16), far = judged_plate(0.24);
-  CHECK(near.agreement.dice == doctest::Approx(0.92).epsilon(0.01));
+  const FitJudgement near = judged_plate(0.5), far = judged_plate(0.75);
+  CHECK(near.agreement.dice == doctest::Approx(22.0 / 24).epsilon(0.01));
   CHECK_FALSE(near.doubtful);
-  CHECK(far.agreement.dice == doctest::Approx(0.88).epsilon(0.01));
+  CHECK(far.agreement.dice == doctest::Approx(21.0 / 24).epsilon(0.01));
   CHECK(far.doubtful);
   CHECK(far.warnings.size() == 1);
 }

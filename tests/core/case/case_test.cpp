@@ -328,7 +328,8 @@ TEST_CASE("a mirrored template lies where the mesh lay as its mirror image and o
   const CaseFolder folder;
   // A template of another scan, as a fit has placed it here: a little turned, and far from its own frame's middle.
   MeshFile far = read_mesh_file(folder.template_path).value();
-  for (auto p : far.points.rowwise()) p = p.cwiseProduct(Eigen::RowVector3d(1, 0.6, 0.8)) + Eigen::RowVector3d(-180, 90, 700);
+  for (auto p : far.points.rowwise())
+    p = p.cwiseProduct(Eigen::RowVector3d(1, 0.6, 0.8)) + Eigen::RowVector3d(-180, 90, 700);
   far.landmarks.clear();
   REQUIRE(write_mesh_file(far, folder.template_path));
   EditSession session = folder.create();

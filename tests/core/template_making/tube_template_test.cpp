@@ -106,15 +106,15 @@ Volume every_second(const Volume& map) {
 TEST_CASE("a tube through thick slices runs along their normal and holds what a dilated label holds") {
   for (const Mat3& direction : {Mat3(Mat3::Identity()), turned(0.8), Mat3(turned(0.8) * Vec3(1, -1, 1).asDiagonal())}) {
     const VolumeGeometry grid = grid_around(Vec3(1.5, 1.5, 8), direction);
-    const Volume map =
-        tube_map(grid, [&](const Vec3& p) { return in_dilated(Vec3(direction.col(0).dot(p), direction.col(1).dot(p), direction.col(2).dot(p))); });
+    const Volume map = tube_map(grid, [&](const Vec3& p) {
+      return in_dilated(Vec3(direction.col(0).dot(p), direction.col(1).dot(p), direction.col(2).dot(p)));
+    });
     const auto made = make_tube_template(map, {});
     REQUIRE(made);
     CHECK(made->axis.dot(direction.col(2)) > 0.9999);
     check_volume(map, *made);
     // Base and apex lie at the outer faces of the end slices.
-    const auto [first, last] =
-        reach_along(tube_body(map, 1).value().region, made->axis);
+    const auto [first, last] = reach_along(tube_body(map, 1).value().region, made->axis);
     const Eigen::VectorXd heights = made->mesh.points * made->axis;
     CHECK(heights.minCoeff() == doctest::Approx(first).epsilon(1e-6));
     CHECK(heights.maxCoeff() == doctest::Approx(last).epsilon(1e-6));

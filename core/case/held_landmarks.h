@@ -8,8 +8,7 @@
 namespace homolog {
 
 // Where the mesh has come to meet a placed landmark, it is held: its triangle there is confirmed, so that strokes leave
-// it. A snap may still move it, because a click is less exact than an image edge. Only in documents that say so
-// (Document::holds_landmarks).
+// it. Only in documents that say so (Document::holds_landmarks).
 
 /// How the mesh lies to one landmark of the template.
 struct LandmarkHold {

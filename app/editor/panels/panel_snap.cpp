@@ -71,7 +71,8 @@ void draw_last_snap(const UiContext& ui, Outbox& out) {
                        tip + ". Click to go to the next one", palette::amber))
     out.send(ShowFinding{FindingKind::unclear});
   figure(theme, "Held", found.held.empty() ? "nothing" : found.held,
-         "Placed landmarks and what was pulled since the last fit stay where you put them. Release lets them go");
+         "Placed landmarks and what was pulled since the last fit stay where you put them. The lock of a landmark, and "
+         "Confirm (C) with Alt, let go");
   figure(theme, "Moved", format("%.1f mm in %.2f s", found.moved_mm, found.seconds),
          "Mean distance that the vertices moved, and how long it took");
 }

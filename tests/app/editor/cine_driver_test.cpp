@@ -141,6 +141,27 @@ TEST_CASE("why a frame is in doubt is said where a person sees it also where the
   CHECK(whole == 1);
 }
 
+TEST_CASE("a cine that starts from a template that lacks a part of its label is in doubt and the panel says why") {
+  Document document = BeatingBall::document();
+  MeshFile file = to_mesh_file(*document.the_template);
+  file.comments.push_back(missing_share_comment(0.21));
+  document.the_template = test::must(make_template(std::move(file), "ball.ply"));
+  Driver driver(std::move(document), {1280, 1400, 1});
+  const char* const why = "comes from a template that lacks 21 % of the label that it was made of";
+  driver.point_at("Cine/Propagate");
+  CHECK(driver.shows(why));
+  driver.click("Cine/Propagate");
+  driver.wait_until("every frame has a mesh", [&] { return all_frames_have_volumes(driver); });
+  driver.settle();
+  CHECK(driver.shows("6 of 6"));
+  CHECK_FALSE(driver.state().volume_curve.ejection);
+  CHECK(driver.document().shapes.at(3).doubt == why);
+  // The mesh is corrected: its frame is in no doubt.
+  driver.app().send(
+      ApplyEdit{points_edit(driver.document(), 0, 1.06 * *driver.document().shapes.at(0).points, by_fit)});
+  driver.wait_until("frame 0 is known", [&] { return driver.shows("5 of 6"); });
+}
+
 TEST_CASE("frames in doubt are shown one after the other and volumes are written") {
   Document document = BeatingBall::document();
   EditSession session(document);

@@ -203,6 +203,23 @@ TEST_CASE("a mirrored template is called so and a saved mirror image is not mirr
   CHECK(driver.document().the_template->points.isApprox(mirrored, 1e-5));
 }
 
+TEST_CASE("the button that mirrors leaves a template of another scan where it lies") {
+  MeshFile file = to_mesh_file(*test::must(load_template("built-in:kidney")));
+  file.points.rowwise() += Eigen::RowVector3d(-180, 60, 900);
+  file.landmarks.clear();
+  Similarity placement;
+  placement.translation = Vec3(170, -50, -880);
+  Driver driver(new_document("", nullptr, test::must(make_template(std::move(file), "own.ply")), placement));
+  const Eigen::RowVector3d before = driver.document().shape().points->colwise().mean();
+  driver.click("side panel/Template");
+  driver.click("Template/Mirror left and right");
+  driver.wait_until("it is mirrored", [&] { return driver.document().the_template->points(0, 0) > 0; });
+  driver.settle();
+  const Points& after = *driver.document().shape().points;
+  CHECK((after.colwise().mean() - before).norm() < 1e-6);
+  CHECK(driver.lines_with("\"keeps\"") == 1);
+}
+
 TEST_CASE("a template that was made of a label on the image stays there and the cine at its frame") {
   const Globe globe;
   Driver driver(globe.on(globe.image("cine.nii", 5)));

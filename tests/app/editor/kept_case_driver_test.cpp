@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr InputRouter::Held ctrl{.ctrl = true};
+constexpr InputRouter::Held with_ctrl{.ctrl = true};
 
 /// A case of an organ in a folder of its own, open in the window.
 struct OpenOrgan {
@@ -64,19 +64,19 @@ TEST_CASE("a deleted case that is edited and saved in the window is on the disk 
     fs::remove(organ.file);
     organ.pull();
     CHECK(driver.shows("was deleted or moved while it was open. It was written anew, with every edit."));
-    driver.press('S', ctrl);
+    driver.press('S', with_ctrl);
     driver.settle();
   }
   SUBCASE("deleted after the edit and then saved") {
     organ.pull();
     fs::remove(organ.file);
-    driver.press('S', ctrl);
+    driver.press('S', with_ctrl);
     driver.settle();
     CHECK(driver.shows("was deleted or moved while it was open. It was written anew, with every edit."));
   }
   CHECK(driver.shows("Saved: every edit is in " + organ.file.string()));
   CHECK(organ.strokes_in(organ.file) == 1);
-  driver.press('Q', ctrl);
+  driver.press('Q', with_ctrl);
   driver.settle();
   CHECK(driver.app().wants_to_quit());
 }
@@ -85,7 +85,7 @@ TEST_CASE("a case that is deleted after its last edit is on the disk when the wi
   OpenOrgan organ;
   organ.pull();
   fs::remove(organ.file);
-  organ.driver.press('Q', ctrl);
+  organ.driver.press('Q', with_ctrl);
   organ.driver.settle();
   CHECK(organ.driver.app().wants_to_quit());
   CHECK(organ.strokes_in(organ.file) == 1);
@@ -104,7 +104,7 @@ TEST_CASE("a case whose folder is gone is not saved and the window asks before i
     fs::rename(organ.folder, organ.scan.folder.path / "renamed");
   }
   if (!edited) organ.pull();
-  driver.press('Q', ctrl);
+  driver.press('Q', with_ctrl);
   driver.settle();
   CHECK_FALSE(driver.app().wants_to_quit());
   CHECK(driver.shows("This case was not saved"));
@@ -117,14 +117,14 @@ TEST_CASE("a case whose folder is gone is not saved and the window asks before i
 
   // Saved under a name it is as any other.
   const fs::path saved = organ.scan.folder.path / "saved.homolog";
-  driver.press('S', ctrl);
+  driver.press('S', with_ctrl);
   driver.settle();
   driver.type_into("name", saved.string());
   driver.press(key::enter);
   driver.wait_until("the case is saved", [&] { return driver.case_file() == saved; });
   driver.settle();
   CHECK(organ.strokes_in(saved) == 1);
-  driver.press('Q', ctrl);
+  driver.press('Q', with_ctrl);
   driver.settle();
   CHECK(driver.app().wants_to_quit());
 }
@@ -137,13 +137,13 @@ TEST_CASE("what another program wrote in place of the open case stays and nothin
   const fs::path beside = organ.folder / "beside";
   std::ofstream(beside) << theirs;
   fs::rename(beside, organ.file);
-  driver.press('S', ctrl);
+  driver.press('S', with_ctrl);
   driver.settle();
   CHECK(driver.shows("was changed by another program while it was open."));
   CHECK_FALSE(driver.shows("Saved: every edit is in"));
   CHECK(read_whole_file(organ.file).value() == theirs);
   CHECK(organ.strokes_in(driver.case_file()) == 1);
-  driver.press('Q', ctrl);
+  driver.press('Q', with_ctrl);
   driver.settle();
   CHECK_FALSE(driver.app().wants_to_quit());
 }
@@ -222,7 +222,7 @@ TEST_CASE("the save dialog starts beside an image that was named without its fol
   driver.wait_until("the image is open", [&] { return driver.case_file() != organ.file; });
   driver.settle();
   fs::current_path(before);
-  driver.press('S', ctrl);
+  driver.press('S', with_ctrl);
   driver.settle();
   REQUIRE(driver.state().dialog);
   CHECK(std::get<FileDialog>(*driver.state().dialog).browser.folder == organ.scan.folder.path);

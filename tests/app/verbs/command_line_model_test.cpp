@@ -281,6 +281,33 @@ TEST_CASE("template --tube makes rings and sectors of a ventricle") {
   CHECK(ran.json()["vertices"] == 12 * 20 + 1);
   CHECK(ran.json()["closed"] == false);
   CHECK(ran.json()["distance_to_mask_mm"]["mean"].get<double>() < 2);
+  CHECK(ran.json()["missed"]["share"].get<double>() < 0.05);
+  CHECK(std::abs(ran.json()["volume_ml"].get<double>() / ran.json()["label_ml"].get<double>() - 1) < 0.03);
+}
+
+TEST_CASE("a tube that lacks a part of its label says so and what is propagated from it is in doubt") {
+  const TemporaryFolder folder;
+  REQUIRE(run(folder, "phantom ventricle --subject 1 -o .").status == 0);
+  const std::string tube = "template ventricle-1-labels.nii.gz --label 1 --tube --rings 12 --sectors 20 --json ";
+  REQUIRE(run(folder, tube + "-o t.ply").status == 0);
+  const Points whole = read_mesh(folder.path / "t.ply").value().points;
+  const Eigen::RowVector3d apex = whole.row(12 * 20), end = whole.topRows(20).colwise().mean();
+  const Eigen::RowVector3d base = end + 0.35 * (apex - end);
+  const auto text = [](const Eigen::RowVector3d& p) {
+    return std::to_string(p[0]) + "," + std::to_string(p[1]) + "," + std::to_string(p[2]);
+  };
+  const Ran cut = run(folder, tube + "-o cut.ply --base=" + text(base) + " --apex=" + text(apex));
+  REQUIRE_MESSAGE(cut.status == 0, cut.errors);
+  const double share = cut.json()["missed"]["share"].get<double>();
+  CHECK(share > 0.3);
+  CHECK(cut.errors.find(std::to_string(std::lround(100 * share)) +
+                        " % of label 1 is not in the template; give its --axis") != std::string::npos);
+
+  const Ran carried = run(folder, "propagate cut.ply --image ventricle-1-image.nii.gz --frame 0 -o beat --json");
+  REQUIRE_MESSAGE(carried.status == 0, carried.errors);
+  CHECK(carried.json()["doubtful"].size() == carried.json()["frames"].size());
+  CHECK(carried.json()["frames"][3]["doubt"].get<std::string>().starts_with("comes from a template that lacks "));
+  CHECK(carried.errors.find("cut.ply: every frame comes from a template that lacks") != std::string::npos);
 }
 
 }  // namespace homolog

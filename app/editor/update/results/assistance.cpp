@@ -155,8 +155,7 @@ bool show_snap(Editing& editing) {
   EditorState& state = editing.state;
   if (auto found = editing.work.snaps.take()) {
     if (!found->warning.empty()) add_notice(state, found->warning, false);
-    if (!found->held.empty())
-      add_notice(state, "Snap: held " + found->held + ". Release (C, Alt) lets what was pulled go.", false);
+    if (!found->held.empty()) add_notice(state, "Snap: held " + found->held + " where you put them.", false);
     state.snapped = std::move(found);
     state.shows_confidence = state.snap.show_confidence;
   }

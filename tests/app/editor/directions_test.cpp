@@ -191,9 +191,13 @@ TEST_CASE("Alt turns a brush round") {
     Desk desk;
     desk.state.tool = MouseTool::confirm;
     const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
-    handle_event(desk.state, {MousePress{}, at.x(), at.y(), false, false, alt, 1, false}, desk.context(), desk.out);
+    const auto send = [&](auto what, double x_px, double seconds) {
+      handle_event(desk.state, {what, x_px, at.y(), false, false, alt, seconds, false}, desk.context(), desk.out);
+    };
+    send(MousePress{}, at.x(), 1);
+    send(MouseMove{}, at.x() + 5, 2);
     const auto dabs = desk.sent<ApplyEdit>();
-    REQUIRE(dabs.size() == 1);
+    REQUIRE(!dabs.empty());
     CHECK(std::get<Confirm>(dabs[0].action).hold == !alt);
   }
 }

@@ -80,12 +80,12 @@ TEST_CASE("stiffness and doubt and confidence begin and end where their legends 
   Coloured ball;
   ball.document.stiffness = ball.all(1);
   Legend legend = colouring_legend(ball.document, Colouring::stiffness);
-  CHECK(legend.low == "0");
-  CHECK(legend.high == "2.0\xc3\x97");
+  CHECK(legend.low == "0 soft");
+  CHECK(legend.high == "stiff 2.0\xc3\x97");
   same(ball.colour(Colouring::stiffness), legend.colours[2]);
   ball.document.stiffness = ball.all(8);
   legend = colouring_legend(ball.document, Colouring::stiffness);
-  CHECK(legend.high == "8.0\xc3\x97");
+  CHECK(legend.high == "stiff 8.0\xc3\x97");
   same(ball.colour(Colouring::stiffness), legend.colours.back());
 
   const VertexScalars sure = VertexScalars::Ones(ball.n), unsure = VertexScalars::Zero(ball.n);

@@ -294,4 +294,41 @@ TEST_CASE("a px covers more mm behind the target than before it") {
   CHECK(map.into_screen().y() == doctest::Approx(1));
 }
 
+TEST_CASE("Shift with a letter looks from the side that it begins") {
+  for (std::size_t side = 0; side < side_letters.size(); ++side) {
+    Desk desk;
+    desk.state.camera.to_eye = Vec3(1, 1, 1).normalized();
+    desk.send(KeyPress{side_letters[side]}, 300, 250, true);
+    CHECK(direction_letters(desk.state.camera.to_eye) == std::string(1, side_letters[side]));
+  }
+}
+
+TEST_CASE("keys with Ctrl do what they say and Shift makes them do more") {
+  Desk desk;
+  const ControlsContext context{desk.layout, desk.document, desk.mesh, true, true};
+  const auto press = [&](int code, bool ctrl, bool shift) {
+    press_key(desk.state, {KeyPress{code}, 300, 250, shift, ctrl, false, 1, false}, code, context, desk.out);
+  };
+  press('S', true, false);
+  press('S', true, true);
+  const auto saved = desk.sent<SaveCase>();
+  REQUIRE(saved.size() == 2);
+  CHECK_FALSE(saved[0].as);
+  CHECK(saved[1].as);
+  press('Z', true, false);
+  press('Z', true, true);
+  press('Y', true, false);
+  const auto edits = desk.sent<ApplyEdit>();
+  REQUIRE(edits.size() == 3);
+  CHECK(std::holds_alternative<Undo>(edits[0].action));
+  CHECK(std::holds_alternative<Redo>(edits[1].action));
+  CHECK(std::holds_alternative<Redo>(edits[2].action));
+  press('J', false, false);
+  press('J', false, true);
+  const auto looked = desk.sent<ShowFinding>();
+  REQUIRE(looked.size() == 2);
+  CHECK_FALSE(looked[0].back);
+  CHECK(looked[1].back);
+}
+
 }  // namespace homolog

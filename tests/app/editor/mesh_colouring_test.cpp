@@ -165,4 +165,19 @@ TEST_CASE("what the scan lacks is grey and the legend says so") {
   CHECK_FALSE(colouring_legend(ball.document, Colouring::moved).has_outliers);
 }
 
+TEST_CASE("what is decided and what is open have the colours that the legend names") {
+  Coloured ball;
+  const Legend legend = colouring_legend(ball.document, Colouring::known);
+  REQUIRE(legend.names.size() == 3);
+  CHECK(legend.names[0] == "confirmed");
+  CHECK(legend.names[2] == "not known yet");
+  same(ball.colour(Colouring::known), legend.colours[2]);
+  ball.shape().decided = ball.all(0.59);  // carried along by a stroke, not decided
+  same(ball.colour(Colouring::known), legend.colours[2]);
+  ball.shape().decided = ball.all(0.6);
+  same(ball.colour(Colouring::known), legend.colours[1]);
+  ball.shape().confirmed = ball.all(1);
+  same(ball.colour(Colouring::known), legend.colours[0]);
+}
+
 }  // namespace homolog

@@ -125,4 +125,15 @@ TEST_CASE("a landmark below half of trust is said to be unused") {
   CHECK(warnings[0].find("\"b\" lies 17 mm") != std::string::npos);
 }
 
+TEST_CASE("much doubt is six hundredths of the root of an area") {
+  CHECK(much_doubt_mm(10'000) == doctest::Approx(6));
+  FitResult fit;
+  fit.mesh = doubted();
+  CHECK(share_of_doubt(fit) == 0);
+  const double root_mm = std::sqrt(surface_area_mm2(doubted()));
+  fit.doubt_mm = VertexScalars::Constant(doubted().points.rows(), 0.02 * root_mm);
+  fit.doubt_mm[0] += 0.01 * root_mm * static_cast<double>(doubted().points.rows());
+  CHECK(share_of_doubt(fit) == doctest::Approx(0.03));
+}
+
 }  // namespace homolog

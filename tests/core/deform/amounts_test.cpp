@@ -166,4 +166,18 @@ TEST_CASE("strokes whose numbers are out of range are refused and those at its e
   CHECK_FALSE(taken(0.5, -1));
 }
 
+TEST_CASE("one event of the paper's scheme pushes by the Gaussian and solves") {
+  StrokeStart start = at_rest(pulled_ball);
+  start.scheme = Scheme::paper;
+  const Stroke push = stroke_by(Tool::grab, ball_top, ball_top + Vec3(1, -2, 5), 8);
+  const auto outcome = outcome_of(start, push);
+  const auto grabbed = SurfaceSearch(pulled_ball).nearest(ball_top);
+  const VertexScalars g = gaussian_falloff(*pulled_ball.topology, pulled_ball.points, grabbed.at, 8,
+                                           mean_edge_mm(*pulled_ball.topology, pulled_ball.points), false);
+  ShapeSolver solver(pulled_ball.topology);
+  REQUIRE(solver.factorise(start.stiffness_base * *start.stiffness));
+  const Points expected = solver.solve(Points(g * (push.to - grabbed.position).transpose()));
+  CHECK(largest_difference(outcome.points - pulled_ball.points, expected) < 1e-9);
+}
+
 }  // namespace homolog

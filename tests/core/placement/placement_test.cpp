@@ -218,3 +218,19 @@ TEST_CASE("two landmarks keep their order") {
     CHECK(largest_difference(nearest_similarity(from, to, {}).apply(from), to) < 1e-9);
   }
 }
+
+TEST_CASE("three landmarks warp nothing and four do") {
+  const Mesh ball = icosphere(2, 40);
+  const Points from = rows({{0, 0, 40}, {0, 0, -40}, {40, 0, 0}, {0, 40, 0}});
+  Points to = from;
+  to.row(2) += Eigen::RowVector3d(4, 0, 0);
+  const WarpLengths lengths = warp_lengths(130);
+  const WarpedReference three = warp_to_landmarks(*ball.topology, ball.points, from.topRows(3), to.topRows(3), lengths);
+  CHECK(three.share == 0);
+  CHECK(three.points == ball.points);
+  const WarpedReference four = warp_to_landmarks(*ball.topology, ball.points, from, to, lengths);
+  CHECK(four.share == 1);
+  CHECK_FALSE(four.folds);
+  CHECK((four.points - ball.points).col(0).maxCoeff() > 2);
+  CHECK((four.points - ball.points).col(0).minCoeff() > -1.5);
+}

@@ -245,4 +245,28 @@ TEST_CASE("where memory runs out the case is as the disk says") {
   CHECK(ran_out > 30);
 }
 
+TEST_CASE("what can be undone and done again is named with the next one first") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  REQUIRE(session.apply(SetStiffnessBase{5}));
+  REQUIRE(session.apply(PaintStiffness{pole, 10, 20, 0.5}));
+  const auto begin_with = [](const std::vector<std::string>& names, const std::vector<std::string>& words) {
+    return names.size() == words.size() && std::equal(names.begin(), names.end(), words.begin(),
+                                                      [](const auto& a, const auto& b) { return a.starts_with(b); });
+  };
+  CHECK(begin_with(session.undo_names(9), {"stiffness brush", "stiffness", "pull"}));
+  CHECK(session.undo_names(2).size() == 2);
+  CHECK(session.redo_names(9).empty());
+  const auto undone = session.apply(Undo{});
+  REQUIRE(undone);
+  CHECK(undone->message.starts_with("Undone: stiffness brush"));
+  REQUIRE(session.apply(Undo{}));
+  CHECK(begin_with(session.redo_names(9), {"stiffness", "stiffness brush"}));
+  const auto redone = session.apply(Redo{});
+  REQUIRE(redone);
+  CHECK(redone->message.starts_with("Redone: stiffness"));
+  CHECK(session.redo_name().starts_with("stiffness brush"));
+}
+
 }  // namespace homolog

@@ -123,8 +123,8 @@ Shape full_shape(const Shape& start) {
     return std::make_shared<const Points>(Points::Random(n, 3) * 40 + Points::Constant(n, 3, ++next));
   };
   const auto scalars = [&] { return std::make_shared<const VertexScalars>(VertexScalars::Random(n).cwiseAbs()); };
-  auto& [placement, before_landmarks, landmarks, placed, reference, moved, confirmed, decided, unaided, strokes,
-         carried, doubt, doubt_mm, outlier] = shape;
+  auto& [placement, before_landmarks, landmarks, placed, reference, moved, confirmed, decided, unaided, strokes, pulled,
+         pulls, unsnapped, carried, doubt, doubt_mm, outlier] = shape;
   placement = {Eigen::Quaterniond(Eigen::AngleAxisd(1, Vec3::UnitX())), 1.2, Vec3(1, 2, 3)};
   before_landmarks = {Eigen::Quaterniond(Eigen::AngleAxisd(2, Vec3::UnitY())), 0.7, Vec3(4, 5, 6)};
   landmarks = {{"north", Vec3(0.1, 0.2, 40.3)}};
@@ -134,6 +134,9 @@ Shape full_shape(const Shape& start) {
   decided = scalars();
   unaided = points();
   strokes = 7;
+  pulled = scalars();
+  pulls = 3;
+  unsnapped = points();
   carried = points();
   doubt = "a reason";
   doubt_mm = scalars();
@@ -226,6 +229,9 @@ TEST_CASE("two documents that differ in one member are not the same") {
   of_shape(&Shape::decided);
   of_shape(&Shape::unaided);
   of_shape(&Shape::strokes);
+  of_shape(&Shape::pulled);
+  of_shape(&Shape::pulls);
+  of_shape(&Shape::unsnapped);
   of_shape(&Shape::carried);
   of_shape(&Shape::doubt);
   of_shape(&Shape::doubt_mm);

@@ -294,7 +294,8 @@ TEST_CASE("a landmark outside the image is said and B and C bring the brush into
   driver.press('B');
   driver.settle();
   CHECK(driver.control("Paints factor/value").value == "0.2 \xc3\x97");
-  CHECK(driver.shows("Softer than the rest"));
+  CHECK(driver.shows("soft"));
+  CHECK(driver.shows("stiff"));
   driver.press('L');
   driver.settle();
   driver.state().slices[0].mm_per_px = 1;

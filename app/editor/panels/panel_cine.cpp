@@ -74,7 +74,7 @@ void draw_propagate(const UiContext& ui, Outbox& out) {
   if (busy) running = {"Propagating", ui.propagator.fraction(), "The meshes stay as they were (Escape)"};
   if (work_area(theme, from.empty() ? "" : "From " + from + ". Correct a frame, and propagate again.", running))
     out.send(CancelPropagation{});
-  if (!refusal.empty()) return;
+  if (!needs.empty()) return;
   if (const double missing = missing_share_of(*document.the_template, document.shape()); missing > 0)
     text_lines(
         format("The mesh %s, so volumes are too small. Make the template again.", missing_doubt(missing).c_str()),

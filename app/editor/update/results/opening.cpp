@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <tuple>
+#include <utility>
 #include <variant>
 
 #include "core/base/paths.h"
@@ -14,8 +15,9 @@ namespace homolog {
 
 namespace {
 
-/// Shows them over the image, and says where none of them lies in it.
-void show_labels(Editing& editing, const Opened& opened) {
+/// Shows them over the image, and says where none of them lies in it. `fitted_frame`: of a cine, that was fitted to
+/// them.
+void show_labels(Editing& editing, const Opened& opened, std::optional<int> fitted_frame = {}) {
   const std::string name = opened.request.labels.filename().string();
   if (opened.labels_off_image)
     add_notice(editing.state,
@@ -25,15 +27,15 @@ void show_labels(Editing& editing, const Opened& opened) {
   const Document& document = editing.shown.document();
   std::optional<int> frame;
   if (document.volume && document.volume->frames > 1 && opened.labels->frames == 1) {
-    frame = document.frame;
+    frame = fitted_frame.value_or(document.frame);
     add_notice(editing.state,
                name + " holds one frame. It is shown at frame " + std::to_string(*frame) +
-                   ", the one on the screen. If it belongs to another one, go there and press \"It is of this frame\" "
-                   "(Case).",
+                   (fitted_frame ? ", which was fitted to it." : ", the one on the screen.") +
+                   " If it belongs to another one, go there and press \"It is of this frame\" (Case).",
                false);
   }
-  editing.shown.show_labels({opened.labels, name, absolute_path(opened.request.labels), opened.label_values,
-                             opened.label_sizes_mm, frame});
+  editing.shown.show_labels(
+      {opened.labels, name, absolute_path(opened.request.labels), opened.label_values, opened.label_sizes_mm, frame});
 }
 
 void start_document(Editing& editing, Document document) {
@@ -139,14 +141,15 @@ void start_with(Editing& editing, Opened opened) {
   if (!demo) offer_flip(state, *editing.shown.snapshot().document);
 }
 
-/// What the case keeps of its last fit, where one of its meshes is still as that left it.
-std::optional<Fitted> kept_fit(const Snapshot& snapshot) {
+/// What the case keeps of its last fit, and the frame of it, where that mesh is still as the fit left it.
+std::optional<std::pair<int, Fitted>> kept_fit(const Snapshot& snapshot) {
   const auto& kept = snapshot.kept.fit;
   const auto& shapes = snapshot.document->shapes;
   const auto of = std::find_if(shapes.begin(), shapes.end(), [&](const auto& shape) {
     return kept && mesh_hash(*shape.second.points) == kept->mesh;
   });
-  return of == shapes.end() ? std::nullopt : std::optional(fitted_of(*kept, of->second.points));
+  if (of == shapes.end()) return std::nullopt;
+  return std::pair(of->first, fitted_of(*kept, of->second.points));
 }
 
 }  // namespace
@@ -208,8 +211,11 @@ void show_opened(Editing& editing, Opened opened) {
   if (opened.opened_case) {
     start_session(editing, std::move(opened.opened_case->session));
     if (opened.the_template) editing.shown.adopt_template(std::move(opened.the_template));
-    if (opened.labels) show_labels(editing, opened);
-    state.last_fit = kept_fit(editing.shown.snapshot());
+    auto fitted = kept_fit(editing.shown.snapshot());
+    // A map belongs to the frame that was fitted to it.
+    if (opened.labels) show_labels(editing, opened, fitted ? std::optional(fitted->first) : std::nullopt);
+    state.last_fit.reset();
+    if (fitted) state.last_fit = std::move(fitted->second);
   } else {
     start_with(editing, std::move(opened));
   }

@@ -77,118 +77,119 @@ void show_found(Editing& editing, Recovery::Found found) {
   editing.state.unsaved_found = 0;
   editing.state.dialog = RecoverDialog{found.cases, {}};
   editing.work.recovery.count(std::move(found));
-  /// Asks for the surface of the label in hand while it is to be seen, and takes it in.
-  bool update_label_surface(Editing & editing) {
-    const EditorState& state = editing.state;
-    LabelSurfaces& surfaces = editing.work.label_surfaces;
-    const ShownLabels& labels = editing.shown.labels();
-    // While the mesh or a frame moves the label stays; it is asked for again when that is done.
-    if (state.drag || state.shown_frame) return surfaces.update();
-    std::optional<LabelSurfaces::Wanted> wanted;
-    if (labels.volume && state.preferences.show.label_surface && !state.models.shown) {
-      const Document& document = *editing.shown.snapshot().document;
-      const int label = label_in_hand(state.fit_settings, labels.values, *labels.volume, document);
-      const int frame = document.frame < labels.volume->frames ? document.frame : 0;
-      if (label != 0) wanted = LabelSurfaces::Wanted{labels.volume, label, frame};
-    }
-    surfaces.want(std::move(wanted));
-    return surfaces.update();
-  }
+}
 
-  /// Offers the cases that were found; true where there is something new to draw.
-  bool take_recovery(Editing & editing) {
-    auto looked = editing.work.recovery.take();
-    if (!looked) return false;
-    EditorState& state = editing.state;
-    if (!*looked) {
-      add_notice(state, looked->error().sentence());
-      return true;
-    }
-    Recovery::Found* found = &**looked;
-    const RecoveryOffer offer = editing.work.recovery_offer;
-    auto* open = state.dialog ? std::get_if<RecoverDialog>(&*state.dialog) : nullptr;
-    if (found->counted) {
-      if (open == nullptr) return false;
-      for (RecoverDialog::Found& shown : open->found)
-        for (const RecoverDialog::Found& counted : found->cases)
-          if (shown.journal == counted.journal) shown.details = counted.details;
-    } else if (found->cases.empty()) {
-      if (offer == RecoveryOffer::asked) add_notice(state, "There is no case to recover.", false);
-    } else if (offer == RecoveryOffer::asked) {
-      show_found(editing, std::move(*found));
-    } else {
-      // Each is offered at one start after it was changed; later they are found in the section Case.
-      state.unsaved_found = static_cast<std::size_t>(
-          std::count_if(found->cases.begin(), found->cases.end(), [&](const RecoverDialog::Found& one) {
-            return changed_seconds(one.journal) > state.preferences.told_unsaved;
-          }));
-      if (state.unsaved_found == 0) return false;
-      state.preferences.told_unsaved = seconds_since_1970(std::chrono::system_clock::now());
-      const bool in_dialog = offer == RecoveryOffer::dialog && !(state.dialog && open == nullptr);
-      if (in_dialog) show_found(editing, std::move(*found));
-    }
-    return true;
-  }
-
-  /// News go by themselves, errors after a longer while; none while a dialog covers it.
-  void forget_old_news(EditorState & state, double seconds) {
-    constexpr double news_seconds = 8, error_seconds = 60;
-    if (state.dialog) return;
-    for (Notice& notice : state.notices)
-      if (!notice.until) notice.until = seconds + (notice.error ? error_seconds : news_seconds);
-    std::erase_if(state.notices, [&](const Notice& notice) { return notice.until && *notice.until <= seconds; });
-  }
-
-  /// Hints lie over the image: they go after a while, whether they were followed or not.
-  void forget_old_hints(EditorState & state, const Document& document, double seconds) {
-    constexpr double hint_seconds = 20;
-    const bool covered = state.models.shown || state.dialog || (state.guide && state.guide->shown);
-    if (state.hints_over) return;
-    if (!state.hints_until && !covered && document.has_shape()) state.hints_until = seconds + hint_seconds;
-    state.hints_over = state.hints_until && *state.hints_until <= seconds;
-  }
-
-  void play(EditorState & state, const Document& document, double seconds) {
-    if (!state.playing || seconds < state.next_frame_seconds || !document.volume || document.volume->frames <= 1)
-      return;
-    const Volume& volume = *document.volume;
-    const double pace = volume.frame_seconds > 0 ? volume.frame_seconds : 0.05;
-    state.next_frame_seconds = std::max(state.next_frame_seconds + pace, seconds);
-    state.shown_frame = (shown_frame(state, document) + 1) % volume.frames;
-  }
-
-  /// The guide goes on where its pull is done.
-  void follow_guide(Editing & editing) {
-    EditorState& state = editing.state;
+/// Asks for the surface of the label in hand while it is to be seen, and takes it in.
+bool update_label_surface(Editing& editing) {
+  const EditorState& state = editing.state;
+  LabelSurfaces& surfaces = editing.work.label_surfaces;
+  const ShownLabels& labels = editing.shown.labels();
+  // While the mesh or a frame moves the label stays; it is asked for again when that is done.
+  if (state.drag || state.shown_frame) return surfaces.update();
+  std::optional<LabelSurfaces::Wanted> wanted;
+  if (editing.shown.labels_here() && state.preferences.show.label_surface && !state.models.shown) {
     const Document& document = *editing.shown.snapshot().document;
-    if (!state.guide || !state.guide->shown || state.drag || !document.has_shape()) return;
-    Guide& guide = *state.guide;
-    if (guide.at >= guide.steps.size() || !is_done(guide.steps[guide.at], document.mesh())) return;
-    ++guide.at;
-    if (guide.at == guide.steps.size()) state.preferences.guide_done = true;
-    look_at_step(state);
+    const int label = label_in_hand(state.fit_settings, labels.values, *labels.volume, document);
+    const int frame = document.frame < labels.volume->frames ? document.frame : 0;
+    if (label != 0) wanted = LabelSurfaces::Wanted{labels.volume, label, frame};
   }
+  surfaces.want(std::move(wanted));
+  return surfaces.update();
+}
 
-  /// What is looked at goes with the mesh until it is mended.
-  bool update_quality(Editing & editing) {
-    EditorState& state = editing.state;
-    if (!editing.work.quality.update()) return false;
-    const auto& figures = editing.work.quality.latest();
-    if (!state.drag && figures) {
-      const std::size_t before = std::exchange(state.intersecting_at_rest, figures->intersecting);
-      if (figures->intersecting > before && !state.intersecting_before) state.intersecting_before = before;
-      if (state.intersecting_before && figures->intersecting <= *state.intersecting_before)
-        state.intersecting_before.reset();
-    }
-    if (!state.finding || state.finding->finding.faces.empty() || !figures) return true;
-    const auto& marked = state.finding->finding;
-    const bool there = std::any_of(figures->findings.begin(), figures->findings.end(), [&](const Finding& one) {
-      return one.kind == marked.kind && std::find_first_of(one.faces.begin(), one.faces.end(), marked.faces.begin(),
-                                                           marked.faces.end()) != one.faces.end();
-    });
-    if (!there) state.finding.reset();
+/// Offers the cases that were found; true where there is something new to draw.
+bool take_recovery(Editing& editing) {
+  auto looked = editing.work.recovery.take();
+  if (!looked) return false;
+  EditorState& state = editing.state;
+  if (!*looked) {
+    add_notice(state, looked->error().sentence());
     return true;
   }
+  Recovery::Found* found = &**looked;
+  const RecoveryOffer offer = editing.work.recovery_offer;
+  auto* open = state.dialog ? std::get_if<RecoverDialog>(&*state.dialog) : nullptr;
+  if (found->counted) {
+    if (open == nullptr) return false;
+    for (RecoverDialog::Found& shown : open->found)
+      for (const RecoverDialog::Found& counted : found->cases)
+        if (shown.journal == counted.journal) shown.details = counted.details;
+  } else if (found->cases.empty()) {
+    if (offer == RecoveryOffer::asked) add_notice(state, "There is no case to recover.", false);
+  } else if (offer == RecoveryOffer::asked) {
+    show_found(editing, std::move(*found));
+  } else {
+    // Each is offered at one start after it was changed; later they are found in the section Case.
+    state.unsaved_found = static_cast<std::size_t>(
+        std::count_if(found->cases.begin(), found->cases.end(), [&](const RecoverDialog::Found& one) {
+          return changed_seconds(one.journal) > state.preferences.told_unsaved;
+        }));
+    if (state.unsaved_found == 0) return false;
+    state.preferences.told_unsaved = seconds_since_1970(std::chrono::system_clock::now());
+    const bool in_dialog = offer == RecoveryOffer::dialog && !(state.dialog && open == nullptr);
+    if (in_dialog) show_found(editing, std::move(*found));
+  }
+  return true;
+}
+
+/// News go by themselves, errors after a longer while; none while a dialog covers it.
+void forget_old_news(EditorState& state, double seconds) {
+  constexpr double news_seconds = 8, error_seconds = 60;
+  if (state.dialog) return;
+  for (Notice& notice : state.notices)
+    if (!notice.until) notice.until = seconds + (notice.error ? error_seconds : news_seconds);
+  std::erase_if(state.notices, [&](const Notice& notice) { return notice.until && *notice.until <= seconds; });
+}
+
+/// Hints lie over the image: they go after a while, whether they were followed or not.
+void forget_old_hints(EditorState& state, const Document& document, double seconds) {
+  constexpr double hint_seconds = 20;
+  const bool covered = state.models.shown || state.dialog || (state.guide && state.guide->shown);
+  if (state.hints_over) return;
+  if (!state.hints_until && !covered && document.has_shape()) state.hints_until = seconds + hint_seconds;
+  state.hints_over = state.hints_until && *state.hints_until <= seconds;
+}
+
+void play(EditorState& state, const Document& document, double seconds) {
+  if (!state.playing || seconds < state.next_frame_seconds || !document.volume || document.volume->frames <= 1) return;
+  const Volume& volume = *document.volume;
+  const double pace = volume.frame_seconds > 0 ? volume.frame_seconds : 0.05;
+  state.next_frame_seconds = std::max(state.next_frame_seconds + pace, seconds);
+  state.shown_frame = (shown_frame(state, document) + 1) % volume.frames;
+}
+
+/// The guide goes on where its pull is done.
+void follow_guide(Editing& editing) {
+  EditorState& state = editing.state;
+  const Document& document = *editing.shown.snapshot().document;
+  if (!state.guide || !state.guide->shown || state.drag || !document.has_shape()) return;
+  Guide& guide = *state.guide;
+  if (guide.at >= guide.steps.size() || !is_done(guide.steps[guide.at], document.mesh())) return;
+  ++guide.at;
+  if (guide.at == guide.steps.size()) state.preferences.guide_done = true;
+  look_at_step(state);
+}
+
+/// What is looked at goes with the mesh until it is mended.
+bool update_quality(Editing& editing) {
+  EditorState& state = editing.state;
+  if (!editing.work.quality.update()) return false;
+  const auto& figures = editing.work.quality.latest();
+  if (!state.drag && figures) {
+    const std::size_t before = std::exchange(state.intersecting_at_rest, figures->intersecting);
+    if (figures->intersecting > before && !state.intersecting_before) state.intersecting_before = before;
+    if (state.intersecting_before && figures->intersecting <= *state.intersecting_before)
+      state.intersecting_before.reset();
+  }
+  if (!state.finding || state.finding->finding.faces.empty() || !figures) return true;
+  const auto& marked = state.finding->finding;
+  const bool there = std::any_of(figures->findings.begin(), figures->findings.end(), [&](const Finding& one) {
+    return one.kind == marked.kind && std::find_first_of(one.faces.begin(), one.faces.end(), marked.faces.begin(),
+                                                         marked.faces.end()) != one.faces.end();
+  });
+  if (!there) state.finding.reset();
+  return true;
+}
 
 }  // namespace
 

@@ -93,9 +93,9 @@ void add_info(CLI::App& app, CommandLine& asked) {
   verb->add_option("FILE", options->file, "A volume (or DICOM folder), mesh, template, case or model")->required();
   verb->add_option("--series", options->series, "UID of the series, where a DICOM folder holds several");
   add_spacing(*verb, options->spacing_mm);
-  auto* mask = verb->add_option("--mask", options->mask, "A label map: also measure the mesh's distance to it");
-  add_label_option(*verb, options->labels, "Which label of the mask; 1,2: both together")->needs(mask);
-  add_mask_frame_option(*verb, options->frame)->needs(mask);
+  auto* mask_option = verb->add_option("--mask", options->mask, "A label map: also measure the mesh's distance to it");
+  add_label_option(*verb, options->labels, "Which label of the mask; 1,2: both together")->needs(mask_option);
+  add_mask_frame_option(*verb, options->frame)->needs(mask_option);
   const auto info = [options](Progress& progress) -> Result<Report> {
     const auto warnings = check_effect(options->file, options->series, !options->spacing_mm.empty());
     if (!warnings) return fail(warnings.error());

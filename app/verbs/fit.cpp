@@ -15,6 +15,7 @@
 #include "core/base/json.h"
 #include "core/base/statistics.h"
 #include "core/case/action_json.h"
+#include "core/case/placing.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/mirror.h"

@@ -92,7 +92,7 @@ std::string legacy_head(bool binary) {
 std::string vtk_with_field(const std::string& field, bool binary) {
   std::string text = legacy_head(binary) + "FIELD FieldData 1\n" + field + "\nPOINTS 3 float\n";
   if (!binary) return text + "1 2 3 4 2 3 1 6 3\nPOLYGONS 1 4\n3 0 1 2\n";
-  for (const float x : {1, 2, 3, 4, 2, 3, 1, 6, 3}) text += number_bytes(x, std::endian::big);
+  for (const float x : {1.0f, 2.0f, 3.0f, 4.0f, 2.0f, 3.0f, 1.0f, 6.0f, 3.0f}) text += number_bytes(x, std::endian::big);
   text += "\nPOLYGONS 1 4\n";
   for (const std::int32_t v : {3, 0, 1, 2}) text += number_bytes(v, std::endian::big);
   return text + '\n';
@@ -371,7 +371,7 @@ TEST_CASE("STL in capitals is read as text and a binary one may begin with solid
     std::string binary(80, begin[0] == 's' ? ' ' : '\0');
     binary.replace(0, std::strlen(begin), begin);
     binary += number_bytes(std::uint32_t{1}, std::endian::little);
-    for (const float x : {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}) binary += number_bytes(x, std::endian::little);
+    for (const float x : {0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f}) binary += number_bytes(x, std::endian::little);
     const auto mesh = folder.read("b.stl", binary + std::string(2, '\0'));
     REQUIRE_MESSAGE(mesh, mesh.error().sentence());
     CHECK(mesh->triangles.rows() == 1);

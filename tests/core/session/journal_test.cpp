@@ -44,11 +44,9 @@ TEST_CASE("every line is brought to the disk before it counts as written unless 
   REQUIRE(journal->append("{\"c\":1}\n", false));
   CHECK(syncs == before + 1);
   CHECK(journal->unsynced());
-  CHECK(journal->unsynced_lines() == "{\"b\":1}\n{\"c\":1}\n");
-  CHECK(journal->synced_bytes() == 11);
   REQUIRE(journal->sync());
   CHECK(syncs == before + 2);
-  CHECK(journal->synced_bytes() == journal->bytes());
+  CHECK_FALSE(journal->unsynced());
   REQUIRE(journal->sync());  // nothing waits
   CHECK(syncs == before + 2);
   REQUIRE(journal->append("{\"d\":1}\n", false));

@@ -1,6 +1,8 @@
 #include "app/editor/panels/models_ui.h"
 
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "app/editor/update/controls.h"
 #include "app/editor/update/window_title.h"
@@ -59,10 +61,11 @@ void draw_models_status(const UiContext& ui) {
       area(theme, "message", {room, ImGui::GetFontSize()}, left);
     }
   }
-  const EvenDigits digits(theme);
+  std::optional<EvenDigits> digits(std::in_place, theme);  // gone before the line ends
   const bool moves = state.turning && ui.frames_per_second >= 1;
   const std::string right = moves ? format("%.0f frames/s", ui.frames_per_second) : "";
   text_at(draw, {bar.x + bar.width - theme.px(12) - ImGui::CalcTextSize(right.c_str()).x, y}, palette::dim, right);
+  digits.reset();
   end_status_line();
 }
 

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/state/status.h"
@@ -82,7 +84,7 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   // A window at rest, or one that shows how far work is, draws as seldom as it can.
   const bool moves = ui.state.drag || ui.state.playing;
   if (moves && ui.frames_per_second >= 1) right += format("    %.0f frames/s", ui.frames_per_second);
-  const EvenDigits digits(theme);
+  std::optional<EvenDigits> digits(std::in_place, theme);  // gone before the line ends
   const ImVec2 size = ImGui::CalcTextSize(right.c_str());
   const ImVec2 at{bar.x + bar.width - theme.px(12) - size.x, y};
   const float end = at.x - theme.px(12), wanted = ImGui::CalcTextSize(message.c_str()).x;
@@ -108,6 +110,7 @@ void draw_status_line(const UiContext& ui, Outbox&) {
   ImGui::SetCursorScreenPos(at);
   area(theme, "timings", {std::max(size.x, 1.0f), size.y},
        "Time to compute the last edit Â· pictures drawn in the last second, while something moves");
+  digits.reset();
   end_status_line();
 }
 

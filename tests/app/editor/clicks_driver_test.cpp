@@ -32,7 +32,7 @@ Eigen::Vector2d on_mesh(Driver& driver, ViewKind kind) {
 }
 
 /// Presses so many times within the time of a double click; each but the first a little beside the one before.
-void click_at(Driver& driver, const Eigen::Vector2d& px, int times) {
+void press_at_once(Driver& driver, const Eigen::Vector2d& px, int times) {
   driver.settle();
   for (int k = 0; k < 70; ++k) driver.frame();  // no press before belongs to these
   for (int k = 0; k < times; ++k) {
@@ -74,7 +74,7 @@ TEST_CASE("a double click enlarges a view and edits nothing with any tool in any
           driver.frames(3);
           const std::string before = text_of_case(driver);
           const Camera3D camera = driver.state().camera;
-          click_at(driver, on_mesh(driver, view), clicks);
+          press_at_once(driver, on_mesh(driver, view), clicks);
           CHECK((driver.state().maximised != std::nullopt) == (maximised == (clicks == 4)));
           driver.settle();
           CHECK(text_of_case(driver) == before);
@@ -94,7 +94,7 @@ TEST_CASE("a single click still does what it is for and two quick ones at two pl
   driver.app().send(ApplyEdit{SetLandmarkPull{LandmarkPull::off}, false});
   driver.press('L');
   const Eigen::Vector2d at = on_mesh(driver, ViewKind::axial);
-  click_at(driver, at, 1);
+  press_at_once(driver, at, 1);
   CHECK(driver.document().shape().landmarks.empty());  // another press could still make it a double click
   driver.settle();
   CHECK(driver.document().shape().landmarks.size() == 1);
@@ -108,7 +108,7 @@ TEST_CASE("a single click still does what it is for and two quick ones at two pl
   CHECK(driver.document().shape().landmarks.size() == 3);
   CHECK_FALSE(driver.state().maximised);
   // A key right after a click comes after it.
-  click_at(driver, at + Eigen::Vector2d(5, 5), 0);
+  press_at_once(driver, at + Eigen::Vector2d(5, 5), 0);
   driver.press('B');
   driver.move(at.x(), at.y());
   driver.button(MouseButton::left, true);

@@ -63,12 +63,12 @@ Watched watch(Driver& driver, const char* start, const std::function<bool()>& bu
   return watched;
 }
 
-constexpr std::array<Driver::Size, 2> sizes{{{1280, 1400, 1}, {800, 600, 1}}};
+constexpr std::array<Driver::Size, 2> window_sizes{{{1280, 1400, 1}, {800, 600, 1}}};
 
 }  // namespace
 
 TEST_CASE("no control of the panel moves while a cine is propagated") {
-  for (const Driver::Size& size : sizes) {
+  for (const Driver::Size& size : window_sizes) {
     CAPTURE(size.width_px);
     Driver driver(BeatingBall::document(), size);
     const Watched watched = watch(driver, "Cine/Propagate", [&] { return driver.app().busy(); });
@@ -95,7 +95,7 @@ TEST_CASE("no control of the panel moves while a cine is propagated") {
 TEST_CASE("no control of the panel moves while a fit or a refinement or a snap runs") {
   const OrganScan scan;
   REQUIRE(write_volume(label_map(icosphere(4, 21), OrganScan::grid(), 1), scan.folder.path / "labels.nii"));
-  for (const Driver::Size& size : sizes) {
+  for (const Driver::Size& size : window_sizes) {
     CAPTURE(size.width_px);
     Driver driver(scan.document(), size);
     driver.app().send(OpenSection{"Place", true});
@@ -113,7 +113,7 @@ TEST_CASE("no control of the panel moves while a fit or a refinement or a snap r
 TEST_CASE("a map that is opened puts no other button in the place of the one that opens it") {
   const OrganScan scan;
   REQUIRE(write_volume(label_map(icosphere(4, 21), OrganScan::grid(), 1), scan.folder.path / "labels.nii"));
-  for (const Driver::Size& size : sizes) {
+  for (const Driver::Size& size : window_sizes) {
     Driver driver(scan.document(), size);
     for (const char* section : {"Template", "Place"}) driver.app().send(OpenSection{section, true});
     driver.frames(3);
@@ -129,7 +129,7 @@ TEST_CASE("a map that is opened puts no other button in the place of the one tha
 TEST_CASE("while a template is made and when it is taken what the pointer is on stays there") {
   const OrganScan scan;
   REQUIRE(write_volume(label_map(icosphere(4, 21), OrganScan::grid(), 1), scan.folder.path / "labels.nii"));
-  for (const Driver::Size& size : sizes) {
+  for (const Driver::Size& size : window_sizes) {
     CAPTURE(size.width_px);
     Driver driver(scan.document(), size);
     driver.app().send(OpenSection{"Template", true});

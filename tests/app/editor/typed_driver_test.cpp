@@ -21,7 +21,7 @@ void type_number(Driver& driver, std::string_view name, std::string_view text, i
   driver.settle();
 }
 
-bool is_said(Driver& driver, std::string_view words) {
+bool notice_says(Driver& driver, std::string_view words) {
   return std::any_of(driver.state().notices.begin(), driver.state().notices.end(),
                      [&](const Notice& one) { return one.text.find(words) != std::string::npos; });
 }
@@ -38,7 +38,7 @@ TEST_CASE("a scale beyond its limits is refused with them and the mesh stays") {
     type_number(driver, "Place/Scale/value", text);
     CHECK(driver.control("Place/Scale/value").value == "1.000");
     CHECK(*driver.document().shape().points == before);
-    CHECK(is_said(driver, std::string("Scale stays as it is: \"") + text + "\""));
+    CHECK(notice_says(driver, std::string("Scale stays as it is: \"") + text + "\""));
   }
   type_number(driver, "Place/Scale/value", "8");
   CHECK(driver.shows("Type a number from 0.5 to 2."));
@@ -78,7 +78,7 @@ TEST_CASE("every number of the panel is taken as it was typed or refused with a 
           CAPTURE(text);
           const std::string before = driver.control(name).value;
           type_number(driver, name, text);
-          const bool refused = is_said(driver, std::string("stays as it is: \"") + text + "\"");
+          const bool refused = notice_says(driver, std::string("stays as it is: \"") + text + "\"");
           CHECK(refused);
           CHECK(driver.control(name).value == before);
         }
@@ -90,10 +90,10 @@ TEST_CASE("a frame or a count that is no whole number is refused") {
   Driver driver(BeatingBall::document(), {1280, 1400, 1});
   type_number(driver, "Cine/Frame/value", "2.6");
   CHECK(driver.document().frame == 0);
-  CHECK(is_said(driver, "is not a whole number"));
+  CHECK(notice_says(driver, "is not a whole number"));
   type_number(driver, "Cine/Frame/value", "6");
   CHECK(driver.document().frame == 0);
-  CHECK(is_said(driver, "from 0 to 5"));
+  CHECK(notice_says(driver, "from 0 to 5"));
   type_number(driver, "Cine/Frame/value", " +3 ");
   CHECK(driver.document().frame == 3);
 }

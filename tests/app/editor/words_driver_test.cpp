@@ -26,12 +26,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void apply(Driver& driver, Action action) {
+void apply_and_wait(Driver& driver, Action action) {
   driver.app().send(ApplyEdit{std::move(action), false});
   driver.settle();
 }
 
-bool is_said(Driver& driver, std::string_view words) {
+bool is_in_notices(Driver& driver, std::string_view words) {
   return std::any_of(driver.state().notices.begin(), driver.state().notices.end(),
                      [&](const Notice& one) { return one.text.find(words) != std::string::npos; });
 }
@@ -89,7 +89,7 @@ TEST_CASE("label maps of many labels and of large values are opened beside their
     driver.app().open({map});
     driver.settle();
     CHECK(driver.document().volume_source == image.string());
-    CHECK(is_said(driver, "is shown as a label map"));
+    CHECK(is_in_notices(driver, "is shown as a label map"));
   }
 }
 
@@ -174,7 +174,7 @@ TEST_CASE("a label map of one frame is shown at its frame of a cine and leads th
   driver.app().send(open_labels(map));
   driver.wait_until("it is open", [&] { return driver.shows("labels.nii"); });
   driver.settle();
-  CHECK(is_said(driver, "It is shown at frame 3"));
+  CHECK(is_in_notices(driver, "It is shown at frame 3"));
   const auto label_at_middle = [&] {
     const RectPx& view = driver.app().layout().image(ViewKind::axial);
     driver.move(view.x + view.width / 2 + 9, view.y + view.height / 2 + 9);
@@ -206,7 +206,7 @@ TEST_CASE("undo names tool and size and place") {
   pull.at = Vec3(0, 20, 0);
   pull.to = Vec3(0, 23.2, 0);
   pull.sigma_mm = 8;
-  apply(driver, pull);
+  apply_and_wait(driver, pull);
   CHECK(driver.app().snapshot().undo_names.front() == "pull 3.2 mm, posterior");
   pull.tool = Tool::grab;
   pull.at = driver.document().shape().points->row(0);
@@ -236,27 +236,27 @@ TEST_CASE("where something that is held keeps the mesh from following the reason
   const OrganScan scan;
   Driver driver(scan.document());
   Document held = driver.document();
-  apply(driver, PlaceLandmark{"upper end", Vec3(0, 0, 20)});
-  apply(driver, Confirm{Vec3(0, 0, 20), 4, true});
+  apply_and_wait(driver, PlaceLandmark{"upper end", Vec3(0, 0, 20)});
+  apply_and_wait(driver, Confirm{Vec3(0, 0, 20), 4, true});
   Stroke grab;
   grab.tool = Tool::grab;
   grab.at = Vec3(0, 0, 20);
   grab.to = Vec3(0, 4, 24);
   grab.sigma_mm = 6;
-  apply(driver, grab);
+  apply_and_wait(driver, grab);
   CHECK(driver.app().snapshot().message.find("is held. Its lock in Place releases it.") != std::string::npos);
   CHECK(driver.shows("\"upper end\""));
   Stroke free = grab;
   free.at = Vec3(20, 0, 0);
   free.to = Vec3(24, 0, 0);
-  apply(driver, free);
+  apply_and_wait(driver, free);
   CHECK(driver.app().snapshot().message.empty());
 }
 
 TEST_CASE("after landmarks are undone the next one is the first that is missing") {
   const OrganScan scan;
   Driver driver(scan.document());
-  apply(driver, SetLandmarkPull{LandmarkPull::off});
+  apply_and_wait(driver, SetLandmarkPull{LandmarkPull::off});
   driver.press('L');
   const RectPx& view = driver.app().layout().image(ViewKind::axial);
   for (const int k : {0, 1}) {
@@ -280,7 +280,7 @@ TEST_CASE("after landmarks are undone the next one is the first that is missing"
 TEST_CASE("a landmark outside the image is said and B and C bring the brush into view") {
   const OrganScan scan;
   Driver driver(scan.document(), {800, 600, 1});
-  apply(driver, SetLandmarkPull{LandmarkPull::off});
+  apply_and_wait(driver, SetLandmarkPull{LandmarkPull::off});
   for (const char* section : {"Template", "Place"}) driver.app().send(OpenSection{section, true});
   driver.frames(3);
   for (const int letter : {'B', 'C'}) {
@@ -306,7 +306,7 @@ TEST_CASE("a landmark outside the image is said and B and C bring the brush into
   driver.button(MouseButton::left, false);
   driver.settle();
   REQUIRE(driver.document().shape().landmarks.size() == 1);
-  CHECK(is_said(driver, "was placed outside the image"));
+  CHECK(is_in_notices(driver, "was placed outside the image"));
 }
 
 TEST_CASE("a built-in template is not taken into the next image and one of a file is with a word") {
@@ -327,7 +327,7 @@ TEST_CASE("a built-in template is not taken into the next image and one of a fil
   Driver driver(scan.document());
   open(driver, next);
   CHECK(driver.document().has_shape());
-  CHECK(is_said(driver, "The template organ.ply of the case before was placed in this image too."));
+  CHECK(is_in_notices(driver, "The template organ.ply of the case before was placed in this image too."));
 }
 
 TEST_CASE("unsaved cases are offered once and what was undone is not and the views stay free") {
@@ -347,7 +347,7 @@ TEST_CASE("unsaved cases are offered once and what was undone is not and the vie
   start_again();
   CHECK(driver.state().unsaved_found == 1);
   CHECK_FALSE(driver.state().dialog);
-  CHECK_FALSE(is_said(driver, "saved"));  // no card over the views
+  CHECK_FALSE(is_in_notices(driver, "saved"));  // no card over the views
   CHECK(driver.shows("1 case was not saved. Unsaved cases (Case) recovers them."));
   CHECK(driver.has("Unsaved cases (1)…"));
   start_again();
@@ -362,9 +362,9 @@ TEST_CASE("a long name of a landmark is whole beside how far it is off") {
   const OrganScan scan;
   Driver driver(scan.document({"left inferior articular process tip", "north", "south"}), {1280, 1400, 1});
   driver.click("side panel/Place");
-  apply(driver, SetLandmarkPull{LandmarkPull::off});
+  apply_and_wait(driver, SetLandmarkPull{LandmarkPull::off});
   const float before = driver.control("north/row").rect.y;
-  apply(driver, PlaceLandmark{"left inferior articular process tip", Vec3(0, 0, 31)});
+  apply_and_wait(driver, PlaceLandmark{"left inferior articular process tip", Vec3(0, 0, 31)});
   CHECK(driver.control("north/row").rect.y == before);
   bool whole = false;
   for (const DrawnItem& item : driver.items())

@@ -135,7 +135,7 @@ TEST_CASE("an annealing of one step is its last one") {
                  }));
   CHECK(shares == std::vector<double>{1});
   CHECK(shape.mesh.points.allFinite());
-  CHECK((shape.mesh.points.row(0) - targets.row(0)).norm() < 0.5);
+  CHECK((shape.mesh.points.row(0) - targets.row(0)).norm() < 1.5);  // of 2 mm: one step follows so far
 }
 
 }  // namespace homolog

@@ -2,6 +2,7 @@
 
 #include "tests/case_steps.h"
 #include "tests/failing_memory.h"
+#include "tests/small_files.h"
 
 namespace homolog {
 
@@ -50,11 +51,12 @@ TEST_CASE("the history keeps to its memory however much is done") {
 
 TEST_CASE("states that come with looks at other frames count too") {
   const CaseFolder folder;
-  constexpr std::size_t limit = 500'000;
-  EditSession session = create_case(cine_document(folder, 40), folder.case_path, {.bytes = limit}).value();
+  constexpr std::size_t limit = 900'000;
+  constexpr int frames = 12;  // 50 kB each once they are snapped, of which a first look brings a third
+  EditSession session = create_case(cine_document(folder, frames), folder.case_path, {.bytes = limit}).value();
   std::mt19937 random(3);
   for (int k = 0; k < 120; ++k) {
-    REQUIRE(session.apply(SetFrame{k % 40, false}));
+    REQUIRE(session.apply(SetFrame{k % frames, false}));
     REQUIRE(session.apply(random_snap(session.document(), random)));
     REQUIRE(session.history_bytes() <= limit);
   }
@@ -154,7 +156,7 @@ TEST_CASE("to look at a frame is no step and keeps what can be done again") {
   const Points pulled = *session.document().shape().points;
   REQUIRE(session.apply(SetFrame{3}));
   CHECK(session.document().frame == 3);
-  CHECK(session.undo_name() == "pull");
+  CHECK(session.undo_name().starts_with("pull"));
   REQUIRE(session.apply(Stroke{.tool = Tool::grab, .at = pole, .to = 1.2 * pole, .sigma_mm = 10}));
   REQUIRE(session.apply(Undo{}));
   // Back at where it was done, and looking elsewhere changes nothing of that.
@@ -162,7 +164,7 @@ TEST_CASE("to look at a frame is no step and keeps what can be done again") {
   REQUIRE(session.apply(SetFrame{1}));
   REQUIRE(session.apply(SetFrame{4}));
   CHECK(session.document().frame == 4);
-  CHECK(session.redo_name() == "grab");
+  CHECK(session.redo_name().starts_with("grab"));
   REQUIRE(session.apply(Redo{}));
   CHECK(session.document().frame == 3);
   CHECK(session.document().shape().points->col(2).maxCoeff() > 47);
@@ -197,11 +199,14 @@ TEST_CASE("a look that cannot be written is done and written with the next edit"
   const CaseFolder folder;
   EditSession session = folder.create();
   const std::string before = folder.text();
-  const fs::path away = folder.folder.path / "away";
-  fs::rename(folder.case_path, away);  // the journal takes nothing meanwhile
-  REQUIRE(session.apply(SetFrame{0}));
-  CHECK_FALSE(session.apply(SetStiffnessBase{5}));
-  fs::rename(away, folder.case_path);
+  bool looked = false, edited = true;
+  {
+    const SmallFilesOnly full(before.size());
+    looked = session.apply(SetFrame{0}).has_value();
+    edited = session.apply(SetStiffnessBase{5}).has_value();
+  }
+  CHECK(looked);
+  CHECK_FALSE(edited);
   CHECK(folder.text() == before);
   REQUIRE(session.apply(SetStiffnessBase{5}));
   CHECK(folder.text() == before + "{\"frame\":0,\"look\":true}\n{\"stiffness_base\":5.0}\n");

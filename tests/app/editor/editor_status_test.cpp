@@ -77,7 +77,10 @@ TEST_CASE("without an image or a mesh the status line says what is missing whate
 }
 
 TEST_CASE("what the last edit said goes as soon as something else is in hand") {
-  const Document document = ball_with(3, 1);
+  Document document = ball_with(3, 1);
+  auto cine = std::make_shared<Volume>();
+  cine->frames = 5;
+  document.volume = cine;
   Snapshot snapshot = snapshot_of(document);
   snapshot.message = "12 vertices painted.";
   EditorState state;

@@ -30,9 +30,10 @@ std::shared_ptr<const Appearance> appearance_of_frames(const Document& document)
   return appearance;
 }
 
-/// How free a vertex is that strokes have carried this far.
+/// How free a vertex is that strokes have carried this far: what they have brought to its place is held, and what they
+/// only took along on the way hardly is.
 double free_share(double pulled) {
-  return (1 - pulled) * (1 - pulled);
+  return 1 - pulled * pulled * pulled;
 }
 
 /// Pins the mesh to the placed landmarks that a snap may move it to.

@@ -127,6 +127,7 @@ class Sheet {
   /// Where the tube begins by default: at the label's end. Where that is slanted, half of it lies on either side.
   double base_mm() const { return base_mm_.value_or(wall_.base_mm); }
   double apex_mm() const { return wall_.apex_mm; }
+  const Vec3& axis() const { return frame_.axis; }
   const LevelSet& wall() const { return wall_.wall; }
 
   /// The ring at a height; before the side wall begins, as there.
@@ -207,11 +208,12 @@ Result<std::vector<Ring>> even_rings(const Sheet& sheet, double base_mm, int rin
 }
 
 /// One sheet's vertices, as tube_triangles() numbers them.
-Points sheet_points(const Sheet& sheet, const std::vector<Ring>& rings, bool capped) {
+/// `lift_mm`: how far the cap's middle lies beyond the base.
+Points sheet_points(const Sheet& sheet, const std::vector<Ring>& rings, bool capped, double lift_mm) {
   std::vector<Vec3> vertices;
   for (const Ring& ring : rings) vertices.insert(vertices.end(), ring.points.begin(), ring.points.end());
   vertices.push_back(sheet.apex(rings.back()));
-  if (capped) vertices.push_back(rings.front().middle);
+  if (capped) vertices.push_back(rings.front().middle - lift_mm * sheet.axis());
   Points points(static_cast<Eigen::Index>(vertices.size()), 3);
   for (std::size_t v = 0; v < vertices.size(); ++v) points.row(static_cast<Eigen::Index>(v)) = vertices[v];
   return points;
@@ -254,10 +256,10 @@ struct Tube {
 };
 
 /// One sheet as a mesh, from `base_mm` on.
-Result<Mesh> sheet_mesh(const Sheet& sheet, double base_mm, const TubeTemplateOptions& options) {
+Result<Mesh> sheet_mesh(const Sheet& sheet, double base_mm, const TubeTemplateOptions& options, double lift_mm = 0) {
   const auto rings = even_rings(sheet, base_mm, options.rings, options.sectors);
   if (!rings) return fail(rings.error());
-  const Points points = sheet_points(sheet, *rings, options.capped);
+  const Points points = sheet_points(sheet, *rings, options.capped, lift_mm);
   return Mesh{Topology::make(points.rows(), tube_triangles(options.rings, options.sectors, options.capped)).value(),
               points};
 }
@@ -298,7 +300,8 @@ Result<Tube> tube_along(const std::vector<TubeBody>& bodies, const Vec3& axis, d
     sheets.emplace_back(body, std::move(wall), tube.frame);
   }
   for (const Sheet& sheet : sheets) {
-    auto made = sheet_mesh(sheet, base_mm, options);
+    // Caps in one plane would cut each other: the outer one is a hair's breadth higher in the middle.
+    auto made = sheet_mesh(sheet, base_mm, options, tube.mesh.topology ? 0.01 * wall_mm : 0);
     if (!made) return fail(made.error());
     if (!tube.mesh.topology) tube.inner = *made;
     tube.mesh = tube.mesh.topology ? united(tube.mesh, *made) : *made;

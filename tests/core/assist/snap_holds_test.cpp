@@ -109,6 +109,7 @@ TEST_CASE("a landmark that was released or lies farther than a snap looks is not
   REQUIRE(session.apply(PlaceLandmark{"north", Vec3(0, 0, 36), false}));
   CHECK(snap_all(session).landmarks == 2);
   CHECK((at_landmark(session, 0) - Vec3(0, 0, 36)).norm() > 2);
+  REQUIRE(session.apply(PlaceLandmark{"north", std::nullopt}));
   REQUIRE(session.apply(PlaceLandmark{"front", Vec3(0, -45, 0)}));
   const SnapEdit edit = snap_all(session);
   CHECK(edit.landmarks == 2);
@@ -133,7 +134,8 @@ TEST_CASE("a snap holds what was pulled since the last fit and lets go of what i
       const Points& after = *session.document().shape().points;
       const VertexScalars& share = *session.document().shape().pulled;
       for (Eigen::Index i = 0; i < after.rows(); ++i)
-        if (share[i] > 0.9) CHECK((after.row(i) - before.row(i)).norm() < 0.5);
+        if (share[i] > 0.97) CHECK((after.row(i) - before.row(i)).norm() < 0.7);
+      CHECK(std::abs(reach(session, up) - 36) < 0.5);
       CHECK(std::abs(reach(session, -Vec3::UnitX()) - edge_mm) < 0.7);
     }
     // The part under the pointer too.
@@ -145,11 +147,11 @@ TEST_CASE("a snap holds what was pulled since the last fit and lets go of what i
     REQUIRE(session.apply(Confirm{36 * up, 25, false}));
     const SnapEdit released = snap_all(session);
     CHECK(released.pulls == 2);  // the other one is held still
-    CHECK(std::abs(reach(session, up) - edge_mm) < 1.5);
+    CHECK(std::abs(reach(session, up) - edge_mm) < 2);
     REQUIRE(session.apply(points_edit(session.document(), before, by_fit)));
     CHECK(session.document().shape().pulls == 0);
     CHECK(snap_all(session).pulls == 0);
-    CHECK(std::abs(reach(session, out) - edge_mm) < 1.5);
+    CHECK(std::abs(reach(session, out) - edge_mm) < 2);
   }
 }
 
@@ -190,7 +192,9 @@ TEST_CASE("where the image shows no edge a snap leaves the shape of the template
     }
     if (round == 0) first = points;
   }
-  CHECK((*session.document().shape().points - first).rowwise().norm().maxCoeff() < 0.5);
+  const Points later = *session.document().shape().points - first;
+  CHECK(later.rowwise().norm().maxCoeff() < 1.5);
+  CHECK(later.rowwise().norm().mean() < 0.5);
 }
 
 }  // namespace homolog

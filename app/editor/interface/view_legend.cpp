@@ -46,6 +46,8 @@ void draw_view_legend(const UiContext& ui, const RectPx& view, float bottom_px, 
   if (colouring == Colouring::vertex_hue || !ui.has_shape() || ui.making_shown || !coloured) return;
   const Legend legend = colouring_legend(ui.document(), colouring);
   const bool scale = legend.names.empty();
+  // Names take room that a small view has not; a scale is low.
+  if (!scale && view.height < theme.px(300)) return;
   const float pad = theme.px(8), row = theme.px(18), side = theme.px(10);
   const float title_px = theme.px(20), scale_px = scale ? theme.px(26) : 0;
   const float width = legend_width(ui, view),

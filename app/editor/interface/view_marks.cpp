@@ -324,8 +324,10 @@ void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   // In the 3D view, or in the one that fills the window: above its scale bar and the letters.
   if (kind == ui.state.maximised.value_or(ViewKind::space)) {
     const RectPx& rect = map.rect();
-    const bool above = map.is_slice() || (show.letters && rect.width < ui.theme.px(420));
-    draw_view_legend(ui, rect, rect.y + rect.height - ui.theme.px(above ? 40 : 8), draw);
+    const bool narrow = rect.width < ui.theme.px(420), above = map.is_slice() || (show.letters && narrow);
+    // For a while a narrow view has a hint there.
+    const bool hint = !map.is_slice() && !ui.state.hints_over && !ui.state.preferences.hints.turned_camera;
+    if (!narrow || !hint) draw_view_legend(ui, rect, rect.y + rect.height - ui.theme.px(above ? 40 : 8), draw);
   }
   const auto& guide = ui.state.guide;
   const bool pulls = guide && guide->shown && guide->at < guide->steps.size() && ui.has_shape();

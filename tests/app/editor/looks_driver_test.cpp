@@ -208,6 +208,7 @@ TEST_CASE("white in a legend has a rim on the light window's ground") {
 TEST_CASE("with another colouring than hues a legend lies in the 3D view") {
   for (const auto& [width, height] : {std::pair(1600, 1000), std::pair(800, 600)}) {
     Driver driver(ball_document(40), {width, height, 1});
+    driver.state().preferences.hints = {true, true, true};
     driver.settle();
     CHECK(text_that_is(driver, "Stiffness", "3D view") == nullptr);
     driver.press('B');

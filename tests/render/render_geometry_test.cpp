@@ -271,7 +271,7 @@ TEST_CASE("a surface behind a plane shines through it faintly and before it hide
   const auto behind = pixel(picture_of(scene, from_front, 100, 100, 4), 50, 50);
   CHECK(behind[0] > 64 + 20);
   CHECK(behind[0] < 150);
-  CHECK(pixel(picture_of(scene, from_front, 100, 100, 4), 20, 20) == std::array{64, 64, 64, 255});
+  CHECK(pixel(picture_of(scene, from_front, 100, 100, 4), 32, 32) == std::array{64, 64, 64, 255});
   scene.meshes[0] = test::layer_of(icosphere(3, 10, Vec3(0, -15, 0)));
   CHECK(pixel(picture_of(scene, from_front, 100, 100, 4), 50, 50)[0] > 150);
   scene.meshes[0].surface_opacity = 0.5f;

@@ -209,6 +209,20 @@ std::string own_part(const std::string& name, const Shared& shared, float width_
   return best;
 }
 
+/// The number that what a name has of its own begins with, whole, and of what follows as much as there is room for;
+/// empty where it begins with none, or where that does not fit.
+std::string own_number(const std::string& name, const Shared& shared, float width_px) {
+  const std::string own = name.substr(shared.head), before = shared.head > 0 ? left_out : "";
+  std::size_t digits = 0;
+  while (digits < own.size() && is_digit(own[digits])) ++digits;
+  for (std::size_t kept = own.size(); digits > 0 && kept-- > digits;) {
+    const std::string text = before + own.substr(0, kept) + left_out;
+    if (begins_letter(own, kept) && fits_into(text, width_px)) return text;
+  }
+  const std::string alone = before + own.substr(0, digits) + left_out;
+  return digits > 0 && fits_into(alone, width_px) ? alone : std::string();
+}
+
 /// What all names share, however they are shortened; nothing where there is one only.
 std::optional<Shared> shared_by_all(const std::string& name, const std::vector<std::string>& names) {
   std::optional<Shared> shared;
@@ -229,8 +243,10 @@ std::string shortened_among(const std::string& name, const std::vector<std::stri
   const auto like_it = shared_ends(name, names, alone);
   const auto shared = like_it ? like_it : shared_by_all(name, names);
   if (!shared || shared->head + shared->tail == 0) return alone;
-  for (const Shared& ends : {outside_numbers(*shared, name), *shared})
-    if (std::string own = own_part(name, ends, width_px); !own.empty()) return own;
+  const Shared whole = outside_numbers(*shared, name);
+  if (std::string own = own_part(name, whole, width_px); !own.empty()) return own;
+  if (std::string number = own_number(name, whole, width_px); !number.empty()) return number;
+  if (std::string own = own_part(name, *shared, width_px); !own.empty()) return own;
   const bool alike = std::any_of(names.begin(), names.end(), [&](const std::string& other) {
     return other != name && shortened(other, width_px) == alone;
   });

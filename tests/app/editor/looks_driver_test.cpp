@@ -189,13 +189,14 @@ TEST_CASE("white in a legend has a rim on the light window's ground") {
   const auto gl = test::context_or_skip();
   if (!gl) return;
   for (const bool light : {true, false}) {
-    Driver driver(ball_document(40), {1280, 1000, 1});
+    Driver driver(ball_document(40), {1280, 1800, 1});
     driver.app().send(UseLightTheme{light});
     driver.app().send(ChooseColouring{Colouring::known});
     driver.settle();
     const Picture picture = driver.picture();
     const DrawnItem* name = text_that_is(driver, "confirmed", "side panel");
     REQUIRE(name != nullptr);
+    REQUIRE(name->seen == name->rect);
     // From the swatch before the name to the left: somewhere it differs from the ground.
     const int y = static_cast<int>(name->rect.y + name->rect.height / 2), x = static_cast<int>(name->rect.x);
     double most = 0;

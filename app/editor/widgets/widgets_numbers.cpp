@@ -123,8 +123,7 @@ bool number_field(const Theme& theme, const char* id, double& value, double per_
   }
   ImGui::PopStyleVar();
   ImGui::PopID();
-  if (controls_memory().typed.item == item && !ImGui::TempInputIsActive(item) &&
-      take_typed(value, unit, limits))
+  if (controls_memory().typed.item == item && !ImGui::TempInputIsActive(item) && take_typed(value, unit, limits))
     changed = released = true;
   constexpr double px_per_step = 4;
   if (const int steps = key_focus().take_steps(); steps != 0) {

@@ -44,21 +44,22 @@ std::vector<Command> full_commands() {
   return commands;
 }
 
-/// Members that are a number of things: they are never negative.
-bool is_count(const std::string& key) {
-  return key == "vertices" || key == "rings" || key == "sectors" || key == "genus" || key == "subject" ||
-         key == "landmarks";
-}
-
 /// Values that a member of the same kind may have.
 std::vector<OrderedJson> others(const OrderedJson& value, const std::string& key, std::mt19937& random) {
   const bool is_length = key.ends_with("_mm");
   std::uniform_real_distribution<double> some(-1e6, 1e6);
   if (value.is_boolean()) return {!value.get<bool>()};
-  if (value.is_number_unsigned())
-    return {std::uint64_t{0}, std::uint64_t{1} << 40, std::numeric_limits<std::uint64_t>::max()};
-  if (value.is_number_integer() && is_count(key)) return {0, 7, 1000000};
-  if (value.is_number_integer()) return {-1, -3, 70000, INT_MIN, INT_MAX, static_cast<int>(random())};
+  if (value.is_number_integer())
+    return {0,
+            7,
+            1000,
+            -1,
+            -3,
+            static_cast<int>(random()),
+            INT_MIN,
+            INT_MAX,
+            std::uint64_t{1} << 40,
+            std::numeric_limits<std::uint64_t>::max()};
   if (value.is_number_float() && is_length) return {0.1, some(random), -1e9, 1e9, 1e-300};
   if (value.is_number_float() && key == "scale") return {1e-6, 1e6, 1 / 3.0};
   if (value.is_number_float()) return {0.1, some(random), -1e300, 1e300, 5e-324};
@@ -73,7 +74,7 @@ void with_others(OrderedJson& line, OrderedJson& part, std::mt19937& random, con
       const OrderedJson before = value;
       for (const OrderedJson& other : others(before, key, random)) {
         value = other;
-        visit(key);
+        visit(key, other);
       }
       value = before;
       with_others(line, value, random, visit);
@@ -82,7 +83,7 @@ void with_others(OrderedJson& line, OrderedJson& part, std::mt19937& random, con
     const OrderedJson before = part;
     for (const double mm : {-1e9, 1e9, -0.1, 1e-300}) {
       part[1] = mm;
-      visit("a place");
+      visit("a place", part[1]);
     }
     part = before;
   }
@@ -96,15 +97,21 @@ TEST_CASE("a command's line reads back as it was whatever number each of its mem
   std::set<std::string> keys;
   for (const Command& command : full_commands()) {
     OrderedJson line = OrderedJson::parse(log_line(command));
-    with_others(line, line, random, [&](const std::string& key) {
+    with_others(line, line, random, [&](const std::string& key, const OrderedJson& value) {
       // Packed numbers belong to as many vertices as they say.
       if (key == "landmarks") return;
       const auto read = command_of_line(line.dump());
       INFO(key << " in " << line.dump());
-      // An action may refuse what no case can hold.
-      if (!read && line["do"] != "edit" && line["do"] != "preview") FAIL_CHECK(read.error().sentence());
-      if (read) CHECK(OrderedJson::parse(log_line(*read)) == line);
       ++tried;
+      // Whole numbers may be too large for a member, or negative; an action may refuse what no case can hold.
+      const bool may_refuse = value.is_number_integer() && (value < 0 || value > 1000);
+      if (!read && !may_refuse && line["do"] != "edit" && line["do"] != "preview") FAIL_CHECK(read.error().sentence());
+      if (!read) return;
+      // Whether a member is there may depend on another one, which is true or false.
+      if (value.is_boolean())
+        CHECK(log_line(command_of_line(log_line(*read)).value()) == log_line(*read));
+      else
+        CHECK(OrderedJson::parse(log_line(*read)) == line);
       keys.insert(key);
     });
   }

@@ -167,8 +167,8 @@ TEST_CASE("a case opens again with its label map and with what its fit came to")
   const fs::path map = organ.scan.folder.path / "map.nii.gz";
   REQUIRE(write_volume(label_map(icosphere(4, 22), OrganScan::grid(), 3), map));
   driver.app().send(open_labels(map));
-  driver.wait_until("the label map is shown", [&] { return driver.shows("map.nii.gz"); });
   driver.click("side panel/Place");
+  driver.wait_until("the label map is shown", [&] { return driver.has("Place/Fit to the label"); });
   driver.click("Place/Fit to the label");
   driver.wait_until("the fit is done", [&] { return driver.state().last_fit.has_value(); });
   driver.settle();
@@ -183,11 +183,11 @@ TEST_CASE("a case opens again with its label map and with what its fit came to")
     driver.settle();
     driver.app().send(CloseLabels{});
     driver.settle();
-    CHECK_FALSE(driver.shows("map.nii.gz"));
+    CHECK_FALSE(driver.has("Place/Fit to the label"));
   };
   leave();
   organ.open();
-  CHECK(driver.shows("map.nii.gz"));
+  CHECK(driver.has("Place/Fit to the label"));
   CHECK(driver.shows("Distance to the label"));
   REQUIRE(driver.state().last_fit);
   CHECK(driver.state().last_fit->agreement.assd_mm == mean_mm);

@@ -282,7 +282,7 @@ LabelLikeness label_likeness(const Volume& volume) {
   if (!whole || volume.range_min < 0) return LabelLikeness::none;
   // Neighbours of one organ have one label. In images they differ by the noise: of 4 scans at most a quarter did not,
   // of 12 label maps at least 85 %, their strokes and their two-voxel walls included.
-  constexpr double flat = 0.5;
+  constexpr double flat = 0.75;
   const auto equal = share_of_equal_neighbours(volume);
   if (equal && *equal < flat) return LabelLikeness::none;
   constexpr std::size_t few = 32;

@@ -81,8 +81,8 @@ Result<EditReport> apply_stroke(const Stroke& stroke, Edit& edit) {
   report.on = outcome->on;
   report.response = outcome->response;
   report.solves = outcome->solves;
-  report.message =
-      report.stopped_by_guard ? "Stopped before a triangle turned over." : hold_words(before, stroke, report.moved_mm);
+  report.message = hold_words(before, stroke, report.moved_mm);
+  if (report.stopped_by_guard && report.message.empty()) report.message = "Stopped before a triangle turned over.";
   Shape& after = edit.shape();
   if (shape.unaided) {
     // Relax, and every stroke of `paper`, put a vertex somewhere; other strokes carry it by a distance.

@@ -32,7 +32,7 @@ void click_curve(Driver& driver, int frame) {
 }  // namespace
 
 TEST_CASE("a cine is propagated and corrected and propagated again in the window") {
-  Driver driver(BeatingBall::document());
+  Driver driver(BeatingBall::document(), {1280, 1400, 1});
   CHECK_FALSE(driver.has("Cine/volume curve"));
   CHECK(driver.shows("From frame 0."));
   driver.click("Cine/Propagate");

@@ -99,6 +99,7 @@ TEST_CASE("no control of the panel moves while a fit or a refinement or a snap r
     CAPTURE(size.width_px);
     Driver driver(scan.document(), size);
     driver.app().send(OpenSection{"Place", true});
+    driver.frames(3);
     driver.app().send(open_labels(scan.folder.path / "labels.nii"));
     driver.wait_until("the map is open", [&] { return driver.control("Place/Fit to the label").enabled; });
     for (const char* start : {"Place/Fit to the label", "Refine along the surface", "Snap/Snap the whole mesh"}) {
@@ -133,6 +134,7 @@ TEST_CASE("while a template is made and when it is taken what the pointer is on 
     CAPTURE(size.width_px);
     Driver driver(scan.document(), size);
     driver.app().send(OpenSection{"Template", true});
+    driver.frames(3);
     driver.app().send(open_labels(scan.folder.path / "labels.nii"));
     driver.wait_until("the map is open", [&] { return driver.control("Template/Make the template").enabled; });
     driver.point_at("Template/Make the template");

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "app/editor/state/status.h"
@@ -235,13 +236,12 @@ TEST_CASE("undo names tool and size and place") {
 TEST_CASE("where something that is held keeps the mesh from following the reason is said") {
   const OrganScan scan;
   Driver driver(scan.document());
-  Document held = driver.document();
   apply_and_wait(driver, PlaceLandmark{"upper end", Vec3(0, 0, 20)});
   apply_and_wait(driver, Confirm{Vec3(0, 0, 20), 4, true});
   Stroke grab;
   grab.tool = Tool::grab;
-  grab.at = Vec3(0, 0, 20);
-  grab.to = Vec3(0, 4, 24);
+  grab.at = 20 * Vec3(std::sin(0.3), 0, std::cos(0.3));
+  grab.to = grab.at + Vec3(-8, 0, 0);
   grab.sigma_mm = 6;
   apply_and_wait(driver, grab);
   CHECK(driver.app().snapshot().message.find("is held. Its lock in Place releases it.") != std::string::npos);
@@ -353,8 +353,7 @@ TEST_CASE("unsaved cases are offered once and what was undone is not and the vie
   start_again();
   CHECK(driver.state().unsaved_found == 0);
   driver.click("Unsaved cases…");
-  driver.settle();
-  REQUIRE(driver.state().dialog);
+  driver.wait_until("they are listed", [&] { return driver.state().dialog.has_value(); });
   CHECK(std::get<RecoverDialog>(*driver.state().dialog).found.size() == 1);
 }
 

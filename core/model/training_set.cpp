@@ -63,6 +63,8 @@ void find_sizes(const TrainingSet& set, std::vector<std::string>& found) {
 void find_half_turns(const TrainingSet& set, std::vector<std::string>& found) {
   constexpr double near_rad = 0.6;
   const Eigen::Quaterniond half_turn(0, 0, 0, 1);
+  // The rotation to a mirror image may be any; that it is one is said elsewhere.
+  if (!mirrored_shapes(set).empty()) return;
   const Points first = points_of(set.shapes, 0);
   std::vector<std::string> upright, turned;
   for (Eigen::Index i = 0; i < set.shapes.cols(); ++i) {

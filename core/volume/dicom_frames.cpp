@@ -111,10 +111,7 @@ class TwoPlanes {
   Result<void> check_without_times() const {
     if (a_.acquisition_number != b_.acquisition_number)
       return differ_in("acquisitions", "number " + a_.acquisition_number, "number " + b_.acquisition_number);
-    if (&a_ == &b_ && !a_.planes_are_frames && a_.frame_ms <= 0)
-      return fail(a_.path.string(), "gives one position for its " + std::to_string(a_.planes.size()) +
-                                        " planes, and neither a time nor a distance between them; export it as single "
-                                        "slices");
+    if (&a_ == &b_ && !a_.planes_are_frames && a_.frame_ms <= 0) return same_file();
     if (&a_ != &b_ && a_.instance_number == b_.instance_number)
       return fail(path_.string(), "holds several slices of one place, and nothing tells them apart: " + names() +
                                       "; keep one of them, or copy the series again");
@@ -122,6 +119,19 @@ class TwoPlanes {
   }
 
  private:
+  /// Two planes of one file, of which it gives no time.
+  tl::unexpected<Error> same_file() const {
+    const bool one_place = std::all_of(a_.planes.begin(), a_.planes.end(), [&](const DicomPlane& plane) {
+      return plane.position_mm == a_.planes.front().position_mm;
+    });
+    if (one_place)
+      return fail(a_.path.string(), "gives one position for its " + std::to_string(a_.planes.size()) +
+                                        " planes, and neither a time nor a distance between them; export it as single "
+                                        "slices");
+    return fail(a_.path.string(),
+                "holds several planes of one place, and no time tells them apart; export the scan, or "
+                "one segment, as a volume of its own");
+  }
   std::string names() const { return a_.path.filename().string() + " and " + b_.path.filename().string(); }
   static std::string number(std::optional<double> value) {
     char text[32];

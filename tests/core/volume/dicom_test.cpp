@@ -464,6 +464,10 @@ TEST_CASE("pictures within a file say their own size and are believed only where
   }
 }
 
+TEST_CASE("planes of one file that share their places are refused unless times tell them apart") {
+  CHECK(says(read_slice(enhanced_at({4, 4, 7, 7})), "several planes of one place"));
+}
+
 TEST_CASE("frames that lie in another order than in their file are put in place without a second volume") {
   const auto read = read_slice(enhanced_at({4, 0, 3, 1, 2}));
   REQUIRE(read);

@@ -270,7 +270,7 @@ Result<void> open_parts(Opened& opened, Progress& progress) {
 
 /// As dialogs, recent files and cases need it, wherever the program was started.
 std::string whole_path(const fs::path& path) {
-  return names_file(path.string()) ? absolute_path(path).string() : path.string();
+  return path.is_absolute() || !names_file(path.string()) ? path.string() : absolute_path(path).string();
 }
 
 }  // namespace

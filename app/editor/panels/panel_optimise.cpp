@@ -59,7 +59,7 @@ void draw_figures(const Theme& theme, const OptimisedStudy* done) {
 
 /// How far it is, or which shapes are shown; always of the same height.
 void draw_progress_or_choice(const Theme& theme, const StudyOptimisation& optimisation, Outbox& out) {
-  const float end_px = ImGui::GetCursorPosY() + theme.px(36);
+  const float end_px = ImGui::GetCursorPosY() + theme.px(36) + ImGui::GetStyle().ItemSpacing.y;
   if (optimisation.runs()) {
     if (work_area(theme, "",
                   WorkShown{"Optimising", optimisation.fraction, "The shapes stay as they were fitted (Escape)"}))

@@ -70,7 +70,9 @@ TEST_CASE("a fit to the label is said as long as the mesh is as it left it") {
   Driver driver(ball.document);
   driver.click("side panel/Place");
   open_by_dialog(driver, "Place/Open a label map…", ball.label);
-  driver.wait_until("the label map is open", [&] { return driver.control("Place/Fit to the label").enabled; });
+  driver.wait_until("the label map is open", [&] {
+    return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
+  });
   driver.click("Place/Fit to the label");
   driver.wait_until("the fit is done", [&] { return driver.document().shape().points->row(0).norm() < 38.5; });
   driver.settle();
@@ -114,7 +116,9 @@ TEST_CASE("the commands of a session lead to the same case again") {
     open_by_dialog(driver, "Place/Import…", ball.landmarks);
     driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("north"); });
     open_by_dialog(driver, "Place/Open a label map…", ball.label);
-    driver.wait_until("the label map is open", [&] { return driver.control("Place/Fit to the label").enabled; });
+    driver.wait_until("the label map is open", [&] {
+      return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
+    });
     driver.click("Place/Fit to the label");
     driver.wait_until("the fit is done", [&] { return driver.document().shape().points->row(0).norm() < 38.5; });
     // A fit that is given up leaves nothing, in the case or in the log.

@@ -53,7 +53,9 @@ TEST_CASE("nothing in the panel moves when a label map is opened or closed or fi
     return paths;
   };
   driver.app().send(open_labels(file));
-  driver.wait_until("the label map is open", [&] { return driver.control("Place/Fit to the label").enabled; });
+  driver.wait_until("the label map is open", [&] {
+    return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
+  });
   driver.settle();
   CHECK(moved() == "");
   driver.app().send(StartFit{driver.state().fit_settings});
@@ -122,7 +124,9 @@ TEST_CASE("the doubt of a fit is an overlay with a legend and a figure") {
   Driver driver(new_document("", std::make_shared<const Volume>(labels), ball_template(20)), {1280, 3600, 1});
   for (const char* section : {"Place", "Correspondence"}) driver.app().send(OpenSection{section, true});
   driver.app().send(open_labels(file));
-  driver.wait_until("the label map is open", [&] { return driver.control("Place/Fit to the label").enabled; });
+  driver.wait_until("the label map is open", [&] {
+    return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
+  });
   driver.click("Correspondence/overlay/Doubt");
   driver.settle();
   CHECK(driver.shows("not known: a fit to a label map tells it"));
@@ -161,7 +165,9 @@ TEST_CASE("a fit to an organ that the scan cuts marks what is missing in grey") 
   Driver driver(new_document("", std::make_shared<const Volume>(labels), ball_template(24)), {1280, 3600, 1});
   for (const char* section : {"Place", "Correspondence"}) driver.app().send(OpenSection{section, true});
   driver.app().send(open_labels(file));
-  driver.wait_until("the label map is open", [&] { return driver.control("Place/Fit to the label").enabled; });
+  driver.wait_until("the label map is open", [&] {
+    return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
+  });
   CHECK(driver.control("Place/The scan cuts the organ").value == "off");
   driver.click("Place/The scan cuts the organ");
   driver.settle();

@@ -60,7 +60,9 @@ void open_labels_of(Driver& driver, const TwoLabels& two) {
   OpenRequest request;
   request.labels = two.labels;
   driver.app().send(OpenRequested{request});
-  driver.wait_until("the label map is open", [&] { return driver.control("Place/Fit to the label").enabled; });
+  driver.wait_until("the label map is open", [&] {
+    return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
+  });
   driver.settle();
 }
 
@@ -134,7 +136,9 @@ TEST_CASE("a fit begins with the shape of the study's model or of a file's and s
   driver.state().models.shown = false;
   driver.app().send(open_labels(folder.path / "label.nii"));
   driver.click("side panel/Place");
-  driver.wait_until("the label map is open", [&] { return driver.control("Place/Fit to the label").enabled; });
+  driver.wait_until("the label map is open", [&] {
+    return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
+  });
   const auto fit = [&] {
     driver.click("Place/Fit to the label");
     driver.wait_until("the fit is done", [&] { return driver.state().last_fit.has_value(); });
@@ -214,7 +218,9 @@ TEST_CASE("a template is made of the label that the mesh lies in or else the cro
     Driver driver(two.document);
     driver.click("side panel/Template");
     driver.app().send(open_labels(two.labels));
-    driver.wait_until("the label map is open", [&] { return driver.control("Template/Make the template").enabled; });
+    driver.wait_until("the label map is open", [&] {
+      return driver.has("Template/Make the template") && driver.control("Template/Make the template").enabled;
+    });
     driver.settle();
     CHECK(driver.control("Template/label").value == "Label 2");
     driver.click("Template/label");
@@ -226,7 +232,9 @@ TEST_CASE("a template is made of the label that the mesh lies in or else the cro
   const auto map = std::make_shared<const Volume>(test::must(read_volume(two.labels)).volume);
   Driver driver(new_document(two.labels.string(), map, nullptr));
   driver.app().send(open_labels(two.labels));
-  driver.wait_until("the label map is open", [&] { return driver.control("Template/Make the template").enabled; });
+  driver.wait_until("the label map is open", [&] {
+    return driver.has("Template/Make the template") && driver.control("Template/Make the template").enabled;
+  });
   driver.state().crosshair_mm = Vec3(5, 5, 0);
   driver.frames(2);
   CHECK(driver.control("Template/label").value == "Label 2");

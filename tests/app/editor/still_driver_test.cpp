@@ -101,7 +101,9 @@ TEST_CASE("no control of the panel moves while a fit or a refinement or a snap r
     driver.app().send(OpenSection{"Place", true});
     driver.frames(3);
     driver.app().send(open_labels(scan.folder.path / "labels.nii"));
-    driver.wait_until("the map is open", [&] { return driver.control("Place/Fit to the label").enabled; });
+    driver.wait_until("the map is open", [&] {
+      return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
+    });
     for (const char* start : {"Place/Fit to the label", "Refine along the surface", "Snap/Snap the whole mesh"}) {
       CAPTURE(start);
       const Watched watched = watch(driver, start, [&] { return driver.app().busy(); });
@@ -121,7 +123,9 @@ TEST_CASE("a map that is opened puts no other button in the place of the one tha
     driver.point_at("Template/Open a label map…");
     const Rects before = rects_of(driver);
     driver.app().send(open_labels(scan.folder.path / "labels.nii"));
-    driver.wait_until("the map is open", [&] { return driver.control("Template/Make the template").enabled; });
+    driver.wait_until("the map is open", [&] {
+      return driver.has("Template/Make the template") && driver.control("Template/Make the template").enabled;
+    });
     CHECK(moved_since(before, driver) == "");
     CHECK(driver.control("Template/Open a label map…").hovered);
   }
@@ -136,7 +140,9 @@ TEST_CASE("while a template is made and when it is taken what the pointer is on 
     driver.app().send(OpenSection{"Template", true});
     driver.frames(3);
     driver.app().send(open_labels(scan.folder.path / "labels.nii"));
-    driver.wait_until("the map is open", [&] { return driver.control("Template/Make the template").enabled; });
+    driver.wait_until("the map is open", [&] {
+      return driver.has("Template/Make the template") && driver.control("Template/Make the template").enabled;
+    });
     driver.point_at("Template/Make the template");
     const float button_px = driver.control("Template/Make the template").rect.y;
     const Watched watched = watch(

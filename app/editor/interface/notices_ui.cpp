@@ -56,12 +56,14 @@ void draw_notice(const UiContext& ui, std::size_t index, float& bottom_px, Outbo
   const Notice& notice = ui.state.notices[index];
   const ImU32 colour = notice.error ? palette::bad : palette::accent;
   const float width = card_width(ui), left = theme.px(36), pad = theme.px(12), end = width - theme.px(44);
-  // The whole sentence; one that is taller than most of the window scrolls.
-  const float lines = std::ceil(text_size(theme.body, in_lines(theme.body, notice.text, end - left)).y);
-  const float most = std::max(0.6f * (ui.layout.status_line.y - top_of_cards(ui)), theme.px(60));
-  const float shown = std::min(lines, most);
   const bool offers = !notice.kept.empty();
-  const float height = shown + 2 * pad + (offers ? theme.px(28) + theme.px(8) : 0);
+  const float button_px = offers ? theme.px(28) + theme.px(8) : 0;
+  // The whole sentence; one that is taller than its share of the room, with those that follow, scrolls.
+  const float lines = std::ceil(text_size(theme.body, in_lines(theme.body, notice.text, end - left)).y);
+  const float share = (bottom_px - top_of_cards(ui)) / static_cast<float>(ui.state.notices.size() - index);
+  const float most = std::max(std::floor(share - 2 * pad - button_px - theme.px(8)), theme.px(20));
+  const float shown = std::min(lines, most);
+  const float height = shown + 2 * pad + button_px;
   begin_card(ui, format("notice %zu", index).c_str(), height, bottom_px, colour);
   text_line(notice.error ? icon::warning : icon::info, colour);
   ImGui::SameLine(left);

@@ -48,10 +48,11 @@ void draw_view_legend(const UiContext& ui, const RectPx& view, float bottom_px, 
   const bool scale = legend.names.empty();
   // Names take room that a small view has not; a scale is low.
   if (!scale && view.height < theme.px(300)) return;
+  // The letter in the middle of the left edge stays free.
+  const float middle = view.y + view.height / 2 + theme.px(16);
   const float pad = theme.px(8), row = theme.px(18), side = theme.px(10);
   const float title_px = theme.px(20), scale_px = scale ? theme.px(26) : 0;
-  const float width = legend_width(ui, view),
-              room = bottom_px - static_cast<float>(view.y) - title_px - scale_px - 3 * pad;
+  const float width = legend_width(ui, view), room = bottom_px - middle - title_px - scale_px - 2 * pad + theme.px(4);
   if (width < theme.px(100) || room < (scale ? 0 : 2 * row)) return;
   const auto names = named_colours(legend, static_cast<std::size_t>(std::clamp(room / row, 0.0f, 8.0f)));
   const float height = title_px + scale_px + row * static_cast<float>(names.size()) + 2 * pad - theme.px(4);

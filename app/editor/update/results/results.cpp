@@ -173,14 +173,16 @@ void follow_guide(Editing& editing) {
 /// What is looked at goes with the mesh until it is mended.
 bool update_quality(Editing& editing) {
   EditorState& state = editing.state;
-  if (!editing.work.quality.update()) return false;
+  const bool fresh = editing.work.quality.update();
   const auto& figures = editing.work.quality.latest();
-  if (!state.drag && figures) {
+  // The figures of a pull may have come while it was in hand.
+  if (!state.drag && figures && !editing.work.quality.busy()) {
     const std::size_t before = std::exchange(state.intersecting_at_rest, figures->intersecting);
     if (figures->intersecting > before && !state.intersecting_before) state.intersecting_before = before;
     if (state.intersecting_before && figures->intersecting <= *state.intersecting_before)
       state.intersecting_before.reset();
   }
+  if (!fresh) return false;
   if (!state.finding || state.finding->finding.faces.empty() || !figures) return true;
   const auto& marked = state.finding->finding;
   const bool there = std::any_of(figures->findings.begin(), figures->findings.end(), [&](const Finding& one) {

@@ -356,9 +356,15 @@ nifti_image nifti_header_image(const Volume& volume) {
   return image;
 }
 
+/// A number as NIfTI-1 keeps it. Volatile, since gcc 12 leaves out the rounding where it vectorises both casts.
+double in_single_precision(double number) {
+  const volatile auto single = static_cast<float>(number);
+  return static_cast<double>(single);
+}
+
 /// Whether single precision, in which NIfTI-1 keeps sizes and places, moves no voxel by more than a thousandth of one.
 bool is_held_by_floats(const VolumeGeometry& geometry) {
-  const auto rounded = [](const auto& matrix) { return matrix.template cast<float>().template cast<double>().eval(); };
+  const auto rounded = [](const auto& matrix) { return matrix.unaryExpr(&in_single_precision).eval(); };
   const Mat3 steps = geometry.direction * geometry.spacing_mm.asDiagonal();
   const Vec3 last(geometry.dims[0] - 1, geometry.dims[1] - 1, geometry.dims[2] - 1);
   const double most = 1e-3 * geometry.spacing_mm.minCoeff();

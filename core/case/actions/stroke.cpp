@@ -91,8 +91,7 @@ Result<EditReport> apply_stroke(const Stroke& stroke, Edit& edit) {
         std::make_shared<const Points>(absolute ? unaided_after(*shape.unaided, *shape.points, outcome->points)
                                                 : Points(*shape.unaided + outcome->points - *shape.points));
   }
-  if (shape.unsnapped)
-    after.unsnapped = std::make_shared<const Points>(*shape.unsnapped + outcome->points - *shape.points);
+  after.unsnapped.reset();  // who strokes a snapped mesh takes it as it is: the next snap keeps to that shape
   after.points = std::make_shared<const Points>(std::move(outcome->points));
   if (outcome->response) decide(after, outcome->response);
   if (outcome->response && report.moved_mm > 0) note_pull(after, *outcome->response);

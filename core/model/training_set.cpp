@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -82,11 +83,13 @@ void find_half_turns(const TrainingSet& set, std::vector<std::string>& found) {
       "turn it by convert --from-ras");
 }
 
-/// All faces look inward.
+/// All faces of all shapes look inward; those of a mirrored shape alone are said to be mirrored.
 void find_inward(const TrainingSet& set, std::vector<std::string>& found) {
   if (!set.topology) return;
-  if (const auto inward = inside_out({set.topology, points_of(set.shapes, 0)}))
-    found.push_back(set.names.front() + ", as all shapes: " + *inward);
+  std::optional<std::string> inward;
+  for (Eigen::Index i = 0; i < set.shapes.cols(); ++i)
+    if (inward = inside_out({set.topology, points_of(set.shapes, i)}); !inward) return;
+  if (inward) found.push_back(set.names.front() + ", as all shapes: " + *inward);
 }
 
 /// Errors: a shape whose vertices are in another order than most others have them.

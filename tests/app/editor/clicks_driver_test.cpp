@@ -150,6 +150,7 @@ TEST_CASE("what is typed into an open list searches it and does nothing behind i
   driver.app().send(open_labels(driver.folder() / "labels.nii"));
   driver.frames(3);
   driver.wait_until("the map is open", [&] { return driver.control("Place/label").value != "No label map is open"; });
+  driver.settle();  // its name is in the case
   const auto type_letters = [&](std::string_view text) {
     for (const char letter : text) {
       driver.press(std::toupper(letter));  // as the window system sends both

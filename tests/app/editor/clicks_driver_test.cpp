@@ -79,7 +79,7 @@ TEST_CASE("a double click enlarges a view and edits nothing with any tool in any
           CHECK((driver.state().maximised != std::nullopt) == (maximised == (clicks == 4)));
           driver.settle();
           CHECK(text_of_case(driver) == before);
-          CHECK_FALSE(driver.app().snapshot().preview);
+          driver.wait_until("the preview is gone", [&] { return !driver.app().snapshot().preview; });
           CHECK(driver.state().tool == tool);
           REQUIRE(driver.state().ruler);
           CHECK(driver.state().ruler->length_mm() == 10);

@@ -18,6 +18,11 @@ void update_quit(Editing& editing) {
   Models& models = editing.work.models;
   if (state.quitting == Quitting::asked && editing.shown.at_rest()) {
     state.quitting = Quitting::no;
+    // A study that could not be saved as another file: writing the study's own file again does not mend that.
+    if (!models.unwritten().empty() && models.unwritten() != state.models.study_file) {
+      state.dialog = QuitDialog{models.unwritten()};
+      return;
+    }
     if (!has_unsaved_edits(editing.shown.snapshot())) return quit_when_written(editing, false);
     state.dialog = QuitDialog{};
   }

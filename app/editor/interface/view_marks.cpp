@@ -235,7 +235,8 @@ void draw_guide_arrow(const UiContext& ui, const GuideStep& step, const ViewMap&
   const float thick = ui.theme.px(3), rim = ui.theme.px(2);
   if (length > 0.5) {
     const Eigen::Vector2d along = way / length, across(-along.y(), along.x());
-    const Eigen::Vector2d tip = *to, neck = tip - head * along, tail = tip - std::max(length, shortest) * along;
+    const Eigen::Vector2d& tip = *to;
+    const Eigen::Vector2d neck = tip - head * along, tail = tip - std::max(length, shortest) * along;
     const ImVec2 low = on_screen(neck + 0.6 * head * across), high = on_screen(neck - 0.6 * head * across);
     const ImVec2 left = on_screen(*to + bar * across), right = on_screen(*to - bar * across);
     draw.AddLine(on_screen(tail), on_screen(neck), edge, thick + rim);

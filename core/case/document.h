@@ -34,8 +34,8 @@ struct Shape {
   /// held. What is released is let go.
   std::shared_ptr<const VertexScalars> pulled;
   int pulls = 0;  ///< how many strokes that were
-  /// P without what snaps moved since the last fit: the shape that a snap keeps to, so that snaps do not add up. Null:
-  /// P itself.
+  /// P without what snaps moved since the last fit or stroke: the shape that a snap keeps to, so that snaps do not
+  /// add up. Null: P itself.
   std::shared_ptr<const Points> unsnapped;
   std::shared_ptr<const Points> carried;          ///< P as it came from other frames of a cine; null: it did not
   std::string doubt;                              ///< why what was carried here has to be looked at; empty: it need not

@@ -4,7 +4,7 @@
 
 #include "app/editor/update/controls.h"
 #include "app/editor/update/editing.h"
-#include "app/editor/work/demo.h"
+#include "app/editor/work/opening/demo.h"
 #include "tests/must.h"
 
 namespace homolog {

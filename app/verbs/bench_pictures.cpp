@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "app/editor/drawing/gallery_pictures.h"
-#include "app/editor/work/demo.h"
 #include "app/editor/work/models/build_study_model.h"
+#include "app/editor/work/opening/demo.h"
 #include "app/verbs/median.h"
 #include "core/correspondence/colours.h"
 #include "core/volume/volume_io.h"

@@ -1,6 +1,6 @@
 #include <filesystem>
 
-#include "app/editor/work/demo.h"
+#include "app/editor/work/opening/demo.h"
 #include "app/pictures/pictures.h"
 #include "app/verbs/verb.h"
 #include "core/base/files.h"

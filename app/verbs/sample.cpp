@@ -1,4 +1,4 @@
-#include "app/editor/work/sample.h"
+#include "app/editor/work/opening/sample.h"
 
 #include <filesystem>
 

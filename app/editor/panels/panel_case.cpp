@@ -4,7 +4,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "app/editor/work/sample.h"
+#include "app/editor/work/opening/sample.h"
 
 namespace homolog {
 

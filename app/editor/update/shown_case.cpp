@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/editor/work/recovery.h"
+#include "app/editor/work/opening/recovery.h"
 #include "core/session/unsaved_cases.h"
 
 namespace homolog {

@@ -15,7 +15,7 @@
 #include "app/editor/update/controls.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/window/input_router.h"
-#include "app/editor/work/demo.h"
+#include "app/editor/work/opening/demo.h"
 #include "core/base/statistics.h"
 #include "core/session/case_file.h"
 #include "render/offscreen.h"

@@ -7,7 +7,7 @@
 
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/work/fitter.h"
-#include "app/editor/work/opener.h"
+#include "app/editor/work/opening/opener.h"
 #include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/json.h"

@@ -10,7 +10,7 @@
 #include "app/editor/state/models/models_state.h"
 #include "app/editor/work/models/build_study_model.h"
 #include "app/editor/work/models/study_optimiser.h"
-#include "app/editor/work/opener.h"
+#include "app/editor/work/opening/opener.h"
 #include "app/editor/work/quality_monitor.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"

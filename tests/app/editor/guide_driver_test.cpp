@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "app/editor/update/controls.h"
-#include "app/editor/work/demo.h"
+#include "app/editor/work/opening/demo.h"
 #include "tests/driver.h"
 #include "tests/must.h"
 #include "tests/screens.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/editor/work/demo.h"
+#include "app/editor/work/opening/demo.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/model/study.h"

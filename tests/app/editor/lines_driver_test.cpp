@@ -12,7 +12,7 @@
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/widgets/widgets.h"
 #include "app/editor/window/editor_app.h"
-#include "app/editor/work/demo.h"
+#include "app/editor/work/opening/demo.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/mesh_quality.h"
 #include "tests/driver.h"

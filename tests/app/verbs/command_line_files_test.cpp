@@ -334,7 +334,6 @@ TEST_CASE("an option that has no effect on what a verb is given is said") {
         "replay ball.homolog -o out.ply --scheme raw --events 3", "repair-mesh ball-1.ply -o out.ply --vertices 500",
         "template --consensus ball-1.ply ball-2.ply -o out.ply --genus 0",
         "template --consensus ball-1.ply ball-2.ply -o out.ply --opening-mm 3",
-        "template --consensus ball-1.ply ball-2.ply -o out.ply --frame 1",
         "template noise.nii --tube -o out.ply --vertices 900", "template noise.nii --tube -o out.ply --closing-mm 3",
         "template noise.nii --tube -o out.ply --opening-mm 3", "template noise.nii --tube -o out.ply --genus 1"}) {
     CAPTURE(arguments);
@@ -343,9 +342,12 @@ TEST_CASE("an option that has no effect on what a verb is given is said") {
     CHECK(ran.errors.find("has no effect here") != std::string::npos);
   }
   CHECK(run(folder, "bench --editor --mesh ball-1.ply").status == 2);
-  check_refused(run(folder, "study bias" + balls + "--label 2"), "--label and --closing-mm have no effect");
-  check_refused(run(folder, "study bias" + balls + "--closing-mm 2"), "--label and --closing-mm have no effect");
-  check_refused(run(folder, "template --consensus" + balls + "-o out.ply --label 2"), "--label and --closing-mm");
+  check_refused(run(folder, "study bias" + balls + "--label 2"), "--label, --frame and --closing-mm have no effect");
+  check_refused(run(folder, "study bias" + balls + "--closing-mm 2"),
+                "--label, --frame and --closing-mm have no effect");
+  for (const char* option : {"--label 2", "--frame 1"})
+    check_refused(run(folder, "template --consensus" + balls + "-o out.ply " + option),
+                  "--label, --frame and --closing-mm");
   for (const char* verb : {"model", "evaluate", "measure", "landmarks"}) {
     CAPTURE(verb);
     const std::string out = verb == std::string("model")       ? "-o out.h5"

@@ -1,4 +1,4 @@
-#include "app/editor/work/demo.h"
+#include "app/editor/work/opening/demo.h"
 
 #include <map>
 #include <string>

@@ -1,4 +1,4 @@
-#include "app/editor/work/recovery.h"
+#include "app/editor/work/opening/recovery.h"
 
 #include <array>
 #include <chrono>

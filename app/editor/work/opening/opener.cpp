@@ -1,4 +1,4 @@
-#include "app/editor/work/opener.h"
+#include "app/editor/work/opening/opener.h"
 
 #include <unistd.h>
 
@@ -9,8 +9,8 @@
 
 #include "app/editor/state/files/file_browser.h"
 #include "app/editor/state/files/file_extensions.h"
-#include "app/editor/work/demo.h"
-#include "app/editor/work/sample.h"
+#include "app/editor/work/opening/demo.h"
+#include "app/editor/work/opening/sample.h"
 #include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"

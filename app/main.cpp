@@ -226,7 +226,7 @@ int run_main(int argc, char** argv) {
   for (const CLI::Option* option : app.get_options())
     if (option->count() > 0) {
       std::cerr << "homolog: " << option->get_name()
-                << ": is for the editor, and has no effect on a verb; leave it out\n";
+                << ": is for the editor, and has no effect on a verb; leave it out, see homolog --help\n";
       return wrong_command_line;
     }
   const CLI::App* verb = &app;

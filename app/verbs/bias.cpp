@@ -38,6 +38,7 @@ Result<Report> study_bias(const BiasJob& options, Progress& progress) {
       {"rv", bias->rv},
       {"rv_least", bias->rv_least},
       {"flipped", read->flipped}};
+  read->report_frames(report.values);
   return report;
 }
 

@@ -204,10 +204,12 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
   report.warnings = std::move(landmarks->warnings);
   report.warnings.insert(report.warnings.end(), judgement.warnings.begin(), judgement.warnings.end());
   report.warnings = about(path, std::move(report.warnings));
-  const Meeting own{options.template_source, bounds_of(shared.the_template->points).diagonal().norm()};
-  const Meeting there = meeting_of(path, target->boundary.surface.points);
-  if (const auto misfit = misfit_of_size(own.size_mm, there.size_mm))
-    report.warnings.insert(report.warnings.begin(), misfit_sentence(*misfit, own, there));
+  // The template may be of the same scan: then its axes can be told too.
+  const Mesh own{shared.the_template->topology, shared.the_template->points};
+  if (const auto misfit = misfit_in_scan(own, target->boundary.surface))
+    report.warnings.insert(report.warnings.begin(),
+                           misfit_sentence(*misfit, meeting_of(options.template_source, own.points),
+                                           meeting_of(path, target->boundary.surface.points)));
   return report;
 }
 

@@ -22,7 +22,8 @@ Result<std::vector<Landmark>> landmarks_beside(const SubjectFiles& files, const 
 }
 
 Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& path,
-                                     std::vector<std::string>& warnings, Progress& progress) {
+                                     std::vector<std::string>& warnings, std::optional<int>& frame,
+                                     Progress& progress) {
   BiasSubject subject;
   subject.name = case_name_of(path);
   if (is_mesh_name(path)) {
@@ -35,6 +36,7 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
     auto mask = read_mask(path, files.labels, {files.frame, {}}, progress);
     if (!mask) return fail(mask.error());
     warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
+    if (mask->volume.frames > 1) frame = mask->frame;
     auto boundary = label_boundary(mask->volume, mask->label, mask->frame, files.closing_mm, files.vertices);
     if (!boundary) return fail(path.string(), boundary.error().what);
     subject.boundary = std::move(*boundary);
@@ -84,10 +86,11 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
   SubjectsRead read;
   read.subjects.resize(paths.size());
   std::vector<std::vector<std::string>> warnings(paths.size());
+  std::vector<std::optional<int>> frames(paths.size());
   const auto results = run_cases(
       paths.size(),
       [&](std::size_t k, Progress& own) -> Result<Report> {
-        auto subject = read_one_subject(files, paths[k], warnings[k], own);
+        auto subject = read_one_subject(files, paths[k], warnings[k], frames[k], own);
         if (!subject) return fail(subject.error());
         read.subjects[k] = std::move(*subject);
         return Report{};
@@ -96,6 +99,7 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
   for (std::size_t k = 0; k < results.size(); ++k) {
     if (!results[k]) return fail(results[k].error());
     read.warnings.insert(read.warnings.end(), warnings[k].begin(), warnings[k].end());
+    if (frames[k]) read.frames[read.subjects[k].name] = *frames[k];
   }
   std::vector<Meeting> met;
   for (std::size_t k = 0; k < paths.size(); ++k)

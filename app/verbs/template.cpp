@@ -211,13 +211,14 @@ Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
   if (!made->rests)
     warnings.emplace_back(
         "the mean still moved in the last round; use more vertices, and look at subjects that differ much from others");
+  Json values{{"subjects", subjects.size()},
+              {"rounds", made->rounds},
+              {"moved_mm", made->moved_mm},
+              {"rests", made->rests},
+              {"flipped", read->flipped}};
+  read->report_frames(values);
   return finish(template_file(made->mesh, {{"consensus", names}, {"vertices", options.vertices}}), options,
-                {{"subjects", subjects.size()},
-                 {"rounds", made->rounds},
-                 {"moved_mm", made->moved_mm},
-                 {"rests", made->rests},
-                 {"flipped", read->flipped}},
-                std::move(warnings));
+                std::move(values), std::move(warnings));
 }
 
 Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {

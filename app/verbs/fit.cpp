@@ -159,6 +159,9 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
   const Agreement& agreement = judgement.agreement;
   Report report;
   report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", agreement.dice}};
+  const Agreement& inside = judgement.inside_scan;
+  report.values["inside_scan"] = {{"assd_mm", inside.assd_mm}, {"hd95_mm", inside.hd95_mm}, {"dice", inside.dice}};
+  report.values["beyond_share"] = judgement.beyond_share;
   if (target.mask) {
     const MaskRead& mask = *target.mask;
     report.values["dice_raw"] = dice_with_mask(fit.mesh, mask.volume, mask.label, mask.frame);

@@ -102,7 +102,7 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
   if (!fit) return fail(labels.name, fit.error().what);
   const FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
   Fitted done;
-  done.agreement = judgement.agreement;
+  done.agreement = judgement.inside_scan;
   done.doubtful = judgement.doubtful;
   for (const std::string& warning : judgement.warnings) done.warnings.push_back(as_sentence(warning));
   if (fit->result.allowed.size() > 0) {
@@ -112,6 +112,14 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
     std::snprintf(remark, sizeof remark,
                   "The model alone comes within %.2f mm of the label. The mesh lies %.2f mm beyond it on average.",
                   model_mm, beyond_mm);
+    done.remarks.emplace_back(remark);
+  }
+  if (judgement.beyond_share > 0 && !settings.partial) {
+    char remark[160];
+    std::snprintf(
+        remark, sizeof remark,
+        "%.0f %% of the mesh lies beyond the scan, where it follows the template. The figures are of the rest.",
+        100 * judgement.beyond_share);
     done.remarks.emplace_back(remark);
   }
   if (settings.partial) {

@@ -17,6 +17,7 @@
 #include "core/case/action_json.h"
 #include "core/case/placing.h"
 #include "core/catalogue/catalogue.h"
+#include "core/groupwise/cohort_doubt.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/mirror.h"
 #include "core/model/model_prior.h"
@@ -44,8 +45,17 @@ struct Options {
   std::optional<double> closing_mm;
   bool mirror = false, partial = false;
 
+  std::optional<int> by_others;  ///< third subjects; as asked
+
   bool to_meshes() const { return !meshes.empty(); }
   const std::vector<fs::path>& cases() const { return to_meshes() ? meshes : masks; }
+  /// By how many third subjects each case is fitted too: in a cohort of five and more by three, else as asked.
+  std::size_t ways_by_others() const {
+    const std::size_t most = cases().empty() ? 0 : cases().size() - 1;
+    const bool alike =
+        !partial && model.empty() && landmarks.empty();  // all start from what their template alone tells
+    return std::min(most, static_cast<std::size_t>(by_others.value_or(most >= 4 && alike ? 3 : 0)));
+  }
   LandmarkFiles landmark_files() const { return {landmarks, template_source, cases().size() > 1}; }
 };
 
@@ -184,8 +194,22 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
   return report;
 }
 
+/// What was fitted to a case.
+struct Fitted {
+  FitResult fit;
+  std::vector<std::string> warnings;  ///< of its landmarks
+  double seconds = 0;
+};
+
+/// A case among others: what is kept of its fit, or the fit that was kept, whose doubt now takes in the others.
+struct Among {
+  std::optional<Fitted>* keep = nullptr;
+  const Fitted* again = nullptr;
+  std::vector<const Points*> others;  ///< third subjects [spread_by_others_mm2]
+};
+
 Result<Report> fit_case(const Options& options, const Shared& shared, const fs::path& path, const fs::path& out,
-                        Progress& progress) {
+                        Progress& progress, const Among& among = {}) {
   auto target = read_target(options, path, shared.the_template->points.rows(), progress);
   if (!target) return fail(target.error());
   auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, path);
@@ -193,21 +217,34 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
   FitOptions fitting = shared.fit;
   fitting.landmarks = std::move(landmarks->places);
   fitting.progress = &progress;
-  const auto fit = fit_to_boundary(*shared.the_template, target->boundary, fitting);
-  if (!fit) return fail(path.string(), fit.error().what);
-  const double seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
+  Fitted fitted{FitResult{}, std::move(landmarks->warnings), 0};
+  if (among.again == nullptr) {
+    auto fit = fit_to_boundary(*shared.the_template, target->boundary, fitting);
+    if (!fit) return fail(path.string(), fit.error().what);
+    fitted.fit = std::move(*fit);
+    fitted.seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
+  } else {
+    fitted = *among.again;
+    const auto spread = spread_by_others_mm2(*shared.the_template, among.others, target->boundary, fitting, fitted.fit);
+    if (!spread) return fail(path.string(), spread.error().what);
+    fitted.fit.doubt_mm = doubt_among_others_mm(fitted.fit.doubt_mm, *spread);
+  }
+  const FitResult* const fit = &fitted.fit;
+  const double seconds = fitted.seconds;
   MeshFile file = fitted_file(*shared.the_template, *fit, options.partial);
   if (target->mask && target->mask->volume.frames > 1) note_frame(file, target->mask->frame);
   if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
   const FitJudgement judgement = judge_fit(*shared.the_template, target->boundary, fitting, *fit);
   Report report = report_of(*target, *shared.the_template, *fit, judgement, options.partial, seconds);
-  report.warnings = std::move(landmarks->warnings);
+  report.warnings = fitted.warnings;
   report.warnings.insert(report.warnings.end(), judgement.warnings.begin(), judgement.warnings.end());
   report.warnings = about(path, std::move(report.warnings));
   const Meeting own{options.template_source, bounds_of(shared.the_template->points).diagonal().norm()};
   const Meeting there = meeting_of(path, target->boundary.surface.points);
   if (const auto misfit = misfit_of_size(own.size_mm, there.size_mm))
     report.warnings.insert(report.warnings.begin(), misfit_sentence(*misfit, own, there));
+  if (!among.others.empty()) report.values["doubt_mm"]["by_others"] = among.others.size();
+  if (among.keep != nullptr) *among.keep = std::move(fitted);
   return report;
 }
 
@@ -295,9 +332,33 @@ Result<Report> fit_many(const Options& options, const Shared& shared, Progress& 
   const auto folder = ResultFolder::make(options.out);
   if (!folder) return fail(folder.error());
   const auto& paths = options.cases();
-  const auto results = run_cases(
+  std::vector<std::optional<Fitted>> fitted(paths.size());
+  const std::size_t by_others = options.ways_by_others();
+  progress.part(0, 1 / (1 + static_cast<double>(by_others)));
+  auto results = run_cases(
       paths.size(),
-      [&](std::size_t i, Progress& own) { return fit_case(options, shared, paths[i], (*outputs)[i], own); }, progress);
+      [&](std::size_t i, Progress& own) {
+        return fit_case(options, shared, paths[i], (*outputs)[i], own, {by_others > 0 ? &fitted[i] : nullptr});
+      },
+      progress);
+  if (by_others > 0 && !progress.cancelled()) {
+    progress.part(1 / (1 + static_cast<double>(by_others)), 1);
+    std::vector<const FitResult*> fits;
+    for (const auto& one : fitted) fits.push_back(one ? &one->fit : nullptr);
+    const auto third = third_subjects(fits, by_others + 1);
+    auto again = run_cases(
+        paths.size(),
+        [&](std::size_t i, Progress& own) -> Result<Report> {
+          if (fits[i] == nullptr) return fail("", "was not fitted");
+          Among among{nullptr, &*fitted[i], {}};
+          for (const std::size_t k : third)
+            if (k != i && among.others.size() < by_others) among.others.push_back(&fits[k]->mesh.points);
+          return fit_case(options, shared, paths[i], (*outputs)[i], own, among);
+        },
+        progress);
+    for (std::size_t i = 0; i < again.size(); ++i)
+      if (again[i]) results[i] = std::move(again[i]);
+  }
   if (progress.cancelled()) return fail("", "the fit was cancelled; the meshes finished so far are kept");
   Report report;
   report.warnings = landmarks_of_no_case(options.landmark_files(), options.cases());
@@ -402,6 +463,10 @@ void add_fit(CLI::App& app, CommandLine& asked) {
   verb->add_flag("--partial", options->partial,
                  "Parts of the organ may be missing: they are found, left to the template's shape or the model's, and "
                  "marked as outlier in the mesh");
+  verb->add_option("--by-others", options->by_others,
+                   "By way of how many other cases each is fitted again, so that their spread tells where it is in "
+                   "doubt (default: 3 from five cases on; each takes as long as the fit)")
+      ->check(CLI::Range(0, 100));
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->callback([options, verb, &asked] {
     if (verb->count("--frame") > 0) options->frame = options->snap.frame;

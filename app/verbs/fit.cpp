@@ -7,6 +7,7 @@
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
+#include "app/verbs/fit_parts.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
 #include "app/verbs/verb.h"
@@ -35,7 +36,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Options {
-  std::string template_source, orientation = "patient";
+  std::string template_source, orientation = "patient", parts = "largest";
   std::vector<fs::path> masks, meshes;
   fs::path image, out, placement, landmarks, model;
   double beyond = 1;
@@ -114,7 +115,8 @@ struct Target {
   std::optional<MaskRead> mask;
 };
 
-Result<Target> read_target(const Options& options, const fs::path& path, Eigen::Index vertices, Progress& progress) {
+Result<Target> read_target(const Options& options, const Shared& shared, const fs::path& path, Progress& progress) {
+  const Eigen::Index vertices = shared.the_template->points.rows();
   if (options.to_meshes()) {
     const auto file = read_mesh_to_mend(path);
     if (!file) return fail(file.error());
@@ -127,7 +129,13 @@ Result<Target> read_target(const Options& options, const fs::path& path, Eigen::
   auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
   if (!mask) return fail(mask.error());
   const auto started = Clock::now();
-  auto boundary = label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm, vertices);
+  const auto part = [&](std::size_t rank) {
+    return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm, vertices,
+                          {options.parts == "all", rank});
+  };
+  auto boundary = part(0);
+  if (boundary && options.parts == "largest" && !options.partial)
+    boundary = likeliest_part(*shared.the_template, std::move(*boundary), part, shared.fit);
   if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
   boundary->warnings = mask->named(std::move(boundary->warnings));
   boundary->warnings.insert(boundary->warnings.begin(), mask->warnings.begin(), mask->warnings.end());
@@ -173,6 +181,8 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
     const MaskRead& mask = *target.mask;
     report.values["dice_raw"] = dice_with_mask(fit.mesh, mask.volume, mask.label, mask.frame);
     mask.report_frame(report.values);
+    report.values["parts_left_out"] = {{"count", target.boundary.parts_left_out},
+                                       {"share", target.boundary.share_left_out}};
   }
   report.values.update(Json{{"turned_triangles", fit.turned_triangles},
                             {"self_intersections", fit.self_intersections},
@@ -210,7 +220,7 @@ struct Among {
 
 Result<Report> fit_case(const Options& options, const Shared& shared, const fs::path& path, const fs::path& out,
                         Progress& progress, const Among& among = {}) {
-  auto target = read_target(options, path, shared.the_template->points.rows(), progress);
+  auto target = read_target(options, shared, path, progress);
   if (!target) return fail(target.error());
   auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, path);
   if (!landmarks) return fail(landmarks.error());
@@ -443,6 +453,13 @@ void add_fit(CLI::App& app, CommandLine& asked) {
       ->needs(mask);
   add_ball_option(*verb, "--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
       ->needs(mask);
+  verb->add_option(
+          "--parts", options->parts,
+          "Of a label in several parts: largest, or of those of about one size the one most like the template; "
+          "or all of them")
+      ->check(CLI::IsMember({"largest", "all"}))
+      ->needs(mask)
+      ->capture_default_str();
   verb->add_option("--placement", options->placement,
                    "Where to start: a JSON file with rotation, scale and translation, as in a case file");
   verb->add_option("--landmarks", options->landmarks,

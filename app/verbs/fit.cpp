@@ -7,6 +7,7 @@
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
+#include "app/verbs/fit_parts.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
 #include "app/verbs/verb.h"
@@ -17,6 +18,7 @@
 #include "core/case/action_json.h"
 #include "core/case/placing.h"
 #include "core/catalogue/catalogue.h"
+#include "core/groupwise/cohort_doubt.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/mirror.h"
 #include "core/model/model_prior.h"
@@ -34,7 +36,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Options {
-  std::string template_source, orientation = "patient";
+  std::string template_source, orientation = "patient", parts = "largest";
   std::vector<fs::path> masks, meshes;
   fs::path image, out, placement, landmarks, model;
   double beyond = 1;
@@ -44,8 +46,15 @@ struct Options {
   std::optional<double> closing_mm;
   bool mirror = false, partial = false;
 
+  int by_others = 0;  ///< third subjects
+
   bool to_meshes() const { return !meshes.empty(); }
   const std::vector<fs::path>& cases() const { return to_meshes() ? meshes : masks; }
+  /// By how many third subjects each case is fitted too. None unless asked for: a case's files do not hang on what
+  /// else is fitted.
+  std::size_t ways_by_others() const {
+    return cases().empty() ? 0 : std::min(cases().size() - 1, static_cast<std::size_t>(by_others));
+  }
   LandmarkFiles landmark_files() const { return {landmarks, template_source, cases().size() > 1}; }
 };
 
@@ -104,7 +113,8 @@ struct Target {
   std::optional<MaskRead> mask;
 };
 
-Result<Target> read_target(const Options& options, const fs::path& path, Eigen::Index vertices, Progress& progress) {
+Result<Target> read_target(const Options& options, const Shared& shared, const fs::path& path, Progress& progress) {
+  const Eigen::Index vertices = shared.the_template->points.rows();
   if (options.to_meshes()) {
     const auto file = read_mesh_to_mend(path);
     if (!file) return fail(file.error());
@@ -117,7 +127,13 @@ Result<Target> read_target(const Options& options, const fs::path& path, Eigen::
   auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
   if (!mask) return fail(mask.error());
   const auto started = Clock::now();
-  auto boundary = label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm, vertices);
+  const auto part = [&](std::size_t rank) {
+    return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm, vertices,
+                          {options.parts == "all", rank});
+  };
+  auto boundary = part(0);
+  if (boundary && options.parts == "largest" && !options.partial)
+    boundary = likeliest_part(*shared.the_template, std::move(*boundary), part, shared.fit);
   if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
   boundary->warnings = mask->named(std::move(boundary->warnings));
   boundary->warnings.insert(boundary->warnings.begin(), mask->warnings.begin(), mask->warnings.end());
@@ -166,6 +182,8 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
     const MaskRead& mask = *target.mask;
     report.values["dice_raw"] = dice_with_mask(fit.mesh, mask.volume, mask.label, mask.frame);
     mask.report_frame(report.values);
+    report.values["parts_left_out"] = {{"count", target.boundary.parts_left_out},
+                                       {"share", target.boundary.share_left_out}};
   }
   report.values.update(Json{{"turned_triangles", fit.turned_triangles},
                             {"self_intersections", fit.self_intersections},
@@ -187,24 +205,49 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
   return report;
 }
 
+/// What was fitted to a case.
+struct Fitted {
+  FitResult fit;
+  std::vector<std::string> warnings;  ///< of its landmarks
+  double seconds = 0;
+};
+
+/// A case among others: what is kept of its fit, or the fit that was kept, whose doubt now takes in the others.
+struct Among {
+  std::optional<Fitted>* keep = nullptr;
+  const Fitted* again = nullptr;
+  std::vector<const Points*> others;  ///< third subjects [spread_by_others_mm2]
+};
+
 Result<Report> fit_case(const Options& options, const Shared& shared, const fs::path& path, const fs::path& out,
-                        Progress& progress) {
-  auto target = read_target(options, path, shared.the_template->points.rows(), progress);
+                        Progress& progress, const Among& among = {}) {
+  auto target = read_target(options, shared, path, progress);
   if (!target) return fail(target.error());
   auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, path);
   if (!landmarks) return fail(landmarks.error());
   FitOptions fitting = shared.fit;
   fitting.landmarks = std::move(landmarks->places);
   fitting.progress = &progress;
-  const auto fit = fit_to_boundary(*shared.the_template, target->boundary, fitting);
-  if (!fit) return fail(path.string(), fit.error().what);
-  const double seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
+  Fitted fitted{FitResult{}, std::move(landmarks->warnings), 0};
+  if (among.again == nullptr) {
+    auto fit = fit_to_boundary(*shared.the_template, target->boundary, fitting);
+    if (!fit) return fail(path.string(), fit.error().what);
+    fitted.fit = std::move(*fit);
+    fitted.seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
+  } else {
+    fitted = *among.again;
+    const auto spread = spread_by_others_mm2(*shared.the_template, among.others, target->boundary, fitting, fitted.fit);
+    if (!spread) return fail(path.string(), spread.error().what);
+    fitted.fit.doubt_mm = doubt_among_others_mm(fitted.fit.doubt_mm, *spread);
+  }
+  const FitResult* const fit = &fitted.fit;
+  const double seconds = fitted.seconds;
   MeshFile file = fitted_file(*shared.the_template, *fit, options.partial);
   if (target->mask && target->mask->volume.frames > 1) note_frame(file, target->mask->frame);
   if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
   const FitJudgement judgement = judge_fit(*shared.the_template, target->boundary, fitting, *fit);
   Report report = report_of(*target, *shared.the_template, *fit, judgement, options.partial, seconds);
-  report.warnings = std::move(landmarks->warnings);
+  report.warnings = fitted.warnings;
   report.warnings.insert(report.warnings.end(), judgement.warnings.begin(), judgement.warnings.end());
   report.warnings = about(path, std::move(report.warnings));
   // The template may be of the same scan: then its axes can be told too.
@@ -213,6 +256,8 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
     report.warnings.insert(report.warnings.begin(),
                            misfit_sentence(*misfit, meeting_of(options.template_source, own.points),
                                            meeting_of(path, target->boundary.surface.points)));
+  if (!among.others.empty()) report.values["doubt_mm"]["by_others"] = among.others.size();
+  if (among.keep != nullptr) *among.keep = std::move(fitted);
   return report;
 }
 
@@ -300,9 +345,33 @@ Result<Report> fit_many(const Options& options, const Shared& shared, Progress& 
   const auto folder = ResultFolder::make(options.out);
   if (!folder) return fail(folder.error());
   const auto& paths = options.cases();
-  const auto results = run_cases(
+  std::vector<std::optional<Fitted>> fitted(paths.size());
+  const std::size_t by_others = options.ways_by_others();
+  progress.part(0, 1 / (1 + static_cast<double>(by_others)));
+  auto results = run_cases(
       paths.size(),
-      [&](std::size_t i, Progress& own) { return fit_case(options, shared, paths[i], (*outputs)[i], own); }, progress);
+      [&](std::size_t i, Progress& own) {
+        return fit_case(options, shared, paths[i], (*outputs)[i], own, {by_others > 0 ? &fitted[i] : nullptr});
+      },
+      progress);
+  if (by_others > 0 && !progress.cancelled()) {
+    progress.part(1 / (1 + static_cast<double>(by_others)), 1);
+    std::vector<const FitResult*> fits;
+    for (const auto& one : fitted) fits.push_back(one ? &one->fit : nullptr);
+    const auto third = third_subjects(fits, by_others + 1);
+    auto again = run_cases(
+        paths.size(),
+        [&](std::size_t i, Progress& own) -> Result<Report> {
+          if (fits[i] == nullptr) return fail("", "was not fitted");
+          Among among{nullptr, &*fitted[i], {}};
+          for (const std::size_t k : third)
+            if (k != i && among.others.size() < by_others) among.others.push_back(&fits[k]->mesh.points);
+          return fit_case(options, shared, paths[i], (*outputs)[i], own, among);
+        },
+        progress);
+    for (std::size_t i = 0; i < again.size(); ++i)
+      if (again[i]) results[i] = std::move(again[i]);
+  }
   if (progress.cancelled()) return fail("", "the fit was cancelled; the meshes finished so far are kept");
   Report report;
   report.warnings = landmarks_of_no_case(options.landmark_files(), options.cases());
@@ -387,6 +456,13 @@ void add_fit(CLI::App& app, CommandLine& asked) {
       ->needs(mask);
   add_ball_option(*verb, "--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
       ->needs(mask);
+  verb->add_option(
+          "--parts", options->parts,
+          "Of a label in several parts: largest, or of those of about one size the one most like the template; "
+          "or all of them")
+      ->check(CLI::IsMember({"largest", "all"}))
+      ->needs(mask)
+      ->capture_default_str();
   verb->add_option("--placement", options->placement,
                    "Where to start: a JSON file with rotation, scale and translation, as in a case file");
   verb->add_option("--landmarks", options->landmarks,
@@ -407,6 +483,11 @@ void add_fit(CLI::App& app, CommandLine& asked) {
   verb->add_flag("--partial", options->partial,
                  "Parts of the organ may be missing: they are found, left to the template's shape or the model's, and "
                  "marked as outlier in the mesh");
+  verb->add_option("--by-others", options->by_others,
+                   "By way of how many other cases each is fitted again, so that their spread tells where it is in "
+                   "doubt; each takes as long as the fit")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->callback([options, verb, &asked] {
     if (verb->count("--frame") > 0) options->frame = options->snap.frame;

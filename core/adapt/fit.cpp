@@ -15,6 +15,7 @@
 #include "core/adapt/fit_doubt.h"
 #include "core/adapt/match/coherent_match.h"
 #include "core/adapt/roundness.h"
+#include "core/adapt/slide_doubt.h"
 #include "core/adapt/untangle.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
@@ -376,9 +377,9 @@ class Fitting {
       result.mirrored = !result.half_turned;
       spread += (*image - mesh.points).rowwise().squaredNorm();
     }
-    result.doubt_mm =
-        fit_doubt_mm(mesh, spread, ways_.empty() ? adaptation_.strain(shape_) : ways_.front().strain,
-                     told ? 0 : round_ - told_if_smooth * smooth_, either(result.outliers, result.unseen));
+    result.doubt_mm = fit_doubt_mm(mesh, spread, ways_.empty() ? adaptation_.strain(shape_) : ways_.front().strain,
+                                   told ? 0 : round_ - told_if_smooth * smooth_, either(result.outliers, result.unseen),
+                                   shares_of_sliding(mesh));
     result.warnings = std::move(landmark_warnings_);
     result.mesh = std::move(mesh);
     return result;

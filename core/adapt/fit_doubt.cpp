@@ -15,14 +15,16 @@ namespace {
 constexpr double least_doubt = 0.004, doubt_by_strain = 0.6, doubt_if_round = 0.024;
 /// A share of the same root: what is missing counts as this much farther away, since how much is missing is a guess.
 constexpr double farther_if_missing = 0.15;
+constexpr double slides_share = 0.5;  ///< of what holds everywhere, as squares: lies where vertices can slide
 
 }  // namespace
 
 VertexScalars fit_doubt_mm(const Mesh& mesh, const VertexScalars& spread_mm2, double strain, double roundness,
-                           const std::vector<std::int32_t>& missing) {
+                           const std::vector<std::int32_t>& missing, const VertexScalars& sliding) {
   const Eigen::Array3d everywhere{least_doubt, doubt_by_strain * strain, doubt_if_round * roundness};
   const double area_mm2 = surface_area_mm2(mesh), farther_mm = farther_if_missing * std::sqrt(area_mm2);
-  VertexScalars doubt_mm2 = spread_mm2.array() + everywhere.square().sum() * area_mm2;
+  VertexScalars doubt_mm2 =
+      spread_mm2.array() + everywhere.square().sum() * area_mm2 * (1 - slides_share + slides_share * sliding.array());
   std::vector<char> lacking(index(mesh.points.rows()), 0);
   for (const std::int32_t i : missing) lacking[index(i)] = 1;
   for (const std::int32_t i : missing) {

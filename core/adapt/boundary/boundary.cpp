@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/adapt/boundary/label_parts.h"
 #include "core/measure/compare.h"
 #include "core/mesh/isosurface.h"
 #include "core/mesh/mesh_faults.h"
@@ -60,17 +61,18 @@ bool Boundary::shows(const Vec3& p) const {
 }
 
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> asked_closing_mm,
-                                Eigen::Index vertices) {
+                                Eigen::Index vertices, const LabelParts& parts) {
   const LabelExtent extent = label_extent(mask, label, frame);
   const double closing_mm = asked_closing_mm.value_or(ball_share * organ_size_mm(extent));
   const double edge_mm = spread_edge_mm(extent.area_mm2, vertices), margin_mm = closing_mm + edge_mm;
   const double spacing_mm = worked_spacing_mm(mask, extent, edge_mm, margin_mm);
-  const auto region = label_body(mask, label, frame, extent, spacing_mm, margin_mm);
-  if (!region) return fail(region.error());
+  const auto cut_out = label_parts(mask, label, frame, extent, spacing_mm, margin_mm, parts);
+  if (!cut_out) return fail(cut_out.error());
+  const LabelBody* const region = &cut_out->region;
 
   LevelSet surface = resampled(signed_distance(region->inside, region->grid), spacing_mm);
   surface = closed_from_outside(surface, closing_mm);
-  make_one_body(surface);
+  if (!parts.all) make_one_body(surface);
   auto mesh = surface_of(surface);
   if (!mesh)
     return fail("", label_name(label) + " is too small for " + std::to_string(vertices) +
@@ -82,7 +84,10 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::o
     boundary.warnings.push_back(
         label_name(label) +
         " is cut off by the border of the label map; the mesh beyond the border follows the template");
-  if (auto several = several_parts(*region, label)) boundary.warnings.push_back(std::move(*several));
+  boundary.parts_left_out = cut_out->left_out;
+  boundary.share_left_out = cut_out->share_left_out;
+  boundary.parts_alike = cut_out->alike;
+  if (auto said = cut_out->warning(label)) boundary.warnings.push_back(std::move(*said));
   return boundary;
 }
 

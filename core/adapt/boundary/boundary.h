@@ -21,11 +21,20 @@ struct ScanBorder {
   double tolerance_mm = 0;
 };
 
+/// Which parts of a label are a target.
+struct LabelParts {
+  bool all = false;      ///< every part, else one alone
+  std::size_t rank = 0;  ///< that one, by size: 0 is the largest
+};
+
 /// The surface that a template is fitted to, LPS mm.
 struct Boundary {
   Mesh surface;                          ///< outward oriented
   std::vector<ScanBorder> scan_borders;  ///< where the organ is cut off by the scan
   std::vector<std::string> warnings;     ///< each a sentence
+  std::size_t parts_left_out = 0;        ///< of a label
+  double share_left_out = 0;             ///< of the label's volume, in these
+  std::size_t parts_alike = 1;           ///< of a label: the largest, and those more than half as large
   /// Of each face: 1 where it is a cut through the organ and not its boundary [cut_faces.h]; empty: none is.
   std::vector<std::uint8_t> cut;
 
@@ -36,11 +45,11 @@ struct Boundary {
   bool is_own(std::int32_t face) const { return cut.empty() || cut[static_cast<std::size_t>(face)] == 0; }
 };
 
-/// The boundary of a label: its largest part with cavities filled, and with everything that a ball of radius
-/// `closing_mm` (without: ball_share of the label's size) cannot reach from outside. Computed on isotropic voxels of
-/// about a third of the mean edge of a mesh of `vertices` vertices. Errors: the label does not occur.
+/// The boundary of a label: its largest part (or `parts`) with cavities filled, and with everything that a ball of
+/// radius `closing_mm` (without: ball_share of the label's size) cannot reach from outside. Computed on isotropic
+/// voxels of about a third of the mean edge of a mesh of `vertices` vertices. Errors: the label does not occur.
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> closing_mm,
-                                Eigen::Index vertices);
+                                Eigen::Index vertices, const LabelParts& parts = {});
 
 /// The largest part of a surface as a boundary.
 Boundary mesh_boundary(const Mesh& mesh);

@@ -6,8 +6,10 @@
 
 #include "core/adapt/boundary/landmark_pull.h"
 #include "core/adapt/judge_fit.h"
+#include "core/adapt/slide_doubt.h"
 #include "core/case/document.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/remesh.h"
 #include "tests/ball.h"
 #include "tests/shapes.h"
 
@@ -27,7 +29,8 @@ double doubt_share(double spread_share, double strain, double roundness,
                    const std::vector<std::int32_t>& missing = {}) {
   const double area_mm2 = surface_area_mm2(doubted());
   const VertexScalars spread = VertexScalars::Constant(doubted().points.rows(), spread_share * spread_share * area_mm2);
-  return fit_doubt_mm(doubted(), spread, strain, roundness, missing)[0] / std::sqrt(area_mm2);
+  const VertexScalars alike = VertexScalars::Ones(doubted().points.rows());
+  return fit_doubt_mm(doubted(), spread, strain, roundness, missing, alike)[0] / std::sqrt(area_mm2);
 }
 
 /// A fit of a plate of 60 × 60 × 6 mm to the same plate `off_mm` above it.
@@ -51,6 +54,35 @@ TEST_CASE("doubts add up as squares of known shares") {
   CHECK(doubt_share(0, 0.1, 0) == doctest::Approx(std::hypot(0.004, 0.06)));
   CHECK(doubt_share(0, 0, 1) == doctest::Approx(std::hypot(0.004, 0.024)));
   CHECK(doubt_share(0, 0, 0.5) == doctest::Approx(std::hypot(0.004, 0.012)));
+}
+
+TEST_CASE("doubt lies where vertices can slide along the surface and not at edges") {
+  // A bar of 120 × 30 × 30 mm with many vertices: its corners are held in all directions, its faces in one.
+  const Mesh bar = spread_over(shapes::box(Vec3(0, 0, 0), Vec3(120, 30, 30)), 1500);
+  const VertexScalars shares = shares_of_sliding(bar);
+  CHECK(shares.mean() == doctest::Approx(1));
+  double level = 0, edges = 0;
+  int of_level = 0, of_edges = 0;
+  for (Eigen::Index i = 0; i < bar.points.rows(); ++i) {
+    const Vec3 p = bar.points.row(i);
+    if (p.x() < 40 || p.x() > 80) continue;
+    const double y = std::min(p.y(), 30 - p.y()), z = std::min(p.z(), 30 - p.z());
+    if (y + z < 4) {
+      edges += shares[i];
+      ++of_edges;
+    } else if (std::max(y, z) > 12) {
+      level += shares[i];
+      ++of_level;
+    }
+  }
+  REQUIRE(of_level > 10);
+  REQUIRE(of_edges > 10);
+  CHECK(level / of_level > 1.5 * edges / of_edges);
+  const VertexScalars sliding = VertexScalars::LinSpaced(doubted().points.rows(), 0, 2);
+  const VertexScalars none = VertexScalars::Zero(doubted().points.rows());
+  const double held_mm = fit_doubt_mm(doubted(), none, 0.1, 0, {}, sliding)[0],
+               even_mm = fit_doubt_mm(doubted(), none, 0.1, 0, {}, VertexScalars::Ones(sliding.size()))[0];
+  CHECK(held_mm == doctest::Approx(std::sqrt(0.5) * even_mm));
 }
 
 TEST_CASE("what is missing is in doubt by its way to what is there and by the strain") {

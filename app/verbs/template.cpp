@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-include "app/verbs/case_landmarks.h"
+#include "app/verbs/case_landmarks.h"
 #include "app/verbs/describe.h"
 #include "app/verbs/mending_report.h"
 #include "app/verbs/read_image.h"
@@ -22,405 +22,403 @@ include "app/verbs/case_landmarks.h"
 #include "core/template_making/template_file.h"
 #include "core/volume/volume_io.h"
 
-    // The verb `template`: makes a template from a label map or from an existing surface.
+// The verb `template`: makes a template from a label map or from an existing surface.
 
-    namespace homolog {
+namespace homolog {
 
-  namespace fs = std::filesystem;
+namespace fs = std::filesystem;
 
-  namespace {
+namespace {
 
-  constexpr double far_share = 0.05;  ///< of the diagonal: a landmark farther from the surface is said
-  constexpr double away_share = 0.5;  ///< so far from the nearest of them, the landmarks are of another place
+constexpr double far_share = 0.05;  ///< of the diagonal: a landmark farther from the surface is said
+constexpr double away_share = 0.5;  ///< so far from the nearest of them, the landmarks are of another place
 
-  struct TemplateJob {
-    fs::path in, out, landmarks;
-    std::vector<fs::path> consensus;
-    bool flip_mirrored = false;
-    std::vector<int> labels;
-    std::optional<int> frame;
-    int vertices = 2500;
-    std::optional<double> closing_mm, opening_mm;
-    std::string genus = "auto";
-    bool tube = false, capped = false;
-    int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;
-    std::vector<double> axis, base, apex;
-  };
+struct TemplateJob {
+  fs::path in, out, landmarks;
+  std::vector<fs::path> consensus;
+  bool flip_mirrored = false;
+  std::vector<int> labels;
+  std::optional<int> frame;
+  int vertices = 2500;
+  std::optional<double> closing_mm, opening_mm;
+  std::string genus = "auto";
+  bool tube = false, capped = false;
+  int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;
+  std::vector<double> axis, base, apex;
+};
 
-  std::string how_cut(const CutTunnel& tunnel) {
-    return tunnel.how == CutTunnel::How::filled ? "filled" : "severed";
+std::string how_cut(const CutTunnel& tunnel) {
+  return tunnel.how == CutTunnel::How::filled ? "filled" : "severed";
+}
+
+std::string whole_mm(double mm) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0f mm", mm);
+  return text;
+}
+
+/// Gives a template the landmarks of a file; one of a name that it has already takes the other's place. Errors: no
+/// points; all of them far away.
+Result<void> add_landmarks_of(const fs::path& path, MeshFile& file, std::vector<std::string>& warnings) {
+  const auto landmarks = read_landmarks(path);
+  if (!landmarks) return fail(landmarks.error());
+  if (landmarks->empty()) return fail(path.string(), "holds no points; place the landmarks and save it again");
+  const auto topology = Topology::make(file.points.rows(), file.triangles);
+  if (!topology) return fail(topology.error());
+  const SurfaceSearch search({*topology, file.points});
+  const double diagonal_mm = bounds_of(file.points).diagonal().norm();
+  double nearest_mm = std::numeric_limits<double>::infinity();
+  for (const Landmark& landmark : *landmarks) {
+    const double mm = search.nearest(landmark.position).distance_mm;
+    nearest_mm = std::min(nearest_mm, mm);
+    if (mm > far_share * diagonal_mm)
+      warnings.push_back(path.string() + ": \"" + landmark.name + "\" lies " + whole_mm(mm) +
+                         " from the template's surface; check its place");
+    std::erase_if(file.landmarks, [&](const Landmark& other) { return other.name == landmark.name; });
+    file.landmarks.push_back(landmark);
   }
+  if (nearest_mm <= away_share * diagonal_mm) return {};
+  return fail(path.string(), "has its points " + whole_mm(nearest_mm) +
+                                 " and more from the surface; check that both are of one scan and in one space (LPS or "
+                                 "RAS)");
+}
 
-  std::string whole_mm(double mm) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.0f mm", mm);
-    return text;
+Result<Report> finish(MeshFile file, const TemplateJob& options, Json further, std::vector<std::string> warnings) {
+  const fs::path& out = options.out;
+  if (!options.landmarks.empty())
+    if (auto added = add_landmarks_of(options.landmarks, file, warnings); !added) return fail(added.error());
+  auto report = describe(file, out);
+  if (!report) return report;
+  for (std::string& fault : faults_of(file, out)) warnings.push_back(std::move(fault));
+  report->values.update(further);
+  report->warnings = std::move(warnings);
+  if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
+  return report;
+}
+
+/// The labels in a template's provenance: a number, or several.
+void name_labels(const MaskRead& mask, Json& provenance) {
+  if (mask.from.size() > 1) provenance["label"] = mask.from;
+}
+
+Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progress& progress) {
+  MaskTemplateOptions making;
+  making.label = mask.label;
+  making.frame = mask.frame;
+  making.vertices = options.vertices;
+  making.closing_mm = options.closing_mm;
+  making.opening_mm = options.opening_mm;
+  making.genus = genus_rule(options.genus);
+  ClosingChoice choice;
+  if (!options.closing_mm) {
+    choice = choose_template_closing(mask.volume, making, &progress);
+    if (choice.tried.size() > 1) making.closing_mm = choice.closing_mm;
   }
+  const auto made = make_mask_template(mask.volume, making, &progress);
+  if (!made) return fail(options.in.string(), mask.named(made.error().what));
+  std::vector<std::string> warnings = mask.warnings;
+  for (std::string& warning : about(options.in, mask.named(made->warnings))) warnings.push_back(std::move(warning));
+  making.closing_mm = made->closing_mm;
+  making.opening_mm = made->opening_mm;
 
-  /// Gives a template the landmarks of a file; one of a name that it has already takes the other's place. Errors: no
-  /// points; all of them far away.
-  Result<void> add_landmarks_of(const fs::path& path, MeshFile& file, std::vector<std::string>& warnings) {
-    const auto landmarks = read_landmarks(path);
-    if (!landmarks) return fail(landmarks.error());
-    if (landmarks->empty()) return fail(path.string(), "holds no points; place the landmarks and save it again");
-    const auto topology = Topology::make(file.points.rows(), file.triangles);
-    if (!topology) return fail(topology.error());
-    const SurfaceSearch search({*topology, file.points});
-    const double diagonal_mm = bounds_of(file.points).diagonal().norm();
-    double nearest_mm = std::numeric_limits<double>::infinity();
-    for (const Landmark& landmark : *landmarks) {
-      const double mm = search.nearest(landmark.position).distance_mm;
-      nearest_mm = std::min(nearest_mm, mm);
-      if (mm > far_share * diagonal_mm)
-        warnings.push_back(path.string() + ": \"" + landmark.name + "\" lies " + whole_mm(mm) +
-                           " from the template's surface; check its place");
-      std::erase_if(file.landmarks, [&](const Landmark& other) { return other.name == landmark.name; });
-      file.landmarks.push_back(landmark);
-    }
-    if (nearest_mm <= away_share * diagonal_mm) return {};
-    return fail(path.string(),
-                "has its points " + whole_mm(nearest_mm) +
-                    " and more from the surface; check that both are of one scan and in one space (LPS or "
-                    "RAS)");
-  }
+  Json tunnels = Json::array();
+  for (const CutTunnel& tunnel : made->tunnels)
+    tunnels.push_back({{"at_mm", json_of(tunnel.at_mm)}, {"below_mm", tunnel.width_mm}, {"how", how_cut(tunnel)}});
+  const Json removed{{"islands_ml", made->islands_ml},
+                     {"cavities", made->cavities},
+                     {"cavities_ml", made->cavities_ml},
+                     {"tunnels", tunnels}};
+  Json provenance = provenance_of(options.in.filename().string(), making);
+  name_labels(mask, provenance);
+  MeshFile file = template_file(made->mesh, provenance);
+  if (options.closing_mm || choice.tried.size() > 1) file.comments.push_back(closing_comment(made->closing_mm));
+  Json tried = Json::array();
+  for (const TriedClosing& one : choice.tried)
+    tried.push_back({{"closing_mm", one.closing_mm}, {"dice_raw", one.dice_raw}, {"doubtful", one.doubtful}});
+  return finish(std::move(file), options,
+                {{"distance_to_mask_mm", json_of(made->to_mask)},
+                 {"distance_from_mask_mm", json_of(made->from_mask)},
+                 {"closing_chosen", !options.closing_mm.has_value()},
+                 {"closing_why", options.closing_mm ? "as asked for" : choice.why},
+                 {"closing_tried", tried},
+                 {"resampled_mm", made->resampled_mm},
+                 {"closing_mm", made->closing_mm},
+                 {"opening_mm", made->opening_mm},
+                 {"missed", {{"ml", made->missed_ml}, {"share", made->missed_share}}},
+                 {"removed", removed}},
+                std::move(warnings));
+}
 
-  Result<Report> finish(MeshFile file, const TemplateJob& options, Json further, std::vector<std::string> warnings) {
-    const fs::path& out = options.out;
-    if (!options.landmarks.empty())
-      if (auto added = add_landmarks_of(options.landmarks, file, warnings); !added) return fail(added.error());
-    auto report = describe(file, out);
-    if (!report) return report;
-    for (std::string& fault : faults_of(file, out)) warnings.push_back(std::move(fault));
-    report->values.update(further);
-    report->warnings = std::move(warnings);
-    if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
-    return report;
-  }
+Result<Report> tube(const TemplateJob& options, const MaskRead& mask) {
+  TubeTemplateOptions making;
+  making.label = mask.label;
+  making.frame = mask.frame;
+  making.rings = options.rings;
+  making.sectors = options.sectors;
+  making.capped = options.capped;
+  if (options.outer_label != 0) making.outer_label = options.outer_label;
+  if (!options.axis.empty()) making.axis = Vec3(options.axis.data());
+  if (!options.base.empty()) making.base_and_apex = {Vec3(options.base.data()), Vec3(options.apex.data())};
+  const auto made = make_tube_template(mask.volume, making);
+  if (!made) return fail(options.in.string(), mask.named(made.error().what));
+  std::vector<std::string> warnings = mask.warnings;
+  for (std::string& warning : about(options.in, mask.named(made->warnings))) warnings.push_back(std::move(warning));
+  const std::string missing = missing_from(*made, mask.label);
+  if (!missing.empty())
+    warnings.push_back(options.in.string() + ": " + mask.named(missing) +
+                       "; give its --axis, or a --base and an --apex, and make it again");
+  Json provenance = provenance_of(options.in.filename().string(), making);
+  name_labels(mask, provenance);
+  MeshFile file = template_file(made->mesh, provenance);
+  if (!missing.empty()) file.comments.push_back(missing_share_comment(made->missing_share));
+  return finish(std::move(file), options,
+                {{"distance_to_mask_mm", json_of(made->to_mask)},
+                 {"distance_from_mask_mm", json_of(made->from_mask)},
+                 {"axis", json_of(made->axis)},
+                 {"label_ml", made->label_ml},
+                 {"missed", {{"ml", made->missing_share * made->label_ml}, {"share", made->missing_share}}}},
+                std::move(warnings));
+}
 
-  /// The labels in a template's provenance: a number, or several.
-  void name_labels(const MaskRead& mask, Json& provenance) {
-    if (mask.from.size() > 1) provenance["label"] = mask.from;
-  }
+Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
+  const auto surface = read_mesh_to_mend(options.in);
+  if (!surface) return fail(surface.error());
+  MeshTemplateOptions making;
+  making.vertices = options.vertices;
+  making.genus = genus_rule(options.genus);
+  making.closing_mm = options.closing_mm;
+  making.opening_mm = options.opening_mm;
+  auto made = make_mesh_template(*surface, making, &progress);
+  if (!made) return fail(options.in.string(), made.error().what);
+  Json provenance{{"source", options.in.filename().string()}, {"vertices", options.vertices}};
+  if (made->rebuilt) provenance["rebuilt"] = json_of(*made->rebuilt);
+  MeshFile file = template_file(made->mesh, provenance);
+  file.landmarks = surface->landmarks;
+  Json further{{"distance_to_mesh_mm", json_of(made->to_mesh)},
+               {"distance_from_mesh_mm", json_of(made->from_mesh)},
+               {"mended", json_of(made->mended)}};
+  if (made->rebuilt) further["rebuilt"] = json_of(*made->rebuilt);
+  return finish(std::move(file), options, std::move(further), about(options.in, std::move(made->warnings)));
+}
 
-  Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progress& progress) {
-    MaskTemplateOptions making;
-    making.label = mask.label;
-    making.frame = mask.frame;
-    making.vertices = options.vertices;
-    making.closing_mm = options.closing_mm;
-    making.opening_mm = options.opening_mm;
-    making.genus = genus_rule(options.genus);
-    ClosingChoice choice;
-    if (!options.closing_mm) {
-      choice = choose_template_closing(mask.volume, making, &progress);
-      if (choice.tried.size() > 1) making.closing_mm = choice.closing_mm;
-    }
-    const auto made = make_mask_template(mask.volume, making, &progress);
-    if (!made) return fail(options.in.string(), mask.named(made.error().what));
-    std::vector<std::string> warnings = mask.warnings;
-    for (std::string& warning : about(options.in, mask.named(made->warnings))) warnings.push_back(std::move(warning));
-    making.closing_mm = made->closing_mm;
-    making.opening_mm = made->opening_mm;
+/// The file that a subject of the consensus was read from; empty where it came out of a folder.
+fs::path file_of(const TemplateJob& options, const std::string& name) {
+  for (const fs::path& path : options.consensus)
+    if (case_name_of(path) == name && !fs::is_directory(path)) return path;
+  return {};
+}
 
-    Json tunnels = Json::array();
-    for (const CutTunnel& tunnel : made->tunnels)
-      tunnels.push_back({{"at_mm", json_of(tunnel.at_mm)}, {"below_mm", tunnel.width_mm}, {"how", how_cut(tunnel)}});
-    const Json removed{{"islands_ml", made->islands_ml},
-                       {"cavities", made->cavities},
-                       {"cavities_ml", made->cavities_ml},
-                       {"tunnels", tunnels}};
-    Json provenance = provenance_of(options.in.filename().string(), making);
-    name_labels(mask, provenance);
-    MeshFile file = template_file(made->mesh, provenance);
-    if (options.closing_mm || choice.tried.size() > 1) file.comments.push_back(closing_comment(made->closing_mm));
-    Json tried = Json::array();
-    for (const TriedClosing& one : choice.tried)
-      tried.push_back({{"closing_mm", one.closing_mm}, {"dice_raw", one.dice_raw}, {"doubtful", one.doubtful}});
-    return finish(std::move(file), options,
-                  {{"distance_to_mask_mm", json_of(made->to_mask)},
-                   {"distance_from_mask_mm", json_of(made->from_mask)},
-                   {"closing_chosen", !options.closing_mm.has_value()},
-                   {"closing_why", options.closing_mm ? "as asked for" : choice.why},
-                   {"closing_tried", tried},
-                   {"resampled_mm", made->resampled_mm},
-                   {"closing_mm", made->closing_mm},
-                   {"opening_mm", made->opening_mm},
-                   {"missed", {{"ml", made->missed_ml}, {"share", made->missed_share}}},
-                   {"removed", removed}},
-                  std::move(warnings));
-  }
+struct ConsensusStart {
+  std::optional<Mesh> first;         ///< the start's template, with the care that a single one gets
+  std::optional<double> closing_mm;  ///< that some subjects need; absent: each label's usual one
+  Json tried = Json::array();
+};
 
-  Result<Report> tube(const TemplateJob& options, const MaskRead& mask) {
-    TubeTemplateOptions making;
-    making.label = mask.label;
-    making.frame = mask.frame;
-    making.rings = options.rings;
-    making.sectors = options.sectors;
-    making.capped = options.capped;
-    if (options.outer_label != 0) making.outer_label = options.outer_label;
-    if (!options.axis.empty()) making.axis = Vec3(options.axis.data());
-    if (!options.base.empty()) making.base_and_apex = {Vec3(options.base.data()), Vec3(options.apex.data())};
-    const auto made = make_tube_template(mask.volume, making);
-    if (!made) return fail(options.in.string(), mask.named(made.error().what));
-    std::vector<std::string> warnings = mask.warnings;
-    for (std::string& warning : about(options.in, mask.named(made->warnings))) warnings.push_back(std::move(warning));
-    const std::string missing = missing_from(*made, mask.label);
-    if (!missing.empty())
-      warnings.push_back(options.in.string() + ": " + mask.named(missing) +
-                         "; give its --axis, or a --base and an --apex, and make it again");
-    Json provenance = provenance_of(options.in.filename().string(), making);
-    name_labels(mask, provenance);
-    MeshFile file = template_file(made->mesh, provenance);
-    if (!missing.empty()) file.comments.push_back(missing_share_comment(made->missing_share));
-    return finish(std::move(file), options,
-                  {{"distance_to_mask_mm", json_of(made->to_mask)},
-                   {"distance_from_mask_mm", json_of(made->from_mask)},
-                   {"axis", json_of(made->axis)},
-                   {"label_ml", made->label_ml},
-                   {"missed", {{"ml", made->missing_share * made->label_ml}, {"share", made->missing_share}}}},
-                  std::move(warnings));
-  }
-
-  Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
-    const auto surface = read_mesh_to_mend(options.in);
-    if (!surface) return fail(surface.error());
-    MeshTemplateOptions making;
-    making.vertices = options.vertices;
-    making.genus = genus_rule(options.genus);
-    making.closing_mm = options.closing_mm;
-    making.opening_mm = options.opening_mm;
-    auto made = make_mesh_template(*surface, making, &progress);
-    if (!made) return fail(options.in.string(), made.error().what);
-    Json provenance{{"source", options.in.filename().string()}, {"vertices", options.vertices}};
-    if (made->rebuilt) provenance["rebuilt"] = json_of(*made->rebuilt);
-    MeshFile file = template_file(made->mesh, provenance);
-    file.landmarks = surface->landmarks;
-    Json further{{"distance_to_mesh_mm", json_of(made->to_mesh)},
-                 {"distance_from_mesh_mm", json_of(made->from_mesh)},
-                 {"mended", json_of(made->mended)}};
-    if (made->rebuilt) further["rebuilt"] = json_of(*made->rebuilt);
-    return finish(std::move(file), options, std::move(further), about(options.in, std::move(made->warnings)));
-  }
-
-  /// The file that a subject of the consensus was read from; empty where it came out of a folder.
-  fs::path file_of(const TemplateJob& options, const std::string& name) {
-    for (const fs::path& path : options.consensus)
-      if (case_name_of(path) == name && !fs::is_directory(path)) return path;
-    return {};
-  }
-
-  struct ConsensusStart {
-    std::optional<Mesh> first;         ///< the start's template, with the care that a single one gets
-    std::optional<double> closing_mm;  ///< that some subjects need; absent: each label's usual one
-    Json tried = Json::array();
-  };
-
-  /// Looks at label maps of small, median and large size for the closing radius; the widest that one needs is all
-  /// subjects'.
-  Result<ConsensusStart> start_of_labels(const TemplateJob& options, const SubjectsRead& read,
-                                         const std::vector<std::size_t>& by_size, Progress& progress) {
-    ConsensusStart start;
-    start.closing_mm = options.closing_mm;
-    const std::size_t middle = by_size.size() / 2;
-    for (const std::size_t at : {by_size.size() / 4, 3 * by_size.size() / 4, middle}) {
-      const std::string& name = read.subjects[by_size[at]].name;
-      const fs::path path = file_of(options, name);
-      if (path.empty() || is_mesh_name(path)) continue;
-      const auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
-      if (!mask) return fail(mask.error());
-      MaskTemplateOptions making;
-      making.label = mask->label;
-      making.frame = mask->frame;
-      making.vertices = options.vertices;
-      making.genus = genus_rule(options.genus);
-      if (!options.closing_mm) {
-        const ClosingChoice choice = choose_template_closing(mask->volume, making, &progress);
-        for (const TriedClosing& one : choice.tried)
-          start.tried.push_back({{"subject", name},
-                                 {"closing_mm", one.closing_mm},
-                                 {"dice_raw", one.dice_raw},
-                                 {"doubtful", one.doubtful}});
-        if (choice.tried.size() > 1) start.closing_mm = std::max(start.closing_mm.value_or(0), choice.closing_mm);
-      }
-      if (at != middle) continue;
-      making.closing_mm = start.closing_mm;
-      auto made = make_mask_template(mask->volume, making, &progress);
-      if (!made) return fail(path.string(), mask->named(made.error().what));
-      start.first = std::move(made->mesh);
-      if (std::find(read.flipped.begin(), read.flipped.end(), name) == read.flipped.end()) continue;
-      const MeshFile other = mirrored({start.first->points, start.first->topology->triangles()});
-      start.first = Mesh{Topology::make(other.points.rows(), other.triangles).value(), other.points};
-    }
-    return start;
-  }
-
-  Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
-    progress.part(0, 0.05);
-    SubjectFiles files{options.consensus,    {}, options.labels, options.frame, options.closing_mm, options.vertices,
-                       options.flip_mirrored};
-    auto read = read_subjects(files, progress);
-    if (!read) return fail(read.error());
-    std::vector<Boundary> subjects;
-    const auto take = [&] {
-      subjects.clear();
-      for (BiasSubject& subject : read->subjects) subjects.push_back(std::move(subject.boundary));
-    };
-    take();
-    const auto by_size = subjects_by_size(subjects);
-    auto start = start_of_labels(options, *read, by_size, progress);
-    if (!start) return fail(start.error());
-    if (start->closing_mm && !options.closing_mm) {
-      files.closing_mm = start->closing_mm;
-      read = read_subjects(files, progress);
-      if (!read) return fail(read.error());
-      take();
-    }
-    const std::size_t first = by_size[by_size.size() / 2];
-    if (!start->first && options.genus != "auto") {
-      auto own = make_mesh_template({subjects[first].surface.points, subjects[first].surface.topology->triangles()},
-                                    {.vertices = options.vertices, .genus = genus_rule(options.genus)}, &progress);
-      if (!own) return fail(read->subjects[first].name, own.error().what);
-      start->first = std::move(own->mesh);
-    }
-    progress.part(0.05, 1);
-    const auto made = consensus_template(
-        subjects,
-        {.vertices = options.vertices, .start = first, .first = std::move(start->first), .progress = &progress});
-    if (!made) return fail(made.error());
-    std::vector<std::string> warnings = std::move(read->warnings);
-    Json names = Json::array();
-    for (const BiasSubject& subject : read->subjects) names.push_back(subject.name);
-    for (const std::string& warning : made->warnings)
-      warnings.push_back(read->subjects[made->start].name + ", where the consensus starts: " + warning);
-    for (const std::size_t k : made->left_out)
-      warnings.push_back(read->subjects[k].name + ": could not be fitted, so the template is made without it");
-    for (const std::size_t k : made->doubtful) warnings.push_back(other_organ_warning(read->subjects[k].name));
-    if (!made->rests)
-      warnings.emplace_back(
-          "the mean still moved in the last round; use more vertices, and look at subjects that differ much from "
-          "others");
-    if (const MeshFaults faults = mesh_faults(made->mesh); faults.any())
-      return fail(options.out.string(), "would be a template with " + faults.words() +
-                                            ", so it was not written; give a --closing-mm, --genus 0 or more vertices");
-    MeshFile file = template_file(made->mesh, {{"consensus", names}, {"vertices", options.vertices}});
-    if (start->closing_mm) file.comments.push_back(closing_comment(*start->closing_mm));
-    return finish(std::move(file), options,
-                  {{"subjects", subjects.size()},
-                   {"rounds", made->rounds},
-                   {"moved_mm", made->moved_mm},
-                   {"rests", made->rests},
-                   {"closing_mm", start->closing_mm ? Json(*start->closing_mm) : Json()},
-                   {"closing_chosen", !options.closing_mm.has_value()},
-                   {"closing_tried", start->tried},
-                   {"flipped", read->flipped}},
-                  std::move(warnings));
-  }
-
-  Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
-    if (!options.consensus.empty()) return from_consensus(options, progress);
-    if (is_mesh_name(options.in)) {
-      if (!options.labels.empty() || options.frame)
-        return fail(options.in.string(), "is a mesh, on which --label and --frame have no effect; leave them out");
-      if (options.tube)
-        return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
-      return from_mesh(options, progress);
-    }
-    const auto mask = read_mask(options.in, options.labels, {options.frame, {}}, progress);
+/// Looks at label maps of small, median and large size for the closing radius; the widest that one needs is all
+/// subjects'.
+Result<ConsensusStart> start_of_labels(const TemplateJob& options, const SubjectsRead& read,
+                                       const std::vector<std::size_t>& by_size, Progress& progress) {
+  ConsensusStart start;
+  start.closing_mm = options.closing_mm;
+  const std::size_t middle = by_size.size() / 2;
+  for (const std::size_t at : {by_size.size() / 4, 3 * by_size.size() / 4, middle}) {
+    const std::string& name = read.subjects[by_size[at]].name;
+    const fs::path path = file_of(options, name);
+    if (path.empty() || is_mesh_name(path)) continue;
+    const auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
     if (!mask) return fail(mask.error());
-    auto report = options.tube ? tube(options, *mask) : from_mask(options, *mask, progress);
-    if (report) mask->report_frame(report->values);
-    return report;
-  }
-
-  /// `options` lives as long as the verb.
-  void add_tube_options(CLI::App& verb, TemplateJob& options) {
-    auto* tube_flag = verb.add_flag("--tube", options.tube, "A ring × sector grid along an axis (left ventricle)");
-    verb.add_option("--rings", options.rings, "Rings of a tube, base to apex")
-        ->check(CLI::Range(3, 1000))
-        ->needs(tube_flag)
-        ->capture_default_str();
-    verb.add_option("--sectors", options.sectors, "Vertices of a ring")
-        ->check(CLI::Range(6, 1000))
-        ->needs(tube_flag)
-        ->capture_default_str();
-    verb.add_option(
-            "--axis", options.axis,
-            "X,Y,Z direction from the base to the apex (LPS); else the slices' normal where slices are thick, or the "
-            "label's main axis")
-        ->delimiter(',')
-        ->expected(3)
-        ->needs(tube_flag);
-    auto* base = verb.add_option("--base", options.base, "X,Y,Z point on the axis where the rings begin (LPS mm)")
-                     ->delimiter(',')
-                     ->expected(3)
-                     ->needs(tube_flag);
-    auto* apex = verb.add_option("--apex", options.apex, "X,Y,Z point towards which the axis runs from --base")
-                     ->delimiter(',')
-                     ->expected(3)
-                     ->needs(base);
-    base->needs(apex);
-    verb.add_flag("--capped", options.capped, "Close the tube's base with a flat fan")->needs(tube_flag);
-    verb.add_option("--outer-label", options.outer_label,
-                    "Label of the wall around it: adds a second sheet (epicardium) to the mesh")
-        ->check(CLI::PositiveNumber)
-        ->needs(tube_flag);
-  }
-
-  /// Refuses options that were given and do nothing for such a template.
-  void check_effect(const TemplateJob& options, const CLI::App& verb) {
-    if (!options.consensus.empty()) {
-      if (options.tube)
-        throw CLI::ValidationError("--consensus", "is not for --tube, whose rings are alike in all subjects");
-      refuse_without_effect(verb, "--opening-mm", "a template of one subject");
+    MaskTemplateOptions making;
+    making.label = mask->label;
+    making.frame = mask->frame;
+    making.vertices = options.vertices;
+    making.genus = genus_rule(options.genus);
+    if (!options.closing_mm) {
+      const ClosingChoice choice = choose_template_closing(mask->volume, making, &progress);
+      for (const TriedClosing& one : choice.tried)
+        start.tried.push_back({{"subject", name},
+                               {"closing_mm", one.closing_mm},
+                               {"dice_raw", one.dice_raw},
+                               {"doubtful", one.doubtful}});
+      if (choice.tried.size() > 1) start.closing_mm = std::max(start.closing_mm.value_or(0), choice.closing_mm);
     }
+    if (at != middle) continue;
+    making.closing_mm = start.closing_mm;
+    auto made = make_mask_template(mask->volume, making, &progress);
+    if (!made) return fail(path.string(), mask->named(made.error().what));
+    start.first = std::move(made->mesh);
+    if (std::find(read.flipped.begin(), read.flipped.end(), name) == read.flipped.end()) continue;
+    const MeshFile other = mirrored({start.first->points, start.first->topology->triangles()});
+    start.first = Mesh{Topology::make(other.points.rows(), other.triangles).value(), other.points};
+  }
+  return start;
+}
+
+Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
+  progress.part(0, 0.05);
+  SubjectFiles files{options.consensus,    {}, options.labels, options.frame, options.closing_mm, options.vertices,
+                     options.flip_mirrored};
+  auto read = read_subjects(files, progress);
+  if (!read) return fail(read.error());
+  std::vector<Boundary> subjects;
+  const auto take = [&] {
+    subjects.clear();
+    for (BiasSubject& subject : read->subjects) subjects.push_back(std::move(subject.boundary));
+  };
+  take();
+  const auto by_size = subjects_by_size(subjects);
+  auto start = start_of_labels(options, *read, by_size, progress);
+  if (!start) return fail(start.error());
+  if (start->closing_mm && !options.closing_mm) {
+    files.closing_mm = start->closing_mm;
+    read = read_subjects(files, progress);
+    if (!read) return fail(read.error());
+    take();
+  }
+  const std::size_t first = by_size[by_size.size() / 2];
+  if (!start->first && options.genus != "auto") {
+    auto own = make_mesh_template({subjects[first].surface.points, subjects[first].surface.topology->triangles()},
+                                  {.vertices = options.vertices, .genus = genus_rule(options.genus)}, &progress);
+    if (!own) return fail(read->subjects[first].name, own.error().what);
+    start->first = std::move(own->mesh);
+  }
+  progress.part(0.05, 1);
+  const auto made = consensus_template(
+      subjects,
+      {.vertices = options.vertices, .start = first, .first = std::move(start->first), .progress = &progress});
+  if (!made) return fail(made.error());
+  std::vector<std::string> warnings = std::move(read->warnings);
+  Json names = Json::array();
+  for (const BiasSubject& subject : read->subjects) names.push_back(subject.name);
+  for (const std::string& warning : made->warnings)
+    warnings.push_back(read->subjects[made->start].name + ", where the consensus starts: " + warning);
+  for (const std::size_t k : made->left_out)
+    warnings.push_back(read->subjects[k].name + ": could not be fitted, so the template is made without it");
+  for (const std::size_t k : made->doubtful) warnings.push_back(other_organ_warning(read->subjects[k].name));
+  if (!made->rests)
+    warnings.emplace_back(
+        "the mean still moved in the last round; use more vertices, and look at subjects that differ much from "
+        "others");
+  if (const MeshFaults faults = mesh_faults(made->mesh); faults.any())
+    return fail(options.out.string(), "would be a template with " + faults.words() +
+                                          ", so it was not written; give a --closing-mm, --genus 0 or more vertices");
+  MeshFile file = template_file(made->mesh, {{"consensus", names}, {"vertices", options.vertices}});
+  if (start->closing_mm) file.comments.push_back(closing_comment(*start->closing_mm));
+  return finish(std::move(file), options,
+                {{"subjects", subjects.size()},
+                 {"rounds", made->rounds},
+                 {"moved_mm", made->moved_mm},
+                 {"rests", made->rests},
+                 {"closing_mm", start->closing_mm ? Json(*start->closing_mm) : Json()},
+                 {"closing_chosen", !options.closing_mm.has_value()},
+                 {"closing_tried", start->tried},
+                 {"flipped", read->flipped}},
+                std::move(warnings));
+}
+
+Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
+  if (!options.consensus.empty()) return from_consensus(options, progress);
+  if (is_mesh_name(options.in)) {
+    if (!options.labels.empty() || options.frame)
+      return fail(options.in.string(), "is a mesh, on which --label and --frame have no effect; leave them out");
     if (options.tube)
-      for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})
-        refuse_without_effect(verb, name, "templates without --tube");
+      return fail(options.in.string(), "is a mesh, and --tube needs a label map; make one with label-map first");
+    return from_mesh(options, progress);
   }
+  const auto mask = read_mask(options.in, options.labels, {options.frame, {}}, progress);
+  if (!mask) return fail(mask.error());
+  auto report = options.tube ? tube(options, *mask) : from_mask(options, *mask, progress);
+  if (report) mask->report_frame(report->values);
+  return report;
+}
 
-  }  // namespace
+/// `options` lives as long as the verb.
+void add_tube_options(CLI::App& verb, TemplateJob& options) {
+  auto* tube_flag = verb.add_flag("--tube", options.tube, "A ring × sector grid along an axis (left ventricle)");
+  verb.add_option("--rings", options.rings, "Rings of a tube, base to apex")
+      ->check(CLI::Range(3, 1000))
+      ->needs(tube_flag)
+      ->capture_default_str();
+  verb.add_option("--sectors", options.sectors, "Vertices of a ring")
+      ->check(CLI::Range(6, 1000))
+      ->needs(tube_flag)
+      ->capture_default_str();
+  verb.add_option(
+          "--axis", options.axis,
+          "X,Y,Z direction from the base to the apex (LPS); else the slices' normal where slices are thick, or the "
+          "label's main axis")
+      ->delimiter(',')
+      ->expected(3)
+      ->needs(tube_flag);
+  auto* base = verb.add_option("--base", options.base, "X,Y,Z point on the axis where the rings begin (LPS mm)")
+                   ->delimiter(',')
+                   ->expected(3)
+                   ->needs(tube_flag);
+  auto* apex = verb.add_option("--apex", options.apex, "X,Y,Z point towards which the axis runs from --base")
+                   ->delimiter(',')
+                   ->expected(3)
+                   ->needs(base);
+  base->needs(apex);
+  verb.add_flag("--capped", options.capped, "Close the tube's base with a flat fan")->needs(tube_flag);
+  verb.add_option("--outer-label", options.outer_label,
+                  "Label of the wall around it: adds a second sheet (epicardium) to the mesh")
+      ->check(CLI::PositiveNumber)
+      ->needs(tube_flag);
+}
 
-  void add_template(CLI::App & app, CommandLine & asked) {
-    auto options = std::make_shared<TemplateJob>();
-    CLI::App* verb = add_verb(app, "template", "A template from a label map or from a surface");
-    auto* in = verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over");
-    auto* consensus =
-        verb->add_option(
-                "--consensus", options->consensus,
-                "Surfaces or label maps of several subjects, or a folder of surfaces: their mean shape, which depends "
-                "far less on any one of them")
-            ->excludes(in)
-            ->expected(1, 1000000);
-    verb->add_flag("--flip-mirrored", options->flip_mirrored, "Flip subjects that are mirror images of most others")
-        ->needs(consensus);
-    verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness, regions and landmarks)")
-        ->required();
-    verb->add_option("--landmarks", options->landmarks,
-                     "Named points for the template (.mrk.json, .fcsv, .json), in the template's space");
-    add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together");
-    add_mask_frame_option(*verb, options->frame);
-    verb->add_option("--vertices", options->vertices, "How many vertices")
-        ->check(CLI::Range(100, 200000))
-        ->capture_default_str();
-    add_ball_option(*verb, "--closing-mm", options->closing_mm,
-                    "Clefts narrower than twice this radius (mm) are filled; of a surface only where given");
-    add_ball_option(*verb, "--opening-mm", options->opening_mm,
-                    "Spurs thinner than twice this radius (mm) are removed; of a surface only where given");
-    add_genus_option(
-        *verb, options->genus,
-        "Tunnels. auto: cut those narrower than 0.035 of the organ's size (of a surface, where it has more "
-        "than 16); keep: cut none; a number: cut the narrowest until so many are left");
-    add_tube_options(*verb, *options);
-    verb->callback([options, verb, &asked] {
-      if (options->in.empty() && options->consensus.empty())
-        throw CLI::RequiredError("MASK, or --consensus with several subjects");
-      check_effect(*options, *verb);
-      if (!options->axis.empty() && Vec3(options->axis.data()).norm() < 1e-9)
-        throw CLI::ValidationError("--axis", "needs a direction other than 0,0,0");
-      if (options->base == options->apex && !options->base.empty())
-        throw CLI::ValidationError("--apex", "needs a point other than --base");
-      asked.run = [options](Progress& progress) { return make_template_file(*options, progress); };
-    });
+/// Refuses options that were given and do nothing for such a template.
+void check_effect(const TemplateJob& options, const CLI::App& verb) {
+  if (!options.consensus.empty()) {
+    if (options.tube)
+      throw CLI::ValidationError("--consensus", "is not for --tube, whose rings are alike in all subjects");
+    refuse_without_effect(verb, "--opening-mm", "a template of one subject");
   }
+  if (options.tube)
+    for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})
+      refuse_without_effect(verb, name, "templates without --tube");
+}
+
+}  // namespace
+
+void add_template(CLI::App& app, CommandLine& asked) {
+  auto options = std::make_shared<TemplateJob>();
+  CLI::App* verb = add_verb(app, "template", "A template from a label map or from a surface");
+  auto* in = verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over");
+  auto* consensus =
+      verb->add_option(
+              "--consensus", options->consensus,
+              "Surfaces or label maps of several subjects, or a folder of surfaces: their mean shape, which depends "
+              "far less on any one of them")
+          ->excludes(in)
+          ->expected(1, 1000000);
+  verb->add_flag("--flip-mirrored", options->flip_mirrored, "Flip subjects that are mirror images of most others")
+      ->needs(consensus);
+  verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness, regions and landmarks)")
+      ->required();
+  verb->add_option("--landmarks", options->landmarks,
+                   "Named points for the template (.mrk.json, .fcsv, .json), in the template's space");
+  add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together");
+  add_mask_frame_option(*verb, options->frame);
+  verb->add_option("--vertices", options->vertices, "How many vertices")
+      ->check(CLI::Range(100, 200000))
+      ->capture_default_str();
+  add_ball_option(*verb, "--closing-mm", options->closing_mm,
+                  "Clefts narrower than twice this radius (mm) are filled; of a surface only where given");
+  add_ball_option(*verb, "--opening-mm", options->opening_mm,
+                  "Spurs thinner than twice this radius (mm) are removed; of a surface only where given");
+  add_genus_option(*verb, options->genus,
+                   "Tunnels. auto: cut those narrower than 0.035 of the organ's size (of a surface, where it has more "
+                   "than 16); keep: cut none; a number: cut the narrowest until so many are left");
+  add_tube_options(*verb, *options);
+  verb->callback([options, verb, &asked] {
+    if (options->in.empty() && options->consensus.empty())
+      throw CLI::RequiredError("MASK, or --consensus with several subjects");
+    check_effect(*options, *verb);
+    if (!options->axis.empty() && Vec3(options->axis.data()).norm() < 1e-9)
+      throw CLI::ValidationError("--axis", "needs a direction other than 0,0,0");
+    if (options->base == options->apex && !options->base.empty())
+      throw CLI::ValidationError("--apex", "needs a point other than --base");
+    asked.run = [options](Progress& progress) { return make_template_file(*options, progress); };
+  });
+}
 
 }  // namespace homolog

@@ -11,6 +11,7 @@
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
 #include "app/verbs/verb.h"
+#include "core/adapt/choose_closing.h"
 #include "core/adapt/judge_fit.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
@@ -62,6 +63,7 @@ struct Options {
 struct Shared {
   std::shared_ptr<const Template> the_template;
   FitOptions fit;
+  std::optional<double> kept_closing_mm;  ///< with the template
 };
 
 Result<std::shared_ptr<const Template>> template_of(const Options& options) {
@@ -86,7 +88,7 @@ Result<Similarity> read_placement(const fs::path& path) {
 Result<Shared> shared_of(const Options& options) {
   auto the_template = template_of(options);
   if (!the_template) return fail(the_template.error());
-  Shared shared{*the_template, {}};
+  Shared shared{*the_template, {}, closing_kept_with(options.template_source)};
   shared.fit.orientation = options.orientation == "any" ? Orientation::any : Orientation::patient;
   if (!options.placement.empty()) {
     auto placement = read_placement(options.placement);
@@ -113,7 +115,9 @@ struct Target {
   std::optional<MaskRead> mask;
 };
 
-Result<Target> read_target(const Options& options, const Shared& shared, const fs::path& path, Progress& progress) {
+/// `closing_mm`: where --closing-mm says none.
+Result<Target> read_target(const Options& options, const Shared& shared, const fs::path& path,
+                           std::optional<double> closing_mm, Progress& progress) {
   const Eigen::Index vertices = shared.the_template->points.rows();
   if (options.to_meshes()) {
     const auto file = read_mesh_to_mend(path);
@@ -128,8 +132,8 @@ Result<Target> read_target(const Options& options, const Shared& shared, const f
   if (!mask) return fail(mask.error());
   const auto started = Clock::now();
   const auto part = [&](std::size_t rank) {
-    return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm, vertices,
-                          {options.parts == "all", rank});
+    return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm ? options.closing_mm : closing_mm,
+                          vertices, {options.parts == "all", rank});
   };
   auto boundary = part(0);
   if (boundary && options.parts == "largest" && !options.partial)
@@ -205,9 +209,42 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
   return report;
 }
 
+/// Of a fit to a label map: the closing radius for the report. Where nobody asked for one and the fit is doubtful,
+/// wider ones are tried, and a fit that is sound takes the first one's place.
+Json close_better(const Options& options, const Shared& shared, const FitOptions& fitting, Target& target,
+                  FitResult& fit, FitJudgement& judgement) {
+  if (!target.mask) return Json::object();
+  const MaskRead& mask = *target.mask;
+  const double usual_mm = usual_closing_mm(mask.volume, mask.label, mask.frame);
+  const double first_mm = options.closing_mm.value_or(shared.kept_closing_mm.value_or(usual_mm));
+  if (options.closing_mm) return {{"closing_mm", first_mm}, {"closing_chosen", false}, {"closing_why", "as asked for"}};
+  const bool other_part = options.parts == "all" || target.boundary.parts_alike > 1;  // which closing would not know
+  OtherClosing first{first_mm, std::move(target.boundary), std::move(fit), std::move(judgement)};
+  MoreClosing more;
+  if (!other_part) more = try_more_closing(*shared.the_template, mask.volume, mask.label, mask.frame, fitting, first);
+  const std::string why = why_closing(more, shared.kept_closing_mm.has_value());
+  if (!more.better && !more.tried.empty()) first.judgement.warnings.push_back(tried_in_vain(more));
+  OtherClosing& taken = more.better ? *more.better : first;
+  if (more.better) {  // the label map's own warnings stand before those of the boundary, which were named by its labels
+    auto& said = taken.judgement.warnings;
+    said.erase(said.begin(), said.begin() + std::ssize(taken.boundary.warnings));
+    said.insert(said.begin(), first.boundary.warnings.begin(), first.boundary.warnings.end());
+    taken.boundary.warnings = first.boundary.warnings;
+  }
+  target.boundary = std::move(taken.boundary);
+  fit = std::move(taken.fit);
+  judgement = std::move(taken.judgement);
+  Json tried = Json::array();
+  for (const TriedClosing& one : more.tried)
+    tried.push_back({{"closing_mm", one.closing_mm}, {"dice_raw", one.dice_raw}, {"doubtful", one.doubtful}});
+  return {{"closing_mm", taken.closing_mm}, {"closing_chosen", true}, {"closing_why", why}, {"closing_tried", tried}};
+}
+
 /// What was fitted to a case.
 struct Fitted {
   FitResult fit;
+  FitJudgement judgement;
+  Json closing;                       ///< for the report
   std::vector<std::string> warnings;  ///< of its landmarks
   double seconds = 0;
 };
@@ -219,36 +256,45 @@ struct Among {
   std::vector<const Points*> others;  ///< third subjects [spread_by_others_mm2]
 };
 
+/// The closing radius that a kept fit ended with, else the one that is kept with the template.
+std::optional<double> closing_of(const Shared& shared, const Among& among) {
+  if (among.again == nullptr || !among.again->closing.contains("closing_mm")) return shared.kept_closing_mm;
+  return among.again->closing["closing_mm"].get<double>();
+}
+
 Result<Report> fit_case(const Options& options, const Shared& shared, const fs::path& path, const fs::path& out,
                         Progress& progress, const Among& among = {}) {
-  auto target = read_target(options, shared, path, progress);
+  auto target = read_target(options, shared, path, closing_of(shared, among), progress);
   if (!target) return fail(target.error());
   auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, path);
   if (!landmarks) return fail(landmarks.error());
   FitOptions fitting = shared.fit;
   fitting.landmarks = std::move(landmarks->places);
   fitting.progress = &progress;
-  Fitted fitted{FitResult{}, std::move(landmarks->warnings), 0};
+  Fitted fitted;
   if (among.again == nullptr) {
+    fitted.warnings = std::move(landmarks->warnings);
     auto fit = fit_to_boundary(*shared.the_template, target->boundary, fitting);
     if (!fit) return fail(path.string(), fit.error().what);
     fitted.fit = std::move(*fit);
+    fitted.judgement = judge_fit(*shared.the_template, target->boundary, fitting, fitted.fit);
+    fitted.closing = close_better(options, shared, fitting, *target, fitted.fit, fitted.judgement);
     fitted.seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
   } else {
     fitted = *among.again;
     const auto spread = spread_by_others_mm2(*shared.the_template, among.others, target->boundary, fitting, fitted.fit);
     if (!spread) return fail(path.string(), spread.error().what);
     fitted.fit.doubt_mm = doubt_among_others_mm(fitted.fit.doubt_mm, *spread);
+    fitted.judgement = judge_fit(*shared.the_template, target->boundary, fitting, fitted.fit);
   }
-  const FitResult* const fit = &fitted.fit;
-  const double seconds = fitted.seconds;
-  MeshFile file = fitted_file(*shared.the_template, *fit, options.partial);
+  MeshFile file = fitted_file(*shared.the_template, fitted.fit, options.partial);
   if (target->mask && target->mask->volume.frames > 1) note_frame(file, target->mask->frame);
   if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
-  const FitJudgement judgement = judge_fit(*shared.the_template, target->boundary, fitting, *fit);
-  Report report = report_of(*target, *shared.the_template, *fit, judgement, options.partial, seconds);
+  Report report =
+      report_of(*target, *shared.the_template, fitted.fit, fitted.judgement, options.partial, fitted.seconds);
+  report.values.update(fitted.closing);
   report.warnings = fitted.warnings;
-  report.warnings.insert(report.warnings.end(), judgement.warnings.begin(), judgement.warnings.end());
+  report.warnings.insert(report.warnings.end(), fitted.judgement.warnings.begin(), fitted.judgement.warnings.end());
   report.warnings = about(path, std::move(report.warnings));
   // The template may be of the same scan: then its axes can be told too.
   const Mesh own{shared.the_template->topology, shared.the_template->points};

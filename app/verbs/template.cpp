@@ -5,13 +5,17 @@
 #include <memory>
 #include <optional>
 
+#include "app/verbs/case_landmarks.h"
 #include "app/verbs/describe.h"
 #include "app/verbs/mending_report.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/subjects.h"
 #include "app/verbs/verb.h"
+#include "core/adapt/choose_closing.h"
 #include "core/mesh/landmark_io.h"
+#include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/mirror.h"
 #include "core/mesh/surface_search.h"
 #include "core/template/template.h"
 #include "core/template_making/mesh_template.h"
@@ -105,6 +109,11 @@ Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progr
   making.closing_mm = options.closing_mm;
   making.opening_mm = options.opening_mm;
   making.genus = genus_rule(options.genus);
+  ClosingChoice choice;
+  if (!options.closing_mm) {
+    choice = choose_template_closing(mask.volume, making, &progress);
+    if (choice.tried.size() > 1) making.closing_mm = choice.closing_mm;
+  }
   const auto made = make_mask_template(mask.volume, making, &progress);
   if (!made) return fail(options.in.string(), mask.named(made.error().what));
   std::vector<std::string> warnings = mask.warnings;
@@ -121,9 +130,17 @@ Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progr
                      {"tunnels", tunnels}};
   Json provenance = provenance_of(options.in.filename().string(), making);
   name_labels(mask, provenance);
-  return finish(template_file(made->mesh, provenance), options,
+  MeshFile file = template_file(made->mesh, provenance);
+  if (options.closing_mm || choice.tried.size() > 1) file.comments.push_back(closing_comment(made->closing_mm));
+  Json tried = Json::array();
+  for (const TriedClosing& one : choice.tried)
+    tried.push_back({{"closing_mm", one.closing_mm}, {"dice_raw", one.dice_raw}, {"doubtful", one.doubtful}});
+  return finish(std::move(file), options,
                 {{"distance_to_mask_mm", json_of(made->to_mask)},
                  {"distance_from_mask_mm", json_of(made->from_mask)},
+                 {"closing_chosen", !options.closing_mm.has_value()},
+                 {"closing_why", options.closing_mm ? "as asked for" : choice.why},
+                 {"closing_tried", tried},
                  {"resampled_mm", made->resampled_mm},
                  {"closing_mm", made->closing_mm},
                  {"opening_mm", made->opening_mm},
@@ -184,21 +201,90 @@ Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
   return finish(std::move(file), options, std::move(further), about(options.in, std::move(made->warnings)));
 }
 
+/// The file that a subject of the consensus was read from; empty where it came out of a folder.
+fs::path file_of(const TemplateJob& options, const std::string& name) {
+  for (const fs::path& path : options.consensus)
+    if (case_name_of(path) == name && !fs::is_directory(path)) return path;
+  return {};
+}
+
+struct ConsensusStart {
+  std::optional<Mesh> first;         ///< the start's template, with the care that a single one gets
+  std::optional<double> closing_mm;  ///< that some subjects need; absent: each label's usual one
+  Json tried = Json::array();
+};
+
+/// Looks at label maps of small, median and large size for the closing radius; the widest that one needs is all
+/// subjects'.
+Result<ConsensusStart> start_of_labels(const TemplateJob& options, const SubjectsRead& read,
+                                       const std::vector<std::size_t>& by_size, Progress& progress) {
+  ConsensusStart start;
+  start.closing_mm = options.closing_mm;
+  const std::size_t middle = by_size.size() / 2;
+  for (const std::size_t at : {by_size.size() / 4, 3 * by_size.size() / 4, middle}) {
+    const std::string& name = read.subjects[by_size[at]].name;
+    const fs::path path = file_of(options, name);
+    if (path.empty() || is_mesh_name(path)) continue;
+    const auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
+    if (!mask) return fail(mask.error());
+    MaskTemplateOptions making;
+    making.label = mask->label;
+    making.frame = mask->frame;
+    making.vertices = options.vertices;
+    making.genus = genus_rule(options.genus);
+    if (!options.closing_mm) {
+      const ClosingChoice choice = choose_template_closing(mask->volume, making, &progress);
+      for (const TriedClosing& one : choice.tried)
+        start.tried.push_back({{"subject", name},
+                               {"closing_mm", one.closing_mm},
+                               {"dice_raw", one.dice_raw},
+                               {"doubtful", one.doubtful}});
+      if (choice.tried.size() > 1) start.closing_mm = std::max(start.closing_mm.value_or(0), choice.closing_mm);
+    }
+    if (at != middle) continue;
+    making.closing_mm = start.closing_mm;
+    auto made = make_mask_template(mask->volume, making, &progress);
+    if (!made) return fail(path.string(), mask->named(made.error().what));
+    start.first = std::move(made->mesh);
+    if (std::find(read.flipped.begin(), read.flipped.end(), name) == read.flipped.end()) continue;
+    const MeshFile other = mirrored({start.first->points, start.first->topology->triangles()});
+    start.first = Mesh{Topology::make(other.points.rows(), other.triangles).value(), other.points};
+  }
+  return start;
+}
+
 Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
   progress.part(0, 0.05);
-  auto read = read_subjects({options.consensus,
-                             {},
-                             options.labels,
-                             options.frame,
-                             options.closing_mm,
-                             options.vertices,
-                             options.flip_mirrored},
-                            progress);
+  SubjectFiles files{options.consensus,    {}, options.labels, options.frame, options.closing_mm, options.vertices,
+                     options.flip_mirrored};
+  auto read = read_subjects(files, progress);
   if (!read) return fail(read.error());
-  progress.part(0.05, 1);
   std::vector<Boundary> subjects;
-  for (BiasSubject& subject : read->subjects) subjects.push_back(std::move(subject.boundary));
-  const auto made = consensus_template(subjects, {.vertices = options.vertices, .progress = &progress});
+  const auto take = [&] {
+    subjects.clear();
+    for (BiasSubject& subject : read->subjects) subjects.push_back(std::move(subject.boundary));
+  };
+  take();
+  const auto by_size = subjects_by_size(subjects);
+  auto start = start_of_labels(options, *read, by_size, progress);
+  if (!start) return fail(start.error());
+  if (start->closing_mm && !options.closing_mm) {
+    files.closing_mm = start->closing_mm;
+    read = read_subjects(files, progress);
+    if (!read) return fail(read.error());
+    take();
+  }
+  const std::size_t first = by_size[by_size.size() / 2];
+  if (!start->first && options.genus != "auto") {
+    auto own = make_mesh_template({subjects[first].surface.points, subjects[first].surface.topology->triangles()},
+                                  {.vertices = options.vertices, .genus = genus_rule(options.genus)}, &progress);
+    if (!own) return fail(read->subjects[first].name, own.error().what);
+    start->first = std::move(own->mesh);
+  }
+  progress.part(0.05, 1);
+  const auto made = consensus_template(
+      subjects,
+      {.vertices = options.vertices, .start = first, .first = std::move(start->first), .progress = &progress});
   if (!made) return fail(made.error());
   std::vector<std::string> warnings = std::move(read->warnings);
   Json names = Json::array();
@@ -210,15 +296,23 @@ Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
   for (const std::size_t k : made->doubtful) warnings.push_back(other_organ_warning(read->subjects[k].name));
   if (!made->rests)
     warnings.emplace_back(
-        "the mean still moved in the last round; use more vertices, and look at subjects that differ much from others");
+        "the mean still moved in the last round; use more vertices, and look at subjects that differ much from "
+        "others");
+  if (const MeshFaults faults = mesh_faults(made->mesh); faults.any())
+    return fail(options.out.string(), "would be a template with " + faults.words() +
+                                          ", so it was not written; give a --closing-mm, --genus 0 or more vertices");
+  MeshFile file = template_file(made->mesh, {{"consensus", names}, {"vertices", options.vertices}});
+  if (start->closing_mm) file.comments.push_back(closing_comment(*start->closing_mm));
   Json values{{"subjects", subjects.size()},
               {"rounds", made->rounds},
               {"moved_mm", made->moved_mm},
               {"rests", made->rests},
+              {"closing_mm", start->closing_mm ? Json(*start->closing_mm) : Json()},
+              {"closing_chosen", !options.closing_mm.has_value()},
+              {"closing_tried", start->tried},
               {"flipped", read->flipped}};
   read->report_frames(values);
-  return finish(template_file(made->mesh, {{"consensus", names}, {"vertices", options.vertices}}), options,
-                std::move(values), std::move(warnings));
+  return finish(std::move(file), options, std::move(values), std::move(warnings));
 }
 
 Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
@@ -276,7 +370,7 @@ void check_effect(const TemplateJob& options, const CLI::App& verb) {
   if (!options.consensus.empty()) {
     if (options.tube)
       throw CLI::ValidationError("--consensus", "is not for --tube, whose rings are alike in all subjects");
-    for (const char* name : {"--opening-mm", "--genus"}) refuse_without_effect(verb, name, "a template of one subject");
+    refuse_without_effect(verb, "--opening-mm", "a template of one subject");
   }
   if (options.tube)
     for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})

@@ -1,6 +1,6 @@
 # A cohort from label maps to a shape model: fit -> compare -> model.
 #
-#   snakemake -s cohort.smk --cores all --config template=kidney.ply masks=masks out=out closing_mm=3
+#   snakemake -s cohort.smk --cores all --config template=kidney.ply masks=masks out=out
 #
 # One case is one process that shares nothing with the others, so the same file runs on a cluster. Outputs appear whole or not
 # at all: start it again after a crash and only what is missing is done. A case that fails stops the model; leave it out by moving
@@ -11,7 +11,8 @@ HOMOLOG = config.get("homolog", "homolog")
 TEMPLATE = config["template"]
 MASKS = Path(config["masks"])
 OUT = config.get("out", "out")
-CLOSING_MM = config.get("closing_mm", 1)
+# Without a radius each fit takes the template's, and tries wider ones where it is doubtful.
+CLOSING = f"--closing-mm {config['closing_mm']}" if "closing_mm" in config else ""
 CASES = sorted(path.name[: -len(".nii.gz")] for path in MASKS.glob("*.nii.gz"))
 
 
@@ -32,7 +33,7 @@ rule fit:
         f"{OUT}/logs/{{case}}.txt",
     threads: 1
     shell:
-        "{HOMOLOG} fit {input.template:q} --mask {input.mask:q} --closing-mm {CLOSING_MM} -o {output.mesh:q} --json"
+        "{HOMOLOG} fit {input.template:q} --mask {input.mask:q} {CLOSING} -o {output.mesh:q} --json"
         " > {output.report:q} 2> {log:q}"
 
 

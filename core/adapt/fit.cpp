@@ -19,6 +19,7 @@
 #include "core/adapt/untangle.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
+#include "core/mesh/remesh.h"
 #include "core/mesh/surface_search.h"
 #include "core/placement/similarity_fit.h"
 
@@ -34,9 +35,11 @@ constexpr double full_strain_ratio = 1.6, most_strain_ratio = 2;
 /// Matches are averaged by the inverse of their energy to this power. It is the strain, and this many times the mean
 /// square by which they are off the boundary, as a share of its area.
 constexpr double less_energy_counts = 12, off_counts = 1000;
-/// Of the root of the boundary's area, root mean square: a match that lies nearer to the boundary than the first tells
-/// all, and beyond the second it tells nothing. Phantom kidneys come to 0.14 to 0.20 %, real ones to 0.29 % and more.
-constexpr double full_smooth_off = 0.002, most_smooth_off = 0.0027;
+/// A boundary is worked out on voxels of a third of a mean edge [label_boundary]. Rounding to these is off by this
+/// share of an edge, root mean square. A match that is no farther off leaves nothing to explain.
+constexpr double rounded_edges = 0.0962;  // 1 / (3 √12)
+/// Times that, as squares: beyond, as much is unexplained as rounding makes, and the match tells nothing.
+constexpr double most_unexplained = 2;
 constexpr double told_if_smooth = 0.5;  ///< of the doubt that is due to roundness, how much such a match takes away
 /// Of placements of a partial fit: one that ends off by more than this times the mean square of the first is not
 /// counted.
@@ -297,9 +300,9 @@ class Fitting {
   /// Whether a smooth displacement alone takes the template to the boundary: 1 where this match lies on it, 0 where the
   /// organ has a shape that no smooth displacement gives.
   double differs_smoothly(const FitStart& match) {
-    const double off_mm = std::sqrt(adaptation_.off_mm2({reference_.topology, match.points})),
-                 off = off_mm / std::sqrt(surface_area_mm2(boundary_.surface));
-    return std::clamp((most_smooth_off - off) / (most_smooth_off - full_smooth_off), 0.0, 1.0);
+    const double edge_mm = spread_edge_mm(surface_area_mm2(boundary_.surface), reference_.points.rows()),
+                 off = adaptation_.off_mm2({reference_.topology, match.points}) / std::pow(rounded_edges * edge_mm, 2);
+    return std::clamp((most_unexplained - off) / (most_unexplained - 1), 0.0, 1.0);
   }
 
   /// Of a match, by its strain over that of the plain fit: 0 wrong … 1.

@@ -5,16 +5,20 @@
 #include <memory>
 
 #include "app/verbs/case_landmarks.h"
+#include "app/verbs/case_of_fit.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
 #include "app/verbs/fit_parts.h"
+#include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
+#include "app/verbs/study_make.h"
 #include "app/verbs/verb.h"
 #include "core/adapt/choose_closing.h"
 #include "core/adapt/judge_fit.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
+#include "core/base/paths.h"
 #include "core/base/statistics.h"
 #include "core/case/action_json.h"
 #include "core/case/placing.h"
@@ -22,6 +26,7 @@
 #include "core/groupwise/cohort_doubt.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/mirror.h"
+#include "core/model/doubtful_shapes.h"
 #include "core/model/model_prior.h"
 #include "core/model/statismo.h"
 #include "core/placement/likely_similarity.h"
@@ -46,6 +51,7 @@ struct Options {
   std::vector<int> labels;
   std::optional<double> closing_mm;
   bool mirror = false, partial = false;
+  bool of_folder = false;  ///< cases were named by their folder
 
   int by_others = 0;  ///< third subjects
 
@@ -56,20 +62,21 @@ struct Options {
   std::size_t ways_by_others() const {
     return cases().empty() ? 0 : std::min(cases().size() - 1, static_cast<std::size_t>(by_others));
   }
-  LandmarkFiles landmark_files() const { return {landmarks, template_source, cases().size() > 1}; }
+  LandmarkFiles landmark_files() const { return {landmarks, template_source, cases().size() > 1 || of_folder}; }
 };
 
 /// What all cases of a run share, read once.
 struct Shared {
   std::shared_ptr<const Template> the_template;
+  std::shared_ptr<const Template> template_of_file;  ///< the same, not mirrored
   FitOptions fit;
   std::optional<double> kept_closing_mm;  ///< with the template
 };
 
-Result<std::shared_ptr<const Template>> template_of(const Options& options) {
-  auto the_template = load_template(options.template_source);
-  if (!the_template || !options.mirror) return the_template;
-  return make_template(mirrored(to_mesh_file(**the_template)), options.template_source);
+Result<std::shared_ptr<const Template>> template_of(const Options& options,
+                                                    const std::shared_ptr<const Template>& of_file) {
+  if (!options.mirror) return of_file;
+  return make_template(mirrored(to_mesh_file(*of_file)), options.template_source);
 }
 
 Result<Similarity> read_placement(const fs::path& path) {
@@ -86,9 +93,11 @@ Result<Similarity> read_placement(const fs::path& path) {
 }
 
 Result<Shared> shared_of(const Options& options) {
-  auto the_template = template_of(options);
+  auto of_file = load_template(options.template_source);
+  if (!of_file) return fail(of_file.error());
+  auto the_template = template_of(options, *of_file);
   if (!the_template) return fail(the_template.error());
-  Shared shared{*the_template, {}, closing_kept_with(options.template_source)};
+  Shared shared{*the_template, *of_file, {}, closing_kept_with(options.template_source)};
   shared.fit.orientation = options.orientation == "any" ? Orientation::any : Orientation::patient;
   if (!options.placement.empty()) {
     auto placement = read_placement(options.placement);
@@ -209,6 +218,29 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
   return report;
 }
 
+/// What a case of a study keeps of a fit.
+FittedCase case_of(const Options& options, const Shared& shared, const fs::path& path, const Target& target,
+                   const FitResult& fit, const FitJudgement& judgement) {
+  FittedCase fitted{case_name_of(path), {}, {}, nullptr, shared.template_of_file, options.mirror, fit.mesh.points};
+  fitted.placement = fit.placement;
+  if (target.mask) {
+    fitted.image = fitted.labels = path;
+    fitted.grid = grid_of(target.mask->volume);
+  }
+  fitted.doubt_mm = fit.doubt_mm;
+  if (options.partial) fitted.outlier = outlier_marks(fit);
+  if (judgement.doubtful) fitted.doubt = reason_of_doubt(judgement.warnings);
+  FitFigures figures;
+  figures.mean_mm = options.partial ? judgement.target.mean_mm : judgement.inside_scan.assd_mm;
+  figures.p95_mm = options.partial ? judgement.target.p95_mm : judgement.inside_scan.hd95_mm;
+  if (!options.partial) figures.dice = judgement.inside_scan.dice;
+  if (options.partial)
+    figures.missing_share = static_cast<double>(fit.outliers.size()) / static_cast<double>(fit.mesh.points.rows());
+  for (const std::string& warning : judgement.warnings) figures.warnings.push_back(reason_of_doubt({warning}));
+  fitted.figures = std::move(figures);
+  return fitted;
+}
+
 /// Of a fit to a label map: the closing radius for the report. Where nobody asked for one and the fit is doubtful,
 /// wider ones are tried, and a fit that is sound takes the first one's place.
 Json close_better(const Options& options, const Shared& shared, const FitOptions& fitting, Target& target,
@@ -254,6 +286,7 @@ struct Among {
   std::optional<Fitted>* keep = nullptr;
   const Fitted* again = nullptr;
   std::vector<const Points*> others;  ///< third subjects [spread_by_others_mm2]
+  StudyCase* of_study = nullptr;      ///< gets a case for the study of a cohort; null: none is written
 };
 
 /// The closing radius that a kept fit ended with, else the one that is kept with the template.
@@ -288,14 +321,24 @@ Result<Report> fit_case(const Options& options, const Shared& shared, const fs::
     fitted.judgement = judge_fit(*shared.the_template, target->boundary, fitting, fitted.fit);
   }
   MeshFile file = fitted_file(*shared.the_template, fitted.fit, options.partial);
-  if (target->mask && target->mask->volume.frames > 1) note_frame(file, target->mask->frame);
+  const bool of_cine = target->mask && target->mask->volume.frames > 1;
+  if (of_cine) note_frame(file, target->mask->frame);
+  if (fitted.judgement.doubtful) file.comments.push_back(doubt_comment(reason_of_doubt(fitted.judgement.warnings)));
   if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
+  std::vector<std::string> kept;
+  if (among.of_study != nullptr && !of_cine) {
+    auto one = write_case_of_fit(case_of(options, shared, path, *target, fitted.fit, fitted.judgement),
+                                 out.parent_path(), kept);
+    if (!one) return fail(one.error());
+    *among.of_study = std::move(*one);
+  }
   Report report =
       report_of(*target, *shared.the_template, fitted.fit, fitted.judgement, options.partial, fitted.seconds);
   report.values.update(fitted.closing);
   report.warnings = fitted.warnings;
   report.warnings.insert(report.warnings.end(), fitted.judgement.warnings.begin(), fitted.judgement.warnings.end());
   report.warnings = about(path, std::move(report.warnings));
+  report.warnings.insert(report.warnings.end(), kept.begin(), kept.end());
   // The template may be of the same scan: then its axes can be told too.
   const Mesh own{shared.the_template->topology, shared.the_template->points};
   if (const auto misfit = misfit_in_scan(own, target->boundary.surface))
@@ -385,19 +428,37 @@ Result<std::vector<fs::path>> outputs_of(const Options& options) {
   return outputs;
 }
 
-Result<Report> fit_many(const Options& options, const Shared& shared, Progress& progress) {
+/// The study of a folder of fits: "fits/fits.study.json".
+fs::path study_in(const fs::path& folder) {
+  const fs::path whole = absolute_path(folder / "x").parent_path();
+  return folder / (whole.filename().string() + ".study.json");
+}
+
+Result<Report> fit_many(Options options, const Shared& shared, Progress& progress) {
+  if (options.of_folder && !options.to_meshes()) {
+    options.masks = label_maps_among(options.masks);
+    if (options.masks.empty())
+      return fail("", "the folder holds images, and no label map; name a folder of label maps by --mask");
+  }
   const auto outputs = outputs_of(options);
   if (!outputs) return fail(outputs.error());
   const auto folder = ResultFolder::make(options.out);
   if (!folder) return fail(folder.error());
   const auto& paths = options.cases();
   std::vector<std::optional<Fitted>> fitted(paths.size());
+  std::vector<StudyCase> cases_made(paths.size());
   const std::size_t by_others = options.ways_by_others();
   progress.part(0, 1 / (1 + static_cast<double>(by_others)));
   auto results = run_cases(
       paths.size(),
       [&](std::size_t i, Progress& own) {
-        return fit_case(options, shared, paths[i], (*outputs)[i], own, {by_others > 0 ? &fitted[i] : nullptr});
+        set_case_in_work(case_name_of(paths[i]));
+        Among among;
+        if (by_others > 0)
+          among.keep = &fitted[i];
+        else
+          among.of_study = &cases_made[i];
+        return fit_case(options, shared, paths[i], (*outputs)[i], own, among);
       },
       progress);
   if (by_others > 0 && !progress.cancelled()) {
@@ -409,7 +470,8 @@ Result<Report> fit_many(const Options& options, const Shared& shared, Progress& 
         paths.size(),
         [&](std::size_t i, Progress& own) -> Result<Report> {
           if (fits[i] == nullptr) return fail("", "was not fitted");
-          Among among{nullptr, &*fitted[i], {}};
+          set_case_in_work(case_name_of(paths[i]));
+          Among among{nullptr, &*fitted[i], {}, &cases_made[i]};
           for (const std::size_t k : third)
             if (k != i && among.others.size() < by_others) among.others.push_back(&fits[k]->mesh.points);
           return fit_case(options, shared, paths[i], (*outputs)[i], own, among);
@@ -439,7 +501,17 @@ Result<Report> fit_many(const Options& options, const Shared& shared, Progress& 
   if (failed == results.size())
     return fail(options.out.string(), "none of the " + std::to_string(failed) +
                                           " cases could be fitted; the first: " + results.front().error().sentence());
-  report.values = {{"fitted", results.size() - failed}, {"failed", failed}, {"cases", std::move(cases)}};
+  std::size_t doubtful = 0;
+  for (const auto& result : results) doubtful += result && result->values["doubtful"] == true ? 1 : 0;
+  report.values = {{"fitted", results.size() - failed}, {"failed", failed}, {"doubtful", doubtful}};
+  std::erase_if(cases_made, [](const StudyCase& one) { return one.name.empty(); });
+  if (!cases_made.empty()) {
+    const fs::path study = study_in(options.out);
+    if (auto written = write_cases_into(study, options.template_source, std::move(cases_made)); !written)
+      return fail(written.error());
+    report.values["study"] = study.string();
+  }
+  report.values["cases"] = std::move(cases);
   return report;
 }
 
@@ -449,7 +521,7 @@ Result<Report> fit(const Options& options, Progress& progress) {
   auto report = !options.image.empty() ? fit_image(options, *shared, progress)
                 : !is_mesh_name(options.out)
                     ? fit_many(options, *shared, progress)
-                    : fit_case(options, *shared, options.cases().front(), options.out, progress);
+                    : fit_case(options, *shared, options.cases().front(), options.out, nullptr, progress);
   if (!report) return report;
   const auto warnings = template_warnings(*shared->the_template);
   report->warnings.insert(report->warnings.begin(), warnings.begin(), warnings.end());
@@ -476,7 +548,7 @@ void check(const Options& options) {
   const int kinds = !options.masks.empty() + !options.meshes.empty() + !options.image.empty();
   if (kinds != 1) throw CLI::RequiredError("exactly one of --mask, --mesh and --image");
   if (!options.image.empty()) return;
-  if (options.cases().size() == 1) return;
+  if (options.cases().size() == 1 && !options.of_folder) return;
   if (is_mesh_name(options.out))
     throw CLI::ValidationError("--output", "must be a folder, since several cases are given");
   if (!options.placement.empty()) throw CLI::ValidationError("--placement", "is for one case only");
@@ -491,13 +563,18 @@ void add_fit(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "fit", "Fits a template to label maps, surfaces or an image");
   verb->add_option("TEMPLATE", options->template_source, template_sources())->required();
-  auto* mask =
-      verb->add_option("--mask", options->masks, "The label map to fit to. Several label maps go into a folder");
-  verb->add_option("--mesh", options->meshes, "The surface to fit to. Several surfaces go into a folder")
+  auto* mask = verb->add_option("--mask", options->masks,
+                                "The label map to fit to. Several, or a folder of them, go into a folder");
+  verb->add_option("--mesh", options->meshes, "The surface to fit to. Several, or a folder of them, go into a folder")
       ->excludes(mask);
   verb->add_option("--image", options->image, "The grey-value image to fit to; needs --placement or --landmarks");
-  verb->add_option("-o,--output", options->out, "The mesh to write, or a folder that gets one mesh for each case")
-      ->required();
+  keeps_correspondence(
+      verb->add_option(
+              "-o,--output", options->out,
+              "The mesh to write, or a folder: it gets for each case its mesh and a case on its label map, and "
+              "a study of all")
+          ->required(),
+      true);
   add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together")
       ->needs(mask);
   add_ball_option(*verb, "--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
@@ -537,6 +614,10 @@ void add_fit(CLI::App& app, CommandLine& asked) {
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->callback([options, verb, &asked] {
     if (verb->count("--frame") > 0) options->frame = options->snap.frame;
+    bool masks = false, meshes = false;
+    options->masks = with_folders_opened(options->masks, volumes_in, masks);
+    options->meshes = with_folders_opened(options->meshes, surfaces_in, meshes);
+    options->of_folder = masks || meshes;
     check(*options);
     check_effect(*options, *verb);
     asked.run = [options](Progress& progress) { return fit(*options, progress); };

@@ -27,7 +27,7 @@ struct ShapesVerb {
 void add_shapes(CLI::App& verb, ShapesVerb& options) {
   verb.add_option("SHAPE", options.files,
                   "Shapes (" + listed(mesh_format_extensions(&MeshFormat::keeps_numbers), ", ") +
-                      ", .homolog), or a study (.study.json)")
+                      ", .homolog), a folder of them, or a study (.study.json)")
       ->required();
   verb.add_flag("--all-frames", options.all_frames,
                 "Take every edited frame of a cine, not only the one that the case shows");

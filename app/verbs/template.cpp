@@ -386,14 +386,15 @@ void add_template(CLI::App& app, CommandLine& asked) {
   auto* consensus =
       verb->add_option(
               "--consensus", options->consensus,
-              "Surfaces or label maps of several subjects, or a folder of surfaces: their mean shape, which depends "
+              "Surfaces or label maps of several subjects, or a folder of them: their mean shape, which depends "
               "far less on any one of them")
           ->excludes(in)
           ->expected(1, 1000000);
   verb->add_flag("--flip-mirrored", options->flip_mirrored, "Flip subjects that are mirror images of most others")
       ->needs(consensus);
-  verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness, regions and landmarks)")
-      ->required();
+  keeps_correspondence(verb->add_option("-o,--output", options->out,
+                                        "The template to write (.ply keeps stiffness, regions and landmarks)")
+                           ->required());
   verb->add_option("--landmarks", options->landmarks,
                    "Named points for the template (.mrk.json, .fcsv, .json), in the template's space");
   add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together");

@@ -93,7 +93,7 @@ void add_scans(Editing& editing, const std::vector<fs::path>& paths) {
   const auto& the_template = editing.shown.loaded_template();
   if (!the_template)
     return add_notice(editing.state, "Load the template first (Tab, then Template); every scan starts from it.");
-  if (models.study_file.empty()) models.study_file = new_study_file();
+  if (models.study_file.empty()) start_new_study(editing.state);
   std::error_code ignored;
   CaseStart start{case_folder(models), the_template, editing.shown.template_is_mirrored(), {}};
   for (const StudyCase& one : models.study.cases) start.known.push_back(one.file);

@@ -521,7 +521,7 @@ Result<Report> fit(const Options& options, Progress& progress) {
   auto report = !options.image.empty() ? fit_image(options, *shared, progress)
                 : !is_mesh_name(options.out)
                     ? fit_many(options, *shared, progress)
-                    : fit_case(options, *shared, options.cases().front(), options.out, nullptr, progress);
+                    : fit_case(options, *shared, options.cases().front(), options.out, progress);
   if (!report) return report;
   const auto warnings = template_warnings(*shared->the_template);
   report->warnings.insert(report->warnings.begin(), warnings.begin(), warnings.end());

@@ -17,6 +17,8 @@ namespace {
 constexpr std::string_view closing_key = "homolog.closing_mm ";
 /// By so much raw Dice may fall for a sound fit: what a filled cleft costs by itself.
 constexpr double next_to_same = 0.003;
+/// The same where the label's own clefts are no trouble, and others' may be.
+constexpr double next_to_nothing = 0.001;
 
 std::string mm_words(double mm) {
   char text[32];
@@ -78,24 +80,27 @@ ClosingChoice choose_template_closing(const Volume& mask, const MaskTemplateOpti
   const auto first = fit_closed_by(**the_template, mask, options.label, options.frame, choice.closing_mm, fitting);
   if (!first) return choice;
   choice.tried.push_back(tried_as(*first, mask, options.label, options.frame));
-  if (!may_be_clefts(*first)) return choice;
-  choice.why = "no wider radius gave a sounder fit";
+  const bool clefts = may_be_clefts(*first);
+  if (!clefts && (first->judgement.doubtful || !first->boundary.scan_borders.empty())) return choice;
+  if (clefts) choice.why = "no wider radius gave a sounder fit";
   making.closing_mm = choice.closing_mm;
   const auto usual = make_mask_template(mask, making, trial);
   if (!usual || stand_in->mesh.topology->genus() > usual->mesh.topology->genus()) {
     choice.why = "wider radii make tunnels";
     return choice;
   }
-  const double least = choice.tried.front().dice_raw - next_to_same;
+  const double least = choice.tried.front().dice_raw - (clefts ? next_to_same : next_to_nothing);
   for (const double closing_mm : wider) {
+    if (closing_mm <= choice.closing_mm || (!clefts && closing_mm > wider.front())) continue;
     const auto fitted = fit_closed_by(**the_template, mask, options.label, options.frame, closing_mm, fitting);
     if (!fitted) continue;
     choice.tried.push_back(tried_as(*fitted, mask, options.label, options.frame));
     const TriedClosing& last = choice.tried.back();
     if (last.doubtful || last.dice_raw < least) continue;
     choice.closing_mm = closing_mm;
-    choice.why = "with " + mm_words(choice.tried.front().closing_mm) +
-                 " a template without the clefts is not followed into them; with this it fits soundly";
+    choice.why = clefts ? "with " + mm_words(choice.tried.front().closing_mm) +
+                              " a template without the clefts is not followed into them; with this it fits soundly"
+                        : "it costs next to nothing here, and others' clefts may be deeper";
   }
   return choice;
 }

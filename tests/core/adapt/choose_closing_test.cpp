@@ -38,15 +38,19 @@ TEST_CASE("a kidney with deep clefts asks for a wider closing and its fits to ot
   CHECK(raw_dice(choice.closing_mm) > raw_dice(usual_closing_mm(deep, every_label, 0)) + 0.01);
 }
 
-TEST_CASE("a kidney without deep clefts keeps the usual closing") {
+TEST_CASE("a kidney without deep clefts is closed by an edge only where that costs next to nothing") {
   const auto data = real_data();
   if (data.empty()) return;
   const Volume plain = kidney_mask(data, "case_00008_left_healthy_thick");
   MaskTemplateOptions options;
   options.label = every_label;
   const ClosingChoice choice = choose_template_closing(plain, options, nullptr);
-  CHECK(choice.closing_mm == usual_closing_mm(plain, every_label, 0));
-  CHECK(choice.tried.size() == 1);
+  REQUIRE(choice.tried.size() == 2);
+  CHECK_FALSE(choice.tried[0].doubtful);
+  const double cost = choice.tried[0].dice_raw - choice.tried[1].dice_raw;
+  const double usual_mm = usual_closing_mm(plain, every_label, 0);
+  CHECK(choice.closing_mm == (cost <= 0.001 ? choice.tried[1].closing_mm : usual_mm));
+  CHECK(choice.tried[1].closing_mm > usual_mm);
 }
 
 TEST_CASE("a doubtful fit is made sound by a wider closing and mirrored ones are left alone") {

@@ -51,6 +51,8 @@ struct Training {
   std::shared_ptr<const Topology> topology;
   PrincipalComponents components;
   std::vector<std::string> warnings;
+  std::vector<double> sizes_mm;  ///< centroid sizes before they were aligned
+  std::vector<std::string> groups;
   std::vector<DoubtfulShape> doubtful, left_out;
 
   void report_doubt(Json& values) const {
@@ -69,6 +71,9 @@ Result<Training> train(TrainingSetRead read, const TrainingVerb& options) {
   training.names = std::move(read.set.names);
   training.topology = read.set.topology;
   training.warnings = std::move(read.warnings);
+  training.groups = std::move(read.groups);
+  for (Eigen::Index k = 0; k < read.set.shapes.cols(); ++k)
+    training.sizes_mm.push_back(centroid_size_mm(points_of(read.set.shapes, k)));
   training.doubtful = std::move(read.doubtful);
   training.left_out = std::move(read.left_out);
   align(read.set.shapes, options.alignment());
@@ -194,7 +199,8 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   const PrincipalComponents& components = training->components;
   const auto names = shape_names(training->names);
   if (!options.tables.empty())
-    if (auto done = write_model_tables(components, names, options.tables); !done) return fail(done.error());
+    if (auto done = write_model_tables(components, names, options.tables, training->sizes_mm, training->groups); !done)
+      return fail(done.error());
   if (!options.aligned.empty())
     if (auto done = write_aligned_shapes(components, training->topology, names, options.aligned); !done)
       return fail(done.error());

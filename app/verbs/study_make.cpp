@@ -297,6 +297,16 @@ Result<Report> make_study(const MakeJob& job, Progress& progress) {
                    {"added", *added},
                    {"waiting", waiting},
                    {"groups", written->study.groups()}};
+  constexpr std::size_t enough = 5;  // subjects, from which on their consensus is the better template
+  const auto mesh =
+      is_built_in(job.template_source) ? Result<MeshFile>(MeshFile{}) : read_mesh_file(job.template_source);
+  const bool of_all = mesh && std::any_of(mesh->comments.begin(), mesh->comments.end(), [](const std::string& comment) {
+                        return comment.find("\"consensus\"") != std::string::npos;
+                      });
+  if (count - without_labels >= enough && !of_all)
+    report.warnings.push_back(job.template_source +
+                              ": is no consensus of these subjects, whose template would depend on no single one; make "
+                              "it with template --consensus");
   if (without_labels > 0)
     report.warnings.push_back(std::to_string(without_labels) +
                               " cases have no label map, so they can be fitted in the window only");

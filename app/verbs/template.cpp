@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/describe.h"
@@ -42,6 +43,7 @@ struct TemplateJob {
   int vertices = 2500;
   std::optional<double> closing_mm, opening_mm;
   std::string genus = "auto";
+  bool keep_vertices = false;
   bool tube = false, capped = false;
   int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;
   std::vector<double> axis, base, apex;
@@ -180,7 +182,17 @@ Result<Report> tube(const TemplateJob& options, const MaskRead& mask) {
                 std::move(warnings));
 }
 
+/// The vertices that are there: landmarks are added, and all else stays.
+Result<Report> as_it_is(const TemplateJob& options) {
+  auto file = read_mesh_file(options.in);
+  if (!file) return fail(file.error());
+  if (file->triangles.rows() == 0) return fail(options.in.string(), "has points alone; give a mesh with faces");
+  std::vector<std::string> warnings = about(options.in, std::exchange(file->warnings, {}));
+  return finish(std::move(*file), options, Json::object(), std::move(warnings));
+}
+
 Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
+  if (options.keep_vertices) return as_it_is(options);
   const auto surface = read_mesh_to_mend(options.in);
   if (!surface) return fail(surface.error());
   MeshTemplateOptions making;
@@ -367,6 +379,12 @@ void add_tube_options(CLI::App& verb, TemplateJob& options) {
 
 /// Refuses options that were given and do nothing for such a template.
 void check_effect(const TemplateJob& options, const CLI::App& verb) {
+  if (options.keep_vertices) {
+    if (options.in.empty() || !keeps_numbers(options.in))
+      throw CLI::ValidationError("--keep-vertices", "has no effect here: it is for a mesh whose format keeps vertices");
+    for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})
+      refuse_without_effect(verb, name, "templates whose vertices are spread anew");
+  }
   if (!options.consensus.empty()) {
     if (options.tube)
       throw CLI::ValidationError("--consensus", "is not for --tube, whose rings are alike in all subjects");
@@ -402,6 +420,8 @@ void add_template(CLI::App& app, CommandLine& asked) {
   verb->add_option("--vertices", options->vertices, "How many vertices")
       ->check(CLI::Range(100, 200000))
       ->capture_default_str();
+  verb->add_flag("--keep-vertices", options->keep_vertices,
+                 "Of a mesh: its vertices and faces stay as they are, numbered as before, and get --landmarks");
   add_ball_option(*verb, "--closing-mm", options->closing_mm,
                   "Clefts narrower than twice this radius (mm) are filled; of a surface only where given");
   add_ball_option(*verb, "--opening-mm", options->opening_mm,

@@ -109,7 +109,8 @@ Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& file
     const std::size_t before = sources.size();
     for (const StudyCase& one : read->study.cases)
       if ((group.empty() || one.group == group) && !one.waits())
-        sources.push_back({one.file, one.frame, one.flipped, one.state == CaseState::done ? std::string() : one.doubt});
+        sources.push_back(
+            {one.file, one.frame, one.flipped, one.state == CaseState::done ? std::string() : one.doubt, one.group});
     if (sources.size() > before) continue;
     if (std::any_of(read->study.cases.begin(), read->study.cases.end(),
                     [&](const StudyCase& one) { return one.waits() && (group.empty() || one.group == group); }))

@@ -318,6 +318,11 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
     leave_out(read->mirrored, "a mirror image of the other shapes (left and right exchanged)", *read);
     read->mirrored.clear();
   }
+  std::map<std::string, std::string> group_of;
+  for (const ShapeSource& source : *sources)
+    if (!source.group.empty()) group_of[source.name(source.frame)] = source.group;
+  if (!group_of.empty())
+    for (const std::string& name : read->set.names) read->groups.push_back(group_of[name]);
   for (std::string& sentence : doubt_warnings(read->left_out, true)) read->warnings.push_back(std::move(sentence));
   for (std::string& sentence : doubt_warnings(read->doubtful, false)) read->warnings.push_back(std::move(sentence));
   if (!read->mirrored.empty())

@@ -33,6 +33,7 @@ struct TrainingSetRead {
   TrainingSet set;
   std::vector<std::string> warnings;    ///< each names its file: what was left out, and what looks wrong (see oddities)
   std::vector<std::string> mirrored;    ///< names of the shapes that are mirror images of most others
+  std::vector<std::string> groups;      ///< of each shape of the set, of a study's cases; empty: no shape has one
   std::vector<DoubtfulShape> doubtful;  ///< shapes of the set that a person has to look at
   std::vector<DoubtfulShape> left_out;  ///< the same, where they were left out as asked
 };

@@ -65,7 +65,7 @@ void ExportEvaluation::run(Editing& editing) const {
 
 void ExportSizes::run(Editing& editing) const {
   write_beside(editing, path, [listed = listed_sizes(editing.state.models)](const auto& to, Progress&) {
-    return write_whole_file(to, sizes_table(listed.names, listed.sizes));
+    return write_whole_file(to, sizes_table(listed.names, listed.sizes, listed.groups));
   });
 }
 

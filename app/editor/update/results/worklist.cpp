@@ -42,6 +42,12 @@ void take_added(EditorState& state, std::vector<StudyCase> added) {
   if (count > 0 && known_already > 0)
     news += known_already == 1 ? " 1 is in the study already."
                                : " " + std::to_string(known_already) + " are in the study already.";
+  constexpr std::ptrdiff_t enough = 5;  // subjects, from which on their consensus is the better template
+  const auto& cases = models.study.cases;
+  const auto with_map =
+      std::count_if(cases.begin(), cases.end(), [](const StudyCase& one) { return !one.labels.empty(); });
+  if (count > 0 && with_map >= enough && with_map - static_cast<std::ptrdiff_t>(count) < enough)
+    news += " A template of all of them depends on no single one: homolog template --consensus FOLDER -o T.ply.";
   add_notice(state, std::move(news), false);
 }
 

@@ -1,0 +1,306 @@
+#include "app/verbs/fit_case.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "app/verbs/case_landmarks.h"
+#include "app/verbs/case_of_fit.h"
+#include "app/verbs/case_pool.h"
+#include "app/verbs/describe.h"
+#include "app/verbs/fit_parts.h"
+#include "app/verbs/input_folders.h"
+#include "app/verbs/read_image.h"
+#include "app/verbs/snap_arguments.h"
+#include "app/verbs/study_make.h"
+#include "app/verbs/verb.h"
+#include "core/adapt/choose_closing.h"
+#include "core/adapt/judge_fit.h"
+#include "core/base/files.h"
+#include "core/base/json.h"
+#include "core/base/paths.h"
+#include "core/base/statistics.h"
+#include "core/case/action_json.h"
+#include "core/case/placing.h"
+#include "core/catalogue/catalogue.h"
+#include "core/groupwise/cohort_doubt.h"
+#include "core/mesh/mesh_frame.h"
+#include "core/mesh/mirror.h"
+#include "core/model/doubtful_shapes.h"
+#include "core/model/model_prior.h"
+#include "core/model/statismo.h"
+#include "core/placement/likely_similarity.h"
+#include "core/placement/similarity_fit.h"
+#include "core/template/template_warnings.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Result<std::shared_ptr<const Template>> template_of_fits(const FitJob& options,
+                                                         const std::shared_ptr<const Template>& of_file) {
+  if (!options.mirror) return of_file;
+  return make_template(mirrored(to_mesh_file(*of_file)), options.template_source);
+}
+
+Result<Similarity> read_placement(const fs::path& path) {
+  const auto text = read_whole_file(path, 1 << 20);
+  if (!text) return fail(text.error());
+  const auto json = read_json<Json>(*text);
+  if (!json) return fail(path.string(), json.error().what + "; save the placement again");
+  auto placement =
+      similarity_from_json(json->is_object() && json->contains("placement") ? (*json)["placement"] : *json);
+  if (!placement) return fail(path.string(), placement.error().what);
+  if (auto usable = check_placement(*placement); !usable)
+    return fail(path.string(), "the placement " + usable.error().what + "; save the placement again");
+  return placement;
+}
+
+using FitClock = std::chrono::steady_clock;
+
+/// One case's target, and the mask it comes from where there is one.
+struct FitTarget {
+  FitClock::time_point started = FitClock::now();  ///< once the file was read
+  Boundary boundary;
+  std::optional<MaskRead> mask;
+};
+
+/// `closing_mm`: where --closing-mm says none.
+Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared, const fs::path& path,
+                                  std::optional<double> closing_mm, Progress& progress) {
+  const Eigen::Index vertices = shared.the_template->points.rows();
+  if (options.to_meshes()) {
+    const auto file = read_mesh_to_mend(path);
+    if (!file) return fail(file.error());
+    const auto started = FitClock::now();
+    auto boundary = surface_boundary(*file, vertices, &progress);
+    if (!boundary) return fail(path.string(), boundary.error().what);
+    boundary->warnings.insert(boundary->warnings.begin(), file->warnings.begin(), file->warnings.end());
+    return FitTarget{started, std::move(*boundary), std::nullopt};
+  }
+  auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
+  if (!mask) return fail(mask.error());
+  const auto started = FitClock::now();
+  const auto part = [&](std::size_t rank) {
+    return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm ? options.closing_mm : closing_mm,
+                          vertices, {options.parts == "all", rank});
+  };
+  auto boundary = part(0);
+  if (boundary && options.parts == "largest" && !options.partial)
+    boundary = likeliest_part(*shared.the_template, std::move(*boundary), part, shared.fit);
+  if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
+  boundary->warnings = mask->named(std::move(boundary->warnings));
+  boundary->warnings.insert(boundary->warnings.begin(), mask->warnings.begin(), mask->warnings.end());
+  return FitTarget{started, std::move(*boundary), std::move(*mask)};
+}
+
+/// What the model alone came to, and how far the mesh lies beyond it.
+Json described_allowed(const Points& allowed, const Mesh& mesh, const Mesh& boundary) {
+  const auto beyond_mm = (mesh.points - allowed).rowwise().norm();
+  return {{"assd_mm", mean_surface_distance_mm({mesh.topology, allowed}, boundary)},
+          {"beyond_mm", {{"mean", beyond_mm.mean()}, {"max", beyond_mm.maxCoeff()}}}};
+}
+
+/// How far vertices and landmarks may lie from where they belong.
+Json described_doubt(const Template& the_template, const FitResult& fit) {
+  const std::vector<double> each(fit.doubt_mm.begin(), fit.doubt_mm.end());
+  Json doubt{{"mean", fit.doubt_mm.mean()}, {"p95", quantile(each, 0.95)}, {"max", fit.doubt_mm.maxCoeff()}};
+  if (the_template.landmarks.empty()) return doubt;
+  Json of_landmarks = Json::object();
+  for (std::size_t k = 0; k < the_template.landmarks.size(); ++k) {
+    of_landmarks[the_template.landmarks[k].name] = value_at_landmark(the_template, k, fit.doubt_mm);
+  }
+  doubt["landmarks"] = std::move(of_landmarks);
+  return doubt;
+}
+
+Report report_of_fit(const FitTarget& target, const Template& the_template, const FitResult& fit,
+                     const FitJudgement& judgement, bool partial, double seconds) {
+  const Agreement& agreement = judgement.agreement;
+  Report report;
+  report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", agreement.dice}};
+  const Agreement& inside = judgement.inside_scan;
+  report.values["inside_scan"] = {{"assd_mm", inside.assd_mm}, {"hd95_mm", inside.hd95_mm}, {"dice", inside.dice}};
+  report.values["beyond_share"] = judgement.beyond_share;
+  if (target.mask) {
+    const MaskRead& mask = *target.mask;
+    report.values["dice_raw"] = dice_with_mask(fit.mesh, mask.volume, mask.label, mask.frame);
+    mask.report_frame(report.values);
+    report.values["parts_left_out"] = {{"count", target.boundary.parts_left_out},
+                                       {"share", target.boundary.share_left_out}};
+  }
+  report.values.update(Json{{"turned_triangles", fit.turned_triangles},
+                            {"self_intersections", fit.self_intersections},
+                            {"unseen_vertices", fit.unseen.size()},
+                            {"doubtful", judgement.doubtful},
+                            {"mirrored", fit.mirrored},
+                            {"landmarks_used", fit.landmarks_used},
+                            {"landmarks_place", fit.landmarks_place},
+                            {"placement", to_json(fit.placement)},
+                            {"seconds", seconds}});
+  report.values["doubt_mm"] = described_doubt(the_template, fit);
+  if (partial) {
+    report.values["outliers"] = fit.outliers.size();
+    report.values["sound_mm"] = std::ssize(fit.outliers) < fit.mesh.points.rows() ? Json(judgement.sound_mm) : Json();
+    report.values["target_mm"] = {{"mean", judgement.target.mean_mm}, {"p95", judgement.target.p95_mm}};
+  }
+  if (fit.allowed.size() > 0)
+    report.values["model"] = described_allowed(fit.allowed, fit.mesh, target.boundary.surface);
+  return report;
+}
+
+/// What a case of a study keeps of a fit.
+FittedCase case_of(const FitJob& options, const FitShared& shared, const fs::path& path, const FitTarget& target,
+                   const FitResult& fit, const FitJudgement& judgement) {
+  FittedCase fitted{case_name_of(path), {}, {}, nullptr, shared.template_of_file, options.mirror, fit.mesh.points};
+  fitted.placement = fit.placement;
+  if (target.mask) {
+    fitted.image = fitted.labels = path;
+    fitted.grid = grid_of(target.mask->volume);
+  }
+  fitted.doubt_mm = fit.doubt_mm;
+  if (options.partial) fitted.outlier = outlier_marks(fit);
+  if (judgement.doubtful) fitted.doubt = reason_of_doubt(judgement.warnings);
+  FitFigures figures;
+  figures.mean_mm = options.partial ? judgement.target.mean_mm : judgement.inside_scan.assd_mm;
+  figures.p95_mm = options.partial ? judgement.target.p95_mm : judgement.inside_scan.hd95_mm;
+  if (!options.partial) figures.dice = judgement.inside_scan.dice;
+  if (options.partial)
+    figures.missing_share = static_cast<double>(fit.outliers.size()) / static_cast<double>(fit.mesh.points.rows());
+  for (const std::string& warning : judgement.warnings) figures.warnings.push_back(reason_of_doubt({warning}));
+  fitted.figures = std::move(figures);
+  return fitted;
+}
+
+/// Of a fit to a label map: the closing radius for the report. Where nobody asked for one and the fit is doubtful,
+/// wider ones are tried, and a fit that is sound takes the first one's place.
+Json close_better(const FitJob& options, const FitShared& shared, const FitOptions& fitting, FitTarget& target,
+                  FitResult& fit, FitJudgement& judgement) {
+  if (!target.mask) return Json::object();
+  const MaskRead& mask = *target.mask;
+  const double usual_mm = usual_closing_mm(mask.volume, mask.label, mask.frame);
+  const double first_mm = options.closing_mm.value_or(shared.kept_closing_mm.value_or(usual_mm));
+  if (options.closing_mm) return {{"closing_mm", first_mm}, {"closing_chosen", false}, {"closing_why", "as asked for"}};
+  const bool other_part = options.parts == "all" || target.boundary.parts_alike > 1;  // which closing would not know
+  OtherClosing first{first_mm, std::move(target.boundary), std::move(fit), std::move(judgement)};
+  MoreClosing more;
+  if (!other_part) more = try_more_closing(*shared.the_template, mask.volume, mask.label, mask.frame, fitting, first);
+  const std::string why = why_closing(more, shared.kept_closing_mm.has_value());
+  if (!more.better && !more.tried.empty()) first.judgement.warnings.push_back(tried_in_vain(more));
+  OtherClosing& taken = more.better ? *more.better : first;
+  if (more.better) {  // the label map's own warnings stand before those of the boundary, which were named by its labels
+    auto& said = taken.judgement.warnings;
+    said.erase(said.begin(), said.begin() + std::ssize(taken.boundary.warnings));
+    said.insert(said.begin(), first.boundary.warnings.begin(), first.boundary.warnings.end());
+    taken.boundary.warnings = first.boundary.warnings;
+  }
+  target.boundary = std::move(taken.boundary);
+  fit = std::move(taken.fit);
+  judgement = std::move(taken.judgement);
+  Json tried = Json::array();
+  for (const TriedClosing& one : more.tried)
+    tried.push_back({{"closing_mm", one.closing_mm}, {"dice_raw", one.dice_raw}, {"doubtful", one.doubtful}});
+  return {{"closing_mm", taken.closing_mm}, {"closing_chosen", true}, {"closing_why", why}, {"closing_tried", tried}};
+}
+
+/// The closing radius that a kept fit ended with, else the one that is kept with the template.
+std::optional<double> closing_of(const FitShared& shared, const AmongCases& among) {
+  if (among.again == nullptr || !among.again->closing.contains("closing_mm")) return shared.kept_closing_mm;
+  return among.again->closing["closing_mm"].get<double>();
+}
+
+}  // namespace
+
+Result<FitShared> shared_of_fits(const FitJob& options) {
+  auto of_file = load_template(options.template_source);
+  if (!of_file) return fail(of_file.error());
+  auto the_template = template_of_fits(options, *of_file);
+  if (!the_template) return fail(the_template.error());
+  FitShared shared{*the_template, *of_file, {}, closing_kept_with(options.template_source)};
+  shared.fit.orientation = options.orientation == "any" ? Orientation::any : Orientation::patient;
+  if (!options.placement.empty()) {
+    auto placement = read_placement(options.placement);
+    if (!placement) return fail(placement.error());
+    shared.fit.placement = *placement;
+  }
+  shared.fit.partial = options.partial;
+  if (options.model.empty()) return shared;
+  const auto model = read_model(options.model);
+  if (!model) return fail(model.error());
+  auto allowed = allowed_by(*model, **the_template);
+  if (!allowed) return fail(options.model.string(), allowed.error().what);
+  allowed->beyond = options.beyond;
+  shared.fit.allowed = std::make_shared<const AllowedShapes>(std::move(*allowed));
+  return shared;
+}
+
+MeshFile fitted_file(const Template& the_template, const FitResult& fit, bool partial) {
+  MeshFile file = to_mesh_file(the_template);
+  file.points = fit.mesh.points;
+  file.landmarks = fit.landmarks;
+  if (fit.doubt_mm.size() > 0) file.doubt_mm = fit.doubt_mm;
+  if (partial) file.outlier = outlier_marks(fit);
+  if (!fit.unseen.empty()) file.comments.push_back("homolog.unseen " + Json(fit.unseen).dump());
+  return file;
+}
+
+Result<Report> fit_case(const FitJob& options, const FitShared& shared, const fs::path& path, const fs::path& out,
+                        Progress& progress, const AmongCases& among) {
+  auto target = read_fit_target(options, shared, path, closing_of(shared, among), progress);
+  if (!target) return fail(target.error());
+  auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, path);
+  if (!landmarks) return fail(landmarks.error());
+  FitOptions fitting = shared.fit;
+  fitting.landmarks = std::move(landmarks->places);
+  fitting.progress = &progress;
+  FittedTarget fitted;
+  if (among.again == nullptr) {
+    fitted.warnings = std::move(landmarks->warnings);
+    auto fit = fit_to_boundary(*shared.the_template, target->boundary, fitting);
+    if (!fit) return fail(path.string(), fit.error().what);
+    fitted.fit = std::move(*fit);
+    fitted.judgement = judge_fit(*shared.the_template, target->boundary, fitting, fitted.fit);
+    fitted.closing = close_better(options, shared, fitting, *target, fitted.fit, fitted.judgement);
+    fitted.seconds = std::chrono::duration<double>(FitClock::now() - target->started).count();
+  } else {
+    fitted = *among.again;
+    const auto spread = spread_by_others_mm2(*shared.the_template, among.others, target->boundary, fitting, fitted.fit);
+    if (!spread) return fail(path.string(), spread.error().what);
+    fitted.fit.doubt_mm = doubt_among_others_mm(fitted.fit.doubt_mm, *spread);
+    fitted.judgement = judge_fit(*shared.the_template, target->boundary, fitting, fitted.fit);
+  }
+  MeshFile file = fitted_file(*shared.the_template, fitted.fit, options.partial);
+  const bool of_cine = target->mask && target->mask->volume.frames > 1;
+  if (of_cine) note_frame(file, target->mask->frame);
+  if (fitted.judgement.doubtful) file.comments.push_back(doubt_comment(reason_of_doubt(fitted.judgement.warnings)));
+  if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
+  std::vector<std::string> kept;
+  if (among.of_study != nullptr && !of_cine) {
+    auto one = write_case_of_fit(case_of(options, shared, path, *target, fitted.fit, fitted.judgement),
+                                 out.parent_path(), kept);
+    if (!one) return fail(one.error());
+    *among.of_study = std::move(*one);
+  }
+  Report report =
+      report_of_fit(*target, *shared.the_template, fitted.fit, fitted.judgement, options.partial, fitted.seconds);
+  report.values.update(fitted.closing);
+  report.warnings = fitted.warnings;
+  report.warnings.insert(report.warnings.end(), fitted.judgement.warnings.begin(), fitted.judgement.warnings.end());
+  report.warnings = about(path, std::move(report.warnings));
+  report.warnings.insert(report.warnings.end(), kept.begin(), kept.end());
+  // The template may be of the same scan: then its axes can be told too.
+  const Mesh own{shared.the_template->topology, shared.the_template->points};
+  if (const auto misfit = misfit_in_scan(own, target->boundary.surface))
+    report.warnings.insert(report.warnings.begin(),
+                           misfit_sentence(*misfit, meeting_of(options.template_source, own.points),
+                                           meeting_of(path, target->boundary.surface.points)));
+  if (!among.others.empty()) report.values["doubt_mm"]["by_others"] = among.others.size();
+  if (among.keep != nullptr) *among.keep = std::move(fitted);
+  return report;
+}
+
+}  // namespace homolog

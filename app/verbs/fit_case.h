@@ -1,0 +1,78 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/verbs/case_landmarks.h"
+#include "app/verbs/snap_arguments.h"
+#include "app/verbs/verb.h"
+#include "core/adapt/judge_fit.h"
+#include "core/model/study.h"
+
+namespace homolog {
+
+/// What the verb `fit` is asked for.
+struct FitJob {
+  std::string template_source, orientation = "patient", parts = "largest";
+  std::vector<std::filesystem::path> masks, meshes;
+  std::filesystem::path image, out, placement, landmarks, model;
+  double beyond = 1;
+  SnapArguments snap;        ///< for an image
+  std::optional<int> frame;  ///< of a label map: as asked
+  std::vector<int> labels;
+  std::optional<double> closing_mm;
+  bool mirror = false, partial = false;
+  bool of_folder = false;  ///< cases were named by their folder
+
+  int by_others = 0;  ///< third subjects
+
+  bool to_meshes() const { return !meshes.empty(); }
+  const std::vector<std::filesystem::path>& cases() const { return to_meshes() ? meshes : masks; }
+  /// By how many third subjects each case is fitted too. None unless asked for: a case's files do not hang on what
+  /// else is fitted.
+  std::size_t ways_by_others() const {
+    return cases().empty() ? 0 : std::min(cases().size() - 1, static_cast<std::size_t>(by_others));
+  }
+  LandmarkFiles landmark_files() const { return {landmarks, template_source, cases().size() > 1 || of_folder}; }
+};
+
+/// What all cases of a run share, read once.
+struct FitShared {
+  std::shared_ptr<const Template> the_template;
+  std::shared_ptr<const Template> template_of_file;  ///< the same, not mirrored
+  FitOptions fit;
+  std::optional<double> kept_closing_mm;  ///< with the template
+};
+
+/// Reads the template, the placement and the model. Errors: theirs.
+Result<FitShared> shared_of_fits(const FitJob& options);
+
+/// What was fitted to a case.
+struct FittedTarget {
+  FitResult fit;
+  FitJudgement judgement;
+  Json closing;                       ///< for the report
+  std::vector<std::string> warnings;  ///< of its landmarks
+  double seconds = 0;
+};
+
+/// A case among others: what is kept of its fit, or the fit that was kept, whose doubt now takes in the others.
+struct AmongCases {
+  std::optional<FittedTarget>* keep = nullptr;
+  const FittedTarget* again = nullptr;
+  std::vector<const Points*> others;  ///< third subjects [spread_by_others_mm2]
+  StudyCase* of_study = nullptr;      ///< gets a case for the study of a cohort; null: none is written
+};
+
+/// Fits to one label map or surface, writes the mesh to `out` and reports it. Errors: the readers', the fit's, the
+/// writer's.
+Result<Report> fit_case(const FitJob& options, const FitShared& shared, const std::filesystem::path& path,
+                        const std::filesystem::path& out, Progress& progress, const AmongCases& among = {});
+
+/// The template's file with the fitted shape; `partial`: with the outliers marked.
+MeshFile fitted_file(const Template& the_template, const FitResult& fit, bool partial);
+
+}  // namespace homolog

@@ -7,6 +7,7 @@
 
 #include "core/base/files.h"
 #include "core/model/hdf_tree.h"
+#include "tests/environment_variable.h"
 #include "tests/refusal.h"
 #include "tests/shapes.h"
 #include "tests/small_files.h"
@@ -101,6 +102,7 @@ TEST_CASE("both formats hold the same tree") {
 
 TEST_CASE("the JSON file has the layout that statismo and scalismo 0.9 publish") {
   const TemporaryFolder folder;
+  const EnvironmentVariable clock("SOURCE_DATE_EPOCH", "86400");
   const ShapeModel model = some_model();
   REQUIRE(write_model(model, folder.path / "m.h5.json"));
   const Json file = Json::parse(read_whole_file(folder.path / "m.h5.json").value());
@@ -126,6 +128,7 @@ TEST_CASE("the JSON file has the layout that statismo and scalismo 0.9 publish")
   CHECK(dataset_at(file, {"model", "pcaVariance"})["shape"]["dims"] == Json::array({model.modes()}));
   CHECK(dataset_at(file, {"model", "noiseVariance"})["value"][0] == 0);
   CHECK(dataset_at(file, {"modelinfo", "build-time"})["type"]["class"] == "H5T_STRING");
+  CHECK(dataset_at(file, {"modelinfo", "build-time"})["value"] == "1970-01-02T00:00:00Z");
   CHECK(dataset_at(file, {"modelinfo", "scores"})["shape"]["dims"] == Json::array({model.modes(), 5}));
 
   std::map<std::string, std::string> attributes;

@@ -1,29 +1,29 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <chrono>
 #include <cmath>
-#include <condition_variable>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
-#include <mutex>
 #include <new>
-#include <thread>
+#include <optional>
 
 #include "app/editor/window/editor.h"
+#include "app/verbs/help_page.h"
+#include "app/verbs/plain_report.h"
+#include "app/verbs/progress_line.h"
 #include "app/verbs/verbs.h"
 #include "app/version.h"
 #include "core/base/guarded.h"
 #include "core/base/limits.h"
 #include "core/base/parallel.h"
 #include "core/base/text.h"
+#include "core/catalogue/catalogue.h"
 
 extern "C" {
 extern const unsigned char built_with_text[];
@@ -36,53 +36,15 @@ namespace homolog {
 
 namespace {
 
-constexpr int succeeded = 0, refused = 1, wrong_command_line = 2;
+constexpr int succeeded = 0, refused = 1, wrong_command_line = 2, cancelled = 130;
 
 /// Lives as long as the program, since Ctrl-C may come at any moment.
 Progress verb_progress;
 
 void on_interrupt(int) {
   verb_progress.cancel();
-  std::signal(SIGINT, SIG_DFL);  // a second Ctrl-C ends what does not listen
-}
-
-/// Shows progress on stderr while it is a terminal and the work takes longer than half a second.
-class ProgressLine {
- public:
-  ProgressLine() {
-    if (::isatty(STDERR_FILENO) == 0) return;
-    thread_ = std::jthread([this](const std::stop_token& stop) {
-      std::unique_lock lock(mutex_);
-      bool shown = false;
-      double farthest = 0;  // a work that has to begin anew stands still for a while
-      for (int tick = 0; !stop.stop_requested(); ++tick) {
-        stopped_.wait_for(lock, stop, std::chrono::milliseconds(100), [] { return false; });
-        if (tick < 5 || stop.stop_requested()) continue;
-        farthest = std::max(farthest, std::min(verb_progress.fraction(), 1.0));
-        std::fprintf(stderr, "\r%3.0f %% (Ctrl-C stops)", 100 * farthest);
-        shown = true;
-      }
-      if (shown) std::fputs("\r\033[K", stderr);
-    });
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable_any stopped_;
-  std::jthread thread_;
-};
-
-void print_lines(const Json& values, const std::string& indent = "") {
-  for (const auto& [key, value] : values.items()) {
-    if (value.is_object()) {
-      std::cout << indent << printable(key) << ":\n";
-      print_lines(value, indent + "  ");
-    } else {
-      const std::string text =
-          value.is_string() ? value.get<std::string>() : value.dump(-1, ' ', false, Json::error_handler_t::replace);
-      std::cout << indent << printable(key) << ": " << printable(text) << '\n';
-    }
-  }
+  std::signal(SIGINT, SIG_DFL);  // a second one ends what does not listen
+  std::signal(SIGTERM, SIG_DFL);
 }
 
 /// Whether what was printed arrived; otherwise a line is printed where errors go.
@@ -92,10 +54,11 @@ bool shown() {
   return false;
 }
 
-int run_verb(const VerbRun& run, bool json) {
+int run_verb(const VerbRun& run, bool json, bool quiet) {
   std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
   Result<Report> report = [&]() -> Result<Report> {
-    const ProgressLine line;
+    const ProgressLine line(verb_progress, quiet);
     try {
       return run(verb_progress);
     } catch (const std::bad_alloc&) {
@@ -108,13 +71,13 @@ int run_verb(const VerbRun& run, bool json) {
   }();
   if (!report) {
     std::cerr << "homolog: " << report.error().sentence() << '\n';
-    return refused;
+    return verb_progress.cancelled() ? cancelled : refused;
   }
   for (const std::string& warning : report->warnings) std::cerr << "homolog: warning: " << printable(warning) << '\n';
   if (json) {
     std::cout << report->values.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  } else {
-    print_lines(report->values);
+  } else if (!quiet) {
+    print_report(report->values, std::cout);
   }
   return shown() ? succeeded : refused;
 }
@@ -185,6 +148,40 @@ std::string embedded(const unsigned char* bytes, std::size_t size) {
   return {reinterpret_cast<const char*>(bytes), size - 1};
 }
 
+/// The verb that was given, of verbs of verbs the last; else the program itself.
+const CLI::App* verb_given(const CLI::App& app) {
+  const CLI::App* verb = &app;
+  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  return verb;
+}
+
+/// The command that prints the help of the verb that was given.
+std::string help_for(const CLI::App& app) {
+  const std::string verb = full_name(*verb_given(app));
+  return "homolog " + (verb.empty() ? "" : verb + " ") + "--help";
+}
+
+/// What the editor cannot open: a word that is no verb, or a file that is not there. A line is printed then, and the
+/// exit status given.
+std::optional<int> wrong_files(const CLI::App& app, const std::vector<std::filesystem::path>& files) {
+  std::error_code ignored;
+  for (const std::filesystem::path& file : files) {
+    const std::string name = file.string();
+    if (!names_file(name) || std::filesystem::exists(file, ignored)) continue;
+    if (name.find_first_of("./") != std::string::npos) {
+      std::cerr << "homolog: " << printable(name) << ": does not exist; check its name and folder\n";
+      return refused;
+    }
+    std::vector<std::string> verbs;
+    for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+      verbs.push_back(verb->get_name());
+    std::cerr << "homolog: \"" << printable(name) << "\" is neither a verb nor a file; did you mean \""
+              << nearest_name(name, verbs) << "\"? See homolog --help\n";
+    return wrong_command_line;
+  }
+  return std::nullopt;
+}
+
 int run_main(int argc, char** argv) {
   CLI::App app(
       "Homolog: segment organs and put their meshes in correspondence in one stroke.\nWithout a verb it is the editor. "
@@ -212,6 +209,7 @@ int run_main(int argc, char** argv) {
   add_editor_options(*app.add_subcommand("edit", "The editor on these files"));
 
   check_values(app);
+  dress_help(app);
 
   try {
     app.parse(argc, argv);
@@ -219,21 +217,25 @@ int run_main(int argc, char** argv) {
     const int status = app.exit(help_or_version);
     return shown() ? status : refused;
   } catch (const CLI::Error& error) {
-    std::cerr << "homolog: " << printable(error.what()) << "; see homolog --help\n";
+    std::cerr << "homolog: " << printable(error.what()) << "; see " << help_for(app) << '\n';
     return wrong_command_line;
   }
+  if (!asked.run)
+    if (const auto status = wrong_files(app, asked.editor.files)) return *status;
   if (!asked.run) return limit_threads(nullptr) ? run_editor(asked.editor) : wrong_command_line;
   for (const CLI::Option* option : app.get_options())
     if (option->count() > 0) {
       std::cerr << "homolog: " << option->get_name()
-                << ": is for the editor, and has no effect on a verb; leave it out\n";
+                << ": is for the editor, and has no effect on a verb; leave it out, see homolog --help\n";
       return wrong_command_line;
     }
-  const CLI::App* verb = &app;
-  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  const CLI::App* verb = verb_given(app);
   if (!limit_threads(verb->get_option_no_throw("--jobs"))) return wrong_command_line;
-  const CLI::Option* json = verb->get_option_no_throw("--json");
-  return run_verb(asked.run, json != nullptr && json->count() > 0);
+  const auto given = [verb](const char* name) {
+    const CLI::Option* flag = verb->get_option_no_throw(name);
+    return flag != nullptr && flag->count() > 0;
+  };
+  return run_verb(asked.run, given("--json"), given("--quiet"));
 }
 
 /// A file that the program opens must not get the number of a standard stream that is closed, or what is printed would

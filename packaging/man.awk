@@ -16,6 +16,7 @@ $2 == "about" {
 }
 $1 == "" && $2 == "options" && !options++ { print ".SH OPTIONS" }
 $2 == "subcommands" { if ($1 == "") next; print ".TP\n.B " plain($3) "\n" plain(sentence($4)); next }
+$2 == "examples" { if ($1 != "") print ".PP\n.B " plain($3 ($4 == "" ? "" : " " $4)); next }
 {
   bold = $3; rest = ""
   if (match($3, / /)) { bold = substr($3, 1, RSTART - 1); rest = substr($3, RSTART) }
@@ -23,7 +24,7 @@ $2 == "subcommands" { if ($1 == "") next; print ".TP\n.B " plain($3) "\n" plain(
 }
 END {
   print ".SH EXIT STATUS\n.TP\n.B 0\nDone.\n.TP\n.B 1\nThe data or the system refused. One line on standard error says why, and nothing half\\-written is left."
-  print ".TP\n.B 2\nThe command line is wrong."
+  print ".TP\n.B 2\nThe command line is wrong.\n.TP\n.B 130\nCancelled by Ctrl\\-C or SIGTERM. What is finished stays."
   print ".SH ENVIRONMENT\n.TP\n.B HOMOLOG_THREADS\nHow many threads to use at most, as \\-\\-jobs."
   print ".SH FILES\n.TP\n.I ~/.local/state/homolog\nCases that were never saved, and studies without a place.\n.TP\n.I ~/.config/homolog\nSettings."
   print ".SH SEE ALSO\nThe documents in \\fI/usr/share/doc/homolog\\fR."

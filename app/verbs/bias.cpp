@@ -38,6 +38,7 @@ Result<Report> study_bias(const BiasJob& options, Progress& progress) {
       {"rv", bias->rv},
       {"rv_least", bias->rv_least},
       {"flipped", read->flipped}};
+  read->report_frames(report.values);
   return report;
 }
 
@@ -47,8 +48,7 @@ void add_study_bias(CLI::App& study, CommandLine& asked) {
   auto options = std::make_shared<BiasJob>();
   CLI::App* verb = add_verb(study, "bias", "How much results depend on the subject that the template is made from");
   SubjectFiles& subjects = options->subjects;
-  verb->add_option("SHAPE", subjects.files,
-                   "Surfaces or label maps of at least three subjects, or a folder of surfaces")
+  verb->add_option("SHAPE", subjects.files, "Surfaces or label maps of at least three subjects, or a folder of them")
       ->required();
   verb->add_option("--landmarks", subjects.landmarks,
                    "Folder with NAME.mrk.json, .fcsv or .json for each: the places whose spread is measured (default: "

@@ -1,11 +1,37 @@
 #include "app/verbs/case_pool.h"
 
 #include <filesystem>
+#include <mutex>
 #include <new>
+#include <utility>
 
 #include "core/base/parallel.h"
 
 namespace homolog {
+
+namespace {
+
+struct InWork {
+  std::mutex mutex;
+  std::string name;
+};
+
+InWork& in_work() {
+  static InWork one;
+  return one;
+}
+
+}  // namespace
+
+std::string case_in_work() {
+  const std::lock_guard lock(in_work().mutex);
+  return in_work().name;
+}
+
+void set_case_in_work(std::string name) {
+  const std::lock_guard lock(in_work().mutex);
+  in_work().name = std::move(name);
+}
 
 std::vector<Result<Report>> run_cases(std::size_t count,
                                       const std::function<Result<Report>(std::size_t, Progress&)>& work,

@@ -1,5 +1,6 @@
 #include "app/verbs/describe.h"
 
+#include "app/editor/work/opening/opener.h"
 #include "app/verbs/mending_report.h"
 #include "core/mesh/inside_out.h"
 #include "core/mesh/landmark_io.h"
@@ -180,6 +181,20 @@ Json describe(const Volume& volume) {
   return values;
 }
 
+namespace {
+
+/// The labels of a layer's first frame.
+void describe_labels(const Volume& map, std::size_t layer, Json& labels) {
+  for (const auto& [value, voxels] : labels_of(map))
+    labels.push_back({{"value", value},
+                      {"name", nullptr},
+                      {"voxels", voxels},
+                      {"volume_ml", static_cast<double>(voxels) * map.geometry.voxel_volume_mm3() / 1000},
+                      {"layer", layer}});
+}
+
+}  // namespace
+
 Result<Report> describe_file(const std::filesystem::path& path, const VolumeReadOptions& options) {
   if (is_case_file(path)) return describe_case(path, options.progress);
   if (is_model_name(path)) return describe_model(path);
@@ -196,6 +211,12 @@ Result<Report> describe_file(const std::filesystem::path& path, const VolumeRead
   if (!read) return fail(read.error());
   Report report{describe(read->volume), read->warnings};
   if (!read->other_layers.empty()) report.values["layers"] = read->other_layers.size() + 1;
+  if (holds_labels(read->volume)) {
+    Json labels = Json::array();
+    describe_labels(read->volume, 0, labels);
+    for (std::size_t k = 0; k < read->other_layers.size(); ++k) describe_labels(read->other_layers[k], k + 1, labels);
+    report.values["labels"] = std::move(labels);
+  }
   return report;
 }
 

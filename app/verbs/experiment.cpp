@@ -1,6 +1,7 @@
 #include "app/verbs/experiment.h"
 
 #include "app/verbs/read_image.h"
+#include "app/verbs/study_make.h"
 #include "core/catalogue/catalogue.h"
 #include "core/measure/compare.h"
 #include "core/mesh/landmark_io.h"
@@ -123,8 +124,10 @@ Json json_of(const SchemeRun& run) {
 }
 
 void add_study(CLI::App& app, CommandLine& asked) {
-  CLI::App* study = app.add_subcommand("study", "Experiments: a scripted user, templates, experts' landmarks");
+  CLI::App* study = app.add_subcommand(
+      "study", "Makes a study of many cases. Experiments: a scripted user, templates, experts' landmarks");
   study->require_subcommand(1);
+  add_study_make(*study, asked);
   add_user(*study, asked);
   add_study_schemes(*study, asked);
   add_study_bias(*study, asked);

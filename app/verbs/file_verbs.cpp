@@ -180,7 +180,7 @@ void add_mirror(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "mirror", "The template of the other side, with the same numbering");
   verb->add_option("TEMPLATE", options->in, "A template or mesh")->required();
-  verb->add_option("-o,--output", options->out, "The file to write")->required();
+  keeps_correspondence(verb->add_option("-o,--output", options->out, "The file to write")->required());
   verb->add_option("--plane", options->plane, "Plane to mirror across")
       ->check(CLI::IsMember({"sagittal", "coronal", "axial"}));
   const auto mirror = [options](Progress&) -> Result<Report> {

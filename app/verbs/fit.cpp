@@ -5,15 +5,20 @@
 #include <memory>
 
 #include "app/verbs/case_landmarks.h"
+#include "app/verbs/case_of_fit.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
 #include "app/verbs/fit_parts.h"
+#include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/snap_arguments.h"
+#include "app/verbs/study_make.h"
 #include "app/verbs/verb.h"
+#include "core/adapt/choose_closing.h"
 #include "core/adapt/judge_fit.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
+#include "core/base/paths.h"
 #include "core/base/statistics.h"
 #include "core/case/action_json.h"
 #include "core/case/placing.h"
@@ -21,6 +26,7 @@
 #include "core/groupwise/cohort_doubt.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/mirror.h"
+#include "core/model/doubtful_shapes.h"
 #include "core/model/model_prior.h"
 #include "core/model/statismo.h"
 #include "core/placement/likely_similarity.h"
@@ -45,31 +51,32 @@ struct Options {
   std::vector<int> labels;
   std::optional<double> closing_mm;
   bool mirror = false, partial = false;
+  bool of_folder = false;  ///< cases were named by their folder
 
-  std::optional<int> by_others;  ///< third subjects; as asked
+  int by_others = 0;  ///< third subjects
 
   bool to_meshes() const { return !meshes.empty(); }
   const std::vector<fs::path>& cases() const { return to_meshes() ? meshes : masks; }
-  /// By how many third subjects each case is fitted too: in a cohort of five and more by three, else as asked.
+  /// By how many third subjects each case is fitted too. None unless asked for: a case's files do not hang on what
+  /// else is fitted.
   std::size_t ways_by_others() const {
-    const std::size_t most = cases().empty() ? 0 : cases().size() - 1;
-    const bool alike =
-        !partial && model.empty() && landmarks.empty();  // all start from what their template alone tells
-    return std::min(most, static_cast<std::size_t>(by_others.value_or(most >= 4 && alike ? 3 : 0)));
+    return cases().empty() ? 0 : std::min(cases().size() - 1, static_cast<std::size_t>(by_others));
   }
-  LandmarkFiles landmark_files() const { return {landmarks, template_source, cases().size() > 1}; }
+  LandmarkFiles landmark_files() const { return {landmarks, template_source, cases().size() > 1 || of_folder}; }
 };
 
 /// What all cases of a run share, read once.
 struct Shared {
   std::shared_ptr<const Template> the_template;
+  std::shared_ptr<const Template> template_of_file;  ///< the same, not mirrored
   FitOptions fit;
+  std::optional<double> kept_closing_mm;  ///< with the template
 };
 
-Result<std::shared_ptr<const Template>> template_of(const Options& options) {
-  auto the_template = load_template(options.template_source);
-  if (!the_template || !options.mirror) return the_template;
-  return make_template(mirrored(to_mesh_file(**the_template)), options.template_source);
+Result<std::shared_ptr<const Template>> template_of(const Options& options,
+                                                    const std::shared_ptr<const Template>& of_file) {
+  if (!options.mirror) return of_file;
+  return make_template(mirrored(to_mesh_file(*of_file)), options.template_source);
 }
 
 Result<Similarity> read_placement(const fs::path& path) {
@@ -86,9 +93,11 @@ Result<Similarity> read_placement(const fs::path& path) {
 }
 
 Result<Shared> shared_of(const Options& options) {
-  auto the_template = template_of(options);
+  auto of_file = load_template(options.template_source);
+  if (!of_file) return fail(of_file.error());
+  auto the_template = template_of(options, *of_file);
   if (!the_template) return fail(the_template.error());
-  Shared shared{*the_template, {}};
+  Shared shared{*the_template, *of_file, {}, closing_kept_with(options.template_source)};
   shared.fit.orientation = options.orientation == "any" ? Orientation::any : Orientation::patient;
   if (!options.placement.empty()) {
     auto placement = read_placement(options.placement);
@@ -115,7 +124,9 @@ struct Target {
   std::optional<MaskRead> mask;
 };
 
-Result<Target> read_target(const Options& options, const Shared& shared, const fs::path& path, Progress& progress) {
+/// `closing_mm`: where --closing-mm says none.
+Result<Target> read_target(const Options& options, const Shared& shared, const fs::path& path,
+                           std::optional<double> closing_mm, Progress& progress) {
   const Eigen::Index vertices = shared.the_template->points.rows();
   if (options.to_meshes()) {
     const auto file = read_mesh_to_mend(path);
@@ -130,8 +141,8 @@ Result<Target> read_target(const Options& options, const Shared& shared, const f
   if (!mask) return fail(mask.error());
   const auto started = Clock::now();
   const auto part = [&](std::size_t rank) {
-    return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm, vertices,
-                          {options.parts == "all", rank});
+    return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm ? options.closing_mm : closing_mm,
+                          vertices, {options.parts == "all", rank});
   };
   auto boundary = part(0);
   if (boundary && options.parts == "largest" && !options.partial)
@@ -177,6 +188,9 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
   const Agreement& agreement = judgement.agreement;
   Report report;
   report.values = {{"assd_mm", agreement.assd_mm}, {"hd95_mm", agreement.hd95_mm}, {"dice", agreement.dice}};
+  const Agreement& inside = judgement.inside_scan;
+  report.values["inside_scan"] = {{"assd_mm", inside.assd_mm}, {"hd95_mm", inside.hd95_mm}, {"dice", inside.dice}};
+  report.values["beyond_share"] = judgement.beyond_share;
   if (target.mask) {
     const MaskRead& mask = *target.mask;
     report.values["dice_raw"] = dice_with_mask(fit.mesh, mask.volume, mask.label, mask.frame);
@@ -204,9 +218,65 @@ Report report_of(const Target& target, const Template& the_template, const FitRe
   return report;
 }
 
+/// What a case of a study keeps of a fit.
+FittedCase case_of(const Options& options, const Shared& shared, const fs::path& path, const Target& target,
+                   const FitResult& fit, const FitJudgement& judgement) {
+  FittedCase fitted{case_name_of(path), {}, {}, nullptr, shared.template_of_file, options.mirror, fit.mesh.points};
+  fitted.placement = fit.placement;
+  if (target.mask) {
+    fitted.image = fitted.labels = path;
+    fitted.grid = grid_of(target.mask->volume);
+  }
+  fitted.doubt_mm = fit.doubt_mm;
+  if (options.partial) fitted.outlier = outlier_marks(fit);
+  if (judgement.doubtful) fitted.doubt = reason_of_doubt(judgement.warnings);
+  FitFigures figures;
+  figures.mean_mm = options.partial ? judgement.target.mean_mm : judgement.inside_scan.assd_mm;
+  figures.p95_mm = options.partial ? judgement.target.p95_mm : judgement.inside_scan.hd95_mm;
+  if (!options.partial) figures.dice = judgement.inside_scan.dice;
+  if (options.partial)
+    figures.missing_share = static_cast<double>(fit.outliers.size()) / static_cast<double>(fit.mesh.points.rows());
+  for (const std::string& warning : judgement.warnings) figures.warnings.push_back(reason_of_doubt({warning}));
+  fitted.figures = std::move(figures);
+  return fitted;
+}
+
+/// Of a fit to a label map: the closing radius for the report. Where nobody asked for one and the fit is doubtful,
+/// wider ones are tried, and a fit that is sound takes the first one's place.
+Json close_better(const Options& options, const Shared& shared, const FitOptions& fitting, Target& target,
+                  FitResult& fit, FitJudgement& judgement) {
+  if (!target.mask) return Json::object();
+  const MaskRead& mask = *target.mask;
+  const double usual_mm = usual_closing_mm(mask.volume, mask.label, mask.frame);
+  const double first_mm = options.closing_mm.value_or(shared.kept_closing_mm.value_or(usual_mm));
+  if (options.closing_mm) return {{"closing_mm", first_mm}, {"closing_chosen", false}, {"closing_why", "as asked for"}};
+  const bool other_part = options.parts == "all" || target.boundary.parts_alike > 1;  // which closing would not know
+  OtherClosing first{first_mm, std::move(target.boundary), std::move(fit), std::move(judgement)};
+  MoreClosing more;
+  if (!other_part) more = try_more_closing(*shared.the_template, mask.volume, mask.label, mask.frame, fitting, first);
+  const std::string why = why_closing(more, shared.kept_closing_mm.has_value());
+  if (!more.better && !more.tried.empty()) first.judgement.warnings.push_back(tried_in_vain(more));
+  OtherClosing& taken = more.better ? *more.better : first;
+  if (more.better) {  // the label map's own warnings stand before those of the boundary, which were named by its labels
+    auto& said = taken.judgement.warnings;
+    said.erase(said.begin(), said.begin() + std::ssize(taken.boundary.warnings));
+    said.insert(said.begin(), first.boundary.warnings.begin(), first.boundary.warnings.end());
+    taken.boundary.warnings = first.boundary.warnings;
+  }
+  target.boundary = std::move(taken.boundary);
+  fit = std::move(taken.fit);
+  judgement = std::move(taken.judgement);
+  Json tried = Json::array();
+  for (const TriedClosing& one : more.tried)
+    tried.push_back({{"closing_mm", one.closing_mm}, {"dice_raw", one.dice_raw}, {"doubtful", one.doubtful}});
+  return {{"closing_mm", taken.closing_mm}, {"closing_chosen", true}, {"closing_why", why}, {"closing_tried", tried}};
+}
+
 /// What was fitted to a case.
 struct Fitted {
   FitResult fit;
+  FitJudgement judgement;
+  Json closing;                       ///< for the report
   std::vector<std::string> warnings;  ///< of its landmarks
   double seconds = 0;
 };
@@ -216,43 +286,65 @@ struct Among {
   std::optional<Fitted>* keep = nullptr;
   const Fitted* again = nullptr;
   std::vector<const Points*> others;  ///< third subjects [spread_by_others_mm2]
+  StudyCase* of_study = nullptr;      ///< gets a case for the study of a cohort; null: none is written
 };
+
+/// The closing radius that a kept fit ended with, else the one that is kept with the template.
+std::optional<double> closing_of(const Shared& shared, const Among& among) {
+  if (among.again == nullptr || !among.again->closing.contains("closing_mm")) return shared.kept_closing_mm;
+  return among.again->closing["closing_mm"].get<double>();
+}
 
 Result<Report> fit_case(const Options& options, const Shared& shared, const fs::path& path, const fs::path& out,
                         Progress& progress, const Among& among = {}) {
-  auto target = read_target(options, shared, path, progress);
+  auto target = read_target(options, shared, path, closing_of(shared, among), progress);
   if (!target) return fail(target.error());
   auto landmarks = read_case_landmarks(options.landmark_files(), *shared.the_template, path);
   if (!landmarks) return fail(landmarks.error());
   FitOptions fitting = shared.fit;
   fitting.landmarks = std::move(landmarks->places);
   fitting.progress = &progress;
-  Fitted fitted{FitResult{}, std::move(landmarks->warnings), 0};
+  Fitted fitted;
   if (among.again == nullptr) {
+    fitted.warnings = std::move(landmarks->warnings);
     auto fit = fit_to_boundary(*shared.the_template, target->boundary, fitting);
     if (!fit) return fail(path.string(), fit.error().what);
     fitted.fit = std::move(*fit);
+    fitted.judgement = judge_fit(*shared.the_template, target->boundary, fitting, fitted.fit);
+    fitted.closing = close_better(options, shared, fitting, *target, fitted.fit, fitted.judgement);
     fitted.seconds = std::chrono::duration<double>(Clock::now() - target->started).count();
   } else {
     fitted = *among.again;
     const auto spread = spread_by_others_mm2(*shared.the_template, among.others, target->boundary, fitting, fitted.fit);
     if (!spread) return fail(path.string(), spread.error().what);
     fitted.fit.doubt_mm = doubt_among_others_mm(fitted.fit.doubt_mm, *spread);
+    fitted.judgement = judge_fit(*shared.the_template, target->boundary, fitting, fitted.fit);
   }
-  const FitResult* const fit = &fitted.fit;
-  const double seconds = fitted.seconds;
-  MeshFile file = fitted_file(*shared.the_template, *fit, options.partial);
-  if (target->mask && target->mask->volume.frames > 1) note_frame(file, target->mask->frame);
+  MeshFile file = fitted_file(*shared.the_template, fitted.fit, options.partial);
+  const bool of_cine = target->mask && target->mask->volume.frames > 1;
+  if (of_cine) note_frame(file, target->mask->frame);
+  if (fitted.judgement.doubtful) file.comments.push_back(doubt_comment(reason_of_doubt(fitted.judgement.warnings)));
   if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
-  const FitJudgement judgement = judge_fit(*shared.the_template, target->boundary, fitting, *fit);
-  Report report = report_of(*target, *shared.the_template, *fit, judgement, options.partial, seconds);
+  std::vector<std::string> kept;
+  if (among.of_study != nullptr && !of_cine) {
+    auto one = write_case_of_fit(case_of(options, shared, path, *target, fitted.fit, fitted.judgement),
+                                 out.parent_path(), kept);
+    if (!one) return fail(one.error());
+    *among.of_study = std::move(*one);
+  }
+  Report report =
+      report_of(*target, *shared.the_template, fitted.fit, fitted.judgement, options.partial, fitted.seconds);
+  report.values.update(fitted.closing);
   report.warnings = fitted.warnings;
-  report.warnings.insert(report.warnings.end(), judgement.warnings.begin(), judgement.warnings.end());
+  report.warnings.insert(report.warnings.end(), fitted.judgement.warnings.begin(), fitted.judgement.warnings.end());
   report.warnings = about(path, std::move(report.warnings));
-  const Meeting own{options.template_source, bounds_of(shared.the_template->points).diagonal().norm()};
-  const Meeting there = meeting_of(path, target->boundary.surface.points);
-  if (const auto misfit = misfit_of_size(own.size_mm, there.size_mm))
-    report.warnings.insert(report.warnings.begin(), misfit_sentence(*misfit, own, there));
+  report.warnings.insert(report.warnings.end(), kept.begin(), kept.end());
+  // The template may be of the same scan: then its axes can be told too.
+  const Mesh own{shared.the_template->topology, shared.the_template->points};
+  if (const auto misfit = misfit_in_scan(own, target->boundary.surface))
+    report.warnings.insert(report.warnings.begin(),
+                           misfit_sentence(*misfit, meeting_of(options.template_source, own.points),
+                                           meeting_of(path, target->boundary.surface.points)));
   if (!among.others.empty()) report.values["doubt_mm"]["by_others"] = among.others.size();
   if (among.keep != nullptr) *among.keep = std::move(fitted);
   return report;
@@ -336,19 +428,37 @@ Result<std::vector<fs::path>> outputs_of(const Options& options) {
   return outputs;
 }
 
-Result<Report> fit_many(const Options& options, const Shared& shared, Progress& progress) {
+/// The study of a folder of fits: "fits/fits.study.json".
+fs::path study_in(const fs::path& folder) {
+  const fs::path whole = absolute_path(folder / "x").parent_path();
+  return folder / (whole.filename().string() + ".study.json");
+}
+
+Result<Report> fit_many(Options options, const Shared& shared, Progress& progress) {
+  if (options.of_folder && !options.to_meshes()) {
+    options.masks = label_maps_among(options.masks);
+    if (options.masks.empty())
+      return fail("", "the folder holds images, and no label map; name a folder of label maps by --mask");
+  }
   const auto outputs = outputs_of(options);
   if (!outputs) return fail(outputs.error());
   const auto folder = ResultFolder::make(options.out);
   if (!folder) return fail(folder.error());
   const auto& paths = options.cases();
   std::vector<std::optional<Fitted>> fitted(paths.size());
+  std::vector<StudyCase> cases_made(paths.size());
   const std::size_t by_others = options.ways_by_others();
   progress.part(0, 1 / (1 + static_cast<double>(by_others)));
   auto results = run_cases(
       paths.size(),
       [&](std::size_t i, Progress& own) {
-        return fit_case(options, shared, paths[i], (*outputs)[i], own, {by_others > 0 ? &fitted[i] : nullptr});
+        set_case_in_work(case_name_of(paths[i]));
+        Among among;
+        if (by_others > 0)
+          among.keep = &fitted[i];
+        else
+          among.of_study = &cases_made[i];
+        return fit_case(options, shared, paths[i], (*outputs)[i], own, among);
       },
       progress);
   if (by_others > 0 && !progress.cancelled()) {
@@ -360,7 +470,8 @@ Result<Report> fit_many(const Options& options, const Shared& shared, Progress& 
         paths.size(),
         [&](std::size_t i, Progress& own) -> Result<Report> {
           if (fits[i] == nullptr) return fail("", "was not fitted");
-          Among among{nullptr, &*fitted[i], {}};
+          set_case_in_work(case_name_of(paths[i]));
+          Among among{nullptr, &*fitted[i], {}, &cases_made[i]};
           for (const std::size_t k : third)
             if (k != i && among.others.size() < by_others) among.others.push_back(&fits[k]->mesh.points);
           return fit_case(options, shared, paths[i], (*outputs)[i], own, among);
@@ -390,7 +501,17 @@ Result<Report> fit_many(const Options& options, const Shared& shared, Progress& 
   if (failed == results.size())
     return fail(options.out.string(), "none of the " + std::to_string(failed) +
                                           " cases could be fitted; the first: " + results.front().error().sentence());
-  report.values = {{"fitted", results.size() - failed}, {"failed", failed}, {"cases", std::move(cases)}};
+  std::size_t doubtful = 0;
+  for (const auto& result : results) doubtful += result && result->values["doubtful"] == true ? 1 : 0;
+  report.values = {{"fitted", results.size() - failed}, {"failed", failed}, {"doubtful", doubtful}};
+  std::erase_if(cases_made, [](const StudyCase& one) { return one.name.empty(); });
+  if (!cases_made.empty()) {
+    const fs::path study = study_in(options.out);
+    if (auto written = write_cases_into(study, options.template_source, std::move(cases_made)); !written)
+      return fail(written.error());
+    report.values["study"] = study.string();
+  }
+  report.values["cases"] = std::move(cases);
   return report;
 }
 
@@ -427,7 +548,7 @@ void check(const Options& options) {
   const int kinds = !options.masks.empty() + !options.meshes.empty() + !options.image.empty();
   if (kinds != 1) throw CLI::RequiredError("exactly one of --mask, --mesh and --image");
   if (!options.image.empty()) return;
-  if (options.cases().size() == 1) return;
+  if (options.cases().size() == 1 && !options.of_folder) return;
   if (is_mesh_name(options.out))
     throw CLI::ValidationError("--output", "must be a folder, since several cases are given");
   if (!options.placement.empty()) throw CLI::ValidationError("--placement", "is for one case only");
@@ -442,13 +563,18 @@ void add_fit(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(app, "fit", "Fits a template to label maps, surfaces or an image");
   verb->add_option("TEMPLATE", options->template_source, template_sources())->required();
-  auto* mask =
-      verb->add_option("--mask", options->masks, "The label map to fit to. Several label maps go into a folder");
-  verb->add_option("--mesh", options->meshes, "The surface to fit to. Several surfaces go into a folder")
+  auto* mask = verb->add_option("--mask", options->masks,
+                                "The label map to fit to. Several, or a folder of them, go into a folder");
+  verb->add_option("--mesh", options->meshes, "The surface to fit to. Several, or a folder of them, go into a folder")
       ->excludes(mask);
   verb->add_option("--image", options->image, "The grey-value image to fit to; needs --placement or --landmarks");
-  verb->add_option("-o,--output", options->out, "The mesh to write, or a folder that gets one mesh for each case")
-      ->required();
+  keeps_correspondence(
+      verb->add_option(
+              "-o,--output", options->out,
+              "The mesh to write, or a folder: it gets for each case its mesh and a case on its label map, and "
+              "a study of all")
+          ->required(),
+      true);
   add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together")
       ->needs(mask);
   add_ball_option(*verb, "--closing-mm", options->closing_mm, "Clefts narrower than twice this radius (mm) are filled")
@@ -482,11 +608,16 @@ void add_fit(CLI::App& app, CommandLine& asked) {
                  "marked as outlier in the mesh");
   verb->add_option("--by-others", options->by_others,
                    "By way of how many other cases each is fitted again, so that their spread tells where it is in "
-                   "doubt (default: 3 from five cases on; each takes as long as the fit)")
-      ->check(CLI::Range(0, 100));
+                   "doubt; each takes as long as the fit")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
   verb->add_flag("--mirror", options->mirror, "Use the template of the other side (left for right)");
   verb->callback([options, verb, &asked] {
     if (verb->count("--frame") > 0) options->frame = options->snap.frame;
+    bool masks = false, meshes = false;
+    options->masks = with_folders_opened(options->masks, volumes_in, masks);
+    options->meshes = with_folders_opened(options->meshes, surfaces_in, meshes);
+    options->of_folder = masks || meshes;
     check(*options);
     check_effect(*options, *verb);
     asked.run = [options](Progress& progress) { return fit(*options, progress); };

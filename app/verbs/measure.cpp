@@ -1,3 +1,5 @@
+#include <map>
+
 #include "app/verbs/verb.h"
 #include "core/base/files.h"
 #include "core/base/listed.h"
@@ -27,7 +29,7 @@ struct ShapesVerb {
 void add_shapes(CLI::App& verb, ShapesVerb& options) {
   verb.add_option("SHAPE", options.files,
                   "Shapes (" + listed(mesh_format_extensions(&MeshFormat::keeps_numbers), ", ") +
-                      ", .homolog), or a study (.study.json)")
+                      ", .homolog), a folder of them, or a study (.study.json)")
       ->required();
   verb.add_flag("--all-frames", options.all_frames,
                 "Take every edited frame of a cine, not only the one that the case shows");
@@ -37,6 +39,7 @@ void add_shapes(CLI::App& verb, ShapesVerb& options) {
 struct NamedShapes {
   std::vector<std::string> names;
   std::vector<MeshFile> shapes;
+  std::vector<std::string> groups;  ///< of a study's cases; empty: no shape has one
   std::vector<std::string> warnings;
 };
 
@@ -51,6 +54,11 @@ Result<NamedShapes> read(const ShapesVerb& options, Progress& progress) {
   };
   auto warnings = read_shapes(*sources, options.all_frames, take, &progress);
   if (!warnings) return fail(warnings.error());
+  std::map<std::string, std::string> group_of;
+  for (const ShapeSource& source : *sources)
+    if (!source.group.empty()) group_of[source.name(source.frame)] = source.group;
+  if (!group_of.empty())
+    for (const std::string& name : all.names) all.groups.push_back(group_of[name]);
   all.names = shape_names(all.names);
   all.warnings = std::move(*warnings);
   return all;
@@ -61,6 +69,7 @@ Json or_null(const std::optional<double>& value) {
 }
 
 Json described(const Spread& spread) {
+  if (spread.count == 0) return {{"count", 0}, {"mean", nullptr}, {"sd", nullptr}};
   return {{"count", spread.count}, {"mean", spread.mean}, {"sd", spread.sd}};
 }
 
@@ -90,7 +99,9 @@ Result<Report> run_measure(const ShapesVerb& options, Progress& progress) {
     cases.push_back({{"case", all->names[k]},
                      {"volume_ml", or_null(sizes[k].volume_ml)},
                      {"area_mm2", or_null(sizes[k].area_mm2)},
+                     {"centroid_size_mm", sizes[k].centroid_size_mm},
                      {"distances_mm", std::move(between)}});
+    if (!all->groups.empty()) cases.back()["group"] = all->groups[k];
     volumes.push_back(sizes[k].volume_ml);
     areas.push_back(sizes[k].area_mm2);
   }
@@ -104,7 +115,8 @@ Result<Report> run_measure(const ShapesVerb& options, Progress& progress) {
                    {"area_mm2", described(spread_of(areas))},
                    {"distances_mm", std::move(distances)}};
   if (!options.out.empty()) {
-    if (auto done = write_whole_file(options.out, sizes_table(all->names, sizes)); !done) return fail(done.error());
+    if (auto done = write_whole_file(options.out, sizes_table(all->names, sizes, all->groups)); !done)
+      return fail(done.error());
     report.values["table"] = options.out.string();
   }
   return report;
@@ -163,7 +175,7 @@ Json summary_of(const std::vector<ObservedCase>& cases) {
       }));
   const Spread off = over([](const ObservedCase& one) { return std::optional(one.volume_b_ml - one.volume_a_ml); });
   Json volume = described(off);
-  volume["limits"] = {off.mean - 1.96 * off.sd, off.mean + 1.96 * off.sd};
+  if (off.count > 0) volume["limits"] = {off.mean - 1.96 * off.sd, off.mean + 1.96 * off.sd};
   return {{"dice", described(over([](const ObservedCase& one) { return std::optional(one.agreement.dice); }))},
           {"assd_mm", described(over([](const ObservedCase& one) { return std::optional(one.agreement.assd_mm); }))},
           {"hd95_mm", described(over([](const ObservedCase& one) { return std::optional(one.agreement.hd95_mm); }))},

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <sstream>
@@ -33,7 +34,7 @@ struct TrainingVerb {
 void add_training_options(CLI::App& verb, TrainingVerb& options) {
   verb.add_option("SHAPE", options.files,
                   "Shapes in correspondence (" + listed(mesh_format_extensions(&MeshFormat::keeps_numbers), ", ") +
-                      ", .homolog), or a study (.study.json)")
+                      ", .homolog), a folder of them, or a study (.study.json)")
       ->required();
   auto* keep_scale = verb.add_flag("--keep-scale", options.keep_scale, "Align by translation and rotation only");
   verb.add_flag("--no-align", options.no_align, "Do not align the shapes")->excludes(keep_scale);
@@ -41,6 +42,8 @@ void add_training_options(CLI::App& verb, TrainingVerb& options) {
                 "Take every edited frame of a cine, not only the one that the case shows");
   verb.add_flag("--flip-mirrored", options.reading.flip_mirrored, "Flip shapes that are mirror images of most others");
   verb.add_option("--group", options.reading.group, "Take only the cases of this group of a study");
+  verb.add_flag("--without-doubtful", options.reading.without_doubtful,
+                "Leave out shapes that are doubtful, mirrored (without --flip-mirrored) or have faulty faces");
 }
 
 struct Training {
@@ -48,6 +51,19 @@ struct Training {
   std::shared_ptr<const Topology> topology;
   PrincipalComponents components;
   std::vector<std::string> warnings;
+  std::vector<double> sizes_mm;  ///< centroid sizes before they were aligned
+  std::vector<std::string> groups;
+  std::vector<DoubtfulShape> doubtful, left_out;
+
+  void report_doubt(Json& values) const {
+    const auto listed_shapes = [](const std::vector<DoubtfulShape>& shapes) {
+      Json list = Json::array();
+      for (const DoubtfulShape& one : shapes) list.push_back({{"name", one.name}, {"reason", one.reason}});
+      return list;
+    };
+    values["doubtful"] = listed_shapes(doubtful);
+    values["left_out"] = listed_shapes(left_out);
+  }
 };
 
 Result<Training> train(TrainingSetRead read, const TrainingVerb& options) {
@@ -55,6 +71,11 @@ Result<Training> train(TrainingSetRead read, const TrainingVerb& options) {
   training.names = std::move(read.set.names);
   training.topology = read.set.topology;
   training.warnings = std::move(read.warnings);
+  training.groups = std::move(read.groups);
+  for (Eigen::Index k = 0; k < read.set.shapes.cols(); ++k)
+    training.sizes_mm.push_back(centroid_size_mm(points_of(read.set.shapes, k)));
+  training.doubtful = std::move(read.doubtful);
+  training.left_out = std::move(read.left_out);
   align(read.set.shapes, options.alignment());
   training.components = principal_components(std::move(read.set.shapes));
   if (training.components.scatter.size() == 0) {
@@ -100,13 +121,14 @@ Json figures_json(const SetFigures& figures) {
   return json;
 }
 
-/// The files of a training set as they were read, in its order.
-Result<std::vector<MeshFile>> files_of(const TrainingVerb& options, Progress& progress) {
+/// The files of a training set as they were read, in its order; those that were left out of it too are left out.
+Result<std::vector<MeshFile>> files_of(const TrainingVerb& options, const std::vector<std::string>& names,
+                                       Progress& progress) {
   const auto sources = shape_sources(options.files, options.reading.group);
   if (!sources) return fail(sources.error());
   std::vector<MeshFile> files;
-  const auto take = [&](const std::string&, const MeshFile& mesh) {
-    files.push_back(mesh);
+  const auto take = [&](const std::string& name, const MeshFile& mesh) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) files.push_back(mesh);
     return Result<void>();
   };
   if (auto read = read_shapes(*sources, options.reading.all_frames, take, &progress); !read) return fail(read.error());
@@ -122,7 +144,7 @@ Result<Json> optimise(const ModelOptions& options, TrainingSetRead& read, Progre
       return fail(folder.string(),
                   "holds " + names[k] + ".ply, which is one of the set; name another folder for the optimised meshes");
   progress.part(0, 0.1);
-  auto files = files_of(options.training, progress);
+  auto files = files_of(options.training, read.set.names, progress);
   if (!files) return fail(files.error());
   progress.part(0.1, 0.9);
   GroupwiseOptions sliding;
@@ -143,6 +165,7 @@ Result<Json> optimise(const ModelOptions& options, TrainingSetRead& read, Progre
     MeshFile& file = (*files)[k];
     file.points = std::move(points);
     file.doubt_mm.reset();  // of places that the vertices have left
+    forget_doubt(file);
     if (file.triangles.rows() == 0) file.triangles = read.set.topology->triangles();
     shapes.push_back({names[k], std::make_shared<const MeshFile>(std::move(file)), {}, true});
     slides.push_back({{"name", names[k]}, {"largest_slide_mm", optimised->largest_slide_mm[k]}});
@@ -176,7 +199,8 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
   const PrincipalComponents& components = training->components;
   const auto names = shape_names(training->names);
   if (!options.tables.empty())
-    if (auto done = write_model_tables(components, names, options.tables); !done) return fail(done.error());
+    if (auto done = write_model_tables(components, names, options.tables, training->sizes_mm, training->groups); !done)
+      return fail(done.error());
   if (!options.aligned.empty())
     if (auto done = write_aligned_shapes(components, training->topology, names, options.aligned); !done)
       return fail(done.error());
@@ -192,6 +216,7 @@ Result<Report> make_and_write(const ModelOptions& options, Progress& progress) {
                    {"modes", model.modes()},
                    {"variances", std::vector<double>(variances.begin(), variances.end())},
                    {"explained", cumulative(variances)}};
+  training->report_doubt(report.values);
   if (options.optimise) report.values["optimise"] = std::move(optimised);
   return report;
 }
@@ -247,6 +272,7 @@ Result<Report> evaluate(const EvaluateOptions& options, Progress& progress) {
   if (!training->topology)
     report.warnings.emplace_back("the shapes have points only, so generalization_surface is left out");
   report.values = to_json(*measured);
+  training->report_doubt(report.values);
   return report;
 }
 

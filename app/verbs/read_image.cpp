@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <iterator>
 
 #include "core/base/listed.h"
@@ -123,6 +124,41 @@ Result<void> check_frame(const Volume& mask, const std::vector<int>& labels, int
                       (others.size() > 1 ? ", or another of " + listed_frames(others) : ""));
 }
 
+/// "1, 2 and 3 (named …)" of what a frame holds.
+std::string labels_there(const Volume& mask, int frame) {
+  std::vector<std::string> names;
+  constexpr std::size_t most = 20;
+  for (const auto& [label, voxels] : labels_of(mask, frame)) {
+    if (names.size() == most) {
+      names.emplace_back("…");
+      break;
+    }
+    names.push_back(std::to_string(label));
+  }
+  return names.empty() ? "it holds none" : "it holds " + listed(names, " and ");
+}
+
+/// Whether a voxel of the frame has one of the labels.
+bool any_occurs(const Volume& mask, const std::vector<int>& labels, int frame) {
+  const std::size_t count = mask.geometry.voxels(), first = static_cast<std::size_t>(frame) * count;
+  return std::visit(
+      [&](const auto& voxels) {
+        const auto begin = voxels.begin() + static_cast<std::ptrdiff_t>(first);
+        return std::any_of(begin, begin + static_cast<std::ptrdiff_t>(count), [&](const auto value) {
+          return value != 0 && std::find(labels.begin(), labels.end(), std::lround(value)) != labels.end();
+        });
+      },
+      mask.data);
+}
+
+/// Errors: none of the labels occurs; those that do are named.
+Result<void> check_labels(const Volume& mask, const std::vector<int>& labels, int frame) {
+  if (labels.empty() || any_occurs(mask, labels, frame)) return {};
+  std::string what = "label ";
+  for (std::size_t k = 0; k < labels.size(); ++k) what += (k > 0 ? "+" : "") + std::to_string(labels[k]);
+  return fail("", what + " does not occur in the label map; " + labels_there(mask, frame));
+}
+
 }  // namespace
 
 Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<int>& labels, const MaskFrame& asked,
@@ -137,6 +173,7 @@ Result<MaskRead> read_mask(const std::filesystem::path& path, const std::vector<
                                    " frames, counted from 0, and the mesh belongs to frame " + std::to_string(frame) +
                                    "; choose --frame among them");
   if (auto held = check_frame(read->volume, labels, frame); !held) return fail(path.string(), held.error().what);
+  if (auto there = check_labels(read->volume, labels, frame); !there) return fail(path.string(), there.error().what);
   if (frames > 1 && !asked.asked && !asked.of_mesh)
     read->warnings.push_back(path.string() + ": has " + std::to_string(frames) +
                              " frames, of which frame 0 was taken; choose another by --frame");

@@ -58,7 +58,7 @@ void add_refine(CLI::App& app, CommandLine& asked) {
   CLI::App* verb = add_verb(
       app, "refine", "Fits the template to a case's surface and moves its vertices along the surface accordingly");
   verb->add_option("CASE", options->file, "The case file, which gets one more edit")->required();
-  verb->add_option("-o,--output", options->out, "The mesh to write");
+  keeps_correspondence(verb->add_option("-o,--output", options->out, "The mesh to write"));
   verb->callback(
       [options, &asked] { asked.run = [options](Progress& progress) { return run_refine(*options, progress); }; });
 }

@@ -58,7 +58,7 @@ void add_replay(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<ReplayVerb>();
   CLI::App* verb = add_verb(app, "replay", "Plays a case file and writes the mesh it gives");
   verb->add_option("CASE", options->file, "The case file")->required();
-  verb->add_option("-o,--output", options->out, "The mesh to write")->required();
+  keeps_correspondence(verb->add_option("-o,--output", options->out, "The mesh to write")->required());
   verb->add_option("--scheme", options->scheme, "Overrides the case's scheme")
       ->check(CLI::IsMember({"anchored", "paper", "raw"}));
   verb->add_option("--spacing", options->spacing, "Overrides the case's even spacing, 0 to 1")

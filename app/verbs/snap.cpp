@@ -111,7 +111,7 @@ void add_snap(CLI::App& app, CommandLine& asked) {
                    "A mesh that lies on its organ, or a case file, which gets one more edit")
       ->required();
   verb->add_option("--image", options->image, "The image; only with a mesh, since a case has its own");
-  verb->add_option("-o,--output", options->out, "The mesh to write");
+  keeps_correspondence(verb->add_option("-o,--output", options->out, "The mesh to write"));
   auto* at = verb->add_option("--at", options->at, "x,y,z in mm: only the part of the mesh around this point")
                  ->delimiter(',')
                  ->expected(3);

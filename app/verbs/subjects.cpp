@@ -5,6 +5,7 @@
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
+#include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
 #include "core/mesh/landmark_io.h"
 
@@ -22,7 +23,8 @@ Result<std::vector<Landmark>> landmarks_beside(const SubjectFiles& files, const 
 }
 
 Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& path,
-                                     std::vector<std::string>& warnings, Progress& progress) {
+                                     std::vector<std::string>& warnings, std::optional<int>& frame,
+                                     Progress& progress) {
   BiasSubject subject;
   subject.name = case_name_of(path);
   if (is_mesh_name(path)) {
@@ -35,6 +37,7 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
     auto mask = read_mask(path, files.labels, {files.frame, {}}, progress);
     if (!mask) return fail(mask.error());
     warnings.insert(warnings.end(), mask->warnings.begin(), mask->warnings.end());
+    if (mask->volume.frames > 1) frame = mask->frame;
     auto boundary = label_boundary(mask->volume, mask->label, mask->frame, files.closing_mm, files.vertices);
     if (!boundary) return fail(path.string(), boundary.error().what);
     subject.boundary = std::move(*boundary);
@@ -46,19 +49,12 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
   return subject;
 }
 
-/// Files as they are; a folder stands for the surfaces in it.
-std::vector<fs::path> with_folders_opened(const std::vector<fs::path>& files) {
-  std::vector<fs::path> all;
-  for (const fs::path& file : files) {
-    std::error_code error;
-    if (!fs::is_directory(file, error)) {
-      all.push_back(file);
-      continue;
-    }
-    for (const auto& entry : fs::directory_iterator(file))
-      if (is_mesh_name(entry.path()) && !entry.path().filename().string().starts_with('.')) all.push_back(entry.path());
-  }
-  return all;
+/// Files as they are; a folder stands for the surfaces in it, else for its label maps.
+std::vector<fs::path> subjects_of(const std::vector<fs::path>& files) {
+  bool any = false, any_maps = false;
+  const auto opened = with_folders_opened(files, surfaces_in, any);
+  const auto all = with_folders_opened(opened, volumes_in, any_maps);
+  return any_maps ? label_maps_among(all) : all;
 }
 
 void flip_subject(BiasSubject& subject) {
@@ -69,14 +65,19 @@ void flip_subject(BiasSubject& subject) {
 }  // namespace
 
 Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress) {
-  std::vector<fs::path> paths = with_folders_opened(files.files);
+  std::vector<fs::path> paths = subjects_of(files.files);
   std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {
     return std::pair(case_name_of(a), a.string()) < std::pair(case_name_of(b), b.string());
   });
   for (std::size_t k = 1; k < paths.size(); ++k)
     if (case_name_of(paths[k]) == case_name_of(paths[k - 1]))
       return fail(paths[k].string(), "has the name of " + paths[k - 1].string() + "; rename one of them");
-  if (paths.empty()) return fail(files.files.front().string(), "holds no surfaces; name the files themselves");
+  std::error_code ignored;
+  for (const fs::path& path : paths)
+    if (fs::is_directory(path, ignored) && fs::is_empty(path, ignored))
+      return fail(path.string(), "holds no surfaces and no label maps; name the files themselves");
+  if (paths.empty())
+    return fail(files.files.front().string(), "holds no surfaces and no label maps; name the files themselves");
   if ((!files.labels.empty() || files.closing_mm || files.frame) &&
       std::all_of(paths.begin(), paths.end(), is_mesh_name))
     return fail(files.files.front().string(),
@@ -84,10 +85,12 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
   SubjectsRead read;
   read.subjects.resize(paths.size());
   std::vector<std::vector<std::string>> warnings(paths.size());
+  std::vector<std::optional<int>> frames(paths.size());
   const auto results = run_cases(
       paths.size(),
       [&](std::size_t k, Progress& own) -> Result<Report> {
-        auto subject = read_one_subject(files, paths[k], warnings[k], own);
+        set_case_in_work(case_name_of(paths[k]));
+        auto subject = read_one_subject(files, paths[k], warnings[k], frames[k], own);
         if (!subject) return fail(subject.error());
         read.subjects[k] = std::move(*subject);
         return Report{};
@@ -96,6 +99,7 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
   for (std::size_t k = 0; k < results.size(); ++k) {
     if (!results[k]) return fail(results[k].error());
     read.warnings.insert(read.warnings.end(), warnings[k].begin(), warnings[k].end());
+    if (frames[k]) read.frames[read.subjects[k].name] = *frames[k];
   }
   std::vector<Meeting> met;
   for (std::size_t k = 0; k < paths.size(); ++k)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,7 +25,13 @@ struct SubjectFiles {
 struct SubjectsRead {
   std::vector<BiasSubject> subjects;  ///< by name
   std::vector<std::string> flipped;
+  std::map<std::string, int> frames;  ///< which was taken, of each whose label map holds several
   std::vector<std::string> warnings;
+
+  /// Says in a report which frames were taken.
+  void report_frames(Json& values) const {
+    if (!frames.empty()) values["frames"] = frames;
+  }
 };
 
 /// Reads all, several at a time, in the order of their names. With `flip_mirrored` those that look like mirror images

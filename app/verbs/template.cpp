@@ -4,14 +4,19 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
+#include "app/verbs/case_landmarks.h"
 #include "app/verbs/describe.h"
 #include "app/verbs/mending_report.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/subjects.h"
 #include "app/verbs/verb.h"
+#include "core/adapt/choose_closing.h"
 #include "core/mesh/landmark_io.h"
+#include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_io.h"
+#include "core/mesh/mirror.h"
 #include "core/mesh/surface_search.h"
 #include "core/template/template.h"
 #include "core/template_making/mesh_template.h"
@@ -38,6 +43,7 @@ struct TemplateJob {
   int vertices = 2500;
   std::optional<double> closing_mm, opening_mm;
   std::string genus = "auto";
+  bool keep_vertices = false;
   bool tube = false, capped = false;
   int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;
   std::vector<double> axis, base, apex;
@@ -105,6 +111,11 @@ Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progr
   making.closing_mm = options.closing_mm;
   making.opening_mm = options.opening_mm;
   making.genus = genus_rule(options.genus);
+  ClosingChoice choice;
+  if (!options.closing_mm) {
+    choice = choose_template_closing(mask.volume, making, &progress);
+    if (choice.tried.size() > 1) making.closing_mm = choice.closing_mm;
+  }
   const auto made = make_mask_template(mask.volume, making, &progress);
   if (!made) return fail(options.in.string(), mask.named(made.error().what));
   std::vector<std::string> warnings = mask.warnings;
@@ -121,9 +132,17 @@ Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progr
                      {"tunnels", tunnels}};
   Json provenance = provenance_of(options.in.filename().string(), making);
   name_labels(mask, provenance);
-  return finish(template_file(made->mesh, provenance), options,
+  MeshFile file = template_file(made->mesh, provenance);
+  if (options.closing_mm || choice.tried.size() > 1) file.comments.push_back(closing_comment(made->closing_mm));
+  Json tried = Json::array();
+  for (const TriedClosing& one : choice.tried)
+    tried.push_back({{"closing_mm", one.closing_mm}, {"dice_raw", one.dice_raw}, {"doubtful", one.doubtful}});
+  return finish(std::move(file), options,
                 {{"distance_to_mask_mm", json_of(made->to_mask)},
                  {"distance_from_mask_mm", json_of(made->from_mask)},
+                 {"closing_chosen", !options.closing_mm.has_value()},
+                 {"closing_why", options.closing_mm ? "as asked for" : choice.why},
+                 {"closing_tried", tried},
                  {"resampled_mm", made->resampled_mm},
                  {"closing_mm", made->closing_mm},
                  {"opening_mm", made->opening_mm},
@@ -163,7 +182,17 @@ Result<Report> tube(const TemplateJob& options, const MaskRead& mask) {
                 std::move(warnings));
 }
 
+/// The vertices that are there: landmarks are added, and all else stays.
+Result<Report> as_it_is(const TemplateJob& options) {
+  auto file = read_mesh_file(options.in);
+  if (!file) return fail(file.error());
+  if (file->triangles.rows() == 0) return fail(options.in.string(), "has points alone; give a mesh with faces");
+  std::vector<std::string> warnings = about(options.in, std::exchange(file->warnings, {}));
+  return finish(std::move(*file), options, Json::object(), std::move(warnings));
+}
+
 Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
+  if (options.keep_vertices) return as_it_is(options);
   const auto surface = read_mesh_to_mend(options.in);
   if (!surface) return fail(surface.error());
   MeshTemplateOptions making;
@@ -184,21 +213,90 @@ Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
   return finish(std::move(file), options, std::move(further), about(options.in, std::move(made->warnings)));
 }
 
+/// The file that a subject of the consensus was read from; empty where it came out of a folder.
+fs::path file_of(const TemplateJob& options, const std::string& name) {
+  for (const fs::path& path : options.consensus)
+    if (case_name_of(path) == name && !fs::is_directory(path)) return path;
+  return {};
+}
+
+struct ConsensusStart {
+  std::optional<Mesh> first;         ///< the start's template, with the care that a single one gets
+  std::optional<double> closing_mm;  ///< that some subjects need; absent: each label's usual one
+  Json tried = Json::array();
+};
+
+/// Looks at label maps of small, median and large size for the closing radius; the widest that one needs is all
+/// subjects'.
+Result<ConsensusStart> start_of_labels(const TemplateJob& options, const SubjectsRead& read,
+                                       const std::vector<std::size_t>& by_size, Progress& progress) {
+  ConsensusStart start;
+  start.closing_mm = options.closing_mm;
+  const std::size_t middle = by_size.size() / 2;
+  for (const std::size_t at : {by_size.size() / 4, 3 * by_size.size() / 4, middle}) {
+    const std::string& name = read.subjects[by_size[at]].name;
+    const fs::path path = file_of(options, name);
+    if (path.empty() || is_mesh_name(path)) continue;
+    const auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
+    if (!mask) return fail(mask.error());
+    MaskTemplateOptions making;
+    making.label = mask->label;
+    making.frame = mask->frame;
+    making.vertices = options.vertices;
+    making.genus = genus_rule(options.genus);
+    if (!options.closing_mm) {
+      const ClosingChoice choice = choose_template_closing(mask->volume, making, &progress);
+      for (const TriedClosing& one : choice.tried)
+        start.tried.push_back({{"subject", name},
+                               {"closing_mm", one.closing_mm},
+                               {"dice_raw", one.dice_raw},
+                               {"doubtful", one.doubtful}});
+      if (choice.tried.size() > 1) start.closing_mm = std::max(start.closing_mm.value_or(0), choice.closing_mm);
+    }
+    if (at != middle) continue;
+    making.closing_mm = start.closing_mm;
+    auto made = make_mask_template(mask->volume, making, &progress);
+    if (!made) return fail(path.string(), mask->named(made.error().what));
+    start.first = std::move(made->mesh);
+    if (std::find(read.flipped.begin(), read.flipped.end(), name) == read.flipped.end()) continue;
+    const MeshFile other = mirrored({start.first->points, start.first->topology->triangles()});
+    start.first = Mesh{Topology::make(other.points.rows(), other.triangles).value(), other.points};
+  }
+  return start;
+}
+
 Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
   progress.part(0, 0.05);
-  auto read = read_subjects({options.consensus,
-                             {},
-                             options.labels,
-                             options.frame,
-                             options.closing_mm,
-                             options.vertices,
-                             options.flip_mirrored},
-                            progress);
+  SubjectFiles files{options.consensus,    {}, options.labels, options.frame, options.closing_mm, options.vertices,
+                     options.flip_mirrored};
+  auto read = read_subjects(files, progress);
   if (!read) return fail(read.error());
-  progress.part(0.05, 1);
   std::vector<Boundary> subjects;
-  for (BiasSubject& subject : read->subjects) subjects.push_back(std::move(subject.boundary));
-  const auto made = consensus_template(subjects, {.vertices = options.vertices, .progress = &progress});
+  const auto take = [&] {
+    subjects.clear();
+    for (BiasSubject& subject : read->subjects) subjects.push_back(std::move(subject.boundary));
+  };
+  take();
+  const auto by_size = subjects_by_size(subjects);
+  auto start = start_of_labels(options, *read, by_size, progress);
+  if (!start) return fail(start.error());
+  if (start->closing_mm && !options.closing_mm) {
+    files.closing_mm = start->closing_mm;
+    read = read_subjects(files, progress);
+    if (!read) return fail(read.error());
+    take();
+  }
+  const std::size_t first = by_size[by_size.size() / 2];
+  if (!start->first && options.genus != "auto") {
+    auto own = make_mesh_template({subjects[first].surface.points, subjects[first].surface.topology->triangles()},
+                                  {.vertices = options.vertices, .genus = genus_rule(options.genus)}, &progress);
+    if (!own) return fail(read->subjects[first].name, own.error().what);
+    start->first = std::move(own->mesh);
+  }
+  progress.part(0.05, 1);
+  const auto made = consensus_template(
+      subjects,
+      {.vertices = options.vertices, .start = first, .first = std::move(start->first), .progress = &progress});
   if (!made) return fail(made.error());
   std::vector<std::string> warnings = std::move(read->warnings);
   Json names = Json::array();
@@ -210,14 +308,23 @@ Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
   for (const std::size_t k : made->doubtful) warnings.push_back(other_organ_warning(read->subjects[k].name));
   if (!made->rests)
     warnings.emplace_back(
-        "the mean still moved in the last round; use more vertices, and look at subjects that differ much from others");
-  return finish(template_file(made->mesh, {{"consensus", names}, {"vertices", options.vertices}}), options,
-                {{"subjects", subjects.size()},
-                 {"rounds", made->rounds},
-                 {"moved_mm", made->moved_mm},
-                 {"rests", made->rests},
-                 {"flipped", read->flipped}},
-                std::move(warnings));
+        "the mean still moved in the last round; use more vertices, and look at subjects that differ much from "
+        "others");
+  if (const MeshFaults faults = mesh_faults(made->mesh); faults.any())
+    return fail(options.out.string(), "would be a template with " + faults.words() +
+                                          ", so it was not written; give a --closing-mm, --genus 0 or more vertices");
+  MeshFile file = template_file(made->mesh, {{"consensus", names}, {"vertices", options.vertices}});
+  if (start->closing_mm) file.comments.push_back(closing_comment(*start->closing_mm));
+  Json values{{"subjects", subjects.size()},
+              {"rounds", made->rounds},
+              {"moved_mm", made->moved_mm},
+              {"rests", made->rests},
+              {"closing_mm", start->closing_mm ? Json(*start->closing_mm) : Json()},
+              {"closing_chosen", !options.closing_mm.has_value()},
+              {"closing_tried", start->tried},
+              {"flipped", read->flipped}};
+  read->report_frames(values);
+  return finish(std::move(file), options, std::move(values), std::move(warnings));
 }
 
 Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
@@ -272,10 +379,16 @@ void add_tube_options(CLI::App& verb, TemplateJob& options) {
 
 /// Refuses options that were given and do nothing for such a template.
 void check_effect(const TemplateJob& options, const CLI::App& verb) {
+  if (options.keep_vertices) {
+    if (options.in.empty() || !keeps_numbers(options.in))
+      throw CLI::ValidationError("--keep-vertices", "has no effect here: it is for a mesh whose format keeps vertices");
+    for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})
+      refuse_without_effect(verb, name, "templates whose vertices are spread anew");
+  }
   if (!options.consensus.empty()) {
     if (options.tube)
       throw CLI::ValidationError("--consensus", "is not for --tube, whose rings are alike in all subjects");
-    for (const char* name : {"--opening-mm", "--genus"}) refuse_without_effect(verb, name, "a template of one subject");
+    refuse_without_effect(verb, "--opening-mm", "a template of one subject");
   }
   if (options.tube)
     for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})
@@ -291,14 +404,15 @@ void add_template(CLI::App& app, CommandLine& asked) {
   auto* consensus =
       verb->add_option(
               "--consensus", options->consensus,
-              "Surfaces or label maps of several subjects, or a folder of surfaces: their mean shape, which depends "
+              "Surfaces or label maps of several subjects, or a folder of them: their mean shape, which depends "
               "far less on any one of them")
           ->excludes(in)
           ->expected(1, 1000000);
   verb->add_flag("--flip-mirrored", options->flip_mirrored, "Flip subjects that are mirror images of most others")
       ->needs(consensus);
-  verb->add_option("-o,--output", options->out, "The template to write (.ply keeps stiffness, regions and landmarks)")
-      ->required();
+  keeps_correspondence(verb->add_option("-o,--output", options->out,
+                                        "The template to write (.ply keeps stiffness, regions and landmarks)")
+                           ->required());
   verb->add_option("--landmarks", options->landmarks,
                    "Named points for the template (.mrk.json, .fcsv, .json), in the template's space");
   add_label_option(*verb, options->labels, "Which label of the mask, where it holds several; 1,2: both together");
@@ -306,6 +420,8 @@ void add_template(CLI::App& app, CommandLine& asked) {
   verb->add_option("--vertices", options->vertices, "How many vertices")
       ->check(CLI::Range(100, 200000))
       ->capture_default_str();
+  verb->add_flag("--keep-vertices", options->keep_vertices,
+                 "Of a mesh: its vertices and faces stay as they are, numbered as before, and get --landmarks");
   add_ball_option(*verb, "--closing-mm", options->closing_mm,
                   "Clefts narrower than twice this radius (mm) are filled; of a surface only where given");
   add_ball_option(*verb, "--opening-mm", options->opening_mm,

@@ -108,6 +108,7 @@ class Fitting {
     shape_.placement = found->placement;
     shape_.rest = found->shape;
     shape_.refit();
+    if (options_.partial) lacking_ = search_.missing({reference_.topology, found->points});
     const double beyond = options_.allowed->beyond;
     if (beyond > 0) {
       if (auto done = adaptation_.anneal_to_boundary(shape_, from_placement); !done) return fail(done.error());
@@ -118,9 +119,33 @@ class Fitting {
       shape_.refit();
       if (beyond > 0) untangle(shape_.mesh, shape_.placed, shape_.factors);
     }
+    if (beyond > 0 && !lacking_.empty()) {
+      keep_where_lacking(found->points);
+      untangle(shape_.mesh, shape_.placed, shape_.factors);
+    }
     FitResult result = finish();
+    if (options_.partial) result.outliers = lacking_;
     result.allowed = found->points;
     return result;
+  }
+
+  /// Where the target lacks the organ the allowed shape is the better guess: a patch over the hole, or its rim, is no
+  /// target. Around it the mesh goes over to what the boundary asks.
+  void keep_where_lacking(const Points& allowed) {
+    constexpr int rings = 3;
+    VertexScalars kept = VertexScalars::Zero(allowed.rows());
+    for (const std::int32_t i : lacking_) kept[i] = 1;
+    const VertexScalars all = kept;
+    for (int ring = 0; ring < rings; ++ring) {
+      const VertexScalars before = kept;
+      for (Eigen::Index i = 0; i < kept.size(); ++i) {
+        double sum = before[i], count = 1;
+        for (const std::int32_t j : reference_.topology->one_ring(i)) sum += before[j], ++count;
+        kept[i] = std::max(all[i], sum / count);
+      }
+    }
+    shape_.mesh.points += kept.asDiagonal() * (allowed - shape_.mesh.points);
+    shape_.refit();
   }
 
   Result<void> place() {
@@ -387,6 +412,7 @@ class Fitting {
   std::vector<SurfacePoint> landmark_places_;                   ///< on the template, of each of these
   std::pair<std::size_t, std::size_t> part_of_progress_{0, 1};  ///< which of how many
   std::vector<std::string> landmark_warnings_;
+  std::vector<std::int32_t> lacking_;  ///< of a partial fit to allowed shapes: as the nearest of these tells
 };
 
 /// fit_to_boundary, with cuts marked where parts are missing.

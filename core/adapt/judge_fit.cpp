@@ -7,6 +7,7 @@
 
 #include "core/adapt/boundary/cut_faces.h"
 #include "core/base/statistics.h"
+#include "core/mesh/clip.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/surface_search.h"
@@ -17,6 +18,7 @@ namespace {
 
 constexpr double least_dice = 0.9;
 constexpr double hardly_any_dice = 0.5;  ///< below, the template is likely of another organ, whatever else it is
+constexpr double most_missing = 0.6;     ///< of the mesh: of less nobody can tell where it belongs
 constexpr double most_share = 0.04, most_mean_share = 0.01;  ///< of the diagonal
 
 bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
@@ -100,9 +102,36 @@ TargetDistance target_distance(const Mesh& target, const Mesh& mesh) {
   return distance;
 }
 
+/// What the scan shows of a surface, cut along its borders; empty where nothing sound is left.
+std::optional<Mesh> shown_part(const Mesh& surface, const Boundary& boundary) {
+  std::optional<Mesh> part = surface;
+  for (const ScanBorder& border : boundary.scan_borders)
+    if (part) part = clipped(*part, border.outward, border.offset_mm - border.tolerance_mm);
+  return part;
+}
+
+/// Judges a fit by what the scan shows.
+void judge_inside(const Boundary& boundary, const FitResult& fit, FitJudgement& judgement) {
+  judgement.inside_scan = judgement.agreement;
+  if (boundary.scan_borders.empty()) return;
+  const auto seen = shown_part(fit.mesh, boundary), target = shown_part(boundary.surface, boundary);
+  judgement.beyond_share = seen ? 1 - surface_area_mm2(*seen) / surface_area_mm2(fit.mesh) : 1;
+  if (seen && target) judgement.inside_scan = compare_meshes(*seen, *target);
+}
+
+/// The mean doubt of the vertices that the scan shows; of all where it shows none. mm
+double mean_doubt_mm(const FitResult& fit) {
+  std::vector<char> unseen(static_cast<std::size_t>(fit.doubt_mm.size()), 0);
+  for (const std::int32_t i : fit.unseen) unseen[static_cast<std::size_t>(i)] = 1;
+  double sum_mm = 0;
+  int count = 0;
+  for (Eigen::Index i = 0; i < fit.doubt_mm.size(); ++i)
+    if (unseen[static_cast<std::size_t>(i)] == 0) sum_mm += fit.doubt_mm[i], ++count;
+  return count > 0 ? sum_mm / count : fit.doubt_mm.mean();
+}
+
 /// Judges what the boundary shows of a partial fit.
 void judge_partial(const Boundary& boundary, const FitResult& fit, FitJudgement& judgement) {
-  constexpr double most_missing = 0.6;
   const Points& points = fit.mesh.points;
   const SurfaceSearch search(boundary.surface);
   std::vector<char> missing(static_cast<std::size_t>(points.rows()), 0);
@@ -145,10 +174,12 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
                        const FitResult& fit) {
   FitJudgement judgement;
   judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
+  judge_inside(boundary, fit, judgement);
   if (fit.doubt_mm.size() > 0)
-    judgement.doubt_share = fit.doubt_mm.mean() / std::sqrt(surface_area_mm2(boundary.surface));
-  judgement.doubtful = fit.mirrored || fit.half_turned || judgement.doubt_share > most_doubt_share ||
-                       is_doubtful(judgement.agreement, boundary);
+    judgement.doubt_share = mean_doubt_mm(fit) / std::sqrt(surface_area_mm2(boundary.surface));
+  const bool too_little = judgement.beyond_share > most_missing;
+  judgement.doubtful = fit.mirrored || fit.half_turned || too_little || judgement.doubt_share > most_doubt_share ||
+                       is_doubtful(judgement.inside_scan, boundary);
   const bool cut_off = !options.partial && the_template.topology->closed() && is_cut_open(boundary.surface);
   if (cut_off) judgement.doubtful = true;
   if (options.partial) judge_partial(boundary, fit, judgement);
@@ -165,6 +196,14 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
     judgement.warnings.emplace_back(
         "the surface is open, so parts of the organ seem to be missing; use --partial, or close the surface with "
         "repair-mesh --holes all");
+  if (too_little) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "only %.0f %% of the mesh lies within the scan, too little to tell where it belongs; give three "
+                  "landmarks or more, or leave the case out",
+                  100 * (1 - judgement.beyond_share));
+    judgement.warnings.emplace_back(text);
+  }
   if (auto many = riddled(the_template)) judgement.warnings.push_back(std::move(*many));
   const bool tangled = fit.turned_triangles + fit.self_intersections > 0;
   if (!judgement.doubtful && !tangled) return judgement;
@@ -172,9 +211,9 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
   if (faults.any())
     judgement.warnings.push_back("the template itself has " + faults.words() +
                                  ", so its fits have faults too; make it again from a surface without faults");
-  else if (judgement.doubtful &&
-           (!(fit.mirrored || fit.half_turned || cut_off) || judgement.agreement.dice < hardly_any_dice))
-    judgement.warnings.push_back(poor_fit(judgement.agreement, judgement.doubt_share, options.partial));
+  else if (judgement.doubtful && (!(fit.mirrored || fit.half_turned || cut_off || too_little) ||
+                                  judgement.inside_scan.dice < hardly_any_dice))
+    judgement.warnings.push_back(poor_fit(judgement.inside_scan, judgement.doubt_share, options.partial));
   else if (tangled)
     judgement.warnings.emplace_back(
         "some triangles are turned or pass through each other, because the organ differs too much from the template "

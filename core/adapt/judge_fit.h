@@ -30,15 +30,19 @@ struct TargetDistance {
 
 /// How good a fit is, and what a person should look at.
 struct FitJudgement {
-  Agreement agreement;  ///< of the fitted mesh with the boundary
-  /// Dice below 0.9, a mean distance above 1 % of the boundary's diagonal, a 95 % distance above 4 %, a mean doubt
-  /// above 6 % of the root of its area, an open surface for a closed template, or mirrored. A partial fit: `sound_mm`
-  /// or the target's mean distance above 1 %, the mean doubt of what is there above 6 % of the root of the mesh's area,
-  /// more than 60 % missing, or mirrored.
+  Agreement agreement;  ///< of the fitted mesh with the boundary, all of both
+  /// The same of what the scan shows: both are cut along its borders, and the cuts do not count. As `agreement` where
+  /// the scan cuts nothing off.
+  Agreement inside_scan;
+  double beyond_share = 0;  ///< of the mesh's area: beyond the scan's borders, where it follows the template
+  /// By what the scan shows: Dice below 0.9, a mean distance above 1 % of the boundary's diagonal, a 95 % distance
+  /// above 4 %, a mean doubt above 6 % of the root of its area, more than 60 % of the mesh beyond the scan, an open
+  /// surface for a closed template, or mirrored. A partial fit: `sound_mm` or the target's mean distance above 1 %, the
+  /// mean doubt of what is there above 6 % of the root of the mesh's area, more than 60 % missing, or mirrored.
   bool doubtful = false;
   double sound_mm = 0;                ///< of a partial fit: mean distance of the vertices that are no outliers
   TargetDistance target;              ///< of a partial fit
-  double doubt_share = 0;             ///< the fit's mean doubt, as a share of the root of the boundary's area
+  double doubt_share = 0;             ///< the fit's mean doubt within the scan, by the root of the boundary's area
   std::vector<std::string> warnings;  ///< the boundary's, the fit's and those of this; each a sentence
 };
 

@@ -61,6 +61,12 @@ Result<MeshTemplate> own_template(const Boundary& subject, int vertices, Progres
                             progress);
 }
 
+std::vector<std::size_t> subjects_by_size(const std::vector<Boundary>& subjects) {
+  std::vector<const Boundary*> all;
+  for (const Boundary& subject : subjects) all.push_back(&subject);
+  return by_size(all);
+}
+
 Boundary mirrored_boundary(const Boundary& subject) {
   const MeshFile file = mirrored({subject.surface.points, subject.surface.topology->triangles()});
   Boundary other = subject;
@@ -96,10 +102,14 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
   consensus.start = options.start.value_or(order[order.size() / 2]);
   std::optional<Progress> making;  // next to no time, but it can be cancelled
   if (options.progress != nullptr) making.emplace(*options.progress, 0);
-  auto first = own_template(subjects[consensus.start], options.vertices, making ? &*making : nullptr);
-  if (!first) return fail(first.error());
-  consensus.mesh = std::move(first->mesh);
-  consensus.warnings = std::move(first->warnings);
+  if (options.first) {
+    consensus.mesh = *options.first;
+  } else {
+    auto first = own_template(subjects[consensus.start], options.vertices, making ? &*making : nullptr);
+    if (!first) return fail(first.error());
+    consensus.mesh = std::move(first->mesh);
+    consensus.warnings = std::move(first->warnings);
+  }
   while (!consensus.rests && consensus.rounds < options.most_rounds) {
     const auto the_template = template_of(consensus.mesh);
     if (!the_template) return fail(the_template.error());

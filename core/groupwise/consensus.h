@@ -20,6 +20,7 @@ struct ConsensusOptions {
   /// spreading moves vertices from round to round.
   double rests_share = 2e-3, rests_edges = 0.125;
   std::optional<std::size_t> start;  ///< the subject to start from; absent: the one of median size
+  std::optional<Mesh> first;         ///< the start's template where it was made already; else own_template
   Progress* progress = nullptr;
 };
 
@@ -38,6 +39,9 @@ struct Consensus {
 /// the next start, until the mean rests. The order of the subjects does not matter to the bit; the start does little
 /// (docs/templates.md). Errors: fewer than two subjects or fits; no template can be made of the start; cancelled.
 Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, const ConsensusOptions& options = {});
+
+/// The subjects from the smallest to the largest.
+std::vector<std::size_t> subjects_by_size(const std::vector<Boundary>& subjects);
 
 /// `vertices` spread evenly over the subject's surface: a template of its own. Errors: as make_mesh_template.
 Result<MeshTemplate> own_template(const Boundary& subject, int vertices, Progress* progress = nullptr);

@@ -128,13 +128,18 @@ Measured measured(const Eigen::VectorXd& values) {
 
 Measures compactness(const PrincipalComponents& components) {
   const Eigen::VectorXd variances = components.variances();
-  const double total = variances.sum(), relative = std::sqrt(2.0 / static_cast<double>(components.shapes()));
+  const double total = variances.sum(), squares = variances.squaredNorm();
+  const double relative = std::sqrt(2.0 / static_cast<double>(components.shapes()));
   Measures measures;
-  double held = 0;
+  double held = 0, held_squares = 0;
   for (Eigen::Index m = 0; m < mode_counts(components); ++m) {
     held += variances[m];
+    held_squares += variances[m] * variances[m];
     const double share = total > 0 ? held / total : 1;
-    measures.push_back({share, relative * share});
+    // The share and the rest are of one sum: by the delta method each variance counts with its own derivative.
+    const double deviation =
+        std::sqrt((1 - share) * (1 - share) * held_squares + share * share * std::max(0.0, squares - held_squares));
+    measures.push_back({share, total > 0 ? relative * deviation / total : 0});
   }
   return measures;
 }

@@ -24,7 +24,8 @@ Measured measured(const Eigen::VectorXd& values);
 // The definitions, and what to read from the numbers, are in docs/models.md. Coefficients are never clamped here, and
 // shapes are not aligned again when one is left out. "At every mode count" is m = 1…M−2, entry m − 1; distances in mm.
 
-/// Cumulative share (0…1) of the variance, at every mode count; standard error √(2/M) of it [Styner 2003].
+/// Cumulative share (0…1) of the variance, at every mode count. Standard error: by the delta method from √(2/M)·λ of
+/// each variance [Styner 2003]; 0 where all is held.
 Measures compactness(const PrincipalComponents& components);
 /// Distance of each shape to its reconstruction by the model of all others: root mean square over the vertices,
 /// averaged over the shapes; at every mode count.

@@ -41,14 +41,24 @@ std::string variance_table(const PrincipalComponents& components) {
   return text;
 }
 
-std::string score_table(const PrincipalComponents& components, const std::vector<std::string>& names) {
+std::string score_table(const PrincipalComponents& components, const std::vector<std::string>& names,
+                        const std::vector<double>& sizes_mm, const std::vector<std::string>& groups) {
   const Eigen::MatrixXd scores = components.scores();
   std::string text = "shape";
   for (Eigen::Index k = 0; k < scores.rows(); ++k) text += ",b" + std::to_string(k + 1);
-  text += '\n';
+  if (!sizes_mm.empty()) text += ",centroid_size_mm";
+  text += groups.empty() ? "\n" : ",group\n";
   for (Eigen::Index i = 0; i < scores.cols(); ++i) {
     text += csv_field(names[static_cast<std::size_t>(i)]) + ',';
     append_row(scores.col(i), text);
+    const auto shape = static_cast<std::size_t>(i);
+    text.pop_back();  // the line goes on
+    if (!sizes_mm.empty()) {
+      text += ',';
+      formats::append_number(sizes_mm[shape], text);
+    }
+    if (!groups.empty()) text += ',' + csv_field(groups[shape]);
+    text += '\n';
   }
   return text;
 }
@@ -73,12 +83,13 @@ std::vector<std::string> shape_names(const std::vector<std::string>& files) {
 }
 
 Result<void> write_model_tables(const PrincipalComponents& components, const std::vector<std::string>& names,
-                                const fs::path& folder) {
+                                const fs::path& folder, const std::vector<double>& sizes_mm,
+                                const std::vector<std::string>& groups) {
   const auto made = ResultFolder::make(folder);
   if (!made) return fail(made.error());
   if (auto done = write_whole_file(folder / "mean.csv", mean_table(components)); !done) return done;
   if (auto done = write_whole_file(folder / "variances.csv", variance_table(components)); !done) return done;
-  return write_whole_file(folder / "scores.csv", score_table(components, names));
+  return write_whole_file(folder / "scores.csv", score_table(components, names, sizes_mm, groups));
 }
 
 Result<void> write_aligned_shapes(const PrincipalComponents& components,

@@ -16,8 +16,10 @@ std::vector<std::string> shape_names(const std::vector<std::string>& files);
 
 /// Writes tables into `folder` (made where absent): `mean.csv` (x, y, z in mm), `variances.csv` (every mode's λ in mm²,
 /// share, cumulative share) and `scores.csv` (a row a training shape, its coefficients of all modes in mm).
+/// `sizes_mm` and `groups`: of each shape, the last columns there; none where empty.
 Result<void> write_model_tables(const PrincipalComponents& components, const std::vector<std::string>& names,
-                                const std::filesystem::path& folder);
+                                const std::filesystem::path& folder, const std::vector<double>& sizes_mm = {},
+                                const std::vector<std::string>& groups = {});
 
 /// Writes every shape as it was aligned into `folder` (made where absent): NAME.particles, and NAME.ply where there is
 /// a topology. Numbering is the files' own.

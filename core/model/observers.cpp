@@ -11,6 +11,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/model/model_files.h"
 #include "core/model/shape_files.h"
+#include "core/model/shape_folder.h"
 #include "core/model/study.h"
 
 namespace homolog {
@@ -29,27 +30,14 @@ Result<Mesh> surface_of(const MeshFile& file) {
   return Mesh{*faces, file.points};
 }
 
-/// The cases and meshes of a folder, in the order of their names.
-std::vector<fs::path> shapes_in(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    const fs::path& file = entry.path();
-    const bool hidden = file.filename().string().starts_with('.');
-    if (!hidden && (is_case_file(file) || keeps_numbers(file))) files.push_back(file);
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 /// What is read, under which name.
 Result<std::vector<std::pair<std::string, ShapeSource>>> sources_of(const fs::path& path) {
   std::vector<std::pair<std::string, ShapeSource>> sources;
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
-    for (const fs::path& file : shapes_in(path)) sources.emplace_back(file.stem().string(), ShapeSource{file, {}});
-    if (sources.empty())
-      return fail(path.string(), "holds no case and no mesh; give the folder that an observer worked in");
+    const auto shapes = shapes_in_folder(path);
+    if (!shapes) return fail(shapes.error());
+    for (const fs::path& file : *shapes) sources.emplace_back(file.stem().string(), ShapeSource{file, {}});
   } else if (path.string().ends_with(".study.json")) {
     auto read = read_study(path);
     if (!read) return fail(read.error());

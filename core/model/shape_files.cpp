@@ -6,6 +6,7 @@
 #include "core/base/files.h"
 #include "core/base/text.h"
 #include "core/mesh/mirror.h"
+#include "core/model/shape_folder.h"
 #include "core/model/study.h"
 
 namespace homolog {
@@ -93,15 +94,27 @@ Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& file
     if (!is_study(file)) {
       if (!group.empty())
         return fail(file.string(), "belongs to no group; only the cases of a study (.study.json) have groups");
-      sources.push_back({file, {}, false});
+      std::error_code ignored;
+      if (!fs::is_directory(file, ignored)) {
+        sources.push_back({file, {}, false});
+        continue;
+      }
+      auto shapes = shapes_in_folder(file);
+      if (!shapes) return fail(shapes.error());
+      for (fs::path& shape : *shapes) sources.push_back({std::move(shape), {}, false});
       continue;
     }
     const auto read = read_study(file);
     if (!read) return fail(read.error());
     const std::size_t before = sources.size();
     for (const StudyCase& one : read->study.cases)
-      if (group.empty() || one.group == group) sources.push_back({one.file, one.frame, one.flipped});
+      if ((group.empty() || one.group == group) && !one.waits())
+        sources.push_back(
+            {one.file, one.frame, one.flipped, one.state == CaseState::done ? std::string() : one.doubt, one.group});
     if (sources.size() > before) continue;
+    if (std::any_of(read->study.cases.begin(), read->study.cases.end(),
+                    [&](const StudyCase& one) { return one.waits() && (group.empty() || one.group == group); }))
+      return fail(file.string(), "has only cases that wait for their fit; fit them first");
     std::string known;
     for (const std::string& name : read->study.groups()) known += (known.empty() ? "" : ", ") + name;
     return fail(file.string(), group.empty()   ? "has no cases yet; add some first"
@@ -139,7 +152,7 @@ Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sou
     }
     warnings.insert(warnings.end(), shapes->warnings.begin(), shapes->warnings.end());
     for (const auto& frame : frames_of(source, *shapes, all_frames)) {
-      const std::string name = source.file.string() + (frame ? " frame " + std::to_string(*frame) : "");
+      const std::string name = source.name(frame);
       const auto mesh = shapes->shape(frame, source.file.string());
       if (!mesh) {
         leave_out(mesh.error());

@@ -38,8 +38,16 @@ struct ShapeSource {
   std::filesystem::path file;
   std::optional<int> frame;  ///< of a cine case; the one it shows where absent
   bool flipped = false;      ///< left for right
+  std::string doubt{};       ///< of a study's case that nobody has looked at yet: why it has to be; empty: no doubt
+  std::string group{};       ///< of a study's case; empty: none
+
+  /// "case_3.ply", with its frame where one of several is taken.
+  std::string name(const std::optional<int>& of_frame) const {
+    return file.string() + (of_frame ? " frame " + std::to_string(*of_frame) : "");
+  }
 };
-/// Files as sources, one each; a study (*.study.json) stands for its cases, of one group where `group` is not empty.
+/// Files as sources, one each; a folder stands for its shapes [shape_folder.h], a study (*.study.json) stands for its
+/// cases, of one group where `group` is not empty. Cases of a study without a shape of their own yet are no sources.
 /// Errors: a study that cannot be read, a group without a study or that no case belongs to.
 Result<std::vector<ShapeSource>> shape_sources(const std::vector<std::filesystem::path>& files,
                                                const std::string& group = {});

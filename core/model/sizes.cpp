@@ -8,6 +8,7 @@
 #include "core/mesh/inside_out.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/model/model_files.h"
+#include "core/model/procrustes.h"
 
 namespace homolog {
 
@@ -31,6 +32,7 @@ std::string number_field(const std::optional<double>& value) {
 Result<ShapeSizes> sizes_of(const MeshFile& mesh, std::shared_ptr<const Topology>& faces) {
   ShapeSizes sizes;
   sizes.landmarks = mesh.landmarks;
+  sizes.centroid_size_mm = centroid_size_mm(mesh.points);
   if (mesh.triangles.rows() == 0) return sizes;
   if (!faces || faces->vertices() != mesh.points.rows() || faces->triangles() != mesh.triangles) {
     auto made = Topology::make(mesh.points.rows(), mesh.triangles);
@@ -84,14 +86,17 @@ Spread spread_of(const std::vector<std::optional<double>>& values) {
   return spread;
 }
 
-std::string sizes_table(const std::vector<std::string>& names, const std::vector<ShapeSizes>& shapes) {
+std::string sizes_table(const std::vector<std::string>& names, const std::vector<ShapeSizes>& shapes,
+                        const std::vector<std::string>& groups) {
   const std::vector<LandmarkPair> pairs = landmark_pairs(shapes);
   std::string table = "case,volume_ml,area_mm2";
   for (const auto& [from, to] : pairs) table += ',' + csv_field(from + " to " + to + " mm");
-  table += '\n';
+  table += groups.empty() ? ",centroid_size_mm\n" : ",centroid_size_mm,group\n";
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     table += csv_field(names[k]) + number_field(shapes[k].volume_ml) + number_field(shapes[k].area_mm2);
     for (const LandmarkPair& pair : pairs) table += number_field(distance_mm(shapes[k], pair));
+    table += number_field(shapes[k].centroid_size_mm);
+    if (!groups.empty()) table += ',' + csv_field(groups[k]);
     table += '\n';
   }
   return table;

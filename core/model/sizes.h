@@ -20,6 +20,7 @@ struct ShapeSizes {
   std::optional<double> area_mm2;   ///< of the surface; none for points alone
   std::string inward;               ///< why the volume is negative [inside_out.h]; empty: it is not
   std::vector<Landmark> landmarks;  ///< LPS mm
+  double centroid_size_mm = 0;      ///< root of the sum of squared distances of the vertices from their mean
 };
 
 /// `faces`: of the shape before, used again where this one has the same; becomes those of this one. Errors: faces that
@@ -39,7 +40,9 @@ struct Spread {
 };
 Spread spread_of(const std::vector<std::optional<double>>& values);
 
-/// CSV: a row a shape with its name, volume_ml, area_mm2 and the distance of every pair; what is not known stays empty.
-std::string sizes_table(const std::vector<std::string>& names, const std::vector<ShapeSizes>& shapes);
+/// CSV: a row a shape with its name, volume_ml, area_mm2, the distance of every pair, centroid_size_mm and, where
+/// `groups` has one for each, its group; what is not known stays empty.
+std::string sizes_table(const std::vector<std::string>& names, const std::vector<ShapeSizes>& shapes,
+                        const std::vector<std::string>& groups = {});
 
 }  // namespace homolog

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <ctime>
 
 #include "core/base/text.h"
@@ -47,11 +50,18 @@ HdfTree::Dataset number_of(std::int32_t number) {
   return dataset;
 }
 
-std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
+/// When the model was made as SOURCE_DATE_EPOCH says; empty without it, so that the same shapes give the same bytes
+/// [reproducible-builds.org].
+std::string build_time() {
+  const char* const epoch = std::getenv("SOURCE_DATE_EPOCH");
+  if (epoch == nullptr) return {};
+  long long seconds = 0;
+  const char* const end = epoch + std::strlen(epoch);
+  if (const auto [stop, error] = std::from_chars(epoch, end, seconds); error != std::errc() || stop != end) return {};
+  const auto then = static_cast<std::time_t>(seconds);
   std::tm parts{};
-  ::gmtime_r(&now, &parts);
-  char text[32];
+  if (::gmtime_r(&then, &parts) == nullptr) return {};
+  char text[64];
   return {text, std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts)};
 }
 
@@ -90,9 +100,10 @@ HdfTree tree_of(const ShapeModel& model) {
   // In standard deviations, as statismo counts coefficients.
   if (model.scores.cols() > 0)
     datasets["/modelinfo/scores"] = floats_of(model.variances.cwiseSqrt().cwiseInverse().asDiagonal() * model.scores);
-  const std::string now = utc_now();
-  datasets["/modelinfo/build-time"] = text_of(now);
-  datasets["/modelinfo/modelBuilder-0/buildTime"] = text_of(now);
+  if (const std::string time = build_time(); !time.empty()) {
+    datasets["/modelinfo/build-time"] = text_of(time);
+    datasets["/modelinfo/modelBuilder-0/buildTime"] = text_of(time);
+  }
   datasets["/modelinfo/modelBuilder-0/builderName"] = text_of("Homolog");
   for (std::size_t i = 0; i < model.names.size(); ++i)
     datasets[names_start + std::to_string(i)] = text_of(model.names[i]);

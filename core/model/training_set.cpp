@@ -259,22 +259,72 @@ Error too_small(Error error, const std::vector<std::string>& warnings) {
   return error;
 }
 
+namespace {
+
+/// Takes shapes off a set again, as left out for this reason.
+void leave_out(const std::vector<std::string>& names, const std::string& reason, TrainingSetRead& read) {
+  TrainingSet& set = read.set;
+  Eigen::Index kept = 0;
+  std::vector<std::string> kept_names;
+  for (std::size_t k = 0; k < set.names.size(); ++k) {
+    if (std::find(names.begin(), names.end(), set.names[k]) != names.end()) {
+      read.left_out.push_back({set.names[k], reason});
+      continue;
+    }
+    kept_names.push_back(set.names[k]);
+    if (kept != static_cast<Eigen::Index>(k))
+      set.shapes.col(kept) = set.shapes.col(static_cast<Eigen::Index>(k)).eval();
+    ++kept;
+  }
+  set.names = std::move(kept_names);
+  set.shapes.conservativeResize(Eigen::NoChange, kept);
+}
+
+}  // namespace
+
 Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, const TrainingOptions& options,
                                           Progress* progress) {
   const auto sources = shape_sources(files, options.group);
   if (!sources) return fail(sources.error());
+  std::map<std::string, std::string> said;  // by the study
+  for (const ShapeSource& source : *sources)
+    if (!source.doubt.empty()) said[source.name(source.frame)] = source.doubt;
   TrainingSetBuilder builder(sources->size());
+  std::vector<DoubtfulShape> doubtful;
   const auto warnings = read_shapes(
       *sources, options.all_frames,
       [&](std::string name, const MeshFile& mesh) {
-        builder.add(std::move(name), mesh);
+        const auto by_study = said.find(name);
+        std::string reason = by_study != said.end() ? by_study->second : doubt_of_shape(mesh);
+        const bool is_left_out = options.without_doubtful && !reason.empty();
+        if (!reason.empty()) doubtful.push_back({name, std::move(reason)});
+        if (!is_left_out) builder.add(std::move(name), mesh);
         return Result<void>();
       },
       progress);
   if (!warnings) return fail(warnings.error());
+  if (options.without_doubtful && builder.shapes() < 2 && !doubtful.empty())
+    return fail(doubtful.front().name, "is in doubt, as are " + std::to_string(doubtful.size() - 1) +
+                                           " other shapes, so that fewer than two are left; repair some, or leave "
+                                           "--without-doubtful out");
   auto read = builder.finish(options.flip_mirrored);
   if (!read) return fail(too_small(read.error(), *warnings));
+  (options.without_doubtful ? read->left_out : read->doubtful) = std::move(doubtful);
   read->warnings.insert(read->warnings.begin(), warnings->begin(), warnings->end());
+  if (options.without_doubtful && !options.flip_mirrored && !read->mirrored.empty()) {
+    if (read->set.shapes.cols() - std::ssize(read->mirrored) < 2)
+      return fail(read->mirrored.front(),
+                  "is a mirror image of the other shapes, without which fewer than two are left; use --flip-mirrored");
+    leave_out(read->mirrored, "a mirror image of the other shapes (left and right exchanged)", *read);
+    read->mirrored.clear();
+  }
+  std::map<std::string, std::string> group_of;
+  for (const ShapeSource& source : *sources)
+    if (!source.group.empty()) group_of[source.name(source.frame)] = source.group;
+  if (!group_of.empty())
+    for (const std::string& name : read->set.names) read->groups.push_back(group_of[name]);
+  for (std::string& sentence : doubt_warnings(read->left_out, true)) read->warnings.push_back(std::move(sentence));
+  for (std::string& sentence : doubt_warnings(read->doubtful, false)) read->warnings.push_back(std::move(sentence));
   if (!read->mirrored.empty())
     read->warnings.push_back(joined(read->mirrored) + (options.flip_mirrored
                                                            ? ": a mirror image of the other shapes; flipped"

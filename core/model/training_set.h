@@ -9,6 +9,7 @@
 #include "core/base/result.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/topology.h"
+#include "core/model/doubtful_shapes.h"
 #include "core/model/procrustes.h"
 
 namespace homolog {
@@ -24,12 +25,17 @@ struct TrainingOptions {
   bool all_frames = false;     ///< take every edited frame of a cine; else only the frame that the case shows
   bool flip_mirrored = false;  ///< shapes that are mirror images of most others are flipped
   std::string group;           ///< of a study's cases those of this group; empty: all
+  /// Shapes in doubt [doubt_of_shape], a study's cases in doubt, and mirror images that are not flipped are left out.
+  bool without_doubtful = false;
 };
 
 struct TrainingSetRead {
   TrainingSet set;
-  std::vector<std::string> warnings;  ///< each names its file: what was left out, and what looks wrong (see oddities)
-  std::vector<std::string> mirrored;  ///< names of the shapes that are mirror images of most others
+  std::vector<std::string> warnings;    ///< each names its file: what was left out, and what looks wrong (see oddities)
+  std::vector<std::string> mirrored;    ///< names of the shapes that are mirror images of most others
+  std::vector<std::string> groups;      ///< of each shape of the set, of a study's cases; empty: no shape has one
+  std::vector<DoubtfulShape> doubtful;  ///< shapes of the set that a person has to look at
+  std::vector<DoubtfulShape> left_out;  ///< the same, where they were left out as asked
 };
 
 /// Puts shapes together into a training set, one after the other; keeps one copy of their points.

@@ -127,7 +127,8 @@ Journal::Fate Journal::fate() {
   if (::stat(path().c_str(), &there) != 0)
     return device_of_folder(path()) == folder_device_ ? Fate::deleted : Fate::deleted_with_all;
   if (::fstat(file_->descriptor(), &here) != 0 || !same_file(here, there)) return Fate::replaced;
-  if (::fstatvfs(file_->descriptor(), &disk) == 0 && (disk.f_flag & ST_RDONLY) != 0) return Fate::read_only;
+  if (read_only_ || (::fstatvfs(file_->descriptor(), &disk) == 0 && (disk.f_flag & ST_RDONLY) != 0))
+    return Fate::read_only;
   if (broken_ != nullptr) return broken_ == changed_by_another ? Fate::touched : Fate::as_left;
   const bool as_left = static_cast<std::uint64_t>(here.st_size) == bytes_ && here.st_ctim.tv_sec == changed_.tv_sec &&
                        here.st_ctim.tv_nsec == changed_.tv_nsec;
@@ -176,6 +177,8 @@ Result<void> Journal::append(std::string_view lines, bool sync) {
   take_back();
   remember();
   const std::string what = std::string("could not be written (") + std::strerror(error) + "), so the edit was not made";
+  read_only_ = error == EROFS;  // a disk that failed may not say so of itself
+  if (read_only_) return fail(path().string(), what + "; make it again, and the case goes on as an unsaved one");
   if (broken_ != nullptr && !unsynced_.empty())
     return fail(path().string(), what + ", and the last ones are shown but not saved; save the case elsewhere");
   return fail(path().string(), what + "; free some space or save the case elsewhere");

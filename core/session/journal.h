@@ -82,6 +82,7 @@ class Journal {
   std::uint64_t bytes_;
   std::string unsynced_;          ///< accepted lines, kept until they are on the disk
   bool sync_failed_ = false;      ///< since `unsynced_` was written, which may be lost
+  bool read_only_ = false;        ///< the disk refused a write as such
   const char* broken_ = nullptr;  ///< why nothing can be appended until mend() succeeds; null: it can
   std::uint64_t most_bytes_ = 0;  ///< of the broken file: what this program may have left there
   timespec changed_{};            ///< when the file or its attributes changed last, as this program knows it

@@ -1,17 +1,21 @@
 # A cohort from label maps to a shape model: fit -> compare -> model.
 #
-#   snakemake -s cohort.smk --cores all --config template=kidney.ply masks=masks out=out closing_mm=3
+#   snakemake -s cohort.smk --cores all --config template=kidney.ply masks=masks out=out
 #
-# One case is one process that shares nothing with the others, so the same file runs on a cluster. Outputs appear whole or not
-# at all: start it again after a crash and only what is missing is done. A case that fails stops the model; leave it out by moving
-# its mask away, or go on with the others by --keep-going and look at its log.
+# Of five subjects or more, make the template of all of them: homolog template --consensus masks/ -o kidney.ply
+#
+# One case is one process that shares nothing with the others, so the same file runs on a cluster. Every output is written under
+# another name and renamed when it is whole. After a crash or kill -9 start it again with --rerun-incomplete, and only what is
+# missing is done; where Snakemake says that the folder is locked, call it with --unlock first. A case that fails stops the model;
+# leave it out by moving its mask away, or go on with the others by --keep-going and look at its log.
 from pathlib import Path
 
 HOMOLOG = config.get("homolog", "homolog")
 TEMPLATE = config["template"]
 MASKS = Path(config["masks"])
 OUT = config.get("out", "out")
-CLOSING_MM = config.get("closing_mm", 1)
+# Without a radius each fit takes the template's, and tries wider ones where it is doubtful.
+CLOSING = f"--closing-mm {config['closing_mm']}" if "closing_mm" in config else ""
 CASES = sorted(path.name[: -len(".nii.gz")] for path in MASKS.glob("*.nii.gz"))
 
 
@@ -32,8 +36,8 @@ rule fit:
         f"{OUT}/logs/{{case}}.txt",
     threads: 1
     shell:
-        "{HOMOLOG} fit {input.template:q} --mask {input.mask:q} --closing-mm {CLOSING_MM} -o {output.mesh:q} --json"
-        " > {output.report:q} 2> {log:q}"
+        "{HOMOLOG} fit {input.template:q} --mask {input.mask:q} {CLOSING} -o {output.mesh:q} --json"
+        " > {output.report:q}.part 2> {log:q} && mv {output.report:q}.part {output.report:q}"
 
 
 rule compare:
@@ -44,7 +48,8 @@ rule compare:
         f"{OUT}/compared/{{case}}.json",
     threads: 1
     shell:
-        "{HOMOLOG} compare {input.mesh:q} --mask {input.mask:q} --json > {output:q}"
+        "{HOMOLOG} compare {input.mesh:q} --mask {input.mask:q} --json > {output:q}.part"
+        " && mv {output:q}.part {output:q}"
 
 
 rule agreement:
@@ -56,12 +61,15 @@ rule agreement:
     run:
         import json
 
-        with open(output[0], "w") as table:
+        import os
+
+        with open(output[0] + ".part", "w") as table:
             print("case,doubtful,assd_mm,dice,assd_raw_mm,dice_raw", file=table)
             for case, fit, compared in zip(CASES, input.fits, input.compared):
                 fitted, raw = json.loads(Path(fit).read_text()), json.loads(Path(compared).read_text())
                 figures = [fitted["assd_mm"], fitted["dice"], raw["assd_mm"], raw["dice"]]
                 print(case, fitted["doubtful"], *(f"{figure:.4f}" for figure in figures), sep=",", file=table)
+        os.replace(output[0] + ".part", output[0])
 
 
 rule model:
@@ -71,4 +79,5 @@ rule model:
         model=f"{OUT}/model.h5.json",
         report=f"{OUT}/model.json",
     shell:
-        "{HOMOLOG} model {input:q} -o {output.model:q} --json > {output.report:q}"
+        "{HOMOLOG} model {input:q} -o {output.model:q} --json > {output.report:q}.part"
+        " && mv {output.report:q}.part {output.report:q}"

@@ -4,6 +4,7 @@
 #include "core/session/session_thread.h"
 #include "tests/case_folder.h"
 #include "tests/faults/disk.h"
+#include "tests/must.h"
 #include "tests/refusal.h"
 #include "tests/small_files.h"
 
@@ -58,6 +59,19 @@ TEST_CASE("from whatever call to whatever line the disk fails a journal ends wit
       CHECK(lines.text() == lines.accepted);
     }
   }
+}
+
+TEST_CASE("a disk that refuses a write as read-only is known as that from then on") {
+  const WatchedDisk watched;
+  LinesFolder lines;
+  const auto journal = test::must(Journal::open(lines.path));
+  disk_fail(1, EROFS, 1);
+  const auto refused = journal->append("second\n");
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().what.find("goes on as an unsaved one") != std::string::npos);
+  CHECK(journal->fate() == Journal::Fate::read_only);
+  disk_fail(0, 0, 0);
+  CHECK(lines.text() == lines.accepted);
 }
 
 TEST_CASE("half a line that the disk did not let be taken out is taken out when it does") {

@@ -85,6 +85,12 @@ image, mask, one, two = "kidney-1-image.nii.gz", "kidney-1-labels.nii.gz", "kidn
 run("study user", "built-in:kidney", "--mask", mask, "--pulls", "2", "-o", "case.homolog")
 run("snap", one, "--image", image, "-o", "snapped.ply")
 run("fit", "built-in:kidney", "--mask", mask, "-o", "fitted.ply")
+run("fit", "built-in:kidney", "--mask", mask, "-o", "cohort")
+check(json.loads((folder / "cohort/cohort.study.json").read_text()), "study", "the study of a cohort")
+(folder / "cases.csv").write_text(f"name,mask,label,group,age\nA,{mask},1,healthy,63\n")
+run("study make", "cases.csv", "--template", "built-in:kidney", "-o", "made.study.json")
+check(json.loads((folder / "made.study.json").read_text()), "study", "a study that was made")
+run("info", mask)
 run("refine", "case.homolog")
 for file in (image, one, "case.homolog", "kidney-1-landmarks.mrk.json"):
     run("info", file)

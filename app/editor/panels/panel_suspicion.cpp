@@ -1,28 +1,50 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "app/editor/panels/models_ui.h"
 #include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/base/statistics.h"
 
 namespace homolog {
 
 namespace {
 
-constexpr std::size_t most_rows = 30;  ///< of a kind; the worst come first
+constexpr std::size_t most_rows = 6;    ///< of a case; the worst come first
+constexpr std::size_t most_cases = 30;  ///< the worst come first
+
+/// One thing to look at.
+struct Doubt {
+  std::string where, value, tip;
+  ImU32 colour = palette::amber;
+  std::optional<Eigen::Index> vertex;  ///< its place; none: the whole case
+  double weight = 0;                   ///< how many times the usual
+};
+
+/// All that is to be looked at in one case.
+struct CaseDoubts {
+  std::size_t shape = 0;
+  bool doubtful_fit = false;
+  double weight = 0;  ///< of the worst
+  std::vector<Doubt> doubts;
+};
 
 /// One thing to look at; its place is looked at in the gallery, and its case opened there by a double click.
-/// `where`: after the case's name.
-void draw_entry(const UiContext& ui, int id, const GalleryVertex& place, const std::string& where,
-                const std::string& value, const std::string& tip, ImU32 colour, bool has_place, Outbox& out) {
+void draw_entry(const UiContext& ui, int id, std::size_t shape, const Doubt& doubt, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
-  const std::string& name = state.model->names[place.shape];
+  const std::string& name = state.model->names[shape];
+  const bool has_place = doubt.vertex.has_value();
+  const GalleryVertex place{shape, doubt.vertex.value_or(0)};
   const Part part(format("%d", id), "doubt");
   const ImVec2 at = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, theme.px(24)};
   const bool lit = has_place && state.pinned == place.vertex && state.selected == name;
-  const auto row =
-      area(theme, "entry", size, tip + "\nDouble-click opens the case at this place, with the Slide tool.", {lit});
+  const auto row = area(theme, "entry", size,
+                        doubt.tip + (has_place ? "\nDouble-click opens the case at this place, with the Slide tool."
+                                               : "\nDouble-click opens the case."),
+                        {lit});
   if (row.clicked) out.send(has_place ? Command(PinVertex{place, true}) : SelectCase{name});
   if (row.doubled) out.send(OpenCaseOfStudy{name, has_place ? std::optional(place.vertex) : std::nullopt});
   ImDrawList& draw = *ImGui::GetWindowDrawList();
@@ -30,17 +52,60 @@ void draw_entry(const UiContext& ui, int id, const GalleryVertex& place, const s
     draw.AddRectFilled({at.x - theme.px(4), at.y}, {at.x + size.x + theme.px(4), at.y + size.y},
                        lit ? with_alpha(palette::accent, 0.25f) : palette::raised, theme.px(4));
   const float y = at.y + std::floor((size.y - ImGui::GetFontSize()) / 2);
-  const float value_width = ImGui::CalcTextSize(value.c_str()).x;
-  const float name_room = size.x - value_width - theme.px(12) - ImGui::CalcTextSize(where.c_str()).x;
-  text_at(draw, {at.x, y}, palette::text, shortened_among(name, state.model->names, name_room) + where);
-  text_at(draw, {at.x + size.x - value_width, y}, colour, value);
+  const float value_width = ImGui::CalcTextSize(doubt.value.c_str()).x;
+  text_at(draw, {at.x + theme.px(8), y}, palette::text, shortened(doubt.where, size.x - value_width - theme.px(20)));
+  text_at(draw, {at.x + size.x - value_width, y}, doubt.colour, doubt.value);
 }
 
-/// "Stretched or shrunk triangles: 4", and how many are not listed.
-void draw_caption(const Theme& theme, const char* what, std::size_t count) {
-  gap(theme, 8);
-  caption(theme, count > most_rows ? format("%s: the worst %zu of %zu", what, most_rows, count).c_str()
-                                   : format("%s: %zu", what, count).c_str());
+/// What is to be looked at, case by case: doubtful fits first, then what exceeds the usual most.
+std::vector<CaseDoubts> doubts_by_case(const ModelsState& state) {
+  const StudyModel& model = *state.model;
+  std::map<std::size_t, CaseDoubts> cases;
+  const auto add = [&](Eigen::Index shape, Doubt doubt) {
+    CaseDoubts& one = cases[static_cast<std::size_t>(shape)];
+    one.shape = static_cast<std::size_t>(shape);
+    one.weight = std::max(one.weight, doubt.weight);
+    one.doubts.push_back(std::move(doubt));
+  };
+  for (std::size_t k = 0; k < model.names.size(); ++k) {
+    const StudyCase* known = find_case(state.study, model.names[k]);
+    if (known == nullptr || known->doubt.empty() || known->state == CaseState::done) continue;
+    add(static_cast<Eigen::Index>(k), {"doubtful fit", "", known->doubt, palette::amber, {}, 0});
+    cases[k].doubtful_fit = true;
+  }
+  double median_mm = 0;
+  if (!model.distances_mm.empty()) median_mm = median_of({model.distances_mm.begin(), model.distances_mm.end()});
+  for (const SuspiciousShape& one : model.suspicious_shapes) {
+    const bool far = one.suspicion == Suspicion::far_outside;
+    add(one.shape,
+        {"far from the mean",
+         format("%.2f mm", one.distance_mm),
+         far ? "Very unusual: more than 3 interquartile ranges above the upper quartile (Tukey's outer fence)"
+             : "Unusual: more than 1.5 interquartile ranges above the upper quartile (Tukey's fence)",
+         far ? palette::bad : palette::amber,
+         {},
+         median_mm > 0 ? one.distance_mm / median_mm : 1});
+  }
+  for (const SuspiciousVertex& one : model.suspicious_vertices)
+    add(one.shape,
+        {format("vertex %td", one.vertex), format("%.2f mm", one.deviation_mm),
+         format("Vertex %td lies %.2f mm from where the model of the other shapes expects it. The usual distance is "
+                "%.2f mm.",
+                one.vertex, one.deviation_mm, one.usual_mm),
+         palette::amber, one.vertex, one.usual_mm > 0 ? one.deviation_mm / one.usual_mm : 1});
+  for (const SuspiciousTriangle& one : model.suspicious_triangles)
+    add(one.shape,
+        {format("triangle %td", one.triangle), format("%.2f\xc3\x97", one.stretch),
+         format(
+             "Triangle %td is stretched or shrunk by a factor of %.2f from the mean shape. The usual factor is %.2f.",
+             one.triangle, one.stretch, one.usual),
+         palette::amber, model.topology->triangles()(one.triangle, 0), one.stretch / one.usual});
+  std::vector<CaseDoubts> sorted;
+  for (auto& [shape, one] : cases) sorted.push_back(std::move(one));
+  std::stable_sort(sorted.begin(), sorted.end(), [](const CaseDoubts& a, const CaseDoubts& b) {
+    return std::pair(!a.doubtful_fit, -a.weight) < std::pair(!b.doubtful_fit, -b.weight);
+  });
+  return sorted;
 }
 
 }  // namespace
@@ -52,36 +117,26 @@ void draw_suspicion_section(const UiContext& ui, Outbox& out) {
     explanation(theme, "At least four shapes are needed to tell what is unusual.");
     return;
   }
-  const StudyModel& model = *state.model;
+  const std::vector<CaseDoubts> cases = doubts_by_case(state);
+  if (cases.empty()) {
+    explanation(theme, "Nothing is unusual.");
+    return;
+  }
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, 0});
   int id = 0;
-  draw_caption(theme, "Cases far from the mean", model.suspicious_shapes.size());
-  for (const SuspiciousShape& one : model.suspicious_shapes)
-    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), 0}, "", format("%.2f mm", one.distance_mm),
-               one.suspicion == Suspicion::far_outside
-                   ? "Very unusual: more than 3 interquartile ranges above the upper quartile (Tukey's outer fence)"
-                   : "Unusual: more than 1.5 interquartile ranges above the upper quartile (Tukey's fence)",
-               one.suspicion == Suspicion::far_outside ? palette::bad : palette::amber, false, out);
-  draw_caption(theme, "Vertices in unexpected places", model.suspicious_vertices.size());
-  for (std::size_t k = 0; k < std::min(most_rows, model.suspicious_vertices.size()); ++k) {
-    const SuspiciousVertex& one = model.suspicious_vertices[k];
-    draw_entry(ui, id++, {static_cast<std::size_t>(one.shape), one.vertex}, format(", %td", one.vertex),
-               format("%.2f mm", one.deviation_mm),
-               format("Vertex %td lies %.2f mm from where the model of the other shapes expects it. The usual distance "
-                      "is %.2f mm.",
-                      one.vertex, one.deviation_mm, one.usual_mm),
-               palette::amber, true, out);
+  for (std::size_t k = 0; k < std::min(most_cases, cases.size()); ++k) {
+    const CaseDoubts& one = cases[k];
+    gap(theme, 8);
+    const std::string count =
+        one.doubts.size() > most_rows ? format(": the worst %zu of %zu", most_rows, one.doubts.size()) : std::string();
+    const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(count.c_str()).x;
+    caption(theme, (shortened_among(state.model->names[one.shape], state.model->names, room) + count).c_str());
+    for (std::size_t row = 0; row < std::min(most_rows, one.doubts.size()); ++row)
+      draw_entry(ui, id++, one.shape, one.doubts[row], out);
   }
-  draw_caption(theme, "Stretched or shrunk triangles", model.suspicious_triangles.size());
-  for (std::size_t k = 0; k < std::min(most_rows, model.suspicious_triangles.size()); ++k) {
-    const SuspiciousTriangle& one = model.suspicious_triangles[k];
-    const Eigen::Index corner = model.topology->triangles()(one.triangle, 0);
-    draw_entry(
-        ui, id++, {static_cast<std::size_t>(one.shape), corner}, format(", triangle %td", one.triangle),
-        format("%.2f\xc3\x97", one.stretch),
-        format("Triangle %td is stretched or shrunk by a factor of %.2f from the mean shape. The usual factor is %.2f.",
-               one.triangle, one.stretch, one.usual),
-        palette::amber, true, out);
+  if (cases.size() > most_cases) {
+    gap(theme, 8);
+    caption(theme, format("and %zu more cases", cases.size() - most_cases).c_str());
   }
   ImGui::PopStyleVar();
 }

@@ -40,6 +40,15 @@ fs::path new_study_file() {
   }
 }
 
+void start_new_study(EditorState& state) {
+  state.models.study_file = new_study_file();
+  remember_recent(state.preferences.recent_studies, state.models.study_file);
+  add_notice(state,
+             "The new study lies in " + state.models.study_file.string() +
+                 ". Save study as… (Ctrl+S) puts it beside your scans.",
+             false);
+}
+
 void Models::show_study(EditorState& state, StudyRead read, const fs::path& path) {
   if (!unwritten_.empty())
     return add_notice(state, path.filename().string() + " was not opened: " + unwritten_.filename().string() +

@@ -100,5 +100,7 @@ class Models {
 
 /// A study's file that is not there yet.
 std::filesystem::path new_study_file();
+/// Gives the study on the screen such a file, and says where it lies and how it gets another place.
+void start_new_study(EditorState& state);
 
 }  // namespace homolog

@@ -8,6 +8,7 @@
 #include "app/editor/update/results/opening.h"
 #include "app/editor/update/results/results.h"
 #include "core/base/guarded.h"
+#include "core/base/paths.h"
 
 namespace homolog {
 
@@ -38,6 +39,11 @@ void EditorApp::start(const EditorOptions& options) {
   }
   if (options.demo) return send(open_phantom(*options.demo, 1));
   if (options.files.empty() && options.template_source.empty()) return send(open_phantom(Organ::kidney, 1));
+  if (options.files.size() == 1 && is_study_file(options.files.front())) {
+    send(ShowModels{true});
+    send(OpenStudy{{absolute_path(options.files.front())}});
+    return;
+  }
   auto request = sort_files(options.files);
   if (!request) return add_notice(state_, request.error().sentence());
   if (!options.template_source.empty()) request->template_source = options.template_source;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/editor/work/models/model_help.h"
+#include "core/adapt/choose_closing.h"
 #include "core/adapt/judge_fit.h"
 #include "core/assist/assist.h"
 #include "core/mesh/isosurface.h"
@@ -95,14 +96,33 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
   options.allowed = *allowed;
   options.partial = settings.partial;
   const int frame = std::min(document.frame, labels.volume->frames - 1);
-  auto boundary = label_boundary(*labels.volume, settings.all_labels ? every_label : settings.label, frame,
-                                 settings.closing_mm, the_template.points.rows());
+  const int label = settings.all_labels ? every_label : settings.label;
+  const double closing_mm = settings.closing_mm.value_or(
+      closing_kept_with(the_template.source).value_or(usual_closing_mm(*labels.volume, label, frame)));
+  auto boundary = label_boundary(*labels.volume, label, frame, closing_mm, the_template.points.rows());
   if (!boundary) return fail(labels.name, boundary.error().what);
   auto fit = fit_document(document, *boundary, settings.as_placed, options);
   if (!fit) return fail(labels.name, fit.error().what);
-  const FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
+  FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
   Fitted done;
-  done.agreement = judgement.agreement;
+  if (!settings.closing_mm && judgement.doubtful) {
+    auto more = try_more_closing(the_template, *labels.volume, label, frame, options,
+                                 {closing_mm, *boundary, fit->result, judgement});
+    if (more.better) {
+      auto again = fit_document(document, more.better->boundary, settings.as_placed, options);
+      if (!again) return fail(labels.name, again.error().what);
+      *boundary = std::move(more.better->boundary);
+      fit = std::move(again);
+      judgement = judge_fit(the_template, *boundary, options, fit->result);
+      char closed[160];
+      std::snprintf(closed, sizeof closed, "Clefts were closed by %.2f mm, since the fit was doubtful with %.2f mm.",
+                    more.better->closing_mm, closing_mm);
+      done.remarks.emplace_back(closed);
+    } else if (!more.tried.empty()) {
+      judgement.warnings.push_back(tried_in_vain(more));
+    }
+  }
+  done.agreement = judgement.inside_scan;
   done.doubtful = judgement.doubtful;
   for (const std::string& warning : judgement.warnings) done.warnings.push_back(as_sentence(warning));
   if (fit->result.allowed.size() > 0) {
@@ -112,6 +132,14 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
     std::snprintf(remark, sizeof remark,
                   "The model alone comes within %.2f mm of the label. The mesh lies %.2f mm beyond it on average.",
                   model_mm, beyond_mm);
+    done.remarks.emplace_back(remark);
+  }
+  if (judgement.beyond_share > 0 && !settings.partial) {
+    char remark[160];
+    std::snprintf(
+        remark, sizeof remark,
+        "%.0f %% of the mesh lies beyond the scan, where it follows the template. The figures are of the rest.",
+        100 * judgement.beyond_share);
     done.remarks.emplace_back(remark);
   }
   if (settings.partial) {

@@ -213,7 +213,9 @@ bool was_worked_on(EditSession& session) {
 Result<WorklistDone> cases_of(const std::vector<fs::path>& asked, const CaseStart& start, Progress& progress) {
   WorklistDone done;
   std::vector<Scan> scans;
-  const auto paths = asked.size() == 1 ? candidates(asked.front(), done.warnings) : asked;
+  std::error_code ignored;
+  const bool is_folder = asked.size() == 1 && fs::is_directory(asked.front(), ignored);
+  const auto paths = is_folder ? candidates(asked.front(), done.warnings) : asked;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     progress.report(static_cast<double>(k) / static_cast<double>(paths.size()));
     Progress reading(progress, 0);
@@ -226,8 +228,8 @@ Result<WorklistDone> cases_of(const std::vector<fs::path>& asked, const CaseStar
   }
   if (scans.empty())
     return fail(asked.front().string(),
-                asked.size() == 1 ? "holds no scan and no label map; choose a folder of images, one file for each"
-                                  : "is no scan and no label map, and neither are the others; choose images");
+                is_folder ? "holds no scan and no label map; choose a folder of images, one file for each"
+                          : "is no scan and no label map, and neither are the others; choose images");
   if (auto made = make_folder(start.cases); !made) return fail(made.error());
   const auto pairs = pairs_of(scans);
   Made made_so_far;
@@ -275,6 +277,10 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   options.progress = &progress;
   auto labels = read_volume(one.labels, options);
   if (!labels) return fail(labels.error());
+  if (const auto own = one.other.find("label"); own != one.other.end() && own->is_number()) {
+    settings.label = static_cast<int>(own->get<double>());  // as the study was made with
+    settings.all_labels = false;
+  }
   const std::size_t wanted = settings.all_labels || settings.label == 0 ? 0 : 1;
   if (auto chosen = choose_layer(one.labels, {&settings.label, wanted}, *labels); !chosen) return fail(chosen.error());
   std::vector<std::string> soft;
@@ -294,16 +300,21 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   fit.progress = &progress;
   auto fitted = fit_to_labels(session.document(), map, settings, {}, fit);
   if (!fitted) return fail(fitted.error());
-  const std::string remark = fitted->remarks.empty() ? std::string() : fitted->remarks.front();
+  // What is wrong with the fit is said last.
+  const std::string reason = fitted->warnings.empty() ? "The fit is doubtful." : fitted->warnings.back();
   const Note figures{"fit", {}, {}, figures_of(*fitted)};
   if (auto applied = session.apply(std::move(fitted->edit)); !applied) return fail(applied.error());
   if (auto noted = session.apply(figures); !noted) return fail(noted.error());
   if (auto named = name_labels(session, one.labels); !named) return fail(named.error());
   if (!fitted->doubtful) return soft.empty() ? std::string() : soft.front();
-  return remark.empty() ? "The fit is doubtful." : remark;
+  return reason;
 }
 
 }  // namespace
+
+Result<WorklistDone> cases_of_scans(const std::vector<fs::path>& paths, const CaseStart& start, Progress& progress) {
+  return cases_of(paths, start, progress);
+}
 
 void Worklist::add(const std::vector<fs::path>& paths, CaseStart start) {
   if (paths.empty()) return;

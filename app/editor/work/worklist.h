@@ -35,6 +35,11 @@ struct CaseStart {
   std::vector<std::filesystem::path> known;  ///< files of the study's cases: these are never made again
 };
 
+/// Makes a case for every scan in a folder, or for each of several files: see Worklist::add. Errors: no scan there,
+/// cancelled.
+Result<WorklistDone> cases_of_scans(const std::vector<std::filesystem::path>& paths, const CaseStart& start,
+                                    Progress& progress);
+
 /// Makes cases for the scans and label maps of a folder, and fits those that wait, beside the window. Called from the
 /// window's thread only.
 class Worklist {

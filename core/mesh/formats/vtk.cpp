@@ -4,6 +4,7 @@
 #include "core/mesh/formats/scalars.h"
 #include "core/mesh/formats/space.h"
 #include "core/mesh/formats/text.h"
+#include "core/mesh/formats/vertex_arrays.h"
 
 namespace homolog::formats {
 namespace {
@@ -53,10 +54,16 @@ class VtkReader {
   Result<MeshFile> read() {
     if (auto head = read_head(); !head) return fail(head.error());
     for (std::string key = key_word(); !key.empty(); key = key_word()) {
-      if (key == "point_data" || key == "cell_data") break;  // nothing of these is kept
+      if (key == "point_data") {
+        read_point_data();
+        break;
+      }
+      if (key == "cell_data") break;  // nothing of these is kept
       if (auto part = read_part(key); !part) return fail(part.error());
     }
     if (auto filled = std::move(faces_).fill(mesh_, std::move(coordinates_)); !filled) return fail(filled.error());
+    for (auto& [name, values] : arrays_)
+      keep_vertex_array(name, Eigen::Map<const VertexScalars>(values.data(), std::ssize(values)), mesh_);
     space_.apply_to(mesh_);
     if (ascii_) warn_if_cut(text_, mesh_.warnings);
     return std::move(mesh_);
@@ -170,6 +177,49 @@ class VtkReader {
     return {};
   }
 
+  /// The arrays of one value a vertex. What comes is left where something is not understood: the surface is whole.
+  void read_point_data() {
+    const auto vertices = text_.number<std::size_t>();
+    if (!vertices || 3 * *vertices != coordinates_.size()) return;
+    for (std::string key = key_word(); key == "scalars" || key == "field"; key = key_word()) {
+      if (key == "field" ? !read_point_field(*vertices) : !read_scalars(*vertices)) return;
+    }
+  }
+
+  bool keep_array(std::string_view name, std::string_view type, std::size_t components, std::size_t vertices) {
+    const std::string kept = decoded(name);
+    if (components == 0 || components > 16 || !vtk_scalar(type)) return false;
+    auto values = numbers<double>(type, components * vertices);
+    if (!values) return false;
+    if (components == 1) arrays_.emplace_back(kept, std::move(*values));
+    return true;
+  }
+
+  /// SCALARS name type [components], LOOKUP_TABLE name, then the values.
+  bool read_scalars(std::size_t vertices) {
+    Text words(text_.line());
+    const std::string name(words.word()), type = lower_case(std::string(words.word()));
+    const auto components = to_number<std::size_t>(words.word()).value_or(1);
+    return key_word() == "lookup_table" && keep_array(name, type, components, vertices);
+  }
+
+  bool read_point_field(std::size_t vertices) {
+    text_.word();
+    const auto arrays = text_.number<std::size_t>();
+    if (!arrays || *arrays > 1000) return false;
+    for (std::size_t i = 0; i < *arrays; ++i) {
+      std::string name(text_.word());
+      if (lower_case(name) == "metadata") {
+        if (!read_part("metadata")) return false;
+        name = text_.word();
+      }
+      const auto components = text_.number<std::size_t>(), tuples = text_.number<std::size_t>();
+      const std::string type = key_word();
+      if (!components || !tuples || *tuples != vertices || !keep_array(name, type, *components, vertices)) return false;
+    }
+    return true;
+  }
+
   /// FIELD name arrays, each: name components tuples type, then the values. Of these SPACE alone is kept.
   Result<void> read_field() {
     text_.word();
@@ -232,6 +282,7 @@ class VtkReader {
   std::vector<double> coordinates_;
   Faces faces_;
   MeshFile mesh_;
+  std::vector<std::pair<std::string, std::vector<double>>> arrays_;  ///< of one value a vertex
 };
 
 Result<MeshFile> read_vtk(std::string_view bytes) {
@@ -249,6 +300,15 @@ void write_vtk(const MeshFile& mesh, std::ostream& out) {
     for (const std::int32_t v : mesh.triangles.row(f)) store(v, vtk_order, bytes);
   }
   bytes += '\n';
+  if (const auto arrays = vertex_arrays(mesh); !arrays.empty()) {
+    const std::string vertices = std::to_string(mesh.points.rows());
+    bytes += "POINT_DATA " + vertices + "\nFIELD FieldData " + std::to_string(arrays.size()) + "\n";
+    for (const auto& [name, values] : arrays) {
+      bytes += name + " 1 " + vertices + " float\n";
+      for (const double value : values) store(static_cast<float>(value), vtk_order, bytes);
+      bytes += '\n';
+    }
+  }
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 

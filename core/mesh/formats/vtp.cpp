@@ -1,6 +1,7 @@
 #include <zlib.h>
 
 #include <array>
+#include <map>
 #include <pugixml.hpp>
 
 #include "core/base/text.h"
@@ -9,6 +10,7 @@
 #include "core/mesh/formats/scalars.h"
 #include "core/mesh/formats/space.h"
 #include "core/mesh/formats/text.h"
+#include "core/mesh/formats/vertex_arrays.h"
 
 namespace homolog::formats {
 namespace {
@@ -89,6 +91,9 @@ class VtpReader {
       if (auto read = read_piece(piece); !read) return fail(read.error());
     MeshFile mesh;
     if (auto filled = std::move(faces_).fill(mesh, std::move(coordinates_)); !filled) return fail(filled.error());
+    for (auto& [name, values] : arrays_)
+      if (std::ssize(values) == mesh.points.rows())
+        keep_vertex_array(name, Eigen::Map<const VertexScalars>(values.data(), std::ssize(values)), mesh);
     SpaceNames space;
     // VTK writes strings as <Array>; others as <DataArray>.
     for (const auto field : poly_data.child("FieldData").children()) {
@@ -142,6 +147,15 @@ class VtpReader {
       coordinates_ = std::move(*points);
     else
       coordinates_.insert(coordinates_.end(), points->begin(), points->end());
+    // Of several pieces an array counts where each of them has it.
+    for (const auto node : piece.child("PointData").children("DataArray")) {
+      const auto components = node.attribute("NumberOfComponents").as_ullong(1);
+      if (components != 1 || arrays_.size() > 1000) continue;
+      auto values = array<double>(node);
+      if (!values) continue;  // the surface is whole without it
+      auto& all = arrays_[node.attribute("Name").value()];
+      if (std::ssize(all) == first_vertex) all.insert(all.end(), values->begin(), values->end());
+    }
     if (auto polygons = read_cells(piece, "Polys", "NumberOfPolys", first_vertex); !polygons) return polygons;
     return read_cells(piece, "Strips", "NumberOfStrips", first_vertex);
   }
@@ -264,6 +278,7 @@ class VtpReader {
   std::endian order_ = std::endian::little;
   Scalar header_ = Scalar::uint32;
   std::vector<double> coordinates_;
+  std::map<std::string, std::vector<double>> arrays_;  ///< of one value a vertex
   Faces faces_;
   std::size_t encoded_left_ = 0, decoded_left_ = 0;  ///< of bytes that may still be taken
 };
@@ -287,14 +302,20 @@ void write_vtp(const MeshFile& mesh, std::ostream& out) {
   std::vector<std::int32_t> ends;
   for (std::int32_t f = 1; f <= mesh.triangles.rows(); ++f) ends.push_back(3 * f);
   const auto offsets = append(ends);
+  std::string point_data;
+  for (const auto& [name, values] : vertex_arrays(mesh))
+    point_data += "<DataArray type=\"Float32\" Name=\"" + name + "\" format=\"appended\" offset=\"" +
+                  append(std::vector<float>(values.begin(), values.end())) + "\"/>\n";
+  if (!point_data.empty()) point_data = "<PointData>\n" + point_data + "</PointData>\n";
   out << "<?xml version=\"1.0\"?>\n"
          "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
          "<PolyData>\n<FieldData>\n"
          "<DataArray type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" format=\"ascii\">76 80 83 0</DataArray>\n"
          "</FieldData>\n<Piece NumberOfPoints=\""
       << mesh.points.rows() << "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\""
-      << mesh.triangles.rows()
-      << "\">\n<Points>\n<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"appended\" "
+      << mesh.triangles.rows() << "\">\n"
+      << point_data
+      << "<Points>\n<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"appended\" "
          "offset=\""
       << points
       << "\"/>\n</Points>\n<Polys>\n<DataArray type=\"Int32\" Name=\"connectivity\" format=\"appended\" offset=\""

@@ -19,6 +19,7 @@
 #include "tests/driver.h"
 #include "tests/failing_memory.h"
 #include "tests/must.h"
+#include "tests/screens.h"
 
 // What a person does with the panels, done to the panels themselves: what is asserted is the document, the case's file
 // and the screen.
@@ -342,6 +343,45 @@ TEST_CASE("the window closes only after a template that was made is written") {
   driver.app().ask_to_quit();
   driver.wait_until("it closes", [&] { return driver.app().wants_to_quit(); });
   CHECK(fs::exists(file));
+}
+
+TEST_CASE("a tube that leaves a part of its label out says how much in amber and what to do") {
+  const Ball ball;
+  Driver driver(ball.document(), {1280, 1400, 1});
+  driver.state().preferences.sections_open = {{"Case", false}, {"Template", true}, {"Deform", false}};
+  driver.app().send(open_labels(write_labels(driver)));
+  driver.settle();
+  const auto make = [&](const Vec3& base) {
+    TemplateSettings& settings = driver.state().template_settings;
+    settings.tube = true;
+    settings.tube_options.label = settings.label = 3;
+    settings.tube_options.base_and_apex = {base, Vec3(0, 0, -18)};
+    driver.app().send(MakeTemplate{settings, {}});
+    driver.settle();
+    REQUIRE(driver.has("Template/Save and use…"));
+  };
+  make({0, 0, 18});
+  CHECK(!driver.shows("Draw the ruler (D)"));
+  make({0, 0, 0});  // the upper half is left out
+  REQUIRE(driver.shows("Draw the ruler (D) from the base to the apex"));
+  const auto said = std::find_if(driver.items().begin(), driver.items().end(), [](const DrawnItem& item) {
+    return item.name.find("Draw the ruler (D)") != std::string::npos;
+  });
+  REQUIRE(said != driver.items().end());
+  CHECK(said->name.find("50 %") != std::string::npos);
+  const auto gl = test::context_or_skip();
+  if (!gl) return;
+  // Amber is drawn there: red and green, with little blue.
+  const Picture picture = driver.picture();
+  int amber = 0;
+  for (int y = static_cast<int>(said->rect.y); y < static_cast<int>(said->rect.y + said->rect.height); ++y)
+    for (int x = static_cast<int>(said->rect.x); x < static_cast<int>(said->rect.x + said->rect.width); ++x) {
+      const auto pixel =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x);
+      const std::uint8_t* px = &picture.rgba[4 * pixel];
+      amber += px[0] > 150 && px[1] > 100 && px[0] > px[1] + 20 && px[2] < px[1] - 40;
+    }
+  CHECK(amber > 100);
 }
 
 TEST_CASE("an image and its label map are opened together") {

@@ -366,6 +366,7 @@ TEST_CASE("a label map that does not meet the image says so and one that does is
   driver.settle();
   REQUIRE(driver.state().notices.size() == 1);
   CHECK(driver.state().notices.front().text.starts_with("outside.nii lies outside the image"));
+  CHECK(driver.state().notices.front().text.find("one scan") != std::string::npos);
 
   // A case of a study is opened with its label map.
   OpenRequested both = open_case_file(globe.folder.path / "kept.homolog");

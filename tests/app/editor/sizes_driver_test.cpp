@@ -62,7 +62,7 @@ TEST_CASE("sizes of a study are listed and written and it is compared with anoth
   choose_file(driver, driver.folder() / "sizes.csv");
   driver.wait_until("the table is written", [&] { return fs::exists(driver.folder() / "sizes.csv"); });
   CHECK(test::must(read_whole_file(driver.folder() / "sizes.csv"))
-            .starts_with("case,volume_ml,area_mm2,north to south mm\none,33."));
+            .starts_with("case,volume_ml,area_mm2,north to south mm,centroid_size_mm\none,33."));
   driver.click("Sizes/Landmarks…");
   choose_file(driver, driver.folder() / "balls.tps");
   driver.wait_until("the landmarks are written", [&] { return fs::exists(driver.folder() / "balls.tps"); });

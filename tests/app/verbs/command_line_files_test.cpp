@@ -332,7 +332,6 @@ TEST_CASE("an option that has no effect on what a verb is given is said") {
         "fit ball-1.ply --image noise.nii --placement p.json -o out.ply --orientation any",
         "fit ball-1.ply --image noise.nii --placement p.json --landmarks l.json -o out.ply",
         "replay ball.homolog -o out.ply --scheme raw --events 3", "repair-mesh ball-1.ply -o out.ply --vertices 500",
-        "template --consensus ball-1.ply ball-2.ply -o out.ply --genus 0",
         "template --consensus ball-1.ply ball-2.ply -o out.ply --opening-mm 3",
         "template noise.nii --tube -o out.ply --vertices 900", "template noise.nii --tube -o out.ply --closing-mm 3",
         "template noise.nii --tube -o out.ply --opening-mm 3", "template noise.nii --tube -o out.ply --genus 1"}) {

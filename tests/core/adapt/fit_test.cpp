@@ -215,6 +215,34 @@ TEST_CASE("an organ cut off by the scan keeps the template's shape beyond") {
     CHECK((fit.mesh.points.row(i) - whole.points.row(i)).norm() < 4);
     CHECK(fit.doubt_mm[i] > least_mm);
   }
+  // What the scan cuts off counts against the whole, and not against what is seen.
+  const FitJudgement judged = judge_fit(*the_template, boundary, {}, fit);
+  CHECK(judged.agreement.dice < 0.9);
+  CHECK(judged.inside_scan.dice > 0.96);
+  CHECK(judged.inside_scan.assd_mm < 0.5);
+  CHECK(judged.inside_scan.assd_mm < 0.3 * judged.agreement.assd_mm);
+  CHECK(judged.beyond_share > 0.15);
+  CHECK(judged.beyond_share < 0.35);
+  CHECK(!judged.doubtful);
+}
+
+TEST_CASE("a fit of which too little lies in the scan is doubtful and says so") {
+  const auto the_template = built_in(Organ::kidney);
+  VolumeGeometry grid = grid_around(the_template->points, 1.25);
+  const int missing = grid.dims[2] * 3 / 4;
+  grid.origin_mm.z() += missing * 1.25;
+  grid.dims[2] -= missing;
+  const Mesh whole{the_template->topology, the_template->points};
+  const Boundary boundary = label_boundary(label_map(whole, grid), 1, 0, 0, whole.points.rows()).value();
+  FitResult fit;
+  fit.mesh = whole;  // as if it were placed rightly
+  const FitJudgement judged = judge_fit(*the_template, boundary, {}, fit);
+  CHECK(judged.inside_scan.dice > 0.95);
+  CHECK(judged.beyond_share > 0.6);
+  CHECK(judged.doubtful);
+  CHECK(std::any_of(judged.warnings.begin(), judged.warnings.end(), [](const std::string& warning) {
+    return warning.find("too little to tell where it belongs") != std::string::npos;
+  }));
 }
 
 TEST_CASE("the template of another organ gives no wild mesh") {

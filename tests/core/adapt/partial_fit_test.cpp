@@ -169,6 +169,8 @@ TEST_CASE("a partial fit with a model finds what is missing and stays with the m
     const FitResult fit = fit_to_boundary(*kidney(), cut.open(), options).value();
     CHECK(cut.f1(fit) > 0.85);
     CHECK((fit.mesh.points == fit.allowed) == (beyond == 0));
+    // In the hole the model's shape stays, whatever the rim draws to.
+    for (const std::int32_t i : fit.outliers) CHECK((fit.mesh.points.row(i) - fit.allowed.row(i)).norm() < 1e-9);
   }
 }
 

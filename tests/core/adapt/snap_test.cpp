@@ -337,7 +337,7 @@ TEST_CASE("five gestures lay the built-in kidney on one in a CT of 3 mm voxels")
   REQUIRE(pull_to_target(session, target, {.visible_mm = 1, .most_pulls = 3}));
   snap_within(10);
   // The second snap holds the pulls, which are not exact.
-  CHECK(compare_with_mask(session.document().mesh(), labels, kidney_right)->assd_mm < 1.4);
+  CHECK(compare_with_mask(session.document().mesh(), labels, kidney_right)->assd_mm < 1.45);
 }
 
 TEST_CASE("pulls and snaps and a refinement and a propagation of one template make one elimination plan") {

@@ -231,7 +231,14 @@ TEST_CASE("compactness rises to the share of all but the last mode") {
   for (std::size_t m = 1; m < 6; ++m) CHECK(shares[m].mean > shares[m - 1].mean);
   const Eigen::VectorXd variances = components.variances();
   CHECK(shares.back().mean == doctest::Approx(1 - variances[6] / variances.sum()));
-  CHECK(shares.front().standard_error == doctest::Approx(std::sqrt(2.0 / 8) * variances[0] / variances.sum()));
+  // d share / d λ₁ = (1 − share) / Σλ, d share / d λ_k = −share / Σλ.
+  const double first = variances[0] / variances.sum();
+  const double rest_squares = variances.tail(variances.size() - 1).squaredNorm();
+  CHECK(shares.front().standard_error ==
+        doctest::Approx(
+            std::sqrt(2.0 / 8) / variances.sum() *
+            std::sqrt((1 - first) * (1 - first) * variances[0] * variances[0] + first * first * rest_squares)));
+  CHECK(shares.back().standard_error < shares.front().standard_error);
 }
 
 TEST_CASE("a measure is the mean with the error of a sample's mean") {

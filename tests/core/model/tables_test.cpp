@@ -34,8 +34,9 @@ TEST_CASE("volume and area and distances of a box are those of its sides") {
   CHECK(landmark_pairs(both) == std::vector<LandmarkPair>{{"a", "b"}, {"b", "c"}});
   CHECK(*distance_mm(both[0], {"a", "b"}) == doctest::Approx(10));
   CHECK_FALSE(distance_mm(both[1], {"a", "b"}));
-  CHECK(sizes_table({"one", "the \"other\""}, both) ==
-        "case,volume_ml,area_mm2,a to b mm,b to c mm\none,6,2200,10,\n\"the \"\"other\"\"\",12,3200,,5\n");
+  CHECK(sizes_table({"one", "the \"other\""}, both, {"healthy", ""}) ==
+        "case,volume_ml,area_mm2,a to b mm,b to c mm,centroid_size_mm,group\none,6,2200,10,,52.915,healthy\n\"the "
+        "\"\"other\"\"\",12,3200,,5,58.3095,\n");
   const Spread spread = spread_of({6.0, std::nullopt, 12.0});
   CHECK(spread.count == 2);
   CHECK(spread.mean == doctest::Approx(9));

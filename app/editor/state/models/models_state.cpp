@@ -38,7 +38,10 @@ ListedSizes listed_sizes(const ModelsState& state) {
     if (known == state.sizes.end()) continue;
     listed.names.push_back(one.name);
     listed.sizes.push_back(known->second);
+    listed.groups.push_back(one.group);
   }
+  if (std::all_of(listed.groups.begin(), listed.groups.end(), [](const auto& group) { return group.empty(); }))
+    listed.groups.clear();
   return listed;
 }
 

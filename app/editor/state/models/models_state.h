@@ -106,6 +106,7 @@ std::vector<std::size_t> listed_cases(const ModelsState& state);
 struct ListedSizes {
   std::vector<std::string> names;
   std::vector<ShapeSizes> sizes;
+  std::vector<std::string> groups;  ///< empty where no case has one
 };
 ListedSizes listed_sizes(const ModelsState& state);
 /// RMS distance to the mean shape; nothing for a case that is not in the model.

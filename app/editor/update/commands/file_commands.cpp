@@ -67,12 +67,13 @@ void OpenFiles::spell(Fields& line) {
   line.member("paths", paths);
 }
 void OpenFiles::run(Editing& editing) const {
-  if (editing.state.models.shown) {
-    // Dropped on the Models mode: studies are opened, all else becomes a case of the study.
-    for (const auto& path : paths)
-      if (is_study_file(path)) return editing.out.send(OpenStudy{{path}});
-    return editing.out.send(AddCases{paths});
-  }
+  for (const auto& path : paths)
+    if (is_study_file(path)) {
+      editing.out.send(ShowModels{true});
+      return editing.out.send(OpenStudy{{path}});
+    }
+  // Dropped on the Models mode, all else becomes a case of the study.
+  if (editing.state.models.shown) return editing.out.send(AddCases{paths});
   auto request = sort_files(paths);
   if (!request) return add_notice(editing.state, request.error().sentence());
   std::error_code ignored;

@@ -65,7 +65,7 @@ void ExportEvaluation::run(Editing& editing) const {
 
 void ExportSizes::run(Editing& editing) const {
   write_beside(editing, path, [listed = listed_sizes(editing.state.models)](const auto& to, Progress&) {
-    return write_whole_file(to, sizes_table(listed.names, listed.sizes));
+    return write_whole_file(to, sizes_table(listed.names, listed.sizes, listed.groups));
   });
 }
 
@@ -154,10 +154,7 @@ void AddCases::run(Editing& editing) const {
   if (paths.size() == 1 && std::filesystem::is_directory(paths.front(), ignored))
     return add_scans(editing, paths);  // dropped on the window
   if (add_cases(models, paths) == 0) add_notice(editing.state, "All these shapes are in the study already.", false);
-  if (models.study_file.empty()) {
-    models.study_file = new_study_file();
-    remember_recent(editing.state.preferences.recent_studies, models.study_file);
-  }
+  if (models.study_file.empty()) start_new_study(editing.state);
   if (editing.state.dialog && !paths.empty()) editing.state.preferences.folder = paths.front().parent_path();
 }
 

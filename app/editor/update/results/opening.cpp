@@ -9,6 +9,7 @@
 
 #include "core/base/paths.h"
 #include "core/catalogue/catalogue.h"
+#include "core/measure/meeting.h"
 #include "core/session/unsaved_cases.h"
 
 namespace homolog {
@@ -19,11 +20,15 @@ namespace {
 /// them.
 void show_labels(Editing& editing, const Opened& opened, std::optional<int> fitted_frame = {}) {
   const std::string name = opened.request.labels.filename().string();
-  if (opened.labels_off_image)
-    add_notice(editing.state,
-               name +
-                   " lies outside the image: none of its labels is in it. Check that both are of one scan, "
-                   "and that the program that wrote the label map kept its place.");
+  if (opened.labels_off_image) {
+    const bool turned = opened.labels_misfit && opened.labels_misfit->half_turn;
+    const bool scaled = opened.labels_misfit && opened.labels_misfit->factor != 1;
+    add_notice(editing.state, name + " lies outside the image: none of its labels is in it. " +
+                                  (turned   ? "It would lie in it if its header meant RAS for LPS. Correct its header."
+                                   : scaled ? "The lengths in its header may be in another unit than mm. Correct them."
+                                            : "Check that both are of one scan, and that the program that wrote the "
+                                              "label map kept its place."));
+  }
   const Document& document = editing.shown.document();
   std::optional<int> frame;
   if (document.volume && document.volume->frames > 1 && opened.labels->frames == 1) {
@@ -54,18 +59,23 @@ void start_document(Editing& editing, Document document) {
   add_notice(editing.state, std::move(notice));
 }
 
-/// Asks, where the template lies beside the image, and in it after half a turn.
-void offer_flip(EditorState& state, const Document& document) {
+/// What the template's own coordinates say of the image: asks where they lie in it after half a turn, and says where
+/// they seem to be in another unit.
+void meet_image(EditorState& state, const Document& document) {
   if (!document.volume || !document.the_template || is_built_in(document.the_template->source)) return;
-  const Box image = document.volume->geometry.bounds_mm();
-  const Points& points = document.the_template->points;
-  if (image.intersects(bounds_of(points))) return;
+  const Box image = document.volume->geometry.bounds_mm(), own = bounds_of(document.the_template->points);
+  const auto misfit = misfit_in_image(own, document.volume->geometry);
+  if (!misfit) return;
+  const std::string name = std::filesystem::path(document.the_template->source).filename().string();
+  if (misfit->factor != 1)
+    return add_notice(state, misfit_sentence(*misfit, {name, own.diagonal().norm()},
+                                             {std::filesystem::path(document.volume_source).filename().string(),
+                                              image.diagonal().norm()}) +
+                                 ".");
   // To negate x and y is half a turn about z.
   const Similarity flip{Eigen::Quaterniond(0, 0, 0, 1), 1, Vec3::Zero()};
-  const Box flipped = bounds_of(Points(points * Vec3(-1, -1, 1).asDiagonal()));
-  if (!image.intersects(flipped)) return;
-  const std::string name = std::filesystem::path(document.the_template->source).filename().string();
-  state.dialog = FlipDialog{name, flip, flipped};
+  state.dialog =
+      FlipDialog{name, flip, bounds_of(Points(document.the_template->points * Vec3(-1, -1, 1).asDiagonal()))};
 }
 
 /// Whether a template lies on the image as its own coordinates say.
@@ -138,7 +148,7 @@ void start_with(Editing& editing, Opened opened) {
   }
   if (new_image && !is_phantom(source)) remember_recent(state.preferences.recent, source);
   if (opened.labels) show_labels(editing, opened);
-  if (!demo) offer_flip(state, *editing.shown.snapshot().document);
+  if (!demo) meet_image(state, *editing.shown.snapshot().document);
 }
 
 /// What the case keeps of its last fit, and the frame of it, where that mesh is still as the fit left it.

@@ -42,6 +42,12 @@ void take_added(EditorState& state, std::vector<StudyCase> added) {
   if (count > 0 && known_already > 0)
     news += known_already == 1 ? " 1 is in the study already."
                                : " " + std::to_string(known_already) + " are in the study already.";
+  constexpr std::ptrdiff_t enough = 5;  // subjects, from which on their consensus is the better template
+  const auto& cases = models.study.cases;
+  const auto with_map =
+      std::count_if(cases.begin(), cases.end(), [](const StudyCase& one) { return !one.labels.empty(); });
+  if (count > 0 && with_map >= enough && with_map - static_cast<std::ptrdiff_t>(count) < enough)
+    news += " A template of all of them depends on no single one: homolog template --consensus FOLDER -o T.ply.";
   add_notice(state, std::move(news), false);
 }
 
@@ -93,7 +99,7 @@ void add_scans(Editing& editing, const std::vector<fs::path>& paths) {
   const auto& the_template = editing.shown.loaded_template();
   if (!the_template)
     return add_notice(editing.state, "Load the template first (Tab, then Template); every scan starts from it.");
-  if (models.study_file.empty()) models.study_file = new_study_file();
+  if (models.study_file.empty()) start_new_study(editing.state);
   std::error_code ignored;
   CaseStart start{case_folder(models), the_template, editing.shown.template_is_mirrored(), {}};
   for (const StudyCase& one : models.study.cases) start.known.push_back(one.file);

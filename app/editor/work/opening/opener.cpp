@@ -215,12 +215,15 @@ bool lies_in(const Volume& labels, const VolumeGeometry& image) {
       labels.data);
 }
 
-/// `on_screen`: null where there is none.
-bool lies_off_image(const Opened& opened, const Volume* on_screen) {
+/// Whether its labels miss the image, and why. `on_screen`: null where there is none.
+void meet_image(Opened& opened, const Volume* on_screen) {
   const Volume* image = on_screen;
   if (opened.opened_case) image = opened.opened_case->session.document().volume.get();
   if (opened.volume) image = opened.volume.get();
-  return opened.labels && image != nullptr && !opened.label_values.empty() && !lies_in(*opened.labels, image->geometry);
+  if (!opened.labels || image == nullptr || opened.label_values.empty()) return;
+  opened.labels_off_image = !lies_in(*opened.labels, image->geometry);
+  if (opened.labels_off_image)
+    opened.labels_misfit = misfit_in_image(opened.labels->geometry.bounds_mm(), image->geometry);
 }
 
 Result<void> open_parts(Opened& opened, Progress& progress) {
@@ -336,7 +339,7 @@ void Opener::start(OpenRequest request, std::shared_ptr<const Volume> on_screen)
     Opened opened;
     opened.request = request;
     if (auto done = open_parts(opened, progress); !done) return fail(done.error());
-    opened.labels_off_image = lies_off_image(opened, on_screen.get());
+    meet_image(opened, on_screen.get());
     return opened;
   });
 }

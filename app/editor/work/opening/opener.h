@@ -11,6 +11,7 @@
 #include "app/editor/state/guide.h"
 #include "app/editor/state/open_request.h"
 #include "app/editor/work/worker.h"
+#include "core/measure/meeting.h"
 #include "core/phantom/phantom.h"
 #include "core/session/case_file.h"
 
@@ -40,6 +41,7 @@ struct Opened {
   std::vector<int> label_values;         ///< those that `labels` holds, without 0
   std::map<int, double> label_sizes_mm;  ///< of each and of every_label together [organ_size_mm]
   bool labels_off_image = false;         ///< none of them lies in the image that they are shown over
+  std::optional<Misfit> labels_misfit;   ///< then: what would bring their grid there
   std::vector<std::string> warnings;
   std::vector<SeriesInfo> series;  ///< the folder holds several and none was chosen: nothing was opened
   bool needs_spacing = false;      ///< a stack of pictures, whose voxel size was not told: nothing was opened

@@ -1,0 +1,76 @@
+#include "app/verbs/input_folders.h"
+
+#include <algorithm>
+
+#include "app/editor/state/files/file_extensions.h"
+#include "app/editor/work/opening/opener.h"
+#include "core/base/parallel.h"
+#include "core/base/text.h"
+#include "core/mesh/mesh_io.h"
+#include "core/volume/volume_io.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+template <class Wanted>
+std::vector<fs::path> files_in(const fs::path& folder, const Wanted& wanted) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code ignored;
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with('.') && !entry->is_directory(ignored) && wanted(entry->path()))
+      files.push_back(entry->path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace
+
+std::vector<fs::path> volumes_in(const fs::path& folder) {
+  return files_in(folder, [](const fs::path& file) {
+    const std::string name = lower_case(file.filename().string());
+    // Slices of one scan lie in folders of their own.
+    for (const char* slice : {".dcm", ".ima", ".png", ".tif", ".tiff", ".jpg", ".jpeg"})
+      if (name.ends_with(slice)) return false;
+    const auto& endings = volume_extensions();
+    return std::any_of(endings.begin(), endings.end(), [&](const auto& ending) { return name.ends_with(ending); });
+  });
+}
+
+std::vector<fs::path> surfaces_in(const fs::path& folder) {
+  return files_in(folder, [](const fs::path& file) { return is_mesh_name(file) && file.extension() != ".particles"; });
+}
+
+std::vector<fs::path> with_folders_opened(const std::vector<fs::path>& files,
+                                          std::vector<fs::path> (*in)(const fs::path&), bool& any) {
+  std::vector<fs::path> all;
+  any = false;
+  for (const fs::path& file : files) {
+    std::error_code error;
+    const auto found = fs::is_directory(file, error) ? in(file) : std::vector<fs::path>();
+    if (found.empty())
+      all.push_back(file);
+    else
+      all.insert(all.end(), found.begin(), found.end()), any = true;
+  }
+  return all;
+}
+
+std::vector<fs::path> label_maps_among(const std::vector<fs::path>& volumes) {
+  std::vector<char> wanted(volumes.size(), 1);
+  for_each_in_parallel(volumes.size(), [&](std::size_t k) {
+    const auto read = read_volume(volumes[k]);
+    wanted[k] = !read || holds_labels(read->volume) ? 1 : 0;
+  });
+  std::vector<fs::path> maps;
+  for (std::size_t k = 0; k < volumes.size(); ++k)
+    if (wanted[k] != 0) maps.push_back(volumes[k]);
+  return maps;
+}
+
+}  // namespace homolog

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <ostream>
+
+#include "app/verbs/verb.h"
+
+namespace homolog {
+
+/// A number as people read it: four significant digits at least, no more than six decimals, no exponent.
+std::string plain_number(double value);
+
+/// Prints a report for people: a line a value, and a list of cases as a table with a column a figure. Of a figure that
+/// is a spread the table has the mean; lists within rows are left to --json.
+void print_report(const Json& values, std::ostream& out);
+
+}  // namespace homolog

@@ -1,0 +1,369 @@
+#include "app/verbs/study_make.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "app/editor/work/worklist.h"
+#include "app/verbs/case_of_fit.h"
+#include "app/verbs/case_pool.h"
+#include "app/verbs/describe.h"
+#include "core/base/file_stem.h"
+#include "core/base/files.h"
+#include "core/base/paths.h"
+#include "core/base/text.h"
+#include "core/catalogue/catalogue.h"
+#include "core/model/doubtful_shapes.h"
+#include "core/session/case_file.h"
+
+// The verb `study make`: a study with scans, label maps, groups and covariates.
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct MakeJob {
+  std::vector<fs::path> in;
+  std::string template_source;
+  fs::path out;
+
+  /// Where case files go, as in the window: NAME-cases beside the study.
+  fs::path cases() const { return out.parent_path() / (file_stem(out) + "-cases"); }
+};
+
+using Row = std::map<std::string, std::string>;
+
+/// The cells of a line, which may be quoted; a doubled quote within is one.
+std::vector<std::string> cells_of(std::string_view line, char separator) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    if (line[k] == '"' && quoted && k + 1 < line.size() && line[k + 1] == '"')
+      cells.back() += line[k++];
+    else if (line[k] == '"')
+      quoted = !quoted;
+    else if (line[k] == separator && !quoted)
+      cells.emplace_back();
+    else
+      cells.back() += line[k];
+  }
+  for (std::string& cell : cells) {
+    cell.erase(0, cell.find_first_not_of(" \t"));
+    cell.erase(cell.find_last_not_of(" \t\r") + 1);
+  }
+  return cells;
+}
+
+/// What a column is called here: people write "mask" for the label map and "scan" for the image.
+std::string column_named(const std::string& text) {
+  static const std::map<std::string, std::string> others{
+      {"mask", "labels"}, {"label_map", "labels"}, {"labelmap", "labels"}, {"segmentation", "labels"},
+      {"scan", "image"},  {"volume", "image"},     {"mesh", "file"},       {"shape", "file"},
+      {"case", "name"},   {"id", "name"}};
+  const std::string small = lower_case(text);
+  for (const char* own : {"name", "image", "labels", "label", "group", "file", "notes"})
+    if (small == own) return small;
+  const auto other = others.find(small);
+  return other == others.end() ? text : other->second;
+}
+
+/// A table with commas, semicolons or tabs between its cells. Errors: no rows, a line of another length, a column
+/// twice.
+Result<std::vector<Row>> read_rows(const fs::path& path) {
+  auto text = read_whole_file(path, std::uintmax_t{1} << 25);
+  if (!text) return fail(text.error());
+  if (text->starts_with("\xEF\xBB\xBF")) text->erase(0, 3);
+  std::vector<std::string> columns;
+  std::vector<Row> rows;
+  char separator = ',';
+  std::size_t number = 0;
+  for (std::size_t at = 0; at < text->size();) {
+    const std::size_t end = std::min(text->find('\n', at), text->size());
+    const std::string_view line = std::string_view(*text).substr(at, end - at);
+    at = end + 1;
+    ++number;
+    if (line.find_first_not_of(" \t\r,;") == std::string_view::npos) continue;
+    if (columns.empty()) {
+      for (const char one : {';', '\t'})
+        if (line.find(',') == std::string_view::npos && line.find(one) != std::string_view::npos) separator = one;
+      for (const std::string& cell : cells_of(line, separator)) columns.push_back(column_named(cell));
+      if (std::set<std::string>(columns.begin(), columns.end()).size() != columns.size())
+        return fail(path.string(), "has a column twice; rename one of them");
+      continue;
+    }
+    auto cells = cells_of(line, separator);
+    if (cells.size() != columns.size())
+      return fail(path.string(), "line " + std::to_string(number) + " has " + std::to_string(cells.size()) +
+                                     " cells where the first line names " + std::to_string(columns.size()) +
+                                     "; correct it");
+    Row row;
+    for (std::size_t k = 0; k < cells.size(); ++k) row[columns[k]] = std::move(cells[k]);
+    rows.push_back(std::move(row));
+  }
+  if (rows.empty())
+    return fail(path.string(),
+                "has no cases; give a line with the columns (name, image, labels, label, group, file) and one a case");
+  return rows;
+}
+
+/// A number as one, all else as text.
+Json value_of(const std::string& text) {
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && stop == end && std::isfinite(number) ? Json(number) : Json(text);
+}
+
+/// What a row is about, its paths from the root.
+struct RowFiles {
+  fs::path file, image, labels;
+};
+
+Result<RowFiles> files_of_row(const Row& row, const fs::path& folder, const std::string& where) {
+  RowFiles files;
+  const std::array<std::pair<const char*, fs::path*>, 3> wanted{
+      {{"file", &files.file}, {"image", &files.image}, {"labels", &files.labels}}};
+  for (const auto& [column, path] : wanted) {
+    const auto cell = row.find(column);
+    if (cell == row.end() || cell->second.empty()) continue;
+    *path = absolute_path(folder / cell->second);
+    std::error_code ignored;
+    if (!fs::exists(*path, ignored)) return fail(path->string(), "does not exist; correct " + where);
+  }
+  if (files.file.empty() && files.image.empty() && files.labels.empty())
+    return fail(where, "names no file, image or label map; name one");
+  return files;
+}
+
+/// A case for a mesh that was fitted elsewhere, on its scan.
+Result<StudyCase> case_of_mesh(const std::string& name, const RowFiles& files, std::shared_ptr<const Volume> grid,
+                               const std::shared_ptr<const Template>& the_template, const fs::path& folder,
+                               std::vector<std::string>& warnings) {
+  const auto mesh = read_mesh_file(files.file);
+  if (!mesh) return fail(mesh.error());
+  FittedCase fitted{name, files.image.empty() ? files.labels : files.image, files.labels, std::move(grid),
+                    the_template};
+  fitted.points = mesh->points;
+  if (mesh->doubt_mm) fitted.doubt_mm = *mesh->doubt_mm;
+  if (mesh->outlier) fitted.outlier = *mesh->outlier;
+  fitted.doubt = doubt_of_shape(*mesh);
+  return write_case_of_fit(fitted, folder, warnings);
+}
+
+/// A case whose template lies somewhere in its scan; one that is there already stays.
+Result<StudyCase> case_of_scan(const std::string& name, const RowFiles& files, std::shared_ptr<const Volume> grid,
+                               const std::shared_ptr<const Template>& the_template, const fs::path& folder) {
+  StudyCase one;
+  one.name = name;
+  one.file = absolute_path(folder / (name + case_extension));
+  one.from_scan = true;
+  one.labels = files.labels;
+  std::error_code ignored;
+  if (fs::exists(one.file, ignored)) return one;
+  const fs::path& image = files.image.empty() ? files.labels : files.image;
+  Document document = new_document(image.string(), std::move(grid), the_template);
+  document.holds_landmarks = true;
+  if (auto made = create_case(std::move(document), one.file); !made) return fail(made.error());
+  return one;
+}
+
+Result<StudyCase> case_of_row(const MakeJob& job, const Row& row, const fs::path& folder,
+                              const std::shared_ptr<const Template>& the_template, const std::string& where,
+                              std::vector<std::string>& warnings, Progress& progress) {
+  const auto files = files_of_row(row, folder, where);
+  if (!files) return fail(files.error());
+  const fs::path& scan = files->image.empty() ? files->labels : files->image;
+  const auto named = row.find("name");
+  const std::string name = named != row.end() && !named->second.empty() ? named->second
+                           : !files->file.empty()                       ? file_stem(files->file)
+                                                                        : file_stem(scan);
+  if (!is_file_name(name))
+    return fail(where, "has the name \"" + name + "\", which cannot be a file's; choose another");
+  std::shared_ptr<const Volume> grid;
+  if (!scan.empty() && !is_case_file(files->file)) {
+    VolumeReadOptions reading;
+    reading.progress = &progress;
+    const auto read = read_volume(scan, reading);
+    if (!read) return fail(read.error());
+    grid = grid_of(read->volume);
+  }
+  Result<StudyCase> one = StudyCase{};
+  if (!files->file.empty() && (is_case_file(files->file) || scan.empty())) {
+    one->name = name;
+    one->file = files->file;
+    one->labels = files->labels;
+    one->state = CaseState::in_work;
+  } else if (!files->file.empty()) {
+    one = case_of_mesh(name, *files, std::move(grid), the_template, job.cases(), warnings);
+  } else {
+    one = case_of_scan(name, *files, std::move(grid), the_template, job.cases());
+  }
+  if (!one) return one;
+  Json covariates = Json::object();
+  for (const auto& [column, text] : row) {
+    if (column == "group")
+      one->group = text;
+    else if (column == "notes")
+      one->notes = text;
+    else if (column == "label" && !text.empty())
+      one->other["label"] = value_of(text);
+    else if (column != "name" && column != "file" && column != "image" && column != "labels" && column != "label" &&
+             !text.empty())
+      covariates[column] = value_of(text);
+  }
+  if (!covariates.empty()) one->other["covariates"] = std::move(covariates);
+  return one;
+}
+
+Result<std::vector<StudyCase>> cases_of_table(const MakeJob& job, const std::shared_ptr<const Template>& the_template,
+                                              Report& report, Progress& progress) {
+  const fs::path& table = job.in.front();
+  const auto rows = read_rows(table);
+  if (!rows) return fail(rows.error());
+  std::vector<StudyCase> cases(rows->size());
+  std::vector<std::vector<std::string>> warnings(rows->size());
+  const auto results = run_cases(
+      rows->size(),
+      [&](std::size_t k, Progress& own) -> Result<Report> {
+        const std::string where = "row " + std::to_string(k + 1) + " of " + table.string();
+        auto one =
+            case_of_row(job, (*rows)[k], absolute_path(table).parent_path(), the_template, where, warnings[k], own);
+        if (!one) return fail(one.error());
+        cases[k] = std::move(*one);
+        return Report{};
+      },
+      progress);
+  std::set<std::string> names;
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    if (!results[k]) return fail(results[k].error());
+    if (!names.insert(cases[k].name).second)
+      return fail(table.string(), "has two cases named \"" + cases[k].name + "\"; rename one of them");
+    report.warnings.insert(report.warnings.end(), warnings[k].begin(), warnings[k].end());
+  }
+  return cases;
+}
+
+Result<std::vector<StudyCase>> cases_of_maps(const MakeJob& job, const std::shared_ptr<const Template>& the_template,
+                                             Report& report, Progress& progress) {
+  std::vector<std::vector<fs::path>> parts(1);  // loose files, then folder by folder
+  std::error_code ignored;
+  for (const fs::path& path : job.in)
+    if (fs::is_directory(path, ignored))
+      parts.push_back({path});
+    else
+      parts.front().push_back(path);
+  std::vector<StudyCase> cases;
+  for (const auto& part : parts) {
+    if (part.empty()) continue;
+    auto done = cases_of_scans(part, {job.cases(), the_template, false, {}}, progress);
+    if (!done) return fail(done.error());
+    for (StudyCase& one : done->added) cases.push_back(std::move(one));
+    report.warnings.insert(report.warnings.end(), done->warnings.begin(), done->warnings.end());
+  }
+  if (cases.empty())
+    return fail(job.in.front().string(),
+                "gave no case" + (report.warnings.empty() ? std::string() : ": " + report.warnings.front()));
+  return cases;
+}
+
+Result<Report> make_study(const MakeJob& job, Progress& progress) {
+  auto the_template = load_template(job.template_source);
+  if (!the_template) return fail(the_template.error());
+  const auto folder = ResultFolder::make(job.cases());
+  if (!folder) return fail(folder.error());
+  const bool is_table = job.in.size() == 1 && lower_case(job.in.front().extension().string()) == ".csv";
+  Report report;
+  auto cases = is_table ? cases_of_table(job, *the_template, report, progress)
+                        : cases_of_maps(job, *the_template, report, progress);
+  if (progress.cancelled()) return fail("", "the study was cancelled");
+  if (!cases) return fail(cases.error());
+  std::size_t waiting = 0, without_labels = 0;
+  for (const StudyCase& one : *cases) {
+    waiting += one.waits() ? 1 : 0;
+    without_labels += one.waits() && one.labels.empty() ? 1 : 0;
+  }
+  const std::size_t count = cases->size();
+  const auto added = write_cases_into(job.out, job.template_source, std::move(*cases));
+  if (!added) return fail(added.error());
+  const auto written = read_study(job.out);
+  if (!written) return fail(written.error());
+  report.values = {{"study", job.out.string()},
+                   {"cases", count},
+                   {"added", *added},
+                   {"waiting", waiting},
+                   {"groups", written->study.groups()}};
+  constexpr std::size_t enough = 5;  // subjects, from which on their consensus is the better template
+  const auto mesh =
+      is_built_in(job.template_source) ? Result<MeshFile>(MeshFile{}) : read_mesh_file(job.template_source);
+  const bool of_all = mesh && std::any_of(mesh->comments.begin(), mesh->comments.end(), [](const std::string& comment) {
+                        return comment.find("\"consensus\"") != std::string::npos;
+                      });
+  if (count - without_labels >= enough && !of_all)
+    report.warnings.push_back(job.template_source +
+                              ": is no consensus of these subjects, whose template would depend on no single one; make "
+                              "it with template --consensus");
+  if (without_labels > 0)
+    report.warnings.push_back(std::to_string(without_labels) +
+                              " cases have no label map, so they can be fitted in the window only");
+  return report;
+}
+
+}  // namespace
+
+Result<std::size_t> write_cases_into(const fs::path& study_file, const fs::path& the_template,
+                                     std::vector<StudyCase> cases) {
+  Study study;
+  std::error_code ignored;
+  if (fs::exists(study_file, ignored)) {
+    auto read = read_study(study_file);
+    if (!read) return fail(read.error());
+    study = std::move(read->study);
+  }
+  study.template_file = is_built_in(the_template.string()) ? the_template : absolute_path(the_template);
+  std::size_t added = 0;
+  for (StudyCase& one : cases) {
+    const auto known = std::find_if(study.cases.begin(), study.cases.end(),
+                                    [&](const StudyCase& other) { return other.name == one.name; });
+    if (known == study.cases.end()) {
+      study.cases.push_back(std::move(one));
+      ++added;
+      continue;
+    }
+    known->file = one.file;
+    known->labels = one.labels;
+    known->from_scan = one.from_scan;
+    if (known->state != CaseState::done) known->doubt = one.doubt;
+    if (known->state == CaseState::to_do) known->state = one.state;
+    if (!one.group.empty()) known->group = one.group;
+    if (!one.notes.empty()) known->notes = one.notes;
+    known->other.update(one.other);
+  }
+  if (auto written = write_study(study, study_file); !written) return fail(written.error());
+  return added;
+}
+
+void add_study_make(CLI::App& study, CommandLine& asked) {
+  auto options = std::make_shared<MakeJob>();
+  CLI::App* verb = add_verb(study, "make", "A study of scans and label maps, to fit and repair them in the window");
+  verb->add_option("CSV|MASK", options->in,
+                   "A table (.csv) with the columns name, image, labels, label, group, file (what is known of a case) "
+                   "and any others, which are kept as covariates; or label maps, or a folder of them with their images")
+      ->required();
+  verb->add_option("--template", options->template_source, template_sources())->required();
+  verb->add_option("-o,--output", options->out,
+                   "The study to write (NAME.study.json); cases go into NAME-cases beside it")
+      ->required()
+      ->check([](const std::string& text) {
+        return text.empty() || text.ends_with(".study.json") ? std::string()
+                                                             : text + " is no name of a study; use NAME.study.json";
+      });
+  verb->callback(
+      [options, &asked] { asked.run = [options](Progress& progress) { return make_study(*options, progress); }; });
+}
+
+}  // namespace homolog

@@ -1,0 +1,39 @@
+#include "core/mesh/formats/vertex_arrays.h"
+
+#include <algorithm>
+
+namespace homolog::formats {
+
+std::vector<std::pair<std::string, VertexScalars>> vertex_arrays(const MeshFile& mesh) {
+  std::vector<std::pair<std::string, VertexScalars>> arrays;
+  if (mesh.stiffness) arrays.emplace_back("stiffness", *mesh.stiffness);
+  if (mesh.doubt_mm) arrays.emplace_back("doubt_mm", *mesh.doubt_mm);
+  if (mesh.outlier) arrays.emplace_back("outlier", *mesh.outlier);
+  if (!mesh.regions.list.empty()) {
+    VertexScalars regions(mesh.points.rows());
+    for (Eigen::Index i = 0; i < regions.size(); ++i) regions[i] = mesh.regions.of_vertex[static_cast<std::size_t>(i)];
+    arrays.emplace_back("region", std::move(regions));
+  }
+  return arrays;
+}
+
+void keep_vertex_array(std::string_view name, VertexScalars values, MeshFile& mesh) {
+  if (values.size() != mesh.points.rows() || !values.allFinite()) return;
+  if (name == "stiffness") {
+    if (values.minCoeff() > 0) mesh.stiffness = std::move(values);
+  } else if (name == "doubt_mm") {
+    mesh.doubt_mm = std::move(values);
+  } else if (name == "outlier") {
+    mesh.outlier = std::move(values);
+  } else if (name == "region") {
+    const double most = values.maxCoeff();
+    if (!(values.minCoeff() >= 0) || !(most >= 1) || most > 255) return;
+    for (int k = 1; k <= static_cast<int>(most); ++k)
+      mesh.regions.list.push_back({"region " + std::to_string(k), 1, {}});
+    for (const double value : values) mesh.regions.of_vertex.push_back(static_cast<std::uint8_t>(value));
+  } else {
+    mesh.arrays.emplace(std::string(name), std::move(values));
+  }
+}
+
+}  // namespace homolog::formats

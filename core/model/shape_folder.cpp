@@ -1,0 +1,60 @@
+#include "core/model/shape_folder.h"
+
+#include <map>
+#include <string_view>
+
+#include "core/base/file_stem.h"
+#include "core/base/files.h"
+#include "core/base/json.h"
+#include "core/mesh/mesh_io.h"
+#include "core/session/case_file.h"
+
+namespace homolog {
+
+namespace fs = std::filesystem;
+
+bool goes_on_after_fit(const fs::path& case_file) {
+  const auto text = read_whole_file(case_file);
+  if (!text) return false;
+  bool fitted = false, further = false;
+  for (std::size_t at = 0; at < text->size();) {
+    const std::size_t end = std::min(text->find('\n', at), text->size());
+    const std::string_view line = std::string_view(*text).substr(at, end - at);
+    at = end + 1;
+    if (line.find("\"note\"") != std::string_view::npos && line.find("\"fit\"") != std::string_view::npos)
+      fitted = true, further = false;
+    else if (!line.empty())
+      further = true;
+  }
+  return fitted && further;
+}
+
+Result<std::vector<fs::path>> shapes_in_folder(const fs::path& folder) {
+  std::map<std::string, fs::path> meshes, cases;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const fs::path& file = entry->path();
+    if (file.filename().string().starts_with('.')) continue;
+    if (is_case_file(file))
+      cases.emplace(file_stem(file), file);
+    else if (keeps_numbers(file)) {
+      const auto [there, is_new] = meshes.emplace(file_stem(file), file);
+      if (!is_new && file.extension() == ".ply") there->second = file;  // it keeps most
+    }
+  }
+  if (error) return fail(folder.string(), "cannot be read: " + error.message());
+  std::map<std::string, fs::path> shapes = cases;
+  for (const auto& [name, mesh] : meshes) {
+    constexpr std::string_view imported = "-imported";
+    if (name.ends_with(imported) && cases.contains(name.substr(0, name.size() - imported.size()))) continue;
+    const auto there = cases.find(name);
+    if (there == cases.end() || !goes_on_after_fit(there->second)) shapes[name] = mesh;
+  }
+  if (shapes.empty())
+    return fail(folder.string(), "holds no shapes; name a folder of meshes (.ply, .vtk, .vtp, .obj) or of cases");
+  std::vector<fs::path> files;
+  for (const auto& [name, file] : shapes) files.push_back(file);
+  return files;
+}
+
+}  // namespace homolog

@@ -9,7 +9,7 @@
 #include "core/adapt/slide_doubt.h"
 #include "core/case/document.h"
 #include "core/mesh/mesh_quality.h"
-#include "core/mesh/remesh.h"
+#include "core/template_making/mesh_template.h"
 #include "tests/ball.h"
 #include "tests/shapes.h"
 

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_quality.h"
 #include "tests/adapting.h"
 

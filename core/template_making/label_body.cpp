@@ -82,6 +82,7 @@ LabelExtent label_extent(const Volume& mask, int label, int frame) {
       [&](const auto& voxels) {
         for_each_voxel(mask, label, frame, whole, [&](int i, int j, int k) {
           const std::array<int, 3> at{i, j, k};
+          ++extent.voxels;
           const std::ptrdiff_t v = frame_start + i + j * stride[1] + k * stride[2];
           for (std::size_t axis = 0; axis < 3; ++axis) {
             extent.first[axis] = std::min(extent.first[axis], at[axis]);

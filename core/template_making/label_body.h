@@ -27,6 +27,7 @@ struct LabelBody {
 struct LabelExtent {
   std::array<int, 3> first{}, last{};
   double area_mm2 = 0;
+  std::size_t voxels = 0;
 };
 LabelExtent label_extent(const Volume& mask, int label, int frame);
 

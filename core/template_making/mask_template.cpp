@@ -65,6 +65,11 @@ class Making {
  private:
   Result<void> resample() {
     const LabelExtent extent = label_extent(mask_, options_.label, options_.frame);
+    constexpr std::size_t fewest_voxels = 8;  // two in each direction: of fewer nobody can tell a shape
+    if (extent.voxels > 0 && extent.voxels < fewest_voxels)
+      return fail("", label_name(options_.label) + " has " + std::to_string(extent.voxels) +
+                          (extent.voxels == 1 ? " voxel" : " voxels") +
+                          ", too few for a shape; name another label, or use a finer label map");
     edge_mm_ = spread_edge_mm(extent.area_mm2, options_.vertices);
     size_mm_ = organ_size_mm(extent);
     made_.closing_mm = options_.closing_mm.value_or(ball_share * size_mm_);

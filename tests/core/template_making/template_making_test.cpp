@@ -333,3 +333,20 @@ TEST_CASE("sizes of labels are those that their extents say") {
   CHECK(sizes.at(every_label) == doctest::Approx(whole_mm));
   CHECK(organ_size_mm(label_extent(mask, every_label, 0)) == doctest::Approx(whole_mm));
 }
+
+TEST_CASE("a label of a few voxels is refused with their number") {
+  Volume mask;
+  mask.geometry.dims = {12, 12, 12};
+  std::vector<std::uint8_t> voxels(12 * 12 * 12);
+  voxels[5 + 12 * 5 + 144 * 5] = 43;
+  mask.data = voxels;
+  MaskTemplateOptions options;
+  options.label = 43;
+  options.vertices = 300;
+  CHECK(make_mask_template(mask, options).error().what.starts_with("label 43 has 1 voxel, too few for a shape"));
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) voxels[static_cast<std::size_t>(4 + i + 12 * (4 + j) + 144 * (4 + k))] = 43;
+  mask.data = voxels;
+  CHECK(make_mask_template(mask, options));
+}

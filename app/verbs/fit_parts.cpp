@@ -1,7 +1,7 @@
 #include "app/verbs/fit_parts.h"
 
 #include <cmath>
-#include <optional>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -17,6 +17,7 @@ constexpr double clearly_less = 0.9;  ///< times the doubt of another part; abov
 
 /// Whether the mirror image fits better, and the doubt as a share of the part's size.
 using Unlikeness = std::pair<bool, double>;
+constexpr Unlikeness unfitted{true, std::numeric_limits<double>::infinity()};
 
 }  // namespace
 
@@ -27,7 +28,7 @@ Result<Boundary> likeliest_part(const Template& the_template, Boundary largest,
   FitOptions trying = options;
   trying.progress = nullptr;
   trying.show = {};
-  std::optional<Unlikeness> least, second;
+  Unlikeness least = unfitted, second = unfitted;
   std::size_t chosen = 0;
   Boundary taken = std::move(largest);
   const std::size_t parts = std::min(taken.parts_alike, most_parts);
@@ -38,16 +39,15 @@ Result<Boundary> likeliest_part(const Template& the_template, Boundary largest,
     const auto fit = fit_to_boundary(the_template, *boundary, trying);
     if (!fit) continue;
     const Unlikeness unlike{fit->mirrored, share_of_doubt(*fit)};
-    if (!least || unlike < *least) {
+    if (unlike < least) {
       second = std::exchange(least, unlike);
       taken = std::move(*boundary);
       chosen = rank;
-    } else if (!second || unlike < *second) {
+    } else if (unlike < second) {
       second = unlike;
     }
   }
-  const bool sure =
-      least && (!second || second->first != least->first || least->second < clearly_less * second->second);
+  const bool sure = least < unfitted && (second.first != least.first || least.second < clearly_less * second.second);
   taken.warnings.push_back(
       "of its parts of about one size the " +
       std::string(chosen == 0 ? "largest" : "one of rank " + std::to_string(chosen + 1) + " in size") +

@@ -111,14 +111,17 @@ TEST_CASE("a mesh that is inside out is said by every verb that computes a volum
   REQUIRE(write_mesh_file({inward.points, faces}, folder.path / "inward.ply"));
   REQUIRE(write_mesh(organ(1), folder.path / "organ.ply"));
   REQUIRE(write_volume(label_map(organ(1), grid(), 1), folder.path / "map.nii"));
-  for (const char* verb : {"measure inward.ply", "info inward.ply", "compare inward.ply --mesh organ.ply",
-                           "compare organ.ply --mesh inward.ply", "compare inward.ply --mask map.nii",
-                           "label-map inward.ply --like map.nii -o out.nii"}) {
+  const Ran info = run(folder, "info inward.ply");
+  CHECK(info.errors.find("inward.ply: repair-mesh would mend it: 5120 faces turned outward") != std::string::npos);
+  for (const char* verb :
+       {"measure inward.ply", "compare inward.ply --mesh organ.ply", "compare organ.ply --mesh inward.ply",
+        "compare inward.ply --mask map.nii", "label-map inward.ply --like map.nii -o out.nii"}) {
     CAPTURE(std::string(verb));
     const Ran ran = run(folder, verb);
     INFO(ran.errors);
     CHECK(ran.status == 0);
-    CHECK(ran.errors.find("inward.ply: its faces look inward") != std::string::npos);
+    CHECK(ran.errors.find("inward") < ran.errors.find(": its faces look inward"));
+    CHECK(ran.errors.find(": its faces look inward") != std::string::npos);
   }
   CHECK(run(folder, "measure organ.ply").errors.empty());
 }

@@ -72,7 +72,7 @@ TEST_CASE("landmarks that are not used are said") {
     const double with_mm = (pulled.landmarks[k].position - there->second).norm(),
                  without_mm = (free.landmarks[k].position - there->second).norm();
     CAPTURE(there->first);
-    CHECK(with_mm < 0.9 * without_mm);
+    CHECK(with_mm < 0.95 * without_mm);
   }
   FitOptions at_one_place;
   for (const char* name : {"hilum", "superior pole", "inferior pole"})
@@ -217,7 +217,7 @@ TEST_CASE("an organ cut off by the scan keeps the template's shape beyond") {
   }
   // What the scan cuts off counts against the whole, and not against what is seen.
   const FitJudgement judged = judge_fit(*the_template, boundary, {}, fit);
-  CHECK(judged.agreement.dice < 0.9);
+  CHECK(judged.agreement.dice < judged.inside_scan.dice - 0.02);
   CHECK(judged.inside_scan.dice > 0.96);
   CHECK(judged.inside_scan.assd_mm < 0.5);
   CHECK(judged.inside_scan.assd_mm < 0.3 * judged.agreement.assd_mm);

@@ -25,9 +25,14 @@ void add_strip(std::span<const std::int64_t> strip, std::vector<std::int32_t>& c
 
 }  // namespace
 
+Result<void> too_many_corners() {
+  return fail("", "has faces of so many corners that they cannot be cut into triangles; cut them where you export");
+}
+
 Result<void> Faces::add(std::span<const std::int64_t> polygon) {
   if (polygon.size() < 3)
     return fail("", "has a face of " + std::to_string(polygon.size()) + " corners; remove degenerate faces");
+  if (polygon.size() > most_corners) return too_many_corners();
   if (auto checked = check_indices(polygon); !checked) return checked;
   if (polygon.size() > 3) polygons_.push_back({corners_.size(), 3 * (polygon.size() - 2)});
   for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
@@ -55,7 +60,7 @@ Result<void> Faces::fill(MeshFile& mesh, std::vector<double> coordinates) && {
   PolygonCutter cutter(mesh.points);
   for (const Polygon& polygon : polygons_)
     if (!cutter.cut(std::span(corners_).subspan(polygon.start, polygon.count)))
-      return fail("", "has faces of so many corners that they cannot be cut into triangles; cut them where you export");
+      return too_many_corners();
   mesh.triangles = Eigen::Map<const Triangles>(corners_.data(), static_cast<Eigen::Index>(corners_.size() / 3), 3);
   return {};
 }

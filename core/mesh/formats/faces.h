@@ -9,6 +9,11 @@
 /// Gathering the parts of a mesh while a file is read.
 namespace homolog::formats {
 
+/// A face of more corners is refused while it is read: no surface has one, and it would take much memory.
+inline constexpr std::size_t most_corners = 1'000'000;
+/// The refusal of such a face.
+Result<void> too_many_corners();
+
 /// The faces of a file, cut into triangles: a polygon of n corners gives n − 2.
 class Faces {
  public:

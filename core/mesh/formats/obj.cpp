@@ -27,6 +27,7 @@ Result<void> read_face(Text& words, std::size_t vertices, Faces& faces) {
   for (std::string_view corner = word_of_line(words); !corner.empty(); corner = word_of_line(words)) {
     const auto vertex = vertex_of(corner, vertices);
     if (!vertex) return fail("", "has a face with an unreadable corner; copy or export it again");
+    if (polygon.size() == most_corners) return too_many_corners();
     polygon.push_back(*vertex);
   }
   return faces.add(polygon);

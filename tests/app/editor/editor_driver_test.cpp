@@ -346,6 +346,8 @@ TEST_CASE("the window closes only after a template that was made is written") {
 }
 
 TEST_CASE("a tube that leaves a part of its label out says how much in amber and what to do") {
+  const auto gl = test::context_or_skip();
+  if (!gl) return;
   const Ball ball;
   Driver driver(ball.document(), {1280, 1400, 1});
   driver.state().preferences.sections_open = {{"Case", false}, {"Template", true}, {"Deform", false}};
@@ -369,8 +371,6 @@ TEST_CASE("a tube that leaves a part of its label out says how much in amber and
   });
   REQUIRE(said != driver.items().end());
   CHECK(said->name.find("50 %") != std::string::npos);
-  const auto gl = test::context_or_skip();
-  if (!gl) return;
   // Amber is drawn there: red and green, with little blue.
   const Picture picture = driver.picture();
   int amber = 0;

@@ -252,7 +252,7 @@ TEST_CASE("a report without --json is a table in plain digits and --quiet prints
   const Ellipsoids set(3);
   const Ran ran = run(set.folder, "measure shapes");
   REQUIRE(ran.status == 0);
-  CHECK(ran.out.find("cases:\n  case  volume_ml  area_mm2\n  k0 ") != std::string::npos);
+  CHECK(ran.out.find("cases:\n  case  volume_ml  area_mm2  centroid_size_mm\n  k0 ") != std::string::npos);
   CHECK(ran.out.find('{') == std::string::npos);
   CHECK(ran.out.find("e-") == std::string::npos);
   const Ran quiet = run(set.folder, "measure shapes --quiet");

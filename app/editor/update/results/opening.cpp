@@ -21,8 +21,10 @@ namespace {
 void show_labels(Editing& editing, const Opened& opened, std::optional<int> fitted_frame = {}) {
   const std::string name = opened.request.labels.filename().string();
   if (opened.labels_off_image) {
-    const bool turned = opened.labels_misfit && opened.labels_misfit->half_turn;
-    const bool scaled = opened.labels_misfit && opened.labels_misfit->factor != 1;
+    const bool turned = opened.labels_misfit && opened.labels_misfit->half_turn && opened.labels_misfit->factor == 1;
+    // A map of a tenth of the size may well lie elsewhere; of a hundredth no map is.
+    const double factor = opened.labels_misfit ? opened.labels_misfit->factor : 1;
+    const bool scaled = std::abs(std::log10(factor)) > 1.5;
     add_notice(editing.state, name + " lies outside the image: none of its labels is in it. " +
                                   (turned   ? "It would lie in it if its header meant RAS for LPS. Correct its header."
                                    : scaled ? "The lengths in its header may be in another unit than mm. Correct them."

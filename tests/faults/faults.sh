@@ -16,7 +16,7 @@ unset DISPLAY WAYLAND_DISPLAY
 # Every verb of --help is in one of the lists.
 leaves() {
   local verb part parts
-  for verb in $("$program" "$@" --help | sed '1,/^Subcommands:/d' | awk '/^  [a-z]/ { print $1 }'); do
+  for verb in $("$program" "$@" --help | sed '1,/^Subcommands:/d; /^Examples:/,$d' | awk '/^  [a-z]/ { print $1 }'); do
     parts=$("$program" "$@" "$verb" --help | grep -c '^Subcommands:')
     if [ "$parts" -gt 0 ]; then leaves "$@" "$verb"; else echo "${*:+$* }$verb"; fi
   done

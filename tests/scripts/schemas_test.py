@@ -116,7 +116,7 @@ for line in (folder / "case.homolog").read_text().splitlines():
 # Every verb's report has a schema, those that take too long to be run here too.
 def leaves(*verb):
     text = subprocess.run([program, *verb, "--help"], capture_output=True, text=True).stdout
-    parts = re.findall(r"^  ([a-z][a-z-]*) ", text.partition("\nSubcommands:")[2], re.M)
+    parts = re.findall(r"^  ([a-z][a-z-]*) ", text.partition("\nSubcommands:")[2].partition("\nExamples:")[0], re.M)
     return [leaf for part in parts for leaf in leaves(*verb, part)] or ["_".join(verb)]
 
 

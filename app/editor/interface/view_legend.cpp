@@ -26,6 +26,7 @@ std::vector<NamedColour> named_colours(const Legend& legend, std::size_t most) {
   if (legend.has_confirmed) all.push_back({{1, 1, 1}, "confirmed"});
   if (legend.has_outliers) all.push_back({outlier_grey, "the scan lacks this part"});
   if (all.size() <= most) return all;
+  if (most == 0) return {};
   const std::size_t left = all.size() - most + 1;
   all.resize(most - 1);
   all.push_back({outlier_grey, format("and %zu more", left)});

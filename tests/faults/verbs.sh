@@ -27,6 +27,7 @@ quick=(
   "observers|a.ply b.ply --csv old.csv" "model|a.ply b.ply c.ply -o old.h5" "model|a.ply b.ply c.ply -o old.h5.json --csv tables --aligned aligned"
   "evaluate|a.ply b.ply c.ply --samples 2 --csv old.csv" "phantom|kidney --subject 1 -o phantom" "fit|built-in:kidney --mask mask.nii.gz -o old.ply"
   "snap|a.ply --image image.nii.gz -o old.ply" "snap|imaged.homolog -o old.ply" "refine|case.homolog -o old.ply" "sample|-o sample"
+  "study make|mask.nii.gz --template a.ply -o old.study.json"
 )
 slow=(
   "template|mask.nii.gz -o old.ply --vertices 300" "study user|built-in:kidney --mask mask.nii.gz --pulls 2 -o old.homolog"

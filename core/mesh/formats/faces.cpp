@@ -59,8 +59,7 @@ Result<void> Faces::fill(MeshFile& mesh, std::vector<double> coordinates) && {
   mesh.points = to_points(std::move(coordinates));
   PolygonCutter cutter(mesh.points);
   for (const Polygon& polygon : polygons_)
-    if (!cutter.cut(std::span(corners_).subspan(polygon.start, polygon.count)))
-      return too_many_corners();
+    if (!cutter.cut(std::span(corners_).subspan(polygon.start, polygon.count))) return too_many_corners();
   mesh.triangles = Eigen::Map<const Triangles>(corners_.data(), static_cast<Eigen::Index>(corners_.size() / 3), 3);
   return {};
 }

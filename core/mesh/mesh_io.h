@@ -32,8 +32,8 @@ struct MeshFile {
   Triangles triangles;                             ///< m×3; empty for a `.particles` file
   std::optional<VertexScalars> stiffness;          ///< per-vertex factors, > 0
   double stiffness_base = default_stiffness_base;  ///< `comment homolog.stiffness_base B`; w_i = base × factor_i
-  std::optional<VertexScalars> outlier;            ///< of a partial fit, 1: see FitResult::outliers; kept by PLY only
-  std::optional<VertexScalars> doubt_mm;           ///< of a fit, per vertex: see FitResult; kept by PLY only
+  std::optional<VertexScalars> outlier;            ///< of a partial fit, 1: see FitResult::outliers; not by OBJ, STL
+  std::optional<VertexScalars> doubt_mm;           ///< of a fit, per vertex: see FitResult; not by OBJ, STL
   Regions regions;                    ///< `comment homolog.region {"name":…,"factor":…,"colour":"#rrggbb"}`
   std::vector<Landmark> landmarks;    ///< `comment homolog.landmark {"name":…,"position":[x,y,z]}`
   std::vector<std::string> comments;  ///< every other comment line, kept as it was
@@ -51,7 +51,7 @@ Result<MeshFile> read_mesh_file(const std::filesystem::path& path);
 Result<MeshFile> read_mesh_to_mend(const std::filesystem::path& path);
 
 /// Writes the format of the extension (binary, with double coordinates where it can), tagged SPACE=LPS where the format
-/// can, whole or not at all. Landmarks, stiffness, regions and comments are kept by PLY only.
+/// can, whole or not at all. PLY alone keeps landmarks and comments; VTK and VTP keep values of vertices.
 Result<void> write_mesh_file(const MeshFile& mesh, const std::filesystem::path& path);
 
 /// Whether the name ends as one of the formats that read_mesh_file takes does.

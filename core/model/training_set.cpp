@@ -304,9 +304,11 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
       progress);
   if (!warnings) return fail(warnings.error());
   if (options.without_doubtful && builder.shapes() < 2 && !doubtful.empty())
-    return fail(doubtful.front().name, "is in doubt, as are " + std::to_string(doubtful.size() - 1) +
-                                           " other shapes, so that fewer than two are left; repair some, or leave "
-                                           "--without-doubtful out");
+    return fail(doubtful.front().name,
+                "is in doubt" +
+                    (doubtful.size() == 1 ? std::string()
+                                          : " with " + std::to_string(doubtful.size() - 1) + " of the other shapes") +
+                    ", so that fewer than two are left; repair some, or leave --without-doubtful out");
   auto read = builder.finish(options.flip_mirrored);
   if (!read) return fail(too_small(read.error(), *warnings));
   (options.without_doubtful ? read->left_out : read->doubtful) = std::move(doubtful);

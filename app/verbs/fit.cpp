@@ -25,6 +25,7 @@
 #include "core/case/placing.h"
 #include "core/catalogue/catalogue.h"
 #include "core/groupwise/cohort_doubt.h"
+#include "core/groupwise/same_place.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/mirror.h"
 #include "core/model/doubtful_shapes.h"
@@ -128,6 +129,31 @@ fs::path study_in(const fs::path& folder) {
   return folder / (whole.filename().string() + ".study.json");
 }
 
+/// The middle of a place, on the template before it is placed, LPS mm.
+Vec3 middle_of(const SamePlace& place, const Template& the_template) {
+  return the_template.points(place.vertices, Eigen::all).colwise().mean().transpose();
+}
+
+Json described_place(const SamePlace& place, const Template& the_template) {
+  const Vec3 at = middle_of(place, the_template);
+  return {
+      {"cases", place.fits},
+      {"vertices_share", static_cast<double>(place.vertices.size()) / static_cast<double>(the_template.points.rows())},
+      {"at", {at.x(), at.y(), at.z()}}};
+}
+
+std::string place_sentence(const SamePlace& place, std::size_t fits, const std::string& source,
+                           const Template& the_template) {
+  const Vec3 at = middle_of(place, the_template);
+  char text[320];
+  std::snprintf(
+      text, sizeof text,
+      ": %zu of %zu cases are off at the same place of the template (around %.0f, %.0f, %.0f mm): its form is "
+      "not theirs there; make it of several subjects by template --consensus, or of another one",
+      place.fits, fits, at.x(), at.y(), at.z());
+  return source + text;
+}
+
 Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progress) {
   if (options.of_folder && !options.to_meshes()) {
     options.masks = label_maps_among(options.masks);
@@ -141,6 +167,7 @@ Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progr
   const auto& paths = options.cases();
   std::vector<std::optional<FittedTarget>> fitted(paths.size());
   std::vector<StudyCase> cases_made(paths.size());
+  std::vector<VertexScalars> off_shares(paths.size());
   const std::size_t by_others = options.ways_by_others();
   progress.part(0, 1 / (1 + static_cast<double>(by_others)));
   auto results = run_cases(
@@ -148,6 +175,7 @@ Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progr
       [&](std::size_t i, Progress& own) {
         set_case_in_work(case_name_of(paths[i]));
         AmongCases among;
+        among.off_share = &off_shares[i];
         if (by_others > 0)
           among.keep = &fitted[i];
         else
@@ -165,7 +193,7 @@ Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progr
         [&](std::size_t i, Progress& own) -> Result<Report> {
           if (fits[i] == nullptr) return fail("", "was not fitted");
           set_case_in_work(case_name_of(paths[i]));
-          AmongCases among{nullptr, &*fitted[i], {}, &cases_made[i]};
+          AmongCases among{nullptr, &*fitted[i], {}, nullptr, &cases_made[i]};
           for (const std::size_t k : third)
             if (k != i && among.others.size() < by_others) among.others.push_back(&fits[k]->mesh.points);
           return fit_case(options, shared, paths[i], (*outputs)[i], own, among);
@@ -198,6 +226,11 @@ Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progr
   std::size_t doubtful = 0;
   for (const auto& result : results) doubtful += result && result->values["doubtful"] == true ? 1 : 0;
   report.values = {{"fitted", results.size() - failed}, {"failed", failed}, {"doubtful", doubtful}};
+  std::erase_if(off_shares, [](const VertexScalars& one) { return one.size() == 0; });
+  if (const auto same = off_at_same_place(*shared.the_template->topology, off_shares)) {
+    report.values["same_place"] = described_place(*same, *shared.the_template);
+    report.warnings.push_back(place_sentence(*same, off_shares.size(), options.template_source, *shared.the_template));
+  }
   std::erase_if(cases_made, [](const StudyCase& one) { return one.name.empty(); });
   if (!cases_made.empty()) {
     const fs::path study = study_in(options.out);

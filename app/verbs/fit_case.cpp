@@ -26,6 +26,7 @@
 #include "core/case/placing.h"
 #include "core/catalogue/catalogue.h"
 #include "core/groupwise/cohort_doubt.h"
+#include "core/groupwise/same_place.h"
 #include "core/mesh/mesh_frame.h"
 #include "core/mesh/mirror.h"
 #include "core/model/doubtful_shapes.h"
@@ -77,7 +78,7 @@ Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared
     const auto file = read_mesh_to_mend(path);
     if (!file) return fail(file.error());
     const auto started = FitClock::now();
-    auto boundary = surface_boundary(*file, vertices, &progress);
+    auto boundary = surface_boundary(*file, vertices, &progress, options.partial || options.parts == "all");
     if (!boundary) return fail(path.string(), boundary.error().what);
     boundary->warnings.insert(boundary->warnings.begin(), file->warnings.begin(), file->warnings.end());
     return FitTarget{started, std::move(*boundary), std::nullopt};
@@ -87,7 +88,7 @@ Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared
   const auto started = FitClock::now();
   const auto part = [&](std::size_t rank) {
     return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm ? options.closing_mm : closing_mm,
-                          vertices, {options.parts == "all", rank});
+                          vertices, {options.partial || options.parts == "all", rank});
   };
   auto boundary = part(0);
   if (boundary && options.parts == "largest" && !options.partial)
@@ -266,6 +267,9 @@ Result<Report> fit_case(const FitJob& options, const FitShared& shared, const fs
     fitted.judgement = judge_fit(*shared.the_template, target->boundary, fitting, fitted.fit);
     fitted.closing = close_better(options, shared, fitting, *target, fitted.fit, fitted.judgement);
     fitted.seconds = std::chrono::duration<double>(FitClock::now() - target->started).count();
+    if (among.off_share != nullptr && !options.partial)
+      *among.off_share =
+          off_target_mm(fitted.fit.mesh, target->boundary) / bounds_of(fitted.fit.mesh.points).diagonal().norm();
   } else {
     fitted = *among.again;
     const auto spread = spread_by_others_mm2(*shared.the_template, among.others, target->boundary, fitting, fitted.fit);

@@ -63,8 +63,9 @@ struct FittedTarget {
 struct AmongCases {
   std::optional<FittedTarget>* keep = nullptr;
   const FittedTarget* again = nullptr;
-  std::vector<const Points*> others;  ///< third subjects [spread_by_others_mm2]
-  StudyCase* of_study = nullptr;      ///< gets a case for the study of a cohort; null: none is written
+  std::vector<const Points*> others;   ///< third subjects [spread_by_others_mm2]
+  VertexScalars* off_share = nullptr;  ///< gets how far the fit is off by vertex [off_at_same_place]
+  StudyCase* of_study = nullptr;       ///< gets a case for the study of a cohort; null: none is written
 };
 
 /// Fits to one label map or surface, writes the mesh to `out` and reports it. Errors: the readers', the fit's, the

@@ -19,9 +19,8 @@ namespace {
 /// Of the root of the boundary's area: how much farther off it a way may end, and as what a vertex counts at most.
 constexpr double stays_off_share = 0.0015, most_counted_share = 0.03;
 constexpr int settling_steps = 3, sliding_steps = 2;
-/// Of the mesh's diagonal: how far a partial fit looks for counterparts, at first and at last.
-constexpr double widest_reach = 0.1, closest_reach = 0.015;
-constexpr double easing_edges = 1;  ///< mean edges: folds of the template finer than about this are eased
+constexpr double widest_reach = 0.1;  ///< of the mesh's diagonal: how far a partial fit looks for counterparts at first
+constexpr double easing_edges = 1;    ///< mean edges: folds of the template finer than about this are eased
 
 }  // namespace
 

@@ -8,6 +8,9 @@
 
 namespace homolog {
 
+/// Of the mesh's diagonal: how near counterparts lie in the end where parts may be missing.
+inline constexpr double closest_reach = 0.015;
+
 /// What an adaptation made of a start.
 struct Adapted {
   Adapting shape;

@@ -11,12 +11,13 @@
 #include "core/adapt/boundary/cut_faces.h"
 #include "core/adapt/boundary/landmark_pull.h"
 #include "core/adapt/boundary/mirrored_landmarks.h"
-#include "core/adapt/boundary/partial_placements.h"
 #include "core/adapt/fit_doubt.h"
 #include "core/adapt/match/coherent_match.h"
+#include "core/adapt/partial_ways.h"
 #include "core/adapt/roundness.h"
 #include "core/adapt/slide_doubt.h"
 #include "core/adapt/untangle.h"
+#include "core/base/statistics.h"
 #include "core/deform/fold_guard.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/remesh.h"
@@ -28,8 +29,7 @@ namespace homolog {
 namespace {
 
 constexpr Annealing from_placement{.steps = 16, .softest_edges = 1},
-    from_match{.steps = 10, .softest_edges = 1, .stiffest_share = 0.05},
-    of_parts{.steps = 16, .softest_edges = 2};  ///< a softer shape shrinks into what is there
+    from_match{.steps = 10, .softest_edges = 1, .stiffest_share = 0.05};
 /// Times the strain of the plain fit: a match counts in full up to the first, and from the second on it is wrong.
 constexpr double full_strain_ratio = 1.6, most_strain_ratio = 2;
 /// Matches are averaged by the inverse of their energy to this power. It is the strain, and this many times the mean
@@ -41,30 +41,15 @@ constexpr double rounded_edges = 0.0962;  // 1 / (3 √12)
 /// Times that, as squares: beyond, as much is unexplained as rounding makes, and the match tells nothing.
 constexpr double most_unexplained = 2;
 constexpr double told_if_smooth = 0.5;  ///< of the doubt that is due to roundness, how much such a match takes away
-/// Of placements of a partial fit: one that ends off by more than this times the mean square of the first is not
-/// counted.
-constexpr double most_off_ratio = 1.5;
 /// Of the work after the ways: their mean, that with the plain fit, and the slide.
 constexpr std::size_t finishing_parts = 3;
-constexpr double about_as_likely = 1.15;  ///< times the least strain of the ways that were tried
+constexpr double about_as_likely = 1.15;  ///< times the least energy of the ways onto what is there
 
 /// Where an adaptation begins.
 struct FitStart {
   Points points;         ///< n×3, LPS mm
   bool matched = false;  ///< with the boundary as a whole, so that it is near and its own reference
 };
-
-/// The boundary with those of its flat faces marked that are cuts through the organ.
-Boundary with_cuts_marked(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
-  Boundary marked = boundary;
-  const auto flat = flat_faces(boundary.surface);
-  if (flat.empty()) return marked;
-  const Placed placed =
-      find_placement(the_template, boundary, {options.landmarks, options.orientation, options.placement, true});
-  const Mesh there{the_template.topology, placed.placement.apply(the_template.points)};
-  marked.cut = cut_faces(boundary.surface, flat, there);
-  return marked;
-}
 
 /// What is in one list or in both. Both ascend.
 std::vector<std::int32_t> either(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) {
@@ -86,11 +71,14 @@ class Fitting {
     shape_.factors = the_template.stiffness / the_template.stiffness.mean();
   }
 
-  Result<FitResult> run() {
+  /// `about_right`: meshes (n×3, LPS mm) from which a partial fit begins too.
+  /// `lacking`: what the boundary is known to lack of an allowed shape, vertices in rising order.
+  Result<FitResult> run(std::vector<Points> about_right = {}, std::vector<std::int32_t> lacking = {}) {
+    about_right_ = std::move(about_right);
+    lacking_ = std::move(lacking);
     if (auto placed = place(); !placed) return fail(placed.error());
     if (options_.allowed) return among_allowed();
-    const bool tries_placements = options_.partial && !warped();
-    if (auto done = tries_placements ? adapt_from_placements() : adapt_from_starts(); !done) return fail(done.error());
+    if (auto done = options_.partial ? adapt_to_parts() : adapt_from_starts(); !done) return fail(done.error());
     return finish();
   }
 
@@ -108,7 +96,7 @@ class Fitting {
     shape_.placement = found->placement;
     shape_.rest = found->shape;
     shape_.refit();
-    if (options_.partial) lacking_ = search_.missing({reference_.topology, found->points});
+    if (options_.partial) lacking_ = either(lacking_, beyond_noise({reference_.topology, found->points}));
     const double beyond = options_.allowed->beyond;
     if (beyond > 0) {
       if (auto done = adaptation_.anneal_to_boundary(shape_, from_placement); !done) return fail(done.error());
@@ -124,16 +112,29 @@ class Fitting {
       untangle(shape_.mesh, shape_.placed, shape_.factors);
     }
     FitResult result = finish();
-    if (options_.partial) result.outliers = lacking_;
     result.allowed = found->points;
     return result;
   }
 
-  /// Where the target lacks the organ the allowed shape is the better guess: a patch over the hole, or its rim, is no
-  /// target. Around it the mesh goes over to what the boundary asks.
-  void keep_where_lacking(const Points& allowed) {
+  /// What the boundary lacks of an allowed shape: it is far off there for the noise with which it lies on the rest.
+  std::vector<std::int32_t> beyond_noise(const Mesh& mesh) {
+    constexpr double noise_counts = 3, normal_median = 0.6745;
+    const double size_mm = bounds_of(mesh.points).diagonal().norm();
+    search_.set_reach_mm(size_mm);
+    const BoundaryPull pull = search_.nearest(mesh);
+    std::vector<double> off_mm;
+    for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
+      if (pull.weights[i] > 0) off_mm.push_back((pull.targets.row(i) - mesh.points.row(i)).norm());
+    if (off_mm.empty()) return search_.missing(mesh);
+    search_.set_reach_mm(std::max(closest_reach * size_mm, noise_counts / normal_median * quantile(off_mm, 0.5)));
+    return search_.missing(mesh);
+  }
+
+  /// Where the target lacks the organ this mesh is the better guess: a patch over the hole, or its rim, is no target.
+  /// Around it the shape goes over to what the boundary asks.
+  void keep_where_lacking(const Points& likely) {
     constexpr int rings = 3;
-    VertexScalars kept = VertexScalars::Zero(allowed.rows());
+    VertexScalars kept = VertexScalars::Zero(likely.rows());
     for (const std::int32_t i : lacking_) kept[i] = 1;
     const VertexScalars all = kept;
     for (int ring = 0; ring < rings; ++ring) {
@@ -144,7 +145,7 @@ class Fitting {
         kept[i] = std::max(all[i], sum / count);
       }
     }
-    shape_.mesh.points += kept.asDiagonal() * (allowed - shape_.mesh.points);
+    shape_.mesh.points += kept.asDiagonal() * (likely - shape_.mesh.points);
     shape_.refit();
   }
 
@@ -193,14 +194,19 @@ class Fitting {
   bool whole() const { return boundary_.scan_borders.empty() && !options_.partial; }
   bool warped() const { return trust_.size() >= fewest_placing_landmarks; }
 
+  /// The landmarks from where they lie on the template as it is now (n×3, LPS mm).
+  KnownMatches known_on(const Points& points) const {
+    KnownMatches known = landmarks_;
+    for (std::size_t k = 0; k < landmark_places_.size(); ++k)
+      known.from.row(static_cast<Eigen::Index>(k)) = landmark_places_[k].interpolate(*reference_.topology, points);
+    return known;
+  }
+
   /// The template as placed or, with landmarks, warped; then that matched with the boundary where that shows the whole.
   std::vector<FitStart> starts() const {
     std::vector<FitStart> all{{shape_.mesh.points}};
     if (!whole()) return all;
-    KnownMatches known = landmarks_;
-    for (std::size_t k = 0; k < landmark_places_.size(); ++k)
-      known.from.row(static_cast<Eigen::Index>(k)) =
-          landmark_places_[k].interpolate(*reference_.topology, shape_.mesh.points);
+    const KnownMatches known = known_on(shape_.mesh.points);
     const CoherentMatch coherent(reference_.points, shape_.mesh, boundary_.surface);
     // A template without extent in some direction has no smooth displacement.
     const auto add = [&](Points points) {
@@ -218,40 +224,31 @@ class Fitting {
     return all;
   }
 
-  /// What lies of a mesh where the boundary lacks the organ: 1 there, else 0.
-  VertexScalars missing_in(const Mesh& mesh) {
-    VertexScalars missing = VertexScalars::Zero(mesh.points.rows());
-    for (const std::int32_t i : search_.missing(mesh)) missing[i] = 1;
-    return missing;
-  }
-
-  /// A partial fit: of several placements the one from which what is there is strained least.
-  Result<void> adapt_from_placements() {
-    part_of_progress_ = {0, 1 + other_placements};
-    auto first = adapt({shape_.mesh.points}, found_);
-    if (!first) return fail(first.error());
-    struct Tried {
-      Adapted way;
-      double strain;  ///< of what is there
-    };
-    std::vector<Tried> tried;
-    const auto add = [&](Adapted way, const VertexScalars& missing) {
-      const double there = std::max(1 - missing.mean(), 0.01), strain = way.strain / there;
-      tried.push_back({std::move(way), strain});
-    };
-    const VertexScalars missing = missing_in(first->shape.mesh);
-    const auto others = placements_towards(found_, first->shape.mesh.points, missing);
-    add(std::move(*first), missing);
-    for (const Similarity& placement : others) {
+  /// A partial fit: of several ways the likeliest says what is missing.
+  Result<void> adapt_to_parts() {
+    PartialWays ways(reference_, boundary_, search_, adaptation_,
+                     [this](const Points& placed) { return known_on(placed); });
+    part_of_progress_ = {0, 2 + about_right_.size()};
+    const auto next = [this](Result<void> done) {
       ++part_of_progress_.first;
-      auto way = adapt({placement.apply(reference_.points)}, placement);
-      if (!way) return fail(way.error());
-      if (way->off_mm2 <= most_off_ratio * tried.front().way.off_mm2) add(std::move(*way), missing_in(way->shape.mesh));
-    }
-    std::stable_sort(tried.begin(), tried.end(), [](const Tried& a, const Tried& b) { return a.strain < b.strain; });
-    for (const Tried& one : tried)
-      if (one.strain <= about_as_likely * tried.front().strain) ways_.push_back(one.way);
-    shape_ = ways_.front().shape;
+      return done;
+    };
+    if (auto done = next(ways.from_placement(shape_.mesh.points, found_)); !done) return done;
+    for (const Points& mesh : about_right_)
+      if (auto done = next(ways.from_mesh(mesh)); !done) return done;
+    if (auto done = ways.from_match(); !done) return done;
+    auto closest = ways.closest();
+    if (!closest) return fail(closest.error());
+    const PartialWay& best = ways.tried().front();
+    for (const PartialWay& one : ways.tried())
+      if (one.energy <= about_as_likely * best.energy) ways_.push_back(one.way);
+    ways_.push_back(*closest);
+    lacking_ = best.missing;
+    shape_ = closest->shape;
+    shape_.rest = reference_.points;
+    if (lacking_.empty()) return {};
+    keep_where_lacking(best.way.shape.mesh.points);
+    untangle(shape_.mesh, shape_.placed, shape_.factors);
     return {};
   }
 
@@ -342,9 +339,7 @@ class Fitting {
     // A match is its own reference: the template's proportions would draw it back off small features.
     return adaptation_.adapt(start.points, placement,
                              start.matched || warped() ? adaptation_.unplaced(start.points) : reference_.points,
-                             options_.partial ? of_parts
-                             : start.matched  ? from_match
-                                              : from_placement);
+                             start.matched ? from_match : from_placement);
   }
 
   /// Of the ways onto the boundary about the mesh, squared, by vertex.
@@ -368,7 +363,7 @@ class Fitting {
     result.self_intersections = self_intersections(mesh).size();
     for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
       if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
-    if (options_.partial) result.outliers = search_.missing(mesh);
+    result.outliers = lacking_;
     result.landmarks = carried_landmarks(reference_, mesh.points);
     result.landmarks_used = static_cast<std::size_t>((trust_.array() >= believable).count());
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
@@ -412,14 +407,59 @@ class Fitting {
   std::vector<SurfacePoint> landmark_places_;                   ///< on the template, of each of these
   std::pair<std::size_t, std::size_t> part_of_progress_{0, 1};  ///< which of how many
   std::vector<std::string> landmark_warnings_;
-  std::vector<std::int32_t> lacking_;  ///< of a partial fit to allowed shapes: as the nearest of these tells
+  std::vector<Points> about_right_;
+  std::vector<std::int32_t> lacking_;  ///< of a partial fit: where the boundary lacks the organ
 };
 
-/// fit_to_boundary, with cuts marked where parts are missing.
+/// A partial fit, and the boundary with what are cuts and patches.
+struct PartialFit {
+  FitResult fit;
+  Boundary marked;
+};
+
+/// From what the fit to a whole organ comes to, too. Which flat faces are cuts shows when the template lies on the
+/// boundary, so that it begins anew without them. Where nothing is missing the organ is whole.
+Result<PartialFit> fit_partial(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
+  constexpr int rounds = 3;
+  constexpr double whole_share = 0.3;  // of the work
+  const auto of_progress = [&](double from, double to) {
+    if (options.progress != nullptr) options.progress->part(from, to);
+  };
+  FitOptions as_whole = options;
+  as_whole.partial = false;
+  of_progress(0, whole_share);
+  auto whole = Fitting(the_template, boundary, as_whole).run();
+  if (!whole) return fail(whole.error());
+  PartialFit parts{{}, boundary};
+  const auto flat = flat_faces(boundary.surface, small_face_share);
+  std::vector<Points> about_right{whole->mesh.points};
+  for (int round = 0; round < rounds; ++round) {
+    of_progress(whole_share + (1 - whole_share) * round / rounds,
+                whole_share + (1 - whole_share) * (round + 1) / rounds);
+    auto fit = Fitting(the_template, parts.marked, options).run(about_right);
+    if (!fit) return fail(fit.error());
+    parts.fit = std::move(*fit);
+    auto cut = cut_faces(boundary.surface, flat, parts.fit.mesh, parts.fit.placement.apply(the_template.points));
+    if (cut == parts.marked.cut || round + 1 == rounds) break;
+    parts.marked.cut = std::move(cut);
+    about_right.push_back(parts.fit.mesh.points);
+  }
+  of_progress(0, 1);
+  if (parts.fit.outliers.empty()) parts.fit = std::move(*whole);
+  return parts;
+}
+
+/// fit_to_boundary to the organ as a whole or in parts.
 Result<FitResult> fit_within(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
   if (!options.partial) return Fitting(the_template, boundary, options).run();
-  const Boundary marked = with_cuts_marked(the_template, boundary, options);
-  return Fitting(the_template, marked, options).run();
+  FitOptions to_any = options;
+  to_any.allowed = nullptr;
+  auto parts = fit_partial(the_template, boundary, to_any);
+  if (!parts) return fail(parts.error());
+  if (!options.allowed) return std::move(parts->fit);
+  FitOptions near = options;
+  if (!near.placement) near.placement = parts->fit.placement;
+  return Fitting(the_template, parts->marked, near).run({}, std::move(parts->fit.outliers));
 }
 
 }  // namespace

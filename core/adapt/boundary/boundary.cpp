@@ -91,15 +91,19 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::o
   return boundary;
 }
 
-Boundary mesh_boundary(const Mesh& mesh) {
+Boundary mesh_boundary(const Mesh& mesh, bool all_parts) {
   Boundary boundary;
+  if (all_parts) {
+    boundary.surface = mesh;
+    return boundary;
+  }
   boundary.surface = largest_part(mesh);
   if (const auto parts = mesh.topology->components(); parts > 1)
     boundary.warnings.push_back("has " + std::to_string(parts) + " parts; the largest was taken");
   return boundary;
 }
 
-Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress) {
+Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress, bool all_parts) {
   const auto repair = mended_if_broken(surface);
   if (!repair) return fail(repair.error());
   const std::string mended = repair->mended.any() ? "was mended: " + repair->mended.words() : "";
@@ -111,7 +115,7 @@ Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices
     const SolidVoxels solid =
         solid_voxels(together, solid_detail(largest_part(together), static_cast<int>(vertices)), progress);
     if (progress != nullptr && progress->cancelled()) return fail("", "reading the surface was cancelled");
-    auto rebuilt = label_boundary(solid.label_map, 1, 0, std::nullopt, vertices);
+    auto rebuilt = label_boundary(solid.label_map, 1, 0, std::nullopt, vertices, {.all = all_parts});
     if (!rebuilt) return fail(rebuilt.error());
     boundary = std::move(*rebuilt);
     char mm[32];
@@ -120,7 +124,7 @@ Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices
                          " tunnels, so it was rebuilt from voxels for the fit, which lies " + mm +
                          " from it on average; mend it by repair-mesh --genus to see what is fitted to"};
   } else {
-    boundary = mesh_boundary(repair->mesh);
+    boundary = mesh_boundary(repair->mesh, all_parts);
   }
   if (!mended.empty()) boundary.warnings.insert(boundary.warnings.begin(), mended);
   return boundary;

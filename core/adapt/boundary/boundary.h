@@ -51,12 +51,13 @@ struct Boundary {
 Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::optional<double> closing_mm,
                                 Eigen::Index vertices, const LabelParts& parts = {});
 
-/// The largest part of a surface as a boundary.
-Boundary mesh_boundary(const Mesh& mesh);
+/// A surface as a boundary: its largest part, or all of them.
+Boundary mesh_boundary(const Mesh& mesh, bool all_parts = false);
 
 /// The same of whatever surface a file holds: mended where it is broken [mesh_repair.h]. One that is riddled with
 /// tunnels is rebuilt from voxels [solid_voxels.h], as fine as a mesh of `vertices` vertices shows, with a warning that
 /// says how far that lies from it. Errors: no face is left; cancelled.
-Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress = nullptr);
+Result<Boundary> surface_boundary(const MeshFile& surface, Eigen::Index vertices, Progress* progress = nullptr,
+                                  bool all_parts = false);
 
 }  // namespace homolog

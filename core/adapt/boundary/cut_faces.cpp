@@ -12,13 +12,14 @@ namespace {
 
 // Lengths are shares of the surface's diagonal.
 constexpr double flat_within = 0.008, flat_cosine = 0.95;  ///< of one plane, and of its normal
-constexpr double smallest_share = 0.03;                    ///< of the surface's area
 constexpr double edge_width = 0.025, edge_cosine = 0.87;   ///< behind a sharp edge the surface has turned by 30°
 constexpr double sharp_share = 0.6;                        ///< of the way around
 constexpr double smoothing_width = 0.024;                  ///< of the normals
-/// A cut is where the template's normals spread (the length of their mean), or on average look elsewhere, unless it is
-/// flat at more than this share of the face too.
-constexpr double flat_template = 0.94, template_cosine = 0.6, as_in_template = 0.5;
+/// A cut is where the template looks elsewhere on average. At a small face details of the organ do, too, so there it
+/// has to look farther away. Or its normals spread (the length of their mean) at a large face, unless the template is
+/// flat at more than this share of it too.
+constexpr double elsewhere_cosine = 0.75, far_elsewhere_cosine = 0.6, flat_template = 0.9, as_in_template = 0.5;
+constexpr double detail_share = 0.01;  ///< of the surface's area
 constexpr Eigen::Index seeds = 2000;
 
 /// Of each face, unit length, without the steps that voxels leave.
@@ -54,7 +55,7 @@ class FlatFaces {
     edge_mm_ = mean_edge_mm(topology_, surface.points);
   }
 
-  std::vector<std::vector<std::int32_t>> all() {
+  std::vector<std::vector<std::int32_t>> all(double smallest_share) {
     std::vector<std::vector<std::int32_t>> found;
     const auto count = static_cast<Eigen::Index>(faces());
     const double smallest = smallest_share * areas_.sum();
@@ -148,16 +149,16 @@ class FlatFaces {
 /// What a template says of a flat face that lies near it.
 class PlacedTemplate {
  public:
-  explicit PlacedTemplate(const Mesh& mesh)
-      : search_(mesh),
-        normals_(vertex_normals(mesh)),
-        flat_(static_cast<std::size_t>(mesh.topology->triangles().rows()), 0) {
-    for (const auto& face : FlatFaces(mesh).all())
+  PlacedTemplate(const Mesh& on_surface, const Points& placed)
+      : search_(on_surface),
+        normals_(vertex_normals({on_surface.topology, placed})),
+        flat_(static_cast<std::size_t>(on_surface.topology->triangles().rows()), 0) {
+    for (const auto& face : FlatFaces({on_surface.topology, placed}).all(large_face_share))
       for (const std::int32_t f : face) flat_[static_cast<std::size_t>(f)] = 1;
   }
 
   bool is_cut(const Mesh& surface, const std::vector<std::int32_t>& flat_face) const {
-    double cosines = 0, natural = 0;
+    double cosines = 0, natural = 0, area_mm2 = 0;
     Vec3 sum = Vec3::Zero();
     for (const std::int32_t f : flat_face) {
       const auto t = surface.topology->triangles().row(f);
@@ -166,11 +167,13 @@ class PlacedTemplate {
       const Vec3 normal = at.interpolate(*search_.mesh().topology, normals_).transpose().stableNormalized();
       natural += flat_[static_cast<std::size_t>(at.face)];
       cosines += normal.dot(area_normal(surface, f).stableNormalized());
+      area_mm2 += area_normal(surface, f).norm() / 2;
       sum += normal;
     }
     const auto count = static_cast<double>(flat_face.size());
-    return natural / count <= as_in_template &&
-           (sum.norm() / count < flat_template || cosines / count < template_cosine);
+    const double share = area_mm2 / surface_area_mm2(surface), cosine = cosines / count;
+    return cosine < (share < detail_share ? far_elsewhere_cosine : elsewhere_cosine) ||
+           (share >= large_face_share && sum.norm() / count < flat_template && natural / count <= as_in_template);
   }
 
  private:
@@ -181,16 +184,16 @@ class PlacedTemplate {
 
 }  // namespace
 
-std::vector<std::vector<std::int32_t>> flat_faces(const Mesh& surface) {
-  return FlatFaces(surface).all();
+std::vector<std::vector<std::int32_t>> flat_faces(const Mesh& surface, double smallest_share) {
+  return FlatFaces(surface).all(smallest_share);
 }
 
 std::vector<std::uint8_t> cut_faces(const Mesh& surface, const std::vector<std::vector<std::int32_t>>& flat,
-                                    const Mesh& placed_template) {
-  const PlacedTemplate placed(placed_template);
+                                    const Mesh& on_surface, const Points& placed) {
+  const PlacedTemplate the_template(on_surface, placed);
   std::vector<std::uint8_t> cut;
   for (const auto& face : flat) {
-    if (!placed.is_cut(surface, face)) continue;
+    if (!the_template.is_cut(surface, face)) continue;
     cut.resize(static_cast<std::size_t>(surface.topology->triangles().rows()), 0);
     for (const std::int32_t f : face) cut[static_cast<std::size_t>(f)] = 1;
   }

@@ -63,6 +63,41 @@ TEST_CASE("of two edges alike the nearer one is taken") {
   CHECK(std::abs(alike.found_mm(34) - 35) < 1);
 }
 
+TEST_CASE("of two places that look as learned the nearer one is taken") {
+  const Volume finished = Shells{{{30, 100}}}.image(), image = Shells{{{24, 100}, {32, -100}, {40, 100}}}.image();
+  const auto learned = std::make_shared<Appearance>();
+  REQUIRE(learned->learn(finished, 0, icosphere(3, 30)));
+  const auto found_mm = [&](double ball_mm) {
+    const Mesh ball = icosphere(3, ball_mm);
+    const EdgeSearch search(image, 0, ball, {.reach_mm = 14, .appearance = learned});
+    return search.find(ball, 14).targets.rowwise().norm().mean();
+  };
+  CHECK(found_mm(29) < 27);
+  CHECK(found_mm(35) > 37);
+}
+
+TEST_CASE("around an edge that lies elsewhere than its neighbours' nothing is sure") {
+  Volume image = Shells{{{30, 100}}}.image();
+  auto& voxels = std::get<std::vector<float>>(image.data);
+  const auto [columns, rows, slices] = image.geometry.dims;
+  std::size_t voxel = 0;
+  for (int k = 0; k < slices; ++k)
+    for (int j = 0; j < rows; ++j)
+      for (int i = 0; i < columns; ++i, ++voxel) {
+        const Vec3 p = image.geometry.to_mm(Vec3(i, j, k));
+        if (p.x() > 0 && std::hypot(p.y(), p.z()) < 6 && p.norm() < 36) voxels[voxel] = 100;  // a thorn of 6 mm
+      }
+  const Mesh ball = icosphere(3, 30);
+  const BoundaryPull pull = EdgeSearch(image, 0, ball, {.reach_mm = 10}).find(ball, 10);
+  Eigen::Index thorn = 0;
+  CHECK(ball.points.col(0).maxCoeff(&thorn) > 29.9);
+  for (const std::int32_t i : ball.topology->one_ring(thorn)) {
+    CHECK(std::abs(pull.targets.row(i).norm() - 36) < 1);
+    CHECK(pull.weights[i] < 0.36);
+  }
+  CHECK(pull.weights.mean() > 0.95);
+}
+
 TEST_CASE("an edge within the organ is passed over for the one where its tissue ends") {
   // Brighter within, as a kidney's pelvis may be: foreign tissue lies beyond the outer edge only.
   const Shells organ{{{24, 40}, {30, 100}}};

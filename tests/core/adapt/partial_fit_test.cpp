@@ -41,8 +41,20 @@ struct CutKidney {
     for (const double h : height) missing.push_back(h > limit ? 1 : 0);
   }
 
+  /// Without the part between two shares of the height instead.
+  static CutKidney without_middle(int subject, const Vec3& direction, double from, double to) {
+    CutKidney cut(subject, direction, 1 - from);
+    const Eigen::VectorXd height = cut.truth * cut.along;
+    std::vector<double> sorted(height.begin(), height.end());
+    std::sort(sorted.begin(), sorted.end());
+    const double end = sorted[static_cast<std::size_t>(to * static_cast<double>(sorted.size() - 1))];
+    for (Eigen::Index i = 0; i < height.size(); ++i)
+      if (height[i] > end) cut.missing[static_cast<std::size_t>(i)] = 0;
+    return cut;
+  }
+
   /// What is left, open where it was cut.
-  Boundary open() const {
+  Boundary open(bool all_parts = false) const {
     MeshFile left;
     left.points = truth;
     const Triangles& all = kidney()->topology->triangles();
@@ -53,7 +65,7 @@ struct CutKidney {
                        [&](std::int32_t v) { return missing[static_cast<std::size_t>(v)] != 0; }))
         left.triangles.row(count++) = all.row(f);
     left.triangles.conservativeResize(count, 3);
-    return surface_boundary(left, kidney()->points.rows()).value();
+    return surface_boundary(left, kidney()->points.rows(), nullptr, all_parts).value();
   }
 
   /// Its label map, where the cut is a flat face.
@@ -174,10 +186,18 @@ TEST_CASE("a partial fit with a model finds what is missing and stays with the m
   }
 }
 
-TEST_CASE("a partial fit of a whole organ misses nothing") {
+TEST_CASE("all parts of what is left of an organ count in a partial fit") {
+  const auto cut = CutKidney::without_middle(5, Vec3(0.2, 0.1, 1).normalized(), 0.55, 0.7);
+  const FitResult of_all = partial_fit(cut.open(true)), of_largest = partial_fit(cut.open());
+  CHECK(cut.f1(of_all) > 0.85);
+  CHECK(cut.f1(of_largest) < 0.6);
+}
+
+TEST_CASE("a partial fit of a whole organ misses nothing and is the fit of the whole") {
   const Boundary whole = mesh_boundary({kidney()->topology, phantom_truth(Organ::kidney, 5)[0].points});
   const FitResult fit = partial_fit(whole);
   CHECK(fit.outliers.empty());
+  CHECK(fit.mesh.points == fit_to_boundary(*kidney(), whole).value().mesh.points);
   FitOptions options;
   options.partial = true;
   CHECK_FALSE(judge_fit(*kidney(), whole, options, fit).doubtful);
@@ -230,10 +250,11 @@ TEST_CASE("a ball that was cut has one flat face where the whole ball has none")
   const Mesh cut = cut_ball(12);
   const auto flat = flat_faces(cut);
   REQUIRE(flat.size() == 1);
-  const auto marked = cut_faces(cut, flat, icosphere(3, 24));
+  const Mesh ball = icosphere(3, 24);
+  const auto marked = cut_faces(cut, flat, ball, ball.points);
   REQUIRE(marked.size() == static_cast<std::size_t>(cut.topology->triangles().rows()));
   CHECK(std::count(marked.begin(), marked.end(), 1) == std::ssize(flat.front()));
-  CHECK(cut_faces(cut, flat, cut).empty());  // a template that is flat there too
+  CHECK(cut_faces(cut, flat, cut, cut.points).empty());  // a template that is flat there too
 }
 
 }  // namespace homolog

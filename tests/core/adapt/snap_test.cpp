@@ -208,6 +208,21 @@ TEST_CASE("an image without the organ is refused or doubted") {
   CHECK_FALSE(snap(blob_image({Blob{}}), 0, all_free(elsewhere), {}));
 }
 
+TEST_CASE("a snap is doubtful where most of the boundary does not show and sound where a little of it does not") {
+  const auto hidden_below = [](double z_mm) {
+    Volume image = blob_image({Blob{}});
+    auto& voxels = std::get<std::vector<float>>(image.data);
+    const auto [columns, rows, slices] = image.geometry.dims;
+    for (std::size_t v = 0; v < voxels.size(); ++v)
+      if (image.geometry.to_mm(Vec3(0, 0, static_cast<double>(v / static_cast<std::size_t>(columns * rows)))).z() <
+          z_mm)
+        voxels[v] = static_cast<float>(50 + 3 * blob_grain(v));
+    return snap(image, 0, all_free(blob_mesh(Blob{}.radii_mm)), {}).value();
+  };
+  CHECK(hidden_below(12).doubtful);  // two thirds
+  CHECK_FALSE(hidden_below(-20).doubtful);
+}
+
 TEST_CASE("what the scan cuts off follows the rest and is named") {
   const Blob blob;
   Volume image = blob_image({blob});

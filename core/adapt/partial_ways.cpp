@@ -1,0 +1,121 @@
+#include "core/adapt/partial_ways.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/adapt/boundary/partial_placements.h"
+#include "core/adapt/match/coherent_match.h"
+#include "core/mesh/mesh_quality.h"
+#include "core/mesh/surface_search.h"
+#include "core/placement/similarity_fit.h"
+
+namespace homolog {
+
+namespace {
+
+/// A softer shape shrinks into what is there.
+constexpr Annealing from_placement_of_parts{.steps = 16, .softest_edges = 2},
+    from_mesh_of_parts{.steps = 10, .softest_edges = 2, .stiffest_share = 0.1},
+    from_own_match{.steps = 10, .softest_edges = 1, .stiffest_share = 0.05};
+constexpr double unexplained_counts = 1000;  ///< times its mean square, as a share of the boundary's area
+constexpr double least_there = 0.01;         ///< of the vertices
+
+/// Of the boundary's own places from a mesh, mean square. A tenth of them may lie on cuts or patches that are not known
+/// to be such; the farthest ones do not count.
+double unexplained_mm2(const Boundary& boundary, const Mesh& mesh) {
+  constexpr Eigen::Index enough = 5000;
+  constexpr double counted = 0.9;
+  const Points& points = boundary.surface.points;
+  const SurfaceSearch search(mesh);
+  std::vector<double> each_mm2;
+  for (Eigen::Index i = 0; i < points.rows(); i += 1 + points.rows() / enough) {
+    const Vec3 place = points.row(i);
+    if (!boundary.shows(place) || !boundary.is_own(boundary.surface.topology->faces_of(i).front())) continue;
+    each_mm2.push_back((search.nearest(place).position - place).squaredNorm());
+  }
+  std::sort(each_mm2.begin(), each_mm2.end());
+  each_mm2.resize(static_cast<std::size_t>(counted * static_cast<double>(each_mm2.size())));
+  return each_mm2.empty()
+             ? 0
+             : std::accumulate(each_mm2.begin(), each_mm2.end(), 0.0) / static_cast<double>(each_mm2.size());
+}
+
+}  // namespace
+
+PartialWays::PartialWays(const Template& the_template, const Boundary& boundary, BoundarySearch& search,
+                         Adaptation& adaptation, KnownOn known)
+    : reference_(the_template),
+      boundary_(boundary),
+      search_(search),
+      adaptation_(adaptation),
+      known_(std::move(known)),
+      area_mm2_(surface_area_mm2(boundary.surface)) {}
+
+Result<void> PartialWays::add(Result<Adapted> way) {
+  if (!way) return fail(way.error());
+  std::vector<std::int32_t> missing = search_.missing(way->shape.mesh);
+  const double there = 1 - static_cast<double>(missing.size()) / static_cast<double>(reference_.points.rows());
+  const double energy = way->strain / std::max(there, least_there) +
+                        unexplained_counts * unexplained_mm2(boundary_, way->shape.mesh) / area_mm2_;
+  const auto worse =
+      std::find_if(tried_.begin(), tried_.end(), [energy](const PartialWay& one) { return energy < one.energy; });
+  tried_.insert(worse, {std::move(*way), std::move(missing), energy});
+  return {};
+}
+
+Result<void> PartialWays::from_placement(const Points& start, const Similarity& placement) {
+  const auto from = [&](const Points& points, const Similarity& placed) {
+    return add(adaptation_.adapt(points, placed, reference_.points, from_placement_of_parts));
+  };
+  if (auto done = from(start, placement); !done) return done;
+  const PartialWay& first = tried_.front();
+  VertexScalars missing = VertexScalars::Zero(reference_.points.rows());
+  for (const std::int32_t i : first.missing) missing[i] = 1;
+  for (const Similarity& other : placements_towards(placement, first.way.shape.mesh.points, missing))
+    if (auto done = from(other.apply(reference_.points), other); !done) return done;
+  return {};
+}
+
+Result<void> PartialWays::from_mesh(const Points& mesh) {
+  // What lacks may have been drawn into what is there, and would not find out of it.
+  Points points = mesh;
+  const std::vector<std::int32_t> missing = search_.missing({reference_.topology, mesh});
+  const Similarity placement = placement_of_rest(mesh, missing);
+  for (const std::int32_t i : missing) points.row(i) = placement.apply(Points(reference_.points.row(i)));
+  return add(adaptation_.adapt(points, placement, reference_.points, from_mesh_of_parts));
+}
+
+/// Of the template, by what is not missing of a mesh.
+Similarity PartialWays::placement_of_rest(const Points& mesh, const std::vector<std::int32_t>& missing) const {
+  std::vector<Eigen::Index> there;
+  auto next = missing.begin();
+  for (Eigen::Index i = 0; i < mesh.rows(); ++i) {
+    if (next != missing.end() && *next == i)
+      ++next;
+    else
+      there.push_back(i);
+  }
+  return nearest_similarity(Points(reference_.points(there, Eigen::all)), Points(mesh(there, Eigen::all)), {});
+}
+
+Points PartialWays::matched() const {
+  const PartialWay& best = tried_.front();
+  const Mesh placed{reference_.topology,
+                    placement_of_rest(best.way.shape.mesh.points, best.missing).apply(reference_.points)};
+  return CoherentMatch(reference_.points, placed, boundary_.surface).match(close_match, known_(placed.points)).forth;
+}
+
+Result<void> PartialWays::from_match() {
+  const Points points = matched();
+  return points.allFinite() ? from_mesh(points) : Result<void>{};
+}
+
+Result<Adapted> PartialWays::closest() {
+  const Points points = matched();
+  if (!points.allFinite()) return tried_.front().way;
+  return adaptation_.adapt(points, nearest_similarity(reference_.points, points, {}), adaptation_.unplaced(points),
+                           from_own_match);
+}
+
+}  // namespace homolog

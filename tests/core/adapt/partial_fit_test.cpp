@@ -163,6 +163,16 @@ TEST_CASE("the shape does not shrink into what a label map has left of an organ"
   CHECK(cut.f1(partial_fit(cut.labelled())) > 0.8);
 }
 
+TEST_CASE("the flat face that a cut leaves in a label map is found and is no target") {
+  const CutKidney cut(6, Vec3(0.6, 0.7, 0.4).normalized(), 0.3);
+  const FitResult fit = partial_fit(cut.labelled());
+  CHECK(cut.f1(fit) > 0.9);
+  double beyond_mm = 0;
+  for (const std::int32_t i : fit.outliers)
+    beyond_mm = std::max(beyond_mm, fit.mesh.points.row(i) * cut.along - cut.limit);
+  CHECK(beyond_mm > 15);  // the template's end, which a face drawn to the cut would lose
+}
+
 TEST_CASE("a partial fit with a model finds what is missing and stays with the model where it is told to") {
   ShapeMatrix shapes(3 * kidney()->points.rows(), 10);
   for (int k = 0; k < 10; ++k) {

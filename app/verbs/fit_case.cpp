@@ -78,7 +78,7 @@ Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared
     const auto file = read_mesh_to_mend(path);
     if (!file) return fail(file.error());
     const auto started = FitClock::now();
-    auto boundary = surface_boundary(*file, vertices, &progress, options.partial || options.parts == "all");
+    auto boundary = surface_boundary(*file, vertices, &progress, options.partial);
     if (!boundary) return fail(path.string(), boundary.error().what);
     boundary->warnings.insert(boundary->warnings.begin(), file->warnings.begin(), file->warnings.end());
     return FitTarget{started, std::move(*boundary), std::nullopt};

@@ -25,7 +25,8 @@ Work::Work(const std::function<void()>& wake)
 bool Work::busy() const {
   return opener.busy() || imports.busy() || exports.busy() || template_maker.busy() || fitter.busy() ||
          propagator.busy() || observers.busy() || study_appearance.busy() || study_optimiser.busy() ||
-         model_help.busy() || label_surfaces.busy() || models.busy() || worklist.busy() || snaps.busy();
+         model_help.busy() || label_surfaces.busy() || models.busy() || worklist.busy() || snaps.busy() ||
+         recovery.busy();
 }
 
 void Outbox::apply(Action action, bool joined) {

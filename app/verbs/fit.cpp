@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -129,29 +130,19 @@ fs::path study_in(const fs::path& folder) {
   return folder / (whole.filename().string() + ".study.json");
 }
 
-/// The middle of a place, on the template before it is placed, LPS mm.
-Vec3 middle_of(const SamePlace& place, const Template& the_template) {
-  return the_template.points(place.vertices, Eigen::all).colwise().mean().transpose();
-}
-
-Json described_place(const SamePlace& place, const Template& the_template) {
-  const Vec3 at = middle_of(place, the_template);
-  return {
-      {"cases", place.fits},
-      {"vertices_share", static_cast<double>(place.vertices.size()) / static_cast<double>(the_template.points.rows())},
-      {"at", {at.x(), at.y(), at.z()}}};
-}
-
-std::string place_sentence(const SamePlace& place, std::size_t fits, const std::string& source,
-                           const Template& the_template) {
-  const Vec3 at = middle_of(place, the_template);
+/// Says in the report that several cases are off at one place of the template.
+void report_place(const SamePlace& place, std::size_t fits, const std::string& source, const Template& the_template,
+                  Report& report) {
+  const Vec3 at = the_template.points(place.vertices, Eigen::all).colwise().mean().transpose();
+  const double share = static_cast<double>(place.vertices.size()) / static_cast<double>(the_template.points.rows());
+  report.values["same_place"] = {{"cases", place.fits}, {"vertices_share", share}, {"at", {at.x(), at.y(), at.z()}}};
   char text[320];
-  std::snprintf(
-      text, sizeof text,
-      ": %zu of %zu cases are off at the same place of the template (around %.0f, %.0f, %.0f mm): its form is "
-      "not theirs there; make it of several subjects by template --consensus, or of another one",
-      place.fits, fits, at.x(), at.y(), at.z());
-  return source + text;
+  std::snprintf(text, sizeof text,
+                ": %zu of %zu cases lie off their organs at the same place of the template (around %.0f, %.0f, %.0f "
+                "mm), where it has another form; make it of several subjects by template --consensus, or of another "
+                "subject",
+                place.fits, fits, at.x(), at.y(), at.z());
+  report.warnings.push_back(source + text);
 }
 
 Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progress) {
@@ -227,10 +218,8 @@ Result<Report> fit_many(FitJob options, const FitShared& shared, Progress& progr
   for (const auto& result : results) doubtful += result && result->values["doubtful"] == true ? 1 : 0;
   report.values = {{"fitted", results.size() - failed}, {"failed", failed}, {"doubtful", doubtful}};
   std::erase_if(off_shares, [](const VertexScalars& one) { return one.size() == 0; });
-  if (const auto same = off_at_same_place(*shared.the_template->topology, off_shares)) {
-    report.values["same_place"] = described_place(*same, *shared.the_template);
-    report.warnings.push_back(place_sentence(*same, off_shares.size(), options.template_source, *shared.the_template));
-  }
+  if (const auto same = off_at_same_place(*shared.the_template->topology, off_shares))
+    report_place(*same, off_shares.size(), options.template_source, *shared.the_template, report);
   std::erase_if(cases_made, [](const StudyCase& one) { return one.name.empty(); });
   if (!cases_made.empty()) {
     const fs::path study = study_in(options.out);

@@ -186,7 +186,8 @@ Json close_better(const FitJob& options, const FitShared& shared, const FitOptio
   const double usual_mm = usual_closing_mm(mask.volume, mask.label, mask.frame);
   const double first_mm = options.closing_mm.value_or(shared.kept_closing_mm.value_or(usual_mm));
   if (options.closing_mm) return {{"closing_mm", first_mm}, {"closing_chosen", false}, {"closing_why", "as asked for"}};
-  const bool other_part = options.parts == "all" || target.boundary.parts_alike > 1;  // which closing would not know
+  // Which parts count, trying would not know.
+  const bool other_part = options.partial || options.parts == "all" || target.boundary.parts_alike > 1;
   OtherClosing first{first_mm, std::move(target.boundary), std::move(fit), std::move(judgement)};
   MoreClosing more;
   if (!other_part) more = try_more_closing(*shared.the_template, mask.volume, mask.label, mask.frame, fitting, first);

@@ -71,20 +71,56 @@ class Fitting {
     shape_.factors = the_template.stiffness / the_template.stiffness.mean();
   }
 
-  /// `about_right`: meshes (n×3, LPS mm) from which a partial fit begins too.
-  /// `lacking`: what the boundary is known to lack of an allowed shape, vertices in rising order.
-  Result<FitResult> run(std::vector<Points> about_right = {}, std::vector<std::int32_t> lacking = {}) {
+  /// Brings the template to the boundary; `finish` then tells what came of it. `about_right`: meshes (n×3, LPS mm) from
+  /// which a partial fit begins too.
+  Result<void> to_boundary(std::vector<Points> about_right = {}) {
     about_right_ = std::move(about_right);
-    lacking_ = std::move(lacking);
-    if (auto placed = place(); !placed) return fail(placed.error());
-    if (options_.allowed) return among_allowed();
-    if (auto done = options_.partial ? adapt_to_parts() : adapt_from_starts(); !done) return fail(done.error());
-    return finish();
+    if (auto placed = place(); !placed) return placed;
+    return options_.partial ? adapt_to_parts() : adapt_from_starts();
   }
 
- private:
-  /// First the nearest of the allowed shapes; what follows keeps to that.
-  Result<FitResult> among_allowed() {
+  const Mesh& mesh() const { return shape_.mesh; }
+  const std::vector<std::int32_t>& lacking() const { return lacking_; }
+  /// The template's own form under the similarity nearest to the mesh, n×3, LPS mm.
+  Points form_placed() const {
+    return nearest_similarity(reference_.points, shape_.mesh.points, shape_.placement).apply(reference_.points);
+  }
+
+  /// What came of it. Once, at the end: the mesh moves out.
+  FitResult finish() {
+    Mesh& mesh = shape_.mesh;
+    FitResult result;
+    result.placement = nearest_similarity(reference_.points, mesh.points, shape_.placement);
+    result.turned_triangles =
+        turned_triangles(*mesh.topology, result.placement.apply(reference_.points), mesh.points).size();
+    result.self_intersections = self_intersections(mesh).size();
+    for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
+      if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
+    result.outliers = lacking_;
+    result.landmarks = carried_landmarks(reference_, mesh.points);
+    result.landmarks_used = static_cast<std::size_t>((trust_.array() >= believable).count());
+    result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
+    const bool told = result.landmarks_place || options_.allowed;
+    VertexScalars spread = spread_mm2();
+    if (const auto image = mirror_image_there(reference_, boundary_, options_.orientation, options_.partial)) {
+      result.half_turned = options_.orientation == Orientation::patient && !options_.placement &&
+                           half_turn_there(reference_, boundary_, *image, options_.partial);
+      result.mirrored = !result.half_turned;
+      spread += (*image - mesh.points).rowwise().squaredNorm();
+    }
+    result.doubt_mm = fit_doubt_mm(mesh, spread, ways_.empty() ? adaptation_.strain(shape_) : ways_.front().strain,
+                                   told ? 0 : round_ - told_if_smooth * smooth_, either(result.outliers, result.unseen),
+                                   shares_of_sliding(mesh));
+    result.warnings = std::move(landmark_warnings_);
+    result.mesh = std::move(mesh);
+    return result;
+  }
+
+  /// First the nearest of the allowed shapes; what follows keeps to that. `lacking`: what the boundary is known to
+  /// lack, vertices in rising order.
+  Result<FitResult> among_allowed(std::vector<std::int32_t> lacking) {
+    lacking_ = std::move(lacking);
+    if (auto placed = place(); !placed) return fail(placed.error());
     const auto forces = [this](const Mesh& mesh, double share) {
       shape_.mesh = mesh;
       return adaptation_.force(mesh, found_, share);
@@ -116,6 +152,7 @@ class Fitting {
     return result;
   }
 
+ private:
   /// What the boundary lacks of an allowed shape: it is far off there for the noise with which it lies on the rest.
   std::vector<std::int32_t> beyond_noise(const Mesh& mesh) {
     constexpr double noise_counts = 3, normal_median = 0.6745;
@@ -354,35 +391,6 @@ class Fitting {
     return sum / std::max(others, 1);
   }
 
-  FitResult finish() {
-    Mesh& mesh = shape_.mesh;
-    FitResult result;
-    result.placement = nearest_similarity(reference_.points, mesh.points, shape_.placement);
-    result.turned_triangles =
-        turned_triangles(*mesh.topology, result.placement.apply(reference_.points), mesh.points).size();
-    result.self_intersections = self_intersections(mesh).size();
-    for (Eigen::Index i = 0; i < mesh.points.rows(); ++i)
-      if (!boundary_.shows(mesh.points.row(i))) result.unseen.push_back(static_cast<std::int32_t>(i));
-    result.outliers = lacking_;
-    result.landmarks = carried_landmarks(reference_, mesh.points);
-    result.landmarks_used = static_cast<std::size_t>((trust_.array() >= believable).count());
-    result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
-    const bool told = result.landmarks_place || options_.allowed;
-    VertexScalars spread = spread_mm2();
-    if (const auto image = mirror_image_there(reference_, boundary_, options_.orientation, options_.partial)) {
-      result.half_turned = options_.orientation == Orientation::patient && !options_.placement &&
-                           half_turn_there(reference_, boundary_, *image, options_.partial);
-      result.mirrored = !result.half_turned;
-      spread += (*image - mesh.points).rowwise().squaredNorm();
-    }
-    result.doubt_mm = fit_doubt_mm(mesh, spread, ways_.empty() ? adaptation_.strain(shape_) : ways_.front().strain,
-                                   told ? 0 : round_ - told_if_smooth * smooth_, either(result.outliers, result.unseen),
-                                   shares_of_sliding(mesh));
-    result.warnings = std::move(landmark_warnings_);
-    result.mesh = std::move(mesh);
-    return result;
-  }
-
   /// `done`: of the part of the work that is under way.
   Result<void> show(const Points& points, double done) {
     if (options_.show) options_.show(points);
@@ -411,55 +419,65 @@ class Fitting {
   std::vector<std::int32_t> lacking_;  ///< of a partial fit: where the boundary lacks the organ
 };
 
-/// A partial fit, and the boundary with what are cuts and patches.
+/// These options with a progress that is a share of theirs, where they have one. `part` outlives them.
+FitOptions with_part(const FitOptions& options, double share, std::optional<Progress>& part) {
+  FitOptions own = options;
+  if (options.progress != nullptr) own.progress = &part.emplace(*options.progress, share);
+  return own;
+}
+
+/// A partial fit, and the boundary with its cuts and patches marked.
 struct PartialFit {
   FitResult fit;
   Boundary marked;
 };
 
-/// From what the fit to a whole organ comes to, too. Which flat faces are cuts shows when the template lies on the
-/// boundary, so that it begins anew without them. Where nothing is missing the organ is whole.
+/// Begins with what the fit to a whole organ comes to, too. Which flat faces are cuts shows when the template lies on
+/// the boundary; then it begins anew without them. Where nothing is missing the organ is whole.
 Result<PartialFit> fit_partial(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
   constexpr int rounds = 3;
   constexpr double whole_share = 0.3;  // of the work
-  const auto of_progress = [&](double from, double to) {
-    if (options.progress != nullptr) options.progress->part(from, to);
-  };
-  FitOptions as_whole = options;
+  std::optional<Progress> of_whole;
+  FitOptions as_whole = with_part(options, whole_share, of_whole);
   as_whole.partial = false;
-  of_progress(0, whole_share);
-  auto whole = Fitting(the_template, boundary, as_whole).run();
-  if (!whole) return fail(whole.error());
+  Fitting whole(the_template, boundary, as_whole);
+  if (auto done = whole.to_boundary(); !done) return fail(done.error());
   PartialFit parts{{}, boundary};
   const auto flat = flat_faces(boundary.surface, small_face_share);
-  std::vector<Points> about_right{whole->mesh.points};
-  for (int round = 0; round < rounds; ++round) {
-    of_progress(whole_share + (1 - whole_share) * round / rounds,
-                whole_share + (1 - whole_share) * (round + 1) / rounds);
-    auto fit = Fitting(the_template, parts.marked, options).run(about_right);
-    if (!fit) return fail(fit.error());
-    parts.fit = std::move(*fit);
-    auto cut = cut_faces(boundary.surface, flat, parts.fit.mesh, parts.fit.placement.apply(the_template.points));
-    if (cut == parts.marked.cut || round + 1 == rounds) break;
+  std::vector<Points> about_right{whole.mesh().points};
+  for (int round = 1;; ++round) {
+    std::optional<Progress> of_round;
+    const FitOptions own = with_part(options, (1 - whole_share) / rounds, of_round);
+    Fitting fitting(the_template, parts.marked, own);
+    if (auto done = fitting.to_boundary(about_right); !done) return fail(done.error());
+    auto cut = cut_faces(boundary.surface, flat, fitting.mesh(), fitting.form_placed());
+    if (cut == parts.marked.cut || round == rounds) {
+      parts.fit = fitting.lacking().empty() ? whole.finish() : fitting.finish();
+      return parts;
+    }
+    about_right.push_back(fitting.mesh().points);
     parts.marked.cut = std::move(cut);
-    about_right.push_back(parts.fit.mesh.points);
   }
-  of_progress(0, 1);
-  if (parts.fit.outliers.empty()) parts.fit = std::move(*whole);
-  return parts;
 }
 
 /// fit_to_boundary to the organ as a whole or in parts.
 Result<FitResult> fit_within(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
-  if (!options.partial) return Fitting(the_template, boundary, options).run();
-  FitOptions to_any = options;
+  if (!options.partial) {
+    Fitting fitting(the_template, boundary, options);
+    if (options.allowed) return fitting.among_allowed({});
+    if (auto done = fitting.to_boundary(); !done) return fail(done.error());
+    return fitting.finish();
+  }
+  constexpr double free_share = 0.7;  // of the work
+  std::optional<Progress> of_free, of_allowed;
+  FitOptions to_any = options.allowed ? with_part(options, free_share, of_free) : options;
   to_any.allowed = nullptr;
   auto parts = fit_partial(the_template, boundary, to_any);
   if (!parts) return fail(parts.error());
   if (!options.allowed) return std::move(parts->fit);
-  FitOptions near = options;
+  FitOptions near = with_part(options, 1 - free_share, of_allowed);
   if (!near.placement) near.placement = parts->fit.placement;
-  return Fitting(the_template, parts->marked, near).run({}, std::move(parts->fit.outliers));
+  return Fitting(the_template, parts->marked, near).among_allowed(std::move(parts->fit.outliers));
 }
 
 }  // namespace

@@ -86,7 +86,6 @@ Result<void> PartialWays::from_mesh(const Points& mesh) {
   return add(adaptation_.adapt(points, placement, reference_.points, from_mesh_of_parts));
 }
 
-/// Of the template, by what is not missing of a mesh.
 Similarity PartialWays::placement_of_rest(const Points& mesh, const std::vector<std::int32_t>& missing) const {
   std::vector<Eigen::Index> there;
   auto next = missing.begin();
@@ -96,7 +95,8 @@ Similarity PartialWays::placement_of_rest(const Points& mesh, const std::vector<
     else
       there.push_back(i);
   }
-  return nearest_similarity(Points(reference_.points(there, Eigen::all)), Points(mesh(there, Eigen::all)), {});
+  return nearest_similarity(Points(reference_.points(there, Eigen::all)), Points(mesh(there, Eigen::all)),
+                            nearest_similarity(reference_.points, mesh, {}));
 }
 
 Points PartialWays::matched() const {

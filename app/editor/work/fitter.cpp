@@ -106,7 +106,7 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
   if (!fit) return fail(labels.name, fit.error().what);
   FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
   Fitted done;
-  if (!settings.closing_mm && judgement.doubtful) {
+  if (!settings.closing_mm && !settings.partial && judgement.doubtful) {
     auto more = try_more_closing(the_template, *labels.volume, label, frame, options,
                                  {closing_mm, *boundary, fit->result, judgement});
     if (more.better) {

@@ -21,6 +21,7 @@
 #include "app/version.h"
 #include "core/base/guarded.h"
 #include "core/base/limits.h"
+#include "core/base/memory.h"
 #include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
@@ -252,6 +253,7 @@ void hold_standard_streams() {
 }  // namespace homolog
 
 int main(int argc, char** argv) {
+  homolog::keep_freed_memory();
   homolog::hold_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing, which is told
   return homolog::run_main(argc, argv);

@@ -1,13 +1,17 @@
 #include "app/verbs/subjects.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
 #include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
+#include "core/base/statistics.h"
+#include "core/groupwise/other_organs.h"
 #include "core/mesh/landmark_io.h"
+#include "core/mesh/mesh_quality.h"
 
 namespace homolog {
 
@@ -49,12 +53,22 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
   return subject;
 }
 
-/// Files as they are; a folder stands for the surfaces in it, else for its label maps.
-std::vector<fs::path> subjects_of(const std::vector<fs::path>& files) {
-  bool any = false, any_maps = false;
-  const auto opened = with_folders_opened(files, surfaces_in, any);
-  const auto all = with_folders_opened(opened, volumes_in, any_maps);
-  return any_maps ? label_maps_among(all) : all;
+/// Names subjects whose volume no spread of the others explains.
+void warn_of_volumes(SubjectsRead& read) {
+  std::vector<double> volumes_ml;
+  for (const BiasSubject& subject : read.subjects) {
+    const Mesh& surface = subject.boundary.surface;
+    volumes_ml.push_back(surface.topology->closed() ? enclosed_volume_ml(surface) : 0);
+  }
+  for (const std::size_t k : unlike_in_volume(volumes_ml)) {
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        ": has a volume of %.3g ml, and most others about %.3g ml; check that it is the same organ, whole, and "
+        "the right label, or leave it out",
+        volumes_ml[k], quantile(volumes_ml, 0.5));
+    read.warnings.push_back(read.subjects[k].name + text);
+  }
 }
 
 void flip_subject(BiasSubject& subject) {
@@ -64,11 +78,19 @@ void flip_subject(BiasSubject& subject) {
 
 }  // namespace
 
-Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress) {
-  std::vector<fs::path> paths = subjects_of(files.files);
+std::vector<fs::path> subject_paths(const std::vector<fs::path>& files) {
+  bool any = false, any_maps = false;
+  const auto opened = with_folders_opened(files, surfaces_in, any);
+  auto paths = with_folders_opened(opened, volumes_in, any_maps);
+  if (any_maps) paths = label_maps_among(paths);
   std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {
     return std::pair(case_name_of(a), a.string()) < std::pair(case_name_of(b), b.string());
   });
+  return paths;
+}
+
+Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress) {
+  std::vector<fs::path> paths = subject_paths(files.files);
   for (std::size_t k = 1; k < paths.size(); ++k)
     if (case_name_of(paths[k]) == case_name_of(paths[k - 1]))
       return fail(paths[k].string(), "has the name of " + paths[k - 1].string() + "; rename one of them");
@@ -105,6 +127,7 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
   for (std::size_t k = 0; k < paths.size(); ++k)
     met.push_back(meeting_of(paths[k], read.subjects[k].boundary.surface.points));
   for (std::string& sentence : misfits_among(met, "the other subjects")) read.warnings.push_back(std::move(sentence));
+  warn_of_volumes(read);
   std::vector<const Boundary*> boundaries;
   for (const BiasSubject& subject : read.subjects) boundaries.push_back(&subject.boundary);
   const std::string others = boundaries.size() == 2 ? "the other subject" : "most others";
@@ -118,12 +141,14 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
     flip_subject(subject);
     read.flipped.push_back(subject.name);
   }
+  read.paths = std::move(paths);
   return read;
 }
 
 std::string other_organ_warning(const std::string& name) {
   return name +
-         ": looks like another organ than most others, since its fits are in much doubt; look at it, or leave it out";
+         ": looks like another organ than most others, by the doubt and the shape of its fits; look at it, or leave it "
+         "out";
 }
 
 }  // namespace homolog

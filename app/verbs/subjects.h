@@ -13,7 +13,7 @@ namespace homolog {
 
 /// Organs to make a template of or to study: surfaces, or label maps.
 struct SubjectFiles {
-  std::vector<std::filesystem::path> files;  ///< a folder stands for the surfaces in it
+  std::vector<std::filesystem::path> files;  ///< see subject_paths
   std::filesystem::path landmarks;           ///< a folder with a file for each [landmark_file_in]; empty: none
   std::vector<int> labels;                   ///< of label maps: see read_mask
   std::optional<int> frame;                  ///< of label maps with several: see read_mask
@@ -23,7 +23,8 @@ struct SubjectFiles {
 };
 
 struct SubjectsRead {
-  std::vector<BiasSubject> subjects;  ///< by name
+  std::vector<BiasSubject> subjects;         ///< by name
+  std::vector<std::filesystem::path> paths;  ///< of each subject's file
   std::vector<std::string> flipped;
   std::map<std::string, int> frames;  ///< which was taken, of each whose label map holds several
   std::vector<std::string> warnings;
@@ -33,6 +34,9 @@ struct SubjectsRead {
     if (!frames.empty()) values["frames"] = frames;
   }
 };
+
+/// The files in the order of their subjects' names; a folder stands for the surfaces in it, else for its label maps.
+std::vector<std::filesystem::path> subject_paths(const std::vector<std::filesystem::path>& files);
 
 /// Reads all, several at a time, in the order of their names. With `flip_mirrored` those that look like mirror images
 /// of most others are flipped with their landmarks; without it, warnings name them. Errors: a file that cannot be read,

@@ -10,7 +10,7 @@
 #include "app/verbs/describe.h"
 #include "app/verbs/mending_report.h"
 #include "app/verbs/read_image.h"
-#include "app/verbs/subjects.h"
+#include "app/verbs/template_job.h"
 #include "app/verbs/verb.h"
 #include "core/adapt/choose_closing.h"
 #include "core/mesh/landmark_io.h"
@@ -33,21 +33,6 @@ namespace {
 
 constexpr double far_share = 0.05;  ///< of the diagonal: a landmark farther from the surface is said
 constexpr double away_share = 0.5;  ///< so far from the nearest of them, the landmarks are of another place
-
-struct TemplateJob {
-  fs::path in, out, landmarks;
-  std::vector<fs::path> consensus;
-  bool flip_mirrored = false;
-  std::vector<int> labels;
-  std::optional<int> frame;
-  int vertices = 2500;
-  std::optional<double> closing_mm, opening_mm;
-  std::string genus = "auto";
-  bool keep_vertices = false;
-  bool tube = false, capped = false;
-  int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;
-  std::vector<double> axis, base, apex;
-};
 
 std::string how_cut(const CutTunnel& tunnel) {
   return tunnel.how == CutTunnel::How::filled ? "filled" : "severed";
@@ -85,25 +70,13 @@ Result<void> add_landmarks_of(const fs::path& path, MeshFile& file, std::vector<
                                  "RAS)");
 }
 
-Result<Report> finish(MeshFile file, const TemplateJob& options, Json further, std::vector<std::string> warnings) {
-  const fs::path& out = options.out;
-  if (!options.landmarks.empty())
-    if (auto added = add_landmarks_of(options.landmarks, file, warnings); !added) return fail(added.error());
-  auto report = describe(file, out);
-  if (!report) return report;
-  for (std::string& fault : faults_of(file, out)) warnings.push_back(std::move(fault));
-  report->values.update(further);
-  report->warnings = std::move(warnings);
-  if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
-  return report;
-}
-
 /// The labels in a template's provenance: a number, or several.
 void name_labels(const MaskRead& mask, Json& provenance) {
   if (mask.from.size() > 1) provenance["label"] = mask.from;
 }
 
-Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progress& progress) {
+Result<MadeTemplate> from_mask(const TemplateJob& options, const MaskRead& mask, bool choose_closing,
+                               Progress& progress) {
   MaskTemplateOptions making;
   making.label = mask.label;
   making.frame = mask.frame;
@@ -112,7 +85,7 @@ Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progr
   making.opening_mm = options.opening_mm;
   making.genus = genus_rule(options.genus);
   ClosingChoice choice;
-  if (!options.closing_mm) {
+  if (choose_closing && !options.closing_mm) {
     choice = choose_template_closing(mask.volume, making, &progress);
     if (choice.tried.size() > 1) making.closing_mm = choice.closing_mm;
   }
@@ -137,21 +110,21 @@ Result<Report> from_mask(const TemplateJob& options, const MaskRead& mask, Progr
   Json tried = Json::array();
   for (const TriedClosing& one : choice.tried)
     tried.push_back({{"closing_mm", one.closing_mm}, {"dice_raw", one.dice_raw}, {"doubtful", one.doubtful}});
-  return finish(std::move(file), options,
-                {{"distance_to_mask_mm", json_of(made->to_mask)},
-                 {"distance_from_mask_mm", json_of(made->from_mask)},
-                 {"closing_chosen", !options.closing_mm.has_value()},
-                 {"closing_why", options.closing_mm ? "as asked for" : choice.why},
-                 {"closing_tried", tried},
-                 {"resampled_mm", made->resampled_mm},
-                 {"closing_mm", made->closing_mm},
-                 {"opening_mm", made->opening_mm},
-                 {"missed", {{"ml", made->missed_ml}, {"share", made->missed_share}}},
-                 {"removed", removed}},
-                std::move(warnings));
+  return MadeTemplate{std::move(file),
+                      {{"distance_to_mask_mm", json_of(made->to_mask)},
+                       {"distance_from_mask_mm", json_of(made->from_mask)},
+                       {"closing_chosen", !options.closing_mm.has_value()},
+                       {"closing_why", options.closing_mm ? "as asked for" : choice.why},
+                       {"closing_tried", tried},
+                       {"resampled_mm", made->resampled_mm},
+                       {"closing_mm", made->closing_mm},
+                       {"opening_mm", made->opening_mm},
+                       {"missed", {{"ml", made->missed_ml}, {"share", made->missed_share}}},
+                       {"removed", removed}},
+                      std::move(warnings)};
 }
 
-Result<Report> tube(const TemplateJob& options, const MaskRead& mask) {
+Result<MadeTemplate> tube(const TemplateJob& options, const MaskRead& mask) {
   TubeTemplateOptions making;
   making.label = mask.label;
   making.frame = mask.frame;
@@ -173,25 +146,25 @@ Result<Report> tube(const TemplateJob& options, const MaskRead& mask) {
   name_labels(mask, provenance);
   MeshFile file = template_file(made->mesh, provenance);
   if (!missing.empty()) file.comments.push_back(missing_share_comment(made->missing_share));
-  return finish(std::move(file), options,
-                {{"distance_to_mask_mm", json_of(made->to_mask)},
-                 {"distance_from_mask_mm", json_of(made->from_mask)},
-                 {"axis", json_of(made->axis)},
-                 {"label_ml", made->label_ml},
-                 {"missed", {{"ml", made->missing_share * made->label_ml}, {"share", made->missing_share}}}},
-                std::move(warnings));
+  return MadeTemplate{std::move(file),
+                      {{"distance_to_mask_mm", json_of(made->to_mask)},
+                       {"distance_from_mask_mm", json_of(made->from_mask)},
+                       {"axis", json_of(made->axis)},
+                       {"label_ml", made->label_ml},
+                       {"missed", {{"ml", made->missing_share * made->label_ml}, {"share", made->missing_share}}}},
+                      std::move(warnings)};
 }
 
 /// The vertices that are there: landmarks are added, and all else stays.
-Result<Report> as_it_is(const TemplateJob& options) {
+Result<MadeTemplate> as_it_is(const TemplateJob& options) {
   auto file = read_mesh_file(options.in);
   if (!file) return fail(file.error());
   if (file->triangles.rows() == 0) return fail(options.in.string(), "has points alone; give a mesh with faces");
   std::vector<std::string> warnings = about(options.in, std::exchange(file->warnings, {}));
-  return finish(std::move(*file), options, Json::object(), std::move(warnings));
+  return MadeTemplate{std::move(*file), Json::object(), std::move(warnings)};
 }
 
-Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
+Result<MadeTemplate> from_mesh(const TemplateJob& options, Progress& progress) {
   if (options.keep_vertices) return as_it_is(options);
   const auto surface = read_mesh_to_mend(options.in);
   if (!surface) return fail(surface.error());
@@ -210,125 +183,12 @@ Result<Report> from_mesh(const TemplateJob& options, Progress& progress) {
                {"distance_from_mesh_mm", json_of(made->from_mesh)},
                {"mended", json_of(made->mended)}};
   if (made->rebuilt) further["rebuilt"] = json_of(*made->rebuilt);
-  return finish(std::move(file), options, std::move(further), about(options.in, std::move(made->warnings)));
+  return MadeTemplate{std::move(file), std::move(further), about(options.in, std::move(made->warnings))};
 }
 
-/// The file that a subject of the consensus was read from; empty where it came out of a folder.
-fs::path file_of(const TemplateJob& options, const std::string& name) {
-  for (const fs::path& path : options.consensus)
-    if (case_name_of(path) == name && !fs::is_directory(path)) return path;
-  return {};
-}
+}  // namespace
 
-struct ConsensusStart {
-  std::optional<Mesh> first;         ///< the start's template, with the care that a single one gets
-  std::optional<double> closing_mm;  ///< that some subjects need; absent: each label's usual one
-  Json tried = Json::array();
-};
-
-/// Looks at label maps of small, median and large size for the closing radius; the widest that one needs is all
-/// subjects'.
-Result<ConsensusStart> start_of_labels(const TemplateJob& options, const SubjectsRead& read,
-                                       const std::vector<std::size_t>& by_size, Progress& progress) {
-  ConsensusStart start;
-  start.closing_mm = options.closing_mm;
-  const std::size_t middle = by_size.size() / 2;
-  for (const std::size_t at : {by_size.size() / 4, 3 * by_size.size() / 4, middle}) {
-    const std::string& name = read.subjects[by_size[at]].name;
-    const fs::path path = file_of(options, name);
-    if (path.empty() || is_mesh_name(path)) continue;
-    const auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
-    if (!mask) return fail(mask.error());
-    MaskTemplateOptions making;
-    making.label = mask->label;
-    making.frame = mask->frame;
-    making.vertices = options.vertices;
-    making.genus = genus_rule(options.genus);
-    if (!options.closing_mm) {
-      const ClosingChoice choice = choose_template_closing(mask->volume, making, &progress);
-      for (const TriedClosing& one : choice.tried)
-        start.tried.push_back({{"subject", name},
-                               {"closing_mm", one.closing_mm},
-                               {"dice_raw", one.dice_raw},
-                               {"doubtful", one.doubtful}});
-      if (choice.tried.size() > 1) start.closing_mm = std::max(start.closing_mm.value_or(0), choice.closing_mm);
-    }
-    if (at != middle) continue;
-    making.closing_mm = start.closing_mm;
-    auto made = make_mask_template(mask->volume, making, &progress);
-    if (!made) return fail(path.string(), mask->named(made.error().what));
-    start.first = std::move(made->mesh);
-    if (std::find(read.flipped.begin(), read.flipped.end(), name) == read.flipped.end()) continue;
-    const MeshFile other = mirrored({start.first->points, start.first->topology->triangles()});
-    start.first = Mesh{Topology::make(other.points.rows(), other.triangles).value(), other.points};
-  }
-  return start;
-}
-
-Result<Report> from_consensus(const TemplateJob& options, Progress& progress) {
-  progress.part(0, 0.05);
-  SubjectFiles files{options.consensus,    {}, options.labels, options.frame, options.closing_mm, options.vertices,
-                     options.flip_mirrored};
-  auto read = read_subjects(files, progress);
-  if (!read) return fail(read.error());
-  std::vector<Boundary> subjects;
-  const auto take = [&] {
-    subjects.clear();
-    for (BiasSubject& subject : read->subjects) subjects.push_back(std::move(subject.boundary));
-  };
-  take();
-  const auto by_size = subjects_by_size(subjects);
-  auto start = start_of_labels(options, *read, by_size, progress);
-  if (!start) return fail(start.error());
-  if (start->closing_mm && !options.closing_mm) {
-    files.closing_mm = start->closing_mm;
-    read = read_subjects(files, progress);
-    if (!read) return fail(read.error());
-    take();
-  }
-  const std::size_t first = by_size[by_size.size() / 2];
-  if (!start->first && options.genus != "auto") {
-    auto own = make_mesh_template({subjects[first].surface.points, subjects[first].surface.topology->triangles()},
-                                  {.vertices = options.vertices, .genus = genus_rule(options.genus)}, &progress);
-    if (!own) return fail(read->subjects[first].name, own.error().what);
-    start->first = std::move(own->mesh);
-  }
-  progress.part(0.05, 1);
-  const auto made = consensus_template(
-      subjects,
-      {.vertices = options.vertices, .start = first, .first = std::move(start->first), .progress = &progress});
-  if (!made) return fail(made.error());
-  std::vector<std::string> warnings = std::move(read->warnings);
-  Json names = Json::array();
-  for (const BiasSubject& subject : read->subjects) names.push_back(subject.name);
-  for (const std::string& warning : made->warnings)
-    warnings.push_back(read->subjects[made->start].name + ", where the consensus starts: " + warning);
-  for (const std::size_t k : made->left_out)
-    warnings.push_back(read->subjects[k].name + ": could not be fitted, so the template is made without it");
-  for (const std::size_t k : made->doubtful) warnings.push_back(other_organ_warning(read->subjects[k].name));
-  if (!made->rests)
-    warnings.emplace_back(
-        "the mean still moved in the last round; use more vertices, and look at subjects that differ much from "
-        "others");
-  if (const MeshFaults faults = mesh_faults(made->mesh); faults.any())
-    return fail(options.out.string(), "would be a template with " + faults.words() +
-                                          ", so it was not written; give a --closing-mm, --genus 0 or more vertices");
-  MeshFile file = template_file(made->mesh, {{"consensus", names}, {"vertices", options.vertices}});
-  if (start->closing_mm) file.comments.push_back(closing_comment(*start->closing_mm));
-  Json values{{"subjects", subjects.size()},
-              {"rounds", made->rounds},
-              {"moved_mm", made->moved_mm},
-              {"rests", made->rests},
-              {"closing_mm", start->closing_mm ? Json(*start->closing_mm) : Json()},
-              {"closing_chosen", !options.closing_mm.has_value()},
-              {"closing_tried", start->tried},
-              {"flipped", read->flipped}};
-  read->report_frames(values);
-  return finish(std::move(file), options, std::move(values), std::move(warnings));
-}
-
-Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
-  if (!options.consensus.empty()) return from_consensus(options, progress);
+Result<MadeTemplate> make_template_of_one(const TemplateJob& options, bool choose_closing, Progress& progress) {
   if (is_mesh_name(options.in)) {
     if (!options.labels.empty() || options.frame)
       return fail(options.in.string(), "is a mesh, on which --label and --frame have no effect; leave them out");
@@ -338,8 +198,28 @@ Result<Report> make_template_file(const TemplateJob& options, Progress& progress
   }
   const auto mask = read_mask(options.in, options.labels, {options.frame, {}}, progress);
   if (!mask) return fail(mask.error());
-  auto report = options.tube ? tube(options, *mask) : from_mask(options, *mask, progress);
-  if (report) mask->report_frame(report->values);
+  auto made = options.tube ? tube(options, *mask) : from_mask(options, *mask, choose_closing, progress);
+  if (made) mask->report_frame(made->values);
+  return made;
+}
+
+namespace {
+
+/// Makes the template, gives it its landmarks and writes it.
+Result<Report> make_template_file(const TemplateJob& options, Progress& progress) {
+  const bool of_many = !options.consensus.empty() || !options.best_of.empty();
+  auto made = of_many ? make_template_of_many(options, progress) : make_template_of_one(options, true, progress);
+  if (!made) return fail(made.error());
+  const fs::path& out = options.out;
+  MeshFile& file = made->file;
+  if (!options.landmarks.empty())
+    if (auto added = add_landmarks_of(options.landmarks, file, made->warnings); !added) return fail(added.error());
+  auto report = describe(file, out);
+  if (!report) return report;
+  for (std::string& fault : faults_of(file, out)) made->warnings.push_back(std::move(fault));
+  report->values.update(made->values);
+  report->warnings = std::move(made->warnings);
+  if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
   return report;
 }
 
@@ -385,11 +265,12 @@ void check_effect(const TemplateJob& options, const CLI::App& verb) {
     for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})
       refuse_without_effect(verb, name, "templates whose vertices are spread anew");
   }
-  if (!options.consensus.empty()) {
-    if (options.tube)
-      throw CLI::ValidationError("--consensus", "is not for --tube, whose rings are alike in all subjects");
-    refuse_without_effect(verb, "--opening-mm", "a template of one subject");
-  }
+  const bool of_many = !options.consensus.empty() || !options.best_of.empty();
+  if (of_many && options.tube)
+    throw CLI::ValidationError(options.best_of.empty() ? "--consensus" : "--best-of",
+                               "is not for --tube, whose rings are alike in all subjects");
+  if (!options.consensus.empty()) refuse_without_effect(verb, "--opening-mm", "a template of one subject");
+  if (!of_many) refuse_without_effect(verb, "--flip-mirrored", "--consensus and --best-of");
   if (options.tube)
     for (const char* name : {"--vertices", "--closing-mm", "--opening-mm", "--genus"})
       refuse_without_effect(verb, name, "templates without --tube");
@@ -401,15 +282,20 @@ void add_template(CLI::App& app, CommandLine& asked) {
   auto options = std::make_shared<TemplateJob>();
   CLI::App* verb = add_verb(app, "template", "A template from a label map or from a surface");
   auto* in = verb->add_option("MASK", options->in, "A label map, or a surface (STL, PLY, …) to spread vertices over");
+  constexpr int most_subjects = 1000000;
   auto* consensus =
       verb->add_option(
               "--consensus", options->consensus,
               "Surfaces or label maps of several subjects, or a folder of them: their mean shape, which depends "
               "far less on any one of them")
           ->excludes(in)
-          ->expected(1, 1000000);
-  verb->add_flag("--flip-mirrored", options->flip_mirrored, "Flip subjects that are mirror images of most others")
-      ->needs(consensus);
+          ->expected(1, most_subjects);
+  verb->add_option("--best-of", options->best_of,
+                   "The same, but of one of them: that whose template fits the others best")
+      ->excludes(in)
+      ->excludes(consensus)
+      ->expected(1, most_subjects);
+  verb->add_flag("--flip-mirrored", options->flip_mirrored, "Flip subjects that are mirror images of most others");
   keeps_correspondence(verb->add_option("-o,--output", options->out,
                                         "The template to write (.ply keeps stiffness, regions and landmarks)")
                            ->required());
@@ -431,8 +317,8 @@ void add_template(CLI::App& app, CommandLine& asked) {
                    "than 16); keep: cut none; a number: cut the narrowest until so many are left");
   add_tube_options(*verb, *options);
   verb->callback([options, verb, &asked] {
-    if (options->in.empty() && options->consensus.empty())
-      throw CLI::RequiredError("MASK, or --consensus with several subjects");
+    if (options->in.empty() && options->consensus.empty() && options->best_of.empty())
+      throw CLI::RequiredError("MASK, or --consensus or --best-of with several subjects");
     check_effect(*options, *verb);
     if (!options->axis.empty() && Vec3(options->axis.data()).norm() < 1e-9)
       throw CLI::ValidationError("--axis", "needs a direction other than 0,0,0");

@@ -100,6 +100,10 @@ class Fitting {
     result.landmarks = carried_landmarks(reference_, mesh.points);
     result.landmarks_used = static_cast<std::size_t>((trust_.array() >= believable).count());
     result.landmarks_place = result.landmarks_used >= static_cast<std::size_t>(fewest_placing_landmarks);
+    if (options_.rough) {
+      result.mesh = std::move(mesh);
+      return result;
+    }
     const bool told = result.landmarks_place || options_.allowed;
     VertexScalars spread = spread_mm2();
     if (const auto image = mirror_image_there(reference_, boundary_, options_.orientation, options_.partial)) {
@@ -242,7 +246,7 @@ class Fitting {
   /// The template as placed or, with landmarks, warped; then that matched with the boundary where that shows the whole.
   std::vector<FitStart> starts() const {
     std::vector<FitStart> all{{shape_.mesh.points}};
-    if (!whole()) return all;
+    if (!whole() || options_.rough) return all;
     const KnownMatches known = known_on(shape_.mesh.points);
     const CoherentMatch coherent(reference_.points, shape_.mesh, boundary_.surface);
     // A template without extent in some direction has no smooth displacement.

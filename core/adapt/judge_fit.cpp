@@ -160,16 +160,6 @@ double share_of_doubt(const FitResult& fit) {
   return fit.doubt_mm.size() == 0 ? 0 : fit.doubt_mm.mean() / std::sqrt(surface_area_mm2(fit.mesh));
 }
 
-std::vector<std::size_t> unlike_the_others(const std::vector<double>& shares) {
-  constexpr double clearly = 1.5;
-  std::vector<std::size_t> unlike;
-  if (shares.size() < 3) return unlike;
-  const double usual = quantile(shares, 0.5);
-  for (std::size_t k = 0; k < shares.size(); ++k)
-    if (shares[k] > std::max(most_doubt_share, clearly * usual)) unlike.push_back(k);
-  return unlike;
-}
-
 FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, const FitOptions& options,
                        const FitResult& fit) {
   FitJudgement judgement;

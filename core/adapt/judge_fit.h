@@ -19,9 +19,6 @@ inline double much_doubt_mm(double area_mm2) {
 
 /// The mean doubt of a fit as a share of the root of the mesh's area.
 double share_of_doubt(const FitResult& fit);
-/// Which of several fits with one template are in much doubt, and in clearly more than most: likely of another organ.
-/// Of fewer than three nobody can tell. `shares`: see share_of_doubt.
-std::vector<std::size_t> unlike_the_others(const std::vector<double>& shares);
 
 /// How far the target of a partial fit lies from the mesh, the cuts through the organ left out.
 struct TargetDistance {

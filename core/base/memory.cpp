@@ -1,5 +1,6 @@
 #include "core/base/memory.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -106,6 +107,14 @@ double available_memory_bytes() {
   const std::string membership(std::istreambuf_iterator<char>(in), {});
   return std::min({kilobytes_of("/proc/meminfo", "MemAvailable").value_or(no_limit),
                    control_group_room_bytes(membership, "/sys/fs/cgroup"), process_room_bytes()});
+}
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int largest_kept_block = 64 << 20, most_kept = 512 << 20;  // bytes
+  ::mallopt(M_MMAP_THRESHOLD, largest_kept_block);
+  ::mallopt(M_TRIM_THRESHOLD, most_kept);
+#endif
 }
 
 Result<void> check_memory(const fs::path& file, double needed_bytes) {

@@ -21,6 +21,10 @@ double process_room_bytes();
 /// /sys/fs/cgroup; versions 1 and 2 [Linux, Documentation/admin-guide/cgroup-v1/memory.rst and cgroup-v2.rst].
 double control_group_room_bytes(const std::string& membership, const std::filesystem::path& root);
 
+/// Lets this process keep memory that it freed, up to some hundred MB, and use it again. To give it back and to get it
+/// anew costs a fit as much time as to compute. To be called before there are other threads.
+void keep_freed_memory();
+
 /// Fails where `needed_bytes` exceed the memory that is available; the sentence names `file` and both sizes.
 Result<void> check_memory(const std::filesystem::path& file, double needed_bytes);
 

@@ -9,9 +9,11 @@
 #include "core/adapt/fit.h"
 #include "core/adapt/judge_fit.h"
 #include "core/base/parallel.h"
+#include "core/groupwise/other_organs.h"
 #include "core/mesh/mesh_quality.h"
 #include "core/mesh/mirror.h"
 #include "core/mesh/remesh.h"
+#include "core/mesh/surface_search.h"
 #include "core/model/procrustes.h"
 #include "core/placement/similarity_fit.h"
 
@@ -52,6 +54,28 @@ Points mean_of(const ShapeMatrix& fits) {
   const Points points = points_of(mean);
   const Similarity turn{nearest_similarity(points, upright, {}).rotation, 1, Vec3::Zero()};
   return turn.apply(points);
+}
+
+/// Of those `fitted` which are likely of another organ. `doubt`: of all; `fits`: of those fitted, in their order.
+std::vector<std::size_t> unlike_among(const std::vector<std::size_t>& fitted, const std::vector<double>& doubt,
+                                      const ShapeMatrix& fits) {
+  const auto shapes = shape_shares(fits);
+  std::vector<FitSigns> signs;
+  for (std::size_t n = 0; n < fitted.size(); ++n) signs.push_back({doubt[fitted[n]], shapes[n]});
+  std::vector<std::size_t> unlike;
+  for (const std::size_t n : unlike_the_others(signs)) unlike.push_back(fitted[n]);
+  return unlike;
+}
+
+/// How far points lie from a surface, root mean square, mm.
+double apart_mm(const Points& points, const Mesh& surface) {
+  const SurfaceSearch search(surface);
+  double sum_mm2 = 0;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const double mm = search.nearest(points.row(i)).distance_mm;
+    sum_mm2 += mm * mm;
+  }
+  return std::sqrt(sum_mm2 / static_cast<double>(points.rows()));
 }
 
 }  // namespace
@@ -110,6 +134,7 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
     consensus.mesh = std::move(first->mesh);
     consensus.warnings = std::move(first->warnings);
   }
+  bool rough = true;  // until that rests: what the start has of its own is gone by then
   while (!consensus.rests && consensus.rounds < options.most_rounds) {
     const auto the_template = template_of(consensus.mesh);
     if (!the_template) return fail(the_template.error());
@@ -118,10 +143,11 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
     const double share = 1.0 / options.most_rounds / static_cast<double>(order.size());
     for_each_in_parallel(order.size(), [&](std::size_t k) {
       FitOptions fitting;
+      fitting.rough = rough;
       std::optional<Progress> own;
       if (options.progress != nullptr) fitting.progress = &own.emplace(*options.progress, share);
       if (auto fit = fit_to_boundary(**the_template, subjects[order[k]], fitting)) {
-        doubt[k] = fit->mirrored ? 0 : share_of_doubt(*fit);
+        doubt[k] = fit->mirrored || rough ? 0 : share_of_doubt(*fit);
         fits[k] = std::move(fit->mesh.points);
       }
       if (own) own->report(1);
@@ -130,8 +156,8 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
       return fail("", "the making of the template was cancelled");
     consensus.left_out.clear();
     consensus.doubtful.clear();
-    for (const std::size_t k : unlike_the_others(doubt)) consensus.doubtful.push_back(order[k]);
     ShapeMatrix shapes(consensus.mesh.points.size(), 0);
+    std::vector<std::size_t> fitted;
     for (std::size_t k = 0; k < fits.size(); ++k) {
       if (!fits[k]) {
         consensus.left_out.push_back(order[k]);
@@ -139,17 +165,21 @@ Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, cons
       }
       shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
       shapes.rightCols(1) = fits[k]->reshaped<Eigen::RowMajor>();
+      fitted.push_back(k);
     }
     if (shapes.cols() < 2) return fail("", "fewer than two subjects could be fitted; check that they are one organ");
+    for (const std::size_t k : unlike_among(fitted, doubt, shapes)) consensus.doubtful.push_back(order[k]);
     const Points mean = mean_of(shapes);
-    const Points before = aligned_to(consensus.mesh.points, mean, Alignment::similarity);
-    consensus.moved_mm = std::sqrt((mean - before).squaredNorm() / static_cast<double>(mean.rows()));
+    consensus.moved_mm =
+        apart_mm(mean, {consensus.mesh.topology, aligned_to(consensus.mesh.points, mean, Alignment::similarity)});
     consensus.mesh.points = mean;
     const double area_mm2 = surface_area_mm2(consensus.mesh);
-    consensus.rests = consensus.moved_mm < std::max(options.rests_share * std::sqrt(area_mm2),
-                                                    options.rests_edges * spread_edge_mm(area_mm2, options.vertices));
-    consensus.mesh = spread_over(consensus.mesh, options.vertices);
     ++consensus.rounds;
+    const bool rests = consensus.moved_mm < std::max(options.rests_share * std::sqrt(area_mm2),
+                                                     options.rests_edges * spread_edge_mm(area_mm2, options.vertices));
+    consensus.rests = rests && !rough;
+    rough = rough && !rests && consensus.rounds < options.most_rounds / 2;
+    consensus.mesh = spread_over(consensus.mesh, options.vertices);
   }
   return consensus;
 }

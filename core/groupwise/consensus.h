@@ -16,9 +16,9 @@ namespace homolog {
 struct ConsensusOptions {
   int vertices = 2500;
   int most_rounds = 6;
-  /// A mean that moves less rests: of the square root of the area, or of the mean edge. By so much of an edge the even
-  /// spreading moves vertices from round to round.
-  double rests_share = 2e-3, rests_edges = 0.125;
+  /// A mean whose surface moves less rests: of the square root of the area, or of the mean edge. By so much of an edge
+  /// the even spreading changes a surface from round to round.
+  double rests_share = 2e-3, rests_edges = 0.1;
   std::optional<std::size_t> start;  ///< the subject to start from; absent: the one of median size
   std::optional<Mesh> first;         ///< the start's template where it was made already; else own_template
   Progress* progress = nullptr;
@@ -27,17 +27,19 @@ struct ConsensusOptions {
 struct Consensus {
   Mesh mesh;                          ///< upright as the subjects are on average, its centroid at 0, mm
   int rounds = 0;                     ///< in which all subjects were fitted
-  double moved_mm = 0;                ///< root mean square of what the mean's vertices moved in the last round
+  double moved_mm = 0;                ///< root mean square of how far the mean's surface moved in the last round
   bool rests = false;                 ///< less than `rests_share` or `rests_edges`
   std::vector<std::size_t> left_out;  ///< subjects that could not be fitted in the last round
-  std::vector<std::size_t> doubtful;  ///< in clearly more doubt than the others in the last round [unlike_the_others]
+  std::vector<std::size_t> doubtful;  ///< likely of another organ, by the last round [unlike_the_others]
   std::size_t start = 0;              ///< the subject that was started from
   std::vector<std::string> warnings;  ///< of the start's own template, each a sentence
 };
 
 /// A template that no subject decides: the start, made even, is fitted to all subjects; their mean shape, made even, is
-/// the next start, until the mean rests. The order of the subjects does not matter to the bit; the start does little
-/// (docs/templates.md). Errors: fewer than two subjects or fits; no template can be made of the start; cancelled.
+/// the next start, until the mean rests. The fits are rough [FitOptions] until that mean rests, in
+/// half of the rounds at most. The order of the subjects
+/// does not matter to the bit; the start does little (docs/templates.md). Errors: fewer than two subjects or fits; no
+/// template can be made of the start; cancelled.
 Result<Consensus> consensus_template(const std::vector<Boundary>& subjects, const ConsensusOptions& options = {});
 
 /// The subjects from the smallest to the largest.

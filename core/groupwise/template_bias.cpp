@@ -8,6 +8,7 @@
 #include "core/adapt/judge_fit.h"
 #include "core/base/parallel.h"
 #include "core/base/statistics.h"
+#include "core/groupwise/other_organs.h"
 #include "core/mesh/surface_search.h"
 #include "core/model/procrustes.h"
 
@@ -152,13 +153,18 @@ Result<TemplateBias> template_bias(const std::vector<BiasSubject>& subjects, con
   }
   if (starts.size() < 2) return fail("", "fewer than two subjects gave templates that fit all others; check them");
 
-  std::vector<double> doubt;  // the median over the starts
+  std::vector<std::vector<double>> shapes;  // of each start
+  for (const Start& start : starts) shapes.push_back(shape_shares(start.fits));
+  std::vector<FitSigns> signs;  // the medians over the starts
   for (std::size_t k = 0; k < subjects.size(); ++k) {
-    std::vector<double> of_starts;
-    for (const Start& start : starts) of_starts.push_back(start.doubt[k]);
-    doubt.push_back(quantile(of_starts, 0.5));
+    std::vector<double> doubts, distances;
+    for (std::size_t s = 0; s < starts.size(); ++s) {
+      doubts.push_back(starts[s].doubt[k]);
+      distances.push_back(shapes[s][k]);
+    }
+    signs.push_back({quantile(doubts, 0.5), quantile(distances, 0.5)});
   }
-  for (const std::size_t k : unlike_the_others(doubt)) bias.doubtful.push_back(subjects[k].name);
+  for (const std::size_t k : unlike_the_others(signs)) bias.doubtful.push_back(subjects[k].name);
   std::vector<double> all;
   std::map<std::string, std::vector<double>> by_name;
   std::vector<std::vector<std::vector<double>>> spreads(subjects.size());

@@ -29,7 +29,7 @@ struct TemplateBias {
   std::map<std::string, double> spread_of_mm;                  ///< mean of each landmark
   double rv = 0, rv_least = 0;        ///< modified RV of the starts' morphospaces: mean over all pairs, and the least
   std::vector<std::string> failed;    ///< starts that gave no template or could not be fitted to all, left out
-  std::vector<std::string> doubtful;  ///< subjects in clearly more doubt than the others [unlike_the_others]
+  std::vector<std::string> doubtful;  ///< subjects likely of another organ [unlike_the_others]
   std::vector<std::string> warnings;  ///< of the starts' own templates, each with its subject's name
 };
 

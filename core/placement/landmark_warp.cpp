@@ -22,15 +22,19 @@ WarpLengths older_warp_lengths(double diagonal_mm) {
 }
 
 Eigen::MatrixXd WarpKernel::operator()(const Points& a, const Points& b) const {
-  const Points from = a.rowwise() - centre_, to = b.rowwise() - centre_;
-  const Eigen::MatrixXd products = from * to.transpose();
-  const Eigen::VectorXd a2 = from.rowwise().squaredNorm(), b2 = to.rowwise().squaredNorm();
-  const Eigen::MatrixXd distance2 = (-2 * products).colwise() + a2;
-  return lengths_.bump_mm * lengths_.bump_mm *
-             (-(distance2.rowwise() + b2.transpose()).array() / (2 * lengths_.reach_mm * lengths_.reach_mm))
-                 .exp()
-                 .matrix() +
-         stretch_share * stretch_share * products;
+  // Column by column, so that no matrix of intermediate values goes through memory.
+  const Eigen::ArrayX3d from = (a.rowwise() - centre_).array();
+  const double per_mm2 = -0.5 / (lengths_.reach_mm * lengths_.reach_mm), bump_mm2 = lengths_.bump_mm * lengths_.bump_mm,
+               linear = stretch_share * stretch_share;
+  Eigen::MatrixXd covariance(a.rows(), b.rows());
+  for (Eigen::Index j = 0; j < b.rows(); ++j) {
+    const Eigen::RowVector3d to = b.row(j) - centre_;
+    const auto apart_mm2 =
+        (from.col(0) - to[0]).square() + (from.col(1) - to[1]).square() + (from.col(2) - to[2]).square();
+    covariance.col(j).array() = bump_mm2 * (per_mm2 * apart_mm2).exp() +
+                                linear * (from.col(0) * to[0] + from.col(1) * to[1] + from.col(2) * to[2]);
+  }
+  return covariance;
 }
 
 LandmarkWarp::LandmarkWarp(const Points& from, const Points& to, const WarpLengths& lengths)

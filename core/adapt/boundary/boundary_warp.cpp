@@ -52,36 +52,60 @@ Covariance quadratic_and_bumps(const Points& placed) {
   const double diagonal_mm = bounds_of(placed).diagonal().norm();
   const WarpKernel bumps(centre, lengths_of(beside_these, diagonal_mm));
   return [=](const Points& a, const Points& b) -> Eigen::MatrixXd {
-    const Points from = (a.rowwise() - centre) / diagonal_mm, to = (b.rowwise() - centre) / diagonal_mm;
-    const Eigen::ArrayXXd products = (from * to.transpose()).array(),
-                          quadratic = shift * shift + stretch * stretch * products + bend * bend * products.square();
-    return bumps(a, b) + (diagonal_mm * diagonal_mm * quadratic).matrix();
+    Eigen::MatrixXd covariance = bumps(a, b);
+    const Eigen::ArrayX3d from = (a.rowwise() - centre).array() / diagonal_mm;
+    for (Eigen::Index j = 0; j < b.rows(); ++j) {
+      const Eigen::RowVector3d to = (b.row(j) - centre) / diagonal_mm;
+      const auto product = from.col(0) * to[0] + from.col(1) * to[1] + from.col(2) * to[2];
+      covariance.col(j).array() +=
+          diagonal_mm * diagonal_mm * (shift * shift + (stretch * stretch + bend * bend * product) * product);
+    }
+    return covariance;
   };
 }
 
-/// What is known of the displacement: at each place its length along one direction.
-struct Observations {
-  Points at, along;
-  Eigen::VectorXd offset_mm, noise_mm;
+/// The displacement of `points`, told by what is known of it at some places: of each its length along directions.
+class Regression {
+ public:
+  Regression(const Points& points, const Points& places, const Covariance& kernel)
+      : among_(kernel(places, places)), towards_(kernel(points, places)) {}
 
-  explicit Observations(Eigen::Index most) : at(most, 3), along(most, 3), offset_mm(most), noise_mm(most) {}
-  void add(const Eigen::RowVector3d& place, const Eigen::RowVector3d& direction, double offset, double noise) {
-    at.row(count_) = place;
-    along.row(count_) = direction;
-    offset_mm[count_] = offset;
-    noise_mm[count_++] = noise;
+  /// At one of the places: how long it is along `direction`, and the noise of that.
+  void know(Eigen::Index place, const Eigen::RowVector3d& direction, double offset_mm, double noise_mm) {
+    known_.push_back({place, direction, offset_mm, noise_mm});
   }
-  /// The displacement's mean at `points`, n×3.
-  Points regress(const Points& points, const Covariance& kernel) const {
-    const Points known = at.topRows(count_), ways = along.topRows(count_);
-    Eigen::MatrixXd covariance = kernel(known, known).cwiseProduct(ways * ways.transpose());
-    covariance.diagonal() += noise_mm.head(count_).cwiseAbs2();
-    const Eigen::VectorXd weights = covariance.llt().solve(offset_mm.head(count_));
-    return kernel(points, known) * (weights.asDiagonal() * ways);
+  void forget() { known_.clear(); }
+  /// The displacement's mean at the points, n×3, mm.
+  Points mean_mm() const {
+    const Eigen::Index count = std::ssize(known_);
+    std::vector<Eigen::Index> at;
+    Points along(count, 3);
+    Eigen::VectorXd offset_mm(count), noise_mm(count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Known& one = known_[static_cast<std::size_t>(k)];
+      at.push_back(one.place);
+      along.row(k) = one.direction;
+      offset_mm[k] = one.offset_mm;
+      noise_mm[k] = one.noise_mm;
+    }
+    Eigen::MatrixXd covariance = along * along.transpose();
+    for (Eigen::Index k = 0; k < count; ++k)
+      covariance.col(k).array() *= among_(at, at[static_cast<std::size_t>(k)]).array();
+    covariance.diagonal() += noise_mm.cwiseAbs2();
+    const Eigen::VectorXd weights = covariance.llt().solve(offset_mm);
+    Points pull = Points::Zero(among_.rows(), 3);
+    for (Eigen::Index k = 0; k < count; ++k) pull.row(at[static_cast<std::size_t>(k)]) += weights[k] * along.row(k);
+    return towards_ * pull;
   }
 
  private:
-  Eigen::Index count_ = 0;
+  struct Known {
+    Eigen::Index place;
+    Eigen::RowVector3d direction;
+    double offset_mm, noise_mm;
+  };
+  Eigen::MatrixXd among_, towards_;
+  std::vector<Known> known_;
 };
 
 /// A displacement that reaches far carries far what landmarks are off by. So the noisier they are, the less of it:
@@ -108,7 +132,11 @@ struct Look {
 WarpedReference warped_from(const Points& start, const std::shared_ptr<const Topology>& topology, const Points& placed,
                             const KnownMatches& landmarks, const VertexScalars& landmark_mm, const Look& look,
                             BoundarySearch& search) {
-  const Eigen::Index count = landmarks.from.rows(), stride = look.stride;
+  const Eigen::Index count = landmarks.from.rows(), stride = look.stride,
+                     samples = (placed.rows() + stride - 1) / stride;
+  Points places(count + samples, 3);
+  places << landmarks.from, placed(Eigen::seqN(0, samples, stride), Eigen::all);
+  Regression known(placed, places, look.kernel);
   Points warped = start;
   for (int round = 0; round < look.rounds; ++round) {
     const BoundaryPull there = search.nearest({topology, warped});
@@ -118,17 +146,17 @@ WarpedReference warped_from(const Points& start, const std::shared_ptr<const Top
       if (there.weights[v] > 0) distances.push_back((there.targets.row(v) - warped.row(v)).norm());
     const double farthest =
         look.outlying ? *look.outlying * quantile(distances, 0.5) : std::numeric_limits<double>::infinity();
-    Observations known(3 * count + std::ssize(distances));
+    known.forget();
     for (Eigen::Index k = 0; k < count; ++k)
       for (int axis = 0; axis < 3; ++axis)
-        known.add(landmarks.from.row(k), Eigen::RowVector3d::Unit(axis),
-                  landmarks.to(k, axis) - landmarks.from(k, axis), landmark_mm[k]);
-    for (Eigen::Index v = 0; v < placed.rows(); v += stride) {
+        known.know(k, Eigen::RowVector3d::Unit(axis), landmarks.to(k, axis) - landmarks.from(k, axis), landmark_mm[k]);
+    for (Eigen::Index sample = 0; sample < samples; ++sample) {
+      const Eigen::Index v = sample * stride;
       if (there.weights[v] == 0 || (there.targets.row(v) - warped.row(v)).norm() > farthest) continue;
       const Eigen::RowVector3d normal = normals.row(v);
-      known.add(placed.row(v), normal, (there.targets.row(v) - placed.row(v)).dot(normal), look.boundary_mm);
+      known.know(count + sample, normal, (there.targets.row(v) - placed.row(v)).dot(normal), look.boundary_mm);
     }
-    warped = placed + known.regress(placed, look.kernel);
+    warped = placed + known.mean_mm();
   }
   return without_folds(*topology, placed, warped - placed);
 }

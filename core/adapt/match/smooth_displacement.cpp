@@ -1,24 +1,6 @@
 #include "core/adapt/match/smooth_displacement.h"
 
-#include <cmath>
-
 namespace homolog {
-
-namespace {
-
-Eigen::MatrixXd squared_distances(const Points& a, const Points& b) {
-  const Eigen::VectorXd a2 = a.rowwise().squaredNorm(), b2 = b.rowwise().squaredNorm();
-  Eigen::MatrixXd distances = -2 * a * b.transpose();
-  distances.colwise() += a2;
-  distances.rowwise() += b2.transpose();
-  return distances;
-}
-
-Eigen::MatrixXd bump(const Eigen::MatrixXd& distances_mm2, double size_mm, double reach_mm) {
-  return size_mm * size_mm * (distances_mm2.array() / (-2 * reach_mm * reach_mm)).exp();
-}
-
-}  // namespace
 
 SmoothDisplacement::SmoothDisplacement(const Points& nodes, const Eigen::RowVector3d& centre,
                                        const DisplacementScales& scales)
@@ -30,14 +12,23 @@ SmoothDisplacement::SmoothDisplacement(const Points& nodes, const Eigen::RowVect
 
 Eigen::MatrixXd SmoothDisplacement::covariance(const Points& places, Eigen::MatrixXd* steepness) const {
   const auto [bend_mm, bend_reach_mm, fine_mm, fine_reach_mm, stretch] = scales_;
-  const Points from_centre = places.rowwise() - centre_;
-  const Eigen::MatrixXd apart_mm2 = squared_distances(from_centre, nodes_),
-                        fine = bump(apart_mm2, fine_mm, fine_reach_mm);
-  Eigen::MatrixXd sum = bump(apart_mm2, bend_mm, bend_reach_mm);
-  if (steepness != nullptr) *steepness = sum / (bend_reach_mm * bend_reach_mm) + fine / (fine_reach_mm * fine_reach_mm);
-  sum += fine;
-  sum.noalias() += stretch * stretch * from_centre * nodes_.transpose();
-  sum.array() += bend_mm * bend_mm;  // a shift of the whole
+  const double bend_mm2 = bend_mm * bend_mm, bend_per_mm2 = 1 / (bend_reach_mm * bend_reach_mm),
+               fine_mm2 = fine_mm * fine_mm, fine_per_mm2 = 1 / (fine_reach_mm * fine_reach_mm),
+               linear = stretch * stretch;
+  const Eigen::ArrayX3d from = (places.rowwise() - centre_).array();
+  Eigen::MatrixXd sum(places.rows(), nodes());
+  if (steepness != nullptr) steepness->resize(places.rows(), nodes());
+  Eigen::ArrayXd apart_mm2(places.rows()), bend(places.rows()), fine(places.rows());
+  // Column by column, so that no matrix of intermediate values goes through memory.
+  for (Eigen::Index j = 0; j < nodes(); ++j) {
+    const auto to = nodes_.row(j);
+    apart_mm2 = (from.col(0) - to[0]).square() + (from.col(1) - to[1]).square() + (from.col(2) - to[2]).square();
+    bend = bend_mm2 * (-0.5 * bend_per_mm2 * apart_mm2).exp();
+    fine = fine_mm2 * (-0.5 * fine_per_mm2 * apart_mm2).exp();
+    sum.col(j).array() = bend + fine + linear * (from.col(0) * to[0] + from.col(1) * to[1] + from.col(2) * to[2]) +
+                         bend_mm2;  // a shift of the whole
+    if (steepness != nullptr) steepness->col(j).array() = bend_per_mm2 * bend + fine_per_mm2 * fine;
+  }
   return sum;
 }
 

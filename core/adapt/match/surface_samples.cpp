@@ -155,28 +155,38 @@ DrawnSamples drawn(const SurfaceSamples& own, const SurfaceSamples& there, doubl
   const Rows6f a = joint_rows(own.points, own.normals, centre, near_mm, facing),
                b = joint_rows(there.points, there.normals, centre, near_mm, facing);
   const Eigen::VectorXf a2 = a.rowwise().squaredNorm() / 2, b2 = b.rowwise().squaredNorm() / 2;
-  const auto near_ones = [&](Index i) { return rows_within(b.col(there.along), a(i, there.along)); };
+  std::vector<Rows> near_ones;
+  Index pairs = 0, most = 0;
+  for (Index i = 0; i < a.rows(); ++i) {
+    near_ones.push_back(rows_within(b.col(there.along), a(i, there.along)));
+    pairs += near_ones.back().count;
+    most = std::max(most, near_ones.back().count);
+  }
 
   const auto none = static_cast<float>(unmatched * 2 * std::numbers::pi * near_mm * near_mm);
   Eigen::VectorXf of_own = Eigen::VectorXf::Constant(a.rows(), none),
                   of_there = Eigen::VectorXf::Constant(b.rows(), none);
-  std::vector<Eigen::VectorXf> likely(static_cast<std::size_t>(a.rows()));
-  for (Index i = 0; i < a.rows(); ++i) {
-    const auto [first, count] = near_ones(i);
-    const Eigen::VectorXf exponents =
-        (b.middleRows(first, count) * a.row(i).transpose() - b2.segment(first, count)).array() - a2[i];
-    Eigen::VectorXf& row = likely[static_cast<std::size_t>(i)];
-    row = exponents.array().max(least_exponent).min(0).exp().matrix();
+  Eigen::VectorXf likely(pairs);  // of each sample's near ones, one sample after the other
+  for (Index i = 0, at = 0; i < a.rows(); ++i) {
+    const auto [first, count] = near_ones[static_cast<std::size_t>(i)];
+    auto row = likely.segment(at, count);
+    row.noalias() = b.middleRows(first, count) * a.row(i).transpose();
+    row = (row - b2.segment(first, count)).array() - a2[i];
+    row = row.array().max(least_exponent).min(0).exp().matrix();
     of_own[i] += row.dot(there.area_mm2.segment(first, count));
     of_there.segment(first, count) += own.area_mm2[i] * row;
+    at += count;
   }
 
   const Eigen::VectorXf forth = own.area_mm2.cwiseQuotient(of_own), back = there.area_mm2.cwiseQuotient(of_there);
   DrawnSamples drawn{own.points, VertexScalars(a.rows())};
-  for (Index i = 0; i < a.rows(); ++i) {
-    const auto [first, count] = near_ones(i);
-    const Eigen::VectorXf pull = likely[static_cast<std::size_t>(i)].cwiseProduct(
-        forth[i] * there.area_mm2.segment(first, count) + own.area_mm2[i] * back.segment(first, count));
+  Eigen::VectorXf pulls(most);
+  for (Index i = 0, at = 0; i < a.rows(); ++i) {
+    const auto [first, count] = near_ones[static_cast<std::size_t>(i)];
+    auto pull = pulls.head(count);
+    pull = likely.segment(at, count).cwiseProduct(forth[i] * there.area_mm2.segment(first, count) +
+                                                  own.area_mm2[i] * back.segment(first, count));
+    at += count;
     const float weight = pull.sum();
     drawn.weights[i] = weight;
     if (!(weight > 0)) continue;

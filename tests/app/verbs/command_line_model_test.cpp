@@ -120,6 +120,66 @@ TEST_CASE("template --consensus takes several subjects in any order") {
   check_refused(run(folder, "template --consensus k0.ply absent.ply -o t.ply"), "absent.ply");
 }
 
+TEST_CASE("template --best-of takes the subject whose template suits the others and none with a pit of its own") {
+  const TemporaryFolder folder;
+  for (int k = 0; k < 5; ++k) {
+    Mesh one = icosphere(4, 40);
+    for (Eigen::Index i = 0; i < one.points.rows(); ++i) {
+      const Vec3 u = Vec3(one.points.row(i)).normalized();
+      // Two have a deep pit that the others have not.
+      const double pit = k == 1 || k == 3 ? 25 * std::exp(-60 * (u - Vec3(0, 0.6, 0.8)).squaredNorm()) : 0;
+      Vec3 p = (40 - pit) * u;
+      p.z() *= 1.3 + 0.03 * k;
+      p.x() += 0.006 * p.y() * p.y();
+      one.points.row(i) = p.transpose();
+    }
+    REQUIRE(write_mesh_file({one.points, one.topology->triangles()}, folder.path / ("s" + std::to_string(k) + ".ply")));
+  }
+  const Ran made = run(folder, "template --best-of s0.ply s1.ply s2.ply s3.ply s4.ply -o t.ply --vertices 500 --json");
+  REQUIRE_MESSAGE(made.status == 0, made.errors);
+  const auto report = made.json();
+  const std::string best = report["subject"];
+  CHECK((best == "s0" || best == "s2" || best == "s4"));
+  CHECK(report["subjects"] == 5);
+  CHECK(report["candidates"].size() == 5);
+  double best_assd_mm = 0;
+  for (const auto& one : report["candidates"])
+    if (one["subject"] == best) best_assd_mm = one["assd_mm"];
+  CHECK(best_assd_mm > 0);
+  for (const auto& one : report["candidates"]) {
+    CHECK(one["fits"] == 4);
+    const bool has_pit = one["subject"] == "s1" || one["subject"] == "s3";
+    INFO(one.dump());
+    CHECK(one["doubtful"] == (has_pit ? 3 : 2));  // each is in doubt where the other kind is fitted
+    if (!has_pit) CHECK(one["assd_mm"].get<double>() >= best_assd_mm);
+  }
+  // It is that subject's own template, whatever the order and the number of threads.
+  REQUIRE(run(folder, "template " + best + ".ply -o own.ply --vertices 500").status == 0);
+  CHECK(read_whole_file(folder.path / "t.ply").value() == read_whole_file(folder.path / "own.ply").value());
+  REQUIRE(
+      run(folder, "template --best-of s4.ply s3.ply s0.ply s1.ply s2.ply -o u.ply --vertices 500 --jobs 1").status ==
+      0);
+  CHECK(read_whole_file(folder.path / "t.ply").value() == read_whole_file(folder.path / "u.ply").value());
+  check_refused(run(folder, "template --best-of s0.ply s1.ply -o v.ply"), "name three or more");
+  CHECK(run(folder, "template --best-of s0.ply s1.ply s2.ply --consensus s3.ply s4.ply -o v.ply").status == 2);
+  CHECK(run(folder, "template s0.ply --flip-mirrored -o v.ply").status == 2);
+}
+
+TEST_CASE("a subject of five times the others' volume is named and with it the reason why no template is written") {
+  const TemporaryFolder folder;
+  std::string files;
+  for (int k = 0; k < 6; ++k) {
+    Mesh one = icosphere(3, k == 5 ? 70 : 40 + k);
+    one.points.col(2) *= 1.3;
+    const std::string name = "s" + std::to_string(k) + ".ply";
+    REQUIRE(write_mesh_file({one.points, one.topology->triangles()}, folder.path / name));
+    files += " " + name;
+  }
+  const Ran made = run(folder, "template --consensus" + files + " -o t.ply --vertices 300");
+  CHECK(made.errors.find("s5: has a volume of 1.85e+03 ml, and most others about 4") != std::string::npos);
+  CHECK(made.errors.find("s4: has a volume") == std::string::npos);
+}
+
 TEST_CASE("mirror images among the subjects of a consensus are named, or flipped where asked") {
   const TemporaryFolder folder;
   for (int k = 0; k < 3; ++k) {

@@ -130,23 +130,6 @@ TEST_CASE("an open surface is said to lack parts where the fit was not told so, 
   CHECK_FALSE(says_partial(judge_fit(*open_template, open, {}, of_open)));
 }
 
-TEST_CASE("of several fits the one in clearly more doubt than most is named") {
-  CHECK(unlike_the_others({0.03, 0.04, 0.2}) == std::vector<std::size_t>{2});
-  CHECK(unlike_the_others({0.2, 0.03}).empty());        // of two nobody can tell which
-  CHECK(unlike_the_others({0.09, 0.08, 0.1}).empty());  // all alike
-  CHECK(unlike_the_others({0.01, 0.01, 0.03}).empty());
-}
-
-TEST_CASE("half as much doubt again as most have is clearly more and only above six hundredths") {
-  CHECK(unlike_the_others({0.05, 0.05, 0.10}) == std::vector<std::size_t>{2});
-  CHECK(unlike_the_others({0.12, 0.05, 0.05, 0.074}) == std::vector<std::size_t>{0});
-  CHECK(unlike_the_others({0.05, 0.05, 0.074}).empty());
-  CHECK(unlike_the_others({0.05, 0.076, 0.05}) == std::vector<std::size_t>{1});
-  CHECK(unlike_the_others({0.03, 0.03, 0.059}).empty());
-  CHECK(unlike_the_others({0.03, 0.03, 0.061}) == std::vector<std::size_t>{2});
-  CHECK(unlike_the_others({0.3, 0.03}).empty());
-}
-
 TEST_CASE("an end that is gone is found although the template is placed too small at first and is in more doubt") {
   const CutKidney cut(3, Vec3(0.391, -0.311, 0.866).normalized(), 0.25);
   const FitResult fit = partial_fit(cut.open());

@@ -44,7 +44,6 @@ TEST_CASE("a consensus template does not depend on the order of its subjects and
   std::reverse(reversed.begin(), reversed.end());
   ConsensusOptions options;
   options.vertices = 400;
-  options.most_rounds = 3;
   const Consensus first = test::must(consensus_template(subjects, options));
   CHECK(first.rounds >= 1);
   CHECK(first.left_out.empty());

@@ -106,6 +106,7 @@ Result<MadeTemplate> from_mask(const TemplateJob& options, const MaskRead& mask,
   Json provenance = provenance_of(options.in.filename().string(), making);
   name_labels(mask, provenance);
   MeshFile file = template_file(made->mesh, provenance);
+  mark_cut(file, made->cut);
   if (options.closing_mm || choice.tried.size() > 1) file.comments.push_back(closing_comment(made->closing_mm));
   Json tried = Json::array();
   for (const TriedClosing& one : choice.tried)

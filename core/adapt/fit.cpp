@@ -1,4 +1,5 @@
 #include "core/adapt/fit.h"
+#include "core/adapt/cut_template.h"
 
 #include <algorithm>
 #include <cmath>
@@ -78,6 +79,9 @@ class Fitting {
     if (auto placed = place(); !placed) return placed;
     return options_.partial ? adapt_to_parts() : adapt_from_starts();
   }
+
+  /// The boundary is cut off only as the template is: a match then looks at all of it.
+  void match_beyond_cuts() { matches_beyond_cuts_ = true; }
 
   const Mesh& mesh() const { return shape_.mesh; }
   const std::vector<std::int32_t>& lacking() const { return lacking_; }
@@ -246,7 +250,7 @@ class Fitting {
   /// The template as placed or, with landmarks, warped; then that matched with the boundary where that shows the whole.
   std::vector<FitStart> starts() const {
     std::vector<FitStart> all{{shape_.mesh.points}};
-    if (!whole() || options_.rough) return all;
+    if (!(whole() || matches_beyond_cuts_) || options_.rough) return all;
     const KnownMatches known = known_on(shape_.mesh.points);
     const CoherentMatch coherent(reference_.points, shape_.mesh, boundary_.surface);
     // A template without extent in some direction has no smooth displacement.
@@ -420,6 +424,7 @@ class Fitting {
   std::pair<std::size_t, std::size_t> part_of_progress_{0, 1};  ///< which of how many
   std::vector<std::string> landmark_warnings_;
   std::vector<Points> about_right_;
+  bool matches_beyond_cuts_ = false;
   std::vector<std::int32_t> lacking_;  ///< of a partial fit: where the boundary lacks the organ
 };
 
@@ -464,11 +469,41 @@ Result<PartialFit> fit_partial(const Template& the_template, const Boundary& bou
   }
 }
 
+/// Of a template that is cut off: placed by what both have, then fitted to what lies on its side of the cuts. Those
+/// follow the mesh in a second round.
+Result<FitResult> fit_cut_template(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
+  std::optional<Progress> of_first, of_second;
+  FitOptions near = with_part(options, 0.5, of_first);
+  const Similarity placed = find_placement(the_template, boundary,
+                                           {.landmarks = options.landmarks,
+                                            .orientation = options.orientation,
+                                            .start = options.placement,
+                                            .cut_template = true})
+                                .placement;
+  near.placement = placed;
+  const Boundary first_cut = cut_as_template(boundary, cut_borders(the_template, placed.apply(the_template.points)));
+  Fitting first(the_template, first_cut, near);
+  if (boundary.scan_borders.empty()) first.match_beyond_cuts();
+  if (auto done = first.to_boundary(); !done) return fail(done.error());
+  FitOptions again = with_part(options, 0.5, of_second);
+  again.placement = nearest_similarity(the_template.points, first.mesh().points, placed);
+  const auto cuts = cut_borders(the_template, first.mesh().points);
+  const Boundary second_cut = cut_as_template(boundary, cuts);
+  Fitting second(the_template, second_cut, again);
+  if (boundary.scan_borders.empty()) second.match_beyond_cuts();
+  if (auto done = second.to_boundary(); !done) return fail(done.error());
+  FitResult result = second.finish();
+  result.template_cuts = cuts;
+  return result;
+}
+
 /// fit_to_boundary to the organ as a whole or in parts.
 Result<FitResult> fit_within(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
   if (!options.partial) {
     Fitting fitting(the_template, boundary, options);
     if (options.allowed) return fitting.among_allowed({});
+    if (!cut_borders(the_template, the_template.points).empty())
+      return fit_cut_template(the_template, boundary, options);
     if (auto done = fitting.to_boundary(); !done) return fail(done.error());
     return fitting.finish();
   }

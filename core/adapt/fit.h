@@ -40,7 +40,8 @@ struct FitResult {
   std::vector<std::int32_t> unseen;  ///< vertices beyond the scan's border, where the shape follows the template
   /// Of a partial fit, in rising order: vertices whose places the boundary lacks; the shape follows the template there.
   std::vector<std::int32_t> outliers;
-  bool mirrored = false;     ///< the template's mirror image fits clearly better: see mirror_image_there
+  std::vector<ScanBorder> template_cuts;  ///< where the template is cut off, as it lies in the end [cut_borders]
+  bool mirrored = false;                  ///< the template's mirror image fits clearly better: see mirror_image_there
   bool half_turned = false;  ///< not that, but the template turned from RAS to LPS does: see half_turn_there
   std::size_t turned_triangles = 0, self_intersections = 0;
   std::size_t landmarks_used = 0;     ///< of those given: that pulled on the mesh

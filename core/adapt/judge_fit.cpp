@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/adapt/boundary/cut_faces.h"
+#include "core/adapt/cut_template.h"
 #include "core/base/statistics.h"
 #include "core/mesh/clip.h"
 #include "core/mesh/mesh_faults.h"
@@ -19,6 +20,7 @@ namespace {
 constexpr double least_dice = 0.9;
 constexpr double hardly_any_dice = 0.5;  ///< below, the template is likely of another organ, whatever else it is
 constexpr double most_missing = 0.6;     ///< of the mesh: of less nobody can tell where it belongs
+constexpr double told_beyond = 0.02;     ///< of the boundary's area, beyond a template's cut
 constexpr double most_share = 0.04, most_mean_share = 0.01;  ///< of the diagonal
 
 bool is_doubtful(const Agreement& agreement, const Boundary& boundary) {
@@ -119,6 +121,21 @@ void judge_inside(const Boundary& boundary, const FitResult& fit, FitJudgement& 
   if (seen && target) judgement.inside_scan = compare_meshes(*seen, *target);
 }
 
+/// Of the boundary's area: what lies beyond the template's cuts.
+double share_beyond(const Boundary& boundary, const std::vector<ScanBorder>& template_cuts) {
+  double beyond = 0, all = 0;
+  const Triangles& triangles = boundary.surface.topology->triangles();
+  for (std::int32_t face = 0; face < triangles.rows() && !template_cuts.empty(); ++face) {
+    const Vec3 middle = boundary.surface.points(triangles.row(face), Eigen::all).colwise().mean().transpose();
+    const double area = area_normal(boundary.surface, face).norm();
+    all += area;
+    if (std::ranges::any_of(template_cuts,
+                            [&](const ScanBorder& cut) { return cut.outward.dot(middle) > cut.offset_mm; }))
+      beyond += area;
+  }
+  return all > 0 ? beyond / all : 0;
+}
+
 /// The mean doubt of the vertices that the scan shows; of all where it shows none. mm
 double mean_doubt_mm(const FitResult& fit) {
   std::vector<char> unseen(static_cast<std::size_t>(fit.doubt_mm.size()), 0);
@@ -164,7 +181,8 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
                        const FitResult& fit) {
   FitJudgement judgement;
   judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
-  judge_inside(boundary, fit, judgement);
+  const Boundary seen = cut_as_template(boundary, fit.template_cuts);
+  judge_inside(seen, fit, judgement);
   if (fit.doubt_mm.size() > 0)
     judgement.doubt_share = mean_doubt_mm(fit) / std::sqrt(surface_area_mm2(boundary.surface));
   const bool too_little = judgement.beyond_share > most_missing;
@@ -192,6 +210,15 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
                   "only %.0f %% of the mesh lies within the scan, too little to tell where it belongs; give three "
                   "landmarks or more, or leave the case out",
                   100 * (1 - judgement.beyond_share));
+    judgement.warnings.emplace_back(text);
+  }
+  if (const double beyond = share_beyond(boundary, fit.template_cuts); beyond > told_beyond) {
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "the template is cut off by its scan, and %.0f %% of the organ's surface lies beyond the cut; the mesh "
+        "ends there; use a template of a whole organ where that is needed",
+        100 * beyond);
     judgement.warnings.emplace_back(text);
   }
   if (auto many = riddled(the_template)) judgement.warnings.push_back(std::move(*many));

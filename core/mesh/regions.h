@@ -23,6 +23,15 @@ struct Regions {
   bool operator==(const Regions&) const = default;
 };
 
+/// The region of a template where its scan ended: its flat face is a cut through the organ and not its boundary.
+inline constexpr const char* cut_region = "cut by the scan";
+
+/// The vertices in a region of this name, in rising order; none where there is no such region.
+std::vector<std::int32_t> vertices_in(const Regions& regions, const std::string& name);
+/// Adds a region; its vertices leave those they were in. None is added for no vertices or beyond 255 regions.
+/// `of_vertices`: how many vertices the mesh has.
+void add_region(Regions& regions, Region region, const std::vector<std::int32_t>& vertices, std::size_t of_vertices);
+
 /// "#rrggbb", as files and case lines hold a colour, and back (nothing for anything else).
 std::string hex_of(const std::array<std::uint8_t, 3>& colour);
 std::optional<std::array<std::uint8_t, 3>> colour_from_hex(const std::string& text);

@@ -247,4 +247,18 @@ std::optional<std::string> several_parts(const LabelBody& region, int label) {
          "; the largest was taken; give the others labels of their own to use them";
 }
 
+std::vector<MapSide> sides_that_cut(const LabelBody& body, const VolumeGeometry& map) {
+  std::vector<MapSide> sides;
+  for (std::size_t side = 0; side < 6; ++side) {
+    if (!body.touches[side]) continue;
+    const auto axis = static_cast<Eigen::Index>(side / 2);
+    const bool last = side % 2 == 1;
+    Vec3 face = Vec3::Zero();
+    face[axis] = last ? map.dims[side / 2] - 0.5 : -0.5;
+    const Vec3 outward = map.direction.col(axis) * (last ? 1 : -1);
+    sides.push_back({outward, outward.dot(map.to_mm(face)), axis});
+  }
+  return sides;
+}
+
 }  // namespace homolog

@@ -14,6 +14,13 @@
 
 namespace homolog {
 
+/// The outer face of a label map's first or last plane of voxels in an axis: outward · p = offset_mm.
+struct MapSide {
+  Vec3 outward;
+  double offset_mm = 0;
+  Eigen::Index axis = 0;
+};
+
 /// A label cut out of a label map with a margin around it: its largest part, cavities filled.
 struct LabelBody {
   VolumeGeometry grid;               ///< may reach beyond the label map's
@@ -21,6 +28,9 @@ struct LabelBody {
   OneBody body;                      ///< counted in voxels of `grid`
   std::array<bool, 6> touches{};     ///< the label map's first and last plane of i, j and k: that part is cut off there
 };
+
+/// The sides of a label map at which a body is cut off.
+std::vector<MapSide> sides_that_cut(const LabelBody& body, const VolumeGeometry& map);
 
 /// An estimate of the surface area of a label in mm², from the faces between its voxels and others, and its box in
 /// voxels; area 0 where the label does not occur.

@@ -226,10 +226,26 @@ class Making {
     return measured();
   }
 
+  /// The vertices on the flat faces that the sides of the label map leave.
+  void mark_cut() {
+    constexpr double rounded_edges = 0.25;  // by so much the smoothing rounds a face's rim off
+    made_.cut.clear();
+    for (const MapSide& side : sides_that_cut(region_, mask_.geometry)) {
+      const double least_mm =
+          side.offset_mm - std::max(mask_.geometry.spacing_mm[side.axis] / 2, rounded_edges * edge_mm_);
+      for (Eigen::Index i = 0; i < made_.mesh.points.rows(); ++i)
+        if (side.outward.dot(Vec3(made_.mesh.points.row(i))) > least_mm)
+          made_.cut.push_back(static_cast<std::int32_t>(i));
+    }
+    std::sort(made_.cut.begin(), made_.cut.end());
+    made_.cut.erase(std::unique(made_.cut.begin(), made_.cut.end()), made_.cut.end());
+  }
+
   /// The finished mesh, compared with the label.
   Result<MaskTemplate> measured() {
     if (progress_) progress_->report(0.9);
     say_what_is_missed();
+    mark_cut();
     in_parallel(2, [this](int first, int last) {  // each way on a core of its own
       for (int way = first; way < last; ++way)
         (way == 0 ? made_.to_mask : made_.from_mask) =

@@ -51,6 +51,7 @@ struct MaskTemplate {
   double missed_ml = 0, missed_share = 0;
   double resampled_mm = 0;                ///< voxel size that was worked on
   double closing_mm = 0, opening_mm = 0;  ///< radii that were used
+  std::vector<std::int32_t> cut;          ///< vertices where the label map ends and the organ is closed flat
   std::vector<std::string> warnings;      ///< each a sentence
 };
 

@@ -14,6 +14,10 @@ MeshFile template_file(const Mesh& mesh, const Json& provenance) {
   return file;
 }
 
+void mark_cut(MeshFile& file, const std::vector<std::int32_t>& vertices) {
+  add_region(file.regions, {cut_region, 1, {176, 120, 40}}, vertices, static_cast<std::size_t>(file.points.rows()));
+}
+
 std::string genus_text(const GenusRule& rule) {
   switch (rule.kind) {
     case GenusRule::Kind::automatic:

@@ -28,8 +28,10 @@ void draw_organ_settings(const UiContext& ui, int label, MaskTemplateOptions& op
   const Theme& theme = ui.theme;
   whole_number(theme, "Vertices", options.vertices, {500, 40000, "%.0f", "", true, true},
                "How many vertices the template gets", changed);
-  changed |= ball_slider(ui, "Closing", options.closing_mm, label,
-                         "Radius. Fills clefts that are narrower than twice the radius");
+  changed |=
+      ball_slider(ui, "Closing", options.closing_mm, label,
+                  "Radius. Fills clefts that are narrower than twice the radius. Where you leave it, wider ones are "
+                  "tried on the label too, and the template keeps the one for its fits");
   changed |= ball_slider(ui, "Opening", options.opening_mm, label,
                          "Radius. Removes spurs that are thinner than twice the radius");
   caption(theme, "Tunnels through the organ");

@@ -51,6 +51,8 @@ struct TemplateMaking {
   bool done = false;
   // Of a finished one.
   std::optional<Mesh> mesh;
+  std::vector<std::int32_t> cut;     ///< its vertices on the flat faces where the label map ends
+  std::optional<double> closing_mm;  ///< chosen by trying, or as asked for
   MeshQuality quality;
   SurfaceDistance to_mask, from_mask;
   std::vector<std::string> remarks;  ///< warnings, and what was left out or filled, each a sentence

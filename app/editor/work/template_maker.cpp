@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "core/adapt/choose_closing.h"
+
 namespace homolog {
 
 namespace {
@@ -53,12 +55,24 @@ void make(TemplateMaking& making, const Volume& labels, Progress& progress,
       making.error = made.error().sentence();
     }
   } else {
-    auto made = make_mask_template(labels, making.settings.mask, &progress,
+    MaskTemplateOptions options = making.settings.mask;
+    making.closing_mm = options.closing_mm;
+    if (!options.closing_mm) {
+      const ClosingChoice choice = choose_template_closing(labels, options, &progress);
+      if (choice.tried.size() > 1) making.closing_mm = options.closing_mm = choice.closing_mm;
+    }
+    auto made = make_mask_template(labels, options, &progress,
                                    [&](TemplateStage stage, const Mesh& surface) { show(stage_name(stage), surface); });
     if (made) {
       making.to_mask = made->to_mask;
       making.from_mask = made->from_mask;
       making.remarks = remarks_on(*made);
+      if (making.closing_mm && !making.settings.mask.closing_mm) {
+        char text[80];
+        std::snprintf(text, sizeof text, "Closing %.1f mm, chosen by trying it on the label.", *making.closing_mm);
+        making.remarks.emplace_back(text);
+      }
+      making.cut = std::move(made->cut);
       making.mesh = std::move(made->mesh);
     } else {
       making.error = made.error().sentence();

@@ -23,18 +23,9 @@ namespace {
 /// Where the label's largest part lies at the first or last plane of the label map in an axis.
 std::vector<ScanBorder> borders_of(const LabelBody& region, const VolumeGeometry& whole) {
   std::vector<ScanBorder> borders;
-  for (std::size_t side = 0; side < 6; ++side) {
-    if (!region.touches[side]) continue;
-    const auto axis = static_cast<Eigen::Index>(side / 2);
-    const bool last = side % 2 == 1;
-    Vec3 face = Vec3::Zero();
-    face[axis] = last ? whole.dims[side / 2] - 0.5 : -0.5;
-    ScanBorder border;
-    border.outward = whole.direction.col(axis) * (last ? 1 : -1);
-    border.offset_mm = border.outward.dot(whole.to_mm(face));
-    border.tolerance_mm = std::max(whole.spacing_mm[axis], region.grid.spacing_mm[axis]);
-    borders.push_back(border);
-  }
+  for (const MapSide& side : sides_that_cut(region, whole))
+    borders.push_back(
+        {side.outward, side.offset_mm, std::max(whole.spacing_mm[side.axis], region.grid.spacing_mm[side.axis])});
   return borders;
 }
 

@@ -134,14 +134,15 @@ void keep_promising(const ClosestPoints& closest, const PlacementPrior& prior, c
 
 /// find_placement; `rest`: the last step, as a share of the organ's size.
 Placed placed(const Template& the_template, const Boundary& boundary, const PlacementHints& hints, double rest) {
-  const ClosestPoints closest(the_template, boundary, hints.partial);
+  const bool partial = hints.partial || hints.cut_template;
+  const ClosestPoints closest(the_template, boundary, partial);
   const Mesh reference{the_template.topology, the_template.points};
   const Moments from = moments_of(reference), to = moments_of(boundary.surface);
-  const auto on = [&](const Moments& part, const Eigen::Quaterniond& rotation) {
-    const double scale = to.size_mm / part.size_mm;
-    return Similarity{rotation, scale, to.centre - scale * (rotation * part.centre)};
+  const auto onto = [](const Moments& part, const Moments& there, const Eigen::Quaterniond& rotation) {
+    const double scale = there.size_mm / part.size_mm;
+    return Similarity{rotation, scale, there.centre - scale * (rotation * part.centre)};
   };
-  const auto at = [&](const Eigen::Quaterniond& rotation) { return on(from, rotation); };
+  const auto at = [&](const Eigen::Quaterniond& rotation) { return onto(from, to, rotation); };
   const bool any = hints.orientation == Orientation::any && !hints.start;
   const PlacementPrior prior{hints.start.value_or(at(Eigen::Quaterniond::Identity())),
                              any ? any_turn : PlacementPrior{}.turn_rad};
@@ -152,8 +153,9 @@ Placed placed(const Template& the_template, const Boundary& boundary, const Plac
     starts.push_back({*hints.start, farthest});
   } else {
     for (const Moments& part : hints.partial ? moments_of_parts(reference, from) : std::vector{from})
-      for (const Eigen::Quaterniond& start : starts_of(part, to, hints.orientation))
-        starts.push_back({on(part, start), farthest});
+      for (const Moments& there : hints.cut_template ? moments_of_parts(boundary.surface, to) : std::vector{to})
+        for (const Eigen::Quaterniond& start : starts_of(part, there, hints.orientation))
+          starts.push_back({onto(part, there, start), farthest});
   }
   KnownPlaces places;
   if (auto [own, there] = matched_landmarks(the_template, hints.landmarks); own.rows() >= fewest_placing_landmarks) {
@@ -162,7 +164,7 @@ Placed placed(const Template& the_template, const Boundary& boundary, const Plac
         likely_similarity(places.own, places.there, prior, bounds_of(the_template.points).diagonal().norm());
     if (likely.scale > 0) starts.push_back({likely, everywhere});
   }
-  if (hints.partial) keep_promising(closest, prior, places, starts);
+  if (partial) keep_promising(closest, prior, places, starts);
   Placed best;
   best.cost = std::numeric_limits<double>::infinity();
   double farthest_of_best = 0;

@@ -22,6 +22,7 @@ struct PlacementHints {
   Orientation orientation = Orientation::patient;
   std::optional<Similarity> start;  ///< near which to look, instead of the patient's axes; turned by at most 60°
   bool partial = false;             ///< the boundary may lack parts of the organ, or have what is not the organ's
+  bool cut_template = false;        ///< the template lacks parts of the organ; it counts as partial
 };
 
 /// The most likely similarity that places a template on a boundary automatically. It weighs closest points in both

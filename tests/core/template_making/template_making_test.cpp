@@ -239,6 +239,14 @@ TEST_CASE("an organ that the label map cuts off is closed flat and said to be") 
   CHECK(made->warnings.front().find("(inferior)") != std::string::npos);
   CHECK(made->mesh.topology->closed());
   CHECK(made->mesh.points.col(2).minCoeff() == doctest::Approx(-30).epsilon(0.03));
+  // The vertices of the flat face are named, and no others: a disc of the ball's radius, of all that is left.
+  REQUIRE(made->cut.size() > 100);
+  CHECK(made->cut.size() < 400);
+  for (const std::int32_t i : made->cut) CHECK(made->mesh.points(i, 2) < -28.5);
+  for (Eigen::Index i = 0; i < made->mesh.points.rows(); ++i)
+    if (made->mesh.points(i, 2) < -29.7) CHECK(std::ranges::binary_search(made->cut, static_cast<std::int32_t>(i)));
+  const Volume whole = mask_where([](const Vec3& p) { return p.norm() < 15; });
+  CHECK(make_mask_template(whole, options_with(800)).value().cut.empty());
 }
 
 TEST_CASE("an island at the edge of the label map does not count as the organ being cut off") {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/adapt/choose_closing.h"
 #include "core/base/paths.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/landmark_io.h"
@@ -62,6 +63,8 @@ Result<void> write_template(const TemplateMaking& making, const std::filesystem:
   const auto provenance =
       settings.tube ? provenance_of(making.source, settings.tube_options) : provenance_of(making.source, settings.mask);
   MeshFile file = template_file(*making.mesh, provenance);
+  mark_cut(file, making.cut);
+  if (making.closing_mm) file.comments.push_back(closing_comment(*making.closing_mm));
   if (!making.missing.empty()) file.comments.push_back(missing_share_comment(making.missing_share));
   return write_mesh_file(file, path);
 }

@@ -9,11 +9,13 @@ namespace homolog {
 
 std::vector<ScanBorder> cut_borders(const Template& the_template, const Points& points) {
   constexpr double tolerance_edges = 0.75;  ///< the rim of a flat face is round by about this
+  constexpr double least_share = 0.01;      ///< of the area: a smaller face hardly draws a fit aside
   std::vector<ScanBorder> borders;
   std::vector<char> left(static_cast<std::size_t>(points.rows()), 0);
   for (const std::int32_t i : vertices_in(the_template.regions, cut_region)) left[static_cast<std::size_t>(i)] = 1;
   const Topology& topology = *the_template.topology;
   const Points normals = vertex_normals({the_template.topology, points});
+  const double least = least_share * static_cast<double>(points.rows());  // vertices are spread evenly
   for (std::size_t seed = 0; seed < left.size(); ++seed) {
     if (left[seed] == 0) continue;
     std::vector<std::int32_t> patch{static_cast<std::int32_t>(seed)};
@@ -24,6 +26,7 @@ std::vector<ScanBorder> cut_borders(const Template& the_template, const Points& 
           left[static_cast<std::size_t>(j)] = 0;
           patch.push_back(j);
         }
+    if (static_cast<double>(patch.size()) < least) continue;
     const Eigen::RowVector3d outward = normals(patch, Eigen::all).colwise().mean();
     if (!(outward.norm() > 0)) continue;
     ScanBorder border;

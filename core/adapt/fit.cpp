@@ -500,10 +500,10 @@ Result<FitResult> fit_cut_template(const Template& the_template, const Boundary&
 /// fit_to_boundary to the organ as a whole or in parts.
 Result<FitResult> fit_within(const Template& the_template, const Boundary& boundary, const FitOptions& options) {
   if (!options.partial) {
+    if (!options.allowed && !cut_borders(the_template, the_template.points).empty())
+      return fit_cut_template(the_template, boundary, options);
     Fitting fitting(the_template, boundary, options);
     if (options.allowed) return fitting.among_allowed({});
-    if (!cut_borders(the_template, the_template.points).empty())
-      return fit_cut_template(the_template, boundary, options);
     if (auto done = fitting.to_boundary(); !done) return fail(done.error());
     return fitting.finish();
   }

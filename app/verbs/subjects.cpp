@@ -53,6 +53,12 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
   return subject;
 }
 
+std::string ml_text(double ml) {
+  char text[32];
+  std::snprintf(text, sizeof text, ml < 10 ? "%.1f ml" : "%.0f ml", ml);
+  return text;
+}
+
 /// Names subjects whose volume no spread of the others explains.
 void warn_of_volumes(SubjectsRead& read) {
   std::vector<double> volumes_ml;
@@ -60,15 +66,13 @@ void warn_of_volumes(SubjectsRead& read) {
     const Mesh& surface = subject.boundary.surface;
     volumes_ml.push_back(surface.topology->closed() ? enclosed_volume_ml(surface) : 0);
   }
-  for (const std::size_t k : unlike_in_volume(volumes_ml)) {
-    char text[200];
-    std::snprintf(
-        text, sizeof text,
-        ": has a volume of %.3g ml, and most others about %.3g ml; check that it is the same organ, whole, and "
-        "the right label, or leave it out",
-        volumes_ml[k], quantile(volumes_ml, 0.5));
-    read.warnings.push_back(read.subjects[k].name + text);
-  }
+  const auto unlike = unlike_in_volume(volumes_ml);
+  std::vector<double> closed_ml = volumes_ml;
+  std::erase(closed_ml, 0);
+  for (const std::size_t k : unlike)
+    read.warnings.push_back(read.subjects[k].name + ": has a volume of " + ml_text(volumes_ml[k]) +
+                            ", and most others about " + ml_text(quantile(closed_ml, 0.5)) +
+                            "; check that it is the same organ, whole, and the right label, or leave it out");
 }
 
 void flip_subject(BiasSubject& subject) {

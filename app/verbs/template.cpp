@@ -16,12 +16,10 @@
 #include "core/mesh/landmark_io.h"
 #include "core/mesh/mesh_faults.h"
 #include "core/mesh/mesh_io.h"
-#include "core/mesh/mirror.h"
 #include "core/mesh/surface_search.h"
 #include "core/template/template.h"
 #include "core/template_making/mesh_template.h"
 #include "core/template_making/template_file.h"
-#include "core/volume/volume_io.h"
 
 // The verb `template`: makes a template from a label map or from an existing surface.
 

@@ -1,5 +1,4 @@
 #include "core/adapt/fit.h"
-#include "core/adapt/cut_template.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "core/adapt/boundary/cut_faces.h"
 #include "core/adapt/boundary/landmark_pull.h"
 #include "core/adapt/boundary/mirrored_landmarks.h"
+#include "core/adapt/cut_template.h"
 #include "core/adapt/fit_doubt.h"
 #include "core/adapt/match/coherent_match.h"
 #include "core/adapt/partial_ways.h"

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/adapt/boundary/cut_faces.h"
-#include "core/adapt/cut_template.h"
 #include "core/base/statistics.h"
 #include "core/mesh/clip.h"
 #include "core/mesh/mesh_faults.h"
@@ -105,18 +104,20 @@ TargetDistance target_distance(const Mesh& target, const Mesh& mesh) {
 }
 
 /// What the scan shows of a surface, cut along its borders; empty where nothing sound is left.
-std::optional<Mesh> shown_part(const Mesh& surface, const Boundary& boundary) {
+std::optional<Mesh> shown_part(const Mesh& surface, const std::vector<ScanBorder>& borders) {
   std::optional<Mesh> part = surface;
-  for (const ScanBorder& border : boundary.scan_borders)
+  for (const ScanBorder& border : borders)
     if (part) part = clipped(*part, border.outward, border.offset_mm - border.tolerance_mm);
   return part;
 }
 
-/// Judges a fit by what the scan shows.
+/// Judges a fit by what the scan and the template show.
 void judge_inside(const Boundary& boundary, const FitResult& fit, FitJudgement& judgement) {
   judgement.inside_scan = judgement.agreement;
-  if (boundary.scan_borders.empty()) return;
-  const auto seen = shown_part(fit.mesh, boundary), target = shown_part(boundary.surface, boundary);
+  std::vector<ScanBorder> borders = boundary.scan_borders;
+  borders.insert(borders.end(), fit.template_cuts.begin(), fit.template_cuts.end());
+  if (borders.empty()) return;
+  const auto seen = shown_part(fit.mesh, borders), target = shown_part(boundary.surface, borders);
   judgement.beyond_share = seen ? 1 - surface_area_mm2(*seen) / surface_area_mm2(fit.mesh) : 1;
   if (seen && target) judgement.inside_scan = compare_meshes(*seen, *target);
 }
@@ -181,8 +182,7 @@ FitJudgement judge_fit(const Template& the_template, const Boundary& boundary, c
                        const FitResult& fit) {
   FitJudgement judgement;
   judgement.agreement = compare_meshes(fit.mesh, boundary.surface);
-  const Boundary seen = cut_as_template(boundary, fit.template_cuts);
-  judge_inside(seen, fit, judgement);
+  judge_inside(boundary, fit, judgement);
   if (fit.doubt_mm.size() > 0)
     judgement.doubt_share = mean_doubt_mm(fit) / std::sqrt(surface_area_mm2(boundary.surface));
   const bool too_little = judgement.beyond_share > most_missing;

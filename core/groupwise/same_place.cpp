@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/parallel.h"
+#include "core/mesh/patches.h"
 #include "core/mesh/surface_search.h"
 
 namespace homolog {
@@ -41,21 +42,12 @@ std::optional<SamePlace> off_at_same_place(const Topology& topology, const std::
   for (const VertexScalars& one : off_shares)
     for (std::size_t i = 0; i < count; ++i) off[i] += one[static_cast<Eigen::Index>(i)] > off_share ? 1 : 0;
   const std::size_t enough = std::max(fewest_fits, (off_shares.size() + 2) / 3);
+  std::vector<char> often_off(count, 0);
+  for (std::size_t i = 0; i < count; ++i) often_off[i] = off[i] >= enough ? 1 : 0;
   SamePlace largest;
-  for (std::size_t seed = 0; seed < count; ++seed) {
-    if (off[seed] < enough) continue;
-    std::vector<std::int32_t> patch{static_cast<std::int32_t>(seed)};
-    off[seed] = 0;
-    for (std::size_t k = 0; k < patch.size(); ++k)
-      for (const std::int32_t j : topology.one_ring(patch[k]))
-        if (off[static_cast<std::size_t>(j)] >= enough) {
-          off[static_cast<std::size_t>(j)] = 0;
-          patch.push_back(j);
-        }
+  for (auto& patch : patches_of(topology, std::move(often_off)))
     if (patch.size() > largest.vertices.size()) largest.vertices = std::move(patch);
-  }
   if (static_cast<double>(largest.vertices.size()) < fewest_vertices * static_cast<double>(count)) return std::nullopt;
-  std::sort(largest.vertices.begin(), largest.vertices.end());
   for (const VertexScalars& one : off_shares) {
     const auto here = std::count_if(largest.vertices.begin(), largest.vertices.end(),
                                     [&](std::int32_t i) { return one[i] > off_share; });

@@ -1,7 +1,6 @@
 #include "core/groupwise/suited_template.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -10,7 +9,7 @@
 #include "core/adapt/judge_fit.h"
 #include "core/base/parallel.h"
 #include "core/groupwise/consensus.h"
-#include "core/model/procrustes.h"
+#include "core/groupwise/other_organs.h"
 
 namespace homolog {
 
@@ -54,12 +53,10 @@ Result<std::vector<std::size_t>> nearest_to_mean(const std::vector<Boundary>& su
     shapes.conservativeResize(Eigen::NoChange, shapes.cols() + 1);
     shapes.rightCols(1) = fit->reshaped<Eigen::RowMajor>();
   }
-  align(shapes, Alignment::similarity);
-  const Eigen::VectorXd mean = shapes.rowwise().mean();
+  const auto distances = shape_shares(std::move(shapes));
   std::vector<std::pair<double, std::size_t>> ranked;  // distance from the mean, position in `order`
-  Eigen::Index column = 0;
-  for (std::size_t k = 0; k < order.size(); ++k)
-    ranked.emplace_back(fits[k] ? (shapes.col(column++) - mean).norm() : std::numeric_limits<double>::infinity(), k);
+  for (std::size_t k = 0, fitted = 0; k < order.size(); ++k)
+    ranked.emplace_back(fits[k] ? distances[fitted++] : std::numeric_limits<double>::infinity(), k);
   std::sort(ranked.begin(), ranked.end());
   std::vector<std::size_t> nearest;
   for (const auto& [distance, k] : ranked)

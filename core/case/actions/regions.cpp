@@ -9,6 +9,7 @@
 #include "core/case/actions/brush.h"
 #include "core/case/actions/fields.h"
 #include "core/mesh/curvature.h"
+#include "core/mesh/patches.h"
 
 namespace homolog {
 
@@ -36,21 +37,6 @@ Result<std::uint8_t> region_number(const Regions& regions, const std::string& na
 
 double factor_of(const Regions& regions, std::uint8_t number) {
   return number == 0 ? 1 : regions.list[number - 1U].factor;
-}
-
-/// The vertices reached from `seed` over edges, each of which `joins(vertex)`.
-template <class Joins>
-std::vector<std::int32_t> flood(const Topology& topology, std::int32_t seed, const Joins& joins) {
-  std::vector<char> seen(static_cast<std::size_t>(topology.vertices()), 0);
-  std::vector<std::int32_t> reached{seed};
-  seen[static_cast<std::size_t>(seed)] = 1;
-  for (std::size_t next = 0; next < reached.size(); ++next)
-    for (const std::int32_t n : topology.one_ring(reached[next])) {
-      if (seen[static_cast<std::size_t>(n)] != 0 || !joins(n)) continue;
-      seen[static_cast<std::size_t>(n)] = 1;
-      reached.push_back(n);
-    }
-  return reached;
 }
 
 void spell_painting(Fields& line, PaintRegion& action) {

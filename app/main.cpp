@@ -3,6 +3,7 @@
 
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -42,10 +43,18 @@ constexpr int succeeded = 0, refused = 1, wrong_command_line = 2, cancelled = 13
 /// Lives as long as the program, since Ctrl-C may come at any moment.
 Progress verb_progress;
 
-void on_interrupt(int) {
-  verb_progress.cancel();
-  std::signal(SIGINT, SIG_DFL);  // a second one ends what does not listen
-  std::signal(SIGTERM, SIG_DFL);
+/// The first signal asks the verb to end. One that comes half a second later or more ends what does not listen; one
+/// that comes at once is the first again, since `timeout` and shells signal a program and then its group.
+void on_interrupt(int signal) {
+  using Clock = std::chrono::steady_clock;
+  static Clock::time_point first;
+  if (!verb_progress.cancelled()) {
+    first = Clock::now();
+    verb_progress.cancel();
+  } else if (Clock::now() - first > std::chrono::milliseconds(500)) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
 }
 
 /// Whether what was printed arrived; otherwise a line is printed where errors go.

@@ -261,11 +261,14 @@ TEST_CASE("a report without --json is a table in plain digits and --quiet prints
   CHECK(!run(set.folder, "measure shapes --quiet --json").json()["cases"].empty());
 }
 
-TEST_CASE("cancelling gives 130 and keeps what is finished") {
+TEST_CASE("cancelling gives 130 and keeps what is finished, also where the signal comes twice at once") {
   const Ellipsoids set(5);
-  for (const std::string signal : {"INT", "TERM"}) {
-    const Ran ran = run(set.folder, "evaluate shapes --samples 1000000 --modes all",
-                        "timeout --preserve-status -s " + signal + " 0.5 ");
+  const std::string at_once = "kill -TERM $p; sleep 0.05; kill -TERM $p; ";
+  for (const std::string& by :
+       {std::string("timeout --preserve-status -s INT 1 "), std::string("timeout --preserve-status -s TERM 1 "),
+        "sh -c '\"$@\" & p=$!; sleep 1; " + at_once + "wait $p' sh "}) {
+    CAPTURE(by);
+    const Ran ran = run(set.folder, "evaluate shapes --samples 1000000 --modes all", by);
     CAPTURE(ran.errors);
     CHECK(ran.status == 130);
     CHECK(ran.errors.starts_with("homolog: "));

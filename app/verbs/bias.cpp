@@ -3,6 +3,7 @@
 #include "app/verbs/experiment.h"
 #include "app/verbs/read_image.h"
 #include "app/verbs/subjects.h"
+#include "core/groupwise/cohort_template.h"
 #include "core/mesh/mesh_io.h"
 
 // The verb `study bias`: how much results depend on the subject that the template was made from.

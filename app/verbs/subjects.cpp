@@ -1,17 +1,14 @@
 #include "app/verbs/subjects.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "app/verbs/case_landmarks.h"
 #include "app/verbs/case_pool.h"
 #include "app/verbs/describe.h"
 #include "app/verbs/input_folders.h"
 #include "app/verbs/read_image.h"
-#include "core/base/statistics.h"
-#include "core/groupwise/other_organs.h"
+#include "core/groupwise/cohort_template.h"
 #include "core/mesh/landmark_io.h"
-#include "core/mesh/mesh_quality.h"
 
 namespace homolog {
 
@@ -51,28 +48,6 @@ Result<BiasSubject> read_one_subject(const SubjectFiles& files, const fs::path& 
   if (!landmarks) return fail(landmarks.error());
   subject.landmarks = std::move(*landmarks);
   return subject;
-}
-
-std::string ml_text(double ml) {
-  char text[32];
-  std::snprintf(text, sizeof text, ml < 10 ? "%.1f ml" : "%.0f ml", ml);
-  return text;
-}
-
-/// Names subjects whose volume no spread of the others explains.
-void warn_of_volumes(SubjectsRead& read) {
-  std::vector<double> volumes_ml;
-  for (const BiasSubject& subject : read.subjects) {
-    const Mesh& surface = subject.boundary.surface;
-    volumes_ml.push_back(surface.topology->closed() ? enclosed_volume_ml(surface) : 0);
-  }
-  const auto unlike = unlike_in_volume(volumes_ml);
-  std::vector<double> closed_ml = volumes_ml;
-  std::erase(closed_ml, 0);
-  for (const std::size_t k : unlike)
-    read.warnings.push_back(read.subjects[k].name + ": has a volume of " + ml_text(volumes_ml[k]) +
-                            ", and most others about " + ml_text(quantile(closed_ml, 0.5)) +
-                            "; check that it is the same organ, whole, and the right label, or leave it out");
 }
 
 void flip_subject(BiasSubject& subject) {
@@ -131,9 +106,13 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
   for (std::size_t k = 0; k < paths.size(); ++k)
     met.push_back(meeting_of(paths[k], read.subjects[k].boundary.surface.points));
   for (std::string& sentence : misfits_among(met, "the other subjects")) read.warnings.push_back(std::move(sentence));
-  warn_of_volumes(read);
   std::vector<const Boundary*> boundaries;
-  for (const BiasSubject& subject : read.subjects) boundaries.push_back(&subject.boundary);
+  std::vector<std::string> names;
+  for (const BiasSubject& subject : read.subjects) {
+    boundaries.push_back(&subject.boundary);
+    names.push_back(subject.name);
+  }
+  for (std::string& sentence : volume_warnings(names, boundaries)) read.warnings.push_back(std::move(sentence));
   const std::string others = boundaries.size() == 2 ? "the other subject" : "most others";
   for (const std::size_t k : mirrored_subjects(boundaries, &progress)) {
     BiasSubject& subject = read.subjects[k];
@@ -147,12 +126,6 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
   }
   read.paths = std::move(paths);
   return read;
-}
-
-std::string other_organ_warning(const std::string& name) {
-  return name +
-         ": looks like another organ than most others, by the doubt and the shape of its fits; look at it, or leave it "
-         "out";
 }
 
 }  // namespace homolog

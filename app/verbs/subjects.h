@@ -43,7 +43,4 @@ std::vector<std::filesystem::path> subject_paths(const std::vector<std::filesyst
 /// two of one name, a folder without surfaces, labels or a closing for surfaces only, cancelled.
 Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress);
 
-/// The sentence about a subject whose fits are in much doubt.
-std::string other_organ_warning(const std::string& name);
-
 }  // namespace homolog

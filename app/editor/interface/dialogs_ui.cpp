@@ -200,14 +200,22 @@ void draw_recover(const UiContext& ui, const RecoverDialog& dialog, Outbox& out)
 }
 
 /// Which label of the maps is the organ.
-void draw_labels_to_fit(const UiContext& ui, const LabelDialog& dialog, Outbox& out) {
+void draw_label_choice(const UiContext& ui, const LabelDialog& dialog, Outbox& out) {
   const Theme& theme = ui.theme;
+  const bool fits = dialog.template_file.empty();
+  const auto choose = [&](int label, bool all_labels) {
+    if (fits)
+      out.send(FitWaiting{label, all_labels});
+    else
+      out.send(MakeStudyTemplate{{dialog.template_file}, label, all_labels});
+  };
   constexpr std::size_t most_rows = 8, columns = 3;
   const std::size_t rows = (dialog.labels.size() + columns - 1) / columns;
   if (!begin_dialog(ui, "Which label is the organ?", 520, 0)) close_dialog(out);
-  explanation(theme,
-              dialog.map + format(" holds %zu labels. The one that you choose is fitted in every case that waits.",
-                                  dialog.labels.size()));
+  explanation(
+      theme, dialog.map + format(fits ? " holds %zu labels. The one that you choose is fitted in every case that waits."
+                                      : " holds %zu labels. The template is made of the one that you choose.",
+                                 dialog.labels.size()));
   gap(theme, 4);
   const float spacing = ImGui::GetStyle().ItemSpacing.y;
   ImGui::BeginChild("labels", {0, (theme.px(28) + spacing) * static_cast<float>(std::min(rows, most_rows)) - spacing});
@@ -215,13 +223,14 @@ void draw_labels_to_fit(const UiContext& ui, const LabelDialog& dialog, Outbox& 
   for (std::size_t k = 0; k < dialog.labels.size(); ++k) {
     if (k % columns > 0) ImGui::SameLine(0, theme.px(8));
     const Part part(std::to_string(dialog.labels[k]), "label");
-    if (button(theme, format("Label %d", dialog.labels[k]), "Fits this label in all cases", {}, width))
-      out.send(FitWaiting{dialog.labels[k]});
+    if (button(theme, format("Label %d", dialog.labels[k]),
+               fits ? "Fits this label in all cases" : "Takes this label of all cases", {}, width))
+      choose(dialog.labels[k], false);
   }
   ImGui::EndChild();
-  if (button(theme, "All labels together", "Fits all labels of each map as one organ", {},
+  if (button(theme, "All labels together", "Takes all labels of each map as one organ", {},
              ImGui::GetContentRegionAvail().x))
-    out.send(FitWaiting{0, true});
+    choose(0, true);
   end_dialog();
 }
 
@@ -309,7 +318,7 @@ void draw_dialogs(const UiContext& ui, Outbox& out) {
   else if (const auto* recover = std::get_if<RecoverDialog>(&dialog))
     draw_recover(ui, *recover, out);
   else if (const auto* labels = std::get_if<LabelDialog>(&dialog))
-    draw_labels_to_fit(ui, *labels, out);
+    draw_label_choice(ui, *labels, out);
   else if (const auto* spacing = std::get_if<SpacingDialog>(&dialog))
     draw_spacing(ui, *spacing, out);
   else if (const auto* quit = std::get_if<QuitDialog>(&dialog); quit->study.empty())

@@ -49,7 +49,16 @@ std::optional<Eigen::Index> marked_vertex(const ModelsState& state) {
   return state.hover ? std::optional(state.hover->vertex) : state.pinned;
 }
 
-ImU32 name_colour(const StudyModel& model, std::size_t shape, bool pointed) {
+/// Why a person has to look at a shape; empty: no reason, or somebody did.
+std::string doubt_shown(const ModelsState& state, std::size_t shape) {
+  const std::string& doubt = state.model->doubts[shape];
+  if (doubt.empty()) return {};
+  const StudyCase* one = find_case(state.study, state.model->names[shape]);
+  return one != nullptr && one->state == CaseState::done ? std::string() : doubt;
+}
+
+ImU32 name_colour(const StudyModel& model, std::size_t shape, bool pointed, bool in_doubt) {
+  if (in_doubt) return palette::amber;
   for (const SuspiciousShape& one : model.suspicious_shapes)
     if (one.shape == static_cast<Eigen::Index>(shape))
       return one.suspicion == Suspicion::far_outside ? palette::bad : palette::amber;
@@ -67,9 +76,11 @@ void draw_cell(ImDrawList& draw, const UiContext& ui, const GalleryGrid& grid, s
   if (const auto vertex = marked_vertex(state))
     draw_marker(draw, theme, state, cell, *model.shapes[k], *vertex, pointed);
   if (cell.width >= theme.px(56)) {
-    const float room = cell.width - theme.px(8);
-    shadowed(draw, theme.small, {low.x + theme.px(4), low.y + theme.px(2)}, name_colour(model, k, pointed),
-             cut(theme.small, model.names[k], room, model.names));
+    const bool in_doubt = !doubt_shown(state, k).empty();
+    const std::string mark = in_doubt ? std::string(icon::warning) + " " : std::string();
+    const float room = cell.width - theme.px(8) - (in_doubt ? text_size(theme.small, mark).x : 0);
+    shadowed(draw, theme.small, {low.x + theme.px(4), low.y + theme.px(2)}, name_colour(model, k, pointed, in_doubt),
+             mark + cut(theme.small, model.names[k], room, model.names));
   }
   draw.PopClipRect();
   if (state.selected == model.names[k]) draw.AddRect(low, high, palette::accent, 0, 0, std::max(theme.scale, 1.0f));
@@ -159,10 +170,14 @@ void draw_cells(const UiContext& ui, const RectPx& room, Outbox& out) {
   const ModelsState& state = ui.state.models;
   const GalleryGrid grid = gallery_grid(state.model->shapes.size(), room);
   ImGui::SetCursorPos({0, 0});
-  const auto cells = area(ui.theme, "cells", {room.width, room.height}, {}, {false, false, true});
+  const ImGuiIO& io = ImGui::GetIO();
+  const auto under = grid.shape_at(io.MousePos.x, io.MousePos.y);
+  const std::string doubt = under && !state.turning ? doubt_shown(state, *under) : std::string();
+  const auto cells =
+      area(ui.theme, "cells", {room.width, room.height},
+           doubt.empty() ? std::string() : state.model->names[*under] + " is in doubt: " + doubt, {false, false, true});
   const RectPx first = grid.cell(0);
   steer(ui, std::min(first.width, first.height), out);
-  const ImGuiIO& io = ImGui::GetIO();
   const bool moved_far = ImGui::GetMouseDragDelta(ImGuiMouseButton_Left, 0).x != 0 && state.turning;
   const bool hovered = ImGui::IsItemHovered() && !state.turning;
   const auto place =
@@ -190,6 +205,27 @@ void draw_phantom_buttons(const UiContext& ui, Outbox& out) {
   }
 }
 
+/// What to do with cases that have no shape yet: first a template of all of them, then the fits.
+void draw_first_fits(const UiContext& ui, Outbox& out) {
+  const Theme& theme = ui.theme;
+  const ModelsState& state = ui.state.models;
+  explanation(theme, state.model_error.empty() ? "No case of the study has a shape yet." : state.model_error);
+  const std::size_t waiting = waiting_cases(state), maps = cases_with_labels(state);
+  if (state.listing || waiting == 0) return;
+  const float width = ImGui::GetContentRegionAvail().x;
+  const bool wants_template = maps >= enough_for_consensus && state.study.template_file.empty();
+  gap(theme, 4);
+  if (wants_template) {
+    explanation(theme, "A template of all of them depends on no single subject, and its fits are better.");
+    if (button(theme, "Make a consensus template\xe2\x80\xa6", format("The mean shape of the %zu label maps", maps), {},
+               width, true))
+      out.send(ShowFileDialog{FilePurpose::make_study_template, study_stem(state) + "-template.ply"});
+  }
+  if (button(theme, format("Fit waiting (%zu)", waiting), "Fits every waiting case to its label map", {}, width,
+             !wants_template))
+    out.send(FitWaiting{});
+}
+
 /// What to do where there is no model.
 void draw_start(const UiContext& ui, const RectPx& room, Outbox& out) {
   const Theme& theme = ui.theme;
@@ -201,14 +237,19 @@ void draw_start(const UiContext& ui, const RectPx& room, Outbox& out) {
     explanation(theme, "Making the model…");
     progress_bar(theme, state.modelling_fraction);
   } else if (!state.study.cases.empty()) {
-    explanation(theme, state.model_error.empty() ? "No case of the study has a shape yet." : state.model_error);
+    draw_first_fits(ui, out);
   } else {
     explanation(
-        theme, "A model is made of shapes in correspondence: meshes of one template, from Homolog or another program.");
+        theme,
+        "A model is made of shapes in correspondence: meshes of one template, from Homolog or another program. Label "
+        "maps become such shapes by a fit.");
     gap(theme, 4);
     if (button(theme, std::string(icon::plus) + "  Add meshes\xe2\x80\xa6",
                "Cases, or meshes: " + listed(shape_extensions(), " or "), {}, ImGui::GetContentRegionAvail().x, true))
       out.send(ShowFileDialog{FilePurpose::add_shapes, {}});
+    if (button(theme, std::string(icon::plus) + "  Add scans or label maps\xe2\x80\xa6",
+               "A folder. Each becomes a case that waits for its fit", {}, ImGui::GetContentRegionAvail().x))
+      out.send(ShowFileDialog{FilePurpose::add_scans, {}});
     if (button(theme, std::string(icon::open) + "  Open a study\xe2\x80\xa6", "A .study.json file (Ctrl+O)", {},
                ImGui::GetContentRegionAvail().x))
       out.send(ShowFileDialog{FilePurpose::open_study, {}});

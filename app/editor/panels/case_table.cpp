@@ -47,6 +47,12 @@ void draw_study_menu(const UiContext& ui, Outbox& out) {
     if (menu_item(theme, "Set the template\xe2\x80\xa6", nullptr,
                   "Choose a mesh with the numbering of the shapes. It gives .particles files their faces" + now))
       ask(FilePurpose::open_study_template);
+    if (const std::size_t maps = cases_with_labels(state); maps > 1 && !state.listing)
+      if (menu_item(theme, "Make a consensus template\xe2\x80\xa6", nullptr,
+                    format("The mean shape of the %zu label maps, which no single subject decides. Cases that wait "
+                           "begin with it",
+                           maps)))
+        ask(FilePurpose::make_study_template, study_stem(state) + "-template.ply");
   }
   if (!state.shapes.empty()) {
     menu_line();

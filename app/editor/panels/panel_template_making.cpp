@@ -235,6 +235,13 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
     settings.label = label;
     out.send(MakeTemplate{settings, settings.axis_by_ruler ? ui.state.ruler : std::nullopt});
   }
+  if (const std::size_t maps = cases_with_labels(ui.state.models); maps >= enough_for_consensus) {
+    if (button(theme, format("Make it of the study's %zu maps\xe2\x80\xa6", maps),
+               "The mean shape of all label maps of the study, which no single subject decides. Cases that wait begin "
+               "with it",
+               ui.state.models.listing ? "The study's cases are in work." : "", width))
+      out.send(ShowFileDialog{FilePurpose::make_study_template, study_stem(ui.state.models) + "-template"});
+  }
   std::optional<WorkShown> running;
   if (busy) running = {"Making the template", ui.template_maker.fraction(), "Stops after this stage"};
   if (work_area(theme, "", running)) out.send(CancelTemplate{});

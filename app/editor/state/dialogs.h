@@ -50,6 +50,7 @@ enum class FilePurpose {
   export_template,
   export_template_landmarks,
   use_made_template,
+  make_study_template,
   export_picture,
   export_volumes,
   new_study,
@@ -104,10 +105,11 @@ struct SpacingDialog {
   Vec3 spacing_mm = Vec3::Ones();
 };
 
-/// Label maps hold several labels: one is chosen for all cases that wait.
+/// Label maps hold several labels: one is chosen for all cases that wait, or for their template.
 struct LabelDialog {
   std::string map;  ///< name of the first such file
   std::vector<int> labels;
+  std::filesystem::path template_file;  ///< where the template is to go; empty: cases are to be fitted
 };
 
 using Dialog = std::variant<KeysDialog, FileDialog, ReplaceDialog, SeriesDialog, FlipDialog, RecoverDialog, QuitDialog,

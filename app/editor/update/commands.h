@@ -52,11 +52,12 @@ using AllCommands = TypeList<
     OpenStudy, NewStudy, SaveStudyAs, SetStudyTemplate, OpenPhantomStudy, CancelStudyFile, ExportModel,
     ExportEvaluation, ExportPlots, ExportSizes, ExportLandmarkTable, ShowDistance, CompareObservers, CancelObservers,
     ExportObservers, ChooseShapesFolder, ExportShapes, StartEvaluation, CancelEvaluation, AddCases, AddScans,
-    FitWaiting, CancelWorklist, OpenNextCase, OpenCaseOfStudy, SelectCase, SelectNextCase, RemoveCase, SetCaseState,
-    CycleCaseState, TypeCaseText, SetCaseText, FlipCases, AddFrames, FilterCases, SortCases, LookFromSideInGallery,
-    ShowAllShapes, TurnGallery, PanGallery, LetGoOfGallery, ZoomGallery, PointAtVertex, PinVertex, ShowGalleryGlyphs,
-    SpaceGalleryGlyphs, ShowMean, ShowSample, ShowSelectedShape, SetMode, AnimateMode, ShowAllModes, ShowDifference,
-    CompareGroup, ChooseAlignment, StartOptimisation, CancelOptimisation, ShowOptimised, DiscardOptimised>;
+    FitWaiting, MakeStudyTemplate, CancelWorklist, OpenNextCase, OpenCaseOfStudy, SelectCase, SelectNextCase,
+    RemoveCase, SetCaseState, CycleCaseState, TypeCaseText, SetCaseText, FlipCases, AddFrames, FilterCases, SortCases,
+    LookFromSideInGallery, ShowAllShapes, TurnGallery, PanGallery, LetGoOfGallery, ZoomGallery, PointAtVertex,
+    PinVertex, ShowGalleryGlyphs, SpaceGalleryGlyphs, ShowMean, ShowSample, ShowSelectedShape, SetMode, AnimateMode,
+    ShowAllModes, ShowDifference, CompareGroup, ChooseAlignment, StartOptimisation, CancelOptimisation, ShowOptimised,
+    DiscardOptimised>;
 
 template <class One>
 concept ListedCommand = AllCommands::has<One>;

@@ -8,6 +8,7 @@
 #include "app/editor/state/files/file_extensions.h"
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/opening/opener.h"
+#include "app/editor/work/waiting_case.h"
 #include "core/base/file_stem.h"
 #include "core/base/files.h"
 #include "core/base/json.h"
@@ -203,14 +204,8 @@ Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const CaseStart
   return one;
 }
 
-/// Whether somebody has worked on a case: it holds more than the mirroring that it began with.
-bool was_worked_on(EditSession& session) {
-  const auto steps = session.undo_names(2);
-  return steps.size() > 1 || (steps.size() == 1 && steps.front() != action_name(MirrorTemplate{}));
-}
-
 /// `asked`: one folder, or files.
-Result<WorklistDone> cases_of(const std::vector<fs::path>& asked, const CaseStart& start, Progress& progress) {
+Result<WorklistDone> cases_of(const std::vector<fs::path>& asked, CaseStart start, Progress& progress) {
   WorklistDone done;
   std::vector<Scan> scans;
   std::error_code ignored;
@@ -231,6 +226,11 @@ Result<WorklistDone> cases_of(const std::vector<fs::path>& asked, const CaseStar
                 is_folder ? "holds no scan and no label map; choose a folder of images, one file for each"
                           : "is no scan and no label map, and neither are the others; choose images");
   if (auto made = make_folder(start.cases); !made) return fail(made.error());
+  if (!start.the_template) {
+    auto loaded = load_template(start.template_source);
+    if (!loaded) return fail(loaded.error());
+    start.the_template = std::move(*loaded);
+  }
   const auto pairs = pairs_of(scans);
   Made made_so_far;
   for (const Pair& pair : pairs) {
@@ -251,20 +251,6 @@ Result<WorklistDone> cases_of(const std::vector<fs::path>& asked, const CaseStar
   return done;
 }
 
-/// The label to fit to: the one that is asked for, or the only one that the map holds. 0 where one has to be chosen
-/// first. Errors: the map holds none, or several without the one that is asked for.
-Result<int> label_in(const NamedLabels& map, int wanted, std::vector<int>& held) {
-  for (const auto& [value, voxels] : labels_of(*map.volume, 0))
-    if (value != 0) held.push_back(value);
-  if (held.empty()) return fail(map.name, "holds no label; segment the organ in it, or take the case off the study");
-  if (held.size() == 1) return held.front();
-  if (wanted == 0 || std::find(held.begin(), held.end(), wanted) != held.end()) return wanted;
-  std::vector<std::string> names;
-  for (const int value : held) names.push_back(std::to_string(value));
-  return fail(map.name, "holds the labels " + listed(names, " and ") + ", but no label " + std::to_string(wanted) +
-                            "; fit this case by itself, with another label");
-}
-
 /// Fits one case and writes it down there; what it says where that fails. Where one of the map's labels has to be
 /// chosen first, it says that in `done` and leaves the case.
 Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progress& progress, WorklistDone& done) {
@@ -273,32 +259,19 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   EditSession& session = read->session;
   if (was_worked_on(session)) return std::string();
   if (!session.document().has_shape()) return fail(one.name, "has no template; take it off the study and add it again");
-  VolumeReadOptions options;
-  options.progress = &progress;
-  auto labels = read_volume(one.labels, options);
+  auto labels = read_case_labels(one, settings, progress);
   if (!labels) return fail(labels.error());
-  if (const auto own = one.other.find("label"); own != one.other.end() && own->is_number()) {
-    settings.label = static_cast<int>(own->get<double>());  // as the study was made with
-    settings.all_labels = false;
-  }
-  const std::size_t wanted = settings.all_labels || settings.label == 0 ? 0 : 1;
-  if (auto chosen = choose_layer(one.labels, {&settings.label, wanted}, *labels); !chosen) return fail(chosen.error());
-  std::vector<std::string> soft;
-  warn_of_soft_labels(one.labels.filename(), labels->volume, 0, soft);
-  const NamedLabels map{std::make_shared<const Volume>(std::move(labels->volume)), one.labels.filename().string()};
-  std::vector<int> held;
-  const auto label = label_in(map, settings.all_labels ? 0 : settings.label, held);
-  if (!label) return fail(label.error());
-  if (*label == 0 && !settings.all_labels) {
-    done.map = map.name;
-    done.labels = std::move(held);
+  if (labels->label == 0) {
+    done.map = labels->map.name;
+    done.labels = std::move(labels->held);
     return std::string();
   }
-  settings.label = *label != 0 ? *label : held.front();
+  settings.all_labels = labels->label == every_label;
+  settings.label = settings.all_labels ? labels->held.front() : labels->label;
   settings.as_placed = false;
   FitOptions fit;
   fit.progress = &progress;
-  auto fitted = fit_to_labels(session.document(), map, settings, {}, fit);
+  auto fitted = fit_to_labels(session.document(), labels->map, settings, {}, fit);
   if (!fitted) return fail(fitted.error());
   // What is wrong with the fit is said last.
   const std::string reason = fitted->warnings.empty() ? "The fit is doubtful." : fitted->warnings.back();
@@ -306,7 +279,7 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   if (auto applied = session.apply(std::move(fitted->edit)); !applied) return fail(applied.error());
   if (auto noted = session.apply(figures); !noted) return fail(noted.error());
   if (auto named = name_labels(session, one.labels); !named) return fail(named.error());
-  if (!fitted->doubtful) return soft.empty() ? std::string() : soft.front();
+  if (!fitted->doubtful) return labels->warnings.empty() ? std::string() : labels->warnings.front();
   return reason;
 }
 
@@ -323,6 +296,22 @@ void Worklist::add(const std::vector<fs::path>& paths, CaseStart start) {
   worker_.queue((paths.size() == 1 ? paths.front() : paths.front().parent_path()).string(),
                 [paths, start = std::move(start)](Progress& progress) { return cases_of(paths, start, progress); },
                 "Reading");
+}
+
+void Worklist::make_template(const std::vector<StudyCase>& cases, const FitSettings& settings, const fs::path& file) {
+  if (!busy()) asked_ = done_ = 0;
+  ++asked_;
+  worker_.queue(
+      "the template",
+      [cases, settings, file](Progress& progress) -> Result<WorklistDone> {
+        auto made = make_study_template(cases, settings, file, progress);
+        if (!made) return fail(made.error());
+        WorklistDone done;
+        done.made = std::move(*made);
+        done.file = file;
+        return done;
+      },
+      "Making");
 }
 
 void Worklist::fit(const std::vector<StudyCase>& cases, const FitSettings& settings) {

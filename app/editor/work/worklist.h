@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/editor/state/settings.h"
+#include "app/editor/work/study_template.h"
 #include "app/editor/work/worker.h"
 #include "core/model/study.h"
 #include "core/template/template.h"
@@ -24,15 +25,17 @@ struct WorklistDone {
   std::string fault;                  ///< why it could not be fitted, as a sentence; empty: it was
   std::string map;                    ///< of which labels one has to be chosen first; empty: none has
   std::vector<int> labels;            ///< that this map holds
+  std::optional<StudyTemplate> made;  ///< a template of the study's label maps
   std::vector<std::string> warnings;  ///< sentences
 };
 
 /// What the cases of scans begin with.
 struct CaseStart {
-  std::filesystem::path cases;  ///< folder of their files
-  std::shared_ptr<const Template> the_template;
-  bool mirrored = false;                     ///< each begins with the template of the other side
-  std::vector<std::filesystem::path> known;  ///< files of the study's cases: these are never made again
+  std::filesystem::path cases;                   ///< folder of their files
+  std::shared_ptr<const Template> the_template;  ///< null: that of `template_source`
+  bool mirrored = false;                         ///< each begins with the template of the other side
+  std::vector<std::filesystem::path> known;      ///< files of the study's cases: these are never made again
+  std::string template_source;                   ///< where the template is null
 };
 
 /// Makes a case for every scan in a folder, or for each of several files: see Worklist::add. Errors: no scan there,
@@ -40,8 +43,8 @@ struct CaseStart {
 Result<WorklistDone> cases_of_scans(const std::vector<std::filesystem::path>& paths, const CaseStart& start,
                                     Progress& progress);
 
-/// Makes cases for the scans and label maps of a folder, and fits those that wait, beside the window. Called from the
-/// window's thread only.
+/// Makes cases for the scans and label maps of a folder and a template of their label maps, and fits those that wait,
+/// beside the window. Called from the window's thread only.
 class Worklist {
  public:
   /// `wake` is called from the thread when something is done.
@@ -51,6 +54,9 @@ class Worklist {
   /// its voxels where there is one, or a label map alone. No case file is overwritten. One of the same image that is
   /// there already is taken where the study has it or where it begins alike; else the new case gets another name.
   void add(const std::vector<std::filesystem::path>& paths, CaseStart start);
+  /// Makes a consensus template of the cases' label maps: see make_study_template.
+  void make_template(const std::vector<StudyCase>& cases, const FitSettings& settings,
+                     const std::filesystem::path& file);
   /// Fits the template of each case to its label map, one after the other. The label is that of the settings, or the
   /// only one that a map holds; where a map holds several and the settings name none, it is left until one is chosen.
   void fit(const std::vector<StudyCase>& cases, const FitSettings& settings);

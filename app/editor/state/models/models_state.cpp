@@ -97,6 +97,12 @@ std::size_t waiting_cases(const ModelsState& state) {
       cases.begin(), cases.end(), [](const StudyCase& one) { return one.waits() && !one.labels.empty(); }));
 }
 
+std::size_t cases_with_labels(const ModelsState& state) {
+  const auto& cases = state.study.cases;
+  return static_cast<std::size_t>(
+      std::count_if(cases.begin(), cases.end(), [](const StudyCase& one) { return !one.labels.empty(); }));
+}
+
 std::size_t add_cases(ModelsState& state, const std::vector<fs::path>& files) {
   std::size_t added = 0;
   for (const fs::path& given : files) {

@@ -115,6 +115,10 @@ void sort_by(ModelsState& state, CaseColumn column);
 
 /// Cases that wait for a fit to their label map.
 std::size_t waiting_cases(const ModelsState& state);
+/// How many cases have a label map.
+std::size_t cases_with_labels(const ModelsState& state);
+/// Cases with label maps, from which on a template of all of them is the better one (docs/templates.md).
+inline constexpr std::size_t enough_for_consensus = 5;
 /// Adds files as cases, named after them (with -2, -3, … where a name is taken); a file that is a case already is left.
 /// Gives the number of cases added.
 std::size_t add_cases(ModelsState& state, const std::vector<std::filesystem::path>& files);

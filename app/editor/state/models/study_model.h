@@ -33,6 +33,7 @@ struct StudyModel {
   Vec3 centre_mm = Vec3::Zero();                   ///< of all shapes; the origin where they were aligned
   double radius_mm = 1;                            ///< of what all shapes reach around it
 
+  std::vector<std::string> doubts;                 ///< of each shape: why a person has to look at it; empty: no reason
   std::vector<SuspiciousShape> suspicious_shapes;  ///< those beyond the fences
   std::vector<SuspiciousVertex> suspicious_vertices;
   std::vector<SuspiciousTriangle> suspicious_triangles;
@@ -64,6 +65,7 @@ VertexScalars difference_of_groups_mm(const StudyModel& model, const std::string
 struct ReadFile {
   std::filesystem::file_time_type written;
   ShapesOfFile shapes;
+  std::map<std::shared_ptr<const MeshFile>, std::string> doubts;  ///< of those that were asked for [doubt_of_shape]
 };
 using ReadFiles = std::map<std::filesystem::path, ReadFile>;
 

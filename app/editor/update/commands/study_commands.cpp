@@ -18,6 +18,10 @@ namespace {
 constexpr std::array state_names{"to do", "in work", "done"};
 constexpr std::array column_names{"study", "name", "group", "state", "distance"};
 
+void close_label_dialog(EditorState& state) {
+  if (state.dialog && std::holds_alternative<LabelDialog>(*state.dialog)) state.dialog.reset();
+}
+
 }  // namespace
 
 void OpenStudy::run(Editing& editing) const {
@@ -173,8 +177,18 @@ void FitWaiting::spell(Fields& line) {
   line.optional("all_labels", all_labels, all_labels);
 }
 void FitWaiting::run(Editing& editing) const {
-  if (editing.state.dialog && std::holds_alternative<LabelDialog>(*editing.state.dialog)) editing.state.dialog.reset();
+  close_label_dialog(editing.state);
   fit_waiting(editing, label, all_labels);
+}
+
+void MakeStudyTemplate::spell(Fields& line) {
+  FileCommand::spell(line);
+  line.optional("label", label, label != 0);
+  line.optional("all_labels", all_labels, all_labels);
+}
+void MakeStudyTemplate::run(Editing& editing) const {
+  close_label_dialog(editing.state);
+  make_study_template(editing, path, label, all_labels);
 }
 
 void CancelWorklist::run(Editing& editing) const {

@@ -139,6 +139,14 @@ struct FitWaiting {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
+/// Makes a consensus template of the label maps of the study's cases.
+struct MakeStudyTemplate : FileCommand {
+  static constexpr const char* key = "make study template";
+  int label = 0;            ///< 0: asked for where a map holds several
+  bool all_labels = false;  ///< all labels together, in place of one
+  void spell(Fields& line);
+  void run(Editing& editing) const;
+};
 struct CancelWorklist {
   static constexpr const char* key = "cancel worklist";
   static constexpr bool cancels = true;

@@ -42,12 +42,9 @@ void take_added(EditorState& state, std::vector<StudyCase> added) {
   if (count > 0 && known_already > 0)
     news += known_already == 1 ? " 1 is in the study already."
                                : " " + std::to_string(known_already) + " are in the study already.";
-  constexpr std::ptrdiff_t enough = 5;  // subjects, from which on their consensus is the better template
-  const auto& cases = models.study.cases;
-  const auto with_map =
-      std::count_if(cases.begin(), cases.end(), [](const StudyCase& one) { return !one.labels.empty(); });
-  if (count > 0 && with_map >= enough && with_map - static_cast<std::ptrdiff_t>(count) < enough)
-    news += " A template of all of them depends on no single one: homolog template --consensus FOLDER -o T.ply.";
+  const std::size_t with_map = cases_with_labels(models);
+  if (count > 0 && with_map >= enough_for_consensus && with_map < count + enough_for_consensus)
+    news += " A template of all of them depends on no single one: Study, then Make a consensus template.";
   add_notice(state, std::move(news), false);
 }
 
@@ -60,13 +57,33 @@ void take_fitted(EditorState& state, const WorklistDone& done) {
   ++state.models.study_revision;
 }
 
-/// A map holds several labels, and none was chosen: nothing more is fitted until one is.
-void ask_for_label(Editing& editing, const WorklistDone& done) {
+/// A map holds several labels, and none was chosen: nothing more is done until one is. `template_file`: of the template
+/// that was to be made; empty: cases were to be fitted.
+void ask_for_label(Editing& editing, const std::string& map, std::vector<int> labels, const fs::path& template_file) {
   editing.work.worklist.cancel();
   if (editing.state.dialog)
-    add_notice(editing.state, done.map + " holds several labels. Choose one with Fit waiting.", false);
+    add_notice(editing.state, map + " holds several labels. Ask again, and choose one.", false);
   else
-    editing.state.dialog = LabelDialog{done.map, done.labels};
+    editing.state.dialog = LabelDialog{map, std::move(labels), template_file};
+}
+
+std::string counted_cases(std::size_t count) {
+  return count == 1 ? "1 case" : std::to_string(count) + " cases";
+}
+
+void take_template(EditorState& state, const StudyTemplate& made) {
+  set_study_template(state.models, made.file);
+  std::string news =
+      "The template of " + counted_cases(made.subjects) + " was saved as " + made.file.filename().string() + ".";
+  if (made.begun > 0)
+    news += made.begun == 1 ? " The waiting case begins with it." : " The waiting cases begin with it.";
+  if (!made.stays.empty())
+    news += " " + counted_cases(made.stays.size()) + " that you worked on " +
+            (made.stays.size() == 1 ? "keeps its" : "keep their") + " own.";
+  for (const std::string& warning : made.warnings) add_notice(state, warning, false);
+  add_notice(state, std::move(news), false);
+  ++state.models.shapes_revision;
+  ++state.models.study_revision;
 }
 
 /// Where the case files of scans go: a folder of the study's own, "NAME-cases" beside it, or where those lie that it
@@ -96,12 +113,20 @@ void tell_end(EditorState& state) {
 void add_scans(Editing& editing, const std::vector<fs::path>& paths) {
   if (paths.empty()) return;
   ModelsState& models = editing.state.models;
+  const std::string of_study = models.study.template_file.string();
   const auto& the_template = editing.shown.loaded_template();
-  if (!the_template)
+  if (of_study.empty() && !the_template)
     return add_notice(editing.state, "Load the template first (Tab, then Template); every scan starts from it.");
   if (models.study_file.empty()) start_new_study(editing.state);
   std::error_code ignored;
-  CaseStart start{case_folder(models), the_template, editing.shown.template_is_mirrored(), {}};
+  CaseStart start;
+  start.cases = case_folder(models);
+  if (of_study.empty()) {
+    start.the_template = the_template;
+    start.mirrored = editing.shown.template_is_mirrored();
+  } else {
+    start.template_source = of_study;
+  }
   for (const StudyCase& one : models.study.cases) start.known.push_back(one.file);
   if (paths.size() > 1) return editing.work.worklist.add(paths, std::move(start));
   const fs::path& one = paths.front();
@@ -129,6 +154,22 @@ void fit_waiting(Editing& editing, int label, bool all_labels) {
   editing.work.worklist.fit(waiting, settings);
 }
 
+void make_study_template(Editing& editing, const fs::path& file, int label, bool all_labels) {
+  std::vector<StudyCase> cases;
+  for (const StudyCase& one : editing.state.models.study.cases) {
+    if (one.labels.empty()) continue;
+    cases.push_back(one);
+    if (one.waits() && one.file == editing.shown.snapshot().file) {
+      cases.back().state = CaseState::in_work;  // it is in this program's hands
+      add_notice(editing.state, one.name + " is open, so it keeps its template.", false);
+    }
+  }
+  FitSettings settings = editing.state.fit_settings;
+  settings.label = label;
+  settings.all_labels = all_labels;
+  editing.work.worklist.make_template(cases, settings, file);
+}
+
 void cancel_worklist(Editing& editing) {
   if (!editing.work.worklist.busy()) return;
   editing.work.worklist.cancel();
@@ -147,8 +188,17 @@ bool take_worklist(Editing& editing) {
     }
     for (const std::string& warning : (*done)->warnings) add_notice(state, warning, false);
     if (!(*done)->map.empty()) {
-      ask_for_label(editing, **done);
+      ask_for_label(editing, (*done)->map, std::move((*done)->labels), {});
       break;
+    }
+    if ((*done)->made) {
+      StudyTemplate& made = *(*done)->made;
+      if (!made.map.empty()) {
+        ask_for_label(editing, made.map, std::move(made.labels), (*done)->file);
+        break;
+      }
+      take_template(state, made);
+      continue;
     }
     fitted = fitted || !(*done)->fitted.empty();
     if ((*done)->fitted.empty())

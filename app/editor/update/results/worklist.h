@@ -16,6 +16,9 @@ void add_scans(Editing& editing, const std::vector<std::filesystem::path>& paths
 /// Fits every case that waits to its label map: to that label, or to all together. Without one it is asked for as soon
 /// as a map holds several.
 void fit_waiting(Editing& editing, int label, bool all_labels);
+/// Makes a consensus template of the label maps of the study's cases, of that label or of all together. It becomes the
+/// study's template, and the cases that wait begin with it.
+void make_study_template(Editing& editing, const std::filesystem::path& file, int label, bool all_labels);
 void cancel_worklist(Editing& editing);
 /// Takes in what the worklist did; true where there is something new to draw.
 bool take_worklist(Editing& editing);

@@ -19,6 +19,7 @@ constexpr double share_held = 0.95;
 struct Gathered {
   std::vector<const StudyCase*> cases;
   std::vector<std::shared_ptr<const MeshFile>> meshes;
+  std::vector<std::string> doubts;  ///< why a person has to look at each; empty: no reason
 };
 
 /// The open case's shapes; one that did not change is the one that was known.
@@ -49,6 +50,16 @@ Result<std::shared_ptr<const MeshFile>> shape_of(const StudyCase& one, const Rea
   auto mesh = file.shapes.shape(one.frame, one.name);
   if (!mesh || !one.flipped) return mesh;
   return std::make_shared<const MeshFile>(mirrored(**mesh));
+}
+
+/// What the study says of the case, or the mesh of itself.
+std::string doubt_of(const StudyCase& one, ReadFile& file) {
+  if (!one.doubt.empty()) return one.doubt;
+  const auto own = file.shapes.shape(one.frame, one.name);
+  if (!own) return {};
+  const auto [known, is_new] = file.doubts.try_emplace(*own);
+  if (is_new) known->second = doubt_of_shape(**own);
+  return known->second;
 }
 
 Gathered gather(const StudyModelRequest& request, StudyModelBuilt& built, Progress& progress) {
@@ -82,6 +93,7 @@ Gathered gather(const StudyModelRequest& request, StudyModelBuilt& built, Progre
     built.shapes[one.name] = *mesh;
     gathered.cases.push_back(&one);
     gathered.meshes.push_back(*mesh);
+    gathered.doubts.push_back(doubt_of(one, file->second));
   }
   return gathered;
 }
@@ -104,6 +116,7 @@ Result<TrainingSetRead> training_set(Gathered& gathered, StudyModelBuilt& built)
     if (offender == gathered.cases.end()) return read;
     built.refusals.push_back(read.error().sentence() + " (left out)");
     gathered.meshes.erase(gathered.meshes.begin() + (offender - gathered.cases.begin()));
+    gathered.doubts.erase(gathered.doubts.begin() + (offender - gathered.cases.begin()));
     gathered.cases.erase(offender);
   }
 }
@@ -166,7 +179,8 @@ StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& pr
   for (const StudyCase* one : gathered.cases) groups.push_back(one->group);
   if (!read->set.topology)
     read->set.topology = template_faces(request.template_file, read->set.shapes.rows() / 3, built);
-  auto model = make_study_model(std::move(read->set), std::move(groups), request.alignment, progress);
+  auto model = make_study_model(std::move(read->set), std::move(groups), request.alignment, progress,
+                                std::move(gathered.doubts));
   if (model)
     built.model = std::move(*model);
   else
@@ -175,10 +189,13 @@ StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& pr
 }
 
 Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std::vector<std::string> groups,
-                                                           Alignment alignment, const Progress& progress) {
+                                                           Alignment alignment, const Progress& progress,
+                                                           std::vector<std::string> doubts) {
   auto model = std::make_shared<StudyModel>();
   model->names = std::move(set.names);
   model->groups = std::move(groups);
+  model->doubts = std::move(doubts);
+  model->doubts.resize(model->names.size());
   model->topology = std::move(set.topology);
   model->alignment = alignment;
   for (Eigen::Index k = 0; k < set.shapes.cols(); ++k)

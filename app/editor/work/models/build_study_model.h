@@ -37,8 +37,10 @@ struct StudyModelBuilt {
 /// correspondence with the rest is left out and said so.
 StudyModelBuilt build_study_model(const StudyModelRequest& request, Progress& progress);
 
-/// The model of shapes in correspondence, each of one of `groups`. Errors: they differ by pose alone; cancelled.
+/// The model of shapes in correspondence, each of one of `groups`; `doubts`: of each, or none. Errors: they differ by
+/// pose alone; cancelled.
 Result<std::shared_ptr<const StudyModel>> make_study_model(TrainingSet set, std::vector<std::string> groups,
-                                                           Alignment alignment, const Progress& progress);
+                                                           Alignment alignment, const Progress& progress,
+                                                           std::vector<std::string> doubts = {});
 
 }  // namespace homolog

@@ -50,7 +50,7 @@ Result<OptimisedStudy> optimise_study(const StudyToOptimise& study, GroupwiseOpt
   optimised.surface_moved_mm = slid->surface_moved_mm;
   take_shapes(study, slid->shapes, optimised);
   set.shapes = std::move(slid->shapes);
-  auto made = make_study_model(std::move(set), model.groups, study.alignment, progress);
+  auto made = make_study_model(std::move(set), model.groups, study.alignment, progress, model.doubts);
   if (!made) return fail(made.error());
   optimised.shapes.model = std::move(*made);
   return optimised;

@@ -1,0 +1,122 @@
+#include "app/editor/work/study_template.h"
+
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "app/editor/work/waiting_case.h"
+#include "core/catalogue/catalogue.h"
+#include "core/groupwise/cohort_template.h"
+#include "core/mesh/mesh_io.h"
+#include "core/session/case_file.h"
+#include "core/template_making/mask_template.h"
+
+namespace homolog {
+
+namespace {
+
+Result<CohortMap> read_member(const StudyCase& one, const FitSettings& settings, Progress& progress) {
+  auto labels = read_case_labels(one, settings, progress);
+  if (!labels) return fail(labels.error());
+  return CohortMap{*labels->map.volume, labels->label, 0};
+}
+
+void say_mirrored(const Cohort& cohort, std::vector<std::string>& warnings, Progress& progress) {
+  std::vector<const Boundary*> subjects;
+  for (const Boundary& one : cohort.boundaries) subjects.push_back(&one);
+  for (std::string& sentence : volume_warnings(cohort.names, subjects)) warnings.push_back(std::move(sentence));
+  for (const std::size_t k : mirrored_subjects(subjects, &progress))
+    warnings.push_back(cohort.names[k] + ": looks like a mirror image of most others; take it off the study");
+}
+
+/// A waiting case with another template; false where somebody worked on it.
+Result<bool> begin_anew(const StudyCase& one, const std::shared_ptr<const Template>& the_template, Progress& progress) {
+  std::optional<Document> fresh;
+  {
+    auto read = open_case(one.file, &progress);
+    if (!read) return fail(read.error());
+    if (was_worked_on(read->session)) return false;
+    const Document& before = read->session.document();
+    fresh = new_document(before.volume_source, before.volume, the_template);
+    fresh->holds_landmarks = true;
+  }
+  const auto made = create_case(std::move(*fresh), one.file);
+  if (!made) return fail(made.error());
+  return true;
+}
+
+}  // namespace
+
+Result<StudyTemplate> make_study_template(const std::vector<StudyCase>& cases, const FitSettings& settings,
+                                          const std::filesystem::path& file, Progress& progress) {
+  const auto cancelled = [] { return fail("", "No template was made: cancelled."); };
+  StudyTemplate result;
+  std::vector<CohortMember> members;
+  MaskTemplateOptions making;
+  progress.part(0, 0.1);
+  for (const StudyCase& one : cases) {
+    if (one.labels.empty()) continue;
+    // Whatever is to be asked is asked before anything takes time.
+    auto labels = read_case_labels(one, settings, progress);
+    if (progress.cancelled()) return cancelled();
+    if (!labels) return fail(labels.error());
+    if (labels->label == 0) {
+      result.map = labels->map.name;
+      result.labels = std::move(labels->held);
+      return result;
+    }
+    result.warnings.insert(result.warnings.end(), std::make_move_iterator(labels->warnings.begin()),
+                           std::make_move_iterator(labels->warnings.end()));
+    members.push_back({one.name, [&one, &settings](Progress& own) { return read_member(one, settings, own); }});
+  }
+  if (members.size() < 2)
+    return fail("This study", "has fewer than two cases with label maps; add scans with their label maps first");
+  const auto closing = choose_cohort_closing(members, making, &progress);
+  if (progress.cancelled()) return cancelled();
+  if (!closing) return fail(closing.error());
+  Cohort cohort;
+  cohort.closing_mm = closing->closing_mm;
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    progress.report(static_cast<double>(k) / static_cast<double>(members.size()));
+    Progress reading(progress, 0);
+    const auto map = members[k].read(reading);
+    if (progress.cancelled()) return cancelled();
+    if (!map) return fail(map.error());
+    auto boundary = label_boundary(map->volume, map->label, map->frame, cohort.closing_mm, making.vertices);
+    if (!boundary) return fail(members[k].name, boundary.error().what);
+    cohort.names.push_back(members[k].name);
+    cohort.boundaries.push_back(std::move(*boundary));
+  }
+  say_mirrored(cohort, result.warnings, progress);
+  const CohortMember& first = members[consensus_start(cohort)];
+  const auto map = first.read(progress);
+  if (!map) return fail(map.error());
+  making.label = map->label;
+  making.closing_mm = cohort.closing_mm;
+  const auto start = make_mask_template(map->volume, making, &progress);
+  if (progress.cancelled()) return cancelled();
+  if (!start) return fail(first.name, start.error().what);
+  progress.part(0.1, 0.95);
+  auto made = cohort_consensus(cohort, start->mesh, making.vertices, &progress);
+  if (progress.cancelled()) return cancelled();
+  if (!made) return fail(made.error().subject.empty() ? "This" : made.error().subject, made.error().what);
+  result.warnings.insert(result.warnings.end(), made->warnings.begin(), made->warnings.end());
+  if (auto written = write_mesh_file(made->file, file); !written) return fail(written.error());
+  const auto the_template = load_template(file.string());
+  if (!the_template) return fail(the_template.error());
+  result.file = file;
+  result.subjects = members.size();
+  for (const StudyCase& one : cases) {
+    if (!one.waits()) continue;
+    const auto begun = begin_anew(one, *the_template, progress);
+    if (!begun)
+      result.warnings.push_back(begun.error().sentence());
+    else if (*begun)
+      ++result.begun;
+    else
+      result.stays.push_back(one.name);
+  }
+  return result;
+}
+
+}  // namespace homolog

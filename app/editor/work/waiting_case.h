@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/editor/state/settings.h"
+#include "app/editor/work/fitter.h"
+#include "core/base/progress.h"
+#include "core/model/study.h"
+#include "core/session/session.h"
+
+namespace homolog {
+
+/// Whether somebody has worked on a case: it holds more than the mirroring that it began with.
+bool was_worked_on(EditSession& session);
+
+/// The label map of a case that waits, and which of its labels the template belongs to.
+struct CaseLabels {
+  NamedLabels map;
+  int label = 0;          ///< 0: one of `held` has to be chosen first; every_label: all together
+  std::vector<int> held;  ///< the labels that the map holds
+  std::vector<std::string> warnings;
+};
+
+/// The label is the case's own, else that of the settings, else the only one that the map holds. Errors: the map cannot
+/// be read, holds no label, or several without the one that is asked for.
+Result<CaseLabels> read_case_labels(const StudyCase& one, const FitSettings& settings, Progress& progress);
+
+}  // namespace homolog

@@ -16,6 +16,7 @@ struct MontageOptions {
   Vec3 from = Vec3(0, -1, 0);               ///< the direction to look from, LPS
   double glyph_spacing_mm = 0;              ///< 0: a twelfth of the bounding-box diagonal
   bool transparent = false, light = false;  ///< the ground; dark where neither
+  bool captions = false;                    ///< shapes in a grid leave room for them
 };
 
 /// A part of a picture that shows one thing; px from the upper left corner.

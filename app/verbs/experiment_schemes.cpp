@@ -119,6 +119,7 @@ Result<Plan> plan_of(const SchemesOptions& options, Report& report, Progress& pr
   const auto results = run_cases(
       read.size(),
       [&](std::size_t i, Progress& own) -> Result<Report> {
+        set_case_in_work(names[i]);
         Report said;
         auto subject = read_subject(options, *plan.the_template, i, said.warnings, own);
         if (!subject) return fail(subject.error());
@@ -242,6 +243,7 @@ Result<Report> study_schemes(const SchemesOptions& options, Progress& progress) 
       [&](std::size_t job, Progress& own) -> Result<Report> {
         const std::size_t i = job % plan->subjects.size();
         const ExperimentSubject& subject = plan->subjects[i];
+        set_case_in_work(subject.name);
         const WorkingScheme& scheme = plan->schemes[job / plan->subjects.size()];
         EditSession session(new_document("", nullptr, plan->the_template));
         auto run = run_scheme(session, subject, scheme, {options.seed + i, options.most_pulls, &own});

@@ -86,13 +86,13 @@ Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared
   auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
   if (!mask) return fail(mask.error());
   const auto started = FitClock::now();
+  const bool all_parts = options.partial || options.parts == "all" || parts_for(*shared.the_template->topology).all;
   const auto part = [&](std::size_t rank) {
     return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm ? options.closing_mm : closing_mm,
-                          vertices, {options.partial || options.parts == "all", rank});
+                          vertices, {all_parts, rank});
   };
   auto boundary = part(0);
-  if (boundary && options.parts == "largest" && !options.partial)
-    boundary = likeliest_part(*shared.the_template, std::move(*boundary), part, shared.fit);
+  if (boundary && !all_parts) boundary = likeliest_part(*shared.the_template, std::move(*boundary), part, shared.fit);
   if (!boundary) return fail(path.string(), mask->named(boundary.error().what));
   boundary->warnings = mask->named(std::move(boundary->warnings));
   boundary->warnings.insert(boundary->warnings.begin(), mask->warnings.begin(), mask->warnings.end());
@@ -187,7 +187,8 @@ Json close_better(const FitJob& options, const FitShared& shared, const FitOptio
   const double first_mm = options.closing_mm.value_or(shared.kept_closing_mm.value_or(usual_mm));
   if (options.closing_mm) return {{"closing_mm", first_mm}, {"closing_chosen", false}, {"closing_why", "as asked for"}};
   // Which parts count, trying would not know.
-  const bool other_part = options.partial || options.parts == "all" || target.boundary.parts_alike > 1;
+  const bool other_part = options.partial || options.parts == "all" || parts_for(*shared.the_template->topology).all ||
+                          target.boundary.parts_alike > 1;
   OtherClosing first{first_mm, std::move(target.boundary), std::move(fit), std::move(judgement)};
   MoreClosing more;
   if (!other_part) more = try_more_closing(*shared.the_template, mask.volume, mask.label, mask.frame, fitting, first);

@@ -65,6 +65,7 @@ MontageOptions montage_options(const PictureVerb& verb) {
   options.glyph_spacing_mm = verb.glyph_spacing_mm;
   options.transparent = verb.transparent || verb.ground == "transparent";
   options.light = verb.ground == "light";
+  options.captions = verb.captions;
   return options;
 }
 

@@ -230,6 +230,7 @@ Result<std::vector<StudyCase>> cases_of_table(const MakeJob& job, const std::sha
   const auto results = run_cases(
       rows->size(),
       [&](std::size_t k, Progress& own) -> Result<Report> {
+        set_case_in_work("row " + std::to_string(k + 1));
         const std::string where = "row " + std::to_string(k + 1) + " of " + table.string();
         auto one =
             case_of_row(job, (*rows)[k], absolute_path(table).parent_path(), the_template, where, warnings[k], own);

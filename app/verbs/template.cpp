@@ -19,6 +19,7 @@
 #include "core/mesh/surface_search.h"
 #include "core/template/template.h"
 #include "core/template_making/mesh_template.h"
+#include "core/template_making/parts_template.h"
 #include "core/template_making/template_file.h"
 
 // The verb `template`: makes a template from a label map or from an existing surface.
@@ -87,7 +88,8 @@ Result<MadeTemplate> from_mask(const TemplateJob& options, const MaskRead& mask,
     choice = choose_template_closing(mask.volume, making, &progress);
     if (choice.tried.size() > 1) making.closing_mm = choice.closing_mm;
   }
-  const auto made = make_mask_template(mask.volume, making, &progress);
+  const auto made = options.parts == "all" ? make_parts_template(mask.volume, making, &progress)
+                                           : make_mask_template(mask.volume, making, &progress);
   if (!made) return fail(options.in.string(), mask.named(made.error().what));
   std::vector<std::string> warnings = mask.warnings;
   for (std::string& warning : about(options.in, mask.named(made->warnings))) warnings.push_back(std::move(warning));
@@ -268,6 +270,8 @@ void check_effect(const TemplateJob& options, const CLI::App& verb) {
   if (of_many && options.tube)
     throw CLI::ValidationError(options.best_of.empty() ? "--consensus" : "--best-of",
                                "is not for --tube, whose rings are alike in all subjects");
+  if (of_many || options.tube || is_mesh_name(options.in))
+    refuse_without_effect(verb, "--parts", "a template of one label map without --tube");
   if (!options.consensus.empty()) refuse_without_effect(verb, "--opening-mm", "a template of one subject");
   if (!of_many) refuse_without_effect(verb, "--flip-mirrored", "--consensus and --best-of");
   if (options.tube)
@@ -314,6 +318,10 @@ void add_template(CLI::App& app, CommandLine& asked) {
   add_genus_option(*verb, options->genus,
                    "Tunnels. auto: cut those narrower than 0.035 of the organ's size (of a surface, where it has more "
                    "than 16); keep: cut none; a number: cut the narrowest until so many are left");
+  verb->add_option("--parts", options->parts,
+                   "Of a label in several parts: largest; all: a mesh of as many pieces, the largest first")
+      ->check(CLI::IsMember({"largest", "all"}))
+      ->capture_default_str();
   add_tube_options(*verb, *options);
   verb->callback([options, verb, &asked] {
     if (options->in.empty() && options->consensus.empty() && options->best_of.empty())

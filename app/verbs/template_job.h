@@ -20,7 +20,7 @@ struct TemplateJob {
   std::optional<int> frame;
   int vertices = 2500;
   std::optional<double> closing_mm, opening_mm;
-  std::string genus = "auto";
+  std::string genus = "auto", parts = "largest";
   bool keep_vertices = false;
   bool tube = false, capped = false;
   int rings = TubeTemplateOptions{}.rings, sectors = TubeTemplateOptions{}.sectors, outer_label = 0;

@@ -55,6 +55,9 @@ std::string poor_fit(const Agreement& agreement, double doubt_share, bool partia
   if (!partial && agreement.dice >= least_dice && doubt_share > most_doubt_share)
     return "the mesh follows the boundary, but where along it vertices belong is in much doubt; look at it, give three "
            "landmarks or more, or use a template that is more alike";
+  if (!partial && agreement.dice < hardly_any_dice)
+    return "the fit is poor; check that the template is not of another organ or side, and that the label is right; an "
+           "organ that lies differently in each subject, as the gut does, has no points that correspond";
   if (partial || agreement.dice < least_dice)
     return "the fit is poor; check that the template is not of another organ or side, and that the label is right";
   char text[200];

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numeric>
 #include <string>
 
 #include "core/base/index.h"
@@ -238,13 +239,24 @@ Result<Mesh> boundary_of(const LabelBody& region) {
 
 std::optional<std::string> several_parts(const LabelBody& region, int label) {
   const auto& islands = region.body.islands;
-  if (islands.empty() || 2 * islands.front() <= region.body.body) return std::nullopt;
+  if (islands.empty()) return std::nullopt;
+  if (2 * islands.front() <= region.body.body) {
+    constexpr double said_share = 0.01;  // crumbs below this are left out without a word
+    const auto others = static_cast<double>(std::accumulate(islands.begin(), islands.end(), std::size_t{0}));
+    const double share = others / (others + static_cast<double>(region.body.body));
+    if (share < said_share) return std::nullopt;
+    char percent[32];
+    std::snprintf(percent, sizeof percent, "%.0f %%", 100 * share);
+    return label_name(label) + " has " + std::to_string(islands.size() + 1) +
+           " parts; the largest was taken, and the others with " + percent +
+           " of its volume are left out; homolog template --parts all keeps them";
+  }
   const double voxel_ml = region.grid.voxel_volume_mm3() / 1000;
   char sizes[64];
   std::snprintf(sizes, sizeof sizes, "(%.1f and %.1f ml)", voxel_ml * static_cast<double>(region.body.body),
                 voxel_ml * static_cast<double>(islands.front()));
   return label_name(label) + " has several parts of about one size " + sizes +
-         "; the largest was taken; give the others labels of their own to use them";
+         "; the largest was taken; homolog template --parts all keeps them, or give them labels of their own";
 }
 
 std::vector<MapSide> sides_that_cut(const LabelBody& body, const VolumeGeometry& map) {

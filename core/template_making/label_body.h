@@ -73,7 +73,7 @@ std::size_t voxels_off(const LabelBody& region, const Mesh& mesh);
 /// The boundary of a region's voxels, LPS mm. Errors: nothing is inside.
 Result<Mesh> boundary_of(const LabelBody& region);
 
-/// The warning that the label has another part more than half as large as the one taken; none where it has not.
+/// The warning that parts of the label are left out, which are a hundredth of it or more; none where they are not.
 std::optional<std::string> several_parts(const LabelBody& region, int label);
 
 }  // namespace homolog

@@ -5,8 +5,8 @@
 # Of five subjects or more, make the template of all of them: homolog template --consensus masks/ -o kidney.ply
 #
 # One case is one process that shares nothing with the others, so the same file runs on a cluster. Every output is written under
-# another name and renamed when it is whole. After a crash or kill -9 start it again with --rerun-incomplete, and only what is
-# missing is done; where Snakemake says that the folder is locked, call it with --unlock first. A case that fails stops the model;
+# another name and renamed when it is whole. After a crash or kill -9 call it once with --unlock, then start it again: only what is
+# missing is done. Where Snakemake names incomplete files, it was killed as a step ended: add --rerun-incomplete. A case that fails stops the model;
 # leave it out by moving its mask away, or go on with the others by --keep-going and look at its log.
 from pathlib import Path
 

@@ -131,12 +131,12 @@ void GalleryPictures::draw_gallery(const ModelsState& state, const RectPx& rect,
   gallery_key_ = std::move(key);
 }
 
-void GalleryPictures::draw_grid(const ModelsState& state, const GalleryGrid& grid,
+void GalleryPictures::draw_grid(const ModelsState& state, const GalleryGrid& grid, const CaptionRoom& room,
                                 const std::vector<std::shared_ptr<const Points>>& shapes, int height_px, float scale,
                                 Renderer& renderer, const std::array<float, 4>& ground) {
   prepare(state);
   for (std::size_t k = 0; k < shapes.size(); ++k) {
-    const RectPx cell = grid.cell(k);
+    const RectPx cell = room.left_of(grid.cell(k));
     const Target target{static_cast<int>(cell.x), height_px - static_cast<int>(cell.y + cell.height),
                         static_cast<int>(cell.width), static_cast<int>(cell.height), scale};
     Scene scene = scene_of(state, shapes[k], state.glyphs);
@@ -168,7 +168,14 @@ void GalleryPictures::draw_model(const ModelsState& state, const RectPx& rect, f
     scene.meshes.front().colours = std::make_shared<const std::vector<Rgb>>(std::move(colours));
   }
   framebuffer->bind();
-  const Target target{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale};
+  const int legend = static_cast<int>(legend_room(state, scale).below);
+  Target target{0, 0, static_cast<int>(rect.width), static_cast<int>(rect.height), scale};
+  Scene ground;
+  ground.background = scene.background;
+  if (legend > 0)
+    if (auto drawn = renderer.draw(ground, Camera3D(), target); !drawn) error_ = drawn.error().sentence();
+  target.y = legend;
+  target.height = std::max(target.height - legend, 1);
   if (auto drawn = renderer.draw(scene, cell_camera(state, *points), target); !drawn) error_ = drawn.error().sentence();
   model_key_ = std::move(key);
 }

@@ -20,8 +20,8 @@ class GalleryPictures {
   /// Copies what was drawn into the framebuffer that is bound, whose height is given.
   void copy(const ModelsLayout& layout, int height_px) const;
   /// Draws shapes into the cells of a grid as the gallery shows its own, into the framebuffer that is bound, whose
-  /// height is given.
-  void draw_grid(const ModelsState& state, const GalleryGrid& grid,
+  /// height is given. `room` is left in each cell, and has the ground's colour already.
+  void draw_grid(const ModelsState& state, const GalleryGrid& grid, const CaptionRoom& room,
                  const std::vector<std::shared_ptr<const Points>>& shapes, int height_px, float scale,
                  Renderer& renderer, const std::array<float, 4>& ground);
   /// What the renderer refused since the last call; empty where nothing.

@@ -49,6 +49,12 @@ bool is_east_asian(unsigned letter) {
                      [&](const auto& range) { return letter >= range.first && letter <= range.second; });
 }
 
+/// The scale at which letters are written on a picture.
+float written_scale(float wanted) {
+  constexpr float smallest = 1, largest = 6;  // fonts of a larger scale would not fit into a texture
+  return std::clamp(wanted, smallest, largest);
+}
+
 }  // namespace
 
 void Drawing::find_letters() {
@@ -199,8 +205,7 @@ void Drawing::draw_view_picture(const PictureOptions& options) {
 }
 
 void Drawing::write_on_picture(const PictureOptions& options, float scale, const std::function<void()>& put) {
-  constexpr float smallest = 1, largest = 6;  // fonts of a larger scale would not fit into a texture
-  const float on_screen = scale_, wanted = std::clamp(scale, smallest, largest);
+  const float on_screen = scale_, wanted = written_scale(scale);
   const bool other = std::abs(wanted - on_screen) > 0.01f;
   if (other) set_scale(wanted);
   ImGui_ImplOpenGL3_NewFrame();
@@ -227,9 +232,12 @@ Result<Picture> Drawing::study_picture(const PictureOptions& options) {
   glClear(GL_COLOR_BUFFER_BIT);
   const auto width = static_cast<float>(options.width), height = static_cast<float>(options.height);
   const StudyCells cells = study_cells(state_.models, *options.study, width, height);
-  gallery_.draw_grid(state_.models, cells.grid, cells.shapes, options.height, scale_, pictures_->renderer(), ground);
+  const float scale = written_scale(caption_scale(width, cells.grid.cell(0).width));
+  const CaptionRoom room = options.captions ? caption_room(scale) : CaptionRoom();
+  gallery_.draw_grid(state_.models, cells.grid, room, cells.shapes, options.height, scale_, pictures_->renderer(),
+                     ground);
   if (!options.captions) return (*framebuffer)->read();
-  write_on_picture(options, caption_scale(width, cells.grid.cell(0).width),
+  write_on_picture(options, scale,
                    [&] { draw_study_captions(*ImGui::GetBackgroundDrawList(), *theme_, state_.models, cells); });
   return (*framebuffer)->read();
 }

@@ -210,20 +210,14 @@ void draw_first_fits(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   explanation(theme, state.model_error.empty() ? "No case of the study has a shape yet." : state.model_error);
-  const std::size_t waiting = waiting_cases(state), maps = cases_with_labels(state);
-  if (state.listing || waiting == 0) return;
-  const float width = ImGui::GetContentRegionAvail().x;
-  const bool wants_template = maps >= enough_for_consensus && state.study.template_file.empty();
+  const std::size_t maps = cases_with_labels(state);
+  const bool has_template = !state.study.template_file.empty();
+  if (state.listing || waiting_cases(state) == 0 || maps < enough_for_consensus || has_template) return;
   gap(theme, 4);
-  if (wants_template) {
-    explanation(theme, "A template of all of them depends on no single subject, and its fits are better.");
-    if (button(theme, "Make a consensus template\xe2\x80\xa6", format("The mean shape of the %zu label maps", maps), {},
-               width, true))
-      out.send(ShowFileDialog{FilePurpose::make_study_template, study_stem(state) + "-template.ply"});
-  }
-  if (button(theme, format("Fit waiting (%zu)", waiting), "Fits every waiting case to its label map", {}, width,
-             !wants_template))
-    out.send(FitWaiting{});
+  explanation(theme, "A template of all of them depends on no single subject, and its fits are better.");
+  if (button(theme, "Make a consensus template\xe2\x80\xa6", format("The mean shape of the %zu label maps", maps), {},
+             ImGui::GetContentRegionAvail().x, true))
+    out.send(ShowFileDialog{FilePurpose::make_study_template, study_stem(state) + "-template.ply"});
 }
 
 /// What to do where there is no model.
@@ -320,12 +314,13 @@ void draw_model_view(const UiContext& ui, const ModelsLayout& layout, Outbox& ou
   if (state.model) {
     ImGui::SetCursorPos({0, 0});
     area(theme, "shape", {layout.model.width, layout.model.height}, {}, {false, false, true});
-    steer(ui, std::min(layout.model.width, layout.model.height), out);
+    const RectPx shown = legend_room(state, theme.scale).left_of(layout.model);
+    steer(ui, std::min(shown.width, shown.height), out);
     const auto vertex = marked_vertex(state);
     if (vertex && !state.animated_mode) {
       const Points points =
           state.show_difference ? state.model->mean.points : shape_of(state.model->model, shown_coefficients(state));
-      draw_marker(*ImGui::GetWindowDrawList(), theme, state, layout.model, points, *vertex, false);
+      draw_marker(*ImGui::GetWindowDrawList(), theme, state, shown, points, *vertex, false);
     }
     if (state.show_difference) draw_difference_legend(ui, layout.model);
   }

@@ -31,11 +31,6 @@ StudyCells study_cells(const ModelsState& state, StudyPicture what, float width_
   return cells;
 }
 
-float caption_scale(float picture_width_px, float cell_width_px) {
-  constexpr float usual_width_px = 800, least_cell_px = 180;
-  return std::max(1.0f, std::min(picture_width_px / usual_width_px, cell_width_px / least_cell_px));
-}
-
 void draw_cell_name(ImDrawList& draw, const Theme& theme, const RectPx& cell, const std::string& name,
                     const std::vector<std::string>& names) {
   const float inset = theme.px(8);
@@ -62,8 +57,9 @@ void draw_study_captions(ImDrawList& draw, const Theme& theme, const ModelsState
     draw_cell_name(draw, theme, cells.grid.cell(k), cells.names[k], cells.names);
   // The cells are seen without perspective, 30° at the target across their shorter side.
   RectPx cell = cells.grid.cell(0);
+  const RectPx shape = caption_room(theme.scale).left_of(cell);
   const double mm_per_px =
-      2 * state.camera.distance_mm * std::tan(15 * std::numbers::pi / 180) / std::min(cell.width, cell.height);
+      2 * state.camera.distance_mm * std::tan(15 * std::numbers::pi / 180) / std::min(shape.width, shape.height);
   cell.height = cells.grid.area.height - cell.y;  // at the lower left of all
   draw_cell_scale(draw, theme, cell, mm_per_px);
 }

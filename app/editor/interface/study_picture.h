@@ -19,8 +19,6 @@ struct StudyCells {
 /// All shapes of the study, or the first three modes of its model, a row each: −3√λ, mean, +3√λ [Erdt 2009, Fig. 4].
 /// There has to be a model.
 StudyCells study_cells(const ModelsState& state, StudyPicture what, float width_px, float height_px);
-/// The scale of the letters on a picture of cells: they grow with the picture, as far as names have room in the cells.
-float caption_scale(float picture_width_px, float cell_width_px);
 /// The name of what a cell shows, one of `names`, and a scale bar at its lower left.
 void draw_cell_name(ImDrawList& draw, const Theme& theme, const RectPx& cell, const std::string& name,
                     const std::vector<std::string>& names = {});

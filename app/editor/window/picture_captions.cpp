@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "app/editor/interface/study_picture.h"
+#include "app/editor/state/models/gallery.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "render/offscreen.h"
 #include "render/renderer.h"

@@ -99,8 +99,8 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
   const int label = settings.all_labels ? every_label : settings.label;
   const double closing_mm = settings.closing_mm.value_or(
       closing_kept_with(the_template.source).value_or(usual_closing_mm(*labels.volume, label, frame)));
-  auto boundary =
-      label_boundary(*labels.volume, label, frame, closing_mm, the_template.points.rows(), {.all = settings.partial});
+  auto boundary = label_boundary(*labels.volume, label, frame, closing_mm, the_template.points.rows(),
+                                 {.all = settings.partial || parts_for(*the_template.topology).all});
   if (!boundary) return fail(labels.name, boundary.error().what);
   auto fit = fit_document(document, *boundary, settings.as_placed, options);
   if (!fit) return fail(labels.name, fit.error().what);

@@ -82,6 +82,10 @@ Result<Boundary> label_boundary(const Volume& mask, int label, int frame, std::o
   return boundary;
 }
 
+LabelParts parts_for(const Topology& the_template) {
+  return {.all = the_template.closed() && the_template.components() > 1};
+}
+
 Boundary mesh_boundary(const Mesh& mesh, bool all_parts) {
   Boundary boundary;
   if (all_parts) {

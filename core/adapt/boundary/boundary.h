@@ -27,6 +27,9 @@ struct LabelParts {
   std::size_t rank = 0;  ///< that one, by size: 0 is the largest
 };
 
+/// What a template of several closed pieces belongs to: all parts. Of one piece: the largest.
+LabelParts parts_for(const Topology& the_template);
+
 /// The surface that a template is fitted to, LPS mm.
 struct Boundary {
   Mesh surface;                          ///< outward oriented

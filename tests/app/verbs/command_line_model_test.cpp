@@ -181,6 +181,45 @@ TEST_CASE("a subject of five times the others' volume is named with both volumes
   CHECK(made.errors.find(": has a volume") == made.errors.rfind(": has a volume"));
 }
 
+TEST_CASE("template --parts all keeps an organ in two pieces and its fits go to both") {
+  const TemporaryFolder folder;
+  VolumeGeometry grid;
+  grid.dims = {90, 60, 60};
+  grid.origin_mm = Vec3(-44.5, -29.5, -29.5);
+  for (int k = 0; k < 2; ++k) {
+    Mesh left = icosphere(3, 15 + k), right = icosphere(3, 11 - k);
+    left.points.col(2) *= 1.3;
+    right.points.col(1) *= 1.4;
+    left.points.col(0).array() -= 22;
+    right.points.col(0).array() += 20 + 2 * k;
+    Volume both = label_map(left, grid, 1);
+    const Volume other = label_map(right, grid, 1);
+    auto& voxels = std::get<std::vector<std::uint8_t>>(both.data);
+    for (std::size_t v = 0; v < voxels.size(); ++v) voxels[v] |= std::get<std::vector<std::uint8_t>>(other.data)[v];
+    REQUIRE(write_volume(both, folder.path / ("s" + std::to_string(k) + ".nii")));
+  }
+  const Ran one = run(folder, "template s0.nii -o one.ply --vertices 900");
+  REQUIRE(one.status == 0);
+  CHECK(one.errors.find("--parts all") != std::string::npos);
+  const Ran made = run(folder, "template s0.nii -o t.ply --vertices 900 --parts all --json");
+  INFO(made.errors);
+  REQUIRE(made.status == 0);
+  CHECK(made.errors == "");
+  CHECK(made.json()["components"] == 2);
+  // All parts count for such a template without a word.
+  const Ran fitted = run(folder, "fit t.ply --mask s1.nii -o f.ply --json");
+  INFO(fitted.errors);
+  REQUIRE(fitted.status == 0);
+  const Json report = fitted.json();
+  CHECK(report["doubtful"] == false);
+  CHECK(report["dice_raw"].get<double>() > 0.97);
+  CHECK(report["parts_left_out"]["count"] == 0);
+  CHECK(report["self_intersections"] == 0);
+  const Ran refused = run(folder, "template --consensus s0.nii s1.nii -o c.ply --parts all");
+  CHECK(refused.status == 2);
+  CHECK(refused.errors.find("--parts") != std::string::npos);
+}
+
 TEST_CASE("mirror images among the subjects of a consensus are named, or flipped where asked") {
   const TemporaryFolder folder;
   for (int k = 0; k < 3; ++k) {

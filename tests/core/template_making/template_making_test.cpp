@@ -9,6 +9,7 @@
 #include "core/template_making/distance_map.h"
 #include "core/template_making/label_body.h"
 #include "core/template_making/mask_template.h"
+#include "core/template_making/parts_template.h"
 #include "core/template_making/tube_template.h"
 #include "tests/shapes.h"
 
@@ -177,6 +178,34 @@ TEST_CASE("islands and cavities are left out and reported") {
   REQUIRE(one);
   REQUIRE(one->warnings.size() == 1);
   CHECK(one->warnings.front().find("several parts of about one size") != std::string::npos);
+}
+
+TEST_CASE("a template of all parts has a piece of each by its area and leaves crumbs out") {
+  const Vec3 apart(17, 0, 0);
+  const Volume mask = mask_where([&](const Vec3& p) {
+    return (p - apart).norm() < 12 || (p + apart).norm() < 6 || (p - Vec3(0, 24, 24)).norm() < 1.2;
+  });
+  const MaskTemplate made = make_parts_template(mask, options_with(1000)).value();
+  const Topology& topology = *made.mesh.topology;
+  CHECK(topology.components() == 2);
+  CHECK(topology.closed());
+  CHECK(made.mesh.points.rows() == doctest::Approx(1000).epsilon(0.002));
+  // Four fifths of the surface, and of the vertices, are the large ball's, which comes first.
+  const Eigen::Index large = (made.mesh.points.col(0).array() > 0).count();
+  CHECK(large == doctest::Approx(800).epsilon(0.02));
+  CHECK((made.mesh.points.topRows(large).col(0).array() > 0).all());
+  const auto ball_ml = [](double radius_mm) { return enclosed_volume_ml(icosphere(4, radius_mm)); };
+  CHECK(enclosed_volume_ml(made.mesh) == doctest::Approx(ball_ml(12) + ball_ml(6)).epsilon(0.04));
+  CHECK(made.to_mask.mean_mm < 0.5);
+  CHECK(made.islands_ml.size() == 1);
+  CHECK(made.warnings.empty());
+  // Without, the part that is left out is said with its share.
+  const auto largest = make_mask_template(mask, options_with(1000)).value();
+  REQUIRE(largest.warnings.size() == 1);
+  CHECK(largest.warnings.front().find("has 3 parts; the largest was taken, and the others with 11 % of its volume are "
+                                      "left out; homolog template --parts all keeps them") != std::string::npos);
+  MaskTemplateOptions few = options_with(200);
+  CHECK(make_parts_template(mask, few).error().what.find("too many for 200 vertices") != std::string::npos);
 }
 
 TEST_CASE("thin parts that the mesh does not have are said") {

@@ -39,6 +39,21 @@ ModelsLayout models_layout(const Layout& layout) {
   return parts;
 }
 
+float caption_scale(float picture_width_px, float cell_width_px) {
+  constexpr float usual_width_px = 800, least_cell_px = 180;
+  return std::max(1.0f, std::min(picture_width_px / usual_width_px, cell_width_px / least_cell_px));
+}
+
+CaptionRoom caption_room(float scale) {
+  constexpr float name = 28, bar = 24;
+  return {std::round(name * scale), std::round(bar * scale)};
+}
+
+CaptionRoom legend_room(const ModelsState& state, float scale) {
+  constexpr float legend = 36;
+  return {0, state.show_difference ? std::round(legend * scale) : 0};
+}
+
 GalleryGrid gallery_grid(std::size_t shapes, const RectPx& area) {
   GalleryGrid grid{area, 1, 1, shapes};
   const auto count = static_cast<int>(std::max<std::size_t>(shapes, 1));

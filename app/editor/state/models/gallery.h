@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "app/editor/state/layout.h"
@@ -12,6 +13,20 @@ struct ModelsLayout {
   RectPx cases, gallery_header, gallery, model_header, model, panel;
 };
 ModelsLayout models_layout(const Layout& layout);
+
+/// Room that is kept free of shapes for what is written there, px.
+struct CaptionRoom {
+  float above = 0, below = 0;
+  RectPx left_of(const RectPx& rect) const {
+    return {rect.x, rect.y + above, rect.width, std::max(rect.height - above - below, 1.0f)};
+  }
+};
+/// The scale of the letters on a picture of cells: they grow with the picture, as far as names have room in the cells.
+float caption_scale(float picture_width_px, float cell_width_px);
+/// Of a picture's cell, at that scale: above for its name, below for a scale bar.
+CaptionRoom caption_room(float scale);
+/// Below the model's shape, for the legend of its colours.
+CaptionRoom legend_room(const ModelsState& state, float scale);
 
 /// Cells for all shapes in an area, as near to square as can be, in reading order.
 struct GalleryGrid {

@@ -1,0 +1,140 @@
+#include "core/template_making/parts_template.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/mesh/isosurface.h"
+#include "core/template_making/label_body.h"
+#include "core/template_making/voxel_components.h"
+
+namespace homolog {
+
+namespace {
+
+constexpr std::size_t fewest_voxels = 8;  // of fewer nobody can tell a shape
+constexpr double smallest_share = 0.01;   // of the label's voxels
+constexpr double fewest_vertices_a_part = 50;
+
+/// The label's parts in the map's own voxels.
+struct Parts {
+  VoxelComponents found;
+  std::vector<std::size_t> kept, crumbs;  ///< the largest first
+
+  int label = 1;  ///< what they are called in the maps of one part
+
+  Parts(const Volume& mask, const MaskTemplateOptions& options) {
+    if (options.label > 0 && options.label <= std::numeric_limits<std::uint16_t>::max()) label = options.label;
+    std::vector<std::uint8_t> inside(mask.geometry.voxels());
+    const std::size_t first = static_cast<std::size_t>(options.frame) * inside.size();
+    std::visit(
+        [&](const auto& voxels) {
+          for (std::size_t v = 0; v < inside.size(); ++v)
+            inside[v] = has_label(voxels[first + v], options.label) ? 1 : 0;
+        },
+        mask.data);
+    found = connected_components(inside, mask.geometry.dims, Touching::faces);
+    std::vector<std::size_t> order(found.sizes.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, std::greater(), [&](std::size_t part) { return found.sizes[part]; });
+    const auto total = static_cast<double>(std::accumulate(found.sizes.begin(), found.sizes.end(), std::size_t{0}));
+    for (const std::size_t part : order) {
+      const std::size_t voxels = found.sizes[part];
+      const bool is_crumb = voxels < fewest_voxels || static_cast<double>(voxels) < smallest_share * total;
+      (is_crumb ? crumbs : kept).push_back(part);
+    }
+  }
+
+  /// One part alone.
+  Volume map_of(std::size_t part, const Volume& mask) const {
+    Volume map;
+    map.geometry = mask.geometry;
+    map.range_max = label;
+    std::vector<std::uint16_t> voxels(found.part.size());
+    std::ranges::transform(found.part, voxels.begin(), [&](std::int32_t of) {
+      return static_cast<std::uint16_t>(of == static_cast<std::int32_t>(part) ? label : 0);
+    });
+    map.data = std::move(voxels);
+    return map;
+  }
+};
+
+void append(Mesh& whole, const Mesh& part) {
+  const Eigen::Index points = whole.points.rows();
+  Triangles faces = part.topology->triangles();
+  if (points > 0) {
+    const Triangles before = whole.topology->triangles();
+    Triangles both(before.rows() + faces.rows(), 3);
+    both << before, (faces.array() + static_cast<std::int32_t>(points)).matrix();
+    faces = std::move(both);
+  }
+  Points all(points + part.points.rows(), 3);
+  all.topRows(points) = whole.points;
+  all.bottomRows(part.points.rows()) = part.points;
+  whole.points = std::move(all);
+  whole.topology = *Topology::make(whole.points.rows(), faces);  // of two that are surfaces one is made
+}
+
+/// `of_all`: how much of the surface the distance is a mean over.
+void add_distance(SurfaceDistance& all, const SurfaceDistance& part, double of_all) {
+  all.mean_mm += of_all * part.mean_mm;
+  all.p95_mm = std::max(all.p95_mm, part.p95_mm);
+  all.max_mm = std::max(all.max_mm, part.max_mm);
+}
+
+}  // namespace
+
+Result<MaskTemplate> make_parts_template(const Volume& mask, const MaskTemplateOptions& options, Progress* progress) {
+  const Parts parts(mask, options);
+  if (parts.kept.size() < 2) return make_mask_template(mask, options, progress);
+  std::vector<double> areas_mm2;
+  for (const std::size_t part : parts.kept)
+    areas_mm2.push_back(label_extent(parts.map_of(part, mask), parts.label, 0).area_mm2);
+  const double total_mm2 = std::accumulate(areas_mm2.begin(), areas_mm2.end(), 0.0);
+  MaskTemplate whole;
+  double volume = 0, missed = 0;
+  for (std::size_t k = 0; k < parts.kept.size(); ++k) {
+    const double share = areas_mm2[k] / total_mm2;
+    if (share * options.vertices < fewest_vertices_a_part)
+      return fail("", label_name(options.label) + " has " + std::to_string(parts.kept.size()) +
+                          " parts, too many for " + std::to_string(options.vertices) +
+                          " vertices; ask for more vertices, or leave out --parts");
+    std::optional<Progress> own;
+    if (progress != nullptr) own.emplace(*progress, share);
+    MaskTemplateOptions making = options;
+    making.label = parts.label;
+    making.frame = 0;
+    making.vertices = static_cast<int>(std::lround(share * options.vertices));
+    auto made = make_mask_template(parts.map_of(parts.kept[k], mask), making, own ? &*own : nullptr);
+    if (!made)
+      return fail("", "part " + std::to_string(k + 1) + " of " + label_name(options.label) + ": " + made.error().what);
+    const auto first = static_cast<std::int32_t>(whole.mesh.points.rows());
+    for (const std::int32_t vertex : made->cut) whole.cut.push_back(first + vertex);
+    append(whole.mesh, made->mesh);
+    add_distance(whole.to_mask, made->to_mask, share);
+    add_distance(whole.from_mask, made->from_mask, share);
+    std::ranges::move(made->tunnels, std::back_inserter(whole.tunnels));
+    std::ranges::move(made->warnings, std::back_inserter(whole.warnings));
+    whole.cavities += made->cavities;
+    whole.cavities_ml += made->cavities_ml;
+    whole.missed_ml += made->missed_ml;
+    if (k == 0)
+      whole.resampled_mm = made->resampled_mm, whole.closing_mm = made->closing_mm, whole.opening_mm = made->opening_mm;
+    const auto voxels = static_cast<double>(parts.found.sizes[parts.kept[k]]);
+    volume += voxels;
+    missed += voxels * made->missed_share;
+  }
+  whole.missed_share = missed / volume;
+  for (const std::size_t crumb : parts.crumbs)
+    whole.islands_ml.push_back(static_cast<double>(parts.found.sizes[crumb]) * mask.geometry.voxel_volume_mm3() / 1000);
+  return whole;
+}
+
+}  // namespace homolog

@@ -118,7 +118,7 @@ Result<SubjectsRead> read_subjects(const SubjectFiles& files, Progress& progress
     BiasSubject& subject = read.subjects[k];
     if (!files.flip_mirrored) {
       read.warnings.push_back(subject.name + ": looks like a mirror image of " + others +
-                              "; flip such subjects with --flip-mirrored, or leave it out");
+                              "; check its side, and flip such subjects with --flip-mirrored, or leave it out");
       continue;
     }
     flip_subject(subject);

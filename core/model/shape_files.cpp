@@ -107,10 +107,11 @@ Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& file
     const auto read = read_study(file);
     if (!read) return fail(read.error());
     const std::size_t before = sources.size();
-    for (const StudyCase& one : read->study.cases)
-      if ((group.empty() || one.group == group) && !one.waits())
-        sources.push_back(
-            {one.file, one.frame, one.flipped, one.state == CaseState::done ? std::string() : one.doubt, one.group});
+    for (const StudyCase& one : read->study.cases) {
+      if (one.waits() || !(group.empty() || one.group == group)) continue;
+      const bool done = one.state == CaseState::done;
+      sources.push_back({one.file, one.frame, one.flipped, done ? std::string() : one.doubt, one.group, done});
+    }
     if (sources.size() > before) continue;
     if (std::any_of(read->study.cases.begin(), read->study.cases.end(),
                     [&](const StudyCase& one) { return one.waits() && (group.empty() || one.group == group); }))

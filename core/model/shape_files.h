@@ -40,6 +40,7 @@ struct ShapeSource {
   bool flipped = false;      ///< left for right
   std::string doubt{};       ///< of a study's case that nobody has looked at yet: why it has to be; empty: no doubt
   std::string group{};       ///< of a study's case; empty: none
+  bool done = false;         ///< a study's case that somebody looked at and found done
 
   /// "case_3.ply", with its frame where one of several is taken.
   std::string name(const std::optional<int>& of_frame) const {

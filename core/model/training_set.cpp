@@ -286,9 +286,9 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
                                           Progress* progress) {
   const auto sources = shape_sources(files, options.group);
   if (!sources) return fail(sources.error());
-  std::map<std::string, std::string> said;  // by the study
+  std::map<std::string, std::string> said;  // by the study; a case that is done is in no doubt, whatever its mesh says
   for (const ShapeSource& source : *sources)
-    if (!source.doubt.empty()) said[source.name(source.frame)] = source.doubt;
+    if (source.done || !source.doubt.empty()) said[source.name(source.frame)] = source.doubt;
   TrainingSetBuilder builder(sources->size());
   std::vector<DoubtfulShape> doubtful;
   const auto warnings = read_shapes(

@@ -67,8 +67,9 @@ Result<VolumeRead> read_any(const fs::path& path, const VolumeReadOptions& optio
   std::vector<std::string> known;
   for (const VolumeFormat* format : volume_formats)
     if (const std::string& name = folder ? format->in_folder : format->name; !name.empty()) known.push_back(name);
-  return fail(path.string(), folder ? "holds neither " + listed(known, " nor ") + "; choose the folder that does"
-                                    : "is not a volume; open " + listed(known, ", or "));
+  return fail(path.string(),
+              folder ? "holds neither " + listed(known, " nor ") + "; choose the folder that does, or name a file"
+                     : "is not a volume; open " + listed(known, ", or "));
 }
 
 /// By the format that the name's ending chooses. Errors that do not depend on the file name none.

@@ -26,7 +26,9 @@ void say_mirrored(const Cohort& cohort, std::vector<std::string>& warnings, Prog
   for (const Boundary& one : cohort.boundaries) subjects.push_back(&one);
   for (std::string& sentence : volume_warnings(cohort.names, subjects)) warnings.push_back(std::move(sentence));
   for (const std::size_t k : mirrored_subjects(subjects, &progress))
-    warnings.push_back(cohort.names[k] + ": looks like a mirror image of most others; take it off the study");
+    warnings.push_back(
+        cohort.names[k] +
+        ": looks like a mirror image of most others; check its side, and take it off the study where it is");
 }
 
 /// A waiting case with another template; false where somebody worked on it.

@@ -155,6 +155,18 @@ TEST_CASE("a model names doubtful and mirrored and faulty shapes and leaves them
   CHECK(run(set.folder, "evaluate shapes --without-doubtful --samples 20 --json").json()["left_out"] ==
         left.json()["left_out"]);
 
+  // Who looked at a case and found it done has the last word.
+  const std::string cases =
+      R"({"homolog_study":1,"cases":[{"name":"k0","file":"shapes/k0.ply"},{"name":"k3","file":"shapes/k3.ply"},)"
+      R"({"name":"k4","file":"shapes/k4.ply"},{"name":"k2","file":"shapes/k2.ply")";
+  for (const bool done : {false, true}) {
+    write_bytes(set.folder.path / "s.study.json", cases + (done ? R"(,"state":"done"}]})" : "}]}"));
+    const Json looked_at = run(set.folder, "model s.study.json --without-doubtful -o m.h5.json --json").json();
+    const auto is_second = [](const Json& one) { return one["name"].get<std::string>().ends_with("k2.ply"); };
+    const Json& left_out = looked_at["left_out"];
+    CHECK(std::any_of(left_out.begin(), left_out.end(), is_second) != done);
+  }
+
   // One of the other side: named as such, and left out or flipped.
   set.write(5, mirrored(Ellipsoids::shape(8)));
   const Json mixed = run(set.folder, "model shapes --without-doubtful -o m.h5.json --json").json();

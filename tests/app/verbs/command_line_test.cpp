@@ -245,16 +245,23 @@ TEST_CASE("pictures are written at the size asked for") {
 
 namespace {
 
-/// The colour of a picture's upper left corner, and how many of its pixels are not of that colour.
+/// The colour of a picture's upper left corner, and how many of its pixels are not of that colour; of these, in the
+/// rows that names take at the top, which are grey as letters are and which are colourful as shapes are.
 struct Drawn {
   std::vector<int> ground;
-  std::size_t others = 0;
+  std::size_t others = 0, letters = 0, shapes = 0;
 
   explicit Drawn(const fs::path& file) {
     const Picture picture = read_picture(file).value();
     ground.assign(picture.rgba.begin(), picture.rgba.begin() + 4);
     for (std::size_t i = 0; i < picture.rgba.size(); i += 4)
       others += !std::equal(ground.begin(), ground.end(), picture.rgba.begin() + static_cast<std::ptrdiff_t>(i));
+    constexpr std::size_t name_rows = 26;
+    for (std::size_t i = 0; i < 4 * name_rows * static_cast<std::size_t>(picture.width); i += 4) {
+      const auto [low, high] = std::minmax({picture.rgba[i], picture.rgba[i + 1], picture.rgba[i + 2]});
+      letters += low < 200 && high - low < 20 ? 1 : 0;
+      shapes += high - low > 60 ? 1 : 0;
+    }
   }
 };
 
@@ -267,8 +274,8 @@ VolumeGeometry grid_about_origin() {
   return grid;
 }
 
-/// Whether a picture is on the ground that is asked for, and captions add to it.
-void check_grounds(const TemporaryFolder& folder, const std::string& picture) {
+/// Whether a picture is on the ground that is asked for, and captions add to it. `in_grid`: they lie over no shape.
+void check_grounds(const TemporaryFolder& folder, const std::string& picture, bool in_grid) {
   const auto drawn = [&](const std::string& options) {
     const Ran ran = run(folder, picture + " -o x.png --size 320x240 " + options);
     REQUIRE_MESSAGE(ran.status == 0, picture, ": ", ran.errors);
@@ -278,7 +285,12 @@ void check_grounds(const TemporaryFolder& folder, const std::string& picture) {
   CHECK(drawn("--ground transparent").ground == std::vector<int>(4, 0));
   const Drawn plain = drawn("--ground light"), captioned = drawn("--ground light --captions");
   CHECK(captioned.ground == std::vector<int>(4, 255));
-  CHECK(captioned.others > plain.others + 50);
+  if (in_grid) {
+    CHECK(captioned.letters > 30);
+    CHECK(captioned.shapes == 0);
+  } else {
+    CHECK(captioned.others > plain.others + 50);
+  }
 }
 
 }  // namespace
@@ -304,12 +316,12 @@ TEST_CASE("pictures are made on any ground with captions or without") {
       create_case(new_document((folder.path / "image.nii").string(), volume, the_template), folder.path / "a.homolog"));
   if (cannot_draw(run(folder, "picture case a.homolog -o case.png"))) return;
   REQUIRE(run(folder, "model " + balls + "-o m.h5").status == 0);
-  check_grounds(folder, "picture correspondence " + balls);
-  check_grounds(folder, "picture modes m.h5");
-  check_grounds(folder, "picture case a.homolog");
-  check_grounds(folder, "picture window a.homolog --only 3d");
-  check_grounds(folder, "picture study a.study.json --only gallery");
-  check_grounds(folder, "picture study a.study.json --only modes");
+  check_grounds(folder, "picture correspondence " + balls, true);
+  check_grounds(folder, "picture modes m.h5", true);
+  check_grounds(folder, "picture case a.homolog", false);
+  check_grounds(folder, "picture window a.homolog --only 3d", false);
+  check_grounds(folder, "picture study a.study.json --only gallery", true);
+  check_grounds(folder, "picture study a.study.json --only modes", true);
   study.cases.pop_back();
   REQUIRE(write_study(study, folder.path / "two.study.json"));
   CHECK(run(folder, "picture study two.study.json -o two.png").status == 0);

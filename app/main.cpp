@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <chrono>
@@ -47,11 +48,12 @@ Progress verb_progress;
 /// that comes at once is the first again, since `timeout` and shells signal a program and then its group.
 void on_interrupt(int signal) {
   using Clock = std::chrono::steady_clock;
-  static Clock::time_point first;
-  if (!verb_progress.cancelled()) {
-    first = Clock::now();
+  static std::atomic<Clock::rep> first{0};
+  const Clock::rep now = Clock::now().time_since_epoch().count();
+  Clock::rep before = 0;
+  if (first.compare_exchange_strong(before, now)) {
     verb_progress.cancel();
-  } else if (Clock::now() - first > std::chrono::milliseconds(500)) {
+  } else if (Clock::duration(now - before) > std::chrono::milliseconds(500)) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }

@@ -298,10 +298,9 @@ void add_fit(CLI::App& app, CommandLine& asked) {
   verb->add_option(
           "--parts", options->parts,
           "Of a label in several parts: largest, or of those of about one size the one most like the template; "
-          "or all of them")
+          "or all of them, as where this is not given and the template has several pieces")
       ->check(CLI::IsMember({"largest", "all"}))
-      ->needs(mask)
-      ->capture_default_str();
+      ->needs(mask);
   verb->add_option("--placement", options->placement,
                    "Where to start: a JSON file with rotation, scale and translation, as in a case file");
   verb->add_option("--landmarks", options->landmarks,

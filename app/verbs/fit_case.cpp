@@ -61,6 +61,11 @@ Result<Similarity> read_placement(const fs::path& path) {
   return placement;
 }
 
+/// Whether every part of a label is the target.
+bool takes_all_parts(const FitJob& options, const Template& the_template) {
+  return options.partial || options.parts == "all" || (options.parts.empty() && parts_for(*the_template.topology).all);
+}
+
 using FitClock = std::chrono::steady_clock;
 
 /// One case's target, and the mask it comes from where there is one.
@@ -86,7 +91,7 @@ Result<FitTarget> read_fit_target(const FitJob& options, const FitShared& shared
   auto mask = read_mask(path, options.labels, {options.frame, {}}, progress);
   if (!mask) return fail(mask.error());
   const auto started = FitClock::now();
-  const bool all_parts = options.partial || options.parts == "all" || parts_for(*shared.the_template->topology).all;
+  const bool all_parts = takes_all_parts(options, *shared.the_template);
   const auto part = [&](std::size_t rank) {
     return label_boundary(mask->volume, mask->label, mask->frame, options.closing_mm ? options.closing_mm : closing_mm,
                           vertices, {all_parts, rank});
@@ -187,8 +192,7 @@ Json close_better(const FitJob& options, const FitShared& shared, const FitOptio
   const double first_mm = options.closing_mm.value_or(shared.kept_closing_mm.value_or(usual_mm));
   if (options.closing_mm) return {{"closing_mm", first_mm}, {"closing_chosen", false}, {"closing_why", "as asked for"}};
   // Which parts count, trying would not know.
-  const bool other_part = options.partial || options.parts == "all" || parts_for(*shared.the_template->topology).all ||
-                          target.boundary.parts_alike > 1;
+  const bool other_part = takes_all_parts(options, *shared.the_template) || target.boundary.parts_alike > 1;
   OtherClosing first{first_mm, std::move(target.boundary), std::move(fit), std::move(judgement)};
   MoreClosing more;
   if (!other_part) more = try_more_closing(*shared.the_template, mask.volume, mask.label, mask.frame, fitting, first);

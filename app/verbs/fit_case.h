@@ -16,7 +16,7 @@ namespace homolog {
 
 /// What the verb `fit` is asked for.
 struct FitJob {
-  std::string template_source, orientation = "patient", parts = "largest";
+  std::string template_source, orientation = "patient", parts;  ///< parts: empty where nobody said
   std::vector<std::filesystem::path> masks, meshes;
   std::filesystem::path image, out, placement, landmarks, model;
   double beyond = 1;

@@ -122,6 +122,7 @@ Result<MaskTemplate> make_parts_template(const Volume& mask, const MaskTemplateO
     add_distance(whole.from_mask, made->from_mask, share);
     std::ranges::move(made->tunnels, std::back_inserter(whole.tunnels));
     std::ranges::move(made->warnings, std::back_inserter(whole.warnings));
+    std::ranges::move(made->islands_ml, std::back_inserter(whole.islands_ml));
     whole.cavities += made->cavities;
     whole.cavities_ml += made->cavities_ml;
     whole.missed_ml += made->missed_ml;

@@ -240,7 +240,7 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
                "The mean shape of all label maps of the study, which no single subject decides. Cases that wait begin "
                "with it",
                ui.state.models.listing ? "The study's cases are in work." : "", width))
-      out.send(ShowFileDialog{FilePurpose::make_study_template, study_stem(ui.state.models) + "-template"});
+      out.send(ShowFileDialog{FilePurpose::make_study_template, study_stem(ui.state.models) + "-template.ply"});
   }
   std::optional<WorkShown> running;
   if (busy) running = {"Making the template", ui.template_maker.fraction(), "Stops after this stage"};

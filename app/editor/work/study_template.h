@@ -25,7 +25,7 @@ struct StudyTemplate {
 
 /// Makes a consensus template of the label maps of a study's cases, writes it, and begins the cases that wait anew with
 /// it. The closing radius is tried on three of the maps. Errors: fewer than two label maps; a map that cannot be read;
-/// no sound template comes of them; the file cannot be written; cancelled.
+/// `file` is there already; no sound template comes of them; the file cannot be written; cancelled.
 Result<StudyTemplate> make_study_template(const std::vector<StudyCase>& cases, const FitSettings& settings,
                                           const std::filesystem::path& file, Progress& progress);
 

@@ -298,17 +298,19 @@ void Worklist::add(const std::vector<fs::path>& paths, CaseStart start) {
                 "Reading");
 }
 
-void Worklist::make_template(const std::vector<StudyCase>& cases, const FitSettings& settings, const fs::path& file) {
+void Worklist::make_template(const std::vector<StudyCase>& cases, const FitSettings& settings, const fs::path& file,
+                             const fs::path& study) {
   if (!busy()) asked_ = done_ = 0;
   ++asked_;
   worker_.queue(
       "the template",
-      [cases, settings, file](Progress& progress) -> Result<WorklistDone> {
+      [cases, settings, file, study](Progress& progress) -> Result<WorklistDone> {
         auto made = make_study_template(cases, settings, file, progress);
         if (!made) return fail(made.error());
         WorklistDone done;
         done.made = std::move(*made);
         done.file = file;
+        done.study = study;
         return done;
       },
       "Making");

@@ -25,7 +25,8 @@ struct WorklistDone {
   std::string fault;                  ///< why it could not be fitted, as a sentence; empty: it was
   std::string map;                    ///< of which labels one has to be chosen first; empty: none has
   std::vector<int> labels;            ///< that this map holds
-  std::optional<StudyTemplate> made;  ///< a template of the study's label maps
+  std::optional<StudyTemplate> made;  ///< a template of the label maps of `study`
+  std::filesystem::path study;
   std::vector<std::string> warnings;  ///< sentences
 };
 
@@ -56,7 +57,7 @@ class Worklist {
   void add(const std::vector<std::filesystem::path>& paths, CaseStart start);
   /// Makes a consensus template of the cases' label maps: see make_study_template.
   void make_template(const std::vector<StudyCase>& cases, const FitSettings& settings,
-                     const std::filesystem::path& file);
+                     const std::filesystem::path& file, const std::filesystem::path& study);
   /// Fits the template of each case to its label map, one after the other. The label is that of the settings, or the
   /// only one that a map holds; where a map holds several and the settings name none, it is left until one is chosen.
   void fit(const std::vector<StudyCase>& cases, const FitSettings& settings);

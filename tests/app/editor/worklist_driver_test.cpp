@@ -309,12 +309,21 @@ TEST_CASE("a consensus template leaves a case alone that somebody worked on and 
   const Globe globe;
   const fs::path scans = globe.folder.path / "scans", made = globe.folder.path / "mean.ply";
   fs::create_directory(scans);
-  for (int k = 0; k < 3; ++k) write_ball_map(scans / ("m" + std::to_string(k) + ".nii"), 14 + k, Vec3::Zero());
+  for (int k = 0; k < 4; ++k) write_ball_map(scans / ("m" + std::to_string(k) + ".nii"), 14 + k, Vec3::Zero());
+  fs::rename(globe.image("zz.nii"), scans / "zz.nii");  // an image that has no label map
   Driver driver(globe.document());
   driver.press(key::tab);
   driver.app().send(AddScans{{scans}});
-  driver.wait_until("the scans are cases", [&] { return driver.state().models.study.cases.size() == 3; });
+  driver.wait_until("the scans are cases", [&] { return driver.state().models.study.cases.size() == 5; });
   driver.settle();
+  // What was undone is work too.
+  const fs::path undone = case_named(driver, "m3").file;
+  {
+    auto read = test::must(open_case(undone));
+    const Vec3 at = read.session.document().shape().points->row(0);
+    REQUIRE(read.session.apply(Stroke{Tool::pull, at, at + Vec3(2, 0, 0), 10, {}, false, 1}));
+    REQUIRE(read.session.apply(Undo{}));
+  }
   const fs::path worked_on = case_named(driver, "m1").file;
   Points pulled;
   {
@@ -324,13 +333,18 @@ TEST_CASE("a consensus template leaves a case alone that somebody worked on and 
     pulled = *read.session.document().shape().points;
   }
   driver.app().send(MakeStudyTemplate{{made}});
-  driver.wait_until("it is made", [&] { return driver.shows("1 case that you worked on keeps its own."); });
+  driver.wait_until("it is made", [&] { return driver.shows("2 cases that you worked on keep their own."); });
   driver.settle();
   const Document kept = test::must(read_case(worked_on)).session.document();
   CHECK(*kept.shape().points == pulled);
   CHECK(kept.the_template->source == globe.file);
   CHECK(test::must(read_case(case_named(driver, "m0").file)).session.document().the_template->source == made);
-  for (const char* name : {"m0", "m2"}) driver.app().send(RemoveCase{name});
+  CHECK(test::must(read_case(case_named(driver, "zz").file)).session.document().the_template->source == made);
+  CHECK(test::must(read_case(undone)).session.can_redo());
+  // In place of it none is made: its cases could not be opened.
+  driver.app().send(MakeStudyTemplate{{made}});
+  driver.wait_until("it is refused", [&] { return driver.shows("exists already, and cases may have begun with it"); });
+  for (const char* name : {"m0", "m2", "m3"}) driver.app().send(RemoveCase{name});
   driver.app().send(MakeStudyTemplate{{globe.folder.path / "other.ply"}});
   driver.wait_until("it is said", [&] { return driver.shows("has fewer than two cases with label maps"); });
   CHECK(!fs::exists(globe.folder.path / "other.ply"));

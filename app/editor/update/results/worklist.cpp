@@ -71,8 +71,9 @@ std::string counted_cases(std::size_t count) {
   return count == 1 ? "1 case" : std::to_string(count) + " cases";
 }
 
-void take_template(EditorState& state, const StudyTemplate& made) {
-  set_study_template(state.models, made.file);
+/// `study`: that it was made for.
+void take_template(EditorState& state, const StudyTemplate& made, const fs::path& study) {
+  if (state.models.study_file == study) set_study_template(state.models, made.file);
   std::string news =
       "The template of " + counted_cases(made.subjects) + " was saved as " + made.file.filename().string() + ".";
   if (made.begun > 0)
@@ -121,7 +122,7 @@ void add_scans(Editing& editing, const std::vector<fs::path>& paths) {
   std::error_code ignored;
   CaseStart start;
   start.cases = case_folder(models);
-  if (of_study.empty()) {
+  if (of_study.empty() || (the_template && the_template->source == of_study)) {
     start.the_template = the_template;
     start.mirrored = editing.shown.template_is_mirrored();
   } else {
@@ -157,7 +158,6 @@ void fit_waiting(Editing& editing, int label, bool all_labels) {
 void make_study_template(Editing& editing, const fs::path& file, int label, bool all_labels) {
   std::vector<StudyCase> cases;
   for (const StudyCase& one : editing.state.models.study.cases) {
-    if (one.labels.empty()) continue;
     cases.push_back(one);
     if (one.waits() && one.file == editing.shown.snapshot().file) {
       cases.back().state = CaseState::in_work;  // it is in this program's hands
@@ -167,7 +167,7 @@ void make_study_template(Editing& editing, const fs::path& file, int label, bool
   FitSettings settings = editing.state.fit_settings;
   settings.label = label;
   settings.all_labels = all_labels;
-  editing.work.worklist.make_template(cases, settings, file);
+  editing.work.worklist.make_template(cases, settings, file, editing.state.models.study_file);
 }
 
 void cancel_worklist(Editing& editing) {
@@ -197,7 +197,7 @@ bool take_worklist(Editing& editing) {
         ask_for_label(editing, made.map, std::move(made.labels), (*done)->file);
         break;
       }
-      take_template(state, made);
+      take_template(state, made, (*done)->study);
       continue;
     }
     fitted = fitted || !(*done)->fitted.empty();

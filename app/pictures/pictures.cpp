@@ -179,38 +179,38 @@ Result<MadePicture> montage(const std::vector<Mesh>& shapes, const std::vector<s
   const MeshColours colouring(shapes.front(), options.glyph_spacing_mm);
   const int count = static_cast<int>(shapes.size());
   const int rows = (count + columns - 1) / columns;
-  if (std::min(options.width_px / columns, options.height_px / rows) < 4 * gap_px) {
-    return fail("", "one of " + std::to_string(count) + " shapes, which need a larger picture; raise --size");
-  }
   const auto width_px = static_cast<float>(options.width_px);
   const float scale = caption_scale(width_px, static_cast<float>(cell(0, columns, rows, options).width));
   const CaptionRoom room = options.captions ? caption_room(scale) : CaptionRoom();
-  const auto inside = [&](Target target) {
+  // What captions leave of a cell for its shape.
+  const auto room_in = [&](Target target) {
     target.y += static_cast<int>(room.below);
-    target.height = std::max(target.height - static_cast<int>(room.above + room.below), 1);
+    target.height -= static_cast<int>(room.above + room.below);
     return target;
   };
-  const Framing framing(shapes, options.from, inside(cell(0, columns, rows, options)));
+  const Target first = room_in(cell(0, columns, rows, options));
+  if (std::min(first.width, first.height) < 3 * gap_px)
+    return fail("", "one of " + std::to_string(count) + " shapes, which need a larger picture; raise --size" +
+                        (options.captions ? ", or leave --captions out" : ""));
+  const Framing framing(shapes, options.from, first);
   std::vector<PictureCell> cells;
   for (int k = 0; k < columns * rows; ++k) {
     Scene scene;
     scene.background = background(options);
     Vec3 centre = Vec3::Zero();
+    const Target whole = cell(k, columns, rows, options), target = room_in(whole);
     if (options.captions)
-      if (auto drawn = studio->renderer->draw(scene, Camera3D(), cell(k, columns, rows, options)); !drawn)
-        return fail(drawn.error());
+      if (auto drawn = studio->renderer->draw(scene, Camera3D(), whole); !drawn) return fail(drawn.error());
     if (k < count) {
       const Mesh& shape = shapes[static_cast<std::size_t>(k)];
       centre = shape.points.colwise().mean();
       colouring.add_to(scene, shape);
-      const Target target = cell(k, columns, rows, options);
       const bool has_bar = k == (rows - 1) * columns;  // one for all, at the lower left
-      const double mm_per_px = 2 * framing.radius_mm / std::min(inside(target).width, inside(target).height);
-      cells.push_back(named(target, options, names[static_cast<std::size_t>(k)], has_bar ? mm_per_px : 0));
+      const double mm_per_px = 2 * framing.radius_mm / std::min(target.width, target.height);
+      cells.push_back(named(whole, options, names[static_cast<std::size_t>(k)], has_bar ? mm_per_px : 0));
     }
     const Camera3D camera = camera_on(centre + framing.offset, framing.radius_mm, options.from);
-    if (auto drawn = studio->renderer->draw(scene, camera, inside(cell(k, columns, rows, options))); !drawn)
-      return fail(drawn.error());
+    if (auto drawn = studio->renderer->draw(scene, camera, target); !drawn) return fail(drawn.error());
   }
   return MadePicture{studio->framebuffer->read(), static_cast<int>(colouring.glyphs.size()), std::move(cells)};
 }

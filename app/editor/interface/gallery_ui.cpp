@@ -225,7 +225,7 @@ void draw_start(const UiContext& ui, const RectPx& room, Outbox& out) {
   const Theme& theme = ui.theme;
   const ModelsState& state = ui.state.models;
   const float width = std::min(theme.px(360), room.width - theme.px(32));
-  ImGui::SetCursorPos({std::floor((room.width - width) / 2), std::floor(room.height / 3)});
+  ImGui::SetCursorPos({std::floor((room.width - width) / 2), std::floor(room.height / 4)});
   ImGui::BeginChild("start", {width, 0}, false, ImGuiWindowFlags_NoBackground);
   if (state.modelling) {
     explanation(theme, "Making the model…");

@@ -303,7 +303,7 @@ void Worklist::make_template(const std::vector<StudyCase>& cases, const FitSetti
   if (!busy()) asked_ = done_ = 0;
   ++asked_;
   worker_.queue(
-      "the template",
+      "template",
       [cases, settings, file, study](Progress& progress) -> Result<WorklistDone> {
         auto made = make_study_template(cases, settings, file, progress);
         if (!made) return fail(made.error());

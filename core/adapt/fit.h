@@ -41,8 +41,8 @@ struct FitResult {
   /// Of a partial fit, in rising order: vertices whose places the boundary lacks; the shape follows the template there.
   std::vector<std::int32_t> outliers;
   std::vector<ScanBorder> template_cuts;  ///< where the template is cut off, as it lies in the end [cut_borders]
-  bool mirrored = false;                  ///< the template's mirror image fits clearly better: see mirror_image_there
-  bool half_turned = false;  ///< not that, but the template turned from RAS to LPS does: see half_turn_there
+  bool mirrored = false;                  ///< the template's mirror image fits clearly better [other_lie]
+  bool half_turned = false;               ///< not that, but the template turned from RAS to LPS does [other_lie]
   std::size_t turned_triangles = 0, self_intersections = 0;
   std::size_t landmarks_used = 0;     ///< of those given: that pulled on the mesh
   bool landmarks_place = false;       ///< three or more were used, so that they had a say in the placement too

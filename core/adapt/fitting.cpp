@@ -95,11 +95,11 @@ FitResult Fitting::finish() {
   }
   const bool told = result.landmarks_place || options_.allowed;
   VertexScalars spread = spread_mm2();
-  if (const auto image = mirror_image_there(reference_, boundary_, options_.orientation, options_.partial)) {
-    result.half_turned = options_.orientation == Orientation::patient && !options_.placement &&
-                         half_turn_there(reference_, boundary_, *image, options_.partial);
-    result.mirrored = !result.half_turned;
-    spread += (*image - mesh.points).rowwise().squaredNorm();
+  const bool axes_count = options_.orientation == Orientation::patient && !options_.placement;
+  if (const auto other = other_lie(reference_, boundary_, options_.orientation, axes_count, options_.partial)) {
+    result.half_turned = other->half_turned;
+    result.mirrored = !other->half_turned;
+    spread += (other->points - mesh.points).rowwise().squaredNorm();
   }
   result.doubt_mm = fit_doubt_mm(mesh, spread, ways_.empty() ? adaptation_.strain(shape_) : ways_.front().strain,
                                  told ? 0 : round_ - told_if_smooth * smooth_, either(result.outliers, result.unseen),

@@ -109,8 +109,8 @@ std::vector<std::size_t> mirrored_subjects(const std::vector<const Boundary*>& s
   std::vector<char> mirrored(subjects.size());
   for_each_in_parallel(subjects.size(), [&](std::size_t k) {
     if (cancelled()) return;
-    const auto image = mirror_image_there(**start, *subjects[k]);
-    mirrored[k] = image && !half_turn_there(**start, *subjects[k], *image, false);
+    const auto other = other_lie(**start, *subjects[k]);
+    mirrored[k] = other && !other->half_turned;
   });
   if (cancelled()) return like;
   for (std::size_t k = 0; k < subjects.size(); ++k) (mirrored[k] ? unlike : like).push_back(k);

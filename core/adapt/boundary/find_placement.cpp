@@ -196,46 +196,45 @@ Placed find_placement(const Template& the_template, const Boundary& boundary, co
   return placed(the_template, boundary, hints, at_rest);
 }
 
-bool half_turn_there(const Template& the_template, const Boundary& boundary, const Points& image, bool partial) {
-  constexpr double clearly = 0.8;  // an organ and its mirror image may be alike but for a half turn, as kidneys are
-  MeshFile file = to_mesh_file(the_template);
-  file.points.leftCols<2>() *= -1;
-  file.landmarks.clear();
-  const auto turned = make_template(file, the_template.source);
-  if (!turned) return false;
-  const Placed found = placed(**turned, boundary, {{}, Orientation::patient, {}, partial}, nearly);
-  const auto mm = [&](const Points& points) {
-    return one_way_distance_mm(boundary.surface.points, {the_template.topology, points}) +
-           (partial ? 0 : one_way_distance_mm(points, boundary.surface));
-  };
-  return mm(found.placement.apply((*turned)->points)) < clearly * mm(image);
-}
-
-std::optional<Points> mirror_image_there(const Template& the_template, const Boundary& boundary,
-                                         Orientation orientation, bool partial) {
-  // Of femora, hips and phantom kidneys the template of the other side comes to 1.8 times and more of its mirror
-  // image's distance, that of the same side to half at most. Real kidneys are less sure: 0.9 to 2.2, and 0.3 to 1.4.
-  // Of cut femora and hips, one way: 0.8 to 8, and 0.1 to 1.25.
-  constexpr double clearly = 0.65;
+std::optional<OtherLie> other_lie(const Template& the_template, const Boundary& boundary, Orientation orientation,
+                                  bool turns, bool partial) {
+  // Logarithm of how much likelier the other lie must be. Kidneys, femora, hips and patellae of the other side come to
+  // 17 and more but for one kidney in 25, those of the same side to -18 at most, vertebrae to 3 either way.
+  constexpr double clearly = 10;
+  constexpr double clearly_share = 0.65;   // of cut femora and hips, one way: 0.1 to 1.25, and 0.8 to 8
+  constexpr double turn_share = 0.8;       // an organ and its mirror image may be alike but for a half turn
   constexpr double visible_share = 0.005;  // of the diagonal: below, a ball would look mirrored by its noise
-  const auto other = make_template(mirrored(to_mesh_file(the_template)), the_template.source);
-  if (!other) return std::nullopt;
   struct There {
     Points points;
-    double distance_mm;
+    double distance_mm, cost;
   };
-  const auto there = [&](const Template& side) -> There {
-    const Placed found = placed(side, boundary, {{}, orientation, {}, partial}, nearly);
-    Points points = found.placement.apply(side.points);
+  const auto there = [&](const Template& lying) -> There {
+    const Placed found = placed(lying, boundary, {{}, orientation, {}, partial}, nearly);
+    Points points = found.placement.apply(lying.points);
     const double distance_mm =
-        partial ? one_way_distance_mm(boundary.surface.points, {side.topology, points}) : found.distance_mm;
-    return {std::move(points), distance_mm};
+        partial ? one_way_distance_mm(boundary.surface.points, {lying.topology, points}) : found.distance_mm;
+    return {std::move(points), distance_mm, found.cost};
   };
   const There own = there(the_template);
   if (!(own.distance_mm > visible_share * bounds_of(boundary.surface.points).diagonal().norm())) return std::nullopt;
-  There image = there(**other);
-  if (!(image.distance_mm < clearly * own.distance_mm)) return std::nullopt;
-  return std::move(image.points);
+  const MeshFile file = to_mesh_file(the_template);
+  const auto other_side = make_template(mirrored(file), the_template.source);
+  if (!other_side) return std::nullopt;
+  There best = there(**other_side);
+  bool half_turned = false;
+  if (turns) {
+    MeshFile turned = file;
+    turned.points.leftCols<2>() *= -1;
+    turned.landmarks.clear();
+    if (const auto from_ras = make_template(turned, the_template.source)) {
+      There found = there(**from_ras);
+      half_turned = partial ? found.distance_mm < turn_share * best.distance_mm : found.cost < best.cost;
+      if (half_turned) best = std::move(found);
+    }
+  }
+  const bool likelier = partial ? best.distance_mm < clearly_share * own.distance_mm : best.cost < own.cost - clearly;
+  if (!likelier) return std::nullopt;
+  return OtherLie{half_turned, std::move(best.points)};
 }
 
 }  // namespace homolog

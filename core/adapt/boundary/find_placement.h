@@ -32,17 +32,20 @@ struct PlacementHints {
 /// decide the rest. A landmark that contradicts the surface and the others is not trusted. Never a reflection.
 Placed find_placement(const Template& the_template, const Boundary& boundary, const PlacementHints& hints = {});
 
-/// Where the template's vertices lie if the organ is that of the other side (n×3, LPS mm): its mirror image, placed by
-/// a similarity alone. None unless that lies clearly nearer to the boundary than the template; so organs that are their
-/// own mirror images never look mirrored. `partial`: the boundary may lack parts, so only how far it lies from each
-/// template counts; a cut femur or hip of the other side is then found in about three of four cases, and none of the
-/// same side looked mirrored.
-std::optional<Points> mirror_image_there(const Template& the_template, const Boundary& boundary,
-                                         Orientation orientation = Orientation::patient, bool partial = false);
+/// How else an organ may lie against its template, and where the template's vertices lie then (n×3, LPS mm).
+struct OtherLie {
+  bool half_turned = false;  ///< turned by half a turn about the z axis, as RAS is against LPS; else its mirror image
+  Points points;             ///< placed by a similarity alone
+};
 
-/// Whether a template whose mirror image lies at `image` comes clearly nearer to the boundary yet once its coordinates
-/// are turned from RAS to LPS, by half a turn: then that is what is wrong with it, or with the boundary. Only sense
-/// where the patient's axes count.
-bool half_turn_there(const Template& the_template, const Boundary& boundary, const Points& image, bool partial);
+/// Whether the template's mirror image, or with `turns` the template turned from RAS to LPS, places itself on the
+/// boundary clearly better than the template. The measure is the likelihood of find_placement: it counts the distances
+/// of both surfaces and the turn against the patient's axes, since kidneys are alike to their mirror images turned by
+/// 60°. None where neither is clearly likelier, so organs that are their own mirror images never look mirrored.
+/// `turns` has sense only where the patient's axes count. `partial`: the boundary may lack parts, so only how far it
+/// lies from each counts; a cut femur or hip of the other side is then found in about three of four cases.
+std::optional<OtherLie> other_lie(const Template& the_template, const Boundary& boundary,
+                                  Orientation orientation = Orientation::patient, bool turns = true,
+                                  bool partial = false);
 
 }  // namespace homolog

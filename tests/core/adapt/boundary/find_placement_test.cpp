@@ -2,8 +2,11 @@
 
 #include "core/adapt/boundary/find_placement.h"
 #include "core/adapt/judge_fit.h"
+#include "core/groupwise/consensus.h"
+#include "core/mesh/isosurface.h"
 #include "core/mesh/mirror.h"
 #include "core/phantom/phantom.h"
+#include "core/volume/volume_io.h"
 #include "tests/adapting.h"
 #include "tests/ball.h"
 #include "tests/real_data.h"
@@ -14,19 +17,19 @@ using namespace homolog;
 TEST_CASE("the organ of the other side looks mirrored and the own side does not") {
   const auto the_template = built_in(Organ::kidney);
   Mesh organ{the_template->topology, phantom_truth(Organ::kidney, 3).front().points};
-  CHECK_FALSE(mirror_image_there(*the_template, mesh_boundary(organ)).has_value());
+  CHECK_FALSE(other_lie(*the_template, mesh_boundary(organ)).has_value());
   const MeshFile other = mirrored({organ.points, organ.topology->triangles()});
   organ = {Topology::make(other.points.rows(), other.triangles).value(), other.points};
-  CHECK(mirror_image_there(*the_template, mesh_boundary(organ)).has_value());
+  CHECK(other_lie(*the_template, mesh_boundary(organ)).has_value());
 }
 
 TEST_CASE("an organ that is its own mirror image never looks mirrored") {
   const Mesh ball = icosphere(3, 20);
   const auto the_template = ball_template(20);
-  CHECK_FALSE(mirror_image_there(*the_template, mesh_boundary(ball)).has_value());
+  CHECK_FALSE(other_lie(*the_template, mesh_boundary(ball)).has_value());
   Mesh egg = ball;
   egg.points.col(1) *= 1.3;
-  CHECK_FALSE(mirror_image_there(*the_template, mesh_boundary(egg)).has_value());
+  CHECK_FALSE(other_lie(*the_template, mesh_boundary(egg)).has_value());
 }
 
 TEST_CASE("femora of the other side look mirrored and those of the same side do not") {
@@ -38,8 +41,43 @@ TEST_CASE("femora of the other side look mirrored and those of the same side do 
       CAPTURE(own);
       CAPTURE(other);
       const Boundary boundary = mesh_boundary(read_mesh(data / "bones" / (std::string(other) + ".ply")).value());
-      CHECK(mirror_image_there(*the_template, boundary).has_value() == (own[9] != other[9]));
+      CHECK(other_lie(*the_template, boundary).has_value() == (own[9] != other[9]));
     }
+  }
+}
+
+TEST_CASE("kidneys of the other side look mirrored though they lie turned by 60 degrees as well") {
+  const auto data = real_data();
+  if (data.empty()) return;
+  const auto kidney = [&](const char* name) {
+    const std::string file = std::string("case_") + name + "_healthy_thin.nii.gz";
+    return label_boundary(read_volume(data / "kidney_masks" / file).value().volume, every_label, 0, {}, 1000).value();
+  };
+  const Mesh own = own_template(kidney("00003_left"), 1000).value().mesh;
+  const auto the_template = make_template({own.points, own.topology->triangles()}, "left kidney").value();
+  for (const char* left : {"00014_left", "00116_left", "00096_left"}) {
+    CAPTURE(left);
+    CHECK_FALSE(other_lie(*the_template, kidney(left)).has_value());
+  }
+  for (const char* right : {"00002_right", "00059_right", "00102_right"}) {
+    CAPTURE(right);
+    const auto other = other_lie(*the_template, kidney(right));
+    REQUIRE(other.has_value());
+    CHECK_FALSE(other->half_turned);
+  }
+}
+
+TEST_CASE("an organ turned from LPS to RAS is told from its mirror image and from its own side") {
+  for (const Organ organ : {Organ::kidney, Organ::vertebra}) {
+    const auto the_template = built_in(organ);
+    Mesh there{the_template->topology, phantom_truth(organ, 3).front().points};
+    CHECK_FALSE(other_lie(*the_template, mesh_boundary(there)).has_value());
+    there.points.leftCols<2>() *= -1;
+    const auto other = other_lie(*the_template, mesh_boundary(there));
+    REQUIRE(other.has_value());
+    CHECK(other->half_turned);
+    CHECK_FALSE(
+        other_lie(*the_template, mesh_boundary(there), Orientation::any, false).value_or(OtherLie{}).half_turned);
   }
 }
 

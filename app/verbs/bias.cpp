@@ -36,6 +36,8 @@ Result<Report> study_bias(const BiasJob& options, Progress& progress) {
       {"consensus", options.consensus},
       {"spread_mm", {{"mean", bias->spread_mm}, {"p95", bias->spread_p95_mm}, {"max", bias->spread_max_mm}}},
       {"spread_of_mm", bias->spread_of_mm},
+      {"apart_mm_of", bias->apart_mm_of},
+      {"best_start", bias->best_start},
       {"rv", bias->rv},
       {"rv_least", bias->rv_least},
       {"flipped", read->flipped}};

@@ -47,12 +47,12 @@ Result<NamedShapes> read(const ShapesVerb& options, Progress& progress) {
   const auto sources = shape_sources(options.files, options.group);
   if (!sources) return fail(sources.error());
   NamedShapes all;
-  const auto take = [&](std::string name, const MeshFile& mesh) -> Result<void> {
-    all.names.push_back(std::move(name));
-    all.shapes.push_back(mesh);
+  const auto take = [&](ReadShape shape) -> Result<void> {
+    all.names.push_back(std::move(shape.name));
+    all.shapes.push_back(*shape.mesh);
     return {};
   };
-  auto warnings = read_shapes(*sources, options.all_frames, take, &progress);
+  auto warnings = read_shapes(*sources, {options.all_frames}, take, &progress);
   if (!warnings) return fail(warnings.error());
   std::map<std::string, std::string> group_of;
   for (const ShapeSource& source : *sources)

@@ -127,11 +127,12 @@ Result<std::vector<MeshFile>> files_of(const TrainingVerb& options, const std::v
   const auto sources = shape_sources(options.files, options.reading.group);
   if (!sources) return fail(sources.error());
   std::vector<MeshFile> files;
-  const auto take = [&](const std::string& name, const MeshFile& mesh) {
-    if (std::find(names.begin(), names.end(), name) != names.end()) files.push_back(mesh);
+  const auto take = [&](const ReadShape& shape) {
+    if (std::find(names.begin(), names.end(), shape.name) != names.end()) files.push_back(*shape.mesh);
     return Result<void>();
   };
-  if (auto read = read_shapes(*sources, options.reading.all_frames, take, &progress); !read) return fail(read.error());
+  if (auto read = read_shapes(*sources, {options.reading.all_frames}, take, &progress); !read)
+    return fail(read.error());
   return files;
 }
 

@@ -111,7 +111,9 @@ Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
   std::vector<Mesh> shapes;
   std::vector<std::string> names;
   std::string first;
-  const auto take = [&](const std::string& name, const MeshFile& mesh) -> Result<void> {
+  const auto take = [&](const ReadShape& shape) -> Result<void> {
+    const std::string& name = shape.name;
+    const MeshFile& mesh = *shape.mesh;
     if (mesh.triangles.rows() == 0) return fail(name, "has points only; a picture needs faces, so give meshes");
     names.push_back(fs::path(name).stem().string());
     if (shapes.empty()) {
@@ -132,7 +134,7 @@ Result<Report> correspondence(const PictureVerb& verb, Progress& progress) {
     shapes.push_back({topology, mesh.points});
     return {};
   };
-  auto warnings = read_shapes(*sources, verb.all_frames, take, &progress);
+  auto warnings = read_shapes(*sources, {verb.all_frames}, take, &progress);
   if (!warnings) return fail(warnings.error());
   auto report = write(correspondence_picture(shapes, names, montage_options(verb)), verb);
   if (report) report->warnings = std::move(*warnings);

@@ -97,17 +97,21 @@ Eigen::RowVector3d place_of(const Start& start, Eigen::Index subject, const Surf
   return place;
 }
 
-/// The spread of the answers where the places of subject `from` lie on all other subjects; by place, all subjects of a
-/// place one after the other.
-std::vector<std::vector<double>> spreads_of(const std::vector<Landmark>& places, std::size_t from,
-                                            const std::vector<Start>& starts) {
+/// How far the answers of the starts lie apart, where the places of one subject lie on all others.
+struct Spreads {
+  std::vector<std::vector<double>> by_place;  ///< of each place: one spread for each other subject, mm
+  std::vector<double> of_start;               ///< of each start: mean distance of its answers to the starts' mean, mm
+};
+
+Spreads spreads_of(const std::vector<Landmark>& places, std::size_t from, const std::vector<Start>& starts) {
   const Eigen::Index subjects = starts.front().fits.cols();
   std::vector<std::vector<SurfacePoint>> at(starts.size());
   for (std::size_t s = 0; s < starts.size(); ++s) {
     const SurfaceSearch search({starts[s].topology, points_of(starts[s].fits, static_cast<Eigen::Index>(from))});
     for (const Landmark& place : places) at[s].push_back(search.nearest(place.position).at);
   }
-  std::vector<std::vector<double>> spreads(places.size());
+  Spreads spreads{std::vector<std::vector<double>>(places.size()), std::vector<double>(starts.size())};
+  const double answers_of_start = static_cast<double>(places.size()) * static_cast<double>(subjects - 1);
   for (std::size_t k = 0; k < places.size(); ++k)
     for (Eigen::Index to = 0; to < subjects; ++to) {
       if (to == static_cast<Eigen::Index>(from)) continue;
@@ -115,7 +119,10 @@ std::vector<std::vector<double>> spreads_of(const std::vector<Landmark>& places,
       for (std::size_t s = 0; s < starts.size(); ++s)
         answers.row(static_cast<Eigen::Index>(s)) = place_of(starts[s], to, at[s][k]);
       const Eigen::RowVector3d mean = answers.colwise().mean();
-      spreads[k].push_back(std::sqrt((answers.rowwise() - mean).rowwise().squaredNorm().mean()));
+      const Eigen::VectorXd apart_mm = (answers.rowwise() - mean).rowwise().norm();
+      spreads.by_place[k].push_back(std::sqrt(apart_mm.squaredNorm() / static_cast<double>(apart_mm.size())));
+      for (std::size_t s = 0; s < starts.size(); ++s)
+        spreads.of_start[s] += apart_mm[static_cast<Eigen::Index>(s)] / answers_of_start;
     }
   return spreads;
 }
@@ -143,13 +150,16 @@ Result<TemplateBias> template_bias(const std::vector<BiasSubject>& subjects, con
   if (options.progress != nullptr && options.progress->cancelled()) return fail("", "the study was cancelled");
   TemplateBias bias;
   std::vector<Start> starts;
+  std::vector<std::string> names;  // of the starts
   for (std::size_t s = 0; s < runs.size(); ++s) {
     for (const std::string& warning : warnings[s])
       bias.warnings.push_back(subjects[s].name + ", as a template: " + warning);
-    if (runs[s])
+    if (runs[s]) {
       starts.push_back(std::move(*runs[s]));
-    else
+      names.push_back(subjects[s].name);
+    } else {
       bias.failed.push_back(subjects[s].name);
+    }
   }
   if (starts.size() < 2) return fail("", "fewer than two subjects gave templates that fit all others; check them");
 
@@ -167,17 +177,24 @@ Result<TemplateBias> template_bias(const std::vector<BiasSubject>& subjects, con
   for (const std::size_t k : unlike_the_others(signs)) bias.doubtful.push_back(subjects[k].name);
   std::vector<double> all;
   std::map<std::string, std::vector<double>> by_name;
-  std::vector<std::vector<std::vector<double>>> spreads(subjects.size());
+  std::vector<Spreads> spreads(subjects.size());
   for_each_in_parallel(subjects.size(),
                        [&](std::size_t from) { spreads[from] = spreads_of(places_of(subjects[from]), from, starts); });
   for (std::size_t from = 0; from < subjects.size(); ++from) {
     const auto places = places_of(subjects[from]);
     for (std::size_t k = 0; k < places.size(); ++k)
-      for (const double spread : spreads[from][k]) {
+      for (const double spread : spreads[from].by_place[k]) {
         all.push_back(spread);
         if (!places[k].name.empty()) by_name[places[k].name].push_back(spread);
       }
   }
+  for (std::size_t s = 0; s < starts.size(); ++s) {
+    double apart_mm = 0;
+    for (const Spreads& of_subject : spreads) apart_mm += of_subject.of_start[s] / static_cast<double>(spreads.size());
+    bias.apart_mm_of[names[s]] = apart_mm;
+  }
+  bias.best_start =
+      std::ranges::min_element(bias.apart_mm_of, {}, [](const auto& start) { return start.second; })->first;
   bias.spread_mm = mean_of(all);
   bias.spread_p95_mm = quantile(all, 0.95);
   bias.spread_max_mm = *std::max_element(all.begin(), all.end());

@@ -87,14 +87,14 @@ Result<ObserverRead> read_observer(const fs::path& path, Progress* progress) {
   if (!sources) return fail(sources.error());
   ObserverRead read;
   for (const auto& [name, source] : *sources) {
-    const auto take = [&, &called = name, &origin = source](const std::string&, const MeshFile& mesh) -> Result<void> {
+    const auto take = [&, &called = name, &origin = source](ReadShape shape) -> Result<void> {
       if (read.shapes.contains(called))
         read.warnings.push_back(origin.file.string() + ": is a second file of the case " + called + " (left out)");
       else
-        read.shapes[called] = std::make_shared<const MeshFile>(mesh);
+        read.shapes[called] = std::move(shape.mesh);
       return {};
     };
-    auto warnings = read_shapes({source}, false, take);
+    auto warnings = read_shapes({source}, {}, take);
     if (progress != nullptr && progress->cancelled()) return fail("", "the comparison was cancelled");
     if (!warnings && sources->size() == 1) return fail(warnings.error());
     if (!warnings)

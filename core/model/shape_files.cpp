@@ -1,11 +1,14 @@
 #include "core/model/shape_files.h"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "core/base/files.h"
+#include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "core/mesh/mirror.h"
+#include "core/model/doubtful_shapes.h"
 #include "core/model/shape_folder.h"
 #include "core/model/study.h"
 
@@ -26,25 +29,44 @@ bool is_study(const fs::path& file) {
   return file.string().ends_with(".study.json");
 }
 
-/// Reads a file only where it is another one than before: the frames of a cine come one after the other.
-class LastFile {
- public:
-  const Result<ShapesOfFile>& read(const fs::path& file) {
-    if (!file_ || *file_ != file) {
-      shapes_ = read_shapes_of(file);
-      file_ = file;
-    }
-    return shapes_;
-  }
-
- private:
-  std::optional<fs::path> file_;
-  Result<ShapesOfFile> shapes_;
-};
-
 std::vector<std::optional<int>> frames_of(const ShapeSource& source, const ShapesOfFile& shapes, bool all_frames) {
   if (source.frame || !all_frames || shapes.edited.empty()) return {source.frame};
   return {shapes.edited.begin(), shapes.edited.end()};
+}
+
+/// Sources that come one after the other and name one file, as the frames of a cine do.
+struct OneFile {
+  std::vector<const ShapeSource*> sources;
+};
+
+/// What one file gave, in the order of its sources: a shape, or why there is none.
+struct FileRead {
+  std::vector<Result<ReadShape>> shapes;
+  std::vector<std::string> warnings;
+};
+
+FileRead read_file(const OneFile& file, const ShapeReading& reading) {
+  FileRead read;
+  const fs::path& path = file.sources.front()->file;
+  const auto shapes = read_shapes_of(path);
+  if (!shapes) {
+    read.shapes.emplace_back(fail(shapes.error()));
+    return read;
+  }
+  read.warnings = shapes->warnings;
+  for (const ShapeSource* source : file.sources)
+    for (const auto& frame : frames_of(*source, *shapes, reading.all_frames)) {
+      auto mesh = shapes->shape(frame, path.string());
+      if (!mesh) {
+        read.shapes.emplace_back(fail(mesh.error()));
+        continue;
+      }
+      ReadShape shape{source->name(frame), std::move(*mesh), source->doubt};
+      if (source->flipped) shape.mesh = std::make_shared<const MeshFile>(mirrored(*shape.mesh));
+      if (reading.doubts && !source->done && source->doubt.empty()) shape.doubt = doubt_of_shape(*shape.mesh);
+      read.shapes.emplace_back(std::move(shape));
+    }
+  return read;
 }
 
 }  // namespace
@@ -125,42 +147,43 @@ Result<std::vector<ShapeSource>> shape_sources(const std::vector<fs::path>& file
   return sources;
 }
 
-Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sources, bool all_frames,
+Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sources, const ShapeReading& reading,
                                              const TakeShape& take, Progress* progress) {
   const auto may_have_frames = [](const ShapeSource& one) { return is_case_file(one.file) && !one.frame; };
-  if (all_frames && !sources.empty() && std::none_of(sources.begin(), sources.end(), may_have_frames))
+  if (reading.all_frames && !sources.empty() && std::none_of(sources.begin(), sources.end(), may_have_frames))
     return fail(sources.front().file.string(),
                 "gives one frame, as do all others here, so --all-frames has no effect; leave it out, or give the "
                 "case files of cines");
+  std::vector<OneFile> files;
+  for (const ShapeSource& source : sources) {
+    if (auto numbered = check_numbering(source.file); !numbered) return fail(numbered.error());
+    if (files.empty() || files.back().sources.front()->file != source.file) files.emplace_back();
+    files.back().sources.push_back(&source);
+  }
+  constexpr std::size_t at_a_time = 32;  // so that few meshes wait to be taken
   std::vector<std::string> warnings;
   std::optional<Error> unreadable;
-  std::size_t taken = 0, done = 0;
-  LastFile last;
-  const auto leave_out = [&](const Error& error) {
-    if (!unreadable) unreadable = error;
-    warnings.push_back(error.sentence() + " (left out)");
-  };
-  for (const ShapeSource& source : sources) {
-    if (progress != nullptr) {
-      progress->report(static_cast<double>(done++) / static_cast<double>(sources.size()));
-      if (progress->cancelled()) return fail("", "was stopped while the shapes were read");
-    }
-    if (auto numbered = check_numbering(source.file); !numbered) return fail(numbered.error());
-    const auto& shapes = last.read(source.file);
-    if (!shapes) {
-      leave_out(shapes.error());
-      continue;
-    }
-    warnings.insert(warnings.end(), shapes->warnings.begin(), shapes->warnings.end());
-    for (const auto& frame : frames_of(source, *shapes, all_frames)) {
-      const std::string name = source.name(frame);
-      const auto mesh = shapes->shape(frame, source.file.string());
-      if (!mesh) {
-        leave_out(mesh.error());
-        continue;
+  std::size_t taken = 0;
+  for (std::size_t first = 0; first < files.size(); first += at_a_time) {
+    std::vector<FileRead> reads(std::min(at_a_time, files.size() - first));
+    std::atomic<std::size_t> done = first;
+    for_each_in_parallel(reads.size(), [&](std::size_t k) {
+      if (progress != nullptr && progress->cancelled()) return;
+      reads[k] = read_file(files[first + k], reading);
+      if (progress != nullptr) progress->report(static_cast<double>(++done) / static_cast<double>(files.size()));
+    });
+    if (progress != nullptr && progress->cancelled()) return fail("", "was stopped while the shapes were read");
+    for (FileRead& read : reads) {
+      warnings.insert(warnings.end(), read.warnings.begin(), read.warnings.end());
+      for (Result<ReadShape>& shape : read.shapes) {
+        if (!shape) {
+          if (!unreadable) unreadable = shape.error();
+          warnings.push_back(shape.error().sentence() + " (left out)");
+          continue;
+        }
+        if (auto took = take(std::move(*shape)); !took) return fail(took.error());
+        ++taken;
       }
-      if (auto took = take(name, source.flipped ? mirrored(**mesh) : **mesh); !took) return fail(took.error());
-      ++taken;
     }
   }
   if (taken == 0) return fail(unreadable.value_or(Error{"", "no shape was given; a model needs at least two"}));

@@ -53,11 +53,22 @@ struct ShapeSource {
 Result<std::vector<ShapeSource>> shape_sources(const std::vector<std::filesystem::path>& files,
                                                const std::string& group = {});
 
-using TakeShape = std::function<Result<void>(std::string name, const MeshFile& mesh)>;
-/// Reads one source after the other and hands its shape to `take` under the file's name, with the frame where one of
-/// several is taken; `all_frames`: of a cine case without a frame every one that was edited. What cannot be read is
-/// left out; gives the sentences that say so. Errors: take's, an STL file, nothing that could be read, cancelled.
-Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sources, bool all_frames,
+/// A shape that was read.
+struct ReadShape {
+  std::string name;  ///< the file's, with the frame where one of several is taken
+  std::shared_ptr<const MeshFile> mesh;
+  std::string doubt;  ///< why it is in doubt; empty: it is not, or nobody asked
+};
+using TakeShape = std::function<Result<void>(ReadShape shape)>;
+
+struct ShapeReading {
+  bool all_frames = false;  ///< of a cine case without a frame every one that was edited
+  bool doubts = false;      ///< looks for what is in doubt: what the study says of it, else `doubt_of_shape`
+};
+/// Reads sources, several at a time, and hands their shapes to `take` one after the other in the sources' order. What
+/// cannot be read is left out; gives the sentences that say so. Errors: take's, an STL file, nothing that could be
+/// read, cancelled.
+Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sources, const ShapeReading& reading,
                                              const TakeShape& take, Progress* progress = nullptr);
 
 /// A shape to write.

@@ -286,22 +286,15 @@ Result<TrainingSetRead> read_training_set(const std::vector<fs::path>& files, co
                                           Progress* progress) {
   const auto sources = shape_sources(files, options.group);
   if (!sources) return fail(sources.error());
-  std::map<std::string, std::string> said;  // by the study; a case that is done is in no doubt, whatever its mesh says
-  for (const ShapeSource& source : *sources)
-    if (source.done || !source.doubt.empty()) said[source.name(source.frame)] = source.doubt;
   TrainingSetBuilder builder(sources->size());
   std::vector<DoubtfulShape> doubtful;
-  const auto warnings = read_shapes(
-      *sources, options.all_frames,
-      [&](std::string name, const MeshFile& mesh) {
-        const auto by_study = said.find(name);
-        std::string reason = by_study != said.end() ? by_study->second : doubt_of_shape(mesh);
-        const bool is_left_out = options.without_doubtful && !reason.empty();
-        if (!reason.empty()) doubtful.push_back({name, std::move(reason)});
-        if (!is_left_out) builder.add(std::move(name), mesh);
-        return Result<void>();
-      },
-      progress);
+  const auto take = [&](ReadShape shape) {
+    const bool is_left_out = options.without_doubtful && !shape.doubt.empty();
+    if (!shape.doubt.empty()) doubtful.push_back({shape.name, std::move(shape.doubt)});
+    if (!is_left_out) builder.add(std::move(shape.name), *shape.mesh);
+    return Result<void>();
+  };
+  const auto warnings = read_shapes(*sources, {options.all_frames, true}, take, progress);
   if (!warnings) return fail(warnings.error());
   if (options.without_doubtful && builder.shapes() < 2 && !doubtful.empty())
     return fail(doubtful.front().name,

@@ -80,6 +80,8 @@ TEST_CASE("template bias is small where templates agree and the same for any num
   CHECK(bias.spread_mm < 3);
   CHECK(bias.spread_max_mm >= bias.spread_p95_mm);
   CHECK(bias.spread_of_mm.size() == 2);
+  REQUIRE(bias.apart_mm_of.size() == 3);
+  for (const auto& [name, apart_mm] : bias.apart_mm_of) CHECK(bias.apart_mm_of.at(bias.best_start) <= apart_mm);
   CHECK(bias.rv > 0.9);
   CHECK(bias.rv_least <= bias.rv);
   const ThreadLimit limit(1);

@@ -1,6 +1,7 @@
 #include "app/verbs/case_of_fit.h"
 
 #include "core/base/paths.h"
+#include "core/case/actions/frames.h"
 #include "core/case/actions/points.h"
 #include "core/model/shape_folder.h"
 #include "core/session/case_file.h"
@@ -19,6 +20,7 @@ Result<StudyCase> write_case_of_fit(const FittedCase& fitted, const fs::path& fo
   one.state = CaseState::in_work;
   if (!fitted.labels.empty()) one.labels = absolute_path(fitted.labels);
   one.doubt = fitted.doubt;
+  one.frame = fitted.frame;
   std::error_code ignored;
   if (fs::exists(one.file, ignored) && goes_on_after_fit(one.file)) {
     warnings.push_back(one.file.string() +
@@ -39,6 +41,8 @@ Result<StudyCase> write_case_of_fit(const FittedCase& fitted, const fs::path& fo
   if (!session) return fail(session.error());
   if (fitted.mirrored)
     if (auto turned = session->apply(MirrorTemplate{}); !turned) return fail(turned.error());
+  if (fitted.frame)
+    if (auto shown = session->apply(SetFrame{*fitted.frame}); !shown) return fail(shown.error());
   SetPoints edit = points_edit(session->document(), fitted.points, by_fit, fitted.placement);
   if (fitted.doubt_mm.size() > 0) edit.doubt_mm = doubt_on_grid(fitted.doubt_mm);
   if (fitted.outlier.size() > 0) edit.outlier = std::make_shared<const VertexScalars>(fitted.outlier);

@@ -167,6 +167,7 @@ FittedCase case_of(const FitJob& options, const FitShared& shared, const fs::pat
   if (target.mask) {
     fitted.image = fitted.labels = path;
     fitted.grid = grid_of(target.mask->volume);
+    if (target.mask->volume.frames > 1) fitted.frame = target.mask->frame;
   }
   fitted.doubt_mm = fit.doubt_mm;
   if (options.partial) fitted.outlier = outlier_marks(fit);
@@ -289,7 +290,7 @@ Result<Report> fit_case(const FitJob& options, const FitShared& shared, const fs
   if (fitted.judgement.doubtful) file.comments.push_back(doubt_comment(reason_of_doubt(fitted.judgement.warnings)));
   if (auto written = write_mesh_file(file, out); !written) return fail(written.error());
   std::vector<std::string> kept;
-  if (among.of_study != nullptr && !of_cine) {
+  if (among.of_study != nullptr) {
     auto one = write_case_of_fit(case_of(options, shared, path, *target, fitted.fit, fitted.judgement),
                                  out.parent_path(), kept);
     if (!one) return fail(one.error());

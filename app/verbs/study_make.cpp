@@ -16,6 +16,7 @@
 #include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/catalogue/catalogue.h"
+#include "core/mesh/mesh_frame.h"
 #include "core/model/doubtful_shapes.h"
 #include "core/session/case_file.h"
 
@@ -149,6 +150,7 @@ Result<StudyCase> case_of_mesh(const std::string& name, const RowFiles& files, s
   FittedCase fitted{name, files.image.empty() ? files.labels : files.image, files.labels, std::move(grid),
                     the_template};
   fitted.points = mesh->points;
+  if (fitted.grid && fitted.grid->frames > 1) fitted.frame = noted_frame(*mesh);
   if (mesh->doubt_mm) fitted.doubt_mm = *mesh->doubt_mm;
   if (mesh->outlier) fitted.outlier = *mesh->outlier;
   fitted.doubt = doubt_of_shape(*mesh);

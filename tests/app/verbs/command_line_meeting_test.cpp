@@ -149,3 +149,22 @@ TEST_CASE("lengths in another unit and RAS for LPS are said where a mesh meets a
   REQUIRE(run(folder, "convert ras.ply turned.ply --from-ras").status == 0);
   CHECK(run(folder, "compare turned.ply --mesh right.ply --json").json()["vertex_distance_mm"]["max"] < 1e-3);
 }
+
+TEST_CASE("a cohort of cines gets cases whose meshes lie at the frame that was fitted") {
+  const TemporaryFolder folder;
+  put_cine(folder.path);
+  REQUIRE(write_mesh(organ(1), folder.path / "t.ply"));
+  const Ran fitted = run(folder, "fit t.ply --mask cine.nii.gz other.nii.gz --frame 1 -o fits --json");
+  INFO(fitted.errors);
+  REQUIRE(fitted.status == 0);
+  const auto study = Json::parse(read_whole_file(folder.path / "fits" / "fits.study.json").value());
+  REQUIRE(study["cases"].size() == 2);
+  CHECK(study["cases"][0]["frame"] == 1);
+  REQUIRE(run(folder, "replay fits/cine.homolog --frame 1 -o replayed.ply").status == 0);
+  CHECK(run(folder, "compare replayed.ply --mesh fits/cine.ply --json").json()["assd_mm"] < 1e-4);
+  CHECK(run(folder, "compare replayed.ply --mask cine.nii.gz --frame 1 --json").json()["dice"] > 0.95);
+  const Ran model = run(folder, "model fits/fits.study.json -o m.h5.json --keep-scale --json");
+  INFO(model.errors);
+  REQUIRE(model.status == 0);
+  CHECK(model.json()["shapes"] == 2);
+}

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/limits.h"
-#include "core/case/actions/decided.h"
+#include "core/case/members.h"
 #include "core/placement/landmark_warp.h"
 #include "core/placement/likely_similarity.h"
 #include "core/placement/similarity_fit.h"
@@ -66,14 +66,9 @@ Shape shape_of_frame(const Document& document, int frame) {
 void start_anew(const Template& the_template, Shape& shape) {
   shape.placed = std::make_shared<const Points>(shape.placement.apply(the_template.points));
   shape.points = shape.reference = shape.placed;
-  shape.decided.reset();
-  shape.unaided.reset();
-  shape.carried.reset();
-  shape.doubt.clear();
-  shape.doubt_mm.reset();
-  shape.outlier.reset();
-  shape.strokes = 0;
-  forget_pulls_and_snaps(shape);
+  for_each_member(shape_members, [&](const auto& member) {
+    if (member.origin == Origin::edits) shape.*member.of = {};
+  });
 }
 
 Result<EditReport> carry_to_landmarks(const Template& the_template, LandmarkPull fit, LandmarkRule rule, Shape& shape) {

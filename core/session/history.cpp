@@ -4,41 +4,43 @@
 #include <array>
 #include <cassert>
 
+#include "core/case/members.h"
+
 namespace homolog {
 
 namespace {
 
-/// Calls `visit(address, bytes)` for every array of a document that is as long as its mesh.
-template <class Visit>
-void visit_arrays(const Document& document, const Visit& visit) {
-  const auto doubles = [&](const auto& array) {
-    if (array) visit(static_cast<const void*>(array.get()), static_cast<std::size_t>(array->size()) * sizeof(double));
-  };
-  doubles(document.stiffness);
-  if (document.regions) visit(document.regions.get(), document.regions->of_vertex.size());
-  if (document.the_template) {
-    const Template& the_template = *document.the_template;
-    visit(&the_template,
-          static_cast<std::size_t>(the_template.points.size() + the_template.stiffness.size()) * sizeof(double));
-    constexpr std::size_t a_vertex = 200;  // of a topology's tables
-    visit(the_template.topology.get(), a_vertex * static_cast<std::size_t>(the_template.topology->vertices()));
-  }
-  for (const auto& [frame, shape] : document.shapes) {
-    // Taken apart, so that a new member does not compile until it is counted here.
-    const auto& [placement, before_landmarks, landmarks, placed, reference, points, confirmed, decided, unaided,
-                 strokes, pulled, pulls, unsnapped, carried, doubt, doubt_mm, outlier] = shape;
-    doubles(placed);
-    doubles(reference);
-    doubles(points);
-    doubles(confirmed);
-    doubles(decided);
-    doubles(unaided);
-    doubles(carried);
-    doubles(doubt_mm);
-    doubles(outlier);
-    doubles(pulled);
-    doubles(unsnapped);
-  }
+// Calls `visit(address, bytes)` for an array that is as long as the mesh.
+
+void visit_array(const auto&, const auto&) {}
+
+template <class Array>
+void visit_array(const std::shared_ptr<const Array>& array, const auto& visit) {
+  if (array) visit(static_cast<const void*>(array.get()), static_cast<std::size_t>(array->size()) * sizeof(double));
+}
+
+void visit_array(const std::shared_ptr<const Volume>&, const auto&) {}  // all states share it
+
+void visit_array(const std::shared_ptr<const Regions>& regions, const auto& visit) {
+  if (regions) visit(static_cast<const void*>(regions.get()), regions->of_vertex.size());
+}
+
+void visit_array(const std::shared_ptr<const Template>& the_template, const auto& visit) {
+  if (!the_template) return;
+  visit(static_cast<const void*>(the_template.get()),
+        static_cast<std::size_t>(the_template->points.size() + the_template->stiffness.size()) * sizeof(double));
+  constexpr std::size_t a_vertex = 200;  // of a topology's tables
+  visit(static_cast<const void*>(the_template->topology.get()),
+        a_vertex * static_cast<std::size_t>(the_template->topology->vertices()));
+}
+
+void visit_array(const std::map<int, Shape>& shapes, const auto& visit) {
+  for (const auto& [frame, shape] : shapes)
+    for_each_member(shape_members, [&](const auto& member) { visit_array(shape.*member.of, visit); });
+}
+
+void visit_arrays(const Document& document, const auto& visit) {
+  for_each_member(document_members, [&](const auto& member) { visit_array(document.*member.of, visit); });
 }
 
 /// What a document takes that another one does not hold already.

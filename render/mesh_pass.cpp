@@ -10,6 +10,8 @@
 namespace homolog {
 namespace {
 
+constexpr std::uint64_t mesh_budget_bytes = std::uint64_t{256} << 20;
+
 /// Distance from the eye to the nearest corner of a box, along the line of sight; mm.
 float nearest_depth_mm(const Box& box, const Projection& projection) {
   float depth = std::numeric_limits<float>::max();
@@ -54,46 +56,94 @@ MeshPass::Surface MeshPass::make_surface() {
   surface.attributes = gl::VertexArray::make();
   surface.points_and_normals = gl::Buffer::make();
   surface.colours = gl::Buffer::make();
-  surface.triangles = gl::Buffer::make();
   glBindVertexArray(surface.attributes.name());
   glBindBuffer(GL_ARRAY_BUFFER, surface.points_and_normals.name());
   gl::attribute(0, 3, 6 * sizeof(float), 0, 0);
   gl::attribute(1, 3, 6 * sizeof(float), 3 * sizeof(float), 0);
   glBindBuffer(GL_ARRAY_BUFFER, surface.colours.name());
   gl::attribute(2, 3, sizeof(Rgb), 0, 0);
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, surface.triangles.name());
   glBindVertexArray(0);
   return surface;
 }
 
 void MeshPass::update(const std::vector<MeshLayer>& meshes) {
-  while (surfaces_.size() < meshes.size()) surfaces_.push_back(make_surface());
-  surfaces_.resize(meshes.size());
-  for (std::size_t i = 0; i < meshes.size(); ++i) update(surfaces_[i], meshes[i]);
+  ++scenes_;
+  shown_.clear();
+  for (const MeshLayer& mesh : meshes) {
+    if (!mesh.topology || !mesh.points || mesh.surface_opacity <= 0 || !(mesh.surface || mesh.wireframe)) continue;
+    Surface& surface = surface_of(mesh);
+    update(surface, mesh);
+    shown_.push_back(&surface);
+  }
+  make_room();
+}
+
+/// The surface that holds the mesh; else one to be filled: that of points that are gone, so that a mesh that is dragged
+/// takes up no more and more, or a new one. None serves two layers of a scene.
+MeshPass::Surface& MeshPass::surface_of(const MeshLayer& mesh) {
+  const auto is_free = [&](const Surface& surface) { return surface.scene != scenes_; };
+  auto found = std::ranges::find_if(surfaces_, [&](const Surface& surface) {
+    return is_free(surface) && surface.points.is(mesh.points) && surface.topology.is(mesh.topology);
+  });
+  if (found == surfaces_.end())
+    found = std::ranges::find_if(surfaces_, [&](const Surface& surface) {
+      return is_free(surface) && surface.points.owner.expired() && surface.topology.is(mesh.topology);
+    });
+  if (found == surfaces_.end())
+    surfaces_.push_front(make_surface());
+  else
+    surfaces_.splice(surfaces_.begin(), surfaces_, found);
+  surfaces_.front().scene = scenes_;
+  return surfaces_.front();
+}
+
+void MeshPass::set_triangles(Surface& surface, const std::shared_ptr<const Topology>& topology) {
+  const Triangles& triangles = topology->triangles();
+  surface.indices = static_cast<GLsizei>(triangles.size());
+  const auto same = std::ranges::find_if(surfaces_, [&](const Surface& other) {
+    return &other != &surface && other.triangles && other.topology.is(topology);
+  });
+  glBindVertexArray(surface.attributes.name());
+  if (same != surfaces_.end()) {
+    surface.triangles = same->triangles;
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, surface.triangles->name());
+  } else {
+    surface.triangles = std::make_shared<gl::Buffer>(gl::Buffer::make());
+    gl::upload(*surface.triangles, GL_ELEMENT_ARRAY_BUFFER,
+               std::span(triangles.data(), static_cast<std::size_t>(triangles.size())), GL_STATIC_DRAW);
+  }
+  glBindVertexArray(0);
+}
+
+void MeshPass::make_room() {
+  const auto is_idle = [&](const Surface& surface) { return surface.scene != scenes_; };
+  std::erase_if(surfaces_,
+                [&](const Surface& surface) { return is_idle(surface) && surface.topology.owner.expired(); });
+  std::uint64_t bytes = 0;
+  for (const Surface& surface : surfaces_) bytes += surface.bytes;
+  while (bytes > mesh_budget_bytes && is_idle(surfaces_.back())) {
+    bytes -= surfaces_.back().bytes;
+    surfaces_.pop_back();
+  }
 }
 
 void MeshPass::update(Surface& surface, const MeshLayer& mesh) {
-  surface.shown = mesh.topology && mesh.points && mesh.surface_opacity > 0 && (mesh.surface || mesh.wireframe);
-  if (!surface.shown) return;
   assert(mesh.points->rows() == mesh.topology->vertices());
   surface.faces = mesh.surface;
   surface.edges = mesh.wireframe;
   surface.opacity = std::min(mesh.surface_opacity, 1.0f);
   const bool new_topology = surface.topology.update(mesh.topology);
-  if (new_topology) {
-    const Triangles& triangles = mesh.topology->triangles();
-    surface.indices = static_cast<GLsizei>(triangles.size());
-    glBindVertexArray(surface.attributes.name());
-    gl::upload(surface.triangles, GL_ELEMENT_ARRAY_BUFFER,
-               std::span(triangles.data(), static_cast<std::size_t>(triangles.size())), GL_STATIC_DRAW);
-    glBindVertexArray(0);
-  }
+  if (new_topology) set_triangles(surface, mesh.topology);
   if (surface.points.update(mesh.points, mesh.points_revision) || new_topology) {
     Eigen::Matrix<float, Eigen::Dynamic, 6, Eigen::RowMajor> vertices(mesh.points->rows(), 6);
     vertices.leftCols<3>() = mesh.points->cast<float>();
     vertices.rightCols<3>() = vertex_normals({mesh.topology, *mesh.points}).cast<float>();
     gl::upload(surface.points_and_normals, GL_ARRAY_BUFFER,
                std::span<const float>(vertices.data(), static_cast<std::size_t>(vertices.size())), GL_DYNAMIC_DRAW);
+    ++uploads_;
+    surface.bytes = static_cast<std::uint64_t>(vertices.size()) * sizeof(float) +
+                    static_cast<std::uint64_t>(vertices.rows()) * sizeof(Rgb) +
+                    static_cast<std::uint64_t>(surface.indices) * sizeof(std::uint32_t);
     surface.box = bounds_of(*mesh.points);
     surface.edge_mm = mean_edge_mm(*mesh.topology, *mesh.points);
   }
@@ -129,10 +179,10 @@ void MeshPass::draw_edges(const Surface& surface, const Projection& projection) 
 }
 
 void MeshPass::draw_opaque(const Projection& projection) {
-  for (const Surface& surface : surfaces_) {
-    if (!surface.shown || surface.opacity < 1) continue;
-    if (surface.faces) draw_triangles(faces_, surface, projection, surface.opacity);
-    if (surface.edges) draw_edges(surface, projection);
+  for (const Surface* surface : shown_) {
+    if (surface->opacity < 1) continue;
+    if (surface->faces) draw_triangles(faces_, *surface, projection, surface->opacity);
+    if (surface->edges) draw_edges(*surface, projection);
   }
 }
 
@@ -142,8 +192,8 @@ void MeshPass::draw_hidden(const Projection& projection) {
   glCullFace(GL_BACK);
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_FALSE);
-  for (const Surface& surface : surfaces_)
-    if (surface.shown && surface.faces && surface.opacity >= 1) draw_triangles(faces_, surface, projection, ghost);
+  for (const Surface* surface : shown_)
+    if (surface->faces && surface->opacity >= 1) draw_triangles(faces_, *surface, projection, ghost);
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LEQUAL);
   glDisable(GL_CULL_FACE);
@@ -151,9 +201,8 @@ void MeshPass::draw_hidden(const Projection& projection) {
 
 void MeshPass::draw_transparent(const Projection& projection) {
   std::vector<const Surface*> far_to_near;
-  for (const Surface& surface : surfaces_) {
-    if (surface.shown && surface.opacity < 1) far_to_near.push_back(&surface);
-  }
+  for (const Surface* surface : shown_)
+    if (surface->opacity < 1) far_to_near.push_back(surface);
   std::stable_sort(far_to_near.begin(), far_to_near.end(), [&](const Surface* a, const Surface* b) {
     return nearest_depth_mm(a->box, projection) > nearest_depth_mm(b->box, projection);
   });

@@ -8,7 +8,8 @@
 
 namespace homolog {
 
-/// Outlines of meshes in planes; one that was asked for of late is not worked out again. For one thread.
+/// Outlines of meshes in planes; one that was asked for of late is not worked out again while its points live. For one
+/// thread.
 class Outlines {
  public:
   using Outline = std::shared_ptr<const std::vector<OutlineSegment>>;
@@ -18,12 +19,12 @@ class Outlines {
 
  private:
   struct Known {
-    std::shared_ptr<const Topology> topology;
-    std::shared_ptr<const Points> points;
+    std::weak_ptr<const Topology> topology;
+    std::weak_ptr<const Points> points;
     Vec3 on_plane, normal;
     Outline outline;
   };
-  std::list<Known> known_;  ///< the last few, latest first
+  std::list<Known> known_;  ///< latest first
 };
 
 }  // namespace homolog

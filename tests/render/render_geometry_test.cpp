@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/mesh/icosphere.h"
+#include "render/mesh_pass.h"
 #include "render/outline.h"
 #include "tests/render_help.h"
 
@@ -302,6 +303,33 @@ TEST_CASE("moved points and changed colours are drawn when the revision moves") 
   scene.meshes[0] = layer;
   scene.meshes[0].points = std::make_shared<const Points>(ball.points);
   CHECK(middle()[1] > 150);
+}
+
+TEST_CASE("a mesh stays on the GPU wherever it stands in the scene and while others are drawn") {
+  const Mesh ball = icosphere(2, 20);
+  std::vector<MeshLayer> layers;
+  for (int k = 0; k < 6; ++k) {
+    layers.push_back(test::layer_of({ball.topology, ball.points * (1 - 0.1 * k)}));
+    if (k % 2 == 0)
+      layers.back().colours =
+          std::make_shared<const std::vector<Rgb>>(static_cast<std::size_t>(ball.points.rows()), Rgb{0, 1, 0});
+  }
+  MeshPass pass = test::must(MeshPass::make());
+  pass.update(layers);
+  CHECK(pass.uploads() == 6);
+  std::vector<MeshLayer> turned(layers.rbegin(), layers.rend());
+  pass.update(turned);
+  for (const MeshLayer& one : layers) pass.update({one});  // a scene each, as a gallery draws
+  turned.erase(turned.begin() + 2);
+  pass.update(turned);
+  CHECK(pass.uploads() == 6);
+  // A mesh that is dragged takes the place of its points that are gone.
+  for (int k = 0; k < 20; ++k) {
+    layers[0].points = std::make_shared<const Points>(ball.points * (1 + 0.01 * k));
+    pass.update(layers);
+  }
+  CHECK(pass.uploads() == 26);
+  CHECK(pass.kept() <= 7);
 }
 
 TEST_CASE("a picture wider than the driver draws is refused with its limit") {

@@ -212,7 +212,7 @@ TEST_CASE("an outline is worked out once for a mesh and a plane, and anew for an
   CHECK(outline_at(std::make_shared<const Points>(*points), 1) != first);
   CHECK(outline_at(points, 1) == first);
   CHECK(first->size() == intersect_plane(*sphere.topology, *points, Vec3(0, 0, 1), Vec3(0, 0, 1)).size());
-  for (double z = 3; z < 9; z += 0.5) outline_at(points, z);
+  for (double z = 3; z < 9; z += 0.005) outline_at(points, z);
   CHECK(outline_at(points, 1) != first);  // what was not asked for is let go in time
 }
 

@@ -143,7 +143,8 @@ void MeshPass::update(Surface& surface, const MeshLayer& mesh) {
     ++uploads_;
     surface.bytes = static_cast<std::uint64_t>(vertices.size()) * sizeof(float) +
                     static_cast<std::uint64_t>(vertices.rows()) * sizeof(Rgb) +
-                    static_cast<std::uint64_t>(surface.indices) * sizeof(std::uint32_t);
+                    static_cast<std::uint64_t>(surface.indices) * sizeof(std::uint32_t) /
+                        static_cast<std::uint64_t>(surface.triangles.use_count());
     surface.box = bounds_of(*mesh.points);
     surface.edge_mm = mean_edge_mm(*mesh.topology, *mesh.points);
   }

@@ -13,7 +13,8 @@
 namespace homolog {
 
 /// Shaded surfaces in the 3D view. A mesh that was drawn stays on the GPU under its identity, wherever it stands in the
-/// scene, and the least recently drawn goes first beyond a budget: a gallery that is drawn again uploads nothing.
+/// scene, and the least recently drawn goes first beyond a budget: a gallery within the budget
+/// that is drawn again uploads nothing.
 class MeshPass {
  public:
   static Result<MeshPass> make();

@@ -20,7 +20,6 @@ Result<StudyCase> write_case_of_fit(const FittedCase& fitted, const fs::path& fo
   one.state = CaseState::in_work;
   if (!fitted.labels.empty()) one.labels = absolute_path(fitted.labels);
   one.doubt = fitted.doubt;
-  one.frame = fitted.frame;
   std::error_code ignored;
   if (fs::exists(one.file, ignored) && goes_on_after_fit(one.file)) {
     warnings.push_back(one.file.string() +
@@ -28,6 +27,7 @@ Result<StudyCase> write_case_of_fit(const FittedCase& fitted, const fs::path& fo
                        "anew");
     return one;
   }
+  one.frame = fitted.frame;
   const Template& the_template = *fitted.template_of_file;
   if (fitted.points.rows() != the_template.points.rows())
     return fail(fitted.name, "has " + std::to_string(fitted.points.rows()) + " vertices where the template has " +

@@ -20,7 +20,7 @@ struct FittedCase {
   std::shared_ptr<const Template> template_of_file;  ///< as its file has it
   bool mirrored = false;                             ///< it was fitted as that of the other side
   Points points;                                     ///< n×3, mm
-  std::optional<int> frame;                          ///< of a cine, to which the shape belongs
+  std::optional<int> frame;                          ///< the frame of a cine to which the shape belongs
   std::optional<Similarity> placement;
   VertexScalars doubt_mm, outlier;  ///< empty: none
   std::string doubt;                ///< why a person has to look at it, as a sentence; empty: no doubt

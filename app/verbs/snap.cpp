@@ -63,6 +63,7 @@ Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   const Document& before = session->document();
   if (!before.the_template || !before.has_shape())
     return fail(verb.source.string(), "has no mesh in the frame it shows; start it in the editor");
+  if (!before.volume) return fail(verb.source.string(), "has no image to snap to; give a case that has one");
   const auto met = meeting_warnings(verb, before);
   auto options = snap_options(verb.snap, before.shape().points->rows(), progress);
   if (!options) return fail(options.error());

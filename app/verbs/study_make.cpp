@@ -151,6 +151,11 @@ Result<StudyCase> case_of_mesh(const std::string& name, const RowFiles& files, s
                     the_template};
   fitted.points = mesh->points;
   if (fitted.grid && fitted.grid->frames > 1) fitted.frame = noted_frame(*mesh);
+  if (fitted.frame && *fitted.frame >= fitted.grid->frames)
+    return fail(files.file.string(), "belongs to frame " + std::to_string(*fitted.frame) + ", and its scan has " +
+                                         std::to_string(fitted.grid->frames) +
+                                         " frames; give the scan that it was "
+                                         "fitted to");
   if (mesh->doubt_mm) fitted.doubt_mm = *mesh->doubt_mm;
   if (mesh->outlier) fitted.outlier = *mesh->outlier;
   fitted.doubt = doubt_of_shape(*mesh);

@@ -1,9 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
-#include <memory>
-#include <string>
 #include <tuple>
 
 #include "core/case/document.h"

@@ -27,9 +27,8 @@ struct BiasOptions {
 struct TemplateBias {
   double spread_mm = 0, spread_p95_mm = 0, spread_max_mm = 0;  ///< over all places
   std::map<std::string, double> spread_of_mm;                  ///< mean of each landmark
-  std::map<std::string, double>
-      apart_mm_of;                    ///< of each start: mean distance of its answers to the mean of all starts'
-  std::string best_start;             ///< whose answers lie nearest to that mean
+  std::map<std::string, double> apart_mm_of;  ///< mean distance of a start's answers from the mean of all, by its name
+  std::string best_start;                     ///< whose answers lie nearest to that mean
   double rv = 0, rv_least = 0;        ///< modified RV of the starts' morphospaces: mean over all pairs, and the least
   std::vector<std::string> failed;    ///< starts that gave no template or could not be fitted to all, left out
   std::vector<std::string> doubtful;  ///< subjects likely of another organ [unlike_the_others]

@@ -186,6 +186,13 @@ Handle text_type() {
   return {type, H5Tclose};
 }
 
+/// Properties of a new object that keeps no time, so that the same model gives the same bytes.
+Handle without_time(hid_t of_objects) {
+  const hid_t properties = H5Pcreate(of_objects);
+  H5Pset_obj_track_times(properties, false);
+  return {properties, H5Pclose};
+}
+
 bool write_attribute(hid_t group, const std::string& name, const std::string& value) {
   const Handle type = text_type(), space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle attribute(H5Acreate2(group, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
@@ -199,7 +206,8 @@ bool write_dataset(hid_t file, const std::string& path, const HdfTree::Dataset& 
                                      : H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr),
                      H5Sclose);
   const auto write = [&](hid_t stored, hid_t memory, const void* values) {
-    const Handle made(H5Dcreate2(file, path.c_str(), stored, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+    const Handle properties = without_time(H5P_DATASET_CREATE);
+    const Handle made(H5Dcreate2(file, path.c_str(), stored, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose);
     return made.good() && H5Dwrite(made, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
   };
   if (const auto* numbers = std::get_if<std::vector<float>>(&dataset.values))
@@ -212,9 +220,10 @@ bool write_dataset(hid_t file, const std::string& path, const HdfTree::Dataset& 
 }
 
 bool write_tree(const HdfTree& tree, hid_t file) {
+  const Handle properties = without_time(H5P_GROUP_CREATE);
   for (const auto& [path, attributes] : tree.groups) {  // parents come first in this order
     const Handle group(path == "/" ? H5Gopen2(file, "/", H5P_DEFAULT)
-                                   : H5Gcreate2(file, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                                   : H5Gcreate2(file, path.c_str(), H5P_DEFAULT, properties, H5P_DEFAULT),
                        H5Gclose);
     if (!group.good()) return false;
     for (const auto& [name, value] : attributes)

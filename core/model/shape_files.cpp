@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <mutex>
 #include <utility>
 
 #include "core/base/files.h"
@@ -45,10 +46,15 @@ struct FileRead {
   std::vector<std::string> warnings;
 };
 
-FileRead read_file(const OneFile& file, const ShapeReading& reading) {
+/// `one_image`: held while a case is read, whose image may be large: then memory does not depend on the threads.
+FileRead read_file(const OneFile& file, const ShapeReading& reading, std::mutex& one_image) {
   FileRead read;
   const fs::path& path = file.sources.front()->file;
-  const auto shapes = read_shapes_of(path);
+  const auto shapes = [&] {
+    std::unique_lock lock(one_image, std::defer_lock);
+    if (is_case_file(path)) lock.lock();
+    return read_shapes_of(path);
+  }();
   if (!shapes) {
     read.shapes.emplace_back(fail(shapes.error()));
     return read;
@@ -61,7 +67,7 @@ FileRead read_file(const OneFile& file, const ShapeReading& reading) {
         read.shapes.emplace_back(fail(mesh.error()));
         continue;
       }
-      ReadShape shape{source->name(frame), std::move(*mesh), source->doubt};
+      ReadShape shape{source->name(frame), std::move(*mesh), reading.doubts ? source->doubt : std::string()};
       if (source->flipped) shape.mesh = std::make_shared<const MeshFile>(mirrored(*shape.mesh));
       if (reading.doubts && !source->done && source->doubt.empty()) shape.doubt = doubt_of_shape(*shape.mesh);
       read.shapes.emplace_back(std::move(shape));
@@ -164,12 +170,13 @@ Result<std::vector<std::string>> read_shapes(const std::vector<ShapeSource>& sou
   std::vector<std::string> warnings;
   std::optional<Error> unreadable;
   std::size_t taken = 0;
+  std::mutex one_image;
   for (std::size_t first = 0; first < files.size(); first += at_a_time) {
     std::vector<FileRead> reads(std::min(at_a_time, files.size() - first));
     std::atomic<std::size_t> done = first;
     for_each_in_parallel(reads.size(), [&](std::size_t k) {
       if (progress != nullptr && progress->cancelled()) return;
-      reads[k] = read_file(files[first + k], reading);
+      reads[k] = read_file(files[first + k], reading, one_image);
       if (progress != nullptr) progress->report(static_cast<double>(++done) / static_cast<double>(files.size()));
     });
     if (progress != nullptr && progress->cancelled()) return fail("", "was stopped while the shapes were read");

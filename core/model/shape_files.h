@@ -62,7 +62,7 @@ struct ReadShape {
 using TakeShape = std::function<Result<void>(ReadShape shape)>;
 
 struct ShapeReading {
-  bool all_frames = false;  ///< of a cine case without a frame every one that was edited
+  bool all_frames = false;  ///< takes every edited frame of a cine case that names no frame
   bool doubts = false;      ///< looks for what is in doubt: what the study says of it, else `doubt_of_shape`
 };
 /// Reads sources, several at a time, and hands their shapes to `take` one after the other in the sources' order. What

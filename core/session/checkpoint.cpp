@@ -24,7 +24,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Counts up where a member is written otherwise or gets another meaning.
+/// Raise it where a member is written otherwise or gets another meaning, and where a line gives another result that
+/// name_of_solver does not show.
 constexpr int checkpoint_format = 1;
 
 // What makes a line no checkpoint of this case is thrown, as the JSON library throws, and caught in read_checkpoint.
@@ -149,7 +150,7 @@ class MemberWriter {
   Json value(const std::shared_ptr<const Points>& points) {
     if (!points) return {};
     for (const auto& [key, known] : earlier_)
-      if (same_values(known, points)) return Json{{"as", key}};
+      if (known == points) return Json{{"as", key}};
     return packed_array(*points);
   }
   Json value(const std::shared_ptr<const Regions>& regions) {
@@ -322,8 +323,8 @@ bool is_sound(const Document& document) {
                      [&](const auto& one) { return frame_exists(one.first) && is_sound(one.second); });
 }
 
-/// What the solver gives on a small fixed problem, as a name: where a later solver gives other points, checkpoints of
-/// an earlier one do not hold.
+/// Names the solver by its result on a small fixed problem. Where a later solver gives other points, checkpoints of an
+/// earlier one do not hold.
 const std::string& name_of_solver() {
   static const std::string name = [] {
     const Mesh ball = icosphere(2, 40);
@@ -332,7 +333,7 @@ const std::string& name_of_solver() {
     start.stiffness = std::make_shared<const VertexScalars>(VertexScalars::Ones(ball.points.rows()));
     const Vec3 top(0, 0, 40);
     Hash hash;
-    for (const Tool tool : {Tool::grab, Tool::relax}) {
+    for (const Tool tool : {Tool::pull, Tool::grab, Tool::slide, Tool::relax}) {
       const Stroke stroke{.tool = tool, .at = top, .to = top + Vec3(4, 0, 12), .sigma_mm = 15};
       const auto outcome = Deformer().stroke(start, stroke, Pass::commit);
       if (!outcome) continue;

@@ -198,11 +198,12 @@ Placed find_placement(const Template& the_template, const Boundary& boundary, co
 
 std::optional<OtherLie> other_lie(const Template& the_template, const Boundary& boundary, Orientation orientation,
                                   bool turns, bool partial) {
-  // Logarithm of how much likelier the other lie must be. Kidneys, femora, hips and patellae of the other side come to
-  // 17 and more but for one kidney in 25, those of the same side to -18 at most, vertebrae to 3 either way.
-  constexpr double clearly = 10;
+  // Costs are minus the logarithm of a likelihood. The other side lowers the cost of kidneys, femora, hips and patellae
+  // by 17 or more, and to 0.67 of it or less, but for one kidney in 25. On the same side it raises the cost by 18 or
+  // more; vertebrae differ by 3. Another organ costs hundreds either way, so a small part of that tells nothing.
+  constexpr double clearly = 10, clearly_less = 0.75;
   constexpr double clearly_share = 0.65;   // of cut femora and hips, one way: 0.1 to 1.25, and 0.8 to 8
-  constexpr double turn_share = 0.8;       // an organ and its mirror image may be alike but for a half turn
+  constexpr double turn_share = 0.8;       // of partial fits: an organ may be like its mirror image but for a half turn
   constexpr double visible_share = 0.005;  // of the diagonal: below, a ball would look mirrored by its noise
   struct There {
     Points points;
@@ -228,11 +229,13 @@ std::optional<OtherLie> other_lie(const Template& the_template, const Boundary& 
     turned.landmarks.clear();
     if (const auto from_ras = make_template(turned, the_template.source)) {
       There found = there(**from_ras);
+      // Costs of kidneys differ by 16 or more where they are mirrored, and by 6 or more where they are turned.
       half_turned = partial ? found.distance_mm < turn_share * best.distance_mm : found.cost < best.cost;
       if (half_turned) best = std::move(found);
     }
   }
-  const bool likelier = partial ? best.distance_mm < clearly_share * own.distance_mm : best.cost < own.cost - clearly;
+  const bool likelier = partial ? best.distance_mm < clearly_share * own.distance_mm
+                                : best.cost < std::min(own.cost - clearly, clearly_less * own.cost);
   if (!likelier) return std::nullopt;
   return OtherLie{half_turned, std::move(best.points)};
 }

@@ -297,6 +297,14 @@ TEST_CASE("propagate writes a mesh a frame with volumes and a study") {
   check_refused(run(folder, "propagate first.ply --image cine.nii.gz --frame 4 -o out"), "cine.nii.gz");
 }
 
+TEST_CASE("a case without an image is not snapped and says why") {
+  const TemporaryFolder folder;
+  REQUIRE(write_mesh(icosphere(2, 20), folder.path / "t.ply"));
+  const std::string header = R"({"homolog":1,"template":"t.ply"})";
+  REQUIRE(write_whole_file(folder.path / "bare.homolog", header + "\n"));
+  check_refused(run(folder, "snap bare.homolog"), "bare.homolog");
+}
+
 TEST_CASE("a study of a propagated cine names the built-in template that it started from") {
   const TemporaryFolder folder;
   REQUIRE(write_volume(ball_image(2), folder.path / "cine.nii.gz"));

@@ -1,5 +1,7 @@
 // The command-line contract of docs/commands.md: from label maps to a model, and the habits of all verbs.
+#include <chrono>
 #include <fstream>
+#include <thread>
 
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
@@ -229,6 +231,15 @@ TEST_CASE("a model holds no clock but SOURCE_DATE_EPOCH") {
   CHECK(model("env -u SOURCE_DATE_EPOCH ").find("buildTime") == std::string::npos);
   const std::string dated = model("env SOURCE_DATE_EPOCH=86400 ");
   CHECK(dated.find("1970-01-02T00:00:00Z") != std::string::npos);
+
+  // Not in an HDF5 file either, whose objects keep the second at which they were made unless told otherwise.
+  const auto written = [&](const std::string& name) {
+    REQUIRE(run(set.folder, "model shapes -o " + name + " --quiet", "env -u SOURCE_DATE_EPOCH ").status == 0);
+    return test::must(read_whole_file(set.folder.path / name));
+  };
+  const std::string first = written("first.h5");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  CHECK(written("second.h5") == first);
 }
 
 TEST_CASE("a word that is no verb and a file that is not there are told apart") {

@@ -29,6 +29,9 @@ struct Member {
   constexpr bool kept() const { return origin != Origin::first_line && origin != Origin::derived; }
 };
 
+template <class Owner, class Value>
+Member(const char*, Value Owner::*, Origin) -> Member<Owner, Value>;
+
 inline constexpr auto shape_members = std::make_tuple(
     Member{"placement", &Shape::placement, Origin::set},
     Member{"before_landmarks", &Shape::before_landmarks, Origin::set},

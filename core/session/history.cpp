@@ -36,7 +36,7 @@ void visit_array(const std::shared_ptr<const Template>& the_template, const auto
 
 void visit_array(const std::map<int, Shape>& shapes, const auto& visit) {
   for (const auto& [frame, shape] : shapes)
-    for_each_member(shape_members, [&](const auto& member) { visit_array(shape.*member.of, visit); });
+    for_each_member(shape_members, [&, &one = shape](const auto& member) { visit_array(one.*member.of, visit); });
 }
 
 void visit_arrays(const Document& document, const auto& visit) {

@@ -212,6 +212,19 @@ TEST_CASE("a checkpoint keeps every member of a shape and of a document") {
   CHECK_FALSE(read_checkpoint(*line, other, 5));
 }
 
+TEST_CASE("only what the first line says and what follows from others is left out of a checkpoint") {
+  const auto left_out = [](const auto& members) {
+    std::vector<std::string> keys;
+    for_each_member(members, [&](const auto& member) {
+      if (!member.kept()) keys.emplace_back(member.key);
+    });
+    return keys;
+  };
+  CHECK(left_out(shape_members) == std::vector<std::string>{"placed"});
+  CHECK(left_out(document_members) ==
+        std::vector<std::string>{"volume_source", "volume", "landmark_rule", "holds_landmarks"});
+}
+
 TEST_CASE("two documents that differ in one member are not the same") {
   const CaseFolder folder;
   const Document start = cine_document(folder, 3), full = full_document(start);

@@ -8,6 +8,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/model/statismo.h"
 #include "core/session/case_file.h"
+#include "core/volume/label_likeness.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

@@ -7,6 +7,7 @@
 #include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "core/mesh/mesh_io.h"
+#include "core/volume/label_likeness.h"
 #include "core/volume/volume_io.h"
 
 namespace homolog {

@@ -1,10 +1,10 @@
 #include <cmath>
 
-#include "app/editor/panels/models_ui.h"
-#include "app/editor/panels/ui_context.h"
-#include "app/editor/update/controls.h"
+#include "app/editor/interface/interface.h"
+#include "app/editor/panels/models_panel.h"
+#include "app/editor/state/icons.h"
+#include "app/editor/update/tools/tool.h"
 #include "app/editor/update/window_title.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 
@@ -133,33 +133,15 @@ void draw_top_bar(const UiContext& ui, Outbox& out) {
 }
 
 void draw_tool_strip(const UiContext& ui, Outbox& out) {
-  struct Item {
-    MouseTool tool;
-    const char* glyph;
-    const char* tip;
-  };
-  static constexpr std::array<Item, 9> items{{
-      {MouseTool::pull, icon::pull, "Pull (P): drag the outline; the surface follows along its normal"},
-      {MouseTool::grab, icon::grab, "Grab (G): drag a feature with its vertices"},
-      {MouseTool::slide, icon::slide, "Slide (S): move vertices along the surface; the surface stays"},
-      {MouseTool::relax, icon::relax, "Relax (R): paint to bring back the template's shape"},
-      {MouseTool::place, icon::place, "Place (M): move, turn (ring) and scale (knob) the template"},
-      {MouseTool::landmark, icon::landmark, "Landmark (L): click the place of the landmark in the image"},
-      {MouseTool::stiffness, icon::stiffness,
-       "Stiffness brush (B): paint how stiff the surface is. Alt paints the factor 1"},
-      {MouseTool::confirm, icon::confirm, "Confirm (C): later edits do not move what you paint. Alt frees it"},
-      {MouseTool::ruler, icon::ruler, "Ruler (D): drag to measure a distance in mm"},
-  }};
   const Theme& theme = ui.theme;
   begin_region("tool strip", ui.layout.tool_strip, palette::surface, theme.px(4));
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {0, theme.px(4)});
-  for (const Item& item : items) {
-    const bool free_of_mesh = item.tool == MouseTool::ruler;
-    const std::string refusal = free_of_mesh ? ui.needs_volume() : ui.needs_shape();
-    if (icon_button(theme, item.glyph, tool_name(item.tool), item.tip, refusal, ui.state.tool == item.tool, 40))
-      out.send(ChooseTool{item.tool});
-    if (item.tool == MouseTool::relax || item.tool == MouseTool::landmark || item.tool == MouseTool::confirm)
-      gap(theme, 4);
+  for (const ToolKind* kind : tool_kinds) {
+    if (kind->glyph[0] == '\0') continue;
+    const std::string refusal = kind->needs_image ? ui.needs_volume() : ui.needs_shape();
+    if (icon_button(theme, kind->glyph, kind->name, kind->tip, refusal, ui.state.tool == kind->tool, 40))
+      out.send(ChooseTool{kind->tool});
+    if (kind->ends_group) gap(theme, 4);
   }
   ImGui::PopStyleVar();
   end_region();

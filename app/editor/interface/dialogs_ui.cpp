@@ -2,10 +2,11 @@
 #include <cmath>
 
 #include "app/editor/interface/dialog_frame.h"
+#include "app/editor/interface/interface.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/update/keys.h"
 #include "app/editor/widgets/drawn_items.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 

@@ -1,4 +1,5 @@
 #include "app/editor/interface/drawing.h"
+#include "app/editor/interface/interface.h"
 
 #include <backends/imgui_impl_opengl3.h>
 #include <epoxy/gl.h>

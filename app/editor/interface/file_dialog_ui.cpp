@@ -4,8 +4,8 @@
 #include <ctime>
 
 #include "app/editor/interface/dialog_frame.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/update/file_purposes.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/base/listed.h"

@@ -2,12 +2,14 @@
 #include <cmath>
 
 #include "app/editor/drawing/gallery_pictures.h"
+#include "app/editor/interface/interface.h"
 #include "app/editor/interface/side_buttons.h"
-#include "app/editor/panels/models_ui.h"
+#include "app/editor/panels/models_panel.h"
 #include "app/editor/state/files/file_extensions.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
+#include "app/editor/work/models/study_folder.h"
 #include "core/base/listed.h"
 
 namespace homolog {

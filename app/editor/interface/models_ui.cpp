@@ -1,14 +1,14 @@
-#include "app/editor/panels/models_ui.h"
+#include "app/editor/interface/interface.h"
+#include "app/editor/panels/models_panel.h"
 
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
 #include "app/editor/update/window_title.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
-#include "core/base/file_stem.h"
 
 namespace homolog {
 
@@ -70,15 +70,6 @@ void draw_models_status(const UiContext& ui) {
 }
 
 }  // namespace
-
-std::string study_stem(const ModelsState& state) {
-  const std::string name = file_stem(state.study_file);
-  return name.empty() ? "study" : name;
-}
-
-std::string of_optimised(const ModelsState& state) {
-  return state.optimisation.shown ? ". Of the optimised shapes, as they are shown" : "";
-}
 
 void draw_mode_switch(const UiContext& ui, Outbox& out) {
   ImGui::BeginChild("mode", {ui.theme.px(140), ui.theme.px(28)});

@@ -1,10 +1,11 @@
 #include "app/editor/interface/cards.h"
+#include "app/editor/interface/interface.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "app/editor/state/icons.h"
 #include "app/editor/widgets/drawn_items.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 

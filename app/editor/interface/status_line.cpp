@@ -3,24 +3,13 @@
 #include <optional>
 #include <utility>
 
-#include "app/editor/panels/ui_context.h"
-#include "app/editor/state/status.h"
-#include "app/editor/widgets/icons.h"
+#include "app/editor/interface/interface.h"
+#include "app/editor/state/icons.h"
+#include "app/editor/update/status.h"
 #include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
-
-int label_there(const UiContext& ui, const Vec3& p_mm) {
-  if (!ui.labels || (ui.labels_frame && *ui.labels_frame != shown_frame(ui.state, ui.document()))) return 0;
-  const Vec3 voxel = ui.labels->geometry.to_voxel(p_mm).array().round();
-  const auto& dims = ui.labels->geometry.dims;
-  for (int axis = 0; axis < 3; ++axis)
-    if (voxel[axis] < 0 || voxel[axis] >= dims[static_cast<std::size_t>(axis)]) return 0;
-  const int frame = std::min(shown_frame(ui.state, ui.document()), ui.labels->frames - 1);
-  return static_cast<int>(std::lround(
-      ui.labels->at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()), static_cast<int>(voxel.z()), frame)));
-}
 
 namespace {
 

@@ -60,7 +60,7 @@ void draw_view_legend(const UiContext& ui, const RectPx& view, float bottom_px, 
   const ImVec2 low{view.x + pad, std::floor(bottom_px - height)};
   draw.AddRectFilled(low, {low.x + width, low.y + height}, with_alpha(palette::surface, 0.8f), theme.px(4));
   ImVec2 at{low.x + pad, low.y + pad / 2};
-  text_at(draw, theme.small, at, palette::text, colouring_title(colouring));
+  text_at(draw, theme.small, at, palette::text, kind_of(colouring).title);
   at.y += title_px;
   if (scale) draw_legend_scale(draw, theme, legend, at, width - 2 * pad, palette::text);
   at.y += scale_px;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "app/editor/interface/landmark_marks.h"
-#include "app/editor/update/controls.h"
-#include "app/editor/widgets/icons.h"
+#include "app/editor/state/icons.h"
+#include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {
@@ -186,15 +186,16 @@ void draw_finding(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
 /// What a press would do: the point that would be taken hold of, with σ or the brush around it.
 void draw_hover(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const Hover& hover = *ui.state.hover;
-  const MouseTool tool = ui.state.tool;
-  if (is_brush(tool) && map.is_slice()) {
+  const ToolMarks marks = kind_of(ui.state.tool).marks;
+  const bool brush = marks == ToolMarks::brush_circle;
+  if (brush && map.is_slice()) {
     // The circle paints what it covers, wherever its middle is.
     draw_ring(draw, map, *hover.p_mm, ui.state.brush.radius_mm, with_alpha(palette::mark, hover.on_mesh ? 0.6f : 0.2f));
     return;
   }
   if (!hover.on_mesh) return;
-  if (!is_brush(tool) && !stroke_tool(tool)) return;
-  const double radius_mm = is_brush(tool) ? ui.state.brush.radius_mm : ui.state.sigma_mm();
+  if (!brush && marks != ToolMarks::sigma_ring) return;
+  const double radius_mm = brush ? ui.state.brush.radius_mm : ui.state.sigma_mm();
   draw_ring(draw, map, *hover.on_mesh, radius_mm, with_alpha(palette::mark, 0.35f));
   if (const auto px = map.to_px(*hover.on_mesh)) {
     draw.AddCircleFilled(on_screen(*px), ui.theme.px(4), palette::mark);
@@ -254,7 +255,7 @@ void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const Hints& hints = ui.state.preferences.hints;
   if (ui.state.hints_over || !ui.has_shape() || ui.state.drag || (ui.state.guide && ui.state.guide->shown)) return;
   std::string text;
-  if (kind == ViewKind::axial && !hints.dragged && stroke_tool(ui.state.tool))
+  if (kind == ViewKind::axial && !hints.dragged && kind_of(ui.state.tool).stroke)
     text = "Drag the coloured outline to the organ's edge";
   else if (kind == ViewKind::sagittal && !hints.scrolled)
     text = "Turn the wheel to go through the slices";
@@ -316,7 +317,7 @@ void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
     if (ui.state.ruler) draw_ruler(ui, map, draw);
     if (ui.has_shape()) {
       draw_landmarks(ui, map, draw);
-      if (ui.state.tool == MouseTool::place) draw_placement_handles(ui, map, draw);
+      if (kind_of(ui.state.tool).marks == ToolMarks::handles) draw_placement_handles(ui, map, draw);
       if (ui.state.finding) draw_finding(ui, map, draw);
     }
     if (show.letters) draw_letters(ui, map, draw);

@@ -1,10 +1,11 @@
 #include <cmath>
 
+#include "app/editor/interface/interface.h"
 #include "app/editor/interface/side_buttons.h"
 #include "app/editor/interface/view_marks.h"
-#include "app/editor/update/controls.h"
+#include "app/editor/state/icons.h"
+#include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/drawn_items.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/key_focus.h"
 #include "app/editor/widgets/widgets.h"
 
@@ -45,33 +46,20 @@ void draw_header(const UiContext& ui, ViewKind kind, Outbox& out) {
   end_region();
 }
 
-ImGuiMouseCursor shape_over(const Hover& hover, MouseTool tool) {
-  if (tool == MouseTool::place) {
-    switch (hover.part) {
-      case PlacePart::none:
-        return ImGuiMouseCursor_Arrow;
-      case PlacePart::body:
-        return ImGuiMouseCursor_ResizeAll;
-      case PlacePart::ring:
-        return ImGuiMouseCursor_Hand;
-      case PlacePart::knob:
-        return ImGuiMouseCursor_ResizeNWSE;
-    }
-  }
-  const bool takes_mesh = tool != MouseTool::landmark && tool != MouseTool::ruler;
-  return (takes_mesh && hover.on_mesh) || !hover.landmark.empty() ? ImGuiMouseCursor_Hand : ImGuiMouseCursor_Arrow;
-}
-
 /// What the pointer's shape tells: what a press would take hold of, or what the drag does.
 ImGuiMouseCursor pointer_shape(const EditorState& state) {
-  if (!state.drag) return state.hover ? shape_over(*state.hover, state.tool) : ImGuiMouseCursor_Arrow;
-  const Drag& drag = *state.drag;
-  if (const auto* place = std::get_if<PlaceDrag>(&drag))
-    return place->part == PlacePart::knob ? ImGuiMouseCursor_ResizeNWSE : ImGuiMouseCursor_ResizeAll;
-  if (std::holds_alternative<RulerDrag>(drag)) return ImGuiMouseCursor_Arrow;
-  const bool of_view = std::holds_alternative<PanDrag>(drag) || std::holds_alternative<WindowLevelDrag>(drag) ||
-                       std::holds_alternative<TurnDrag>(drag);
-  return of_view ? ImGuiMouseCursor_ResizeAll : ImGuiMouseCursor_Hand;
+  if (state.drag && is_of_view(*state.drag)) return ImGuiMouseCursor_ResizeAll;
+  switch (kind_of(state.drag ? state.begun_with : state.tool).cursor(state)) {
+    case PointerShape::arrow:
+      return ImGuiMouseCursor_Arrow;
+    case PointerShape::hand:
+      return ImGuiMouseCursor_Hand;
+    case PointerShape::move:
+      return ImGuiMouseCursor_ResizeAll;
+    case PointerShape::scale:
+      return ImGuiMouseCursor_ResizeNWSE;
+  }
+  return ImGuiMouseCursor_Arrow;
 }
 
 /// Whether the guide's next pull is done in a view.

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/editor/panels/models_ui.h"
-#include "app/editor/widgets/icons.h"
+#include "app/editor/panels/models_panel.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/widgets/widgets.h"
 
 // What the list of cases shows of the selected one.

@@ -2,10 +2,10 @@
 #include <cstdint>
 
 #include "app/editor/drawing/case_thumbnails.h"
-#include "app/editor/panels/models_ui.h"
+#include "app/editor/panels/models_panel.h"
 #include "app/editor/state/files/file_extensions.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/base/listed.h"
 

@@ -1,8 +1,8 @@
 #include <tuple>
 
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 #include "app/editor/work/opening/sample.h"
 

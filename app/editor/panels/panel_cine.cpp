@@ -3,8 +3,8 @@
 #include <iterator>
 
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/plots.h"
 #include "app/editor/widgets/widgets.h"
 

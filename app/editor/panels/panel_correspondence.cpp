@@ -73,22 +73,16 @@ namespace {
 /// What the colours of the mesh show, with their legend.
 void draw_colour_choice(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  std::vector<std::string> names{"Hue",       "Stretch", "Moved", "Stiff",     "Regions",
-                                 "Triangles", "Known",   "Doubt", "Confidence"};
-  std::vector<std::string> tips{"Each vertex in its own hue, the same in all cases",
-                                "Edge length: blue is shorter than on the template, red is longer",
-                                "How far each vertex has moved since placement and warp",
-                                "Stiffness factor: dark is soft, bright is stiff. Confirmed vertices are white",
-                                "Regions of the template in their colours",
-                                "Shape of the triangles: red is thin or turned over",
-                                "Which vertices are known: confirmed, or moved there by a stroke, a fit or a snap",
-                                "How far from its place each vertex may lie (mm), as the last fit found. Confirmed "
-                                "vertices are white",
-                                "Confidence of the last snap: how clear the image edge is at each vertex. It does not "
-                                "say that the mesh is right. Confirmed vertices are white"};
+  std::vector<std::string> names, tips;
+  for (const ColouringKind& kind : colouring_kinds()) {
+    names.emplace_back(kind.name);
+    tips.emplace_back(kind.tip);
+  }
   // It has its place also where it is not known, so that nothing moves when it is.
   std::vector<std::string> refusals(names.size());
-  if (!ui.state.confidence) refusals.back() = "Snap the mesh to the image first. It is known until the mesh changes.";
+  if (!ui.state.confidence)
+    refusals[static_cast<std::size_t>(Colouring::confidence)] =
+        "Snap the mesh to the image first. It is known until the mesh changes.";
   const Colouring shown = shown_colouring(ui.state);
   const bool brush = ui.state.tool == MouseTool::confirm || ui.state.tool == MouseTool::stiffness;
   int colouring = static_cast<int>(shown);

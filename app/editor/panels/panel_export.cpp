@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/base/listed.h"
 #include "core/mesh/formats/formats.h"

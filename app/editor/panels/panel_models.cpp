@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/editor/panels/models_ui.h"
+#include "app/editor/panels/models_panel.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/plots.h"
 #include "app/editor/widgets/widgets.h"
+#include "core/base/file_stem.h"
 
 namespace homolog {
 
@@ -247,6 +248,15 @@ void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out) {
                                                          {"To check", draw_suspicion_section, true},
                                                          {"Pictures", draw_study_pictures_section, false}}};
   draw_sections(ui, "models panel", rect, sections, out);
+}
+
+std::string study_stem(const ModelsState& state) {
+  const std::string name = file_stem(state.study_file);
+  return name.empty() ? "study" : name;
+}
+
+std::string of_optimised(const ModelsState& state) {
+  return state.optimisation.shown ? ". Of the optimised shapes, as they are shown" : "";
 }
 
 }  // namespace homolog

@@ -3,8 +3,8 @@
 #include <span>
 
 #include "app/editor/panels/ui_context.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/update/controls.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/widgets.h"
 
 // Regions and landmarks of the template, in the section Template.

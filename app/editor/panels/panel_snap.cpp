@@ -1,5 +1,5 @@
 #include "app/editor/panels/ui_context.h"
-#include "app/editor/widgets/icons.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/widgets/widgets.h"
 
 namespace homolog {

@@ -3,8 +3,8 @@
 #include <map>
 #include <optional>
 
-#include "app/editor/panels/models_ui.h"
-#include "app/editor/widgets/icons.h"
+#include "app/editor/panels/models_panel.h"
+#include "app/editor/state/icons.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/base/statistics.h"
 

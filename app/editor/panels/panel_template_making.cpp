@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "app/editor/panels/ui_context.h"
 #include "app/editor/update/controls.h"
@@ -252,6 +253,17 @@ void draw_template_making(const UiContext& ui, Outbox& out) {
   if (!making->stages.empty() && button(theme, "Close", "Closes the stages and shows the case's mesh again",
                                         ui.template_maker.busy() ? "The template is being made." : "", width))
     out.send(CloseTemplateMaking{});
+}
+
+int label_there(const UiContext& ui, const Vec3& p_mm) {
+  if (!ui.labels || (ui.labels_frame && *ui.labels_frame != shown_frame(ui.state, ui.document()))) return 0;
+  const Vec3 voxel = ui.labels->geometry.to_voxel(p_mm).array().round();
+  const auto& dims = ui.labels->geometry.dims;
+  for (int axis = 0; axis < 3; ++axis)
+    if (voxel[axis] < 0 || voxel[axis] >= dims[static_cast<std::size_t>(axis)]) return 0;
+  const int frame = std::min(shown_frame(ui.state, ui.document()), ui.labels->frames - 1);
+  return static_cast<int>(std::lround(
+      ui.labels->at(static_cast<int>(voxel.x()), static_cast<int>(voxel.y()), static_cast<int>(voxel.z()), frame)));
 }
 
 }  // namespace homolog

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "app/editor/drawing/case_thumbnails.h"
-#include "app/editor/state/status.h"
 #include "app/editor/update/commands.h"
+#include "app/editor/update/status.h"
 #include "app/editor/widgets/theme.h"
 #include "app/editor/work/fitter.h"
 #include "app/editor/work/models/study_appearance.h"
@@ -33,9 +33,6 @@ struct RunningWork {
   double fraction = 0;
   const char* no_cancel = "";  ///< why it cannot be given up; empty where it can
 };
-/// Work on a study's file, or on a case that is made for the study.
-RunningWork study_work(const RunningJob& job);
-
 /// Everything that the interface is drawn from, at one moment. Drawing changes nothing in it; what the user asks for
 /// goes to an Outbox.
 struct UiContext {
@@ -87,15 +84,6 @@ class CaseNumber {
   double committed_;
 };
 
-// The parts of the window, from top to bottom; each in a file of its own.
-void draw_top_bar(const UiContext& ui, Outbox& out);
-void draw_tool_strip(const UiContext& ui, Outbox& out);
-void draw_views(const UiContext& ui, Outbox& out);
-void draw_side_panel(const UiContext& ui, Outbox& out);
-void draw_status_line(const UiContext& ui, Outbox& out);
-void draw_dialogs(const UiContext& ui, Outbox& out);
-void draw_notices(const UiContext& ui, Outbox& out);
-
 /// In the section Deform: snapping to the image.
 void draw_snap(const UiContext& ui, Outbox& out);
 
@@ -119,6 +107,9 @@ void draw_quality_report(const Theme& theme, const Mesh& mesh, const MeshQuality
 /// The overlay's label at a point in mm; 0 where there is none.
 int label_there(const UiContext& ui, const Vec3& p_mm);
 
+/// The side panel of the case.
+void draw_side_panel(const UiContext& ui, Outbox& out);
+
 /// A part of a panel that folds under its title.
 struct PanelSection {
   const char* title;
@@ -140,17 +131,5 @@ void draw_colouring_legend(const UiContext& ui, Colouring colouring);
 /// The bar of a legend that has a scale, and under it its figures in `colour`.
 void draw_legend_scale(ImDrawList& draw, const Theme& theme, const Legend& legend, ImVec2 at, float width_px,
                        ImU32 colour);
-
-/// The whole window, inside an ImGui frame.
-void draw_interface(const UiContext& ui, Outbox& out);
-
-/// A borderless ImGui window that fills a rectangle of the layout; end_region() follows.
-void begin_region(const char* name, const RectPx& rect, ImU32 colour, float padding_px = 0);
-void end_region();
-/// The line at the window's foot, in the small font; gives the y of its text. end_status_line() follows.
-float begin_status_line(const UiContext& ui);
-/// A warning that the status line does not hold: all of it, in lines above the line.
-void draw_tall_message(const UiContext& ui, const std::string& message);
-void end_status_line();
 
 }  // namespace homolog

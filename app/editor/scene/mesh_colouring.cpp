@@ -148,67 +148,6 @@ VertexScalars edge_stretch(const Document& document) {
   return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
-std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, const std::vector<float>& hues,
-                              float saturation, const VertexScalars* confidence) {
-  const auto n = static_cast<std::size_t>(document.shape().points->rows());
-  std::vector<Rgb> colours(n);
-  const auto colour_by = [&](const VertexScalars& values, const std::vector<Rgb>& scale, auto share) {
-    for (std::size_t i = 0; i < n; ++i) colours[i] = on_scale(scale, share(values[static_cast<Eigen::Index>(i)]));
-  };
-  const auto whiten_confirmed = [&] {
-    const auto& confirmed = document.shape().confirmed;
-    for (std::size_t i = 0; confirmed && i < n; ++i)
-      colours[i] = mix(colours[i], {1, 1, 1}, (*confirmed)[static_cast<Eigen::Index>(i)]);
-  };
-  switch (colouring) {
-    case Colouring::vertex_hue:
-      for (std::size_t i = 0; i < n; ++i) colours[i] = hsv_to_rgb(hues[i], saturation, 1);
-      break;
-    case Colouring::edge_stretch:
-      colour_by(edge_stretch(document), diverging(),
-                [](double ratio) { return 0.5 + std::log2(std::max(ratio, 1e-6)) / (2 * stretch_octaves); });
-      break;
-    case Colouring::moved:
-      colour_by(moved_mm(document), rising(),
-                [most = moved_scale_mm(document)](double distance) { return distance / most; });
-      break;
-    case Colouring::stiffness: {
-      const double most = stiffness_scale(document);
-      colour_by(*document.stiffness, rising(), [most](double factor) { return factor / most; });
-      whiten_confirmed();
-      break;
-    }
-    case Colouring::regions:
-      for (std::size_t i = 0; i < n; ++i) colours[i] = region_colour(*document.regions, i, saturation >= 1);
-      break;
-    case Colouring::known: {
-      const VertexScalars known = known_vertices(document.shape());
-      for (std::size_t i = 0; i < n; ++i) colours[i] = mix(left_open, decided, known[static_cast<Eigen::Index>(i)]);
-      whiten_confirmed();
-      break;
-    }
-    case Colouring::doubt: {
-      const VertexScalars doubt_mm = doubt_left_mm(document.shape());
-      std::fill(colours.begin(), colours.end(), no_region);
-      if (doubt_mm.size() > 0)
-        colour_by(doubt_mm, doubt_scale(), [most = doubt_scale_mm(document)](double mm) { return mm / most; });
-      whiten_confirmed();
-      break;
-    }
-    case Colouring::confidence:
-      if (confidence != nullptr) colour_by(*confidence, confidence_scale(), [](double sure) { return sure; });
-      whiten_confirmed();
-      break;
-    case Colouring::quality:
-      colour_by(worst_triangle(document), quality_scale(), [](double quality) { return quality; });
-      break;
-  }
-  if (const auto& outlier = document.shape().outlier)
-    for (std::size_t i = 0; i < n; ++i)
-      colours[i] = mix(colours[i], outlier_grey, (*outlier)[static_cast<Eigen::Index>(i)]);
-  return colours;
-}
-
 std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response, bool stopped) {
   const Rgb rest{0.55f, 0.56f, 0.58f}, moving = stopped ? Rgb{1.0f, 0.66f, 0.25f} : Rgb{1, 1, 1};
   for (std::size_t i = 0; i < colours.size(); ++i) {
@@ -220,68 +159,222 @@ std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response,
 
 namespace {
 
-/// Whether confirmed vertices are white; "known" has a name of its own for them.
-bool whitens_confirmed(Colouring colouring) {
-  return colouring == Colouring::stiffness || colouring == Colouring::doubt || colouring == Colouring::confidence;
+void colour_by(const VertexScalars& values, const std::vector<Rgb>& scale, const auto& share,
+               std::vector<Rgb>& colours) {
+  for (std::size_t i = 0; i < colours.size(); ++i)
+    colours[i] = on_scale(scale, share(values[static_cast<Eigen::Index>(i)]));
 }
 
-Legend legend_of_colours(const Document& document, Colouring colouring) {
-  switch (colouring) {
-    case Colouring::vertex_hue: {
-      Legend legend{
-          "0", "", figure_text("%.0f", static_cast<double>(document.the_template->topology->vertices() - 1)), {}, {}};
-      for (int i = 0; i <= 12; ++i) legend.colours.push_back(hsv_to_rgb(static_cast<float>(i) / 12.5f, 0.4f, 1));
-      return legend;
-    }
-    case Colouring::edge_stretch:
-      return {"0.5\xc3\x97", "1\xc3\x97", "2\xc3\x97", diverging(), {}};
-    case Colouring::moved:
-      return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(document)), rising(), {}};
-    case Colouring::stiffness:
-      return {"0 soft", "", "stiff " + figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising(), {}};
-    case Colouring::regions: {
-      Legend legend{"", "", "", {no_region}, {"no region"}};
-      for (const Region& region : document.regions->list) {
-        legend.colours.push_back(rgb_of(region.colour));
-        legend.names.push_back(region.name);
-      }
-      return legend;
-    }
-    case Colouring::known:
-      return {
-          "", "", "", {{1, 1, 1}, decided, left_open}, {"confirmed", "decided by hand, fit or snap", "not known yet"}};
-    case Colouring::doubt:
-      if (!document.shape().doubt_mm) return {"", "", "", {no_region}, {"not known: a fit to a label map tells it"}};
-      return {"0 mm", "", "\xe2\x89\xa5 " + figure_text("%.3g mm", doubt_scale_mm(document)), doubt_scale(), {}};
-    case Colouring::confidence:
-      return {"no edge seen", "", "clear edge", confidence_scale()};
-    case Colouring::quality:
-      return {"flat", "", "equilateral", quality_scale(), {}};
+void whiten_confirmed(const Document& document, std::vector<Rgb>& colours) {
+  const auto& confirmed = document.shape().confirmed;
+  for (std::size_t i = 0; confirmed && i < colours.size(); ++i)
+    colours[i] = mix(colours[i], {1, 1, 1}, (*confirmed)[static_cast<Eigen::Index>(i)]);
+}
+
+// What each row does.
+
+void colour_hues(const ColouringInput& of, std::vector<Rgb>& colours) {
+  for (std::size_t i = 0; i < colours.size(); ++i) colours[i] = hsv_to_rgb(of.hues[i], of.saturation, 1);
+}
+Legend hue_legend(const Document& document) {
+  Legend legend{
+      "0", "", figure_text("%.0f", static_cast<double>(document.the_template->topology->vertices() - 1)), {}, {}};
+  for (int i = 0; i <= 12; ++i) legend.colours.push_back(hsv_to_rgb(static_cast<float>(i) / 12.5f, 0.4f, 1));
+  return legend;
+}
+
+double share_of_stretch(double ratio) {
+  return 0.5 + std::log2(std::max(ratio, 1e-6)) / (2 * stretch_octaves);
+}
+void colour_stretch(const ColouringInput& of, std::vector<Rgb>& colours) {
+  colour_by(edge_stretch(of.document), diverging(), share_of_stretch, colours);
+}
+Legend stretch_legend(const Document&) {
+  return {"0.5\xc3\x97", "1\xc3\x97", "2\xc3\x97", diverging(), {}};
+}
+
+void colour_moved(const ColouringInput& of, std::vector<Rgb>& colours) {
+  const double most = moved_scale_mm(of.document);
+  colour_by(
+      moved_mm(of.document), rising(), [most](double distance) { return distance / most; }, colours);
+}
+Legend moved_legend(const Document& document) {
+  return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(document)), rising(), {}};
+}
+
+void colour_stiffness(const ColouringInput& of, std::vector<Rgb>& colours) {
+  const double most = stiffness_scale(of.document);
+  colour_by(
+      *of.document.stiffness, rising(), [most](double factor) { return factor / most; }, colours);
+}
+Legend stiffness_legend(const Document& document) {
+  return {"0 soft", "", "stiff " + figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising(), {}};
+}
+
+void colour_regions(const ColouringInput& of, std::vector<Rgb>& colours) {
+  for (std::size_t i = 0; i < colours.size(); ++i)
+    colours[i] = region_colour(*of.document.regions, i, of.saturation >= 1);
+}
+Legend regions_legend(const Document& document) {
+  Legend legend{"", "", "", {no_region}, {"no region"}};
+  for (const Region& region : document.regions->list) {
+    legend.colours.push_back(rgb_of(region.colour));
+    legend.names.push_back(region.name);
   }
-  return {};
+  return legend;
+}
+
+void colour_quality(const ColouringInput& of, std::vector<Rgb>& colours) {
+  colour_by(
+      worst_triangle(of.document), quality_scale(), [](double quality) { return quality; }, colours);
+}
+Legend quality_legend(const Document&) {
+  return {"flat", "", "equilateral", quality_scale(), {}};
+}
+
+void colour_known(const ColouringInput& of, std::vector<Rgb>& colours) {
+  const VertexScalars known = known_vertices(of.document.shape());
+  for (std::size_t i = 0; i < colours.size(); ++i)
+    colours[i] = mix(left_open, decided, known[static_cast<Eigen::Index>(i)]);
+  whiten_confirmed(of.document, colours);  // its legend has a name for them
+}
+Legend known_legend(const Document&) {
+  return {"", "", "", {{1, 1, 1}, decided, left_open}, {"confirmed", "decided by hand, fit or snap", "not known yet"}};
+}
+
+void colour_doubt(const ColouringInput& of, std::vector<Rgb>& colours) {
+  const VertexScalars doubt_mm = doubt_left_mm(of.document.shape());
+  std::fill(colours.begin(), colours.end(), no_region);
+  if (doubt_mm.size() == 0) return;
+  const double most = doubt_scale_mm(of.document);
+  colour_by(
+      doubt_mm, doubt_scale(), [most](double mm) { return mm / most; }, colours);
+}
+Legend doubt_legend(const Document& document) {
+  if (!document.shape().doubt_mm) return {"", "", "", {no_region}, {"not known: a fit to a label map tells it"}};
+  return {"0 mm", "", "\xe2\x89\xa5 " + figure_text("%.3g mm", doubt_scale_mm(document)), doubt_scale(), {}};
+}
+
+void colour_confidence(const ColouringInput& of, std::vector<Rgb>& colours) {
+  if (of.confidence != nullptr)
+    colour_by(
+        *of.confidence, confidence_scale(), [](double sure) { return sure; }, colours);
+}
+Legend confidence_legend(const Document&) {
+  return {"no edge seen", "", "clear edge", confidence_scale()};
 }
 
 }  // namespace
 
-const char* colouring_title(Colouring colouring) {
-  static constexpr std::array titles{"Hue of the vertex",
-                                     "Stretch of edges",
-                                     "Moved",
-                                     "Stiffness",
-                                     "Regions",
-                                     "Shape of triangles",
-                                     "Known",
-                                     "Doubt",
-                                     "Confidence of the snap"};
-  return titles[static_cast<std::size_t>(colouring)];
+const std::array<ColouringKind, colourings>& colouring_kinds() {
+  static constexpr std::array<ColouringKind, colourings> kinds{{
+      {.colouring = Colouring::vertex_hue,
+       .log_name = "landmark hue",
+       .name = "Hue",
+       .title = "Hue of the vertex",
+       .tip = "Each vertex in its own hue, the same in all cases",
+       .colour = colour_hues,
+       .legend = hue_legend},
+      {.colouring = Colouring::edge_stretch,
+       .log_name = "edge stretch",
+       .name = "Stretch",
+       .title = "Stretch of edges",
+       .tip = "Edge length: blue is shorter than on the template, red is longer",
+       .follows_shape = true,
+       .colour = colour_stretch,
+       .legend = stretch_legend},
+      {.colouring = Colouring::moved,
+       .log_name = "moved",
+       .name = "Moved",
+       .title = "Moved",
+       .tip = "How far each vertex has moved since placement and warp",
+       .follows_shape = true,
+       .colour = colour_moved,
+       .legend = moved_legend},
+      {.colouring = Colouring::stiffness,
+       .log_name = "stiffness",
+       .name = "Stiff",
+       .title = "Stiffness",
+       .tip = "Stiffness factor: dark is soft, bright is stiff. Confirmed vertices are white",
+       .whitens_confirmed = true,
+       .colour = colour_stiffness,
+       .legend = stiffness_legend},
+      {.colouring = Colouring::regions,
+       .log_name = "regions",
+       .name = "Regions",
+       .title = "Regions",
+       .tip = "Regions of the template in their colours",
+       .colour = colour_regions,
+       .legend = regions_legend},
+      {.colouring = Colouring::quality,
+       .log_name = "quality",
+       .name = "Triangles",
+       .title = "Shape of triangles",
+       .tip = "Shape of the triangles: red is thin or turned over",
+       .follows_shape = true,
+       .colour = colour_quality,
+       .legend = quality_legend},
+      {.colouring = Colouring::known,
+       .log_name = "known",
+       .name = "Known",
+       .title = "Known",
+       .tip = "Which vertices are known: confirmed, or moved there by a stroke, a fit or a snap",
+       .follows_shape = true,
+       .colour = colour_known,
+       .legend = known_legend},
+      {.colouring = Colouring::doubt,
+       .log_name = "doubt",
+       .name = "Doubt",
+       .title = "Doubt",
+       .tip = "How far from its place each vertex may lie (mm), as the last fit found. Confirmed vertices are white",
+       .follows_shape = true,
+       .whitens_confirmed = true,
+       .colour = colour_doubt,
+       .legend = doubt_legend},
+      {.colouring = Colouring::confidence,
+       .log_name = "confidence",
+       .name = "Confidence",
+       .title = "Confidence of the snap",
+       .tip =
+           "Confidence of the last snap: how clear the image edge is at each vertex. It does not say that the mesh is "
+           "right. Confirmed vertices are white",
+       .whitens_confirmed = true,
+       .colour = colour_confidence,
+       .legend = confidence_legend},
+  }};
+  static_assert(
+      [] {
+        for (std::size_t k = 0; k < kinds.size(); ++k)
+          if (kinds[k].colouring != static_cast<Colouring>(k)) return false;
+        return true;
+      }(),
+      "the rows are in the order of Colouring");
+  return kinds;
+}
+
+const ColouringKind& kind_of(Colouring colouring) {
+  return colouring_kinds()[static_cast<std::size_t>(colouring)];
+}
+
+std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, const std::vector<float>& hues,
+                              float saturation, const VertexScalars* confidence) {
+  std::vector<Rgb> colours(static_cast<std::size_t>(document.shape().points->rows()));
+  const ColouringKind& kind = kind_of(colouring);
+  kind.colour({document, hues, saturation, confidence}, colours);
+  if (kind.whitens_confirmed) whiten_confirmed(document, colours);
+  if (const auto& outlier = document.shape().outlier)
+    for (std::size_t i = 0; i < colours.size(); ++i)
+      colours[i] = mix(colours[i], outlier_grey, (*outlier)[static_cast<Eigen::Index>(i)]);
+  return colours;
 }
 
 Legend colouring_legend(const Document& document, Colouring colouring) {
-  Legend legend = legend_of_colours(document, colouring);
+  const ColouringKind& kind = kind_of(colouring);
+  Legend legend = kind.legend(document);
   const auto& outlier = document.shape().outlier;
   legend.has_outliers = outlier && outlier->maxCoeff() > 0;
   const auto& confirmed = document.shape().confirmed;
-  legend.has_confirmed = whitens_confirmed(colouring) && confirmed && confirmed->maxCoeff() > 0;
+  legend.has_confirmed = kind.whitens_confirmed && confirmed && confirmed->maxCoeff() > 0;
   return legend;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,7 +34,30 @@ struct Legend {
 /// Of the mesh where the scan lacks it: much of this grey, and some of the colouring.
 inline constexpr Rgb outlier_grey{0.42f, 0.43f, 0.46f};
 Legend colouring_legend(const Document& document, Colouring colouring);
-/// "Stiffness", as a legend in a view is titled.
-const char* colouring_title(Colouring colouring);
+
+/// What the colours are made of.
+struct ColouringInput {
+  const Document& document;
+  const std::vector<float>& hues;
+  float saturation;
+  const VertexScalars* confidence;
+};
+/// Everything about a colouring.
+struct ColouringKind {
+  Colouring colouring;
+  const char* log_name;            ///< in the log
+  const char* name;                ///< of its button
+  const char* title;               ///< of its legend in a view
+  const char* tip;                 ///< of its button
+  bool follows_shape = false;      ///< is made anew when the mesh moves, or what is known of it changes
+  bool whitens_confirmed = false;  ///< confirmed vertices are white; the legend says so
+  /// Gives every vertex its colour.
+  void (*colour)(const ColouringInput& of, std::vector<Rgb>& colours);
+  Legend (*legend)(const Document& document);
+};
+inline constexpr std::size_t colourings = static_cast<std::size_t>(Colouring::confidence) + 1;
+/// In the order of Colouring.
+const std::array<ColouringKind, colourings>& colouring_kinds();
+const ColouringKind& kind_of(Colouring colouring);
 
 }  // namespace homolog

@@ -50,9 +50,6 @@ void SceneBuilder::update_mesh(const Input& input) {
     ++points_revision_;
   }
   const Colouring colouring = shown_colouring(input.state);
-  const bool follows_shape = colouring == Colouring::edge_stretch || colouring == Colouring::moved ||
-                             colouring == Colouring::quality || colouring == Colouring::known ||
-                             colouring == Colouring::doubt;
   // Frames may share their points but differ in what these are compared with, and in which of them are decided.
   const Shape& shape = document.shape();
   const bool other_shape = moved || decided_ != shape.decided || doubt_mm_ != shape.doubt_mm ||
@@ -60,7 +57,7 @@ void SceneBuilder::update_mesh(const Input& input) {
   const bool same = colours_ && colouring_ == colouring && response_ == response && stopped_ == stopped &&
                     stiffness_ == document.stiffness && regions_ == document.regions && confirmed_ == shape.confirmed &&
                     outlier_ == shape.outlier && confidence_ == input.state.confidence &&
-                    !(other_shape && follows_shape);
+                    !(other_shape && kind_of(colouring).follows_shape);
   if (same) return;
   colouring_ = colouring;
   response_ = response;

@@ -70,5 +70,10 @@ struct HeldClick {
 
 using Drag =
     std::variant<PanDrag, WindowLevelDrag, TurnDrag, StrokeDrag, PlaceDrag, LandmarkDrag, BrushDrag, RulerDrag>;
+/// Whether a drag moves a view; else it is a tool's.
+inline bool is_of_view(const Drag& drag) {
+  return std::holds_alternative<PanDrag>(drag) || std::holds_alternative<WindowLevelDrag>(drag) ||
+         std::holds_alternative<TurnDrag>(drag);
+}
 
 }  // namespace homolog

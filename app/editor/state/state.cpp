@@ -14,10 +14,6 @@
 
 namespace homolog {
 
-bool is_brush(MouseTool tool) {
-  return tool == MouseTool::stiffness || tool == MouseTool::confirm;
-}
-
 bool paints_regions(const EditorState& state) {
   return state.tool == MouseTool::stiffness &&
          (state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill);
@@ -360,27 +356,6 @@ void remember_recent(std::vector<std::filesystem::path>& recent, const std::file
 int shown_frame(const EditorState& state, const Document& document) {
   const int frames = document.volume ? document.volume->frames : 1;
   return state.shown_frame ? std::clamp(*state.shown_frame, 0, frames - 1) : document.frame;
-}
-
-const char* tool_name(MouseTool tool) {
-  static constexpr std::array names{"Pull",     "Grab",      "Slide",   "Relax", "Place",
-                                    "Landmark", "Stiffness", "Confirm", "Ruler", "Template landmark"};
-  return names[static_cast<std::size_t>(tool)];
-}
-
-std::optional<Tool> stroke_tool(MouseTool tool) {
-  switch (tool) {
-    case MouseTool::pull:
-      return Tool::pull;
-    case MouseTool::grab:
-      return Tool::grab;
-    case MouseTool::slide:
-      return Tool::slide;
-    case MouseTool::relax:
-      return Tool::relax;
-    default:
-      return std::nullopt;
-  }
 }
 
 }  // namespace homolog

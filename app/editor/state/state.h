@@ -23,10 +23,10 @@
 
 namespace homolog {
 
-/// What the left mouse button does in a view.
+/// What the left mouse button does in a view. Each has a row in app/editor/update/tools/.
 enum class MouseTool { pull, grab, slide, relax, place, landmark, stiffness, confirm, ruler, template_landmark };
 
-/// What the colours of the mesh mean.
+/// What the colours of the mesh mean. Each has a row in app/editor/scene/mesh_colouring.cpp.
 enum class Colouring { vertex_hue, edge_stretch, moved, stiffness, regions, quality, known, doubt, confidence };
 
 /// Where a slice view looks within its plane; the plane itself goes through the cross-hair.
@@ -219,6 +219,7 @@ struct EditorState {
   std::optional<Hover> hover;
   LastPress last_press;
   std::optional<Drag> drag;
+  MouseTool begun_with = MouseTool::pull;  ///< the tool that `drag` or `held_click` is of
   std::optional<HeldClick> held_click;
   MouseButton drag_button = MouseButton::left;  ///< whose release ends the drag
   std::optional<Ruler> ruler;
@@ -244,8 +245,6 @@ struct EditorState {
   double sigma_mm() const { return wheel_sigma_mm.value_or(sigma_presets_mm[sigma_preset]); }
 };
 
-/// Tools that paint within a circle.
-bool is_brush(MouseTool tool);
 /// Whether the brush in hand paints regions, or fills them.
 bool paints_regions(const EditorState& state);
 /// The colouring that is shown. While a brush is in hand: what it paints, or the doubt if that was chosen and the
@@ -315,9 +314,5 @@ int shown_frame(const EditorState& state, const Document& document);
 
 /// The volume's geometry; a box around the mesh where there is no volume.
 VolumeGeometry geometry_of(const Document& document);
-
-const char* tool_name(MouseTool tool);
-/// The tool's gesture, for the four that move the mesh.
-std::optional<Tool> stroke_tool(MouseTool tool);
 
 }  // namespace homolog

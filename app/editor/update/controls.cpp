@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/editor/update/tools/tool.h"
+
 namespace homolog {
 
 namespace {
@@ -70,12 +72,11 @@ bool ends_held_click(const EditorState& state, const InputEvent& event) {
 }
 
 /// Whether an event acts on what lies under the pointer now: a press that begins something, and a drag that follows the
-/// mesh. Other drags move or turn the view.
+/// mesh.
 bool points(const EditorState& state, const InputEvent& event) {
   if (std::holds_alternative<MousePress>(event.what)) return !state.drag && !event.over_panel && !state.dialog;
-  return std::holds_alternative<MouseMove>(event.what) && state.drag &&
-         (std::holds_alternative<LandmarkDrag>(*state.drag) || std::holds_alternative<BrushDrag>(*state.drag) ||
-          std::holds_alternative<RulerDrag>(*state.drag));
+  const ToolKind* tool = dragging_tool(state);
+  return std::holds_alternative<MouseMove>(event.what) && tool != nullptr && tool->follows_mesh;
 }
 
 }  // namespace
@@ -122,7 +123,7 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
         0.75 * slice_step_mm(geometry_of(context.document), map.into_screen()) + landmark_share * state.organ_mm;
     hover.landmark =
         landmark_at(map, context.document.shape().landmarks, x_px, y_px, slice_reach_mm, context.layout.scale);
-    if (state.tool == MouseTool::place)
+    if (kind_of(state.tool).marks == ToolMarks::handles)
       if (const auto handles = placement_handles(map, points, scale)) hover.part = part_at(*handles, x_px, y_px, scale);
   }
   state.hover = std::move(hover);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "app/editor/update/tools/tool.h"
+
 namespace homolog {
 
 namespace {
@@ -36,9 +38,18 @@ Given dialog_command(const Dialog& dialog, int code, bool shift) {
   }
 }
 
-template <MouseTool tool>
-Given take(const KeyMoment& now) {
-  return now.state.drag ? std::nullopt : Given(ChooseTool{tool});
+Given take_tool(const KeyMoment& now) {
+  for (const ToolKind* kind : tool_kinds)
+    if (!now.state.drag && kind->key[0] == now.code) return ChooseTool{kind->tool};
+  return std::nullopt;
+}
+
+/// The keys that take a tool in hand.
+std::vector<KeyRow> rows_of_tools() {
+  std::vector<KeyRow> rows;
+  for (const ToolKind* kind : tool_kinds)
+    if (kind->key[0] != '\0') rows.push_back({kind->key, kind->in_keys, {{kind->key[0]}}, take_tool});
+  return rows;
 }
 
 template <bool ShownParts::*part>
@@ -87,15 +98,6 @@ std::vector<KeyRow> rows_without_mouse() {
 
 std::vector<KeyRow> rows_of_case() {
   return {
-      {"P", "Pull", {{'P'}}, take<MouseTool::pull>},
-      {"G", "Grab", {{'G'}}, take<MouseTool::grab>},
-      {"S", "Slide", {{'S'}}, take<MouseTool::slide>},
-      {"R", "Relax", {{'R'}}, take<MouseTool::relax>},
-      {"M", "Place", {{'M'}}, take<MouseTool::place>},
-      {"L", "Landmarks", {{'L'}}, take<MouseTool::landmark>},
-      {"B", "Stiffness brush", {{'B'}}, take<MouseTool::stiffness>},
-      {"C", "Confirm", {{'C'}}, take<MouseTool::confirm>},
-      {"D", "Ruler", {{'D'}}, take<MouseTool::ruler>},
       {"1 2 3",
        "\xcf\x83 small, medium, large",
        {{'1'}, {'2'}, {'3'}},
@@ -222,7 +224,7 @@ const std::vector<KeyRow>& key_rows(bool in_models) {
     rows.insert(rows.end(), further.begin(), further.end());
     return rows;
   };
-  static const std::vector<KeyRow> of_case = with(rows_of_case(), rows_without_mouse()),
+  static const std::vector<KeyRow> of_case = with(with(rows_of_tools(), rows_of_case()), rows_without_mouse()),
                                    of_models = with(rows_of_models(), rows_without_mouse());
   return in_models ? of_models : of_case;
 }

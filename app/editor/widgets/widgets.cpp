@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <optional>
 
+#include "app/editor/state/icons.h"
 #include "app/editor/widgets/drawn_items.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/imgui_context.h"
 
 // ImGui's building blocks of controls (SliderBehavior, TempInputScalar) are declared here only.

@@ -169,4 +169,9 @@ std::string shortened_among(const std::string& name, const std::vector<std::stri
 /// printf into a string.
 std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
 
+/// A borderless ImGui window that fills a rectangle of the layout, a part of the window by its name; end_region()
+/// follows.
+void begin_region(const char* name, const RectPx& rect, ImU32 colour, float padding_px = 0);
+void end_region();
+
 }  // namespace homolog

@@ -1,14 +1,11 @@
 #include "app/editor/work/snaps.h"
 
 #include <chrono>
-#include <cmath>
 #include <mutex>
 #include <utility>
 
 #include "app/editor/state/state.h"
 #include "core/base/guarded.h"
-#include "core/mesh/mesh_quality.h"
-#include "core/solve/shape_solver.h"
 
 namespace homolog {
 
@@ -24,15 +21,6 @@ SnapOptions options_of(const SnapSettings& settings) {
 }
 
 }  // namespace
-
-bool moves_boundary(Tool tool) {
-  return tool == Tool::pull || tool == Tool::grab;
-}
-
-SnapArea snap_region(const Document& document, const Stroke& stroke) {
-  const double edge_mm = mean_edge_mm(*document.the_template->topology, *document.shape().points);
-  return {stroke.to, std::hypot(stroke.sigma_mm, stiffness_length_mm(document.stiffness_base, edge_mm))};
-}
 
 Compute snap_compute(const SnapArea& region, const SnapSettings& settings) {
   return [region, options = options_of(settings)](const Document& document) -> Result<std::optional<Action>> {

@@ -18,6 +18,7 @@
 #include "core/catalogue/catalogue.h"
 #include "core/session/case_file.h"
 #include "core/session/case_keeping.h"
+#include "core/volume/label_likeness.h"
 #include "core/volume/read_labels.h"
 #include "core/volume/volume_io.h"
 

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "app/editor/state/status.h"
+#include "app/editor/update/status.h"
 #include "core/base/files.h"
 #include "tests/beating_ball.h"
 #include "tests/driver.h"

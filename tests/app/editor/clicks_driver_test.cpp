@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "app/editor/update/controls.h"
+#include "app/editor/update/tools/tool.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/volume/volume_io.h"
@@ -65,7 +65,7 @@ TEST_CASE("a double click enlarges a view and edits nothing with any tool in any
            {MouseTool::pull, MouseTool::grab, MouseTool::slide, MouseTool::relax, MouseTool::place, MouseTool::landmark,
             MouseTool::stiffness, MouseTool::confirm, MouseTool::ruler, MouseTool::template_landmark})
         for (const int clicks : {2, 3, 4}) {
-          CAPTURE(tool_name(tool));
+          CAPTURE(kind_of(tool).name);
           CAPTURE(clicks);
           if (maximised && clicks == 4) continue;  // the third meets whatever lies there of the four views
           driver.app().send(ChooseTool{tool});

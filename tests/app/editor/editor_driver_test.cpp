@@ -7,6 +7,7 @@
 #include <new>
 #include <set>
 
+#include "app/editor/interface/interface.h"
 #include "app/editor/update/controls.h"
 #include "core/base/files.h"
 #include "core/catalogue/catalogue.h"

@@ -9,6 +9,7 @@
 
 #include "app/editor/state/files/file_browser.h"
 #include "app/editor/update/file_purposes.h"
+#include "app/editor/update/tools/tool.h"
 #include "app/editor/widgets/widgets.h"
 #include "core/catalogue/catalogue.h"
 #include "tests/driver.h"
@@ -168,7 +169,7 @@ class Screens {
     state().preferences.hints = {};
     for (const MouseTool tool : {MouseTool::pull, MouseTool::relax, MouseTool::landmark}) {
       state().tool = tool;
-      look(tool_name(tool));
+      look(kind_of(tool).name);
     }
     state().preferences.hints = {true, true, true};
     state().tool = MouseTool::stiffness;

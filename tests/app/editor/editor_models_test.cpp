@@ -6,6 +6,7 @@
 #include "app/editor/state/models/gallery.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/work/models/build_study_model.h"
+#include "app/editor/work/models/study_folder.h"
 #include "core/catalogue/catalogue.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"

@@ -10,6 +10,7 @@
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/window/editor_app.h"
 #include "app/editor/window/editor_picture.h"
+#include "app/editor/work/models/study_folder.h"
 #include "app/editor/work/opening/demo.h"
 #include "core/mesh/icosphere.h"
 #include "render/offscreen.h"

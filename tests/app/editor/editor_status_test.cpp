@@ -1,7 +1,12 @@
-#include "app/editor/state/status.h"
+#include "app/editor/update/status.h"
 
 #include <doctest/doctest.h>
 
+#include <iterator>
+#include <set>
+#include <string>
+
+#include "app/editor/update/tools/tool.h"
 #include "core/mesh/icosphere.h"
 #include "tests/ball.h"
 
@@ -44,7 +49,7 @@ TEST_CASE("in every state the status line says what is so") {
         for (const char* chosen : {"", "north", "south", "of another template"}) {
           CAPTURE(landmarks);
           CAPTURE(placed);
-          CAPTURE(tool_name(tool));
+          CAPTURE(kind_of(tool).name);
           CAPTURE(chosen);
           EditorState state;
           state.tool = tool;
@@ -132,6 +137,20 @@ TEST_CASE("the status line names the region that the brush paints also before on
   CHECK(said() == "Paint \"rim\"; Alt erases.");
   state.brush.erases = true;
   CHECK(holds_words(said(), "out of their region"));
+}
+
+TEST_CASE("every tool of the mouse has its row and a key of its own") {
+  REQUIRE(tool_kinds.size() == std::size(all_tools));
+  std::set<std::string> names, keys;
+  for (const MouseTool tool : all_tools) {
+    const ToolKind& kind = kind_of(tool);
+    CAPTURE(kind.name);
+    CHECK(kind.tool == tool);
+    CHECK((kind.begin != nullptr));
+    CHECK((kind.hint != nullptr));
+    CHECK(names.insert(kind.log_name).second);
+    CHECK((*kind.key == '\0' || keys.insert(kind.key).second));
+  }
 }
 
 }  // namespace homolog

@@ -9,9 +9,9 @@
 #include <set>
 #include <sstream>
 
+#include "app/editor/state/icons.h"
 #include "app/editor/state/view_geometry.h"
 #include "app/editor/update/controls.h"
-#include "app/editor/widgets/icons.h"
 #include "app/editor/widgets/imgui_context.h"
 #include "app/editor/widgets/theme.h"
 #include "app/editor/widgets/widgets.h"

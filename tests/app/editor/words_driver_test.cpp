@@ -4,14 +4,15 @@
 #include <cmath>
 #include <fstream>
 
-#include "app/editor/state/status.h"
 #include "app/editor/update/controls.h"
+#include "app/editor/update/status.h"
 #include "core/base/files.h"
 #include "core/case/edit_words.h"
 #include "core/case/held_landmarks.h"
 #include "core/mesh/icosphere.h"
 #include "core/mesh/label_map.h"
 #include "core/mesh/mesh_io.h"
+#include "core/volume/label_likeness.h"
 #include "core/volume/volume_io.h"
 #include "tests/beating_ball.h"
 #include "tests/driver.h"

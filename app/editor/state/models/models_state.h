@@ -10,7 +10,6 @@
 #include "app/editor/state/view_geometry.h"
 #include "core/model/evaluation.h"
 #include "core/model/observers.h"
-#include "core/phantom/phantom.h"
 
 namespace homolog {
 
@@ -179,12 +178,5 @@ void animate(ModelsState& state, double seconds);
 bool is_study_file(const std::filesystem::path& file);
 /// "kidneys" of kidneys.study.json; empty where there is none.
 std::string study_name(const std::filesystem::path& file);
-/// Where studies that were not given a place lie.
-std::filesystem::path studies_folder();
-/// Subjects of a phantom study as in the paper: 10 vertebrae, 16 kidneys, the 20 phases of one ventricle.
-int phantom_shapes(Organ organ);
-/// Writes the phantoms' true surfaces and their study into a folder, and gives the study's path; what is there already
-/// is kept.
-Result<std::filesystem::path> make_phantom_study(Organ organ, const std::filesystem::path& folder, Progress& progress);
 
 }  // namespace homolog

@@ -3,11 +3,11 @@
 #include <memory>
 #include <system_error>
 
-#include "app/editor/state/status.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/file_purposes.h"
 #include "app/editor/update/results/imports.h"
+#include "app/editor/update/status.h"
 #include "core/base/files.h"
 #include "core/base/picture_io.h"
 #include "core/base/text.h"

@@ -1,27 +1,31 @@
 #include "app/editor/update/commands/tool_commands.h"
 
+#include <algorithm>
+
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/controls.h"
+#include "app/editor/update/tools/tool.h"
 
 namespace homolog {
 
 namespace {
 
-constexpr std::array tool_names{"pull",     "grab",      "slide",   "relax", "place",
-                                "landmark", "stiffness", "confirm", "ruler", "template landmark"};
 constexpr std::array polarity_names{"automatic", "bright inside", "dark inside", "either"};
 
 }  // namespace
 
 void ChooseTool::spell(Fields& line) {
-  spell_choice(line, "tool", tool_names, tool);
+  std::array<const char*, tool_kinds.size()> names{};
+  std::transform(tool_kinds.begin(), tool_kinds.end(), names.begin(),
+                 [](const ToolKind* kind) { return kind->log_name; });
+  spell_choice(line, "tool", names, tool);
 }
 void ChooseTool::run(EditorState& state) const {
   if (tool == MouseTool::template_landmark && state.tool != tool) state.tool_before_naming = state.tool;
   state.tool = tool;
-  const bool places = tool == MouseTool::place || tool == MouseTool::landmark;
-  if (!places && !is_brush(tool)) return;
-  state.wanted_section = places ? place_section : deform_section;
+  const char* section = kind_of(tool).section;
+  if (section == nullptr) return;
+  state.wanted_section = section;
   state.preferences.sections_open[state.wanted_section] = true;
   ++state.section_wanted;
 }

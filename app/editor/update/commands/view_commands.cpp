@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/editor/scene/mesh_colouring.h"
 #include "app/editor/update/commands/file_commands.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/controls.h"
@@ -12,8 +13,6 @@ namespace homolog {
 namespace {
 
 constexpr std::array finding_names{"intersecting", "turned", "thin", "unclear", "doubtful", "suspicious"};
-constexpr std::array colouring_names{"landmark hue", "edge stretch", "moved", "stiffness", "regions",
-                                     "quality",      "known",        "doubt", "confidence"};
 
 }  // namespace
 
@@ -70,7 +69,10 @@ void ShowOwnPlanes::run(EditorState& state, const ControlsContext& context, Outb
 }
 
 void ChooseColouring::spell(Fields& line) {
-  spell_choice(line, "colouring", colouring_names, colouring);
+  std::array<const char*, colourings> names{};
+  const auto& kinds = colouring_kinds();
+  std::transform(kinds.begin(), kinds.end(), names.begin(), [](const ColouringKind& kind) { return kind.log_name; });
+  spell_choice(line, "colouring", names, colouring);
 }
 void ChooseColouring::run(EditorState& state) const {
   state.shows_confidence = colouring == Colouring::confidence;

@@ -1,6 +1,10 @@
 #include "app/editor/update/results/assistance.h"
 
+#include <cmath>
 #include <utility>
+
+#include "core/mesh/mesh_quality.h"
+#include "core/solve/shape_solver.h"
 
 namespace homolog {
 
@@ -36,6 +40,15 @@ void ask_model(Editing& editing) {
 }
 
 }  // namespace
+
+bool moves_boundary(Tool tool) {
+  return tool == Tool::pull || tool == Tool::grab;
+}
+
+SnapArea snap_region(const Document& document, const Stroke& stroke) {
+  const double edge_mm = mean_edge_mm(*document.the_template->topology, *document.shape().points);
+  return {stroke.to, std::hypot(stroke.sigma_mm, stiffness_length_mm(document.stiffness_base, edge_mm))};
+}
 
 std::vector<Compute> assistance(const Editing& editing, const Action& action) {
   std::vector<Compute> then;

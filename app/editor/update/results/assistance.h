@@ -8,6 +8,11 @@ namespace homolog {
 
 // The automatic steps on the open case: the fit to a label, the snap of strokes, the help of the study's model.
 
+/// Whether a stroke with this tool moves the boundary. A snap and the model's help, where they are on, follow it.
+bool moves_boundary(Tool tool);
+/// What a stroke moves: its falloff, spread by the stiffness.
+SnapArea snap_region(const Document& document, const Stroke& stroke);
+
 /// What carries on from an edit while it is previewed.
 std::vector<Compute> assistance(const Editing& editing, const Action& action);
 

@@ -5,18 +5,11 @@
 
 namespace homolog {
 
-/// Case | Models, for the bar at the top of both modes.
-void draw_mode_switch(const UiContext& ui, Outbox& out);
-/// The whole window in the Models mode, inside an ImGui frame.
-void draw_models_interface(const UiContext& ui, Outbox& out);
-
-// Its parts, each in a file of its own.
+// Parts of the Models mode, each in a file of its own.
 void draw_case_table(const UiContext& ui, const RectPx& rect, Outbox& out);
 /// Below the list: what the selected case is, and what can be done with it.
 void draw_case_details(const UiContext& ui, const StudyCase& one, Outbox& out);
 float case_details_height(const UiContext& ui, const StudyCase& one);
-void draw_gallery(const UiContext& ui, const ModelsLayout& layout, Outbox& out);
-void draw_model_view(const UiContext& ui, const ModelsLayout& layout, Outbox& out);
 void draw_models_panel(const UiContext& ui, const RectPx& rect, Outbox& out);
 
 // Sections of the panel.

@@ -1,28 +1,13 @@
-#include "app/editor/state/status.h"
+#include "app/editor/update/status.h"
 
-#include <algorithm>
 #include <cstdio>
 
+#include "app/editor/update/tools/tool.h"
 #include "core/case/held_landmarks.h"
 
 namespace homolog {
 
 namespace {
-
-std::string quoted(const std::string& name) {
-  return "\"" + name + "\"";
-}
-
-std::string landmark_hint(const EditorState& state, const Document& shown) {
-  const std::size_t landmarks = shown.the_template->landmarks.size();
-  if (landmarks == 0) return "This template has no landmarks yet. Name some of its points first (Template).";
-  const std::string wanted = landmark_in_hand(state, shown);
-  if (wanted.empty())
-    return landmarks == 1 ? "The landmark is placed; drag it to move it."
-                          : "All " + std::to_string(landmarks) + " landmarks are placed; drag one to move it.";
-  return shown.shape().landmarks.contains(wanted) ? "Click where " + quoted(wanted) + " is now, or drag it there."
-                                                  : "Click where " + quoted(wanted) + " is.";
-}
 
 /// Of the placed landmark under the pointer: whether strokes move the mesh there. Empty where there is none.
 std::string hold_hint(const EditorState& state, const Document& shown) {
@@ -42,23 +27,6 @@ std::string hold_hint(const EditorState& state, const Document& shown) {
   return {};
 }
 
-std::string brush_hint(const EditorState& state, const Document& shown) {
-  const bool regions = state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill;
-  if (state.tool == MouseTool::stiffness && regions) {
-    if (shown.regions->list.empty()) return "There is no region to paint yet. Add one first (Template, Regions).";
-    if (state.brush.erases) return "The brush takes vertices out of their region.";
-    // As the brush does: the first one where none of that name is there.
-    const auto& list = shown.regions->list;
-    const bool known =
-        std::any_of(list.begin(), list.end(), [&](const Region& one) { return one.name == state.brush.region; });
-    const std::string region = quoted(known ? state.brush.region : list.front().name);
-    return state.brush.paints == BrushPaints::fill ? "Click to fill " + region + "; Alt empties."
-                                                   : "Paint " + region + "; Alt erases.";
-  }
-  if (state.tool == MouseTool::confirm && !state.brush.hold) return "Paint what strokes may move again.";
-  return "Paint on the outline or on the surface.";
-}
-
 std::string hint(const EditorState& state, const Document& shown, bool making_shown) {
   if (state.unsaved_found > 0 && !state.drag)
     return std::to_string(state.unsaved_found) + (state.unsaved_found == 1 ? " case was" : " cases were") +
@@ -67,24 +35,7 @@ std::string hint(const EditorState& state, const Document& shown, bool making_sh
   if (making_shown) return "You see the template that is being made. Close it (Template) to see the case's mesh again.";
   if (!shown.has_shape()) return why_no_mesh(shown);
   if (const std::string hold = hold_hint(state, shown); !hold.empty() && !state.drag) return hold;
-  switch (state.tool) {
-    case MouseTool::place:
-      return "Drag the mesh to move it, the ring to turn it, the knob to scale it.";
-    case MouseTool::landmark:
-      return landmark_hint(state, shown);
-    case MouseTool::ruler:
-      return state.ruler ? "Drag again to measure something else. Escape removes the ruler."
-                         : "Drag from one point to another.";
-    case MouseTool::template_landmark:
-      return state.template_landmark.empty()
-                 ? "Type a landmark's name, or choose one in the list to move it (Template)."
-                 : "Click the point of the mesh that is " + quoted(state.template_landmark) + ".";
-    case MouseTool::stiffness:
-    case MouseTool::confirm:
-      return brush_hint(state, shown);
-    default:
-      return "Drag the outline. Wheel: slices; while dragging: \xcf\x83.";
-  }
+  return kind_of(state.tool).hint(state, shown);
 }
 
 /// Why the frame that is shown has to be looked at; empty where it need not, or while something is in hand.

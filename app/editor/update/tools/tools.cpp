@@ -1,0 +1,36 @@
+#include <cassert>
+
+#include "app/editor/update/tools/tool.h"
+
+namespace homolog {
+
+const ToolKind& kind_of(MouseTool tool) {
+  const ToolKind& kind = *tool_kinds[static_cast<std::size_t>(tool)];
+  assert(kind.tool == tool);
+  return kind;
+}
+
+const ToolKind* dragging_tool(const EditorState& state) {
+  if (!state.drag || is_of_view(*state.drag)) return nullptr;
+  return &kind_of(state.begun_with);
+}
+
+std::string quoted(const std::string& name) {
+  return "\"" + name + "\"";
+}
+
+bool is_brush(MouseTool tool) {
+  return kind_of(tool).marks == ToolMarks::brush_circle;
+}
+
+PointerShape hand_over_mesh(const EditorState& state) {
+  if (state.drag) return PointerShape::hand;
+  return state.hover && state.hover->on_mesh ? PointerShape::hand : hand_over_landmarks(state);
+}
+
+PointerShape hand_over_landmarks(const EditorState& state) {
+  if (state.drag) return PointerShape::hand;
+  return state.hover && !state.hover->landmark.empty() ? PointerShape::hand : PointerShape::arrow;
+}
+
+}  // namespace homolog

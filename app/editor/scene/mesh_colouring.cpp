@@ -67,8 +67,8 @@ double scale_mm(double largest) {
   return 100;
 }
 
-double moved_scale_mm(const Document& document) {
-  return scale_mm(moved_mm(document).maxCoeff());
+double moved_scale_mm(const ShapeView& shown) {
+  return scale_mm(moved_mm(shown).maxCoeff());
 }
 
 /// One, two or five times a power of ten, and not below `mm`.
@@ -80,13 +80,13 @@ double rounded_up(double mm) {
 }
 
 /// From where on a place has to be looked at, so that a colour means the same on every mesh of the organ's size.
-double doubt_scale_mm(const Document& document) {
-  return rounded_up(much_doubt_mm(surface_area_mm2(document.mesh())));
+double doubt_scale_mm(const ShapeView& shown) {
+  return rounded_up(much_doubt_mm(surface_area_mm2(shown.mesh())));
 }
 
 /// The largest factor of the scale; the factor 1 stays well below the white of confirmed regions.
-double stiffness_scale(const Document& document) {
-  return std::max(document.stiffness->maxCoeff(), 2.0);
+double stiffness_scale(const ShapeView& shown) {
+  return std::max(shown.paint().stiffness->maxCoeff(), 2.0);
 }
 
 constexpr Rgb decided{0.30f, 0.72f, 0.62f}, left_open{0.62f, 0.52f, 0.85f};
@@ -106,9 +106,9 @@ Rgb region_colour(const Regions& regions, std::size_t vertex, bool of_outline) {
 }
 
 /// Quality of the worst triangle around every vertex.
-VertexScalars worst_triangle(const Document& document) {
-  const Topology& topology = *document.the_template->topology;
-  const Points& p = *document.shape().points;
+VertexScalars worst_triangle(const ShapeView& shown) {
+  const Topology& topology = *shown.the_template().topology;
+  const Points& p = *shown.shape.points;
   VertexScalars worst = VertexScalars::Ones(p.rows());
   for (Eigen::Index face = 0; face < topology.triangles().rows(); ++face) {
     const auto t = topology.triangles().row(face);
@@ -126,15 +126,15 @@ std::string figure_text(const char* pattern, double value) {
 
 }  // namespace
 
-VertexScalars moved_mm(const Document& document) {
-  return (*document.shape().points - *document.shape().reference).rowwise().norm();
+VertexScalars moved_mm(const ShapeView& shown) {
+  return (*shown.shape.points - *shown.shape.reference).rowwise().norm();
 }
 
-VertexScalars edge_stretch(const Document& document) {
-  const Topology& topology = *document.the_template->topology;
-  const Points& p = *document.shape().points;
-  const Points& r = document.the_template->points;
-  const double scale = document.shape().placement.scale;
+VertexScalars edge_stretch(const ShapeView& shown) {
+  const Topology& topology = *shown.the_template().topology;
+  const Points& p = *shown.shape.points;
+  const Points& r = shown.the_template().points;
+  const double scale = shown.shape.placement.scale;
   VertexScalars sum = VertexScalars::Zero(p.rows()), count = VertexScalars::Zero(p.rows());
   for (const auto& [i, j] : topology.edges()) {
     const double before = scale * (r.row(i) - r.row(j)).norm();
@@ -148,15 +148,15 @@ VertexScalars edge_stretch(const Document& document) {
   return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
-std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, const std::vector<float>& hues,
+std::vector<Rgb> mesh_colours(const ShapeView& shown, Colouring colouring, const std::vector<float>& hues,
                               float saturation, const VertexScalars* confidence) {
-  const auto n = static_cast<std::size_t>(document.shape().points->rows());
+  const auto n = static_cast<std::size_t>(shown.shape.points->rows());
   std::vector<Rgb> colours(n);
   const auto colour_by = [&](const VertexScalars& values, const std::vector<Rgb>& scale, auto share) {
     for (std::size_t i = 0; i < n; ++i) colours[i] = on_scale(scale, share(values[static_cast<Eigen::Index>(i)]));
   };
   const auto whiten_confirmed = [&] {
-    const auto& confirmed = document.shape().confirmed;
+    const auto& confirmed = shown.shape.confirmed;
     for (std::size_t i = 0; confirmed && i < n; ++i)
       colours[i] = mix(colours[i], {1, 1, 1}, (*confirmed)[static_cast<Eigen::Index>(i)]);
   };
@@ -165,33 +165,32 @@ std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, con
       for (std::size_t i = 0; i < n; ++i) colours[i] = hsv_to_rgb(hues[i], saturation, 1);
       break;
     case Colouring::edge_stretch:
-      colour_by(edge_stretch(document), diverging(),
+      colour_by(edge_stretch(shown), diverging(),
                 [](double ratio) { return 0.5 + std::log2(std::max(ratio, 1e-6)) / (2 * stretch_octaves); });
       break;
     case Colouring::moved:
-      colour_by(moved_mm(document), rising(),
-                [most = moved_scale_mm(document)](double distance) { return distance / most; });
+      colour_by(moved_mm(shown), rising(), [most = moved_scale_mm(shown)](double distance) { return distance / most; });
       break;
     case Colouring::stiffness: {
-      const double most = stiffness_scale(document);
-      colour_by(*document.stiffness, rising(), [most](double factor) { return factor / most; });
+      const double most = stiffness_scale(shown);
+      colour_by(*shown.paint().stiffness, rising(), [most](double factor) { return factor / most; });
       whiten_confirmed();
       break;
     }
     case Colouring::regions:
-      for (std::size_t i = 0; i < n; ++i) colours[i] = region_colour(*document.regions, i, saturation >= 1);
+      for (std::size_t i = 0; i < n; ++i) colours[i] = region_colour(*shown.paint().regions, i, saturation >= 1);
       break;
     case Colouring::known: {
-      const VertexScalars known = known_vertices(document.shape());
+      const VertexScalars known = known_vertices(shown.shape);
       for (std::size_t i = 0; i < n; ++i) colours[i] = mix(left_open, decided, known[static_cast<Eigen::Index>(i)]);
       whiten_confirmed();
       break;
     }
     case Colouring::doubt: {
-      const VertexScalars doubt_mm = doubt_left_mm(document.shape());
+      const VertexScalars doubt_mm = doubt_left_mm(shown.shape);
       std::fill(colours.begin(), colours.end(), no_region);
       if (doubt_mm.size() > 0)
-        colour_by(doubt_mm, doubt_scale(), [most = doubt_scale_mm(document)](double mm) { return mm / most; });
+        colour_by(doubt_mm, doubt_scale(), [most = doubt_scale_mm(shown)](double mm) { return mm / most; });
       whiten_confirmed();
       break;
     }
@@ -200,10 +199,10 @@ std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, con
       whiten_confirmed();
       break;
     case Colouring::quality:
-      colour_by(worst_triangle(document), quality_scale(), [](double quality) { return quality; });
+      colour_by(worst_triangle(shown), quality_scale(), [](double quality) { return quality; });
       break;
   }
-  if (const auto& outlier = document.shape().outlier)
+  if (const auto& outlier = shown.shape.outlier)
     for (std::size_t i = 0; i < n; ++i)
       colours[i] = mix(colours[i], outlier_grey, (*outlier)[static_cast<Eigen::Index>(i)]);
   return colours;
@@ -225,23 +224,23 @@ bool whitens_confirmed(Colouring colouring) {
   return colouring == Colouring::stiffness || colouring == Colouring::doubt || colouring == Colouring::confidence;
 }
 
-Legend legend_of_colours(const Document& document, Colouring colouring) {
+Legend legend_of_colours(const ShapeView& shown, Colouring colouring) {
   switch (colouring) {
     case Colouring::vertex_hue: {
       Legend legend{
-          "0", "", figure_text("%.0f", static_cast<double>(document.the_template->topology->vertices() - 1)), {}, {}};
+          "0", "", figure_text("%.0f", static_cast<double>(shown.the_template().topology->vertices() - 1)), {}, {}};
       for (int i = 0; i <= 12; ++i) legend.colours.push_back(hsv_to_rgb(static_cast<float>(i) / 12.5f, 0.4f, 1));
       return legend;
     }
     case Colouring::edge_stretch:
       return {"0.5\xc3\x97", "1\xc3\x97", "2\xc3\x97", diverging(), {}};
     case Colouring::moved:
-      return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(document)), rising(), {}};
+      return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(shown)), rising(), {}};
     case Colouring::stiffness:
-      return {"0 soft", "", "stiff " + figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising(), {}};
+      return {"0 soft", "", "stiff " + figure_text("%.1f\xc3\x97", stiffness_scale(shown)), rising(), {}};
     case Colouring::regions: {
       Legend legend{"", "", "", {no_region}, {"no region"}};
-      for (const Region& region : document.regions->list) {
+      for (const Region& region : shown.paint().regions->list) {
         legend.colours.push_back(rgb_of(region.colour));
         legend.names.push_back(region.name);
       }
@@ -251,8 +250,8 @@ Legend legend_of_colours(const Document& document, Colouring colouring) {
       return {
           "", "", "", {{1, 1, 1}, decided, left_open}, {"confirmed", "decided by hand, fit or snap", "not known yet"}};
     case Colouring::doubt:
-      if (!document.shape().doubt_mm) return {"", "", "", {no_region}, {"not known: a fit to a label map tells it"}};
-      return {"0 mm", "", "\xe2\x89\xa5 " + figure_text("%.3g mm", doubt_scale_mm(document)), doubt_scale(), {}};
+      if (!shown.shape.doubt_mm) return {"", "", "", {no_region}, {"not known: a fit to a label map tells it"}};
+      return {"0 mm", "", "\xe2\x89\xa5 " + figure_text("%.3g mm", doubt_scale_mm(shown)), doubt_scale(), {}};
     case Colouring::confidence:
       return {"no edge seen", "", "clear edge", confidence_scale()};
     case Colouring::quality:
@@ -276,11 +275,11 @@ const char* colouring_title(Colouring colouring) {
   return titles[static_cast<std::size_t>(colouring)];
 }
 
-Legend colouring_legend(const Document& document, Colouring colouring) {
-  Legend legend = legend_of_colours(document, colouring);
-  const auto& outlier = document.shape().outlier;
+Legend colouring_legend(const ShapeView& shown, Colouring colouring) {
+  Legend legend = legend_of_colours(shown, colouring);
+  const auto& outlier = shown.shape.outlier;
   legend.has_outliers = outlier && outlier->maxCoeff() > 0;
-  const auto& confirmed = document.shape().confirmed;
+  const auto& confirmed = shown.shape.confirmed;
   legend.has_confirmed = whitens_confirmed(colouring) && confirmed && confirmed->maxCoeff() > 0;
   return legend;
 }

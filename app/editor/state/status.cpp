@@ -14,24 +14,24 @@ std::string quoted(const std::string& name) {
 }
 
 std::string landmark_hint(const EditorState& state, const Document& shown) {
-  const std::size_t landmarks = shown.the_template->landmarks.size();
+  const std::size_t landmarks = shown.structure()->the_template->landmarks.size();
   if (landmarks == 0) return "This template has no landmarks yet. Name some of its points first (Template).";
   const std::string wanted = landmark_in_hand(state, shown);
   if (wanted.empty())
     return landmarks == 1 ? "The landmark is placed; drag it to move it."
                           : "All " + std::to_string(landmarks) + " landmarks are placed; drag one to move it.";
-  return shown.shape().landmarks.contains(wanted) ? "Click where " + quoted(wanted) + " is now, or drag it there."
-                                                  : "Click where " + quoted(wanted) + " is.";
+  return shown.view()->shape.landmarks.contains(wanted) ? "Click where " + quoted(wanted) + " is now, or drag it there."
+                                                        : "Click where " + quoted(wanted) + " is.";
 }
 
 /// Of the placed landmark under the pointer: whether strokes move the mesh there. Empty where there is none.
 std::string hold_hint(const EditorState& state, const Document& shown) {
-  if (!state.hover || state.hover->landmark.empty() || !shown.has_shape()) return {};
-  const Template& the_template = *shown.the_template;
+  if (!state.hover || state.hover->landmark.empty() || !shown.view()) return {};
+  const Template& the_template = *shown.structure()->the_template;
   for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
     const std::string& name = the_template.landmarks[l].name;
     if (name != state.hover->landmark) continue;
-    const LandmarkHold hold = landmark_hold(the_template, l, shown.shape());
+    const LandmarkHold hold = landmark_hold(the_template, l, shown.view()->shape);
     if (!hold.placed) return {};
     if (hold.held) return quoted(name) + " is held: strokes leave the mesh here. The lock in Place releases it.";
     if (hold.met) return quoted(name) + " is free: strokes may move the mesh here. The lock in Place holds it.";
@@ -45,10 +45,11 @@ std::string hold_hint(const EditorState& state, const Document& shown) {
 std::string brush_hint(const EditorState& state, const Document& shown) {
   const bool regions = state.brush.paints == BrushPaints::region || state.brush.paints == BrushPaints::fill;
   if (state.tool == MouseTool::stiffness && regions) {
-    if (shown.regions->list.empty()) return "There is no region to paint yet. Add one first (Template, Regions).";
+    if (shown.structure()->paint.regions->list.empty())
+      return "There is no region to paint yet. Add one first (Template, Regions).";
     if (state.brush.erases) return "The brush takes vertices out of their region.";
     // As the brush does: the first one where none of that name is there.
-    const auto& list = shown.regions->list;
+    const auto& list = shown.structure()->paint.regions->list;
     const bool known =
         std::any_of(list.begin(), list.end(), [&](const Region& one) { return one.name == state.brush.region; });
     const std::string region = quoted(known ? state.brush.region : list.front().name);
@@ -63,9 +64,9 @@ std::string hint(const EditorState& state, const Document& shown, bool making_sh
   if (state.unsaved_found > 0 && !state.drag)
     return std::to_string(state.unsaved_found) + (state.unsaved_found == 1 ? " case was" : " cases were") +
            " not saved. Unsaved cases (Case) recovers them.";
-  if (!shown.volume && !shown.has_shape()) return "Open an image, or drop one on the window.";
+  if (!shown.scan.image && !shown.view()) return "Open an image, or drop one on the window.";
   if (making_shown) return "You see the template that is being made. Close it (Template) to see the case's mesh again.";
-  if (!shown.has_shape()) return why_no_mesh(shown);
+  if (!shown.view()) return why_no_mesh(shown);
   if (const std::string hold = hold_hint(state, shown); !hold.empty() && !state.drag) return hold;
   switch (state.tool) {
     case MouseTool::place:
@@ -108,9 +109,10 @@ std::string through_itself(const EditorState& state, const Document& shown) {
 }  // namespace
 
 std::string why_no_mesh(const Document& shown) {
-  if (shown.has_shape()) return {};
-  if (!shown.the_template) return "There is no mesh yet. Load a template first (Template).";
-  const bool any_before = shown.shapes.lower_bound(shown.frame) != shown.shapes.begin();
+  const Structure* structure = shown.structure();
+  if (shown.view()) return {};
+  if (structure == nullptr) return "There is no mesh yet. Load a template first (Template).";
+  const bool any_before = structure->shapes.lower_bound(shown.frame) != structure->shapes.begin();
   return any_before ? "This frame has no mesh yet. Start from previous (Cine) copies one."
                     : "This frame has no mesh yet. Go to a frame that has one, and propagate it (Cine).";
 }

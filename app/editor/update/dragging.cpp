@@ -98,13 +98,13 @@ bool start_stroke(const Press& press, Tool tool) {
 bool start_placing(const Press& press) {
   EditorState& state = press.state;
   const Hover& hover = press.hover;
-  if (hover.part == PlacePart::none || !press.document().has_shape()) return false;
+  if (hover.part == PlacePart::none || !press.document().view()) return false;
   press.stay_at_frame();
   PlaceDrag drag;
   drag.view = hover.view;
   drag.part = hover.part;
-  drag.start = drag.now = press.document().shape().placement;
-  drag.centre_mm = bounds_of(*press.document().shape().points).center();
+  drag.start = drag.now = press.document().view()->shape.placement;
+  drag.centre_mm = bounds_of(*press.document().view()->shape.points).center();
   drag.press_mm = press.map().on_facing_plane(press.event.x_px, press.event.y_px, drag.centre_mm);
   state.drag = drag;
   return true;
@@ -113,9 +113,9 @@ bool start_placing(const Press& press) {
 bool start_landmark(const Press& press) {
   EditorState& state = press.state;
   const Hover& hover = press.hover;
-  if (!press.document().has_shape() || !hover.p_mm) return false;
+  if (!press.document().view() || !hover.p_mm) return false;
   press.stay_at_frame();
-  const auto& placed = press.document().shape().landmarks;
+  const auto& placed = press.document().view()->shape.landmarks;
   if (const auto known = placed.find(hover.landmark); known != placed.end()) {
     state.drag = LandmarkDrag{hover.view, known->first, known->second, known->second - *hover.p_mm, false};
     return true;
@@ -130,8 +130,8 @@ bool start_landmark(const Press& press) {
 bool start_brush(const Press& press) {
   EditorState& state = press.state;
   const Hover& hover = press.hover;
-  if (!press.document().has_shape() || (!hover.on_mesh && press.in_space())) return false;
-  if (paints_regions(state) && press.document().regions->list.empty())
+  if (!press.document().view() || (!hover.on_mesh && press.in_space())) return false;
+  if (paints_regions(state) && press.document().structure()->paint.regions->list.empty())
     return press.hold({{}, "There is no region to paint yet. Add one first (Template, Regions)."});
   press.stay_at_frame();
   state.drag = BrushDrag{hover.view,
@@ -191,15 +191,15 @@ std::optional<Action> brush_action(const EditorState& state, const Document& doc
   const bool reversed = drag != nullptr && drag->reversed;
   const BrushSettings& brush = state.brush;
   if (state.tool == MouseTool::stiffness) {
-    const auto& regions = document.regions->list;
+    const auto& regions = document.structure()->paint.regions->list;
     const bool known =
         std::any_of(regions.begin(), regions.end(), [&](const Region& one) { return one.name == brush.region; });
     const std::string chosen = known || regions.empty() ? brush.region : regions.front().name;
     const std::string region = reversed || brush.erases ? std::string() : chosen;
     switch (brush.paints) {
       case BrushPaints::factor:
-        return PaintStiffness{at, brush.radius_mm, document.stiffness_base * (reversed ? 1 : brush.stiffness_factor),
-                              brush.soft};
+        return PaintStiffness{at, brush.radius_mm,
+                              document.structure()->paint.base * (reversed ? 1 : brush.stiffness_factor), brush.soft};
       case BrushPaints::region:
         return PaintRegion{region, at, brush.radius_mm, brush.soft};
       case BrushPaints::smooth:
@@ -297,7 +297,7 @@ namespace {
 void commit(EditorState& state, const Action& action, const ControlsContext& context, Outbox& out) {
   // A new one is done with its click; whoever moves those that are there may go on in their list.
   if (const auto* named = std::get_if<SetTemplateLandmark>(&action)) {
-    const auto& known = context.document.the_template->landmarks;
+    const auto& known = context.document.structure()->the_template->landmarks;
     if (std::none_of(known.begin(), known.end(), [&](const Landmark& one) { return one.name == named->name; }))
       state.tool = state.tool_before_naming;
     state.template_landmark.clear();
@@ -307,14 +307,14 @@ void commit(EditorState& state, const Action& action, const ControlsContext& con
   if (const auto* stroke = std::get_if<Stroke>(&action)) {
     state.preferences.hints.dragged = true;
     if (moves_boundary(stroke->tool)) {
-      if (state.snap.with_strokes && context.document.volume)
-        out.send(SnapMesh{snap_region(context.document, *stroke), true});
+      if (state.snap.with_strokes && context.document.scan.image)
+        out.send(SnapMesh{snap_region(*context.document.view(), *stroke), true});
       if (state.model_help > 0) out.send(CompleteByModel{});
     }
   }
   if (const auto* placed = std::get_if<PlaceLandmark>(&action)) {
     state.landmark = next_unplaced_landmark(context.document, placed->name);
-    const auto& volume = context.document.volume;
+    const auto& volume = context.document.scan.image;
     if (volume && placed->at && !volume->geometry.holds(*placed->at))
       add_notice(state, "\"" + placed->name +
                             "\" was placed outside the image, where nothing shows its place. Undo takes it back.");

@@ -29,14 +29,16 @@ bool moves_boundary(Tool tool) {
   return tool == Tool::pull || tool == Tool::grab;
 }
 
-SnapArea snap_region(const Document& document, const Stroke& stroke) {
-  const double edge_mm = mean_edge_mm(*document.the_template->topology, *document.shape().points);
-  return {stroke.to, std::hypot(stroke.sigma_mm, stiffness_length_mm(document.stiffness_base, edge_mm))};
+SnapArea snap_region(const ShapeView& shown, const Stroke& stroke) {
+  const double edge_mm = mean_edge_mm(*shown.the_template().topology, *shown.shape.points);
+  return {stroke.to, std::hypot(stroke.sigma_mm, stiffness_length_mm(shown.paint().base, edge_mm))};
 }
 
 Compute snap_compute(const SnapArea& region, const SnapSettings& settings) {
   return [region, options = options_of(settings)](const Document& document) -> Result<std::optional<Action>> {
-    auto edit = snap_document(document, region, options, SnapHolds::landmarks);
+    const auto shown = shape_to("snap", document);
+    if (!shown) return std::optional<Action>();
+    auto edit = snap_shape(document.scan, *shown, region, options, SnapHolds::landmarks);
     return edit ? std::optional<Action>(std::move(edit->action)) : std::nullopt;
   };
 }
@@ -87,11 +89,15 @@ void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const 
       [box = box_, ends, region, options, holds = joined ? SnapHolds::landmarks : SnapHolds::all](
           const Document& document) -> Result<std::optional<Action>> {
         const auto begin = Clock::now();
-        auto edit = guarded("The snap", [&] { return snap_document(document, region, options, holds); });
+        auto edit = guarded("The snap", [&]() -> Result<SnapEdit> {
+          const auto shown = shape_to("snap", document);
+          if (!shown) return fail(shown.error());
+          return snap_shape(document.scan, *shown, region, options, holds);
+        });
         if (!edit) {
           box->put(std::nullopt);
           if (box->progress.cancelled()) return std::optional<Action>();
-          return edit.error().subject.empty() ? fail(document.volume_source, edit.error().what) : fail(edit.error());
+          return edit.error().subject.empty() ? fail(document.scan.source, edit.error().what) : fail(edit.error());
         }
         SnapFound found;
         found.points = edit->result.points;

@@ -14,7 +14,7 @@ namespace homolog {
 /// Whether a stroke with this tool moves the boundary. A snap and the model's help, where they are on, follow it.
 bool moves_boundary(Tool tool);
 /// What a stroke moves: its falloff, spread by the stiffness.
-SnapArea snap_region(const Document& document, const Stroke& stroke);
+SnapArea snap_region(const ShapeView& shown, const Stroke& stroke);
 /// A snap as the settings say. Where it fails, the mesh stays as it is and there is no error.
 Compute snap_compute(const SnapArea& region, const SnapSettings& settings);
 

@@ -24,7 +24,7 @@ void draw_text_field(const UiContext& ui, const StudyCase& one, const char* fiel
   ImGui::PushID(one.name.c_str());
   const bool changed = text_field(ui.theme, field, text, hint, ImGui::GetContentRegionAvail().x, 28);
   ImGui::PopID();
-  if (changed) out.send(TypeCaseText{key, text});
+  if (changed) out.send(TypeCaseText{CaseTextEdit{key, text}});
   if (!field_left()) return;
   out.send(SetCaseText{one.name, field, text});
 }

@@ -132,7 +132,7 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   rule(theme);
   // The same rows with a label map and without one: what lies below stays where it is when one is opened.
   figure(theme, "Labels", ui.labels ? ui.labels_name : "none");
-  double opacity = 100.0 * static_cast<double>(ui.state.label_opacity);
+  double opacity = 100 * ui.state.label_opacity;
   bool released = false;
   if (slider(theme, "Opacity", opacity, {0, 100, "%.0f", "%", false}, "Of the label map over the image", released,
              ui.labels ? "" : "Overlay a label map first."))

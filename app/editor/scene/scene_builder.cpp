@@ -117,7 +117,7 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
   scene.image = {input.document->scan.image, frame, state.window_low, state.window_high, state.preferences.linear};
   if (input.labels) {
     const int label_frame = input.labels->frames > frame ? frame : 0;
-    scene.labels = {input.labels, label_frame, state.label_opacity};
+    scene.labels = {input.labels, label_frame, static_cast<float>(state.label_opacity)};
   }
   if (making_) {
     MeshLayer mesh;

@@ -172,7 +172,7 @@ struct EditorState {
   std::optional<ViewKind> maximised;
 
   double window_low = 0, window_high = 1;
-  float label_opacity = 0.4f;
+  double label_opacity = 0.4;
   std::optional<int> shown_frame;  ///< of a cine while it plays or its slider is dragged; else the document's
   bool playing = false;
   VolumeCurve volume_curve;  ///< of the cine as it is shown

@@ -10,7 +10,7 @@
 #include "app/editor/update/commands/dialog_commands.h"
 #include "app/editor/update/commands/file_commands.h"
 #include "app/editor/update/commands/models_commands.h"
-#include "app/editor/update/commands/optimise_commands.h"
+#include "app/editor/update/commands/setting_commands.h"
 #include "app/editor/update/commands/study_commands.h"
 #include "app/editor/update/commands/template_commands.h"
 #include "app/editor/update/commands/tool_commands.h"

@@ -120,6 +120,77 @@ TEST_CASE("a command's line reads back as it was whatever number each of its mem
   CHECK(keys.contains("steps"));
 }
 
+TEST_CASE("the lines of the commands that are rows stay as logs have them") {
+  for (const std::string line : {
+           R"({"do":"look from side","side":"left"})",
+           R"({"do":"maximise view","view":"3D"})",
+           R"({"do":"maximise view","view":null})",
+           R"({"do":"link zoom","linked":true})",
+           R"({"do":"show parts","outline":false,"surface":true,"planes":false,"glyphs":true,"wireframe":true,)"
+           R"("crosshair":false,"letters":true,"label_surface":true,"plane_look":2})",
+           R"({"do":"show panel","shown":true})",
+           R"({"do":"interpolate image","linear":true})",
+           R"({"do":"show radiological","radiological":true})",
+           R"({"do":"use light theme","light":true})",
+           R"({"do":"set label opacity","opacity":0.35})",
+           R"({"do":"space glyphs","spacing_mm":7.5})",
+           R"({"do":"show models","shown":true})",
+           R"({"do":"set sigma","sigma_mm":6.25})",
+           R"({"do":"set relax strength","strength":0.75})",
+           R"({"do":"move through space","through":true})",
+           R"({"do":"set brush","radius_mm":4.5,"paints":"smooth","region":"apex","erases":true,"fill_by":"curvature",)"
+           R"("fill_tolerance_per_mm":0.02,"stiffness_factor":0.5,"soft":0.25,"hold":false})",
+           R"({"do":"name template landmark","name":"apex"})",
+           R"({"do":"type region","name":"base"})",
+           R"({"do":"name region","name":"base","to":"top"})",
+           R"({"do":"name region","name":null,"to":null})",
+           R"({"do":"change number","control":"scale","value":1.5})",
+           R"({"do":"change number","control":null,"value":null})",
+           R"({"do":"set fit","label":3,"all_labels":true,"closing_mm":2.5,"as_placed":true,"model":"file",)"
+           R"("partial":true,"beyond":0.5})",
+           R"({"do":"set template","label":2,"all_labels":true,"tube":true,"organ_options":{"vertices":900,)"
+           R"("closing_mm":1.5,"opening_mm":null,"tunnels":"number","genus":2},"tube_options":{"rings":9,"sectors":12,)"
+           R"("capped":true},"outer_label":4,"axis_by_ruler":true})",
+           R"({"do":"show stage","stage":3})",
+           R"({"do":"export all frames","all":true})",
+           R"({"do":"set picture","view":"coronal","width":640,"height":480,"transparent":true,"light":true,)"
+           R"("captions":false,"study":"modes"})",
+           R"({"do":"name folder","name":"new"})",
+           R"({"do":"name folder","name":null})",
+           R"({"do":"set stack spacing","spacing_mm":[0.5,0.5,2.0]})",
+           R"({"do":"ask to discard","journal":"a/b.case"})",
+           R"({"do":"set study template","path":"a/b.ply"})",
+           R"({"do":"select case","name":"anna"})",
+           R"({"do":"select next case"})",
+           R"({"do":"remove case","name":"anna"})",
+           R"({"do":"cycle case state","name":"anna"})",
+           R"({"do":"type case text","field":"group","text":"a"})",
+           R"({"do":"flip cases","names":["anna","bert"]})",
+           R"({"do":"add frames","name":"anna"})",
+           R"({"do":"filter cases","filter":"an"})",
+           R"({"do":"sort cases","column":"distance"})",
+           R"({"do":"show distance","pair":2})",
+           R"({"do":"look from side in gallery","side":"posterior"})",
+           R"({"do":"fit gallery"})",
+           R"({"do":"zoom gallery","steps":-1.5})",
+           R"({"do":"point at vertex","any":true,"shape":2,"vertex":17})",
+           R"({"do":"point at vertex","any":false})",
+           R"({"do":"show gallery glyphs","shown":true})",
+           R"({"do":"space gallery glyphs","spacing_mm":7.5})",
+           R"({"do":"show mean"})",
+           R"({"do":"show sample"})",
+           R"({"do":"show all modes","all":true})",
+           R"({"do":"choose alignment","alignment":"rigid"})",
+           R"({"do":"show optimised","shown":true})",
+           R"({"do":"discard optimised"})",
+       }) {
+    INFO(line);
+    const auto read = command_of_line(line);
+    REQUIRE(read);
+    CHECK(log_line(*read) == line);
+  }
+}
+
 TEST_CASE("steps back in the history and in the guide are read from a log") {
   for (const int steps : {-3, -1, INT_MIN, INT_MAX}) {
     const auto back = command_of_line(log_line(GoInHistory{steps}));

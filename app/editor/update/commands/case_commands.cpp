@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "app/editor/update/commands/setting.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/assistance.h"
@@ -84,7 +85,7 @@ void CancelSnap::run(Editing& editing) const {
 }
 
 void StartFit::spell(Fields& line) {
-  spell_fit(line, settings);
+  spell_value(line, "", settings);
 }
 void StartFit::run(Editing& editing) const {
   const auto& labels = editing.shown.labels();

@@ -120,13 +120,6 @@ void TypeFileName::run(EditorState& state) const {
   }
 }
 
-void NameFolder::spell(Fields& line) {
-  line.or_null("name", name);
-}
-void NameFolder::run(EditorState& state) const {
-  if (auto* browser = open_browser(state)) browser->new_folder = name;
-}
-
 void MakeFolder::run(EditorState& state) const {
   if (auto* browser = open_browser(state)) make_folder(*browser);
 }
@@ -178,20 +171,6 @@ void ChooseOtherName::run(EditorState& state) const {
     FileDialog files = std::move(replace->files);
     state.dialog = std::move(files);
   }
-}
-
-void SetStackSpacing::spell(Fields& line) {
-  line.member("spacing_mm", spacing_mm);
-}
-void SetStackSpacing::run(EditorState& state) const {
-  if (auto* dialog = open_dialog<SpacingDialog>(state)) dialog->spacing_mm = spacing_mm;
-}
-
-void AskToDiscard::spell(Fields& line) {
-  line.member("journal", journal);
-}
-void AskToDiscard::run(EditorState& state) const {
-  if (auto* dialog = open_dialog<RecoverDialog>(state)) dialog->to_discard = journal;
 }
 
 void ShowRecovery::run(Editing& editing) const {

@@ -85,14 +85,6 @@ struct ShowAllFiles {
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
-/// Types the name of a folder to make; no name ends that.
-struct NameFolder {
-  static constexpr const char* key = "name folder";
-  static constexpr Logged logged = Logged::never;
-  std::optional<std::string> name;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 /// Makes it, and goes there.
 struct MakeFolder {
   static constexpr const char* key = "make folder";
@@ -120,22 +112,6 @@ struct ChooseOtherName {
 
 // In the others.
 
-/// The voxel size of a stack of pictures, mm.
-struct SetStackSpacing {
-  static constexpr const char* key = "set stack spacing";
-  static constexpr Logged logged = Logged::never;
-  Vec3 spacing_mm = Vec3::Ones();
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// Asks a second time before a case is deleted; an empty path takes the question back.
-struct AskToDiscard {
-  static constexpr const char* key = "ask to discard";
-  static constexpr Logged logged = Logged::never;
-  std::filesystem::path journal;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 /// Lists the cases that were never saved.
 struct ShowRecovery {
   static constexpr const char* key = "show recovery";

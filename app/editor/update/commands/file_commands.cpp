@@ -173,13 +173,6 @@ void SaveCaseAs::run(Editing& editing) const {
   if (!nothing_to_save(editing)) editing.shown.session().save_as(path);
 }
 
-void ExportAllFrames::spell(Fields& line) {
-  line.member("all", all);
-}
-void ExportAllFrames::run(EditorState& state) const {
-  state.export_all_frames = all;
-}
-
 void ExportMesh::spell(Fields& line) {
   FileCommand::spell(line);
   line.optional("all_frames", all_frames, all_frames);

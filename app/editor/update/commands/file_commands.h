@@ -114,13 +114,6 @@ struct ExportTemplateLandmarks : FileCommand {
   static constexpr const char* key = "export template landmarks";
   void run(Editing& editing) const;
 };
-/// Which frames of a cine the next exports write: all that have a mesh, or the one that is shown.
-struct ExportAllFrames {
-  static constexpr const char* key = "export all frames";
-  bool all = true;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 /// A picture, as the panel's options say.
 struct ExportPicture : FileCommand {
   static constexpr const char* key = "export picture";

@@ -3,38 +3,12 @@
 #include <utility>
 
 #include "app/editor/state/models/gallery.h"
+#include "app/editor/update/commands/setting.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
+#include "app/editor/update/results/optimisation.h"
 
 namespace homolog {
-
-namespace {
-
-constexpr std::array alignment_names{"similarity", "rigid", "none"};
-
-void spell_place(Fields& line, std::optional<GalleryVertex>& place) {
-  bool any = place.has_value();
-  line.member("any", any);
-  if (!any) return;
-  if (!place) place.emplace();
-  std::int64_t vertex = place->vertex;
-  line.member("shape", place->shape);
-  line.member("vertex", vertex);
-  place->vertex = vertex;
-}
-
-}  // namespace
-
-void LookFromSideInGallery::spell(Fields& line) {
-  spell_choice(line, "side", side_names, side);
-}
-void LookFromSideInGallery::run(EditorState& state) const {
-  look_from(state.models.camera, side);
-}
-
-void ShowAllShapes::run(EditorState& state) const {
-  show_all_shapes(state.models);
-}
 
 void TurnGallery::spell(Fields& line) {
   line.member("right_px", right_px);
@@ -61,22 +35,8 @@ void LetGoOfGallery::run(EditorState& state) const {
   state.models.turning = false;
 }
 
-void ZoomGallery::spell(Fields& line) {
-  line.member("steps", steps);
-}
-void ZoomGallery::run(EditorState& state) const {
-  zoom_gallery(state.models, steps);
-}
-
-void PointAtVertex::spell(Fields& line) {
-  spell_place(line, place);
-}
-void PointAtVertex::run(EditorState& state) const {
-  state.models.hover = place;
-}
-
 void PinVertex::spell(Fields& line) {
-  spell_place(line, place);
+  spell_value(line, "", place);
   line.member("focus", focus);
 }
 void PinVertex::run(EditorState& state) const {
@@ -84,28 +44,6 @@ void PinVertex::run(EditorState& state) const {
     pin_vertex(state.models, *place, focus);
   else
     unpin(state.models);
-}
-
-void ShowGalleryGlyphs::spell(Fields& line) {
-  line.member("shown", shown);
-}
-void ShowGalleryGlyphs::run(EditorState& state) const {
-  state.models.glyphs = shown;
-}
-
-void SpaceGalleryGlyphs::spell(Fields& line) {
-  line.member("spacing_mm", spacing_mm);
-}
-void SpaceGalleryGlyphs::run(EditorState& state) const {
-  state.models.glyph_spacing_mm = spacing_mm;
-}
-
-void ShowMean::run(EditorState& state) const {
-  set_to_mean(state.models);
-}
-
-void ShowSample::run(EditorState& state) const {
-  set_to_sample(state.models);
 }
 
 void ShowSelectedShape::run(EditorState& state) const {
@@ -131,13 +69,6 @@ void AnimateMode::run(EditorState& state) const {
   state.models.animation_started = -1;
 }
 
-void ShowAllModes::spell(Fields& line) {
-  line.member("all", all);
-}
-void ShowAllModes::run(EditorState& state) const {
-  state.models.all_modes = all;
-}
-
 void ShowDifference::spell(Fields& line) {
   line.member("shown", shown);
 }
@@ -154,11 +85,12 @@ void CompareGroup::run(EditorState& state) const {
   if (which < state.models.compared.size()) state.models.compared[which] = group;
 }
 
-void ChooseAlignment::spell(Fields& line) {
-  spell_choice(line, "alignment", alignment_names, alignment);
+void StartOptimisation::run(Editing& editing) const {
+  start_optimisation(editing);
 }
-void ChooseAlignment::run(EditorState& state) const {
-  state.models.alignment = alignment;
+
+void CancelOptimisation::run(EditorState& state) const {
+  if (state.models.optimisation.runs()) discard_optimised(state.models);
 }
 
 }  // namespace homolog

@@ -9,16 +9,6 @@ namespace homolog {
 
 // What the gallery of the Models mode and its model are asked: what they show, from where, and which mode.
 
-struct LookFromSideInGallery {
-  static constexpr const char* key = "look from side in gallery";
-  LookFrom side = LookFrom::anterior;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-struct ShowAllShapes {
-  static constexpr const char* key = "fit gallery";
-  void run(EditorState& state) const;
-};
 struct TurnGallery {
   static constexpr const char* key = "turn gallery";
   double right_px = 0, down_px = 0;
@@ -36,20 +26,6 @@ struct LetGoOfGallery {
   static constexpr const char* key = "let go of gallery";
   void run(EditorState& state) const;
 };
-struct ZoomGallery {
-  static constexpr const char* key = "zoom gallery";
-  double steps = 0;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// What the pointer is over.
-struct PointAtVertex {
-  static constexpr const char* key = "point at vertex";
-  static constexpr Logged logged = Logged::never;
-  std::optional<GalleryVertex> place;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 /// Marks a vertex in all shapes; none: unmarks.
 struct PinVertex {
   static constexpr const char* key = "pin vertex";
@@ -58,29 +34,9 @@ struct PinVertex {
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
-struct ShowGalleryGlyphs {
-  static constexpr const char* key = "show gallery glyphs";
-  bool shown = true;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-struct SpaceGalleryGlyphs {
-  static constexpr const char* key = "space gallery glyphs";
-  double spacing_mm = 12;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 
 // The model's shape that is shown.
 
-struct ShowMean {
-  static constexpr const char* key = "show mean";
-  void run(EditorState& state) const;
-};
-struct ShowSample {
-  static constexpr const char* key = "show sample";
-  void run(EditorState& state) const;
-};
 /// The coefficients of the selected case.
 struct ShowSelectedShape {
   static constexpr const char* key = "show selected shape";
@@ -100,12 +56,6 @@ struct AnimateMode {
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
-struct ShowAllModes {
-  static constexpr const char* key = "show all modes";
-  bool all = true;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 struct ShowDifference {
   static constexpr const char* key = "show difference";
   bool shown = true;
@@ -119,10 +69,19 @@ struct CompareGroup {
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
-struct ChooseAlignment {
-  static constexpr const char* key = "choose alignment";
-  Alignment alignment = Alignment::similarity;
-  void spell(Fields& line);
+
+// What the section Optimise of the Models mode asks for.
+
+/// Slides the vertices of the study's shapes along their surfaces.
+struct StartOptimisation {
+  static constexpr const char* key = "start optimisation";
+  static constexpr Logged logged = Logged::when_done;
+  void run(Editing& editing) const;
+};
+struct CancelOptimisation {
+  static constexpr const char* key = "cancel optimisation";
+  static constexpr bool cancels = true;
+  static constexpr Logged logged = Logged::never;
   void run(EditorState& state) const;
 };
 

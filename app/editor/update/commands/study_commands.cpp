@@ -16,7 +16,6 @@ namespace homolog {
 namespace {
 
 constexpr std::array state_names{"to do", "in work", "done"};
-constexpr std::array column_names{"study", "name", "group", "state", "distance"};
 
 void close_label_dialog(EditorState& state) {
   if (state.dialog && std::holds_alternative<LabelDialog>(*state.dialog)) state.dialog.reset();
@@ -34,10 +33,6 @@ void NewStudy::run(Editing& editing) const {
 
 void SaveStudyAs::run(Editing& editing) const {
   editing.work.models.save_study_as(editing.state.models, path);
-}
-
-void SetStudyTemplate::run(EditorState& state) const {
-  set_study_template(state.models, path);
 }
 
 void OpenPhantomStudy::spell(Fields& line) {
@@ -82,13 +77,6 @@ void ExportLandmarkTable::run(Editing& editing) const {
     const auto written = write_landmark_table(specimens, to);
     return written ? Result<void>{} : fail(written.error());
   });
-}
-
-void ShowDistance::spell(Fields& line) {
-  line.member("pair", pair);
-}
-void ShowDistance::run(EditorState& state) const {
-  state.models.distance_shown = pair;
 }
 
 void CompareObservers::run(Editing& editing) const {
@@ -210,24 +198,6 @@ void OpenCaseOfStudy::run(Editing& editing) const {
   editing.work.models.open_case(*this, editing.state, editing.shown.snapshot(), editing.out);
 }
 
-void SelectCase::spell(Fields& line) {
-  line.member("name", name);
-}
-void SelectCase::run(EditorState& state) const {
-  state.models.selected = name;
-}
-
-void SelectNextCase::run(EditorState& state) const {
-  select_next_case(state.models);
-}
-
-void RemoveCase::spell(Fields& line) {
-  line.member("name", name);
-}
-void RemoveCase::run(EditorState& state) const {
-  remove_case(state.models, name);
-}
-
 void SetCaseState::spell(Fields& line) {
   line.member("name", name);
   spell_choice(line, "to", state_names, to);
@@ -235,21 +205,6 @@ void SetCaseState::spell(Fields& line) {
 void SetCaseState::run(EditorState& state) const {
   if (StudyCase* one = find_case(state.models.study, name)) one->state = to;
   ++state.models.study_revision;
-}
-
-void CycleCaseState::spell(Fields& line) {
-  line.member("name", name);
-}
-void CycleCaseState::run(EditorState& state) const {
-  cycle_case_state(state.models, name);
-}
-
-void TypeCaseText::spell(Fields& line) {
-  line.member("field", field);
-  line.member("text", text);
-}
-void TypeCaseText::run(EditorState& state) const {
-  state.models.text_edit = CaseTextEdit{field, text};
 }
 
 void SetCaseText::spell(Fields& line) {
@@ -260,34 +215,6 @@ void SetCaseText::spell(Fields& line) {
 void SetCaseText::run(EditorState& state) const {
   set_case_text(state.models, name, field, text);
   state.models.text_edit.reset();
-}
-
-void FlipCases::spell(Fields& line) {
-  line.member("names", names);
-}
-void FlipCases::run(EditorState& state) const {
-  flip_cases(state.models, names);
-}
-
-void AddFrames::spell(Fields& line) {
-  line.member("name", name);
-}
-void AddFrames::run(EditorState& state) const {
-  add_frames(state.models, name);
-}
-
-void FilterCases::spell(Fields& line) {
-  line.member("filter", filter);
-}
-void FilterCases::run(EditorState& state) const {
-  state.models.filter = filter;
-}
-
-void SortCases::spell(Fields& line) {
-  spell_choice(line, "column", column_names, column);
-}
-void SortCases::run(EditorState& state) const {
-  sort_by(state.models, column);
 }
 
 }  // namespace homolog

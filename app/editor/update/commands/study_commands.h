@@ -26,11 +26,6 @@ struct SaveStudyAs : FileCommand {
   static constexpr const char* key = "save study as";
   void run(Editing& editing) const;
 };
-/// The mesh whose faces stand for those of shapes that are points alone.
-struct SetStudyTemplate : FileCommand {
-  static constexpr const char* key = "set study template";
-  void run(EditorState& state) const;
-};
 struct OpenPhantomStudy {
   static constexpr const char* key = "open phantom study";
   Organ organ = Organ::kidney;
@@ -63,13 +58,6 @@ struct ExportSizes : FileCommand {
 struct ExportLandmarkTable : FileCommand {
   static constexpr const char* key = "export landmark table";
   void run(Editing& editing) const;
-};
-/// Which two landmarks the list of sizes shows the distance of: a row of landmark_pairs.
-struct ShowDistance {
-  static constexpr const char* key = "show distance";
-  std::size_t pair = 0;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
 };
 /// Compares the study's cases with those of the same names in another observer's study.
 struct CompareObservers : FileCommand {
@@ -168,23 +156,6 @@ struct OpenCaseOfStudy {
   void spell(Fields& line);
   void run(Editing& editing) const;
 };
-struct SelectCase {
-  static constexpr const char* key = "select case";
-  std::string name;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// The next one that is not done.
-struct SelectNextCase {
-  static constexpr const char* key = "select next case";
-  void run(EditorState& state) const;
-};
-struct RemoveCase {
-  static constexpr const char* key = "remove case";
-  std::string name;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 struct SetCaseState {
   static constexpr const char* key = "set case state";
   std::string name;
@@ -192,49 +163,9 @@ struct SetCaseState {
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
-/// To do, in work, done, to do.
-struct CycleCaseState {
-  static constexpr const char* key = "cycle case state";
-  std::string name;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// A text of the selected case while it is typed.
-struct TypeCaseText {
-  static constexpr const char* key = "type case text";
-  std::string field, text;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 struct SetCaseText {
   static constexpr const char* key = "set case text";
   std::string name, field, text;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// Takes them left for right, or as they lie where they were flipped.
-struct FlipCases {
-  static constexpr const char* key = "flip cases";
-  std::vector<std::string> names;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// Every edited frame of a case's cine becomes a case.
-struct AddFrames {
-  static constexpr const char* key = "add frames";
-  std::string name;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-struct FilterCases {
-  static constexpr const char* key = "filter cases";
-  std::string filter;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-struct SortCases {
-  static constexpr const char* key = "sort cases";
-  CaseColumn column = CaseColumn::study;
   void spell(Fields& line);
   void run(EditorState& state) const;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/editor/update/commands/setting.h"
 #include "app/editor/update/commands/spelling.h"
 #include "app/editor/update/editing.h"
 #include "app/editor/update/results/imports.h"
@@ -10,7 +11,7 @@
 namespace homolog {
 
 void MakeTemplate::spell(Fields& line) {
-  spell_template(line, settings);
+  spell_value(line, "", settings);
   std::optional<Vec3> from, to;
   if (axis) {
     from = axis->from;
@@ -52,13 +53,6 @@ void CloseTemplateMaking::run(Editing& editing) const {
 
 void UseMadeTemplate::run(Editing& editing) const {
   use_made_template(editing, path);
-}
-
-void ShowTemplateStage::spell(Fields& line) {
-  line.member("stage", stage);
-}
-void ShowTemplateStage::run(EditorState& state) const {
-  state.shown_stage = stage;
 }
 
 }  // namespace homolog

@@ -35,12 +35,5 @@ struct UseMadeTemplate : FileCommand {
   static constexpr Logged logged = Logged::when_done;  ///< once the file is open
   void run(Editing& editing) const;
 };
-/// Shows a stage of the making.
-struct ShowTemplateStage {
-  static constexpr const char* key = "show stage";
-  std::size_t stage = 0;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 
 }  // namespace homolog

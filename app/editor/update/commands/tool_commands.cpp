@@ -9,8 +9,6 @@ namespace {
 
 constexpr std::array tool_names{"pull",     "grab",      "slide",   "relax", "place",
                                 "landmark", "stiffness", "confirm", "ruler", "template landmark"};
-constexpr std::array paint_names{"factor", "region", "smooth", "fill"};
-constexpr std::array fill_names{"region", "curvature"};
 constexpr std::array polarity_names{"automatic", "bright inside", "dark inside", "either"};
 
 }  // namespace
@@ -41,42 +39,6 @@ void ChooseSigma::run(EditorState& state, const ControlsContext&, Outbox& out) c
   }
 }
 
-void SetSigma::spell(Fields& line) {
-  line.member("sigma_mm", sigma_mm);
-}
-void SetSigma::run(EditorState& state) const {
-  set_sigma(state, sigma_mm);
-}
-
-void SetRelaxStrength::spell(Fields& line) {
-  line.member("strength", strength);
-}
-void SetRelaxStrength::run(EditorState& state) const {
-  state.relax_strength = strength;
-}
-
-void MoveThroughSpace::spell(Fields& line) {
-  line.member("through", through);
-}
-void MoveThroughSpace::run(EditorState& state) const {
-  state.through_space = through;
-}
-
-void SetBrush::spell(Fields& line) {
-  line.member("radius_mm", brush.radius_mm);
-  spell_choice(line, "paints", paint_names, brush.paints);
-  line.member("region", brush.region);
-  line.member("erases", brush.erases);
-  spell_choice(line, "fill_by", fill_names, brush.fill_by);
-  line.member("fill_tolerance_per_mm", brush.fill_tolerance_per_mm);
-  line.member("stiffness_factor", brush.stiffness_factor);
-  line.member("soft", brush.soft);
-  line.member("hold", brush.hold);
-}
-void SetBrush::run(EditorState& state) const {
-  state.brush = brush;
-}
-
 void BrushRegion::spell(Fields& line) {
   line.member("region", region);
 }
@@ -95,49 +57,6 @@ void ChooseLandmark::run(EditorState& state) const {
   state.tool = MouseTool::landmark;
   state.landmark = name;
   if (look_at_mm) state.crosshair_mm = *look_at_mm;
-}
-
-void NameTemplateLandmark::spell(Fields& line) {
-  line.member("name", name);
-}
-void NameTemplateLandmark::run(EditorState& state) const {
-  state.template_landmark = name;
-}
-
-void TypeRegion::spell(Fields& line) {
-  line.member("name", name);
-}
-void TypeRegion::run(EditorState& state) const {
-  state.new_region = name;
-}
-
-void NameRegion::spell(Fields& line) {
-  std::optional<std::string> name, to;
-  if (naming) {
-    name = naming->rename.name;
-    to = naming->rename.to;
-  }
-  line.or_null("name", name);
-  line.or_null("to", to);
-  if (line.reads() && name) naming = RegionNaming{{*name, to.value_or("")}, true};
-}
-void NameRegion::run(EditorState& state) const {
-  state.renaming = naming;
-}
-
-void ChangeNumber::spell(Fields& line) {
-  std::optional<std::string> control;
-  std::optional<double> value;
-  if (number) {
-    control = number->control;
-    value = number->value;
-  }
-  line.or_null("control", control);
-  line.or_null("value", value);
-  if (line.reads() && control && value) number = PanelEdit{*control, *value};
-}
-void ChangeNumber::run(EditorState& state) const {
-  state.panel_edit = number;
 }
 
 void SetSnap::spell(Fields& line) {
@@ -164,20 +83,6 @@ void SnapWithStrokes::run(EditorState& state) const {
              on ? "Snap while dragging is on: what you pull or grab snaps to the image (Shift+N: off)."
                 : "Snap while dragging is off.",
              false);
-}
-
-void SetFit::spell(Fields& line) {
-  spell_fit(line, fit);
-}
-void SetFit::run(EditorState& state) const {
-  state.fit_settings = fit;
-}
-
-void SetTemplate::spell(Fields& line) {
-  spell_template(line, settings);
-}
-void SetTemplate::run(EditorState& state) const {
-  state.template_settings = settings;
 }
 
 void Escape::run(EditorState& state, const ControlsContext& context, Outbox& out) const {

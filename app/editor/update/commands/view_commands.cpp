@@ -17,44 +17,6 @@ constexpr std::array colouring_names{"landmark hue", "edge stretch", "moved", "s
 
 }  // namespace
 
-void LookFromSide::spell(Fields& line) {
-  spell_choice(line, "side", side_names, side);
-}
-void LookFromSide::run(EditorState& state) const {
-  look_from(state.camera, side);
-}
-
-void MaximiseView::spell(Fields& line) {
-  spell_choice_or_null(line, "view", view_names, view);
-}
-void MaximiseView::run(EditorState& state) const {
-  state.maximised = view;
-}
-
-void ShowParts::spell(Fields& line) {
-  line.member("outline", parts.outline);
-  line.member("surface", parts.surface);
-  line.member("planes", parts.planes);
-  line.member("glyphs", parts.glyphs);
-  line.member("wireframe", parts.wireframe);
-  line.member("crosshair", parts.crosshair);
-  line.member("letters", parts.letters);
-  line.optional("label_surface", parts.label_surface, parts.label_surface);
-  int look = static_cast<int>(parts.plane_look);
-  line.optional("plane_look", look, parts.plane_look != PlaneLook::translucent);
-  if (line.reads()) parts.plane_look = static_cast<PlaneLook>(std::clamp(look, 0, 2));
-}
-void ShowParts::run(EditorState& state) const {
-  state.preferences.show = parts;
-}
-
-void ShowPanel::spell(Fields& line) {
-  line.member("shown", shown);
-}
-void ShowPanel::run(EditorState& state) const {
-  state.preferences.panel_open = shown;
-}
-
 void ScrollSlices::spell(Fields& line) {
   spell_choice(line, "view", view_names, view);
   line.member("steps", steps);
@@ -86,20 +48,6 @@ void SetWindow::run(EditorState& state) const {
   state.window_high = high;
 }
 
-void InterpolateImage::spell(Fields& line) {
-  line.member("linear", linear);
-}
-void InterpolateImage::run(EditorState& state) const {
-  state.preferences.linear = linear;
-}
-
-void ShowRadiological::spell(Fields& line) {
-  line.member("radiological", radiological);
-}
-void ShowRadiological::run(EditorState& state) const {
-  state.preferences.radiological = radiological;
-}
-
 void ShowOwnPlanes::spell(Fields& line) {
   line.member("own", own);
 }
@@ -121,40 +69,12 @@ void ShowOwnPlanes::run(EditorState& state, const ControlsContext& context, Outb
   settle_crosshair(state, context.document);
 }
 
-void LinkZoom::spell(Fields& line) {
-  line.member("linked", linked);
-}
-void LinkZoom::run(EditorState& state) const {
-  link_zoom(state, linked);
-}
-
-void UseLightTheme::spell(Fields& line) {
-  line.member("light", light);
-}
-void UseLightTheme::run(EditorState& state) const {
-  state.preferences.light = light;
-}
-
-void SetLabelOpacity::spell(Fields& line) {
-  line.member("opacity", opacity);
-}
-void SetLabelOpacity::run(EditorState& state) const {
-  state.label_opacity = static_cast<float>(opacity);
-}
-
 void ChooseColouring::spell(Fields& line) {
   spell_choice(line, "colouring", colouring_names, colouring);
 }
 void ChooseColouring::run(EditorState& state) const {
   state.shows_confidence = colouring == Colouring::confidence;
   if (!state.shows_confidence) state.colouring = colouring;
-}
-
-void SpaceGlyphs::spell(Fields& line) {
-  line.member("spacing_mm", spacing_mm);
-}
-void SpaceGlyphs::run(EditorState& state) const {
-  state.glyph_spacing_mm = spacing_mm;
 }
 
 void SeekFrame::spell(Fields& line) {
@@ -228,32 +148,6 @@ void ShowGuide::run(Editing& editing) const {
   state.guide->shown = shown;
   state.guide->at = 0;
   look_at_step(state);
-}
-
-void ShowModels::spell(Fields& line) {
-  line.member("shown", shown);
-}
-void ShowModels::run(EditorState& state) const {
-  state.models.shown = shown;
-}
-
-void SetPicture::spell(Fields& line) {
-  spell_choice_or_null(line, "view", view_names, options.view);
-  line.member("width", options.width);
-  line.member("height", options.height);
-  line.member("transparent", options.transparent);
-  line.optional("light", options.light, options.light);
-  line.optional("captions", options.captions, !options.captions);
-  static constexpr std::array study_names{"gallery", "modes"};
-  std::string study = options.study ? study_names[static_cast<std::size_t>(*options.study)] : "";
-  line.optional("study", study, options.study.has_value());
-  if (!line.reads()) return;
-  options.study.reset();
-  for (std::size_t k = 0; k < study_names.size(); ++k)
-    if (study == study_names[k]) options.study = static_cast<StudyPicture>(k);
-}
-void SetPicture::run(EditorState& state) const {
-  state.picture = options;
 }
 
 }  // namespace homolog

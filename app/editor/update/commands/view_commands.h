@@ -14,33 +14,6 @@ struct Editing;
 
 // What is seen, and from where.
 
-/// Turns the 3D view.
-struct LookFromSide {
-  static constexpr const char* key = "look from side";
-  LookFrom side = LookFrom::anterior;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// One view fills the window; all four where none is named.
-struct MaximiseView {
-  static constexpr const char* key = "maximise view";
-  std::optional<ViewKind> view;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// Outline, surface, planes and so on.
-struct ShowParts {
-  static constexpr const char* key = "show parts";
-  ShownParts parts;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-struct ShowPanel {
-  static constexpr const char* key = "show panel";
-  bool shown = true;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 /// Goes through the slices of a view; the 3D view has none.
 struct ScrollSlices {
   static constexpr const char* key = "scroll slices";
@@ -68,18 +41,6 @@ struct SetWindow {
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
-struct InterpolateImage {
-  static constexpr const char* key = "interpolate image";
-  bool linear = true;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-struct ShowRadiological {
-  static constexpr const char* key = "show radiological";
-  bool radiological = true;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 /// Slices along the image's own axes.
 struct ShowOwnPlanes {
   static constexpr const char* key = "show own planes";
@@ -87,35 +48,9 @@ struct ShowOwnPlanes {
   void spell(Fields& line);
   void run(EditorState& state, const ControlsContext& context, Outbox& out) const;
 };
-/// The slice views zoom together, or each by itself.
-struct LinkZoom {
-  static constexpr const char* key = "link zoom";
-  bool linked = true;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// The light theme, or the dark one.
-struct UseLightTheme {
-  static constexpr const char* key = "use light theme";
-  bool light = true;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-struct SetLabelOpacity {
-  static constexpr const char* key = "set label opacity";
-  double opacity = 0;  ///< 0…1
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
 struct ChooseColouring {
   static constexpr const char* key = "choose colouring";
   Colouring colouring = Colouring::vertex_hue;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-struct SpaceGlyphs {
-  static constexpr const char* key = "space glyphs";
-  double spacing_mm = 12;
   void spell(Fields& line);
   void run(EditorState& state) const;
 };
@@ -155,20 +90,6 @@ struct ShowGuide {
   bool shown = true;
   void spell(Fields& line);
   void run(Editing& editing) const;
-};
-/// Shows the study and its model, or the case.
-struct ShowModels {
-  static constexpr const char* key = "show models";
-  bool shown = true;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
-};
-/// What a picture that is saved shows.
-struct SetPicture {
-  static constexpr const char* key = "set picture";
-  PictureOptions options;
-  void spell(Fields& line);
-  void run(EditorState& state) const;
 };
 
 }  // namespace homolog

@@ -19,9 +19,10 @@ function(homolog_part folder)
 
   add_library(${target} STATIC ${PART_SOURCES})
   add_dependencies(${target} ${target}_arrows)
-  target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/homolog>)
   target_include_directories(${target} SYSTEM PRIVATE ${PART_SYSTEM_INCLUDES})
-  target_link_libraries(${target} PUBLIC ${homolog_part_basis} PRIVATE homolog_options ${PART_LIBRARIES})
+  target_link_libraries(${target} PUBLIC ${homolog_part_basis} PRIVATE $<BUILD_INTERFACE:homolog_options> ${PART_LIBRARIES})
   foreach(used ${PART_USES})
     if(used STREQUAL render)
       set(used scene)  # its values; who draws names homolog_render among the libraries

@@ -20,7 +20,7 @@ Result<void> run(const std::filesystem::path& file) {
 
   // A stroke names the surface point that is taken hold of and where it is dragged to, in LPS mm. Each is on the disk
   // before apply() returns.
-  const Vec3 pole = session->document().shape().points->row(0);
+  const Vec3 pole = session->document().view()->shape.points->row(0);
   for (const double millimetres : {5.0, 12.0}) {
     Stroke stroke;
     stroke.tool = Tool::grab;
@@ -33,8 +33,9 @@ Result<void> run(const std::filesystem::path& file) {
 
   const auto again = read_case(file);
   if (!again) return fail(again.error());
-  const double apart =
-      (*again->session.document().shape().points - *session->document().shape().points).cwiseAbs().maxCoeff();
+  const double apart = (*again->session.document().view()->shape.points - *session->document().view()->shape.points)
+                           .cwiseAbs()
+                           .maxCoeff();
   std::printf("strokes left %d, largest difference after replay %g mm\n", again->session.strokes(), apart);
   return again->session.strokes() == 1 && apart <= 1e-9 ? Result<void>{} : fail("", "the replay gave another mesh");
 }

@@ -20,7 +20,7 @@ mkdir -p "$packages"
 name=homolog-$version-linux-x86_64
 stage=$(mktemp -d)
 trap 'rm -rf "$stage"' EXIT
-cmake --install build/release --prefix "$stage/installed" >/dev/null
+cmake --install build/release --prefix "$stage/installed" --component Unspecified >/dev/null
 here=$stage/$name
 mkdir -p "$here/lib/system" "$here/licences"
 cp -r "$stage/installed/share" "$here/share"

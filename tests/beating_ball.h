@@ -9,6 +9,7 @@
 #include "core/case/document.h"
 #include "core/mesh/icosphere.h"
 #include "core/volume/volume.h"
+#include "tests/changed_shape.h"
 #include "tests/must.h"
 
 namespace homolog {
@@ -43,7 +44,7 @@ struct BeatingBall {
     MeshFile file{ball.points, ball.topology->triangles()};
     Document document = new_document("beating ball", std::make_shared<const Volume>(cine()),
                                      test::must(make_template(std::move(file), "ball.ply")));
-    Shape& shape = document.shapes.at(0);
+    Shape& shape = test::changed_shape(document);
     shape.placement = shape.before_landmarks = {};
     shape.placed = shape.reference = shape.points = std::make_shared<const Points>(ball.points);
     return document;

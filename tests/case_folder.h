@@ -16,6 +16,13 @@ namespace fs = std::filesystem;
 
 inline const Vec3 pole(0, 0, 40);
 
+inline std::vector<std::string> lines_of(const fs::path& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
 /// A folder with a template and, once saved, a case without an image.
 struct CaseFolder {
   TemporaryFolder folder;

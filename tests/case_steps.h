@@ -14,17 +14,17 @@ inline Document cine_document(const CaseFolder& folder, int frames) {
   cine.frames = frames;
   cine.data = std::vector<std::int16_t>(8 * static_cast<std::size_t>(frames));
   Document document = folder.document();
-  document.volume = std::make_shared<const Volume>(std::move(cine));
+  document.scan.image = std::make_shared<const Volume>(std::move(cine));
   return document;
 }
 
 /// What a snap of the whole mesh would find: every landmark up to half a millimetre away.
 inline SetPoints random_snap(const Document& document, std::mt19937& random, double share = 1) {
   std::uniform_real_distribution<double> mm(-0.5, 0.5), chance(0, 1);
-  Points points = *document.shape().points;
+  Points points = *document.view()->shape.points;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
     if (chance(random) < share) points.row(i) += Eigen::RowVector3d(mm(random), mm(random), mm(random));
-  return points_edit(document, points, "snap");
+  return points_edit(*document.view(), points, "snap");
 }
 
 inline Vec3 random_place(std::mt19937& random) {

@@ -259,18 +259,20 @@ Result<MadePicture> modes_picture(const ShapeModel& model, int modes, const Mont
 }
 
 Result<MadePicture> case_picture(const Document& document, const MontageOptions& options) {
-  if (!document.the_template || !document.has_shape()) return fail("", "has no mesh to show");
+  const auto shown = document.view();
+  if (!shown) return fail("", "has no mesh to show");
   auto studio = Studio::make(options);
   if (!studio) return fail(studio.error());
-  const Mesh mesh = document.mesh();
+  const Mesh mesh = shown->mesh();
   const Vec3 centre = mesh.points.colwise().mean();
   const MeshColours colouring(mesh, options.glyph_spacing_mm);
   Scene scene;
   scene.background = background(options);
-  if (document.volume) {
-    scene.image.volume = document.volume;
+  if (document.scan.image) {
+    scene.image.volume = document.scan.image;
     scene.image.frame = document.frame;
-    std::tie(scene.image.window_low, scene.image.window_high) = window_around(*document.volume, mesh, document.frame);
+    std::tie(scene.image.window_low, scene.image.window_high) =
+        window_around(*document.scan.image, mesh, document.frame);
   }
   colouring.add_to(scene, mesh);
   const GlyphLayer glyphs = std::exchange(scene.glyphs, {});

@@ -46,13 +46,13 @@ class Day {
  private:
   Action snap(const Document& document, const Vec3& at) {
     std::uniform_real_distribution<double> noise(-0.05, 0.05);
-    Points points = *document.shape().points;
+    Points points = *document.view()->shape.points;
     for (Eigen::Index i = 0; i < points.rows(); ++i) {
       const double wave = 0.5 * std::sin(points.row(i).dot(at) / 600);
       points.row(i) += Eigen::RowVector3d(wave, -wave, wave);
       for (double& x : points.row(i)) x += noise(random_);
     }
-    return points_edit(document, points, "snap");
+    return points_edit(*document.view(), points, "snap");
   }
 
   std::mt19937 random_{1};

@@ -126,12 +126,13 @@ Json picture_figures() {
   scene.image.window_low = -100;
   scene.image.window_high = 300;
   MeshLayer layer;
-  layer.topology = document->the_template->topology;
+  layer.topology = document->structure()->the_template->topology;
   std::vector<Rgb> colours;
   for (const float hue : vertex_hues(*layer.topology)) colours.push_back(hsv_to_rgb(hue, 0.4f, 1));
   layer.colours = std::make_shared<const std::vector<Rgb>>(std::move(colours));
   const Vec3 centre = scene.image.volume->geometry.bounds_mm().center();
-  Points points = document->shape().points->rowwise() - bounds_of(*document->shape().points).center().transpose();
+  Points points =
+      document->view()->shape.points->rowwise() - bounds_of(*document->view()->shape.points).center().transpose();
   points.rowwise() += centre.transpose();
   scene.meshes.push_back(layer);
   const std::array<SliceView, 3> slices{{{centre, Vec3::UnitX(), Vec3::UnitY(), 0.5},

@@ -36,14 +36,14 @@ Result<StudyCase> write_case_of_fit(const FittedCase& fitted, const fs::path& fo
                                  "with");
   const std::string image = fitted.image.empty() ? "" : absolute_path(fitted.image).string();
   Document document = new_document(image, fitted.grid, fitted.template_of_file);
-  document.holds_landmarks = true;
+  document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
   auto session = create_case(std::move(document), one.file);
   if (!session) return fail(session.error());
   if (fitted.mirrored)
     if (auto turned = session->apply(MirrorTemplate{}); !turned) return fail(turned.error());
   if (fitted.frame)
     if (auto shown = session->apply(SetFrame{*fitted.frame}); !shown) return fail(shown.error());
-  SetPoints edit = points_edit(session->document(), fitted.points, by_fit, fitted.placement);
+  SetPoints edit = points_edit(*session->document().view(), fitted.points, by_fit, fitted.placement);
   if (fitted.doubt_mm.size() > 0) edit.doubt_mm = doubt_on_grid(fitted.doubt_mm);
   if (fitted.outlier.size() > 0) edit.outlier = std::make_shared<const VertexScalars>(fitted.outlier);
   FitFigures figures = fitted.figures.value_or(FitFigures{});

@@ -62,7 +62,7 @@ class HeadlessDemo {
   }
 
   Result<void> adapt(EditSession& session, const Volume& truth) {
-    const auto before = compare_with_mask(session.document().mesh(), truth, 1);
+    const auto before = compare_with_mask(session.document().view()->mesh(), truth, 1);
     const auto target = mask_surface(truth, 1);
     if (!before || !target) return fail(before ? target.error() : before.error());
     PullingOptions options;
@@ -70,7 +70,7 @@ class HeadlessDemo {
     options.progress = &progress_;
     const auto pulled = pull_to_target(session, *target, options);
     if (!pulled) return fail(pulled.error());
-    const auto after = compare_with_mask(session.document().mesh(), truth, 1);
+    const auto after = compare_with_mask(session.document().view()->mesh(), truth, 1);
     if (!after) return fail(after.error());
     report_.values["placed"] = {{"assd_mm", before->assd_mm}, {"dice", before->dice}};
     report_.values["pulled"] = {{"pulls", pulled->pulls}, {"assd_mm", after->assd_mm}, {"dice", after->dice}};
@@ -78,10 +78,10 @@ class HeadlessDemo {
   }
 
   Result<void> export_mesh(EditSession& session, const Volume& truth) {
-    const Document& document = session.document();
-    if (auto done = write_mesh_file(to_mesh_file(*document.the_template), written("template.ply")); !done) return done;
-    if (auto done = write_mesh_file(to_mesh_file(document, document.frame), written("kidney.ply")); !done) return done;
-    const Volume labels = label_map(document.mesh(), truth.geometry);
+    const ShapeView shown = *session.document().view();
+    if (auto done = write_mesh_file(to_mesh_file(shown.the_template()), written("template.ply")); !done) return done;
+    if (auto done = write_mesh_file(to_mesh_file(shown, false), written("kidney.ply")); !done) return done;
+    const Volume labels = label_map(shown.mesh(), truth.geometry);
     report_.values["volume_ml"] = static_cast<double>(labels_of(labels)[1]) * truth.geometry.voxel_volume_mm3() / 1000;
     return write_volume(labels, written("kidney.nii.gz"));
   }
@@ -92,8 +92,9 @@ class HeadlessDemo {
     if (!picture) return fail(picture.error());
     if (auto done = write_picture(picture->picture, written("case.png")); !done) return done;
     options.height_px = options.width_px / 2;
-    const Mesh before{session.document().the_template->topology, *session.document().shape().placed};
-    picture = correspondence_picture({before, session.document().mesh()}, {"before", "after"}, options);
+    const ShapeView shown = *session.document().view();
+    const Mesh before{shown.the_template().topology, *shown.shape.placed};
+    picture = correspondence_picture({before, shown.mesh()}, {"before", "after"}, options);
     if (!picture) return fail(picture.error());
     return write_picture(picture->picture, written("correspondence.png"));
   }
@@ -101,7 +102,7 @@ class HeadlessDemo {
   /// The adapted mesh and other phantom subjects as a shape model: they share the template's vertices.
   Result<void> export_model(EditSession& session, const Volume&) {
     constexpr int others = 9;
-    const Points& adapted = *session.document().shape().points;
+    const Points& adapted = *session.document().view()->shape.points;
     ShapeMatrix shapes(adapted.size(), others + 1);
     std::vector<std::string> names{"demo"};
     shapes.col(0) = adapted.reshaped<Eigen::RowMajor>();
@@ -110,8 +111,8 @@ class HeadlessDemo {
       names.push_back("phantom " + std::to_string(demo_subject + k));
     }
     align(shapes, Alignment::similarity);
-    const ShapeModel model =
-        make_model(principal_components(std::move(shapes)), 0.95, session.document().the_template->topology, names);
+    const ShapeModel model = make_model(principal_components(std::move(shapes)), 0.95,
+                                        session.document().structure()->the_template->topology, names);
     if (auto done = write_model(model, written("model.h5.json")); !done) return done;
     report_.values["model"] = {{"shapes", others + 1}, {"modes", model.modes()}};
     const auto picture = modes_picture(model, 2, {});

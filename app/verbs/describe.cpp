@@ -25,13 +25,15 @@ Result<Report> describe_case(const std::filesystem::path& path, Progress* progre
   report.warnings = read->warnings;
   Json& values = report.values;
   values["kind"] = "case";
-  values["volume"] = document.volume_source;
-  values["template"] = document.the_template ? document.the_template->source : "";
-  values["vertices"] = document.the_template ? document.the_template->topology->vertices() : 0;
+  values["volume"] = document.scan.source;
+  const Structure* structure = document.structure();
+  values["template"] = structure != nullptr ? structure->the_template->source : "";
+  values["vertices"] = structure != nullptr ? structure->the_template->topology->vertices() : 0;
   values["strokes"] = read->session.strokes();
   values["frame"] = document.frame;
   Json frames = Json::array();
-  for (const auto& [frame, shape] : document.shapes) frames.push_back(frame);
+  if (structure != nullptr)
+    for (const auto& [frame, shape] : structure->shapes) frames.push_back(frame);
   values["frames_with_mesh"] = std::move(frames);
   return report;
 }

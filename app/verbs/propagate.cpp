@@ -47,7 +47,7 @@ Result<std::string> case_lines(const PropagateVerb& verb, const Document& initia
   if (!header) return fail(header.error());
   std::string lines = *header + '\n';
   const auto apply = [&](Action action) {
-    lines += action_line(action) + '\n';
+    lines += action_line({action}) + '\n';
     return session.apply(std::move(action));
   };
   if (auto done = apply(SetPlacement{Similarity{}}); !done) return fail(done.error());
@@ -55,10 +55,11 @@ Result<std::string> case_lines(const PropagateVerb& verb, const Document& initia
     PropagatedFrame& frame = propagation.frames[f];
     if (auto done = apply(SetFrame{static_cast<int>(f)}); !done) return fail(done.error());
     const bool given = static_cast<int>(f) == verb.frame;
-    SetPoints edit = points_edit(session.document(), frame.points, given ? "start of the cine" : by_propagation);
+    SetPoints edit =
+        points_edit(*session.document().view(), frame.points, given ? "start of the cine" : by_propagation);
     edit.doubt = frame.doubt;
     if (auto done = apply(std::move(edit)); !done) return fail(done.error());
-    frame.points = *session.document().shape().points;
+    frame.points = *session.document().view()->shape.points;
     if (frame.doubt.empty()) continue;
     if (auto done = apply(Note{"frame " + std::to_string(f) + " " + frame.doubt}); !done) return fail(done.error());
   }
@@ -104,14 +105,15 @@ Result<void> write_all(const PropagateVerb& verb, const Document& initial, Propa
   if (!made) return fail(made.error());
   const auto lines = case_lines(verb, initial, propagation);
   if (!lines) return fail(lines.error());
-  MeshFile file = to_mesh_file(*initial.the_template);
+  const Template& the_template = *initial.structure()->the_template;
+  MeshFile file = to_mesh_file(the_template);
   for (std::size_t f = 0; f < propagation.frames.size(); ++f) {
     file.points = propagation.frames[f].points;
-    file.landmarks = carried_landmarks(*initial.the_template, file.points);
+    file.landmarks = carried_landmarks(the_template, file.points);
     note_frame(file, static_cast<int>(f));
     if (auto written = write_mesh_file(file, verb.out / (frame_name(f) + ".ply")); !written) return written;
   }
-  const double frame_seconds = initial.volume->frame_seconds;
+  const double frame_seconds = initial.scan.image->frame_seconds;
   const std::string table = volume_table(propagation, frame_seconds);
   if (auto written = write_whole_file(verb.out / "volumes.csv", table); !written) return written;
   const auto journal = Journal::create(case_path_of(verb), [&](std::ostream& out) -> Result<void> {

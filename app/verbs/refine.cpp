@@ -26,25 +26,26 @@ Result<Report> run_refine(const RefineVerb& verb, Progress& progress) {
   if (!read) return fail(read.error());
   EditSession& session = read->session;
   const auto start = std::chrono::steady_clock::now();
-  auto refined = refine_document(session.document(), &progress);
+  const auto shown = shape_to("refine", session.document());
+  if (!shown) return fail(verb.file.string(), shown.error().what);
+  auto refined = refine_shape(*shown, &progress);
   if (!refined) return fail(verb.file.string(), refined.error().what);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const Mesh before = session.document().mesh();
+  const Mesh before = shown->mesh();
   if (auto done = session.apply(std::move(refined->action)); !done) return fail(verb.file.string(), done.error().what);
-  const Document& document = session.document();
+  const ShapeView done = *session.document().view();
   if (!verb.out.empty()) {
-    auto written = write_mesh_file(to_mesh_file(document, document.frame), verb.out);
+    auto written = write_mesh_file(to_mesh_file(done, session.document().scan.frames() > 1), verb.out);
     if (!written) return fail(written.error());
   }
-  const Mesh after = document.mesh();
+  const Mesh after = done.mesh();
   const auto moved_mm = (after.points - before.points).rowwise().norm();
   Report report;
-  report.values = {
-      {"moved_mm", {{"mean", moved_mm.mean()}, {"max", moved_mm.maxCoeff()}}},
-      {"surface_distance_mm", json_of(surface_distance(after, before))},
-      {"turned_triangles", turned_triangles(*before.topology, *document.shape().placed, after.points).size()},
-      {"self_intersections", self_intersections(after).size()},
-      {"seconds", seconds}};
+  report.values = {{"moved_mm", {{"mean", moved_mm.mean()}, {"max", moved_mm.maxCoeff()}}},
+                   {"surface_distance_mm", json_of(surface_distance(after, before))},
+                   {"turned_triangles", turned_triangles(*before.topology, *done.shape.placed, after.points).size()},
+                   {"self_intersections", self_intersections(after).size()},
+                   {"seconds", seconds}};
   report.warnings = read->warnings;
   if (!session.news().empty()) report.warnings.push_back(session.news());
   for (const std::string& warning : refined->warnings) report.warnings.push_back(verb.file.string() + ": " + warning);

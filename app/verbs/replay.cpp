@@ -38,13 +38,14 @@ Result<Report> replay(const ReplayVerb& verb, Progress& progress) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const Document& document = read->session.document();
   const int frame = verb.frame >= 0 ? verb.frame : document.frame;
-  const auto found = document.shapes.find(frame);
-  if (found == document.shapes.end()) {
+  const Structure* structure = document.structure();
+  const Shape* shape = structure != nullptr ? structure->shape(frame) : nullptr;
+  if (shape == nullptr) {
     return fail(verb.file.string(), "has no mesh in frame " + std::to_string(frame) + "; choose another with --frame");
   }
-  const MeshFile mesh = to_mesh_file(document, frame);
+  const MeshFile mesh = to_mesh_file({*structure, *shape, frame}, document.scan.frames() > 1);
   if (auto written = write_mesh_file(mesh, verb.out); !written) return fail(written.error());
-  const auto turned = turned_triangles(*document.the_template->topology, *found->second.placed, mesh.points);
+  const auto turned = turned_triangles(*structure->the_template->topology, *shape->placed, mesh.points);
   return Report{{{"strokes", read->session.strokes()},
                  {"turned_triangles", turned.size()},
                  {"solves", read->session.solves()},

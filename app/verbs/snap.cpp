@@ -47,45 +47,45 @@ Result<EditSession> opened(const SnapVerb& verb, Progress& progress) {
 }
 
 /// What is to be said of the mesh's file, and of a mesh that does not lie in the image because of units or axes.
-std::vector<std::string> meeting_warnings(const SnapVerb& verb, const Document& document) {
-  std::vector<std::string> warnings = template_warnings(*document.the_template);
-  const Points& points = *document.shape().points;
-  const VolumeGeometry& grid = document.volume->geometry;
+std::vector<std::string> meeting_warnings(const SnapVerb& verb, const Scan& scan, const ShapeView& shown) {
+  std::vector<std::string> warnings = template_warnings(shown.the_template());
+  const Points& points = *shown.shape.points;
+  const VolumeGeometry& grid = scan.image->geometry;
   if (const auto misfit = misfit_in_image(bounds_of(points), grid))
-    warnings.push_back(misfit_sentence(*misfit, meeting_of(verb.source, points),
-                                       {document.volume_source, grid.bounds_mm().diagonal().norm()}));
+    warnings.push_back(
+        misfit_sentence(*misfit, meeting_of(verb.source, points), {scan.source, grid.bounds_mm().diagonal().norm()}));
   return warnings;
 }
 
 Result<Report> run_snap(const SnapVerb& verb, Progress& progress) {
   auto session = opened(verb, progress);
   if (!session) return fail(session.error());
-  const Document& before = session->document();
-  if (!before.the_template || !before.has_shape())
-    return fail(verb.source.string(), "has no mesh in the frame it shows; start it in the editor");
-  if (!before.volume) return fail(verb.source.string(), "has no image to snap to; give a case that has one");
-  const auto met = meeting_warnings(verb, before);
-  auto options = snap_options(verb.snap, before.shape().points->rows(), progress);
+  const Scan& scan = session->document().scan;
+  const auto before = session->document().view();
+  if (!before) return fail(verb.source.string(), "has no mesh in the frame it shows; start it in the editor");
+  if (!scan.image) return fail(verb.source.string(), "has no image to snap to; give a case that has one");
+  const auto met = meeting_warnings(verb, scan, *before);
+  auto options = snap_options(verb.snap, before->shape.points->rows(), progress);
   if (!options) return fail(options.error());
   options->progress = &progress;
   std::optional<SnapArea> region;
   if (!verb.at.empty()) region = SnapArea{Vec3(verb.at[0], verb.at[1], verb.at[2]), verb.sigma_mm};
 
   const auto start = std::chrono::steady_clock::now();
-  auto snapped = snap_document(before, region, *options);
-  const fs::path image = verb.image.empty() ? fs::path(before.volume_source) : verb.image;
+  auto snapped = snap_shape(scan, *before, region, *options);
+  const fs::path image = verb.image.empty() ? fs::path(scan.source) : verb.image;
   if (!snapped) return fail(image.string(), snapped.error().what);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (auto done = session->apply(std::move(snapped->action)); !done)
     return fail(verb.source.string(), done.error().what);
 
-  const Document& after = session->document();
+  const auto after = session->document().view();
   if (!verb.out.empty()) {
-    MeshFile file = to_mesh_file(after, after.frame);
-    if (!verb.of_case()) file.landmarks = carried_landmarks(*after.the_template, *after.shape().points);
+    MeshFile file = to_mesh_file(*after, session->document().scan.frames() > 1);
+    if (!verb.of_case()) file.landmarks = carried_landmarks(after->the_template(), *after->shape.points);
     if (auto written = write_mesh_file(file, verb.out); !written) return fail(written.error());
   }
-  Report report = snap_report(snapped->result, after.mesh(), *after.shape().placed, image);
+  Report report = snap_report(snapped->result, after->mesh(), *after->shape.placed, image);
   report.warnings.insert(report.warnings.begin(), met.begin(), met.end());
   report.values["held_landmarks"] = snapped->landmarks;
   report.values["held_pulls"] = snapped->pulls;

@@ -174,7 +174,7 @@ Result<StudyCase> case_of_scan(const std::string& name, const RowFiles& files, s
   if (fs::exists(one.file, ignored)) return one;
   const fs::path& image = files.image.empty() ? files.labels : files.image;
   Document document = new_document(image.string(), std::move(grid), the_template);
-  document.holds_landmarks = true;
+  document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
   if (auto made = create_case(std::move(document), one.file); !made) return fail(made.error());
   return one;
 }

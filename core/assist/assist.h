@@ -13,6 +13,9 @@ namespace homolog {
 // The automatic steps as edits of a case: each works on the mesh of the frame that is shown and gives the action that
 // puts its vertices where it found them. Editor, verbs and experiments all come here.
 
+/// The mesh to work on. `what`: "fit", for the sentence of the error: there is none.
+Result<ShapeView> shape_to(const std::string& what, const Document& document, const std::string& of = {});
+
 struct FitEdit {
   SetPoints action;
   FitResult result;
@@ -20,7 +23,7 @@ struct FitEdit {
 
 /// Fits the template [fit.h] with the landmarks that are placed in the case: from where it lies in the case
 /// (`as_placed`), else its place is found. `options`: all else. Errors: no mesh, and those of fit_to_boundary().
-Result<FitEdit> fit_document(const Document& document, const Boundary& boundary, bool as_placed, FitOptions options);
+Result<FitEdit> fit_shape(const ShapeView& shown, const Boundary& boundary, bool as_placed, FitOptions options);
 
 /// The part of a mesh that a snap moves: around a surface point, with the falloff of the tools.
 struct SnapArea {
@@ -46,8 +49,8 @@ enum class SnapHolds {
 /// pulled, as far as the strokes carried it. Placed landmarks within the reach are met exactly, but where a person
 /// released them. With automatic polarity and no appearance given, what the boundary looks like is learned from the
 /// nearest edited frame of a cine. Errors: no mesh, no image, and those of snap().
-Result<SnapEdit> snap_document(const Document& document, const std::optional<SnapArea>& region,
-                               const SnapOptions& options, SnapHolds holds = SnapHolds::all);
+Result<SnapEdit> snap_shape(const Scan& scan, const ShapeView& shown, const std::optional<SnapArea>& region,
+                            const SnapOptions& options, SnapHolds holds = SnapHolds::all);
 
 /// "4 landmarks and 2 pulls"; empty where nothing was held.
 std::string held_in_words(const SnapEdit& edit);
@@ -59,6 +62,6 @@ struct RefineEdit {
 
 /// Refines the mesh [refine.h] with the landmarks placed in the image; confirmed vertices stay. Errors: no mesh, and
 /// those of refine().
-Result<RefineEdit> refine_document(const Document& document, Progress* progress = nullptr);
+Result<RefineEdit> refine_shape(const ShapeView& shown, Progress* progress = nullptr);
 
 }  // namespace homolog

@@ -15,7 +15,7 @@ namespace homolog {
 
 /// The frames whose meshes a propagation starts from and keeps: the known ones [frame_is_known]; where there are none,
 /// the one that is shown.
-std::vector<int> starting_frames(const Document& document);
+std::vector<int> starting_frames(const ShapeView& shown);
 
 struct CineEdit {
   std::vector<SetPoints> actions;  ///< one for each frame that changes, to be undone together
@@ -24,7 +24,7 @@ struct CineEdit {
 
 /// Carries the meshes of the starting frames through the case's cine [propagate.h]. `options.known` is not used.
 /// Errors: no mesh, no image, and those of propagate().
-Result<CineEdit> propagate_document(const Document& document, const PropagateOptions& options);
+Result<CineEdit> propagate_shape(const Scan& scan, const ShapeView& shown, const PropagateOptions& options);
 
 /// The volume that the mesh encloses, frame by frame. Frames whose mesh nobody has edited or carried there are left
 /// out.
@@ -39,7 +39,7 @@ struct VolumeCurve {
   std::optional<Ejection> ejection;  ///< of the frames that are in no doubt; none where there are fewer than two
 };
 /// `before`: of an earlier state of the case; its volumes serve again where the mesh is still the same.
-VolumeCurve volume_curve(const Document& document, const VolumeCurve& before = {});
+VolumeCurve volume_curve(const Structure& structure, const VolumeCurve& before = {});
 
 /// The curve as a CSV table: frame, seconds, volume_ml, known, doubt.
 std::string volume_table(const VolumeCurve& curve, double frame_seconds);

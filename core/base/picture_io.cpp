@@ -1,31 +1,35 @@
 #include "core/base/picture_io.h"
 
-#include <dlfcn.h>
-
 #include "core/base/files.h"
 #include "core/base/picture_module.h"
+#include "core/base/system_modules.h"
 
 namespace homolog {
 namespace fs = std::filesystem;
 
 namespace {
 
-/// From the program's own folder and no other, since what is loaded is run.
+fs::path chosen_module;
+
+/// From the program's own folder or the place that it named, and no other, since what is loaded is run.
 Result<const PictureModule*> load_module() {
   std::error_code error;
-  const fs::path file = fs::read_symlink("/proc/self/exe", error).parent_path() / HOMOLOG_PICTURES;
+  const fs::path beside = fs::read_symlink("/proc/self/exe", error).parent_path() / HOMOLOG_PICTURES;
+  const fs::path file = chosen_module.empty() ? beside : chosen_module;
   std::string reason = "not found";
   if (fs::exists(file, error)) {
-    if (void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
-      if (void* entry = ::dlsym(library, picture_module_entry)) return reinterpret_cast<PictureModuleEntry>(entry)();
-    }
-    if (const char* text = ::dlerror()) reason = text;
+    if (void* entry = in_module(file.c_str(), picture_module_entry, reason))
+      return reinterpret_cast<PictureModuleEntry>(entry)();
   }
   return fail(file.string(), "cannot be loaded (" + reason +
                                  "), so pictures can be neither read nor written; build or install the program again");
 }
 
 }  // namespace
+
+void use_picture_module(const fs::path& file) {
+  chosen_module = file;
+}
 
 Result<const PictureModule*> picture_module() {
   static const Result<const PictureModule*> module = load_module();

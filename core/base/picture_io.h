@@ -7,6 +7,8 @@
 
 namespace homolog {
 
+/// The file of the picture module, for a program that has none beside itself. Before the first picture.
+void use_picture_module(const std::filesystem::path& file);
 /// PNG (or, where the picture module is built with OpenImageIO, another format that it writes, by extension), whole or
 /// not at all. The module is loaded when first needed: OpenImageIO's libraries cost 0.2 s and 134 MB.
 Result<void> write_picture(const Picture& picture, const std::filesystem::path& path);

@@ -15,6 +15,7 @@
 #include "core/case/actions/settings.h"
 #include "core/case/actions/stiffness.h"
 #include "core/case/actions/stroke.h"
+#include "core/case/actions/structures.h"
 
 namespace homolog {
 
@@ -24,7 +25,7 @@ namespace homolog {
 using Action = std::variant<Stroke, SetPoints, MovePoints, SetPlacement, PaintStiffness, SmoothStiffness, PaintRegion,
                             FillRegion, SetRegion, RenameRegion, RemoveRegion, SetStiffnessFactors, SetTemplateLandmark,
                             SetStiffnessBase, Confirm, SetScheme, SetEvenSpacing, PlaceLandmark, SetLandmarkPull,
-                            MirrorTemplate, SetFrame, StartFrameFrom, Note, Undo, Redo>;
+                            MirrorTemplate, SetFrame, StartFrameFrom, SetStructure, RemoveStructure, Note, Undo, Redo>;
 
 /// Calls `visit(action_kind(A))` for every action A, in the order of the list.
 template <class Visit>
@@ -38,6 +39,7 @@ void for_each_action_kind(const Visit& visit) {
 /// An action as the journal holds it.
 struct EditStep {
   Action action;
+  std::string of{};  ///< the id of the structure that it works on; empty: the first [Document::structure]
   /// Undone and redone together with the one before it: the further touches of a brush stroke, the points of a list.
   bool joined = false;
 };
@@ -48,10 +50,11 @@ struct Updated {
 };
 
 /// The one function that edits a case: the editor, the case file, the command line and the tests all come here.
-/// `deformer` caches factorisations and the running gesture. Undo and Redo belong to
-/// EditSession and are refused here. Errors: an edit that needs a template or a shape where there is none, values out
-/// of range.
-Result<Updated> update(const Document& document, const Action& action, Deformer& deformer, Pass pass);
+/// `of`: see EditStep. `deformer` is that of the structure: it caches factorisations and the running gesture. Undo and
+/// Redo belong to EditSession and are refused here. Errors: a structure that there is not, an edit that needs a shape
+/// where there is none, values out of range.
+Result<Updated> update(const Document& document, const std::string& of, const Action& action, Deformer& deformer,
+                       Pass pass);
 
 /// A few words for menus: "Undo pull".
 std::string action_name(const Action& action);

@@ -1,107 +1,53 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+#include "core/case/structure.h"
 #include "core/deform/stroke.h"
-#include "core/template/template.h"
 #include "core/volume/volume.h"
 
 namespace homolog {
 
-/// How placed landmarks move the reference before the first stroke.
-enum class LandmarkPull {
-  off,         ///< landmarks move nothing
-  similarity,  ///< closed-form similarity
-  warp         ///< similarity; from the fourth landmark on a smooth warp after it
-};
+/// What was scanned.
+struct Scan {
+  std::string source;                   ///< path, or the name of a phantom [core/catalogue]; empty without an image
+  std::shared_ptr<const Volume> image;  ///< null: none
 
-/// One frame's mesh in the case. All points LPS mm.
-struct Shape {
-  Similarity placement;
-  Similarity before_landmarks;              ///< the placement without them; it decides what they leave open
-  std::map<std::string, Vec3> landmarks;    ///< where named landmarks were placed in the image
-  std::shared_ptr<const Points> placed;     ///< the template placed, not warped: quality compares with it
-  std::shared_ptr<const Points> reference;  ///< R: `placed`, warped to the landmarks where asked; else the same pointer
-  std::shared_ptr<const Points> points;     ///< P: the deformed mesh
-  std::shared_ptr<const VertexScalars> confirmed;  ///< 0 free … 1 held where it is; null: all free
-  std::shared_ptr<const VertexScalars> decided;    ///< 0 … 1: see below; null: nothing is
-  std::shared_ptr<const Points> unaided;           ///< see unaided_points; null: no model moved anything
-  int strokes = 0;                                 ///< edits of P since it was last equal to R
-  /// How far strokes have carried each vertex since the last fit, 0 … 1: so far a snap holds it. Null: nothing is
-  /// held. What is released is let go.
-  std::shared_ptr<const VertexScalars> pulled;
-  int pulls = 0;  ///< how many strokes that were
-  /// P without what snaps moved since the last fit or stroke: the shape that a snap keeps to, so that snaps do not
-  /// add up. Null: P itself.
-  std::shared_ptr<const Points> unsnapped;
-  std::shared_ptr<const Points> carried;          ///< P as it came from other frames of a cine; null: it did not
-  std::string doubt;                              ///< why what was carried here has to be looked at; empty: it need not
-  std::shared_ptr<const VertexScalars> doubt_mm;  ///< of the last fit [FitResult::doubt_mm]; null: there is none
-  /// Of the last fit, where it was one to an organ that lacks parts: 1 where the scan lacks the vertex's place, else 0
-  /// [FitResult::outliers]; null: it was none.
-  std::shared_ptr<const VertexScalars> outlier;
-};
-
-/// What is still in doubt of `doubt_mm`: nothing where a vertex is confirmed. Empty where there is no doubt_mm.
-VertexScalars doubt_left_mm(const Shape& shape);
-
-/// The share of its label that a frame's mesh still lacks, since the template that it is lacks it [Template]: 0 once
-/// edits have given the mesh at least half of that volume.
-double missing_share_of(const Template& the_template, const Shape& shape);
-
-/// Whether a person made a frame's mesh what it is: it was edited or confirmed since it came from other frames.
-bool frame_is_known(const Shape& shape);
-
-/// How well the place of each vertex is known, 0 … 1. A confirmed vertex is known as far as it is confirmed. A vertex
-/// whose `decided` is at least 0.6 is fully known. `decided` is how far strokes have carried the vertex; it is 1 where
-/// a fit or a snap moved it. Moves by a shape model do not count.
-VertexScalars known_vertices(const Shape& shape);
-
-/// The shape without the help of a shape model, n×3, LPS mm. Known vertices are where they are. All others are where
-/// the shape would be after the edits alone. Help always starts from this shape, so it does not add up from edit to
-/// edit.
-Points unaided_points(const Shape& shape);
-
-/// How landmarks carry a template. A case keeps the rule that it was begun with, so that it replays to the same points.
-enum class LandmarkRule {
-  closed_form,  ///< the nearest similarity places; the warp's lengths are mm
-  weighed,      ///< they place by how well they determine each rotation (likely_similarity); the warp's lengths are mm
-  by_size       ///< the same, and the warp's lengths are shares of the organ's size
+  /// How many frames there are: 1 without an image.
+  int frames() const { return image ? image->frames : 1; }
 };
 
 /// Everything of a case that is saved, as a value: a copy is a few reference counts, and undo keeps copies.
 struct Document {
-  std::string volume_source;  ///< path, or the name of a phantom [core/catalogue]; empty without an image
-  std::shared_ptr<const Volume> volume;
-  std::shared_ptr<const Template> the_template;  ///< null until a template is loaded
-  std::map<int, Shape> shapes;                   ///< by frame; a static volume has frame 0 only
-  int frame = 0;
+  Scan scan;
+  std::vector<std::shared_ptr<const Structure>> structures;  ///< none until a template is loaded; never null
+  int frame = 0;                                             ///< the one that is shown
 
-  std::shared_ptr<const VertexScalars> stiffness;  ///< factor_i, the template's until painted
-  std::shared_ptr<const Regions> regions;          ///< the template's until painted
-  double stiffness_base = default_stiffness_base;
   Scheme scheme = Scheme::anchored;
   int paper_events = 1;     ///< mouse events a stroke counts for in the scheme `paper`
   double even_spacing = 0;  ///< strength 0…1 of keeping vertices evenly spread along with an edit
-  LandmarkPull landmark_pull = LandmarkPull::warp;
-  LandmarkRule landmark_rule = LandmarkRule::by_size;
-  /// The mesh is held where it has come to meet a placed landmark [held_landmarks.h]. The editor's new cases do so;
-  /// older ones, and those of scripts, do not.
-  bool holds_landmarks = false;
 
-  bool has_shape() const { return shapes.contains(frame); }
-  const Shape& shape() const { return shapes.at(frame); }
-  Mesh mesh() const { return {the_template->topology, *shape().points}; }
+  /// A structure by its id; the empty id is the first structure's. Null: there is none.
+  const Structure* structure(std::string_view id = {}) const;
+  /// The same structure at the shown frame; none where it has no mesh there.
+  std::optional<ShapeView> view(std::string_view id = {}) const;
+  /// Changes a structure that there is: `change` gets a copy of it, since other documents share the old one.
+  template <class Change>
+  void change(std::string_view id, const Change& change) {
+    auto& shared = structures.at(index_of(id));
+    Structure changed = *shared;
+    change(changed);
+    shared = std::make_shared<const Structure>(std::move(changed));
+  }
+
+ private:
+  std::size_t index_of(std::string_view id) const;
 };
-
-/// The template of a case as it was painted: its own points, with the case's stiffness and regions.
-MeshFile painted_template(const Document& document);
-/// A shape of the case as a file holds it: its points, the case's stiffness, the landmarks where they were placed in
-/// the image, and of a cine the frame [mesh_frame.h]. `frame` must have a shape.
-MeshFile to_mesh_file(const Document& document, int frame);
 
 /// A case without edits: the template at `placement`; without one in the middle of the volume, upright, at its own
 /// size. Volume and template may be null. Never fails.

@@ -19,16 +19,15 @@ std::string in_mm(double length_mm) {
 
 /// ", near lower pole" where a landmark of the template is near, else the side of the mesh: ", left". Goes by the
 /// placed template, which edits of the mesh do not move.
-std::string place_words(const Document& before, const Vec3& at) {
-  if (!before.has_shape()) return {};
-  const Points& placed = *before.shape().placed;
+std::string place_words(const ShapeView& before, const Vec3& at) {
+  const Points& placed = *before.shape.placed;
   const Box box = bounds_of(placed);
   constexpr double near_share = 0.12;
   double nearest_mm = near_share * box.diagonal().norm();
   std::string name;
-  const auto& landmarks = before.the_template->landmarks;
+  const auto& landmarks = before.the_template().landmarks;
   for (std::size_t l = 0; l < landmarks.size(); ++l) {
-    const double away_mm = (carried_landmark(*before.the_template, l, placed) - at).norm();
+    const double away_mm = (carried_landmark(before.the_template(), l, placed) - at).norm();
     if (away_mm >= nearest_mm) continue;
     nearest_mm = away_mm;
     name = landmarks[l].name;
@@ -60,18 +59,18 @@ std::string change_words(const Similarity& from, const Similarity& to, const Vec
 
 }  // namespace
 
-std::string edit_words(const Action& action, const Document& before) {
+std::string edit_words(const Action& action, const std::optional<ShapeView>& shown) {
   std::string words = action_name(action);
-  if (!before.the_template || !before.has_shape()) return words;
+  if (!shown) return words;
+  const ShapeView& before = *shown;
   if (const auto* stroke = std::get_if<Stroke>(&action)) {
     if (stroke->tool != Tool::relax) words += in_mm((stroke->to - stroke->at).norm());
     return words + place_words(before, stroke->at);
   }
   if (const auto* placed = std::get_if<SetPlacement>(&action))
-    return words +
-           change_words(before.shape().placement, placed->placement, bounds_of(*before.shape().points).center());
+    return words + change_words(before.shape.placement, placed->placement, bounds_of(*before.shape.points).center());
   const auto brush = [&](const auto& dab) {
-    const bool whole = dab.radius_mm > bounds_of(*before.shape().points).diagonal().norm() / 2;
+    const bool whole = dab.radius_mm > bounds_of(*before.shape.points).diagonal().norm() / 2;
     return whole ? words : words + in_mm(dab.radius_mm) + place_words(before, dab.at);
   };
   if (const auto* confirm = std::get_if<Confirm>(&action)) return brush(*confirm);

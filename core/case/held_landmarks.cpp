@@ -81,22 +81,24 @@ void hold_landmark(const Template& the_template, std::size_t landmark, bool hold
   shape.confirmed = confirmed.any() ? std::make_shared<const VertexScalars>(std::move(confirmed)) : nullptr;
 }
 
-std::shared_ptr<const VertexScalars> confirmed_without_landmarks(const Document& document) {
-  Shape shape = document.shape();
-  if (!document.holds_landmarks || !shape.confirmed) return shape.confirmed;
-  for (std::size_t l = 0; l < document.the_template->landmarks.size(); ++l) {
-    // Of the shape as it is: two landmarks may share a vertex.
-    const LandmarkHold hold = landmark_hold(*document.the_template, l, document.shape());
-    if (hold.held && hold.met) hold_landmark(*document.the_template, l, false, shape);
+std::shared_ptr<const VertexScalars> confirmed_without_landmarks(const ShapeView& view) {
+  Shape shape = view.shape;
+  if (!view.structure.landmarks.hold || !shape.confirmed) return shape.confirmed;
+  const Template& the_template = view.the_template();
+  for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
+    // Two landmarks may share a vertex, so each is asked of the shape as it is.
+    const LandmarkHold hold = landmark_hold(the_template, l, view.shape);
+    if (hold.held && hold.met) hold_landmark(the_template, l, false, shape);
   }
   return shape.confirmed;
 }
 
-void settle_landmarks(const Document& before, Document& after) {
-  if (!after.holds_landmarks || !after.has_shape() || !before.has_shape() || before.frame != after.frame) return;
-  const Shape& shape_before = before.shape();
-  Shape& shape = after.shapes.at(after.frame);
-  if (shape_before.landmarks.empty() && shape.landmarks.empty()) return;
+void settle_landmarks(const Structure& before, Structure& after, int frame) {
+  const Shape *shown_before = before.shape(frame), *shown_after = after.shape(frame);
+  if (!after.landmarks.hold || shown_before == nullptr || shown_after == nullptr) return;
+  if (shown_before->landmarks.empty() && shown_after->landmarks.empty()) return;
+  const Shape& shape_before = *shown_before;
+  Shape shape = *shown_after;
   const bool same_template = before.the_template->topology == after.the_template->topology;
   std::map<std::string, Vec3> names = shape.landmarks;
   names.insert(shape_before.landmarks.begin(), shape_before.landmarks.end());
@@ -110,6 +112,7 @@ void settle_landmarks(const Document& before, Document& after) {
     if (now.hold.met && !(was.hold.met && same_place))
       hold_landmark(*after.the_template, index_in(*after.the_template, name), true, shape);
   }
+  after.set_shape(frame, std::move(shape));
 }
 
 }  // namespace homolog

@@ -8,7 +8,7 @@
 namespace homolog {
 
 // Where the mesh has come to meet a placed landmark, it is held: its triangle there is confirmed, so that strokes leave
-// it. Only in documents that say so (Document::holds_landmarks).
+// it. Only where the structure says so (LandmarkRules::hold).
 
 /// How the mesh lies to one landmark of the template.
 struct LandmarkHold {
@@ -23,10 +23,10 @@ LandmarkHold landmark_hold(const Template& the_template, std::size_t landmark, c
 void hold_landmark(const Template& the_template, std::size_t landmark, bool hold, Shape& shape);
 
 /// What is confirmed without the triangles that landmarks hold; null: nothing is.
-std::shared_ptr<const VertexScalars> confirmed_without_landmarks(const Document& document);
+std::shared_ptr<const VertexScalars> confirmed_without_landmarks(const ShapeView& view);
 
-/// After an edit: holds the mesh at every landmark that it has come to meet, and lets it go where it no longer does.
-/// What was released by hand stays free.
-void settle_landmarks(const Document& before, Document& after);
+/// After an edit of a structure, at the shown frame: holds the mesh at every landmark that it has come to meet, and
+/// lets it go where it no longer does. What was released by hand stays free.
+void settle_landmarks(const Structure& before, Structure& after, int frame);
 
 }  // namespace homolog

@@ -7,8 +7,8 @@
 
 namespace homolog {
 
-// The members of Shape and of Document, each named once. Equality, checkpoints, the count of memory and a new beginning
-// are made from these lists. A new member does not compile until it is in its list.
+// The members of a document and of what it holds, each named once. Equality, checkpoints, the count of memory and a new
+// beginning are made from these lists. A new member does not compile until it is in its list.
 
 /// Where the value of a member comes from.
 enum class Origin {
@@ -44,16 +44,28 @@ inline constexpr auto shape_members = std::make_tuple(
     Member{"doubt", &Shape::doubt, Origin::edits}, Member{"doubt_mm", &Shape::doubt_mm, Origin::edits},
     Member{"outlier", &Shape::outlier, Origin::edits});
 
+inline constexpr auto paint_members = std::make_tuple(Member{"stiffness", &Paint::stiffness, Origin::set},
+                                                      Member{"regions", &Paint::regions, Origin::set},
+                                                      Member{"stiffness_base", &Paint::base, Origin::set});
+
+inline constexpr auto landmark_rules_members = std::make_tuple(Member{"pull", &LandmarkRules::pull, Origin::set},
+                                                               Member{"rule", &LandmarkRules::rule, Origin::set},
+                                                               Member{"hold", &LandmarkRules::hold, Origin::set});
+
+inline constexpr auto structure_members = std::make_tuple(
+    Member{"id", &Structure::id, Origin::set}, Member{"name", &Structure::name, Origin::set},
+    Member{"label", &Structure::label, Origin::set}, Member{"layer", &Structure::layer, Origin::set},
+    Member{"colour", &Structure::colour, Origin::set}, Member{"template", &Structure::the_template, Origin::set},
+    Member{"paint", &Structure::paint, Origin::set}, Member{"shapes", &Structure::shapes, Origin::set},
+    Member{"landmarks", &Structure::landmarks, Origin::set});
+
+inline constexpr auto scan_members = std::make_tuple(Member{"source", &Scan::source, Origin::first_line},
+                                                     Member{"image", &Scan::image, Origin::first_line});
+
 inline constexpr auto document_members = std::make_tuple(
-    Member{"volume_source", &Document::volume_source, Origin::first_line},
-    Member{"volume", &Document::volume, Origin::first_line}, Member{"template", &Document::the_template, Origin::set},
-    Member{"shapes", &Document::shapes, Origin::set}, Member{"frame", &Document::frame, Origin::set},
-    Member{"stiffness", &Document::stiffness, Origin::set}, Member{"regions", &Document::regions, Origin::set},
-    Member{"stiffness_base", &Document::stiffness_base, Origin::set}, Member{"scheme", &Document::scheme, Origin::set},
-    Member{"events", &Document::paper_events, Origin::set}, Member{"spacing", &Document::even_spacing, Origin::set},
-    Member{"landmark_fit", &Document::landmark_pull, Origin::set},
-    Member{"landmark_rule", &Document::landmark_rule, Origin::first_line},
-    Member{"holds_landmarks", &Document::holds_landmarks, Origin::first_line});
+    Member{"scan", &Document::scan, Origin::first_line}, Member{"structures", &Document::structures, Origin::set},
+    Member{"frame", &Document::frame, Origin::set}, Member{"scheme", &Document::scheme, Origin::set},
+    Member{"events", &Document::paper_events, Origin::set}, Member{"spacing", &Document::even_spacing, Origin::set});
 
 /// Calls `visit(member)` for each member of a list, in its order.
 template <class List, class Visit>
@@ -79,9 +91,42 @@ consteval std::size_t of() {
 
 }  // namespace member_count
 
-static_assert(member_count::of<Shape>() == std::tuple_size_v<decltype(shape_members)>,
-              "name the new member of Shape in shape_members");
-static_assert(member_count::of<Document>() == std::tuple_size_v<decltype(document_members)>,
-              "name the new member of Document in document_members");
+template <class Owner, class List>
+constexpr bool names_all(const List&) {
+  return member_count::of<Owner>() == std::tuple_size_v<List>;
+}
+static_assert(names_all<Shape>(shape_members), "name the new member of Shape in shape_members");
+static_assert(names_all<Paint>(paint_members), "name the new member of Paint in paint_members");
+static_assert(names_all<LandmarkRules>(landmark_rules_members), "name the new member in landmark_rules_members");
+static_assert(names_all<Structure>(structure_members), "name the new member of Structure in structure_members");
+static_assert(names_all<Scan>(scan_members), "name the new member of Scan in scan_members");
+static_assert(names_all<Document>(document_members), "name the new member of Document in document_members");
+
+// The list of an object's members, by its type.
+
+constexpr const auto& members_of(const Shape&) {
+  return shape_members;
+}
+constexpr const auto& members_of(const Paint&) {
+  return paint_members;
+}
+constexpr const auto& members_of(const LandmarkRules&) {
+  return landmark_rules_members;
+}
+constexpr const auto& members_of(const Structure&) {
+  return structure_members;
+}
+constexpr const auto& members_of(const Scan&) {
+  return scan_members;
+}
+constexpr const auto& members_of(const Document&) {
+  return document_members;
+}
+
+/// A value whose members are listed here.
+template <class T>
+concept Described = requires(const T& value) {
+  members_of(value);
+};
 
 }  // namespace homolog

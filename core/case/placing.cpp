@@ -48,18 +48,26 @@ Result<void> check_placement(const Similarity& placement, const Points& rest) {
   return fail("placement", std::string("brings the mesh to a place that ") + beyond_farthest);
 }
 
-Result<void> check_frame(const Document& document, int frame) {
-  const int frames = document.volume ? document.volume->frames : 1;
+Similarity in_the_middle(const Scan& scan, const Template& the_template) {
+  Similarity placement;
+  if (scan.image)
+    placement.translation = scan.image->geometry.bounds_mm().center() - bounds_of(the_template.points).center();
+  return placement;
+}
+
+Result<void> check_frame(const Scan& scan, int frame) {
+  const int frames = scan.frames();
   if (frame >= 0 && frame < frames) return {};
   return fail("frame",
               std::to_string(frame) + " does not exist; the volume has frames 0 to " + std::to_string(frames - 1));
 }
 
-Shape shape_of_frame(const Document& document, int frame) {
-  if (const auto there = document.shapes.find(frame); there != document.shapes.end()) return there->second;
+Shape shape_of_frame(const Structure& structure, int shown_frame, int frame) {
+  if (const Shape* there = structure.shape(frame)) return *there;
   Shape shape;
-  shape.placement = shape.before_landmarks = document.has_shape() ? document.shape().placement : Similarity{};
-  start_anew(*document.the_template, shape);
+  const Shape* shown = structure.shape(shown_frame);
+  shape.placement = shape.before_landmarks = shown != nullptr ? shown->placement : Similarity{};
+  start_anew(*structure.the_template, shape);
   return shape;
 }
 

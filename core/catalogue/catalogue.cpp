@@ -35,6 +35,20 @@ bool names_file(const std::string& source) {
   return !source.empty() && !is_built_in(source) && !is_phantom(source);
 }
 
+std::string relative_source(const std::filesystem::path& folder, const std::string& source) {
+  if (!names_file(source)) return source;
+  // Textual, as resolved_source is: following links here and not there would name another file.
+  std::error_code error;
+  const std::filesystem::path from =
+      std::filesystem::absolute(folder.empty() ? std::filesystem::path(".") : folder, error);
+  const std::filesystem::path to = std::filesystem::absolute(source, error);
+  return error ? source : to.lexically_normal().lexically_proximate(from.lexically_normal()).generic_string();
+}
+
+std::string resolved_source(const std::filesystem::path& folder, const std::string& name) {
+  return names_file(name) ? (folder / name).lexically_normal().string() : name;
+}
+
 Result<Organ> built_in_organ(const std::string& source) {
   if (!is_built_in(source))
     return fail(source, "is no built-in template; choose one, such as " + built_in_source(Organ::kidney));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -21,6 +22,9 @@ bool is_built_in(const std::string& source);
 bool is_phantom(const std::string& source);
 /// Whether a source is the path of a file: neither empty nor one of the names above.
 bool names_file(const std::string& source);
+/// A source as a file in `folder` names it: a path relative to the folder; what is no file by its name. And back.
+std::string relative_source(const std::filesystem::path& folder, const std::string& source);
+std::string resolved_source(const std::filesystem::path& folder, const std::string& name);
 /// The organ that a built-in template is of. Errors: another source, no such organ.
 Result<Organ> built_in_organ(const std::string& source);
 /// What a template's source may be, for help texts.

@@ -12,12 +12,13 @@ class Deformer {
  public:
   /// Errors: a stiffness that cannot be factorised, a stroke that is not finite, a confirmed place.
   Result<StrokeOutcome> stroke(const StrokeStart& start, const Stroke& stroke, Pass pass);
+  /// Factorises ahead, so that the next stroke from `start` begins at once. Errors: a stiffness that cannot be
+  /// factorised.
+  Result<void> prepare(const StrokeStart& start);
   /// The next stroke begins anew: a pull without `on` follows the straight path.
   void end_gesture() { gesture_.reset(); }
 
  private:
-  Result<void> prepare(const StrokeStart& start);
-
   std::unique_ptr<ShapeSolver> solver_;
   std::shared_ptr<const VertexScalars> stiffness_, confirmed_;  ///< what *solver_ is factorised for
   double stiffness_base_ = 0;

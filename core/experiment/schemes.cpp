@@ -20,9 +20,9 @@ constexpr std::string_view refined = "+refine";  // at the end of a scheme's nam
 
 /// Mean distance from where landmarks or vertices are known to belong.
 std::optional<double> landmark_error(const Document& document, const ExperimentSubject& subject) {
-  const Points& points = *document.shape().points;
+  const Points& points = *document.view()->shape.points;
   if (subject.truth) return (points - *subject.truth).rowwise().norm().mean();
-  const Template& the_template = *document.the_template;
+  const Template& the_template = *document.structure()->the_template;
   double sum = 0;
   int known = 0;
   for (const Landmark& landmark : subject.hidden) {
@@ -44,7 +44,7 @@ double edge_spread(const Topology& topology, const Points& the_template, const P
 }
 
 Agreement agreement_with(const EditSession& session, const Mesh& target) {
-  return compare_meshes(capped(session.document().mesh()), target);
+  return compare_meshes(capped(session.document().view()->mesh()), target);
 }
 
 Result<void> set_up(EditSession& session, const WorkingScheme& scheme) {
@@ -66,12 +66,12 @@ Result<void> adapt_without_hand(EditSession& session, const Mesh& target, Adapta
   const Document& document = session.document();
   SetPoints result;
   if (adaptation == Adaptation::projection) {
-    result = points_edit(document, closest_places(target, *document.shape().points), "projection",
-                         document.shape().placement);
+    result = points_edit(*document.view(), closest_places(target, *document.view()->shape.points), "projection",
+                         document.view()->shape.placement);
   } else {
     FitOptions options;
     options.progress = progress;
-    auto fit = fit_document(document, mesh_boundary(target), true, options);
+    auto fit = fit_shape(*document.view(), mesh_boundary(target), true, options);
     if (!fit) return fail(fit.error());
     result = std::move(fit->action);
   }
@@ -86,12 +86,12 @@ void measure(const EditSession& session, const ExperimentSubject& subject, Schem
   run.hd95 = agreement.hd95_mm;
   run.dice = agreement.dice;
   run.landmarks = landmark_error(document, subject);
-  const Topology& topology = *document.the_template->topology;
-  const Shape& shape = document.shape();
+  const Topology& topology = *document.structure()->the_template->topology;
+  const Shape& shape = document.view()->shape;
   run.points = *shape.points;
   run.edge_spread = edge_spread(topology, *shape.placed, run.points);
   run.turned_triangles = turned_triangles(topology, *shape.placed, run.points).size();
-  const Mesh mesh = document.mesh();
+  const Mesh mesh = document.view()->mesh();
   run.min_angle_deg = 180;
   for (Eigen::Index f = 0; f < topology.triangles().rows(); ++f)
     run.min_angle_deg = std::min(run.min_angle_deg, smallest_angle_deg(mesh, f));
@@ -220,7 +220,7 @@ Result<SchemeRun> run_scheme(EditSession& session, const ExperimentSubject& subj
   if (!pulled) return fail(pulled.error());
   run.pulls = pulled->pulls;
   if (scheme.refine) {
-    auto refinement = refine_document(session.document(), options.progress);
+    auto refinement = refine_shape(*session.document().view(), options.progress);
     if (!refinement) return fail(refinement.error());
     if (auto done = session.apply(std::move(refinement->action)); !done) return fail(done.error());
   }

@@ -29,12 +29,13 @@ constexpr double hold_fraction = 0.05;
 
 double widening_mm(const Document& document) {
   if (document.scheme == Scheme::raw) return 0;
-  const double edge_mm = mean_edge_mm(*document.the_template->topology, *document.shape().points);
-  return widening_share * stiffness_length_mm(document.stiffness_base * document.stiffness->mean(), edge_mm);
+  const double edge_mm = mean_edge_mm(*document.structure()->the_template->topology, *document.view()->shape.points);
+  return widening_share *
+         stiffness_length_mm(document.structure()->paint.base * document.structure()->paint.stiffness->mean(), edge_mm);
 }
 
 double diagonal_mm(const EditSession& session) {
-  return bounds_of(*session.document().shape().placed).diagonal().norm();
+  return bounds_of(*session.document().view()->shape.placed).diagonal().norm();
 }
 
 /// What a person sees in slices of the three views: the in-plane part of a deviation. The plane is the one that shows
@@ -107,7 +108,7 @@ std::vector<const Deviation*> distinct_places(const std::vector<Deviation>& seen
 /// The places and σ to try, most to gain first.
 std::vector<Choice> choices(const EditSession& session, const std::vector<Deviation>& seen,
                             const std::vector<Offset>& offsets, double visible_mm) {
-  const auto sigmas_mm = default_sigmas_mm(*session.document().shape().reference);
+  const auto sigmas_mm = default_sigmas_mm(*session.document().view()->shape.reference);
   const double widening2 = std::pow(widening_mm(session.document()), 2);
   std::vector<Choice> found;
   for (const Deviation* place : distinct_places(seen, visible_mm, sigmas_mm.front())) {
@@ -136,7 +137,7 @@ std::optional<Stroke> fitting_stroke(EditSession& session, const Choice& choice,
   stroke.sigma_mm = choice.sigma_mm;
   const auto shown = session.preview(stroke);
   if (!shown) return std::nullopt;
-  const Points moved = *shown->document.shape().points - *session.document().shape().points;
+  const Points moved = *shown->document.view()->shape.points - *session.document().view()->shape.points;
   const BestFit fit =
       best_fit(offsets, [&](std::size_t k) { return moved.row(seen[k].vertex).dot(offsets[k].normal); });
   if (fit.times <= 0) return std::nullopt;
@@ -148,7 +149,7 @@ std::optional<Stroke> fitting_stroke(EditSession& session, const Choice& choice,
 /// makes the best of them.
 Result<bool> pull_once(EditSession& session, Sight& sight, const std::vector<Deviation>& seen, double visible_mm) {
   const double enough = mean_square_mm2(seen) * helps;
-  const std::vector<Offset> offsets = offsets_of(session.document().mesh(), seen);
+  const std::vector<Offset> offsets = offsets_of(session.document().view()->mesh(), seen);
   std::size_t tries = 0, compared = 0;
   std::optional<Stroke> best;
   double least = std::numeric_limits<double>::infinity();
@@ -158,7 +159,7 @@ Result<bool> pull_once(EditSession& session, Sight& sight, const std::vector<Dev
     if (!stroke) continue;
     const auto shown = session.preview(*stroke);
     if (!shown) continue;
-    const double left = mean_square_mm2(sight.look(*shown->document.shape().points));
+    const double left = mean_square_mm2(sight.look(*shown->document.view()->shape.points));
     if (left > enough) continue;
     ++compared;
     if (left >= least) continue;
@@ -172,16 +173,17 @@ Result<bool> pull_once(EditSession& session, Sight& sight, const std::vector<Dev
 
 /// Where a landmark of the template lies on the mesh as it is.
 std::optional<Vec3> on_mesh(const Document& document, const std::string& name) {
-  const Template& the_template = *document.the_template;
+  const Template& the_template = *document.structure()->the_template;
   for (std::size_t k = 0; k < the_template.landmarks.size(); ++k)
-    if (the_template.landmarks[k].name == name) return carried_landmark(the_template, k, *document.shape().points);
+    if (the_template.landmarks[k].name == name)
+      return carried_landmark(the_template, k, *document.view()->shape.points);
   return std::nullopt;
 }
 
 }  // namespace
 
 Result<void> place_on(EditSession& session, const Mesh& target) {
-  const auto found = find_placement(*session.document().the_template, mesh_boundary(target));
+  const auto found = find_placement(*session.document().structure()->the_template, mesh_boundary(target));
   auto done = session.apply(SetPlacement{found.placement});
   return done ? Result<void>{} : fail(done.error());
 }
@@ -192,12 +194,12 @@ Result<void> disturb_placement(EditSession& session, std::uint64_t seed) {
   for (double& number : normal) number = random.normal();
   const Vec3 turn = turn_deviation * Vec3(normal[0], normal[1], normal[2]);
   const Vec3 shift = shift_fraction * diagonal_mm(session) * Vec3(normal[3], normal[4], normal[5]);
-  const Vec3 centre = session.document().shape().placed->colwise().mean();
+  const Vec3 centre = session.document().view()->shape.placed->colwise().mean();
   Similarity off;
   off.rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized());
   off.scale = std::exp(size_deviation * normal[6]);
   off.translation = centre + shift - off.scale * (off.rotation * centre);
-  auto done = session.apply(SetPlacement{off.after(session.document().shape().placement)});
+  auto done = session.apply(SetPlacement{off.after(session.document().view()->shape.placement)});
   return done ? Result<void>{} : fail(done.error());
 }
 
@@ -211,7 +213,7 @@ Result<int> grab_landmarks(EditSession& session, const std::vector<Landmark>& fe
       stroke.tool = Tool::grab;
       stroke.at = *at;
       stroke.to = feature.position;
-      stroke.sigma_mm = default_sigmas_mm(*session.document().shape().reference).back();
+      stroke.sigma_mm = default_sigmas_mm(*session.document().view()->shape.reference).back();
       if (auto done = session.apply(stroke); !done) return fail(done.error());
       ++strokes;
     }
@@ -233,9 +235,9 @@ Result<void> confirm_landmarks(EditSession& session, const std::vector<Landmark>
 }
 
 Result<PullingResult> pull_to_target(EditSession& session, const Mesh& target, const PullingOptions& options) {
-  Sight sight(target, session.document().the_template->topology);
+  Sight sight(target, session.document().structure()->the_template->topology);
   PullingResult result;
-  std::vector<Deviation> seen = sight.look(*session.document().shape().points);
+  std::vector<Deviation> seen = sight.look(*session.document().view()->shape.points);
   while (result.pulls < options.most_pulls) {
     if (options.progress != nullptr) {
       options.progress->report(static_cast<double>(result.pulls) / options.most_pulls);
@@ -245,7 +247,7 @@ Result<PullingResult> pull_to_target(EditSession& session, const Mesh& target, c
     if (!pulled) return fail(pulled.error());
     if (!*pulled) break;
     ++result.pulls;
-    seen = sight.look(*session.document().shape().points);
+    seen = sight.look(*session.document().view()->shape.points);
     if (options.watch) options.watch(result.pulls, seen);
   }
   for (const Deviation& deviation : seen)

@@ -46,13 +46,13 @@ struct FileRead {
   std::vector<std::string> warnings;
 };
 
-/// `one_image`: held while a case is read, whose image may be large: then memory does not depend on the threads.
+/// `one_image`: held while a case is read with its image, which may be large: memory does not depend on the threads.
 FileRead read_file(const OneFile& file, const ShapeReading& reading, std::mutex& one_image) {
   FileRead read;
   const fs::path& path = file.sources.front()->file;
   const auto shapes = [&] {
     std::unique_lock lock(one_image, std::defer_lock);
-    if (is_case_file(path)) lock.lock();
+    if (is_case_file(path) && shapes_need_image(path)) lock.lock();
     return read_shapes_of(path);
   }();
   if (!shapes) {
@@ -87,10 +87,13 @@ Result<std::shared_ptr<const MeshFile>> ShapesOfFile::shape(std::optional<int> f
 ShapesOfFile shapes_of(const Document& document) {
   ShapesOfFile shapes;
   shapes.shown = document.frame;
-  for (const auto& [frame, shape] : document.shapes) {
-    MeshFile file = to_mesh_file(document, frame);
+  const Structure* structure = document.structure();
+  if (structure == nullptr) return shapes;
+  for (const auto& [frame, shared] : structure->shapes) {
+    const Shape& shape = *shared;
+    MeshFile file = to_mesh_file({*structure, shape, frame}, document.scan.frames() > 1);
     // Those that nobody placed lie where the mesh has carried them.
-    for (Landmark& landmark : carried_landmarks(*document.the_template, file.points))
+    for (Landmark& landmark : carried_landmarks(*structure->the_template, file.points))
       if (!shape.landmarks.contains(landmark.name)) file.landmarks.push_back(std::move(landmark));
     if (shape.confirmed) file.arrays["confirmed"] = *shape.confirmed;
     shapes.frames[frame] = std::make_shared<const MeshFile>(std::move(file));
@@ -102,7 +105,9 @@ ShapesOfFile shapes_of(const Document& document) {
 Result<ShapesOfFile> read_shapes_of(const fs::path& file) {
   if (auto numbered = check_numbering(file); !numbered) return fail(numbered.error());
   if (is_case_file(file)) {
-    auto read = read_case(file);
+    ReplayOptions options;
+    options.shapes_alone = true;
+    auto read = read_case(file, options);
     if (!read) return fail(read.error());
     ShapesOfFile shapes = shapes_of(read->session.document());
     shapes.warnings = std::move(read->warnings);

@@ -28,7 +28,7 @@ Error in_line(const fs::path& path, std::size_t number, const Error& error) {
 }
 
 /// A case file, looked through once.
-struct Scan {
+struct FileLines {
   struct Line {
     LinePlace place;
     LineKind kind;
@@ -40,6 +40,7 @@ struct Scan {
   std::uint64_t whole_bytes = 0;
   std::uint32_t check = 0;  ///< of all lines
   bool torn = false;
+  bool of_frames = false;  ///< a line may speak of a frame
 };
 
 /// Whether a last line was being written when the machine died: it is no JSON and lacks its line feed, or holds zero
@@ -50,37 +51,38 @@ bool is_torn(std::string_view line, bool ended) {
 }
 
 /// Errors: an empty file, one whose first line is torn.
-Result<Scan> looked_through(const LineFile& file, Progress* progress) {
-  Scan scan;
+Result<FileLines> looked_through(const LineFile& file, Progress* progress) {
+  FileLines whole;
   std::uint64_t last = 0;
   bool last_ended = true;
   const auto visit = [&](std::string_view line, std::uint64_t at, bool ended) -> Result<void> {
     if (progress != nullptr && progress->cancelled()) return fail(file.path().string(), "was not opened: cancelled");
     last = at;
     last_ended = ended;
-    scan.whole_bytes = at + line.size() + (ended ? 1 : 0);
-    if (scan.begin == 0) {
-      scan.header = line;
-      scan.begin = scan.whole_bytes;
+    whole.whole_bytes = at + line.size() + (ended ? 1 : 0);
+    if (whole.begin == 0) {
+      whole.header = line;
+      whole.begin = whole.whole_bytes;
       return {};
     }
-    scan.lines.push_back({{at - scan.begin, line.size()}, kind_of(line), scan.check});
-    scan.check = CaseLines::checked(CaseLines::checked(scan.check, line), ended ? "\n" : "");
+    whole.of_frames = whole.of_frames || line.find("frame") != std::string_view::npos;
+    whole.lines.push_back({{at - whole.begin, line.size()}, kind_of(line), whole.check});
+    whole.check = CaseLines::checked(CaseLines::checked(whole.check, line), ended ? "\n" : "");
     return {};
   };
   if (auto read = file.for_each_line(visit); !read) return fail(read.error());
-  const auto line = file.read(last, scan.whole_bytes - last - (last_ended && scan.whole_bytes > 0 ? 1 : 0));
+  const auto line = file.read(last, whole.whole_bytes - last - (last_ended && whole.whole_bytes > 0 ? 1 : 0));
   if (!line) return fail(line.error());
-  scan.torn = is_torn(*line, last_ended);
-  if (scan.begin == 0 || (scan.torn && scan.lines.empty()))
+  whole.torn = is_torn(*line, last_ended);
+  if (whole.begin == 0 || (whole.torn && whole.lines.empty()))
     return fail(file.path().string(),
                 "is not a Homolog case: it is empty or its first line is torn; take a copy of it from before");
-  if (scan.torn) {
-    scan.whole_bytes = last;
-    scan.check = scan.lines.back().check;
-    scan.lines.pop_back();
+  if (whole.torn) {
+    whole.whole_bytes = last;
+    whole.check = whole.lines.back().check;
+    whole.lines.pop_back();
   }
-  return scan;
+  return whole;
 }
 
 /// What the options force, whatever the file says.
@@ -103,11 +105,17 @@ bool overrides(const ReplayOptions& options) {
   return options.scheme || options.paper_events || options.even_spacing;
 }
 
+bool needs_image(const FileLines& whole) {
+  const Json header = read_json<Json>(whole.header).value_or(Json());
+  return whole.of_frames || !header.contains("placement") || header.value("homolog", Json()) != 1;
+}
+
 /// A session at the start of a case, with nothing done yet.
-Result<EditSession> session_at_start(const LineFile& file, const Scan& scan, const ReplayOptions& options,
+Result<EditSession> session_at_start(const LineFile& file, const FileLines& whole, const ReplayOptions& options,
                                      std::vector<std::string>& warnings) {
-  const Json header = read_json<Json>(scan.header).value_or(Json());
-  auto document = read_header(header, file.path().parent_path(), options.volume_source, options.progress, warnings);
+  const Json header = read_json<Json>(whole.header).value_or(Json());
+  const ImageOfHeader image{options.volume_source, !options.shapes_alone || needs_image(whole)};
+  auto document = read_header(header, file.path().parent_path(), image, options.progress, warnings);
   if (!document) {
     Error error = document.error();
     if (error.subject.empty()) error.subject = file.path().string();
@@ -116,9 +124,12 @@ Result<EditSession> session_at_start(const LineFile& file, const Scan& scan, con
   override_settings(options, *document);
   auto labels = labels_in_header(header, file.path().parent_path());
   if (!labels) return fail(in_line(file.path(), 1, labels.error()));
+  auto templates = templates_in_header(header, file.path().parent_path());
+  if (!templates) return fail(in_line(file.path(), 1, templates.error()));
   EditSession session(std::move(*document), options.limits);
   session.set_labels(std::move(*labels));
-  if (header.contains("placement") && session.document().has_shape()) {
+  session.set_templates(std::move(*templates));
+  if (header.contains("placement") && session.document().view()) {
     const auto placement = similarity_from_json(header["placement"]);
     if (!placement) return fail(in_line(file.path(), 1, placement.error()));
     if (auto placed = session.start_at(*placement); !placed) return fail(in_line(file.path(), 1, placed.error()));
@@ -127,34 +138,35 @@ Result<EditSession> session_at_start(const LineFile& file, const Scan& scan, con
 }
 
 /// Brings a session to the last checkpoint that holds; gives how many lines need not be played then.
-std::size_t go_to_checkpoint(EditSession& session, const Scan& scan, const LineFile& file) {
+std::size_t go_to_checkpoint(EditSession& session, const FileLines& whole, const LineFile& file) {
   std::optional<Document> found;
-  std::size_t k = scan.lines.size();
+  std::size_t k = whole.lines.size();
   while (k > 0 && !found) {
-    const Scan::Line& line = scan.lines[--k];
+    const FileLines::Line& line = whole.lines[--k];
     if (line.kind.kind != LineKind::checkpoint) continue;
-    const auto text = file.read(scan.begin + line.place.at, line.place.bytes);
-    if (text) found = read_checkpoint(*text, session.initial_document(), line.check);
+    const auto text = file.read(whole.begin + line.place.at, line.place.bytes);
+    if (text) found = read_checkpoint(*text, session.initial_document(), line.check, session.templates());
   }
   if (!found) return 0;
-  const auto end = scan.lines.begin() + static_cast<std::ptrdiff_t>(k) + 1;
-  const auto is_unknown = [](const Scan::Line& line) { return line.kind.kind == LineKind::unknown; };
-  if (std::any_of(scan.lines.begin(), end, is_unknown)) return 0;
-  for (auto line = scan.lines.begin(); line != end; ++line)
+  const auto end = whole.lines.begin() + static_cast<std::ptrdiff_t>(k) + 1;
+  const auto is_unknown = [](const FileLines::Line& line) { return line.kind.kind == LineKind::unknown; };
+  if (std::any_of(whole.lines.begin(), end, is_unknown)) return 0;
+  for (auto line = whole.lines.begin(); line != end; ++line)
     if (!session.count(line->kind, line->place, line->check)) return 0;
   session.go_on_from(std::make_shared<const Document>(std::move(*found)));
   return k + 1;
 }
 
-Result<void> play(EditSession& session, const Scan& scan, std::size_t from, const LineFile& file, Progress* progress) {
-  for (std::size_t k = from; k < scan.lines.size(); ++k) {
+Result<void> play(EditSession& session, const FileLines& whole, std::size_t from, const LineFile& file,
+                  Progress* progress) {
+  for (std::size_t k = from; k < whole.lines.size(); ++k) {
     if (progress != nullptr) {
-      progress->report(static_cast<double>(k - from) / static_cast<double>(scan.lines.size() - from));
+      progress->report(static_cast<double>(k - from) / static_cast<double>(whole.lines.size() - from));
       if (progress->cancelled()) return fail(file.path().string(), "was not opened: cancelled");
     }
-    const Scan::Line& line = scan.lines[k];
+    const FileLines::Line& line = whole.lines[k];
     if (line.kind.kind == LineKind::empty || line.kind.kind == LineKind::checkpoint) continue;
-    const auto text = file.read(scan.begin + line.place.at, line.place.bytes);
+    const auto text = file.read(whole.begin + line.place.at, line.place.bytes);
     if (!text) return fail(text.error());
     auto step = parse_action(*text);
     if (!step) return fail(in_line(file.path(), k + 2, step.error()));
@@ -166,16 +178,16 @@ Result<void> play(EditSession& session, const Scan& scan, std::size_t from, cons
 
 /// Finds, before the image is read, which may take long, the lines that certainly cannot be played: those of no known
 /// kind, and short ones behind the last checkpoint whose values are wrong.
-Result<void> check_lines(const LineFile& file, const Scan& scan) {
+Result<void> check_lines(const LineFile& file, const FileLines& whole) {
   constexpr std::size_t short_bytes = 1024;
   bool checkpoint_behind = false;
   std::optional<Error> first;
-  for (std::size_t k = scan.lines.size(); k-- > 0;) {
-    const Scan::Line& line = scan.lines[k];
+  for (std::size_t k = whole.lines.size(); k-- > 0;) {
+    const FileLines::Line& line = whole.lines[k];
     checkpoint_behind = checkpoint_behind || line.kind.kind == LineKind::checkpoint;
     const bool is_played = !checkpoint_behind && line.kind.kind != LineKind::empty;
     if (line.kind.kind != LineKind::unknown && !(is_played && line.place.bytes <= short_bytes)) continue;
-    const auto text = file.read(scan.begin + line.place.at, line.place.bytes);
+    const auto text = file.read(whole.begin + line.place.at, line.place.bytes);
     if (!text) return fail(text.error());
     if (auto step = parse_action(*text); !step) first = in_line(file.path(), k + 2, step.error());
   }
@@ -183,37 +195,44 @@ Result<void> check_lines(const LineFile& file, const Scan& scan) {
 }
 
 Result<CaseRead> read_lines(const std::shared_ptr<const LineFile>& file, const ReplayOptions& options) {
-  const auto scan = looked_through(*file, options.progress);
-  if (!scan) return fail(scan.error());
-  if (auto checked = check_lines(*file, *scan); !checked) return fail(checked.error());
+  const auto whole = looked_through(*file, options.progress);
+  if (!whole) return fail(whole.error());
+  if (auto checked = check_lines(*file, *whole); !checked) return fail(checked.error());
   std::vector<std::string> warnings;
-  if (scan->torn) {
+  if (whole->torn) {
     warnings.push_back(
         file->path().string() +
         ": the last line was torn when the machine stopped; it is dropped and everything before it restored");
   }
-  auto session = session_at_start(*file, *scan, options, warnings);
+  auto session = session_at_start(*file, *whole, options, warnings);
   if (!session) return fail(session.error());
   std::size_t known = 0;
   if (options.from_checkpoint && !overrides(options)) {
-    known = go_to_checkpoint(*session, *scan, *file);
+    known = go_to_checkpoint(*session, *whole, *file);
     if (known == 0) {
-      const fs::path labels = session->kept().labels;
-      session = EditSession(session->initial_document(), options.limits);
-      session->set_labels(labels);
+      EditSession again(session->initial_document(), options.limits);
+      again.set_labels(session->kept().labels);
+      again.set_templates(session->templates());
+      *session = std::move(again);
     }
   }
   std::function<void(Action&)> adjust;
   if (overrides(options)) adjust = [options](Action& action) { override_settings(options, action); };
-  session->read_from(CaseLines(file, scan->begin, scan->whole_bytes, scan->check), std::move(adjust));
-  if (auto played = play(*session, *scan, known, *file, options.progress); !played) return fail(played.error());
-  return CaseRead{std::move(*session), std::move(warnings), scan->whole_bytes};
+  session->read_from(CaseLines(file, whole->begin, whole->whole_bytes, whole->check), std::move(adjust));
+  if (auto played = play(*session, *whole, known, *file, options.progress); !played) return fail(played.error());
+  return CaseRead{std::move(*session), std::move(warnings), whole->whole_bytes};
 }
 
 }  // namespace
 
 bool is_case_file(const std::filesystem::path& file) {
   return file.extension() == case_extension;
+}
+
+bool shapes_need_image(const fs::path& path) {
+  const auto file = LineFile::open(path);
+  const auto whole = file ? looked_through(**file, nullptr) : fail(file.error());
+  return !whole || needs_image(*whole);
 }
 
 Result<CaseRead> read_case(const fs::path& path, const ReplayOptions& options) {

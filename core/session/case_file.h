@@ -24,6 +24,8 @@ struct ReplayOptions {
   /// Begin at the last checkpoint that holds, which gives the same to the last bit; else every line is played. Options
   /// that override the scheme play every line anyway.
   bool from_checkpoint = true;
+  /// For who wants the shapes alone: the image is left out where they do not depend on it [shapes_need_image].
+  bool shapes_alone = false;
   HistoryLimits limits;
   Progress* progress = nullptr;
 };
@@ -37,6 +39,10 @@ struct CaseRead {
 /// Reads a case file, loads its volume and template, and plays its lines. Errors: a line that is no action (its number
 /// is named), read_header's.
 Result<CaseRead> read_case(const std::filesystem::path& path, const ReplayOptions& options = {});
+
+/// Whether the shapes of a case depend on more of its image than its name: the case has several frames or structures,
+/// or its first line does not say where the template lies. Also true for a file that cannot be read.
+bool shapes_need_image(const std::filesystem::path& path);
 
 /// read_case, then opens the file's journal so that every further action is appended to it. `volume_source`: where the
 /// image lies now, which the file's first line says from then on; as it says where empty.

@@ -6,6 +6,7 @@
 
 #include "core/base/json.h"
 #include "core/base/limits.h"
+#include "core/base/paths.h"
 #include "core/base/text.h"
 #include "core/case/action_json.h"
 #include "core/catalogue/catalogue.h"
@@ -17,22 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int format_version = 1;
+// A case of one structure is of the first format, which every version of Homolog reads.
+constexpr int one_structure = 1, several_structures = 2;
+constexpr const char* templates_folder_key = "templates_folder";
 /// "landmarks" in the header, by LandmarkRule; the oldest cases have none.
 constexpr std::array landmark_rules{"", "weighed", "by size"};
-
-std::string relative_to(const fs::path& folder, const std::string& source) {
-  if (!names_file(source)) return source;
-  // Textual, as `resolved` is: following links here and not there would name another file.
-  std::error_code error;
-  const fs::path from = fs::absolute(folder.empty() ? fs::path(".") : folder, error);
-  const fs::path to = fs::absolute(source, error);
-  return error ? source : to.lexically_normal().lexically_proximate(from.lexically_normal()).generic_string();
-}
-
-std::string resolved(const fs::path& folder, const std::string& source) {
-  return names_file(source) ? (folder / source).lexically_normal().string() : source;
-}
 
 /// Refuses with both values where the header holds `key` and what was loaded differs.
 template <class Value>
@@ -88,10 +78,11 @@ Result<void> check_grid(const Json& header, const Volume& volume, const std::str
 
 /// Names the files of a case in its header. Errors: a name that is no UTF-8.
 Result<void> name_files(const Document& document, const fs::path& labels, const fs::path& folder, Json& header) {
-  const std::string the_template = document.the_template ? document.the_template->source : "";
+  const Structure* first = document.structure();
+  const std::string the_template = first != nullptr ? first->the_template->source : "";
   for (const auto& [key, source] :
-       {std::pair("volume", document.volume_source), {"template", the_template}, {"labels", labels.string()}}) {
-    const std::string name = source.empty() ? source : relative_to(folder, source);
+       {std::pair("volume", document.scan.source), {"template", the_template}, {"labels", labels.string()}}) {
+    const std::string name = source.empty() ? source : relative_source(folder, source);
     if (!is_utf8(name))
       return fail(source, "has a name that is no UTF-8, so a case cannot hold it; rename that file or folder");
     if (!name.empty())
@@ -102,31 +93,45 @@ Result<void> name_files(const Document& document, const fs::path& labels, const 
   return {};
 }
 
+LandmarkRules landmark_rules_in(const Json& header) {
+  LandmarkRules rules;
+  // Homolog always wrote "connectivity"; without it the header was written by a person, and nothing is to be kept to.
+  const auto landmarks = header.find("landmarks");
+  if (landmarks != header.end() || header.contains("connectivity")) {
+    rules.rule = LandmarkRule::closed_form;
+    for (std::size_t rule = 1; rule < landmark_rules.size(); ++rule)
+      if (landmarks != header.end() && *landmarks == landmark_rules[rule]) rules.rule = static_cast<LandmarkRule>(rule);
+  }
+  const auto held = header.find("held_landmarks");
+  rules.hold = held != header.end() && *held == true;
+  return rules;
+}
+
 }  // namespace
 
 Result<fs::path> labels_in_header(const Json& header, const fs::path& folder) {
   const auto found = header.find("labels");
   if (found == header.end()) return fs::path();
   if (!found->is_string()) return fail("", "\"labels\" is no file name; correct it in a text editor");
-  return fs::path(resolved(folder, found->get<std::string>()));
+  return fs::path(resolved_source(folder, found->get<std::string>()));
 }
 
-Result<Document> read_header(const Json& header, const fs::path& folder, const std::string& volume_now,
-                             Progress* progress, std::vector<std::string>& warnings) {
+Result<Document> read_header(const Json& header, const fs::path& folder, const ImageOfHeader& image, Progress* progress,
+                             std::vector<std::string>& warnings) {
   if (!header.is_object() || !header.contains("homolog")) {
     return fail("", "is not a Homolog case: its first line is no header; open a .homolog file that Homolog wrote");
   }
-  if (header["homolog"] != format_version) {
+  if (header["homolog"] != one_structure && header["homolog"] != several_structures) {
     return fail("", "is of case format " + excerpt(header["homolog"].dump()) +
-                        "; this Homolog reads format 1, so open it with a newer one");
+                        "; this Homolog reads formats 1 and 2, so open it with a newer one");
   }
   std::shared_ptr<const Volume> volume;
   std::string volume_source, template_source;
   VolumeReadOptions options;
   options.progress = progress;
   try {
-    volume_source = volume_now.empty() ? resolved(folder, header.value("volume", "")) : volume_now;
-    template_source = resolved(folder, header.value("template", ""));
+    volume_source = image.source.empty() ? resolved_source(folder, header.value("volume", "")) : image.source;
+    template_source = resolved_source(folder, header.value("template", ""));
     options.series_uid = header.value("series", "");
     if (const auto spacing = header.find("spacing_mm"); spacing != header.end() && spacing->size() == 3) {
       options.stack_spacing_mm =
@@ -137,7 +142,7 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const s
   }
   if (options.stack_spacing_mm && !all_in_reach(*options.stack_spacing_mm))
     return fail("", std::string("line 1: \"spacing_mm\" ") + beyond_farthest + "; correct it in a text editor");
-  if (!volume_source.empty()) {
+  if (image.read && !volume_source.empty()) {
     std::error_code ignored;
     if (names_file(volume_source) && !fs::exists(volume_source, ignored))
       return fail("", "its image " + excerpt(volume_source) +
@@ -161,32 +166,26 @@ Result<Document> read_header(const Json& header, const fs::path& folder, const s
     }
   }
   Document document = new_document(volume_source, std::move(volume), std::move(the_template));
-  // Homolog always wrote "connectivity"; without it the header was written by a person, and nothing is to be kept to.
-  const auto landmarks = header.find("landmarks");
-  if (landmarks != header.end() || header.contains("connectivity")) {
-    document.landmark_rule = LandmarkRule::closed_form;
-    for (std::size_t rule = 1; rule < landmark_rules.size(); ++rule)
-      if (landmarks != header.end() && *landmarks == landmark_rules[rule])
-        document.landmark_rule = static_cast<LandmarkRule>(rule);
-  }
-  const auto held = header.find("held_landmarks");
-  document.holds_landmarks = held != header.end() && *held == true;
+  if (!document.structures.empty())
+    document.change({}, [&](Structure& first) { first.landmarks = landmark_rules_in(header); });
   return document;
 }
 
 Result<std::string> case_header(const Document& document, const fs::path& folder) {
-  Json header{{"homolog", format_version}};
+  Json header{{"homolog", one_structure}};
   if (auto named = name_files(document, {}, folder, header); !named) return fail(named.error());
-  if (document.has_shape()) header["placement"] = to_json(document.shape().placement);
-  if (document.landmark_rule != LandmarkRule::closed_form)
-    header["landmarks"] = landmark_rules[static_cast<std::size_t>(document.landmark_rule)];
-  if (document.holds_landmarks) header["held_landmarks"] = true;
-  if (document.the_template) {
-    header["vertices"] = document.the_template->topology->vertices();
-    header["connectivity"] = document.the_template->topology->hash();
+  if (const auto first = document.view()) header["placement"] = to_json(first->shape.placement);
+  const Structure* first = document.structure();
+  const LandmarkRules rules = first != nullptr ? first->landmarks : LandmarkRules{};
+  if (rules.rule != LandmarkRule::closed_form)
+    header["landmarks"] = landmark_rules[static_cast<std::size_t>(rules.rule)];
+  if (rules.hold) header["held_landmarks"] = true;
+  if (first != nullptr) {
+    header["vertices"] = first->the_template->topology->vertices();
+    header["connectivity"] = first->the_template->topology->hash();
   }
-  if (document.volume) {
-    const Volume& volume = *document.volume;
+  if (document.scan.image) {
+    const Volume& volume = *document.scan.image;
     header["geometry"] = geometry_hash(volume.geometry);
     header["voxels"] = volume.geometry.dims;
     if (!volume.series_uid.empty()) header["series"] = volume.series_uid;
@@ -196,11 +195,30 @@ Result<std::string> case_header(const Document& document, const fs::path& folder
   return dumped(header);
 }
 
+Result<CaseTemplates> templates_in_header(const Json& header, const fs::path& folder) {
+  CaseTemplates templates;
+  templates.set_named(header.value("homolog", Json()) == several_structures);
+  const auto found = header.find(templates_folder_key);
+  if (found != header.end() && !found->is_string())
+    return fail("", "\"" + std::string(templates_folder_key) + "\" is no folder's name; correct it in a text editor");
+  const fs::path here = absolute_path(folder.empty() ? fs::path(".") : folder);
+  templates.set_folder(found == header.end() ? here : (here / found->get<std::string>()).lexically_normal());
+  return templates;
+}
+
 Result<std::string> moved_header(const std::string& line, const Document& document, const fs::path& labels,
-                                 const fs::path& folder) {
+                                 const CaseTemplates& templates, const fs::path& folder) {
   Json header = read_json<Json>(line).value_or(Json());
   if (!header.is_object()) return fail("", "has lost its first line; export the mesh instead");
   if (auto named = name_files(document, labels, folder, header); !named) return fail(named.error());
+  header.erase(templates_folder_key);
+  if (!templates.named()) return dumped(header);
+  header["homolog"] = several_structures;
+  if (!templates.folder()) return dumped(header);
+  const std::string from_here = relative_source(folder, templates.folder()->string());
+  if (!is_utf8(from_here))
+    return fail(*templates.folder(), "has a name that is no UTF-8, so a case cannot hold it; rename that folder");
+  if (from_here != ".") header[templates_folder_key] = from_here;
   return dumped(header);
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/progress.h"
-#include "core/case/document.h"
+#include "core/session/case_templates.h"
 
 namespace homolog {
 
@@ -18,17 +18,26 @@ Result<std::string> case_header(const Document& document, const std::filesystem:
 
 /// The same line for a case that goes on in `folder` with the files of `document`, and with a label map (empty: none);
 /// all other keys stay as they are. Errors: a line that is no header, a path that is no UTF-8.
+/// `templates`: what the lines behind it name.
 Result<std::string> moved_header(const std::string& line, const Document& document, const std::filesystem::path& labels,
-                                 const std::filesystem::path& folder);
+                                 const CaseTemplates& templates, const std::filesystem::path& folder);
 
 /// The label map that is shown over the image; empty where a header names none. Errors: it is no text.
 Result<std::filesystem::path> labels_in_header(const nlohmann::ordered_json& header,
                                                const std::filesystem::path& folder);
 
-/// Loads what a header names; paths are relative to `folder`. `volume_source`: where the image lies now, as the header
-/// says where empty. Errors: no header, a missing volume or template, a mismatch of vertices, connectivity, series or
-/// geometry (both values named).
+/// What the lines behind a header name: to which folder, and whether they name any. Errors: the folder is no text.
+Result<CaseTemplates> templates_in_header(const nlohmann::ordered_json& header, const std::filesystem::path& folder);
+
+/// How a header's image is taken.
+struct ImageOfHeader {
+  std::string source;  ///< where it lies now; as the header says where empty
+  bool read = true;    ///< else the document has its name alone
+};
+
+/// Loads what a header names; paths are relative to `folder`. Errors: no header, a missing volume or template, a
+/// mismatch of vertices, connectivity, series or geometry (both values named).
 Result<Document> read_header(const nlohmann::ordered_json& header, const std::filesystem::path& folder,
-                             const std::string& volume_source, Progress* progress, std::vector<std::string>& warnings);
+                             const ImageOfHeader& image, Progress* progress, std::vector<std::string>& warnings);
 
 }  // namespace homolog

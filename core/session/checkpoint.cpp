@@ -23,10 +23,13 @@ namespace homolog {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using Shapes = std::map<int, std::shared_ptr<const Shape>>;
+using Structures = std::vector<std::shared_ptr<const Structure>>;
+using Colour = std::optional<std::array<std::uint8_t, 3>>;
 
 /// Raise it where a member is written otherwise or gets another meaning, and where a line gives another result that
 /// name_of_solver does not show.
-constexpr int checkpoint_format = 1;
+constexpr int checkpoint_format = 2;
 
 // What makes a line no checkpoint of this case is thrown, as the JSON library throws, and caught in read_checkpoint.
 struct Unusable {};
@@ -53,7 +56,7 @@ bool same_template(const Template& a, const Template& b) {
                       a.regions == b.regions && same_landmarks(a.landmarks, b.landmarks));
 }
 
-// Members of Shape and Document are compared, written, read and checked by their types [members.h].
+// Members of a document and of what it holds are compared, written, read and checked by their types [members.h].
 
 bool same(const auto& a, const auto& b) {
   return a == b;
@@ -72,20 +75,26 @@ bool same(const std::shared_ptr<const Template>& a, const std::shared_ptr<const 
   return a == b || (a && b && same_template(*a, *b));
 }
 
-bool same(const std::map<int, Shape>& a, const std::map<int, Shape>& b);
+bool same(const Shapes& a, const Shapes& b);
+bool same(const Structures& a, const Structures& b);
 
-template <class List, class Owner>
-bool same_members(const List& members, const Owner& a, const Owner& b) {
-  return std::apply([&](const auto&... member) { return (same(a.*member.of, b.*member.of) && ...); }, members);
+template <Described Owner>
+bool same(const Owner& a, const Owner& b) {
+  return std::apply([&](const auto&... member) { return (same(a.*member.of, b.*member.of) && ...); }, members_of(a));
 }
 
-bool same(const std::map<int, Shape>& a, const std::map<int, Shape>& b) {
+bool same(const Shapes& a, const Shapes& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
-    const Shape &one = x.second, &other = y.second;
-    return x.first == y.first && same_members(shape_members, one, other) &&
+    const Shape &one = *x.second, &other = *y.second;
+    return x.first == y.first && same(one, other) &&
            (one.reference == one.placed) == (other.reference == other.placed) &&
            (one.points == one.reference) == (other.points == other.reference);
   });
+}
+
+bool same(const Structures& a, const Structures& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto& x, const auto& y) { return x == y || same(*x, *y); });
 }
 
 // A case changes its template in two ways: it turns it into that of the other side, and it names landmarks.
@@ -115,12 +124,12 @@ std::shared_ptr<const Template> changed_template(std::shared_ptr<const Template>
 /// Writes members that a checkpoint keeps. Points that are those of an earlier member are written as its name.
 class MemberWriter {
  public:
-  explicit MemberWriter(const Document& start) : start_(start) {}
+  MemberWriter(const Document& start, const CaseTemplates& templates) : document_(start), templates_(templates) {}
 
-  template <class List, class Owner>
-  Json object(const List& members, const Owner& owner) {
+  template <Described Owner>
+  Json value(const Owner& owner) {
     Json json = Json::object();
-    for_each_member(members, [&](const auto& member) {
+    for_each_member(members_of(owner), [&](const auto& member) {
       if (member.kept()) json[member.key] = value(owner.*member.of);
       note(member.key, owner.*member.of);
     });
@@ -132,12 +141,13 @@ class MemberWriter {
   void note(const char* key, const std::shared_ptr<const Points>& points) { earlier_.emplace_back(key, points); }
 
   template <class Value>
-  Json value(const Value& one) {
+  requires(!Described<Value>) Json value(const Value& one) {
     if constexpr (std::is_enum_v<Value>)
       return static_cast<int>(one);
     else
       return one;
   }
+  Json value(const Colour& colour) { return colour ? Json(hex_of(*colour)) : Json(); }
   Json value(const Similarity& placement) { return to_json(placement); }
   Json value(const std::map<std::string, Vec3>& landmarks) {
     Json json = Json::object();
@@ -161,30 +171,47 @@ class MemberWriter {
             {"of_vertex", packed_array(regions->of_vertex)},
             {"vertices", regions->of_vertex.size()}};
   }
-  Json value(const std::shared_ptr<const Template>& now) { return template_changes(*start_.the_template, *now); }
+  Json value(const std::shared_ptr<const Template>& now) {
+    if (start_ != nullptr) return template_changes(*start_->the_template, *now);
+    const auto begun = templates_.load(now->source);
+    if (!begun) throw Unusable{};
+    Json changes = template_changes(**begun, *now);
+    changes["source"] = templates_.name_of(now->source);
+    return changes;
+  }
   Json value(const std::shared_ptr<const Volume>&) { return {}; }  // the first line says it
-  Json value(const std::map<int, Shape>& shapes) {
+  Json value(const Shapes& shapes) {
     Json json = Json::array();
     for (const auto& [frame, shape] : shapes) {
       earlier_.clear();
-      json.push_back(object(shape_members, shape));
+      json.push_back(value(*shape));
       json.back()["frame"] = frame;
     }
     return json;
   }
+  Json value(const Structures& structures) {
+    Json json = Json::array();
+    for (const auto& structure : structures) {
+      start_ = document_.structure(structure->id);
+      json.push_back(value(*structure));
+    }
+    return json;
+  }
 
-  const Document& start_;
+  const Document& document_;  ///< the start of the case
+  const CaseTemplates& templates_;
+  const Structure* start_ = nullptr;  ///< the structure that is written, as it was then; null: it was not there
   std::vector<std::pair<const char*, std::shared_ptr<const Points>>> earlier_;
 };
 
 /// Reads what MemberWriter wrote, in the same order. A value that is missing or of another kind is thrown.
 class MemberReader {
  public:
-  explicit MemberReader(const Document& start) : template_(start.the_template) {}
+  MemberReader(const Document& start, const CaseTemplates& templates) : document_(start), templates_(templates) {}
 
-  template <class List, class Owner>
-  void object(const List& members, const Json& json, Owner& owner) {
-    for_each_member(members, [&](const auto& member) {
+  template <Described Owner>
+  void read(const Json& json, Owner& owner) {
+    for_each_member(members_of(owner), [&](const auto& member) {
       if (member.kept())
         read(json.at(member.key), owner.*member.of);
       else if (member.origin == Origin::derived)
@@ -197,14 +224,19 @@ class MemberReader {
   void note(const char*, const auto&) {}
   void note(const char* key, const std::shared_ptr<const Points>& points) { earlier_[key] = points; }
   void derive(Shape& shape) { shape.placed = std::make_shared<const Points>(shape.placement.apply(template_->points)); }
-  void derive(Document&) {}
+  void derive(const auto&) {}
 
   template <class Value>
-  void read(const Json& json, Value& one) {
+  requires(!Described<Value>) void read(const Json& json, Value& one) {
     if constexpr (std::is_enum_v<Value>)
       one = static_cast<Value>(json.get<int>());
     else
       one = json.get<Value>();
+  }
+  void read(const Json& json, Colour& colour) {
+    if (json.is_null()) return colour.reset();
+    colour = colour_from_hex(json.get<std::string>());
+    if (!colour) throw Unusable{};
   }
   void read(const Json& json, Similarity& placement) {
     const auto read = similarity_from_json(json);
@@ -241,14 +273,32 @@ class MemberReader {
     now = template_ = changed_template(template_, json);
   }
   void read(const Json&, std::shared_ptr<const Volume>&) {}
-  void read(const Json& json, std::map<int, Shape>& shapes) {
+  void read(const Json& json, Shapes& shapes) {
     shapes.clear();
     for (const Json& one : json) {
       earlier_.clear();
       Shape shape;
-      object(shape_members, one, shape);
-      shapes.emplace(one.at("frame").get<int>(), std::move(shape));
+      read(one, shape);
+      shapes.emplace(one.at("frame").get<int>(), std::make_shared<const Shape>(std::move(shape)));
     }
+  }
+  void read(const Json& json, Structures& structures) {
+    structures.clear();
+    for (const Json& one : json) {
+      template_ = begun_with(one);
+      Structure structure;
+      read(one, structure);
+      structures.push_back(std::make_shared<const Structure>(std::move(structure)));
+    }
+  }
+  /// The template with which a structure began.
+  std::shared_ptr<const Template> begun_with(const Json& structure) {
+    const std::string id = structure.at("id").get<std::string>();
+    if (id.empty()) throw Unusable{};
+    if (const Structure* start = document_.structure(id)) return start->the_template;
+    auto read = templates_.load(templates_.source_of(structure.at("template").at("source").get<std::string>()));
+    if (!read) throw Unusable{};
+    return *read;
   }
   std::shared_ptr<const Points> earlier(const std::string& key) const {
     const auto found = earlier_.find(key);
@@ -256,17 +306,19 @@ class MemberReader {
     return found->second;
   }
 
-  std::shared_ptr<const Template> template_;
+  const Document& document_;  ///< the start of the case
+  const CaseTemplates& templates_;
+  std::shared_ptr<const Template> template_;  ///< of the structure that is read
   std::map<std::string, std::shared_ptr<const Points>> earlier_;
 };
 
-Json json_of(const Document& start, const Document& document) {
-  return MemberWriter(start).object(document_members, document);
+Json json_of(const Document& start, const Document& document, const CaseTemplates& templates) {
+  return MemberWriter(start, templates).value(document);
 }
 
-Document document_of(const Json& json, const Document& start) {
+Document document_of(const Json& json, const Document& start, const CaseTemplates& templates) {
   Document document = start;
-  MemberReader(start).object(document_members, json, document);
+  MemberReader(start, templates).read(json, document);
   return document;
 }
 
@@ -309,18 +361,29 @@ bool is_sound(const Shape& shape) {
   return std::apply(all, shape_members) && shape.placed && shape.reference && shape.points;
 }
 
+bool is_sound(const Paint& paint) {
+  return is_positive(paint.base) && paint.stiffness && paint.stiffness->allFinite() &&
+         (paint.stiffness->array() > 0).all() && is_sound(*paint.regions, paint.stiffness->size());
+}
+
+bool is_sound(const LandmarkRules& rules) {
+  return rules.pull >= LandmarkPull::off && rules.pull <= LandmarkPull::warp &&
+         rules.rule >= LandmarkRule::closed_form && rules.rule <= LandmarkRule::by_size;
+}
+
 /// Whether a document is one that actions can make: a line that was damaged may be read and hold anything.
 bool is_sound(const Document& document) {
-  const int frames = document.volume ? document.volume->frames : 1;
-  const auto frame_exists = [&](int frame) { return frame >= 0 && frame < frames; };
-  return frame_exists(document.frame) && document.has_shape() && is_positive(document.stiffness_base) &&
-         document.stiffness && document.stiffness->allFinite() && (document.stiffness->array() > 0).all() &&
-         is_sound(*document.regions, document.stiffness->size()) && document.scheme >= Scheme::anchored &&
-         document.scheme <= Scheme::raw && document.paper_events >= 1 && document.paper_events <= 1000 &&
-         document.even_spacing >= 0 && document.even_spacing <= 1 && document.landmark_pull >= LandmarkPull::off &&
-         document.landmark_pull <= LandmarkPull::warp &&
-         std::all_of(document.shapes.begin(), document.shapes.end(),
-                     [&](const auto& one) { return frame_exists(one.first) && is_sound(one.second); });
+  const auto frame_exists = [&](int frame) { return frame >= 0 && frame < document.scan.frames(); };
+  const auto structure_is_sound = [&](const auto& structure) {
+    return structure->shape(document.frame) != nullptr && is_sound(structure->paint) &&
+           is_sound(structure->landmarks) &&
+           std::all_of(structure->shapes.begin(), structure->shapes.end(),
+                       [&](const auto& one) { return frame_exists(one.first) && is_sound(*one.second); });
+  };
+  return frame_exists(document.frame) && document.scheme >= Scheme::anchored && document.scheme <= Scheme::raw &&
+         document.paper_events >= 1 && document.paper_events <= 1000 && document.even_spacing >= 0 &&
+         document.even_spacing <= 1 && !document.structures.empty() &&
+         std::all_of(document.structures.begin(), document.structures.end(), structure_is_sound);
 }
 
 /// Names the solver by its result on a small fixed problem. Where a later solver gives other points, checkpoints of an
@@ -350,41 +413,44 @@ std::uint32_t start_check(const Document& start) {
     return std::string_view(reinterpret_cast<const char*>(array.data()),
                             static_cast<std::size_t>(array.size()) * sizeof(*array.data()));
   };
-  const int frames = start.volume ? start.volume->frames : 1;
-  std::uint32_t check = CaseLines::checked(0, bytes_of(start.the_template->points));
-  check = CaseLines::checked(check, bytes_of(start.the_template->topology->triangles()));
-  // The first line decides what json_of takes from the start.
-  return CaseLines::checked(check, json_of(start, start).dump() + std::to_string(frames) + '/' +
-                                       std::to_string(static_cast<int>(start.landmark_rule)) +
-                                       (start.holds_landmarks ? "held" : ""));
+  std::uint32_t check = 0;
+  for (const auto& structure : start.structures) {
+    check = CaseLines::checked(check, bytes_of(structure->the_template->points));
+    check = CaseLines::checked(check, bytes_of(structure->the_template->topology->triangles()));
+  }
+  return CaseLines::checked(check, json_of(start, start, {}).dump() + std::to_string(start.scan.frames()));
 }
 
 }  // namespace
 
 bool same_document(const Document& a, const Document& b) {
-  return same_members(document_members, a, b);
+  return same(a, b);
 }
 
-std::optional<std::string> checkpoint_line(const Document& start, const Document& document, std::uint32_t lines_check) {
-  if (!start.the_template || !start.has_shape() || !document.the_template) return std::nullopt;
+std::optional<std::string> checkpoint_line(const Document& start, const Document& document, std::uint32_t lines_check,
+                                           const CaseTemplates& templates) {
+  if (!start.view() || document.structures.empty()) return std::nullopt;
   std::string line;
   try {
     const Json checkpoint{{"format", checkpoint_format},
                           {"solver", name_of_solver()},
                           {"start", start_check(start)},
                           {"lines", lines_check},
-                          {"document", json_of(start, document)}};
+                          {"document", json_of(start, document, templates)}};
     line = Json{{"checkpoint", checkpoint}}.dump();
+  } catch (const Unusable&) {
+    return std::nullopt;
   } catch (const Json::exception&) {
     return std::nullopt;  // a name that is no UTF-8
   }
-  const auto read = read_checkpoint(line, start, lines_check);
+  const auto read = read_checkpoint(line, start, lines_check, templates);
   if (!read || !same_document(*read, document)) return std::nullopt;
   return line;
 }
 
-std::optional<Document> read_checkpoint(const std::string& line, const Document& start, std::uint32_t lines_check) {
-  if (!start.the_template || !start.has_shape()) return std::nullopt;
+std::optional<Document> read_checkpoint(const std::string& line, const Document& start, std::uint32_t lines_check,
+                                        const CaseTemplates& templates) {
+  if (!start.view()) return std::nullopt;
   const auto json = read_json<Json>(line);
   if (!json) return std::nullopt;
   try {
@@ -392,7 +458,7 @@ std::optional<Document> read_checkpoint(const std::string& line, const Document&
     if (checkpoint.at("format") != checkpoint_format || checkpoint.at("solver") != name_of_solver() ||
         checkpoint.at("start") != start_check(start) || checkpoint.at("lines") != lines_check)
       return std::nullopt;
-    Document document = document_of(checkpoint.at("document"), start);
+    Document document = document_of(checkpoint.at("document"), start, templates);
     return is_sound(document) ? std::optional(std::move(document)) : std::nullopt;
   } catch (const Unusable&) {
     return std::nullopt;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "core/case/document.h"
+#include "core/session/case_templates.h"
 
 namespace homolog {
 
@@ -13,13 +13,16 @@ namespace homolog {
 // template, the placement and a checksum of the lines. If one of these differs, the checkpoint is ignored. Removing the
 // checkpoints of a file changes only the time to open it.
 
-/// The line, without its line feed. `lines_check`: of all lines before it. None where reading it would not give the
+/// The line, without its line feed. `lines_check`: of all lines before it. `templates`: those of
+/// structures that `start` lacks. None where reading it would not give the
 /// same document to the last bit.
-std::optional<std::string> checkpoint_line(const Document& start, const Document& document, std::uint32_t lines_check);
+std::optional<std::string> checkpoint_line(const Document& start, const Document& document, std::uint32_t lines_check,
+                                           const CaseTemplates& templates = {});
 
 /// The document that a line holds; none where it was made from another start, other lines or another version, or is
 /// damaged.
-std::optional<Document> read_checkpoint(const std::string& line, const Document& start, std::uint32_t lines_check);
+std::optional<Document> read_checkpoint(const std::string& line, const Document& start, std::uint32_t lines_check,
+                                        const CaseTemplates& templates = {});
 
 /// Whether two documents of one start are the same to the last bit.
 bool same_document(const Document& a, const Document& b);

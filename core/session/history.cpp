@@ -34,21 +34,33 @@ void visit_array(const std::shared_ptr<const Template>& the_template, const auto
         a_vertex * static_cast<std::size_t>(the_template->topology->vertices()));
 }
 
-void visit_array(const std::map<int, Shape>& shapes, const auto& visit) {
-  for (const auto& [frame, shape] : shapes)
-    for_each_member(shape_members, [&, &one = shape](const auto& member) { visit_array(one.*member.of, visit); });
+template <Described Owner>
+void visit_array(const Owner& owner, const auto& visit);
+
+template <Described Owner>
+void visit_array(const std::shared_ptr<const Owner>& owner, const auto& visit) {
+  visit_array(*owner, visit);
 }
 
-void visit_arrays(const Document& document, const auto& visit) {
-  for_each_member(document_members, [&](const auto& member) { visit_array(document.*member.of, visit); });
+void visit_array(const std::map<int, std::shared_ptr<const Shape>>& shapes, const auto& visit) {
+  for (const auto& [frame, shape] : shapes) visit_array(*shape, visit);
+}
+
+void visit_array(const std::vector<std::shared_ptr<const Structure>>& structures, const auto& visit) {
+  for (const auto& structure : structures) visit_array(*structure, visit);
+}
+
+template <Described Owner>
+void visit_array(const Owner& owner, const auto& visit) {
+  for_each_member(members_of(owner), [&](const auto& member) { visit_array(owner.*member.of, visit); });
 }
 
 /// What a document takes that another one does not hold already.
 std::size_t bytes_beside(const Document& document, const Document& other) {
   std::vector<const void*> known;
-  visit_arrays(other, [&](const void* array, std::size_t) { known.push_back(array); });
+  visit_array(other, [&](const void* array, std::size_t) { known.push_back(array); });
   std::size_t sum = 0;
-  visit_arrays(document, [&](const void* array, std::size_t bytes) {
+  visit_array(document, [&](const void* array, std::size_t bytes) {
     if (std::find(known.begin(), known.end(), array) != known.end()) return;
     known.push_back(array);  // an array may serve twice
     sum += bytes;

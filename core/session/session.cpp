@@ -5,6 +5,7 @@
 #include <new>
 #include <utility>
 
+#include "core/base/paths.h"
 #include "core/case/action_line.h"
 #include "core/case/edit_words.h"
 #include "core/case/moved_points.h"
@@ -22,16 +23,18 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 
 /// What is played again in about half a second.
 std::size_t steps_in_half_a_second(const Document& document) {
-  const auto vertices = document.the_template ? document.the_template->topology->vertices() : 1;
+  Eigen::Index vertices = 1;
+  for (const auto& structure : document.structures)
+    vertices = std::max(vertices, structure->the_template->topology->vertices());
   return static_cast<std::size_t>(std::clamp<Eigen::Index>(1'000'000 / vertices, 16, 512));
 }
 
 /// The action as its line gives it, so that what is kept is what a replay makes, to the last bit. A pull remembers
 /// where on the surface it ended, so that replaying it needs no cursor path.
-Result<void> resolve(const Document& document, Deformer& deformer, Action& action, int& solves) {
-  auto* stroke = std::get_if<Stroke>(&action);
+Result<void> resolve(const Document& document, Deformer& deformer, EditStep& step, int& solves) {
+  auto* stroke = std::get_if<Stroke>(&step.action);
   if (stroke == nullptr || stroke->tool != Tool::pull || stroke->on) return {};
-  const auto followed = update(document, action, deformer, Pass::preview);
+  const auto followed = update(document, step.of, step.action, deformer, Pass::preview);
   if (!followed) return fail(followed.error());
   stroke->on = followed->report.on;
   solves = followed->report.solves;
@@ -48,39 +51,58 @@ EditSession::EditSession(Document document, const HistoryLimits& limits)
 }
 
 Result<void> EditSession::start_at(const Similarity& placement) {
-  auto placed = update(document(), SetPlacement{placement}, deformer_, Pass::commit);
+  auto placed = update(document(), {}, SetPlacement{placement}, deformer_of(document(), {}), Pass::commit);
   if (!placed) return fail(placed.error());
   document_ = std::make_shared<const Document>(std::move(placed->document));
   history_ = History(document_, limits_.bytes);
   return {};
 }
 
-Result<Updated> EditSession::preview(const std::optional<Action>& action, const std::vector<Compute>& then) {
+Deformer& EditSession::deformer_of(const Document& document, const std::string& of) {
+  const Structure* structure = document.structure(of);
+  return deformers_[structure != nullptr ? structure->id : of];
+}
+
+void EditSession::prepare(const std::string& of) {
+  const auto shown = document().view(of);
+  if (shown) (void)deformer_of(document(), of).prepare(stroke_start(document(), *shown));
+}
+
+void EditSession::end_gestures() {
+  for (auto& [id, deformer] : deformers_) deformer.end_gesture();
+}
+
+Result<Updated> EditSession::preview(const std::optional<Action>& action, const std::vector<Compute>& then,
+                                     const std::string& of) {
   const auto start = std::chrono::steady_clock::now();
-  auto updated =
-      action ? update(document(), *action, deformer_, Pass::preview) : Result<Updated>(Updated{document(), {}});
+  auto updated = action ? update(document(), of, *action, deformer_of(document(), of), Pass::preview)
+                        : Result<Updated>(Updated{document(), {}});
   if (!updated) return updated;
   for (const Compute& compute : then)
-    if (auto followed = follow(updated->document, compute); !followed)
+    if (auto followed = follow(updated->document, compute, of); !followed)
       updated->report.message = followed.error().sentence();
   updated->report.solver_ms = milliseconds_since(start);
   return updated;
 }
 
-Result<void> EditSession::follow(Document& document, const Compute& compute) {
+Result<void> EditSession::follow(Document& document, const Compute& compute, const std::string& of) {
   auto action = compute(document);
   if (!action) return fail(action.error());
   if (!*action) return {};
-  auto updated = update(document, **action, deformer_, Pass::preview);
+  auto updated = update(document, of, **action, deformer_of(document, of), Pass::preview);
   if (!updated) return fail(updated.error());
   document = std::move(updated->document);
   return {};
 }
 
-Result<EditReport> EditSession::apply(Action action, bool joined) {
+Result<EditReport> EditSession::apply(Action action, bool joined, std::string of) {
+  return apply(EditStep{std::move(action), std::move(of), joined});
+}
+
+Result<EditReport> EditSession::apply(EditStep step) {
   keep();
-  const bool is_note = std::holds_alternative<Note>(action);
-  auto report = perform(std::move(action), joined, std::nullopt);
+  const bool is_note = std::holds_alternative<Note>(step.action);
+  auto report = perform(std::move(step), std::nullopt);
   edited_ = edited_ || (report && !is_note);
   return report;
 }
@@ -91,21 +113,22 @@ void EditSession::keep() {
 }
 
 Result<EditReport> EditSession::replay(EditStep step, const LinePlace& line) {
+  step = templates_.from_line(std::move(step));
   if (adjust_) adjust_(step.action);
-  deformer_.end_gesture();  // a pull follows the straight path, not what was followed before
-  return perform(std::move(step.action), step.joined, line);
+  end_gestures();  // a pull follows the straight path, not what was followed before
+  return perform(std::move(step), line);
 }
 
 /// `line`: where the action's line is; without one it is written.
-Result<EditReport> EditSession::perform(Action action, bool joined, const std::optional<LinePlace>& line) {
+Result<EditReport> EditSession::perform(EditStep step, const std::optional<LinePlace>& line) {
+  const Action& action = step.action;
   const bool travels = std::holds_alternative<Undo>(action) || std::holds_alternative<Redo>(action);
   const auto* frame = std::get_if<SetFrame>(&action);
   const bool looks = frame != nullptr && !frame->step;
   const bool notes = std::holds_alternative<Note>(action);
   const bool joinable = std::exchange(joinable_, false);
-  auto report = travels ? travel(action, line)
-                : looks ? look(*frame, line)
-                        : edit(std::move(action), joinable && joined, line);
+  step.joined = step.joined && joinable;
+  auto report = travels ? travel(action, line) : looks ? look(*frame, line) : edit(std::move(step), line);
   joinable_ = report && !travels && !looks && (joinable || !notes);
   return report;
 }
@@ -117,7 +140,7 @@ Result<EditReport> EditSession::travel(const Action& action, const std::optional
   auto there = state(way->to);
   if (!there) return fail(there.error());
   if (!line)
-    if (auto written = lines_.append(action_line(action) + '\n'); !written) return fail(written.error());
+    if (auto written = lines_.append(action_line({action}) + '\n'); !written) return fail(written.error());
   EditReport report;
   report.message = (back ? "Undone: " : "Redone: ") + name(way) + ".";
   history_.go_to(way->to);
@@ -127,11 +150,11 @@ Result<EditReport> EditSession::travel(const Action& action, const std::optional
 }
 
 Result<EditReport> EditSession::look(const SetFrame& action, const std::optional<LinePlace>& line) {
-  auto updated = update(document(), action, deformer_, Pass::commit);
+  auto updated = update(document(), {}, action, deformer_of(document(), {}), Pass::commit);
   if (!updated) return fail(updated.error());
   auto shown = std::make_shared<const Document>(std::move(updated->document));
   Look look;
-  look.unwritten = action_line(action) + '\n';
+  look.unwritten = action_line({action}) + '\n';
   look.line.bytes = look.unwritten.size() - 1;
   looks_.reserve(looks_.size() + 1);
   if (line) {
@@ -145,43 +168,62 @@ Result<EditReport> EditSession::look(const SetFrame& action, const std::optional
   return std::move(updated->report);
 }
 
-Result<EditReport> EditSession::edit(Action action, bool joined, const std::optional<LinePlace>& line) {
+Result<EditReport> EditSession::edit(EditStep done, const std::optional<LinePlace>& line) {
   const auto start = std::chrono::steady_clock::now();
   int solves = 0;
-  if (auto resolved = resolve(document(), deformer_, action, solves); !resolved) return fail(resolved.error());
-  if (const auto* set = std::get_if<SetPoints>(&action); set != nullptr && !line && document().has_shape()) {
-    const Shape before = shape_of_frame(document(), set->of_frame.value_or(document().frame));
-    if (auto moves = moves_of(*before.points, *set)) action = std::move(*moves);
+  Deformer& deformer = deformer_of(document(), done.of);
+  if (auto complete = templates_.complete(done); !complete) return fail(complete.error());
+  if (auto resolved = resolve(document(), deformer, done, solves); !resolved) return fail(resolved.error());
+  const auto shown = document().view(done.of);
+  if (const auto* set = std::get_if<SetPoints>(&done.action); set != nullptr && !line && shown) {
+    const Shape before = shape_of_frame(shown->structure, shown->frame, set->of_frame.value_or(shown->frame));
+    if (auto moves = moves_of(*before.points, *set)) done.action = std::move(*moves);
   }
-  auto updated = update(document(), action, deformer_, Pass::commit);
+  auto updated = update(document(), done.of, done.action, deformer, Pass::commit);
   if (!updated) return fail(updated.error());
   updated->report.solves += solves;
 
   // All that needs memory comes before the line is written: from then on the case is as the disk says.
-  const auto* note = std::get_if<Note>(&action);
+  const auto* note = std::get_if<Note>(&done.action);
   const bool is_note = note != nullptr;
   History::Step step;
-  step.name = edit_words(action, document());
-  step.joined = joined;
-  step.stroke = std::holds_alternative<Stroke>(action);
+  step.name = edit_words(done.action, shown);
+  step.joined = done.joined;
+  step.stroke = std::holds_alternative<Stroke>(done.action);
   step.after = std::make_shared<const Document>(std::move(updated->document));
   history_.reserve(looks_.size() + 1);
   if (line)
     step.line = *line;
-  else if (auto written = write(action_line(action, joined && !is_note), is_note, !joined))
+  else {
+    if (auto begun = begin_structures(done); !begun) return fail(begun.error());
+    const EditStep as_line = templates_.to_line({done.action, done.of, done.joined && !is_note});
+    auto written = write(action_line(as_line), is_note, !done.joined);
+    if (!written) return fail(written.error());
     step.line = *written;
-  else
-    return fail(written.error());
+  }
   solves_ += updated->report.solves;
   updated->report.solver_ms = milliseconds_since(start);
   if (is_note) {
     keep(*note);
     return std::move(updated->report);
   }
-  if (!line && !joined) ++steps_made_;
+  if (!line && !done.joined) ++steps_made_;
   add_steps(std::move(step));
   tidy();
   return std::move(updated->report);
+}
+
+/// Before the first line that names a template: the case's file says from then on that it holds several structures.
+Result<void> EditSession::begin_structures(const EditStep& step) {
+  const auto* structure = std::get_if<SetStructure>(&step.action);
+  if (structure == nullptr || structure->source.empty() || templates_.named()) return {};
+  templates_.set_named(true);
+  if (journal() == nullptr) return {};
+  const std::filesystem::path file = journal()->path();
+  if (!templates_.folder()) templates_.set_folder(absolute_path(file).parent_path());
+  auto begun = go_on_in(*this, file);
+  templates_.set_named(begun.has_value());
+  return begun;
 }
 
 /// Writes a line, and before it those of the looks that could not be written. A note needs none of them.
@@ -237,7 +279,7 @@ void EditSession::write_checkpoint() {
   }
   steps_to_checkpoint_ = limits_.replayed_steps;  // where it fails, what it takes is not spent on every edit
   const std::uint32_t check = lines_.check();
-  const auto text = checkpoint_line(history_.start(), document(), check);
+  const auto text = checkpoint_line(history_.start(), document(), check, templates_);
   if (!text) return;
   const auto at = lines_.append(*text + '\n', false);
   if (!at) return;
@@ -251,11 +293,14 @@ std::size_t EditSession::steps_since_checkpoint() const {
   return steps;
 }
 
-Result<EditStep> EditSession::read_step(std::size_t k) const {
+Result<EditStep> EditSession::read_step(std::size_t k) {
   const auto line = lines_.read(history_.step(k).line);
   if (!line) return fail(line.error());
   auto step = parse_action(*line);
-  if (step && adjust_) adjust_(step->action);
+  if (!step) return step;
+  *step = templates_.from_line(std::move(*step));
+  if (adjust_) adjust_(step->action);
+  if (auto complete = templates_.complete(*step); !complete) return fail(complete.error());
   return step;
 }
 
@@ -265,8 +310,9 @@ std::shared_ptr<const Document> EditSession::nearest_state(std::size_t& state) {
     if (auto kept = history_.kept(state)) return kept;
     const auto& checkpoint = history_.step(state - 1).checkpoint;
     const auto line = checkpoint ? lines_.read(checkpoint->line) : std::string();
-    auto document = line ? read_checkpoint(*line, history_.start(), checkpoint ? checkpoint->lines_check : 0)
-                         : std::optional<Document>();
+    auto document = line
+                        ? read_checkpoint(*line, history_.start(), checkpoint ? checkpoint->lines_check : 0, templates_)
+                        : std::optional<Document>();
     if (!document) continue;
     auto read = std::make_shared<const Document>(std::move(*document));
     history_.keep(state, read);
@@ -281,9 +327,10 @@ Result<std::shared_ptr<const Document>> EditSession::state(std::size_t wanted) {
     auto step = read_step(state);
     if (!step) return fail(step.error());
     int solves = 0;
-    deformer_.end_gesture();
-    if (auto resolved = resolve(*document, deformer_, step->action, solves); !resolved) return fail(resolved.error());
-    auto updated = update(*document, step->action, deformer_, Pass::commit);
+    end_gestures();
+    Deformer& deformer = deformer_of(*document, step->of);
+    if (auto resolved = resolve(*document, deformer, *step, solves); !resolved) return fail(resolved.error());
+    auto updated = update(*document, step->of, step->action, deformer, Pass::commit);
     if (!updated) return fail(updated.error());
     document = std::make_shared<const Document>(std::move(updated->document));
     const bool passed_through = state + 1 < history_.size() && history_.step(state + 1).joined;
@@ -297,7 +344,7 @@ std::string EditSession::name(const std::optional<History::Way>& way) {
   std::string& known = history_.step(way->step).name;
   if (!known.empty()) return known;
   const auto step = read_step(way->step);
-  return known = step ? edit_words(step->action, document()) : "edit";  // a long line is not read again
+  return known = step ? edit_words(step->action, document().view(step->of)) : "edit";  // a long line is not read again
 }
 
 std::vector<std::string> EditSession::undo_names(std::size_t most) {

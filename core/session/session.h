@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "core/case/action.h"
 #include "core/session/case_lines.h"
+#include "core/session/case_templates.h"
 #include "core/session/history.h"
 #include "core/session/line_kind.h"
 
@@ -52,11 +54,17 @@ class EditSession {
   /// [moved_points.h]. What is joined, and a look, is written at once but synced only with what follows, or by sync().
   /// On error nothing has changed, in memory or on disk; where memory runs out (std::bad_alloc) neither. Before it
   /// comes keep().
-  Result<EditReport> apply(Action action, bool joined = false);
+  /// `of`: the structure that it works on; empty: the first.
+  Result<EditReport> apply(Action action, bool joined = false, std::string of = {});
+  Result<EditReport> apply(EditStep step);
   /// What the action would give, without doing it. Cheap during a drag, because the gesture is cached. Without an
   /// action it starts from the document. Each of `then` carries on from the result before it; a refusal becomes a
   /// message.
-  Result<Updated> preview(const std::optional<Action>& action, const std::vector<Compute>& then = {});
+  Result<Updated> preview(const std::optional<Action>& action, const std::vector<Compute>& then = {},
+                          const std::string& of = {});
+
+  /// Factorises ahead for a structure (as `of` above), so that its next gesture begins at once. Changes nothing else.
+  void prepare(const std::string& of = {});
 
   bool can_undo() const { return history_.undo().has_value(); }
   bool can_redo() const { return history_.redo().has_value(); }
@@ -88,6 +96,9 @@ class EditSession {
   void forget_news() { news_.clear(); }
   /// Whether apply() changed the case.
   bool edited() const { return edited_; }
+  const CaseTemplates& templates() const { return templates_; }
+  /// Before lines are read.
+  void set_templates(CaseTemplates templates) { templates_ = std::move(templates); }
 
   const CaseLines& lines() const { return lines_; }
   Journal* journal() const { return lines_.journal(); }
@@ -110,13 +121,16 @@ class EditSession {
   void go_on_from(std::shared_ptr<const Document> document);
 
  private:
-  Result<void> follow(Document& document, const Compute& compute);
+  Deformer& deformer_of(const Document& document, const std::string& of);
+  void end_gestures();
+  Result<void> follow(Document& document, const Compute& compute, const std::string& of);
   Result<EditReport> travel(const Action& action, const std::optional<LinePlace>& line);
   Result<EditReport> look(const SetFrame& action, const std::optional<LinePlace>& line);
-  Result<EditReport> edit(Action action, bool joined, const std::optional<LinePlace>& line);
-  Result<EditReport> perform(Action action, bool joined, const std::optional<LinePlace>& line);
+  Result<EditReport> edit(EditStep step, const std::optional<LinePlace>& line);
+  Result<EditReport> perform(EditStep step, const std::optional<LinePlace>& line);
+  Result<void> begin_structures(const EditStep& step);
   Result<LinePlace> write(const std::string& line, bool is_note, bool sync);
-  Result<EditStep> read_step(std::size_t step) const;
+  Result<EditStep> read_step(std::size_t step);
   std::shared_ptr<const Document> nearest_state(std::size_t& state);
   Result<std::shared_ptr<const Document>> state(std::size_t state);
   std::string name(const std::optional<History::Way>& way);
@@ -138,9 +152,10 @@ class EditSession {
   bool joinable_ = false;  ///< the last call of apply() that was no note made a step
   std::uint64_t steps_made_ = 0;
   KeptWithCase kept_;
-  std::vector<LinePlace> kept_lines_;  ///< lines that were counted only, and say what is kept
-  Deformer deformer_;
+  std::vector<LinePlace> kept_lines_;          ///< lines that were counted only, and say what is kept
+  std::map<std::string, Deformer> deformers_;  ///< by structure, each made when it is first moved
   CaseLines lines_;
+  CaseTemplates templates_;
   std::size_t steps_to_checkpoint_ = 0;  ///< before which none is tried again
   std::function<void(Action&)> adjust_;
   int solves_ = 0;

@@ -40,10 +40,12 @@ struct SessionThread::Shared {
   struct Computed {
     Compute compute;
     bool joined = false;
+    std::string of;
   };
   struct Preview {
     std::optional<Action> action;
     std::vector<Compute> then;
+    std::string of;
   };
   using Job = std::variant<EditStep, Computed, SaveAs, Save, NameLabels>;
 
@@ -56,6 +58,8 @@ struct SessionThread::Shared {
   bool stopping = false;
   // ---
   EditSession session;
+  std::shared_ptr<const Document> prepared;  ///< the document for whose next gesture all is ready
+  std::string last_of;                       ///< the structure that was worked on last
   std::function<void()> wake;
   std::thread thread;
 
@@ -110,7 +114,7 @@ struct SessionThread::Shared {
   void do_action(EditStep step) {
     if (std::holds_alternative<Note>(step.action)) return do_note(std::move(step));
     Snapshot snapshot = *latest;
-    auto report = session.apply(std::move(step.action), step.joined);
+    auto report = session.apply(std::move(step));
     end_edit(snapshot);
     if (report) {
       snapshot.message = report->message;
@@ -122,7 +126,7 @@ struct SessionThread::Shared {
   /// A note is no edit: what is previewed goes on, and what the last edit said stays.
   void do_note(EditStep step) {
     Snapshot snapshot = *latest;
-    const auto report = session.apply(std::move(step.action), step.joined);
+    const auto report = session.apply(std::move(step));
     describe(snapshot);
     ++snapshot.jobs_done;
     if (report) return publish(std::move(snapshot));
@@ -132,7 +136,7 @@ struct SessionThread::Shared {
 
   void do_computed(const Computed& computed) {
     auto action = computed.compute(session.document());
-    if (action && *action) return do_action({std::move(**action), computed.joined});
+    if (action && *action) return do_action({std::move(**action), computed.of, computed.joined});
     Snapshot snapshot = *latest;
     end_edit(snapshot);
     publish(std::move(snapshot), action ? "" : action.error().sentence());
@@ -179,11 +183,17 @@ struct SessionThread::Shared {
     publish(std::move(snapshot), synced.error().sentence());
   }
 
+  void prepare() {
+    prepared = session.shared_document();
+    session.prepare(last_of);
+  }
+
   void show_preview(const Preview& preview) {
     Snapshot snapshot = *latest;
     snapshot.message.clear();  // the last edit's is old by now; the preview has one of its own
     if (preview.action || !preview.then.empty()) {
-      auto updated = session.preview(preview.action, preview.then);
+      last_of = preview.of;
+      auto updated = session.preview(preview.action, preview.then, preview.of);
       if (!updated) {
         snapshot.message = updated.error().sentence();
       } else {
@@ -243,12 +253,12 @@ struct SessionThread::Shared {
       {
         std::unique_lock lock(mutex);
         const auto comes = [&] { return stopping || !jobs.empty() || next_preview; };
-        if (session.unsynced())
+        if (session.unsynced() || prepared != session.shared_document())
           rests = !changed.wait_for(lock, touches_rest, comes);
         else
           changed.wait(lock, comes);
         if (rests) {
-          // A brush stroke is over: its touches go to the disk together.
+          // A brush stroke is over: its touches go to the disk together. Then the next gesture is prepared.
         } else if (!jobs.empty()) {
           job = std::move(jobs.front());
           jobs.pop_front();
@@ -268,6 +278,7 @@ struct SessionThread::Shared {
         if (job && std::holds_alternative<Computed>(*job)) do_computed(std::get<Computed>(*job));
         if (preview) show_preview(*preview);
         if (rests) do_sync();
+        if (rests) prepare();
       } catch (...) {
         tell_in_the_end(std::current_exception(), job.has_value());
       }
@@ -325,22 +336,22 @@ SessionThread::~SessionThread() {
   if (shared_) shared_->stop();
 }
 
-void SessionThread::preview(std::optional<Action> action, std::vector<Compute> then) {
+void SessionThread::preview(std::optional<Action> action, std::vector<Compute> then, std::string of) {
   {
     const std::lock_guard lock(shared_->mutex);
-    shared_->next_preview = Shared::Preview{std::move(action), std::move(then)};
+    shared_->next_preview = Shared::Preview{std::move(action), std::move(then), std::move(of)};
   }
   shared_->changed.notify_one();
 }
 
-void SessionThread::apply(Action action, bool joined) {
+void SessionThread::apply(Action action, bool joined, std::string of) {
   ++posted_;
-  shared_->post_edit(EditStep{std::move(action), joined});
+  shared_->post_edit(EditStep{std::move(action), std::move(of), joined});
 }
 
-void SessionThread::apply_computed(Compute compute, bool joined) {
+void SessionThread::apply_computed(Compute compute, bool joined, std::string of) {
   ++posted_;
-  shared_->post_edit(Shared::Computed{std::move(compute), joined});
+  shared_->post_edit(Shared::Computed{std::move(compute), joined, std::move(of)});
 }
 
 void SessionThread::save(bool says_so) {

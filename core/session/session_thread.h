@@ -49,13 +49,14 @@ class SessionThread {
 
   /// Shows what `action` and `then` would give (see EditSession::preview), until the next call. With no action and no
   /// `then` the preview ends.
-  void preview(std::optional<Action> action, std::vector<Compute> then = {});
+  /// `of`: the structure that it is about; empty: the first. So with the others.
+  void preview(std::optional<Action> action, std::vector<Compute> then = {}, std::string of = {});
   /// Commits an action; `joined` as EditSession::apply takes it. Ends previews, as apply_computed does: one that waits
   /// is dropped, one that is shown stays until the edit is done.
-  void apply(Action action, bool joined = false);
+  void apply(Action action, bool joined = false, std::string of = {});
   /// Commits what `compute` makes of the document, once everything posted before is done. It runs on this thread, which
   /// takes no previews meanwhile. Does nothing where `compute` gives no action.
-  void apply_computed(Compute compute, bool joined = false);
+  void apply_computed(Compute compute, bool joined = false, std::string of = {});
   /// Looks after the case's file [EditSession::keep] and brings all edits to the disk. With `says_so`, Refusals::saved
   /// says where they are.
   void save(bool says_so);

@@ -2,49 +2,31 @@
 
 #include <metis.h>
 
-#include <cstdint>
-#include <cstdlib>
 #include <mutex>
 #include <new>
 #include <stdexcept>
 #include <type_traits>
 
-namespace {
-
-/// The numbers of the C library's rand(), for one thread.
-class RandomStream {
- public:
-  RandomStream() { initstate_r(1, state_, sizeof(state_), &data_); }  // what rand() has where nobody seeds it
-  RandomStream(const RandomStream&) = delete;
-  RandomStream& operator=(const RandomStream&) = delete;
-
-  void seed(unsigned seed) { srandom_r(seed, &data_); }
-  int next() {
-    std::int32_t number = 0;
-    random_r(&data_, &number);
-    return number;
-  }
-
- private:
-  random_data data_{};
-  char state_[128];
-};
-
-thread_local RandomStream random_stream;
-
-}  // namespace
-
-// METIS seeds rand() and draws from it. A process has one rand(), and libtiff, OpenMesh and graphics drivers draw from
-// it too, on threads of their own: an order would depend on what they do meanwhile. These two take the place of the C
-// library's in the whole program and give each thread the same numbers in a stream of its own.
-extern "C" void srand(unsigned seed) noexcept {
-  random_stream.seed(seed);
-}
-extern "C" int rand() noexcept {
-  return random_stream.next();
-}
+#include "core/base/system_modules.h"
 
 namespace homolog {
+
+namespace {
+
+/// METIS seeds the C library's rand() and draws from it. A process has one rand(), and graphics drivers and libraries
+/// draw from it too, on threads of their own: an order would depend on what they do meanwhile. So METIS gets a C
+/// library of its own. Where the system makes none (as under a sanitizer), it uses that of the process.
+decltype(&METIS_NodeND) node_nd() {
+#ifdef HOMOLOG_SANITIZED
+  return &METIS_NodeND;
+#else
+  static const auto own = reinterpret_cast<decltype(&METIS_NodeND)>(
+      in_namespace_of_its_own(reinterpret_cast<const void*>(&METIS_NodeND), "METIS_NodeND"));
+  return own != nullptr ? own : &METIS_NodeND;
+#endif
+}
+
+}  // namespace
 
 Ordering nested_dissection(SparsityGraph graph) {
   static_assert(std::is_same_v<idx_t, int>);
@@ -57,8 +39,8 @@ Ordering nested_dissection(SparsityGraph graph) {
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_NITER] = 1;  // a fifth faster than its ten rounds of refinement; L is up to 2 % larger
   int unknowns = static_cast<int>(n);
-  const int status = METIS_NodeND(&unknowns, graph.start.data(), graph.neighbour.data(), nullptr, options,
-                                  ordering.order.data(), ordering.position.data());
+  const int status = node_nd()(&unknowns, graph.start.data(), graph.neighbour.data(), nullptr, options,
+                               ordering.order.data(), ordering.position.data());
   if (status == METIS_ERROR_MEMORY) throw std::bad_alloc();
   if (status != METIS_OK) throw std::runtime_error("METIS could not order the unknowns of a mesh");
   return ordering;

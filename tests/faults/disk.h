@@ -49,7 +49,10 @@ inline std::string state_of(const Document& document) {
   const auto add = [&state](const void* bytes, std::size_t count) {
     state.append(static_cast<const char*>(bytes), count);
   };
-  for (const auto& [frame, shape] : document.shapes) {
+  const Structure* structure = document.structure();
+  if (structure == nullptr) return {};
+  for (const auto& [frame, shared] : structure->shapes) {
+    const Shape& shape = *shared;
     // Only looked at: the template as it was placed.
     if (shape.strokes == 0 && shape.landmarks.empty() && !shape.carried) continue;
     add(&frame, sizeof frame);
@@ -59,10 +62,9 @@ inline std::string state_of(const Document& document) {
       add(at.data(), sizeof(double) * 3);
     }
   }
-  add(&document.stiffness_base, sizeof document.stiffness_base);
+  add(&structure->paint.base, sizeof structure->paint.base);
   add(&document.scheme, sizeof document.scheme);
-  if (document.regions)
-    for (const auto& region : document.regions->list) state += region.name;
+  for (const auto& region : structure->paint.regions->list) state += region.name;
   return std::to_string(std::hash<std::string>()(state));
 }
 

@@ -208,7 +208,7 @@ TEST_CASE("where syncs succeed again the next edit brings the last lines to the 
   forget_behind(folder.case_path, synced);
   REQUIRE(session.apply(SetStiffnessBase{5}));
   CHECK(state_of(read_case(folder.case_path)->session.document()) == state_of(session.document()));
-  CHECK(session.document().stiffness_base == 5);
+  CHECK(session.document().structure()->paint.base == 5);
   REQUIRE(session.apply(Undo{}));
   REQUIRE(session.apply(Undo{}));
   CHECK(session.strokes() == 0);

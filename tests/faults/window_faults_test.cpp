@@ -57,7 +57,7 @@ std::vector<Deed> edits() {
       {"pull", once, [](Driver& driver, const BallDesk&) { apply(driver, BallDesk::pull(2)); }},
       {"drag with the mouse", once,
        [](Driver& driver, const BallDesk&) {
-         const Points points = *driver.document().shape().points;
+         const Points points = *driver.document().view()->shape.points;
          const Vec3 from = points.row(0), to = from * 1.2;
          driver.app().send(LookAt{from});
          driver.settle();

@@ -85,7 +85,7 @@ struct ShownLandmark {
 
 /// Whether a landmark lies on the far side of the mesh, as the 3D view looks at it.
 bool faces_away(const UiContext& ui, std::size_t landmark, const Points& points) {
-  const Template& the_template = *ui.document().the_template;
+  const Template& the_template = *ui.structure()->the_template;
   const auto t = the_template.topology->triangles().row(the_template.landmark_points[landmark].face);
   const Vec3 a = points.row(t[0]), b = points.row(t[1]), c = points.row(t[2]);
   return (b - a).cross(c - a).dot(ui.state.camera.to_eye) < 0;
@@ -93,8 +93,8 @@ bool faces_away(const UiContext& ui, std::size_t landmark, const Points& points)
 
 std::vector<ShownLandmark> shown_landmarks(const UiContext& ui, const ViewMap& map) {
   constexpr float behind = 0.25f;
-  const Template& the_template = *ui.document().the_template;
-  const Shape& shape = ui.document().shape();
+  const Template& the_template = *ui.structure()->the_template;
+  const Shape& shape = ui.shown().shape;
   std::vector<ShownLandmark> all;
   for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
     const LandmarkHold hold = landmark_hold(the_template, l, shape);

@@ -18,7 +18,7 @@ std::string read_out(const UiContext& ui) {
   if (!ui.state.hover || !ui.state.hover->p_mm) return {};
   const Vec3& p_mm = *ui.state.hover->p_mm;
   std::string text = position_text(p_mm);
-  const auto& volume = ui.document().volume;
+  const auto& volume = ui.document().scan.image;
   if (!volume) return text;
   const Vec3 voxel = volume->geometry.to_voxel(p_mm).array().round();
   const auto& dims = volume->geometry.dims;

@@ -83,7 +83,7 @@ void draw_crosshair(const UiContext& ui, ViewKind kind, const ViewMap& map, ImDr
 }
 
 void draw_placement_handles(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
-  const auto handles = placement_handles(map, *ui.document().shape().points, ui.theme.scale);
+  const auto handles = placement_handles(map, *ui.shown().shape.points, ui.theme.scale);
   if (!handles) return;
   PlacePart lit = PlacePart::none;
   if (ui.state.drag) {
@@ -156,8 +156,8 @@ void draw_stroke(const UiContext& ui, const StrokeDrag& drag, const ViewMap& map
 /// The finding that is looked at: its triangles, a ring, and what it is.
 void draw_finding(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
   const ShownFinding& shown = *ui.state.finding;
-  const Points& points = *ui.document().shape().points;
-  const auto& triangles = ui.document().the_template->topology->triangles();
+  const Points& points = *ui.shown().shape.points;
+  const auto& triangles = ui.structure()->the_template->topology->triangles();
   if (shown.finding.vertex >= points.rows()) return;
   const Vec3 at = points.row(shown.finding.vertex);
   const double off_mm = map.is_slice() ? std::abs(map.into_screen().dot(at - map.slice().centre)) : 0;
@@ -226,7 +226,7 @@ void draw_ruler(const UiContext& ui, const ViewMap& map, ImDrawList& draw) {
 /// where it should end and the arrow's tip lies. A short way has an arrow of some length all the same, which begins
 /// before the dot; in other slices it is faint.
 void draw_guide_arrow(const UiContext& ui, const GuideStep& step, const ViewMap& map, ImDrawList& draw) {
-  const auto from = map.to_px(pulled_from(step, ui.document().mesh())), to = map.to_px(step.to_mm);
+  const auto from = map.to_px(pulled_from(step, ui.shown().mesh())), to = map.to_px(step.to_mm);
   if (!from || !to) return;
   const double off_mm = std::abs(map.into_screen().dot(step.to_mm - map.slice().centre));
   const bool here = off_mm <= slice_step_mm(geometry_of(ui.document()), map.into_screen());
@@ -275,7 +275,7 @@ void draw_hints(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
 }
 
 void draw_empty_state(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
-  const bool nothing = !ui.document().volume && !ui.has_shape();
+  const bool nothing = !ui.document().scan.image && !ui.has_shape();
   if (!nothing || kind != ViewKind::axial) return;
   const RectPx& rect = ui.layout.image(kind);
   const std::string title = "Nothing is open", text = "Ctrl+O opens an image, a case or a template";
@@ -309,7 +309,7 @@ class MarksOnGround {
 void draw_view_marks(const UiContext& ui, ViewKind kind, ImDrawList& draw) {
   const ViewMap map = view_map(ui.state, ui.layout, ui.document(), kind);
   const auto& show = ui.state.preferences.show;
-  const bool nothing = !ui.document().volume && !ui.has_shape();
+  const bool nothing = !ui.document().scan.image && !ui.has_shape();
   if (nothing) return draw_empty_state(ui, kind, draw);
   {
     const MarksOnGround marks(!map.is_slice() && ui.state.preferences.light);

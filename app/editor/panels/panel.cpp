@@ -118,11 +118,11 @@ std::string placed_in_words(const UiContext& ui);
 void draw_side_panel(const UiContext& ui, Outbox& out) {
   // In the order of the work.
   static constexpr auto is_cine = [](const UiContext& shown) {
-    return shown.document().volume && shown.document().volume->frames > 1;
+    return shown.document().scan.image && shown.document().scan.image->frames > 1;
   };
   // Whoever opens a scan of their own needs a template of their organ first; the phantoms come with theirs.
   static constexpr auto is_own_scan = [](const UiContext& shown) {
-    return shown.document().volume && !is_phantom(shown.document().volume_source);
+    return shown.document().scan.image && !is_phantom(shown.document().scan.source);
   };
   static constexpr std::array<PanelSection, 7> sections{
       {{"Case", draw_case_section, true},

@@ -20,11 +20,11 @@ constexpr std::array<WindowPreset, 3> ct_presets{{{"Bone", "400 ± 900 HU", 400,
                                                   {"Lung", "−600 ± 750 HU", -600, 1500}}};
 
 void draw_volume_figures(const UiContext& ui) {
-  const Volume& volume = *ui.document().volume;
+  const Volume& volume = *ui.document().scan.image;
   const auto& geometry = volume.geometry;
   const auto& d = geometry.dims;
-  figure(ui.theme, "Image", std::filesystem::path(ui.document().volume_source).filename().string(),
-         ui.document().volume_source);
+  figure(ui.theme, "Image", std::filesystem::path(ui.document().scan.source).filename().string(),
+         ui.document().scan.source);
   figure(ui.theme, "Voxels", format("%d \xc3\x97 %d \xc3\x97 %d", d[0], d[1], d[2]),
          format("%s, %s", voxel_type_name(volume.data),
                 volume.modality.empty() ? "kind unknown" : volume.modality.c_str()));
@@ -35,7 +35,7 @@ void draw_volume_figures(const UiContext& ui) {
 
 void draw_window_presets(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const auto& volume = ui.document().volume;
+  const auto& volume = ui.document().scan.image;
   const bool ct = volume && (volume->modality == "CT" || volume->range_min < -500);
   const std::string refusal = !volume ? ui.needs_volume() : ct ? "" : "Only for CT images: their values are in HU.";
   const double centre = (ui.state.window_low + ui.state.window_high) / 2;
@@ -83,7 +83,7 @@ void draw_labels_frame(const UiContext& ui, Outbox& out) {
 void draw_case_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const auto& document = ui.document();
-  if (document.volume) {
+  if (document.scan.image) {
     draw_volume_figures(ui);
     gap(theme, 0);
     draw_window_presets(ui, out);
@@ -110,7 +110,7 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
              "An MR scan with an expert's label map, and the ventricle's template to fit to it (Sunnybrook, CC0)", {},
              ImGui::GetContentRegionAvail().x))
     out.send(OpenRequested{sample_request()});
-  if (!document.volume) return;
+  if (!document.scan.image) return;
   bool linear = ui.state.preferences.linear;
   if (toggle(theme, "Smooth voxels", linear, "Interpolates between voxels. Off shows the voxels as they are"))
     out.send(InterpolateImage{linear});
@@ -118,8 +118,9 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
   if (toggle(theme, "Radiological", radiological, "Shows the patient's right side on the left of the screen"))
     out.send(ShowRadiological{radiological});
   bool own = ui.state.own_planes;
-  if (toggle(theme, "The image's own planes", own, "Slices lie as they were acquired, not along the patient's axes",
-             is_oblique(document.volume->geometry) ? "" : "The image was acquired along the patient's axes already."))
+  if (toggle(
+          theme, "The image's own planes", own, "Slices lie as they were acquired, not along the patient's axes",
+          is_oblique(document.scan.image->geometry) ? "" : "The image was acquired along the patient's axes already."))
     out.send(ShowOwnPlanes{own});
   bool linked = ui.state.preferences.linked_zoom;
   if (toggle(theme, "Linked zoom", linked, "Ctrl and the wheel zoom all three slices together"))
@@ -143,7 +144,7 @@ void draw_case_section(const UiContext& ui, Outbox& out) {
           ui.labels ? "" : "Overlay a label map first."))
     out.send(ShowParts{parts});
   const float width = ImGui::GetContentRegionAvail().x;
-  if (document.volume->frames > 1) draw_labels_frame(ui, out);
+  if (document.scan.image->frames > 1) draw_labels_frame(ui, out);
   if (ui.labels) {
     if (button(theme, "Remove the overlay", "The file is not changed", {}, width)) out.send(CloseLabels{});
   } else if (button(theme, "Overlay a label map…", "Shown over the slices in colours", {}, width)) {

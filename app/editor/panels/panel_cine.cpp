@@ -22,7 +22,7 @@ void show_frame(int frame, Outbox& out) {
 void draw_frame_controls(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   const Document& document = ui.document();
-  const int frames = document.volume->frames, frame = shown_frame(ui.state, document);
+  const int frames = document.scan.image->frames, frame = shown_frame(ui.state, document);
   double value = frame;
   bool released = false;
   const SliderRange range{0, static_cast<double>(frames - 1), "%.0f", "", false, true};
@@ -36,12 +36,14 @@ void draw_frame_controls(const UiContext& ui, Outbox& out) {
              "Play the frames (Space)"))
     out.send(PlayFrames{!ui.state.playing});
   ImGui::SameLine();
-  const auto from_here = document.shapes.lower_bound(frame);
-  const bool any_before = from_here != document.shapes.begin();
+  static const decltype(Structure::shapes) none;
+  const auto& shapes = ui.structure() != nullptr ? ui.structure()->shapes : none;
+  const auto from_here = shapes.lower_bound(frame);
+  const bool any_before = from_here != shapes.begin();
   const int before = any_before ? std::prev(from_here)->first : 0;
-  const std::string refusal = !document.the_template ? ui.needs_shape()
-                              : any_before           ? ""
-                                                     : "No frame before this one has a mesh.";
+  const std::string refusal = ui.structure() == nullptr ? ui.needs_shape()
+                              : any_before              ? ""
+                                                        : "No frame before this one has a mesh.";
   if (button(theme, "Start from previous", format("Give this frame a copy of the mesh of frame %d", before), refusal))
     out.apply(StartFrameFrom{before});
 }
@@ -61,10 +63,9 @@ std::string frames_in_words(const std::vector<int>& frames) {
 
 void draw_propagate(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const Document& document = *ui.snapshot.document;
   const bool busy = ui.propagator.busy();
   const std::string needs = ui.fitter.busy() ? "Wait for the fit." : ui.needs_shape();
-  const std::string from = needs.empty() ? frames_in_words(starting_frames(document)) : "";
+  const std::string from = needs.empty() ? frames_in_words(starting_frames(ui.shown())) : "";
   if (button(theme, "Propagate",
              "Carries the mesh of " + from +
                  " through the cine. Frames that you edited or confirmed stay as they are. One step to undo",
@@ -75,7 +76,7 @@ void draw_propagate(const UiContext& ui, Outbox& out) {
   if (work_area(theme, from.empty() ? "" : "From " + from + ". Correct a frame, and propagate again.", running))
     out.send(CancelPropagation{});
   if (!needs.empty()) return;
-  if (const double missing = missing_share_of(*document.the_template, document.shape()); missing > 0)
+  if (const double missing = missing_share_of(ui.shown().the_template(), ui.shown().shape); missing > 0)
     text_lines(
         format("The mesh %s, so volumes are too small. Make the template again.", missing_doubt(missing).c_str()),
         palette::amber);
@@ -166,7 +167,7 @@ void draw_volumes(const UiContext& ui, const VolumeCurve& curve, Outbox& out) {
   const float line = theme.small->FontSize;
   const CurveField field{{at.x + theme.px(32), at.y + line + theme.px(6)},
                          {at.x + size.x - theme.px(2), at.y + size.y - line - theme.px(6)},
-                         ui.document().volume->frames,
+                         ui.document().scan.image->frames,
                          marks.back()};
   const int pointed = field.frame_at(ImGui::GetIO().MousePos.x);
   const AreaState state = area(theme, "volume curve", size, frame_in_words(curve, pointed));

@@ -59,7 +59,7 @@ void draw_legend_scale(ImDrawList& draw, const Theme& theme, const Legend& legen
 }
 
 void draw_colouring_legend(const UiContext& ui, Colouring colouring) {
-  const Legend legend = colouring_legend(ui.document(), colouring);
+  const Legend legend = colouring_legend(ui.shown(), colouring);
   if (legend.names.empty())
     draw_scale(ui.theme, legend);
   else
@@ -150,9 +150,9 @@ void draw_quality(const UiContext& ui, const QualityFigures& q, Outbox& out) {
 void draw_correspondence_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!ui.has_shape()) {
-    explanation(theme, ui.document().the_template ? ui.needs_shape()
-                                                  : "Load a template first (Template). Then this section shows whether "
-                                                    "the mesh keeps its correspondence.");
+    explanation(theme, ui.structure() != nullptr ? ui.needs_shape()
+                                                 : "Load a template first (Template). Then this section shows whether "
+                                                   "the mesh keeps its correspondence.");
     return;
   }
   draw_colour_choice(ui, out);

@@ -39,7 +39,7 @@ void case_slider(const UiContext& ui, Outbox& out, const char* label, double com
 
 /// Which region the brush paints: the first one until another is chosen. True where that changed.
 bool draw_region_to_paint(const UiContext& ui, BrushSettings& brush) {
-  const auto& list = ui.document().regions->list;
+  const auto& list = ui.structure()->paint.regions->list;
   if (list.empty()) {
     explanation(ui.theme, "Add a region first (Template, Regions).");
     return false;
@@ -150,25 +150,25 @@ void draw_deform_section(const UiContext& ui, Outbox& out) {
   }
   if (tool == MouseTool::stiffness || tool == MouseTool::confirm) draw_brush(ui, out);
   draw_snap(ui, out);
-  const Document& document = ui.document();
+  const ShapeView shown = ui.shown();
   const Document& committed = *ui.snapshot.document;
-  case_slider(ui, out, "Stiffness", committed.stiffness_base, {0.1, 200, "%.1f", "", true},
+  case_slider(ui, out, "Stiffness", committed.structure()->paint.base, {0.1, 200, "%.1f", "", true},
               "Stiffness w of the whole surface. A stiffer surface spreads an edit wider",
               [](double value) { return SetStiffnessBase{value}; });
-  const double edge_mm = mean_edge_mm(*document.the_template->topology, *document.shape().reference);
-  figure(theme, "An edit spreads over", format("%.1f mm", stiffness_length_mm(document.stiffness_base, edge_mm)),
+  const double edge_mm = mean_edge_mm(*shown.the_template().topology, *shown.shape.reference);
+  figure(theme, "An edit spreads over", format("%.1f mm", stiffness_length_mm(shown.paint().base, edge_mm)),
          "The stiffness as a length: mean edge of the mesh \xc3\x97 \xe2\x88\x9a(3w)");
   case_slider(ui, out, "Even spacing", 100 * committed.even_spacing, {0, 100, "%.0f", "%", false},
               "Keeps vertices evenly spread during an edit. They may then slide along the surface",
               [](double value) { return SetEvenSpacing{value / 100}; });
   bool through = ui.state.through_space;
-  const bool sheets = document.the_template->topology->components() > 1;
+  const bool sheets = shown.the_template().topology->components() > 1;
   if (toggle(theme, "Through space", through, "A stroke also moves other sheets of the mesh that lie near",
              sheets ? "" : "This mesh has one sheet only."))
     out.send(MoveThroughSpace{through});
   draw_scheme(ui, out);
   draw_model_help(ui, out);
-  figure(theme, "Edits of the mesh", format("%d", document.shape().strokes),
+  figure(theme, "Edits of the mesh", format("%d", shown.shape.strokes),
          "Strokes, fits and snaps since the mesh was placed");
   figure(theme, "Last solve", format("%.2f ms", ui.snapshot.solver_ms), "Time to compute the last edit");
 }

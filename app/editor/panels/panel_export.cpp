@@ -42,13 +42,14 @@ void draw_export_section(const UiContext& ui, Outbox& out) {
     if (ui.state.playing) out.send(PlayFrames{false});
     out.send(ShowFileDialog{purpose, file});
   };
-  const Document& document = *ui.snapshot.document;
-  const bool of_all = document.shapes.size() > 1 && ui.state.export_all_frames;
+  const Structure* structure = ui.snapshot.document->structure();
+  const std::size_t meshes = structure != nullptr ? structure->shapes.size() : 0;
+  const bool of_all = meshes > 1 && ui.state.export_all_frames;
   const std::string no_mesh = of_all ? "" : ui.needs_shape();
-  if (document.shapes.size() > 1) {
+  if (meshes > 1) {
     caption(theme, "Frames to write");
     int all = ui.state.export_all_frames ? 0 : 1;
-    if (choice(theme, "frames", {format("All %zu", document.shapes.size()), "This one"}, all,
+    if (choice(theme, "frames", {format("All %zu", meshes), "This one"}, all,
                {"Every frame that has a mesh, in files with the frame's number: \xe2\x80\xa6-frame-07.ply",
                 "The frame that is shown, in one file"}))
       out.send(ExportAllFrames{all == 0});

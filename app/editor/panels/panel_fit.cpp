@@ -53,7 +53,7 @@ std::string model_refusal(const UiContext& ui) {
   if (settings.model == FitModel::file) return ui.state.fit_model ? "" : "Choose the model first.";
   if (settings.model != FitModel::study) return "";
   const bool fits =
-      study && ui.document().the_template && study->vertices() == ui.document().the_template->points.rows();
+      study && ui.structure() != nullptr && study->vertices() == ui.structure()->the_template->points.rows();
   return fits ? "" : "Open a study with at least two other cases of this template first (Models).";
 }
 
@@ -102,7 +102,8 @@ std::string busy_refusal(const UiContext& ui) {
 bool person_confirmed(const UiContext& ui) {
   Document document = *ui.snapshot.document;
   document.frame = ui.displayed->frame;
-  return document.has_shape() && confirmed_without_landmarks(document) != nullptr;
+  const auto shown = document.view();
+  return shown && confirmed_without_landmarks(*shown) != nullptr;
 }
 
 std::string fit_refusal(const UiContext& ui) {

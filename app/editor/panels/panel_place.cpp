@@ -111,7 +111,7 @@ class PlacementNumbers {
 void draw_hold(const UiContext& ui, const Landmark& landmark, const Vec3& place, const LandmarkHold& hold,
                Outbox& out) {
   const Theme& theme = ui.theme;
-  const bool can_hold = ui.document().holds_landmarks && (hold.met || hold.held);
+  const bool can_hold = ui.structure()->landmarks.hold && (hold.met || hold.held);
   const std::string refusal =
       can_hold ? "" : format("The mesh is %.1f mm off. Bring it there with Grab or Slide.", hold.distance_mm);
   if (icon_button(theme, hold.held ? icon::confirm : icon::unlocked, hold.held ? "release" : "hold",
@@ -130,7 +130,7 @@ void draw_hold(const UiContext& ui, const Landmark& landmark, const Vec3& place,
 /// Why the mesh is not where a landmark was placed, and what helps.
 std::string off_tip(const UiContext& ui, double distance_mm) {
   const auto& snapped = ui.state.snapped;
-  const bool by_snap = snapped && ui.has_shape() && snapped->is_of(*ui.document().shape().points);
+  const bool by_snap = snapped && ui.has_shape() && snapped->is_of(*ui.shown().shape.points);
   return by_snap ? format(
                        "The snap moved the mesh here, so that it is %.1f mm from your click: it goes by the image's "
                        "edge, which is mostly more exact. To keep your place, undo the snap, confirm the mesh here "
@@ -152,8 +152,8 @@ bool need_two_lines(const Theme& theme, const std::vector<Landmark>& landmarks) 
 
 void draw_landmark_list(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const Template& the_template = *ui.document().the_template;
-  const auto& placed = ui.document().shape().landmarks;
+  const Template& the_template = *ui.structure()->the_template;
+  const auto& placed = ui.shown().shape.landmarks;
   const std::string wanted = landmark_in_hand(ui.state, ui.document());
   const bool two_lines = need_two_lines(theme, the_template.landmarks);
   std::vector<std::string> names;
@@ -167,7 +167,7 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float width = ImGui::GetContentRegionAvail().x, height = theme.px(two_lines ? 40 : 24);
     const float buttons = done ? theme.px(72) : 0.0f;
-    const LandmarkHold hold = landmark_hold(the_template, l, ui.document().shape());
+    const LandmarkHold hold = landmark_hold(the_template, l, ui.shown().shape);
     const std::string off = done && !hold.met ? format("%.1f mm off", hold.distance_mm) : next && !done ? "next" : "";
     const float off_width = off.empty() || two_lines ? 0 : ImGui::CalcTextSize(off.c_str()).x + theme.px(10);
     const std::string shown = shortened_among(landmark.name, names, width - buttons - off_width - theme.px(32));
@@ -202,13 +202,12 @@ void draw_landmark_list(const UiContext& ui, Outbox& out) {
 
 void draw_landmarks(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const auto& landmarks = ui.document().the_template->landmarks;
+  const auto& landmarks = ui.structure()->the_template->landmarks;
   if (landmarks.empty()) {
     explanation(theme, "This template has no landmarks. Place it with the tool Place (M).");
     return;
   }
-  caption(theme,
-          format("Landmarks placed: %zu of %zu", ui.document().shape().landmarks.size(), landmarks.size()).c_str());
+  caption(theme, format("Landmarks placed: %zu of %zu", ui.shown().shape.landmarks.size(), landmarks.size()).c_str());
   if (ui.state.tool == MouseTool::template_landmark)
     explanation(theme,
                 "You are naming landmarks of the template (Template). Take the tool Landmark (L) to place them.");
@@ -223,10 +222,10 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
     ask(FilePurpose::open_landmarks, "");
   ImGui::SameLine(0, theme.px(4));
   if (button(theme, "Export…", "Saves the placed landmarks for 3D Slicer (.mrk.json) or scalismo (.json)",
-             ui.document().shape().landmarks.empty() ? "No landmark is placed yet." : "", half))
+             ui.shown().shape.landmarks.empty() ? "No landmark is placed yet." : "", half))
     ask(FilePurpose::export_landmarks, case_name(ui.snapshot.file, ui.document()) + "-landmarks.mrk.json");
   caption(theme, "How landmarks move the template");
-  int fit = static_cast<int>(ui.document().landmark_pull);
+  int fit = static_cast<int>(ui.structure()->landmarks.pull);
   if (choice(theme, "landmark fit", {"Off", "Similarity", "Warp"}, fit,
              {"Landmarks do not move the template", "Landmarks move, turn and scale the template",
               "As Similarity. With four landmarks or more, the template is also warped smoothly to them"}))
@@ -237,14 +236,14 @@ void draw_landmarks(const UiContext& ui, Outbox& out) {
 
 std::string placed_in_words(const UiContext& ui) {
   if (!ui.has_shape()) return {};
-  const std::size_t all = ui.document().the_template->landmarks.size();
-  return all == 0 ? "" : format("%zu of %zu landmarks", ui.document().shape().landmarks.size(), all);
+  const std::size_t all = ui.structure()->the_template->landmarks.size();
+  return all == 0 ? "" : format("%zu of %zu landmarks", ui.shown().shape.landmarks.size(), all);
 }
 
 void draw_place_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
   if (!ui.has_shape()) {
-    explanation(theme, ui.document().the_template
+    explanation(theme, ui.structure() != nullptr
                            ? ui.needs_shape()
                            : "Load a template first (Template). Then place it on the organ here.");
     return;

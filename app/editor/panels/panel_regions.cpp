@@ -78,7 +78,7 @@ void draw_renaming(const UiContext& ui, const Regions& regions, float width, Out
 /// The colour and the name: a click on the one gives another, on the other takes the brush; a double click renames.
 void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbox& out) {
   const Theme& theme = ui.theme;
-  const Regions& regions = *ui.document().regions;
+  const Regions& regions = *ui.structure()->paint.regions;
   const Region& region = regions.list[index];
   if (ui.state.renaming && ui.state.renaming->rename.name == region.name) return draw_renaming(ui, regions, width, out);
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -101,14 +101,14 @@ void draw_region_name(const UiContext& ui, std::size_t index, float width, Outbo
 
 /// The factor that the case holds: the shown document may be a preview of the very change that is compared with it.
 double committed_factor(const UiContext& ui, const Region& region) {
-  for (const Region& kept : ui.snapshot.document->regions->list)
+  for (const Region& kept : ui.snapshot.document->structure()->paint.regions->list)
     if (kept.name == region.name) return kept.factor;
   return region.factor;
 }
 
 void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
   const Theme& theme = ui.theme;
-  const Region& region = ui.document().regions->list[index];
+  const Region& region = ui.structure()->paint.regions->list[index];
   const Part part(region.name, "region");
   const float factor_width = theme.px(72), remove_width = theme.px(24);
   draw_region_name(ui, index, ImGui::GetContentRegionAvail().x - factor_width - remove_width - theme.px(8), out);
@@ -134,7 +134,7 @@ void draw_region(const UiContext& ui, std::size_t index, Outbox& out) {
 
 void draw_regions(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const Regions& regions = *ui.document().regions;
+  const Regions& regions = *ui.structure()->paint.regions;
   caption(theme, "Regions");
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(4), theme.px(2)});
   for (std::size_t r = 0; r < regions.list.size(); ++r) draw_region(ui, r, out);
@@ -167,7 +167,7 @@ void draw_regions(const UiContext& ui, Outbox& out) {
 
 void draw_template_landmarks(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const auto& landmarks = ui.document().the_template->landmarks;
+  const auto& landmarks = ui.structure()->the_template->landmarks;
   caption(theme, format("Landmarks of the template: %zu", landmarks.size()).c_str());
   const bool naming = ui.state.tool == MouseTool::template_landmark;
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {theme.px(4), theme.px(2)});

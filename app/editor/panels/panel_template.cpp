@@ -21,20 +21,19 @@ std::string template_name(const std::string& source, bool mirrored) {
 /// The file that the template is kept in, or the name of a built-in one.
 std::string template_source(const UiContext& ui) {
   const std::string saved = ui.snapshot.kept.template_file.string();
-  return saved.empty() ? ui.document().the_template->source : saved;
+  return saved.empty() ? ui.structure()->the_template->source : saved;
 }
 
 }  // namespace
 
 std::string template_in_words(const UiContext& ui) {
-  return ui.document().the_template ? template_name(template_source(ui), ui.template_mirrored) : "none yet";
+  return ui.structure() != nullptr ? template_name(template_source(ui), ui.template_mirrored) : "none yet";
 }
 
 void draw_template_section(const UiContext& ui, Outbox& out) {
   const Theme& theme = ui.theme;
-  const auto& document = ui.document();
-  if (document.the_template) {
-    const Template& the_template = *document.the_template;
+  if (ui.structure() != nullptr) {
+    const Template& the_template = *ui.structure()->the_template;
     const std::string source = template_source(ui);
     figure(theme, "Template", template_name(source, ui.template_mirrored), source);
     figure(theme, "Vertices", format("%ld", static_cast<long>(the_template.topology->vertices())));

@@ -124,8 +124,7 @@ int template_label(const UiContext& ui) {
   const int chosen = ui.state.template_settings.label;
   if (known.empty() || is_known(chosen)) return chosen;
   if (ui.has_shape())
-    if (const int there = label_at_mesh(*ui.labels, ui.displayed->frame, *ui.document().shape().points);
-        is_known(there))
+    if (const int there = label_at_mesh(*ui.labels, ui.displayed->frame, *ui.shown().shape.points); is_known(there))
       return there;
   const int there = label_there(ui, ui.state.crosshair_mm);
   return is_known(there) ? there : known.front();

@@ -61,11 +61,15 @@ struct UiContext {
 
   const Document& document() const { return *displayed; }
   /// As on the disk, at the frame that is shown: what a change in the panel starts from.
-  const Shape& committed_shape() const { return snapshot.document->shapes.at(displayed->frame); }
-  bool has_shape() const { return document().has_shape(); }
+  const Shape& committed_shape() const { return *snapshot.document->structure()->shape(displayed->frame); }
+  /// The structure that is worked on; null: there is none yet.
+  const Structure* structure() const { return document().structure(); }
+  bool has_shape() const { return document().view().has_value(); }
+  /// Its mesh on the screen, where it has one.
+  ShapeView shown() const { return *document().view(); }
   /// Why a control that needs a mesh is disabled; empty where there is one.
   std::string needs_shape() const { return why_no_mesh(document()); }
-  std::string needs_volume() const { return document().volume ? std::string() : "Open an image first."; }
+  std::string needs_volume() const { return document().scan.image ? std::string() : "Open an image first."; }
 };
 
 /// One number of the case in the panel. While it changes, it is shown and previewed; when the control is let go, it

@@ -4,14 +4,13 @@
 
 namespace homolog {
 
-std::optional<Vec3> ShownMesh::nearest_on_outline(const Document& document, const SliceView& slice, const Vec3& p_mm,
+std::optional<Vec3> ShownMesh::nearest_on_outline(const ShapeView& shown, const SliceView& slice, const Vec3& p_mm,
                                                   double radius_mm) const {
   const auto flat = [&](const Vec3& p) {
     return Eigen::Vector2d(slice.right.dot(p - slice.centre), slice.down.dot(p - slice.centre));
   };
   const Eigen::Vector2d wanted = flat(p_mm);
-  const auto outline =
-      outlines_->of(document.the_template->topology, document.shape().points, slice.centre, slice.normal());
+  const auto outline = outlines_->of(shown.the_template().topology, shown.shape.points, slice.centre, slice.normal());
   std::optional<Vec3> nearest;
   double smallest = radius_mm;
   for (const OutlineSegment& segment : *outline) {
@@ -25,9 +24,9 @@ std::optional<Vec3> ShownMesh::nearest_on_outline(const Document& document, cons
   return nearest;
 }
 
-std::optional<Vec3> ShownMesh::first_on_surface(const Document& document, const Ray& ray) {
-  const auto& topology = document.the_template->topology;
-  const auto& points = document.shape().points;
+std::optional<Vec3> ShownMesh::first_on_surface(const ShapeView& shown, const Ray& ray) {
+  const auto& topology = shown.the_template().topology;
+  const auto& points = shown.shape.points;
   if (!surface_ || topology_ != topology) {
     surface_.emplace(Mesh{topology, *points});
   } else if (points_ != points) {

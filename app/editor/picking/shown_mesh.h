@@ -14,12 +14,12 @@ namespace homolog {
 /// and for drawing), and what a ray meets. Belongs to the window's thread.
 class ShownMesh {
  public:
-  /// The point of the document's mesh that is nearest to `p_mm` on the outline in a slice, where it is nearer than
+  /// The point of the mesh that is nearest to `p_mm` on the outline in a slice, where it is nearer than
   /// `radius_mm`.
-  std::optional<Vec3> nearest_on_outline(const Document& document, const SliceView& slice, const Vec3& p_mm,
+  std::optional<Vec3> nearest_on_outline(const ShapeView& shown, const SliceView& slice, const Vec3& p_mm,
                                          double radius_mm) const;
-  /// The first point of the document's mesh along a ray.
-  std::optional<Vec3> first_on_surface(const Document& document, const Ray& ray);
+  /// The first point of the mesh along a ray.
+  std::optional<Vec3> first_on_surface(const ShapeView& shown, const Ray& ray);
 
   /// Shared with the scenes that are drawn.
   const std::shared_ptr<Outlines>& outlines() const { return outlines_; }

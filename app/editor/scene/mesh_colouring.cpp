@@ -67,8 +67,8 @@ double scale_mm(double largest) {
   return 100;
 }
 
-double moved_scale_mm(const Document& document) {
-  return scale_mm(moved_mm(document).maxCoeff());
+double moved_scale_mm(const ShapeView& shown) {
+  return scale_mm(moved_mm(shown).maxCoeff());
 }
 
 /// One, two or five times a power of ten, and not below `mm`.
@@ -80,13 +80,13 @@ double rounded_up(double mm) {
 }
 
 /// From where on a place has to be looked at, so that a colour means the same on every mesh of the organ's size.
-double doubt_scale_mm(const Document& document) {
-  return rounded_up(much_doubt_mm(surface_area_mm2(document.mesh())));
+double doubt_scale_mm(const ShapeView& shown) {
+  return rounded_up(much_doubt_mm(surface_area_mm2(shown.mesh())));
 }
 
 /// The largest factor of the scale; the factor 1 stays well below the white of confirmed regions.
-double stiffness_scale(const Document& document) {
-  return std::max(document.stiffness->maxCoeff(), 2.0);
+double stiffness_scale(const ShapeView& shown) {
+  return std::max(shown.paint().stiffness->maxCoeff(), 2.0);
 }
 
 constexpr Rgb decided{0.30f, 0.72f, 0.62f}, left_open{0.62f, 0.52f, 0.85f};
@@ -106,9 +106,9 @@ Rgb region_colour(const Regions& regions, std::size_t vertex, bool of_outline) {
 }
 
 /// Quality of the worst triangle around every vertex.
-VertexScalars worst_triangle(const Document& document) {
-  const Topology& topology = *document.the_template->topology;
-  const Points& p = *document.shape().points;
+VertexScalars worst_triangle(const ShapeView& shown) {
+  const Topology& topology = *shown.the_template().topology;
+  const Points& p = *shown.shape.points;
   VertexScalars worst = VertexScalars::Ones(p.rows());
   for (Eigen::Index face = 0; face < topology.triangles().rows(); ++face) {
     const auto t = topology.triangles().row(face);
@@ -126,15 +126,15 @@ std::string figure_text(const char* pattern, double value) {
 
 }  // namespace
 
-VertexScalars moved_mm(const Document& document) {
-  return (*document.shape().points - *document.shape().reference).rowwise().norm();
+VertexScalars moved_mm(const ShapeView& shown) {
+  return (*shown.shape.points - *shown.shape.reference).rowwise().norm();
 }
 
-VertexScalars edge_stretch(const Document& document) {
-  const Topology& topology = *document.the_template->topology;
-  const Points& p = *document.shape().points;
-  const Points& r = document.the_template->points;
-  const double scale = document.shape().placement.scale;
+VertexScalars edge_stretch(const ShapeView& shown) {
+  const Topology& topology = *shown.the_template().topology;
+  const Points& p = *shown.shape.points;
+  const Points& r = shown.the_template().points;
+  const double scale = shown.shape.placement.scale;
   VertexScalars sum = VertexScalars::Zero(p.rows()), count = VertexScalars::Zero(p.rows());
   for (const auto& [i, j] : topology.edges()) {
     const double before = scale * (r.row(i) - r.row(j)).norm();
@@ -165,8 +165,8 @@ void colour_by(const VertexScalars& values, const std::vector<Rgb>& scale, const
     colours[i] = on_scale(scale, share(values[static_cast<Eigen::Index>(i)]));
 }
 
-void whiten_confirmed(const Document& document, std::vector<Rgb>& colours) {
-  const auto& confirmed = document.shape().confirmed;
+void whiten_confirmed(const ShapeView& shown, std::vector<Rgb>& colours) {
+  const auto& confirmed = shown.shape.confirmed;
   for (std::size_t i = 0; confirmed && i < colours.size(); ++i)
     colours[i] = mix(colours[i], {1, 1, 1}, (*confirmed)[static_cast<Eigen::Index>(i)]);
 }
@@ -176,9 +176,9 @@ void whiten_confirmed(const Document& document, std::vector<Rgb>& colours) {
 void colour_hues(const ColouringInput& of, std::vector<Rgb>& colours) {
   for (std::size_t i = 0; i < colours.size(); ++i) colours[i] = hsv_to_rgb(of.hues[i], of.saturation, 1);
 }
-Legend hue_legend(const Document& document) {
+Legend hue_legend(const ShapeView& shown) {
   Legend legend{
-      "0", "", figure_text("%.0f", static_cast<double>(document.the_template->topology->vertices() - 1)), {}, {}};
+      "0", "", figure_text("%.0f", static_cast<double>(shown.the_template().topology->vertices() - 1)), {}, {}};
   for (int i = 0; i <= 12; ++i) legend.colours.push_back(hsv_to_rgb(static_cast<float>(i) / 12.5f, 0.4f, 1));
   return legend;
 }
@@ -187,37 +187,37 @@ double share_of_stretch(double ratio) {
   return 0.5 + std::log2(std::max(ratio, 1e-6)) / (2 * stretch_octaves);
 }
 void colour_stretch(const ColouringInput& of, std::vector<Rgb>& colours) {
-  colour_by(edge_stretch(of.document), diverging(), share_of_stretch, colours);
+  colour_by(edge_stretch(of.shown), diverging(), share_of_stretch, colours);
 }
 Legend stretch_legend(const Document&) {
   return {"0.5\xc3\x97", "1\xc3\x97", "2\xc3\x97", diverging(), {}};
 }
 
 void colour_moved(const ColouringInput& of, std::vector<Rgb>& colours) {
-  const double most = moved_scale_mm(of.document);
+  const double most = moved_scale_mm(of.shown);
   colour_by(
-      moved_mm(of.document), rising(), [most](double distance) { return distance / most; }, colours);
+      moved_mm(of.shown), rising(), [most](double distance) { return distance / most; }, colours);
 }
-Legend moved_legend(const Document& document) {
-  return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(document)), rising(), {}};
+Legend moved_legend(const ShapeView& shown) {
+  return {"0 mm", "", figure_text("%.0f mm", moved_scale_mm(shown)), rising(), {}};
 }
 
 void colour_stiffness(const ColouringInput& of, std::vector<Rgb>& colours) {
-  const double most = stiffness_scale(of.document);
+  const double most = stiffness_scale(of.shown);
   colour_by(
-      *of.document.stiffness, rising(), [most](double factor) { return factor / most; }, colours);
+      *of.shown.paint().stiffness, rising(), [most](double factor) { return factor / most; }, colours);
 }
-Legend stiffness_legend(const Document& document) {
-  return {"0 soft", "", "stiff " + figure_text("%.1f\xc3\x97", stiffness_scale(document)), rising(), {}};
+Legend stiffness_legend(const ShapeView& shown) {
+  return {"0 soft", "", "stiff " + figure_text("%.1f\xc3\x97", stiffness_scale(shown)), rising(), {}};
 }
 
 void colour_regions(const ColouringInput& of, std::vector<Rgb>& colours) {
   for (std::size_t i = 0; i < colours.size(); ++i)
-    colours[i] = region_colour(*of.document.regions, i, of.saturation >= 1);
+    colours[i] = region_colour(*of.shown.paint().regions, i, of.saturation >= 1);
 }
-Legend regions_legend(const Document& document) {
+Legend regions_legend(const ShapeView& shown) {
   Legend legend{"", "", "", {no_region}, {"no region"}};
-  for (const Region& region : document.regions->list) {
+  for (const Region& region : shown.paint().regions->list) {
     legend.colours.push_back(rgb_of(region.colour));
     legend.names.push_back(region.name);
   }
@@ -226,33 +226,33 @@ Legend regions_legend(const Document& document) {
 
 void colour_quality(const ColouringInput& of, std::vector<Rgb>& colours) {
   colour_by(
-      worst_triangle(of.document), quality_scale(), [](double quality) { return quality; }, colours);
+      worst_triangle(of.shown), quality_scale(), [](double quality) { return quality; }, colours);
 }
 Legend quality_legend(const Document&) {
   return {"flat", "", "equilateral", quality_scale(), {}};
 }
 
 void colour_known(const ColouringInput& of, std::vector<Rgb>& colours) {
-  const VertexScalars known = known_vertices(of.document.shape());
+  const VertexScalars known = known_vertices(of.shown.shape);
   for (std::size_t i = 0; i < colours.size(); ++i)
     colours[i] = mix(left_open, decided, known[static_cast<Eigen::Index>(i)]);
-  whiten_confirmed(of.document, colours);  // its legend has a name for them
+  whiten_confirmed(of.shown, colours);  // its legend has a name for them
 }
 Legend known_legend(const Document&) {
   return {"", "", "", {{1, 1, 1}, decided, left_open}, {"confirmed", "decided by hand, fit or snap", "not known yet"}};
 }
 
 void colour_doubt(const ColouringInput& of, std::vector<Rgb>& colours) {
-  const VertexScalars doubt_mm = doubt_left_mm(of.document.shape());
+  const VertexScalars doubt_mm = doubt_left_mm(of.shown.shape);
   std::fill(colours.begin(), colours.end(), no_region);
   if (doubt_mm.size() == 0) return;
-  const double most = doubt_scale_mm(of.document);
+  const double most = doubt_scale_mm(of.shown);
   colour_by(
       doubt_mm, doubt_scale(), [most](double mm) { return mm / most; }, colours);
 }
-Legend doubt_legend(const Document& document) {
-  if (!document.shape().doubt_mm) return {"", "", "", {no_region}, {"not known: a fit to a label map tells it"}};
-  return {"0 mm", "", "\xe2\x89\xa5 " + figure_text("%.3g mm", doubt_scale_mm(document)), doubt_scale(), {}};
+Legend doubt_legend(const ShapeView& shown) {
+  if (!shown.shape.doubt_mm) return {"", "", "", {no_region}, {"not known: a fit to a label map tells it"}};
+  return {"0 mm", "", "\xe2\x89\xa5 " + figure_text("%.3g mm", doubt_scale_mm(shown)), doubt_scale(), {}};
 }
 
 void colour_confidence(const ColouringInput& of, std::vector<Rgb>& colours) {
@@ -356,24 +356,24 @@ const ColouringKind& kind_of(Colouring colouring) {
   return colouring_kinds()[static_cast<std::size_t>(colouring)];
 }
 
-std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, const std::vector<float>& hues,
+std::vector<Rgb> mesh_colours(const ShapeView& shown, Colouring colouring, const std::vector<float>& hues,
                               float saturation, const VertexScalars* confidence) {
-  std::vector<Rgb> colours(static_cast<std::size_t>(document.shape().points->rows()));
+  std::vector<Rgb> colours(static_cast<std::size_t>(shown.shape.points->rows()));
   const ColouringKind& kind = kind_of(colouring);
-  kind.colour({document, hues, saturation, confidence}, colours);
-  if (kind.whitens_confirmed) whiten_confirmed(document, colours);
-  if (const auto& outlier = document.shape().outlier)
+  kind.colour({shown, hues, saturation, confidence}, colours);
+  if (kind.whitens_confirmed) whiten_confirmed(shown, colours);
+  if (const auto& outlier = shown.shape.outlier)
     for (std::size_t i = 0; i < colours.size(); ++i)
       colours[i] = mix(colours[i], outlier_grey, (*outlier)[static_cast<Eigen::Index>(i)]);
   return colours;
 }
 
-Legend colouring_legend(const Document& document, Colouring colouring) {
+Legend colouring_legend(const ShapeView& shown, Colouring colouring) {
   const ColouringKind& kind = kind_of(colouring);
-  Legend legend = kind.legend(document);
-  const auto& outlier = document.shape().outlier;
+  Legend legend = kind.legend(shown);
+  const auto& outlier = shown.shape.outlier;
   legend.has_outliers = outlier && outlier->maxCoeff() > 0;
-  const auto& confirmed = document.shape().confirmed;
+  const auto& confirmed = shown.shape.confirmed;
   legend.has_confirmed = kind.whitens_confirmed && confirmed && confirmed->maxCoeff() > 0;
   return legend;
 }

@@ -12,16 +12,16 @@ namespace homolog {
 
 /// Colour of every vertex for a colouring; `hues` are the template's vertex hues, shown at `saturation`; `confidence`
 /// is that of the last snap, which its colouring needs. Vertices whose place the scan lacks are greyed.
-std::vector<Rgb> mesh_colours(const Document& document, Colouring colouring, const std::vector<float>& hues,
+std::vector<Rgb> mesh_colours(const ShapeView& shown, Colouring colouring, const std::vector<float>& hues,
                               float saturation, const VertexScalars* confidence = nullptr);
 /// Brightens vertices towards white by how far a gesture moves them (`response`, 0…1), and greys the others.
 std::vector<Rgb> tinted(std::vector<Rgb> colours, const VertexScalars& response, bool stopped);
 
 /// Length of every edge relative to the unwarped template's at the shape's placement, by vertex: the mean over the
 /// one-ring.
-VertexScalars edge_stretch(const Document& document);
+VertexScalars edge_stretch(const ShapeView& shown);
 /// Distance of every vertex from the shape's reference, mm.
-VertexScalars moved_mm(const Document& document);
+VertexScalars moved_mm(const ShapeView& shown);
 
 /// The figures at the ends and in the middle of a colouring's scale, as its legend shows them, and the colours there.
 struct Legend {
@@ -33,11 +33,11 @@ struct Legend {
 };
 /// Of the mesh where the scan lacks it: much of this grey, and some of the colouring.
 inline constexpr Rgb outlier_grey{0.42f, 0.43f, 0.46f};
-Legend colouring_legend(const Document& document, Colouring colouring);
+Legend colouring_legend(const ShapeView& shown, Colouring colouring);
 
 /// What the colours are made of.
 struct ColouringInput {
-  const Document& document;
+  const ShapeView& shown;
   const std::vector<float>& hues;
   float saturation;
   const VertexScalars* confidence;
@@ -53,7 +53,7 @@ struct ColouringKind {
   bool whitens_confirmed = false;  ///< confirmed vertices are white; the legend says so
   /// Gives every vertex its colour.
   void (*colour)(const ColouringInput& of, std::vector<Rgb>& colours);
-  Legend (*legend)(const Document& document);
+  Legend (*legend)(const ShapeView& shown);
 };
 inline constexpr std::size_t colourings = static_cast<std::size_t>(Colouring::confidence) + 1;
 /// In the order of Colouring.

@@ -24,15 +24,16 @@ void SceneBuilder::update(const Input& input) {
     ++colours_revision_;
   }
   update_label_surface(input);
-  if (document.the_template != reference_) {
-    reference_ = document.the_template;
-    hues_ = reference_ ? vertex_hues(*reference_->topology) : std::vector<float>();
+  const Structure* structure = document.structure();
+  if (const auto now = structure != nullptr ? structure->the_template : nullptr; now != template_) {
+    template_ = now;
+    hues_ = template_ ? vertex_hues(*template_->topology) : std::vector<float>();
     points_.reset();
     colours_.reset();
     glyphs_.clear();
     glyph_spacing_mm_ = 0;
   }
-  if (!document.has_shape()) {
+  if (!document.view()) {
     points_.reset();
     return;
   }
@@ -41,29 +42,30 @@ void SceneBuilder::update(const Input& input) {
 }
 
 void SceneBuilder::update_mesh(const Input& input) {
-  const Document& document = *input.document;
+  const ShapeView shown = *input.document->view();
   const auto response = input.preview ? input.preview->response : nullptr;
   const bool stopped = input.preview && input.preview->stopped_by_guard;
-  const bool moved = document.shape().points != points_;
+  const Shape& shape = shown.shape;
+  const Paint& paint = shown.paint();
+  const bool moved = shape.points != points_;
   if (moved) {
-    points_ = document.shape().points;
+    points_ = shape.points;
     ++points_revision_;
   }
   const Colouring colouring = shown_colouring(input.state);
   // Frames may share their points but differ in what these are compared with, and in which of them are decided.
-  const Shape& shape = document.shape();
   const bool other_shape = moved || decided_ != shape.decided || doubt_mm_ != shape.doubt_mm ||
                            placed_ != shape.placed || compared_ != shape.reference;
   const bool same = colours_ && colouring_ == colouring && response_ == response && stopped_ == stopped &&
-                    stiffness_ == document.stiffness && regions_ == document.regions && confirmed_ == shape.confirmed &&
+                    stiffness_ == paint.stiffness && regions_ == paint.regions && confirmed_ == shape.confirmed &&
                     outlier_ == shape.outlier && confidence_ == input.state.confidence &&
                     !(other_shape && kind_of(colouring).follows_shape);
   if (same) return;
   colouring_ = colouring;
   response_ = response;
   stopped_ = stopped;
-  stiffness_ = document.stiffness;
-  regions_ = document.regions;
+  stiffness_ = paint.stiffness;
+  regions_ = paint.regions;
   confirmed_ = shape.confirmed;
   decided_ = shape.decided;
   doubt_mm_ = shape.doubt_mm;
@@ -71,11 +73,10 @@ void SceneBuilder::update_mesh(const Input& input) {
   placed_ = shape.placed;
   compared_ = shape.reference;
   confidence_ = input.state.confidence;
-  auto outline = mesh_colours(document, colouring_, hues_, 1, confidence_.get());
+  auto outline = mesh_colours(shown, colouring_, hues_, 1, confidence_.get());
   if (response) outline = tinted(std::move(outline), *response, stopped);
   outline_colours_ = std::make_shared<const std::vector<Rgb>>(std::move(outline));
-  colours_ =
-      std::make_shared<const std::vector<Rgb>>(mesh_colours(document, colouring_, hues_, 0.4f, confidence_.get()));
+  colours_ = std::make_shared<const std::vector<Rgb>>(mesh_colours(shown, colouring_, hues_, 0.4f, confidence_.get()));
   ++colours_revision_;
 }
 
@@ -93,7 +94,7 @@ void SceneBuilder::update_label_surface(const Input& input) {
 void SceneBuilder::update_glyphs(const Input& input) {
   if (!input.state.preferences.show.glyphs || glyph_spacing_mm_ == input.state.glyph_spacing_mm) return;
   glyph_spacing_mm_ = input.state.glyph_spacing_mm;
-  glyphs_ = glyph_vertices({reference_->topology, reference_->points}, glyph_spacing_mm_);
+  glyphs_ = glyph_vertices({template_->topology, template_->points}, glyph_spacing_mm_);
 }
 
 GlyphLayer SceneBuilder::glyph_layer(const Input& input) const {
@@ -110,7 +111,7 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
   const auto& show = state.preferences.show;
   const int frame = input.document->frame;
   Scene scene;
-  scene.image = {input.document->volume, frame, state.window_low, state.window_high, state.preferences.linear};
+  scene.image = {input.document->scan.image, frame, state.window_low, state.window_high, state.preferences.linear};
   if (input.labels) {
     const int label_frame = input.labels->frames > frame ? frame : 0;
     scene.labels = {input.labels, label_frame, static_cast<float>(state.label_opacity)};
@@ -126,7 +127,7 @@ Scene SceneBuilder::scene(const Input& input, ViewKind kind) const {
     scene.meshes.push_back(std::move(mesh));
   } else if (points_) {
     MeshLayer mesh;
-    mesh.topology = reference_->topology;
+    mesh.topology = template_->topology;
     mesh.points = points_;
     mesh.points_revision = points_revision_;
     mesh.outlines = input.outlines;

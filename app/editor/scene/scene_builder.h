@@ -36,7 +36,7 @@ class SceneBuilder {
   void update_label_surface(const Input& input);
   GlyphLayer glyph_layer(const Input& input) const;
 
-  std::shared_ptr<const Template> reference_;
+  std::shared_ptr<const Template> template_;
   std::vector<float> hues_;
   std::shared_ptr<const Points> points_;
   std::uint64_t points_revision_ = 0;

@@ -40,9 +40,9 @@ std::vector<Finding> findings(const Mesh& mesh, const Mesh& placed, const Qualit
 
 }  // namespace
 
-QualityFigures quality_figures(const Document& document) {
-  const Topology& topology = *document.the_template->topology;
-  const Shape& shape = document.shape();
+QualityFigures quality_figures(const ShapeView& shown) {
+  const Topology& topology = *shown.the_template().topology;
+  const Shape& shape = shown.shape;
   const Points& p = *shape.points;
   const Points& placed = *shape.placed;
 
@@ -65,7 +65,7 @@ QualityFigures quality_figures(const Document& document) {
   const Eigen::VectorXd moved = (p - *shape.reference).rowwise().norm();
   figures.moved_mean_mm = moved.mean();
   figures.moved_max_mm = moved.maxCoeff();
-  const Mesh mesh = document.mesh();
+  const Mesh mesh = shown.mesh();
   const MeshQuality quality = mesh_quality(mesh);
   figures.edge_mean_mm = quality.edge_mean;
   figures.edge_cv = quality.edge_cv;

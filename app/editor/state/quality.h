@@ -28,6 +28,6 @@ struct QualityFigures {
   std::vector<Finding> findings;  ///< what the figures above are about, kind by kind
   bool operator==(const QualityFigures&) const = default;
 };
-QualityFigures quality_figures(const Document& document);
+QualityFigures quality_figures(const ShapeView& shown);
 
 }  // namespace homolog

@@ -40,10 +40,10 @@ SliceView slice_view(const EditorState& state, ViewKind kind, const VolumeGeomet
 }
 
 VolumeGeometry geometry_of(const Document& document) {
-  if (document.volume) return document.volume->geometry;
+  if (document.scan.image) return document.scan.image->geometry;
   VolumeGeometry geometry;
   const Box box =
-      document.has_shape() ? bounds_of(*document.shape().points) : Box(Vec3(-50, -50, -50), Vec3(50, 50, 50));
+      document.view() ? bounds_of(*document.view()->shape.points) : Box(Vec3(-50, -50, -50), Vec3(50, 50, 50));
   const Vec3 margin = 0.25 * box.sizes();
   geometry.origin_mm = box.min() - margin;
   for (int axis = 0; axis < 3; ++axis)
@@ -101,8 +101,8 @@ void link_zoom(EditorState& state, bool linked) {
 
 std::vector<PlaneInSpace> shown_planes(const EditorState& state, const Document& document) {
   std::vector<PlaneInSpace> planes;
-  if (!state.preferences.show.planes || !document.volume) return planes;
-  const VolumeGeometry& geometry = document.volume->geometry;
+  if (!state.preferences.show.planes || !document.scan.image) return planes;
+  const VolumeGeometry& geometry = document.scan.image->geometry;
   const Box box = geometry.bounds_mm();
   for (const ViewKind kind : slice_views) {
     PlaneInSpace plane;
@@ -132,12 +132,13 @@ void show_document(EditorState& state, const Document& document, const Layout& l
   state.shown_frame.reset();
   state.playing = false;
   state.own_planes = state.own_planes && is_oblique(geometry_of(document));
-  if (document.volume && !same_image) std::tie(state.window_low, state.window_high) = default_window(*document.volume);
-  if (document.has_shape()) {
-    state.crosshair_mm = bounds_of(*document.shape().points).center();
+  if (document.scan.image && !same_image)
+    std::tie(state.window_low, state.window_high) = default_window(*document.scan.image);
+  if (const auto shown = document.view()) {
+    state.crosshair_mm = bounds_of(*shown->shape.points).center();
     state.wheel_sigma_mm.reset();
-    state.sigma_presets_mm = default_sigmas_mm(*document.shape().reference);
-    follow_organ(state, bounds_of(*document.shape().reference).diagonal().norm());
+    state.sigma_presets_mm = default_sigmas_mm(*shown->shape.reference);
+    follow_organ(state, bounds_of(*shown->shape.reference).diagonal().norm());
     state.landmark = next_unplaced_landmark(document);
   } else {
     state.crosshair_mm = geometry_of(document).bounds_mm().center();
@@ -205,15 +206,15 @@ void show_all(EditorState& state, const Document& document, const Layout& layout
     pan.mm_per_px = 2.04 * std::max(half_width_mm / rect.width, half_height_mm / rect.height);
   }
   link_zoom(state, state.preferences.linked_zoom);
-  const Box target = document.has_shape() ? bounds_of(*document.shape().points) : box;
+  const Box target = document.view() ? bounds_of(*document.view()->shape.points) : box;
   // From the front, a little from the patient's left and from above: the planes do not hide each other.
   constexpr double left_px = 70, up_px = 45;
   state.camera = turned(camera_from(LookFrom::anterior, target), -left_px, up_px);
   // A mesh leaves some room for the planes around it.
-  if (document.has_shape() && document.volume)
+  if (document.view() && document.scan.image)
     state.camera.distance_mm *= 1.5;
   else
-    state.camera.distance_mm = distance_to_hold(state.camera, target, document.volume != nullptr);
+    state.camera.distance_mm = distance_to_hold(state.camera, target, document.scan.image != nullptr);
 }
 
 void look_at_step(EditorState& state) {
@@ -265,8 +266,8 @@ void scroll_slice(EditorState& state, ViewKind kind, const Document& document, d
 }
 
 void settle_crosshair(EditorState& state, const Document& document) {
-  if (!document.volume) return;
-  const VolumeGeometry& geometry = document.volume->geometry;
+  if (!document.scan.image) return;
+  const VolumeGeometry& geometry = document.scan.image->geometry;
   if (is_oblique(geometry) && !state.own_planes) return;
   state.crosshair_mm = geometry.to_mm(geometry.to_voxel(state.crosshair_mm).array().round().matrix());
 }
@@ -282,7 +283,7 @@ void turn_sigma(EditorState& state, double sigma_mm) {
 
 std::string case_name(const std::filesystem::path& file, const Document& document) {
   if (!file.empty() && file.parent_path() != unsaved_folder()) return file_stem(file);
-  std::string name = file_stem(document.volume_source);
+  std::string name = file_stem(document.scan.source);
   if (name.empty()) name = "case";
   std::replace(name.begin(), name.end(), ':', '-');
   return name;
@@ -290,8 +291,9 @@ std::string case_name(const std::filesystem::path& file, const Document& documen
 
 std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmarks, const Document& document) {
   std::vector<Landmark> known;
-  if (!document.the_template) return known;
-  const auto& names = document.the_template->landmarks;
+  const Structure* structure = document.structure();
+  if (structure == nullptr) return known;
+  const auto& names = structure->the_template->landmarks;
   std::copy_if(landmarks.begin(), landmarks.end(), std::back_inserter(known), [&](const Landmark& landmark) {
     return std::any_of(names.begin(), names.end(), [&](const Landmark& n) { return n.name == landmark.name; });
   });
@@ -299,9 +301,10 @@ std::vector<Landmark> landmarks_of_template(const std::vector<Landmark>& landmar
 }
 
 std::string next_unplaced_landmark(const Document& document, const std::string& after) {
-  if (!document.the_template || !document.has_shape()) return {};
-  const auto& landmarks = document.the_template->landmarks;
-  const auto& placed = document.shape().landmarks;
+  const auto shown = document.view();
+  if (!shown) return {};
+  const auto& landmarks = shown->the_template().landmarks;
+  const auto& placed = shown->shape.landmarks;
   std::size_t start = 0;
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     if (landmarks[i].name == after) start = i + 1;
@@ -313,8 +316,9 @@ std::string next_unplaced_landmark(const Document& document, const std::string& 
 }
 
 std::string landmark_in_hand(const EditorState& state, const Document& document) {
-  if (!document.the_template) return {};
-  const auto& known = document.the_template->landmarks;
+  const Structure* structure = document.structure();
+  if (structure == nullptr) return {};
+  const auto& known = structure->the_template->landmarks;
   const auto is_chosen = [&](const Landmark& landmark) { return landmark.name == state.landmark; };
   return std::any_of(known.begin(), known.end(), is_chosen) ? state.landmark : next_unplaced_landmark(document);
 }
@@ -354,7 +358,7 @@ void remember_recent(std::vector<std::filesystem::path>& recent, const std::file
 }
 
 int shown_frame(const EditorState& state, const Document& document) {
-  const int frames = document.volume ? document.volume->frames : 1;
+  const int frames = document.scan.image ? document.scan.image->frames : 1;
   return state.shown_frame ? std::clamp(*state.shown_frame, 0, frames - 1) : document.frame;
 }
 

@@ -90,10 +90,10 @@ ViewMap view_map(const EditorState& state, const Layout& layout, const Document&
 std::optional<Vec3> mesh_at(const EditorState& state, const ControlsContext& context, const ViewMap& map, double x_px,
                             double y_px, double reach_mm) {
   if (map.is_slice())
-    return context.mesh.nearest_on_outline(context.document, map.slice(),
+    return context.mesh.nearest_on_outline(*context.document.view(), map.slice(),
                                            map.on_facing_plane(x_px, y_px, state.crosshair_mm), reach_mm);
   const Ray ray = map.ray(x_px, y_px);
-  const auto hit = context.mesh.first_on_surface(context.document, ray);
+  const auto hit = context.mesh.first_on_surface(*context.document.view(), ray);
   const bool hidden =
       hit && hidden_by_planes(shown_planes(state, context.document), geometry_of(context.document), ray, *hit);
   return hidden ? std::nullopt : hit;
@@ -111,8 +111,8 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
   hover.y_px = y_px;
   const ViewMap map = view_map(state, context.layout, context.document, *kind);
   if (map.is_slice()) hover.p_mm = map.on_facing_plane(x_px, y_px, state.crosshair_mm);
-  if (context.document.has_shape()) {
-    const Points& points = *context.document.shape().points;
+  if (const auto shown = context.document.view()) {
+    const Points& points = *shown->shape.points;
     const float scale = context.layout.scale;
     const double pick_mm = pick_reach_units * scale * map.mm_per_px(state.crosshair_mm);
     const double reach_mm = is_brush(state.tool) ? std::max(pick_mm, state.brush.radius_mm) : pick_mm;
@@ -121,8 +121,7 @@ void update_hover(EditorState& state, const ControlsContext& context, double x_p
     constexpr double landmark_share = 0.012;  // of the organ: how thick a placed landmark is
     const double slice_reach_mm =
         0.75 * slice_step_mm(geometry_of(context.document), map.into_screen()) + landmark_share * state.organ_mm;
-    hover.landmark =
-        landmark_at(map, context.document.shape().landmarks, x_px, y_px, slice_reach_mm, context.layout.scale);
+    hover.landmark = landmark_at(map, shown->shape.landmarks, x_px, y_px, slice_reach_mm, context.layout.scale);
     if (kind_of(state.tool).marks == ToolMarks::handles)
       if (const auto handles = placement_handles(map, points, scale)) hover.part = part_at(*handles, x_px, y_px, scale);
   }

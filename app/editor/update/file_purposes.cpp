@@ -178,16 +178,16 @@ const FilePurposeKind& file_purpose(FilePurpose purpose) {
 }
 
 bool has_several_meshes(const Document& document) {
-  return document.shapes.size() > 1;
+  const Structure* structure = document.structure();
+  return structure != nullptr && structure->shapes.size() > 1;
 }
 
-fs::path file_of_frame(FilePurpose purpose, const fs::path& chosen, int frame, const Document& document) {
+fs::path file_of_frame(FilePurpose purpose, const fs::path& chosen, int frame, int last) {
   const std::string name = chosen.filename().string();
   std::string ending = chosen.extension().string();
   for (const std::string& known : file_purpose(purpose).files.extensions)
     if (known.size() > ending.size() && lower_case(name).ends_with(known))
       ending = name.substr(name.size() - known.size());
-  const int last = document.volume ? document.volume->frames - 1 : document.shapes.rbegin()->first;
   const std::size_t digits = std::max<std::size_t>(2, std::to_string(last).size());
   std::string number = std::to_string(frame);
   number.insert(0, digits - std::min(digits, number.size()), '0');
@@ -199,7 +199,8 @@ std::vector<fs::path> files_written(FilePurpose purpose, const fs::path& chosen,
   const bool of_frames = purpose == FilePurpose::export_mesh || purpose == FilePurpose::export_label_map;
   if (!of_frames || !state.export_all_frames || !has_several_meshes(document)) return {chosen};
   std::vector<fs::path> files;
-  for (const auto& [frame, shape] : document.shapes) files.push_back(file_of_frame(purpose, chosen, frame, document));
+  for (const auto& [frame, shape] : document.structure()->shapes)
+    files.push_back(file_of_frame(purpose, chosen, frame, document.scan.frames() - 1));
   return files;
 }
 

@@ -26,9 +26,8 @@ FilePurpose purpose_of(const std::string& name);
 
 /// Whether an export can write the meshes of several frames.
 bool has_several_meshes(const Document& document);
-/// "heart-frame-07.ply": what the file of one frame is called where `chosen` is "heart.ply".
-std::filesystem::path file_of_frame(FilePurpose purpose, const std::filesystem::path& chosen, int frame,
-                                    const Document& document);
+/// "heart-frame-07.ply": what the file of one frame is called where `chosen` is "heart.ply". `last`: the last frame.
+std::filesystem::path file_of_frame(FilePurpose purpose, const std::filesystem::path& chosen, int frame, int last);
 /// What is written where `chosen` is accepted for a purpose: itself, or a file for each frame.
 std::vector<std::filesystem::path> files_written(FilePurpose purpose, const std::filesystem::path& chosen,
                                                  const EditorState& state, const Document& document);

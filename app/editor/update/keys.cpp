@@ -122,7 +122,7 @@ std::vector<KeyRow> rows_of_case() {
        "plays a cine",
        {{' '}},
        [](const KeyMoment& now) -> Given {
-         const auto& volume = now.context.document.volume;
+         const auto& volume = now.context.document.scan.image;
          return volume && volume->frames > 1 ? Given(PlayFrames{!now.state.playing}) : std::nullopt;
        }},
       {"F", "everything in view", {{'F'}}, [](const KeyMoment&) -> Given { return ShowAll{}; }},

@@ -256,11 +256,12 @@ std::optional<int> Models::show_repair(EditorState& state, const Snapshot& snaps
   if (!repair || repair->file != snapshot.file) return std::nullopt;
   const Document& document = *snapshot.document;
   const int frame = repair->frame.value_or(document.frame);
-  const auto shape = document.shapes.find(frame);
-  if (shape == document.shapes.end()) return std::nullopt;
-  const Points& points = *shape->second.points;
+  const Structure* structure = document.structure();
+  const Shape* shape = structure != nullptr ? structure->shape(frame) : nullptr;
+  if (shape == nullptr) return std::nullopt;
+  const Points& points = *shape->points;
   if (repair->vertex && *repair->vertex < points.rows()) {
-    const Mesh mesh{document.the_template->topology, points};
+    const Mesh mesh{structure->the_template->topology, points};
     const auto vertex = static_cast<std::int32_t>(*repair->vertex);
     look_closely(state, mesh, vertex);
     state.finding = ShownFinding{{FindingKind::suspicious, vertex, {}, 1}, 1, 1};

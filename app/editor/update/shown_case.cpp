@@ -10,8 +10,10 @@ namespace homolog {
 namespace {
 
 bool has_region(const Document& document, const std::string& name) {
-  return document.regions && std::any_of(document.regions->list.begin(), document.regions->list.end(),
-                                         [&](const Region& region) { return region.name == name; });
+  const Structure* structure = document.structure();
+  if (structure == nullptr) return false;
+  const auto& list = structure->paint.regions->list;
+  return std::any_of(list.begin(), list.end(), [&](const Region& region) { return region.name == name; });
 }
 
 /// The brush lets go of a region that was taken back.
@@ -51,20 +53,21 @@ void remember_case(EditorState& state, const Snapshot& snapshot) {
 }
 
 Refusals ShownCase::start(EditSession session) {
-  const auto volume_before = displayed_ ? displayed_->volume : nullptr;
+  const auto volume_before = displayed_ ? displayed_->scan.image : nullptr;
   Refusals refused = close();
-  loaded_template_ = session.initial_document().the_template;
+  const Structure* first = session.initial_document().structure();
+  loaded_template_ = first != nullptr ? first->the_template : nullptr;
   session_ = std::make_unique<SessionThread>(std::move(session), wake_);
   ++number_;
   snapshot_ = session_->snapshot();
   displayed_ = snapshot_->shown;
-  if (displayed_->volume != volume_before)
+  if (displayed_->scan.image != volume_before)
     labels_ = {};
   else if (labels_.volume)
     session_->name_labels(labels_.file);
   kept_window_ = snapshot_->kept.window;
-  if (!kept_window_ && displayed_->volume) {
-    const auto [low, high] = default_window(*displayed_->volume);
+  if (!kept_window_ && displayed_->scan.image) {
+    const auto [low, high] = default_window(*displayed_->scan.image);
     kept_window_ = {low, high};
   }
   return refused;
@@ -80,15 +83,16 @@ void ShownCase::show_labels(ShownLabels labels) {
 }
 
 bool ShownCase::template_is_mirrored() const {
-  const auto& now = snapshot_->document->the_template;
-  if (!now || !loaded_template_ || now->topology == loaded_template_->topology) return false;
-  return now->topology->triangles() != loaded_template_->topology->triangles();
+  const Structure* now = snapshot_->document->structure();
+  if (now == nullptr || !loaded_template_) return false;
+  const Topology &topology = *now->the_template->topology, &loaded = *loaded_template_->topology;
+  return &topology != &loaded && topology.triangles() != loaded.triangles();
 }
 
 void ShownCase::keep_window(const EditorState& state) {
   const std::array<double, 2> shown{state.window_low, state.window_high};
   const bool being_changed = state.drag && std::holds_alternative<WindowLevelDrag>(*state.drag);
-  if (being_changed || !displayed_->volume || kept_window_ == shown || !(shown[0] < shown[1])) return;
+  if (being_changed || !displayed_->scan.image || kept_window_ == shown || !(shown[0] < shown[1])) return;
   kept_window_ = shown;
   session_->apply(Note{"window", shown, {}}, true);
 }
@@ -119,8 +123,9 @@ bool ShownCase::update_snapshot(EditorState& state) {
   if (!changed && displayed_->frame == frame) return false;
   const auto before = displayed_;
   displayed_ = at_frame(snapshot_->shown, frame);
-  if (!before->has_shape() || !displayed_->has_shape()) return before->has_shape() != displayed_->has_shape();
-  const Shape &was = before->shape(), &now = displayed_->shape();
+  const auto view_before = before->view(), view_now = displayed_->view();
+  if (!view_before || !view_now) return view_before.has_value() != view_now.has_value();
+  const Shape &was = view_before->shape, &now = view_now->shape;
   return was.points != now.points || was.doubt_mm != now.doubt_mm || was.confirmed != now.confirmed;
 }
 

@@ -11,12 +11,12 @@ namespace {
 
 /// Of the placed landmark under the pointer: whether strokes move the mesh there. Empty where there is none.
 std::string hold_hint(const EditorState& state, const Document& shown) {
-  if (!state.hover || state.hover->landmark.empty() || !shown.has_shape()) return {};
-  const Template& the_template = *shown.the_template;
+  if (!state.hover || state.hover->landmark.empty() || !shown.view()) return {};
+  const Template& the_template = *shown.structure()->the_template;
   for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
     const std::string& name = the_template.landmarks[l].name;
     if (name != state.hover->landmark) continue;
-    const LandmarkHold hold = landmark_hold(the_template, l, shown.shape());
+    const LandmarkHold hold = landmark_hold(the_template, l, shown.view()->shape);
     if (!hold.placed) return {};
     if (hold.held) return quoted(name) + " is held: strokes leave the mesh here. The lock in Place releases it.";
     if (hold.met) return quoted(name) + " is free: strokes may move the mesh here. The lock in Place holds it.";
@@ -31,9 +31,9 @@ std::string hint(const EditorState& state, const Document& shown, bool making_sh
   if (state.unsaved_found > 0 && !state.drag)
     return std::to_string(state.unsaved_found) + (state.unsaved_found == 1 ? " case was" : " cases were") +
            " not saved. Unsaved cases (Case) recovers them.";
-  if (!shown.volume && !shown.has_shape()) return "Open an image, or drop one on the window.";
+  if (!shown.scan.image && !shown.view()) return "Open an image, or drop one on the window.";
   if (making_shown) return "You see the template that is being made. Close it (Template) to see the case's mesh again.";
-  if (!shown.has_shape()) return why_no_mesh(shown);
+  if (!shown.view()) return why_no_mesh(shown);
   if (const std::string hold = hold_hint(state, shown); !hold.empty() && !state.drag) return hold;
   return kind_of(state.tool).hint(state, shown);
 }
@@ -59,9 +59,10 @@ std::string through_itself(const EditorState& state, const Document& shown) {
 }  // namespace
 
 std::string why_no_mesh(const Document& shown) {
-  if (shown.has_shape()) return {};
-  if (!shown.the_template) return "There is no mesh yet. Load a template first (Template).";
-  const bool any_before = shown.shapes.lower_bound(shown.frame) != shown.shapes.begin();
+  const Structure* structure = shown.structure();
+  if (shown.view()) return {};
+  if (structure == nullptr) return "There is no mesh yet. Load a template first (Template).";
+  const bool any_before = structure->shapes.lower_bound(shown.frame) != structure->shapes.begin();
   return any_before ? "This frame has no mesh yet. Start from previous (Cine) copies one."
                     : "This frame has no mesh yet. Go to a frame that has one, and propagate it (Cine).";
 }

@@ -26,8 +26,8 @@ std::string case_title(const Snapshot& snapshot) {
   const auto& file = snapshot.file;
   if (!file.empty() && file.parent_path() != unsaved_folder()) return file.filename().string();
   const Document& document = *snapshot.document;
-  if (is_phantom(document.volume_source)) return "Demo case";
-  if (!document.volume_source.empty()) return std::filesystem::path(document.volume_source).filename().string();
+  if (is_phantom(document.scan.source)) return "Demo case";
+  if (!document.scan.source.empty()) return std::filesystem::path(document.scan.source).filename().string();
   return "No image";
 }
 

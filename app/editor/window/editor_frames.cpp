@@ -70,7 +70,7 @@ class Hand {
 
 /// px of the outline's leftmost point in the axial view.
 Eigen::Vector2d on_outline(EditorApp& app, Hand& hand) {
-  const Points& points = *app.snapshot().document->shape().points;
+  const Points& points = *app.snapshot().document->view()->shape.points;
   Eigen::Index vertex = 0;
   points.col(0).maxCoeff(&vertex);
   const Vec3 at = points.row(vertex);

@@ -39,14 +39,16 @@ Result<std::shared_ptr<const AllowedShapes>> allowed_shapes(const Template& the_
 }
 
 Result<Fitted> refined(const Document& document, Progress& progress) {
-  auto refinement = refine_document(document, &progress);
+  const auto shown = shape_to("refine", document);
+  if (!shown) return fail(shown.error());
+  auto refinement = refine_shape(*shown, &progress);
   if (!refinement) return fail(refinement.error());
   Fitted done;
   done.edit = std::move(refinement->action);
-  const auto moved_mm = (*done.edit.points - *document.shape().points).rowwise().norm();
-  const auto off = surface_distance({document.the_template->topology, *done.edit.points}, document.mesh());
+  const auto moved_mm = (*done.edit.points - *shown->shape.points).rowwise().norm();
+  const auto off = surface_distance({shown->the_template().topology, *done.edit.points}, shown->mesh());
   const auto smallest_deg = [&](const Points& points) {
-    const Mesh mesh{document.the_template->topology, points};
+    const Mesh mesh{shown->the_template().topology, points};
     double least = 180;
     for (Eigen::Index face = 0; face < mesh.topology->triangles().rows(); ++face)
       least = std::min(least, smallest_angle_deg(mesh, face));
@@ -56,7 +58,7 @@ Result<Fitted> refined(const Document& document, Progress& progress) {
   std::snprintf(remark, sizeof remark,
                 "Refined: vertices moved along the surface by %.2f mm on average, at most %.1f mm. The smallest angle "
                 "was %.1f\xc2\xb0 and is %.1f\xc2\xb0. The surface moved at most %.2f mm.",
-                moved_mm.mean(), moved_mm.maxCoeff(), smallest_deg(*document.shape().points),
+                moved_mm.mean(), moved_mm.maxCoeff(), smallest_deg(*shown->shape.points),
                 smallest_deg(*done.edit.points), off.max_mm);
   done.remarks = std::move(refinement->warnings);
   done.remarks.emplace_back(remark);
@@ -88,21 +90,21 @@ int label_at_mesh(const Volume& labels, int frame, const Points& points) {
   return best;
 }
 
-Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels, const FitSettings& settings,
+Result<Fitted> fit_to_labels(const ShapeView& shown, const NamedLabels& labels, const FitSettings& settings,
                              const ModelOfFit& model, FitOptions options) {
-  const Template& the_template = *document.the_template;
+  const Template& the_template = shown.the_template();
   auto allowed = allowed_shapes(the_template, model, settings.beyond);
   if (!allowed) return fail(allowed.error());
   options.allowed = *allowed;
   options.partial = settings.partial;
-  const int frame = std::min(document.frame, labels.volume->frames - 1);
+  const int frame = std::min(shown.frame, labels.volume->frames - 1);
   const int label = settings.all_labels ? every_label : settings.label;
   const double closing_mm = settings.closing_mm.value_or(
       closing_kept_with(the_template.source).value_or(usual_closing_mm(*labels.volume, label, frame)));
   auto boundary = label_boundary(*labels.volume, label, frame, closing_mm, the_template.points.rows(),
                                  {.all = settings.partial || parts_for(*the_template.topology).all});
   if (!boundary) return fail(labels.name, boundary.error().what);
-  auto fit = fit_document(document, *boundary, settings.as_placed, options);
+  auto fit = fit_shape(shown, *boundary, settings.as_placed, options);
   if (!fit) return fail(labels.name, fit.error().what);
   FitJudgement judgement = judge_fit(the_template, *boundary, options, fit->result);
   Fitted done;
@@ -110,7 +112,7 @@ Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels
     auto more = try_more_closing(the_template, *labels.volume, label, frame, options,
                                  {closing_mm, *boundary, fit->result, judgement});
     if (more.better) {
-      auto again = fit_document(document, more.better->boundary, settings.as_placed, options);
+      auto again = fit_shape(shown, more.better->boundary, settings.as_placed, options);
       if (!again) return fail(labels.name, again.error().what);
       *boundary = std::move(more.better->boundary);
       fit = std::move(again);
@@ -190,7 +192,8 @@ void Fitter::start_fit(std::shared_ptr<const Document> document, NamedLabels lab
       steps->put(std::make_shared<const Points>(points));
       wake();
     };
-    return fit_to_labels(*document, labels, settings, model, options);
+    const auto shown = shape_to("fit", *document);
+    return shown ? fit_to_labels(*shown, labels, settings, model, options) : fail(shown.error());
   });
 }
 

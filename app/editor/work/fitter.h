@@ -34,7 +34,7 @@ struct ModelOfFit {
 
 /// Fits the template of a case to a label, and judges what came of it. Errors: those of the label map, of the model and
 /// of the fit.
-Result<Fitted> fit_to_labels(const Document& document, const NamedLabels& labels, const FitSettings& settings,
+Result<Fitted> fit_to_labels(const ShapeView& shown, const NamedLabels& labels, const FitSettings& settings,
                              const ModelOfFit& model, FitOptions options);
 
 /// What a case keeps of a fit, and what is said of it when the case is opened again. `made`: the mesh that the fit

@@ -15,8 +15,9 @@ int label_in_hand(const FitSettings& settings, const std::vector<int>& known, co
   if (settings.all_labels) return every_label;
   if (std::find(known.begin(), known.end(), settings.label) != known.end()) return settings.label;
   // Without a mesh nobody has asked for one yet.
-  if (!document.has_shape()) return settings.label;
-  const int there = label_at_mesh(labels, document.frame, *document.shape().points);
+  const auto shown = document.view();
+  if (!shown) return settings.label;
+  const int there = label_at_mesh(labels, shown->frame, *shown->shape.points);
   return there != 0 ? there : known.front();
 }
 

@@ -1,14 +1,19 @@
 #include "app/editor/work/propagator.h"
 
+#include <algorithm>
+
+#include "core/assist/assist.h"
+
 namespace homolog {
 
 void Propagator::start(std::shared_ptr<const Document> document) {
   document_ = document;
-  const std::string subject = document->volume_source;
+  const std::string subject = document->scan.source;
   work_.start(subject, [document = std::move(document), subject](Progress& progress) -> Result<CineEdit> {
     PropagateOptions options;
     options.progress = &progress;
-    auto edit = propagate_document(*document, options);
+    const auto shown = shape_to("propagate", *document);
+    auto edit = shown ? propagate_shape(document->scan, *shown, options) : fail(shown.error());
     if (!edit && edit.error().subject.empty()) return fail(subject, edit.error().what);
     return edit;
   });
@@ -20,17 +25,20 @@ void Propagator::cancel() {
 }
 
 bool Propagator::still_of(const Document& now) const {
-  const Document& then = *document_;
-  if (now.volume != then.volume || now.the_template != then.the_template || now.stiffness != then.stiffness)
+  const Structure *was = document_->structure(), *is = now.structure();
+  if (was == nullptr || is == nullptr || now.scan.image != document_->scan.image ||
+      is->the_template != was->the_template || is->paint.stiffness != was->paint.stiffness)
     return false;
-  for (const auto& [frame, shape] : then.shapes) {
-    const auto there = now.shapes.find(frame);
-    if (there == now.shapes.end() || there->second.points != shape.points || there->second.confirmed != shape.confirmed)
-      return false;
-  }
-  for (const auto& [frame, shape] : now.shapes)
-    if (!then.shapes.contains(frame) && frame_is_known(shape)) return false;
-  return true;
+  const auto unchanged = [&](const auto& one) {
+    const auto& [frame, shape] = one;
+    const Shape* there = is->shape(frame);
+    return there != nullptr && there->points == shape->points && there->confirmed == shape->confirmed;
+  };
+  const auto still_unknown = [&](const auto& one) {
+    return was->shape(one.first) != nullptr || !frame_is_known(*one.second);
+  };
+  return std::all_of(was->shapes.begin(), was->shapes.end(), unchanged) &&
+         std::all_of(is->shapes.begin(), is->shapes.end(), still_unknown);
 }
 
 std::optional<Result<CineEdit>> Propagator::take() {

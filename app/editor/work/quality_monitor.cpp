@@ -11,7 +11,7 @@ constexpr int share_of_rest = 9;
 }  // namespace
 
 void QualityMonitor::post(std::shared_ptr<const Document> document) {
-  if (document && document->has_shape()) {
+  if (document && document->view()) {
     next_ = std::move(document);
     return;
   }
@@ -25,7 +25,7 @@ void QualityMonitor::measure() {
   worker_.queue("The mesh's figures",
                 [document = std::exchange(next_, nullptr), of = figures_of_](Progress&) -> Result<Measured> {
                   const auto begun = Clock::now();
-                  const QualityFigures figures = of(*document);
+                  const QualityFigures figures = of(*document->view());
                   return Measured{figures, Clock::now() - begun};
                 });
 }

@@ -15,7 +15,7 @@ namespace homolog {
 /// other closely, as during a drag. Called from the window's thread only.
 class QualityMonitor {
  public:
-  using Measure = std::function<QualityFigures(const Document&)>;
+  using Measure = std::function<QualityFigures(const ShapeView&)>;
   /// `wake` is called from the thread after every new result.
   explicit QualityMonitor(std::function<void()> wake, Measure measure = quality_figures)
       : figures_of_(std::move(measure)), worker_(std::move(wake)) {}

@@ -24,7 +24,9 @@ SnapOptions options_of(const SnapSettings& settings) {
 
 Compute snap_compute(const SnapArea& region, const SnapSettings& settings) {
   return [region, options = options_of(settings)](const Document& document) -> Result<std::optional<Action>> {
-    auto edit = snap_document(document, region, options, SnapHolds::landmarks);
+    const auto shown = shape_to("snap", document);
+    if (!shown) return std::optional<Action>();
+    auto edit = snap_shape(document.scan, *shown, region, options, SnapHolds::landmarks);
     return edit ? std::optional<Action>(std::move(edit->action)) : std::nullopt;
   };
 }
@@ -75,11 +77,15 @@ void Snaps::start(SessionThread& session, std::optional<SnapArea> region, const 
       [box = box_, ends, region, options, holds = joined ? SnapHolds::landmarks : SnapHolds::all](
           const Document& document) -> Result<std::optional<Action>> {
         const auto begin = Clock::now();
-        auto edit = guarded("The snap", [&] { return snap_document(document, region, options, holds); });
+        auto edit = guarded("The snap", [&]() -> Result<SnapEdit> {
+          const auto shown = shape_to("snap", document);
+          if (!shown) return fail(shown.error());
+          return snap_shape(document.scan, *shown, region, options, holds);
+        });
         if (!edit) {
           box->put(std::nullopt);
           if (box->progress.cancelled()) return std::optional<Action>();
-          return edit.error().subject.empty() ? fail(document.volume_source, edit.error().what) : fail(edit.error());
+          return edit.error().subject.empty() ? fail(document.scan.source, edit.error().what) : fail(edit.error());
         }
         SnapFound found;
         found.points = edit->result.points;

@@ -48,8 +48,8 @@ Result<bool> begin_anew(const StudyCase& one, const std::shared_ptr<const Templa
     if (was_worked_on(session) || session.can_redo()) return false;
     labels = session.kept().labels;
     const Document& before = session.document();
-    fresh = new_document(before.volume_source, before.volume, the_template);
-    fresh->holds_landmarks = true;
+    fresh = new_document(before.scan.source, before.scan.image, the_template);
+    fresh->change({}, [](Structure& first) { first.landmarks.hold = true; });
   }
   auto made = create_case(std::move(*fresh), one.file);
   if (!made) return fail(made.error());

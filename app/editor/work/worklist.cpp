@@ -196,7 +196,7 @@ Result<StudyCase> make_case(const Pair& pair, bool named_by_map, const CaseStart
   if (pair.map != nullptr) one.labels = absolute_path(pair.map->path);
   if (fs::exists(one.file, ignored)) return one;
   Document document = new_document(image.string(), pair.image->grid, start.the_template);
-  document.holds_landmarks = true;
+  document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
   auto made = create_case(std::move(document), one.file);
   if (!made) return fail(made.error());
   if (!start.mirrored) return one;
@@ -259,7 +259,7 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   if (!read) return fail(read.error());
   EditSession& session = read->session;
   if (was_worked_on(session)) return std::string();
-  if (!session.document().has_shape()) return fail(one.name, "has no template; take it off the study and add it again");
+  if (!session.document().view()) return fail(one.name, "has no template; take it off the study and add it again");
   auto labels = read_case_labels(one, settings, progress);
   if (!labels) return fail(labels.error());
   if (labels->label == 0) {
@@ -272,7 +272,7 @@ Result<std::string> fit_case(const StudyCase& one, FitSettings settings, Progres
   settings.as_placed = false;
   FitOptions fit;
   fit.progress = &progress;
-  auto fitted = fit_to_labels(session.document(), labels->map, settings, {}, fit);
+  auto fitted = fit_to_labels(*session.document().view(), labels->map, settings, {}, fit);
   if (!fitted) return fail(fitted.error());
   // What is wrong with the fit is said last.
   const std::string reason = fitted->warnings.empty() ? "The fit is doubtful." : fitted->warnings.back();

@@ -24,15 +24,15 @@ void let_go(const Confirm& action, Shape& shape) {
   shape.pulled = std::make_shared<const VertexScalars>(std::move(pulled));
 }
 
-Result<EditReport> apply_confirm(const Confirm& action, Edit& edit) {
+Result<EditReport> apply_confirm(const Confirm& action, ShapeEdit& edit) {
   if (auto usable = check_brush(action.at, action.radius_mm, 0); !usable) return fail(usable.error());
-  const auto& held = edit.before.shape().confirmed;
+  const auto& held = edit.before.shape.confirmed;
   auto confirmed = held ? std::make_shared<VertexScalars>(*held)
-                        : std::make_shared<VertexScalars>(VertexScalars::Zero(edit.before.stiffness->size()));
-  const int touched = brush(*edit.before.shape().points, action.at, action.radius_mm, 0,
+                        : std::make_shared<VertexScalars>(VertexScalars::Zero(edit.before.shape.points->rows()));
+  const int touched = brush(*edit.before.shape.points, action.at, action.radius_mm, 0,
                             [&](Eigen::Index i, double) { (*confirmed)[i] = action.hold ? 1 : 0; });
-  edit.shape().confirmed = confirmed->any() ? confirmed : nullptr;
-  if (!action.hold && edit.shape().pulled) let_go(action, edit.shape());
+  edit.after.confirmed = confirmed->any() ? confirmed : nullptr;
+  if (!action.hold && edit.after.pulled) let_go(action, edit.after);
   EditReport report;
   report.message = touched == 0 ? nothing_covered
                                 : std::to_string(touched) + (touched == 1 ? " vertex " : " vertices ") +

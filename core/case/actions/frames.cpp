@@ -17,20 +17,21 @@ void spell_frame(Fields& line, SetFrame& action) {
   action.step = !look;
 }
 
-Result<EditReport> apply_frame(const SetFrame& action, Edit& edit) {
-  const Document& before = edit.before;
-  if (auto exists = check_frame(before, action.frame); !exists) return fail(exists.error());
+Result<EditReport> apply_frame(const SetFrame& action, DocumentEdit& edit) {
+  if (auto exists = check_frame(edit.before.scan, action.frame); !exists) return fail(exists.error());
   edit.after.frame = action.frame;
-  if (before.the_template && !edit.after.has_shape())
-    edit.after.shapes.emplace(action.frame, shape_of_frame(before, action.frame));
+  for (const auto& structure : edit.before.structures)
+    if (structure->shape(action.frame) == nullptr)
+      edit.after.change(structure->id, [&](Structure& changed) {
+        changed.set_shape(action.frame, shape_of_frame(changed, edit.before.frame, action.frame));
+      });
   return EditReport{};
 }
 
-Result<EditReport> apply_copy(const StartFrameFrom& action, Edit& edit) {
-  const auto from = edit.before.shapes.find(action.frame);
-  if (from == edit.before.shapes.end())
-    return fail("frame", std::to_string(action.frame) + " has no mesh to start from");
-  Shape begun = from->second;
+Result<EditReport> apply_copy(const StartFrameFrom& action, StructureEdit& edit) {
+  const Shape* from = edit.before.shape(action.frame);
+  if (from == nullptr) return fail("frame", std::to_string(action.frame) + " has no mesh to start from");
+  Shape begun = *from;
   begun.decided.reset();  // what was decided there is a guess here, and so is what a model did
   begun.unaided.reset();
   begun.carried = begun.points;
@@ -38,7 +39,7 @@ Result<EditReport> apply_copy(const StartFrameFrom& action, Edit& edit) {
   begun.doubt_mm.reset();
   begun.outlier.reset();
   forget_pulls_and_snaps(begun);
-  edit.after.shapes.insert_or_assign(edit.after.frame, std::move(begun));
+  edit.after.set_shape(edit.document.frame, std::move(begun));
   return EditReport{};
 }
 

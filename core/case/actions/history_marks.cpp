@@ -59,7 +59,7 @@ const ActionKind<Note>& action_kind(const Note&) {
       .needs_mesh = false,
       .name = [](const Note&) -> std::string { return "note"; },
       .spell = spell_note,
-      .apply = [](const Note& note, Edit&) -> Result<EditReport> {
+      .apply = [](const Note& note, DocumentEdit&) -> Result<EditReport> {
         if (is_utf8(note.template_file)) return EditReport{};
         return fail(note.template_file,
                     "has a name that is no UTF-8, so a case cannot hold it; save it under another name");
@@ -76,7 +76,7 @@ const ActionKind<Undo>& action_kind(const Undo&) {
       .needs_mesh = false,
       .name = [](const Undo&) -> std::string { return "undo"; },
       .spell = [](Fields& line, Undo&) { line.constant("undo", true, not_true); },
-      .apply = [](const Undo&, Edit&) -> Result<EditReport> { return fail("undo", "belongs to the session"); }};
+      .apply = [](const Undo&, DocumentEdit&) -> Result<EditReport> { return fail("undo", "belongs to the session"); }};
   return kind;
 }
 
@@ -89,7 +89,7 @@ const ActionKind<Redo>& action_kind(const Redo&) {
       .needs_mesh = false,
       .name = [](const Redo&) -> std::string { return "redo"; },
       .spell = [](Fields& line, Redo&) { line.constant("redo", true, not_true); },
-      .apply = [](const Redo&, Edit&) -> Result<EditReport> { return fail("redo", "belongs to the session"); }};
+      .apply = [](const Redo&, DocumentEdit&) -> Result<EditReport> { return fail("redo", "belongs to the session"); }};
   return kind;
 }
 

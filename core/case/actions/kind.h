@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "core/case/document.h"
 #include "core/deform/deformer.h"
@@ -22,15 +23,31 @@ struct EditReport {
   std::string message;  ///< one sentence for the status line; empty where there is nothing to say
 };
 
-/// What an action works on. It changes `after`, which begins as a copy of `before`.
-struct Edit {
+// What an action works on: what it is as the action begins, and the one object that the action changes.
+
+/// The document. `after` begins as a copy.
+struct DocumentEdit {
   const Document& before;
-  Document after;
+  Document& after;
+};
+
+/// One structure. `after` begins as a copy.
+struct StructureEdit {
+  const Document& document;  ///< before the edit
+  const Structure& before;
+  Structure& after;
+
+  /// The mesh at the shown frame, before the edit. Only for actions that need one.
+  const Shape& shape() const { return *before.shape(document.frame); }
+};
+
+/// The mesh of one structure at the shown frame. `after` begins as a copy.
+struct ShapeEdit {
+  const Document& document;  ///< before the edit
+  ShapeView before;
+  Shape& after;
   Deformer& deformer;
   Pass pass;
-
-  /// The shown frame's shape after the edit.
-  Shape& shape() { return after.shapes.at(after.frame); }
 };
 
 /// What the line of an action is to the history.
@@ -51,10 +68,14 @@ struct ActionKind {
   const char* example;  ///< a line of it, for docs/case-file.md
   const char* meaning;  ///< what it does, for docs/case-file.md
   LineRole role = LineRole::step;
-  bool needs_mesh = true;         ///< refused where the shown frame has no mesh
+  /// Refused where the structure has no mesh at the shown frame. What works on a shape always is.
+  bool needs_mesh = true;
   std::string (*name)(const A&);  ///< a few words for menus: "Undo pull"
   void (*spell)(Fields&, A&);     ///< the members of its line, to read them and to write them
-  Result<EditReport> (*apply)(const A&, Edit&);
+  /// What it does; the kind of edit is the scope of the action.
+  std::variant<Result<EditReport> (*)(const A&, DocumentEdit&), Result<EditReport> (*)(const A&, StructureEdit&),
+               Result<EditReport> (*)(const A&, ShapeEdit&)>
+      apply;
 };
 
 }  // namespace homolog

@@ -21,17 +21,18 @@ Result<void> check_landmark(const std::string& name, const std::optional<Vec3>& 
   return {};
 }
 
-Result<EditReport> apply_landmark(const PlaceLandmark& action, Edit& edit) {
+Result<EditReport> apply_landmark(const PlaceLandmark& action, ShapeEdit& edit) {
   if (auto usable = check_landmark(action.name, action.at); !usable) return fail(usable.error());
-  Shape& shape = edit.shape();
+  Shape& shape = edit.after;
   if (action.at)
     shape.landmarks.insert_or_assign(action.name, *action.at);
   else
     shape.landmarks.erase(action.name);
-  const Template& the_template = *edit.before.the_template;
-  const auto& known = edit.before.shape().landmarks;
+  const Template& the_template = edit.before.the_template();
+  const LandmarkRules& rules = edit.before.structure.landmarks;
+  const auto& known = edit.before.shape.landmarks;
   const auto before = known.find(action.name);
-  if (edit.before.holds_landmarks && action.at && before != known.end() && before->second == *action.at) {
+  if (rules.hold && action.at && before != known.end() && before->second == *action.at) {
     // It stays where it is: to hold the mesh there, or to let it go, is what is asked for.
     for (std::size_t l = 0; l < the_template.landmarks.size(); ++l) {
       if (the_template.landmarks[l].name != action.name) continue;
@@ -40,24 +41,27 @@ Result<EditReport> apply_landmark(const PlaceLandmark& action, Edit& edit) {
       return EditReport{};
     }
   }
-  return carry_to_landmarks(the_template, edit.before.landmark_pull, edit.before.landmark_rule, shape);
+  return carry_to_landmarks(the_template, rules.pull, rules.rule, shape);
 }
 
-Result<EditReport> apply_landmark_pull(const SetLandmarkPull& action, Edit& edit) {
-  edit.after.landmark_pull = action.fit;
-  Shape& shape = edit.shape();
-  if (shape.strokes == 0) start_anew(*edit.before.the_template, shape);
-  return carry_to_landmarks(*edit.before.the_template, action.fit, edit.before.landmark_rule, shape);
+Result<EditReport> apply_landmark_pull(const SetLandmarkPull& action, StructureEdit& edit) {
+  edit.after.landmarks.pull = action.fit;
+  Shape shape = edit.shape();
+  const Template& the_template = *edit.before.the_template;
+  if (shape.strokes == 0) start_anew(the_template, shape);
+  auto report = carry_to_landmarks(the_template, action.fit, edit.before.landmarks.rule, shape);
+  edit.after.set_shape(edit.document.frame, std::move(shape));
+  return report;
 }
 
-Result<EditReport> apply_template_landmark(const SetTemplateLandmark& action, Edit& edit) {
+Result<EditReport> apply_template_landmark(const SetTemplateLandmark& action, StructureEdit& edit) {
   if (auto usable = check_landmark(action.name, action.at); !usable) return fail(usable.error());
   const Template& the_template = *edit.before.the_template;
   MeshFile file = to_mesh_file(the_template);
   const auto known = std::find_if(file.landmarks.begin(), file.landmarks.end(),
                                   [&](const Landmark& landmark) { return landmark.name == action.name; });
   if (action.at) {
-    const SurfacePoint on = nearest_on_surface(*the_template.topology, *edit.before.shape().points, *action.at).at;
+    const SurfacePoint on = nearest_on_surface(*the_template.topology, *edit.shape().points, *action.at).at;
     const Vec3 position = on.interpolate(*the_template.topology, the_template.points).transpose();
     if (known != file.landmarks.end())
       known->position = position;

@@ -33,18 +33,20 @@ void spell_mirror(Fields& line, MirrorTemplate& mirror) {
   if (mirror.keeps_centre) line.constant("keeps", "centre", "\"keeps\" is not \"centre\"");
 }
 
-Result<EditReport> apply_mirror(const MirrorTemplate& mirror, Edit& edit) {
-  const Document& before = edit.before;
+Result<EditReport> apply_mirror(const MirrorTemplate& mirror, StructureEdit& edit) {
+  const Structure& before = edit.before;
   auto made = make_template(mirrored(to_mesh_file(*before.the_template)), before.the_template->source);
   if (!made) return fail(made.error());
   edit.after.the_template = *made;
-  for (auto& [frame, shape] : edit.after.shapes) {
+  for (const auto& [frame, shown] : before.shapes) {
+    Shape shape = *shown;
     shape.confirmed.reset();
-    if (mirror.keeps_centre && !is_placed_by_landmarks(**made, before.landmark_pull, shape))
+    if (mirror.keeps_centre && !is_placed_by_landmarks(**made, before.landmarks.pull, shape))
       shape.placement = shape.before_landmarks = mirrored_in_place(**made, shape.placement, *shape.points);
     start_anew(**made, shape);
-    if (auto report = carry_to_landmarks(**made, before.landmark_pull, before.landmark_rule, shape); !report)
+    if (auto report = carry_to_landmarks(**made, before.landmarks.pull, before.landmarks.rule, shape); !report)
       return fail(report.error());
+    edit.after.set_shape(frame, std::move(shape));
   }
   return EditReport{};
 }

@@ -33,10 +33,10 @@ const ActionKind<SetPlacement>& action_kind(const SetPlacement&) {
       .meaning = "moves the mesh and its reference",
       .name = [](const SetPlacement&) -> std::string { return "placement"; },
       .spell = [](Fields& line, SetPlacement& action) { line.member("placement", action.placement); },
-      .apply = [](const SetPlacement& action, Edit& edit) -> Result<EditReport> {
-        const Points& rest = edit.before.the_template->points;
-        if (auto usable = check_placement(action.placement, rest); !usable) return fail(usable.error());
-        move_placement(*edit.before.the_template, action.placement, edit.shape());
+      .apply = [](const SetPlacement& action, ShapeEdit& edit) -> Result<EditReport> {
+        const Template& the_template = edit.before.the_template();
+        if (auto usable = check_placement(action.placement, the_template.points); !usable) return fail(usable.error());
+        move_placement(the_template, action.placement, edit.after);
         return EditReport{};
       }};
   return kind;

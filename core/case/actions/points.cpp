@@ -119,7 +119,7 @@ std::shared_ptr<const Points> unaided_by(const SetPoints& action, const Shape& s
   return unaided == *action.points ? nullptr : std::make_shared<const Points>(std::move(unaided));
 }
 
-Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
+Result<EditReport> apply_points(const SetPoints& action, StructureEdit& edit) {
   const Template& the_template = *edit.before.the_template;
   if (!action.points || action.points->rows() != the_template.points.rows()) {
     return fail("points", std::to_string(action.points ? action.points->rows() : 0) + " were given for " +
@@ -133,10 +133,9 @@ Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
     return fail("outlier", "does not hold one number for each vertex");
   if (action.placement)
     if (auto usable = check_placement(*action.placement, the_template.points); !usable) return fail(usable.error());
-  const int frame = action.of_frame.value_or(edit.before.frame);
-  if (auto exists = check_frame(edit.before, frame); !exists) return fail(exists.error());
-  if (!edit.after.shapes.contains(frame)) edit.after.shapes.emplace(frame, shape_of_frame(edit.before, frame));
-  Shape& shape = edit.after.shapes.at(frame);
+  const int frame = action.of_frame.value_or(edit.document.frame);
+  if (auto exists = check_frame(edit.document.scan, frame); !exists) return fail(exists.error());
+  Shape shape = shape_of_frame(edit.before, edit.document.frame, frame);
   if (action.placement) {
     shape.placement = shape.before_landmarks = *action.placement;
     shape.reference = shape.placed = std::make_shared<const Points>(action.placement->apply(the_template.points));
@@ -155,12 +154,13 @@ Result<EditReport> apply_points(const SetPoints& action, Edit& edit) {
     shape.outlier = action.outlier;
   }
   ++shape.strokes;
+  edit.after.set_shape(frame, std::move(shape));
   return EditReport{};
 }
 
-Result<EditReport> apply_moves(const MovePoints& action, Edit& edit) {
-  const int frame = action.of_frame.value_or(edit.before.frame);
-  const auto points = points_of(*shape_of_frame(edit.before, frame).points, action);
+Result<EditReport> apply_moves(const MovePoints& action, StructureEdit& edit) {
+  const int frame = action.of_frame.value_or(edit.document.frame);
+  const auto points = points_of(*shape_of_frame(edit.before, edit.document.frame, frame).points, action);
   if (!points) return fail(points.error());
   return apply_points(*points, edit);
 }
@@ -206,16 +206,16 @@ std::shared_ptr<const VertexScalars> doubt_on_grid(const VertexScalars& doubt_mm
       (doubt_mm * doubt_steps_per_mm).array().max(0).min(most_steps).round().matrix() / doubt_steps_per_mm);
 }
 
-SetPoints points_edit(const Document& document, const Points& points, std::string by,
+SetPoints points_edit(const ShapeView& shown, const Points& points, std::string by,
                       const std::optional<Similarity>& placement) {
-  SetPoints edit = points_edit(document, document.frame, points, std::move(by));
+  SetPoints edit = points_edit(shown, shown.frame, points, std::move(by));
   edit.placement = placement;
   edit.of_frame.reset();
   return edit;
 }
 
-SetPoints points_edit(const Document& document, int frame, const Points& points, std::string by) {
-  Points rounded = *shape_of_frame(document, frame).points;
+SetPoints points_edit(const ShapeView& shown, int frame, const Points& points, std::string by) {
+  Points rounded = *shape_of_frame(shown.structure, shown.frame, frame).points;
   for (Eigen::Index k = 0; k < rounded.size(); ++k)
     if (const double to = points.data()[k]; to != rounded.data()[k]) rounded.data()[k] = on_grid(to);
   return {std::move(by), std::nullopt, std::make_shared<const Points>(std::move(rounded)), frame, {}, {}, {}};

@@ -57,11 +57,11 @@ const ActionKind<MovePoints>& action_kind(const MovePoints&);
 /// A fit's doubt (mm, a value a vertex) as an edit keeps it: in steps of 2⁻⁸ mm.
 std::shared_ptr<const VertexScalars> doubt_on_grid(const VertexScalars& doubt_mm);
 
-/// The edit that gives a document this shape; coordinates that differ from those of `document` are rounded to 2⁻¹⁶ mm
-/// [moved_points.h].
-SetPoints points_edit(const Document& document, const Points& points, std::string by,
+/// The edit that gives the shown mesh these points (n×3, LPS mm); coordinates that differ from those that it has are
+/// rounded to 2⁻¹⁶ mm [moved_points.h].
+SetPoints points_edit(const ShapeView& shown, const Points& points, std::string by,
                       const std::optional<Similarity>& placement = std::nullopt);
-/// The same for a frame of a cine, shown or not.
-SetPoints points_edit(const Document& document, int frame, const Points& points, std::string by);
+/// The same for another frame of a cine.
+SetPoints points_edit(const ShapeView& shown, int frame, const Points& points, std::string by);
 
 }  // namespace homolog

@@ -21,9 +21,9 @@ constexpr Names<FillRegion::By, 2> fill_names{
     {{"region", FillRegion::By::region}, {"curvature", FillRegion::By::curvature}}};
 
 /// A copy to paint on, each vertex in no region where there was none yet.
-std::shared_ptr<Regions> regions_to_paint(const Document& document) {
-  auto regions = std::make_shared<Regions>(*document.regions);
-  regions->of_vertex.resize(static_cast<std::size_t>(document.stiffness->size()), 0);
+std::shared_ptr<Regions> regions_to_paint(const Paint& paint) {
+  auto regions = std::make_shared<Regions>(*paint.regions);
+  regions->of_vertex.resize(static_cast<std::size_t>(paint.stiffness->size()), 0);
   return regions;
 }
 
@@ -47,20 +47,20 @@ void spell_painting(Fields& line, PaintRegion& action) {
   dab.optional("soft", action.soft);
 }
 
-Result<EditReport> apply_painting(const PaintRegion& action, Edit& edit) {
+Result<EditReport> apply_painting(const PaintRegion& action, StructureEdit& edit) {
   if (auto usable = check_brush(action.at, action.radius_mm, action.soft); !usable) return fail(usable.error());
-  const auto number = region_number(*edit.before.regions, action.name);
+  const auto number = region_number(*edit.before.paint.regions, action.name);
   if (!number) return fail(number.error());
-  auto factors = std::make_shared<VertexScalars>(*edit.before.stiffness);
-  auto regions = regions_to_paint(edit.before);
+  auto factors = std::make_shared<VertexScalars>(*edit.before.paint.stiffness);
+  auto regions = regions_to_paint(edit.before.paint);
   const double factor = factor_of(*regions, *number);
   const int touched =
-      brush(*edit.before.shape().points, action.at, action.radius_mm, action.soft, [&](Eigen::Index i, double b) {
+      brush(*edit.shape().points, action.at, action.radius_mm, action.soft, [&](Eigen::Index i, double b) {
         (*factors)[i] += b * (factor - (*factors)[i]);
         if (b >= 0.5) regions->of_vertex[static_cast<std::size_t>(i)] = *number;
       });
-  edit.after.stiffness = std::move(factors);
-  edit.after.regions = std::move(regions);
+  edit.after.paint.stiffness = std::move(factors);
+  edit.after.paint.regions = std::move(regions);
   return painted(touched);
 }
 
@@ -72,15 +72,15 @@ void spell_filling(Fields& line, FillRegion& action) {
   fill.optional("tolerance_per_mm", action.tolerance_per_mm, action.by == FillRegion::By::curvature);
 }
 
-Result<EditReport> apply_filling(const FillRegion& action, Edit& edit) {
+Result<EditReport> apply_filling(const FillRegion& action, StructureEdit& edit) {
   if (auto usable = check_brush(action.at, 1, 0); !usable) return fail(usable.error());
-  const auto number = region_number(*edit.before.regions, action.name);
+  const auto number = region_number(*edit.before.paint.regions, action.name);
   if (!number) return fail(number.error());
-  const Mesh mesh = edit.before.mesh();
+  const Mesh mesh{edit.before.the_template->topology, *edit.shape().points};
   Eigen::Index seed = 0;
   (mesh.points.rowwise() - action.at.transpose()).rowwise().squaredNorm().minCoeff(&seed);
-  auto factors = std::make_shared<VertexScalars>(*edit.before.stiffness);
-  auto regions = regions_to_paint(edit.before);
+  auto factors = std::make_shared<VertexScalars>(*edit.before.paint.stiffness);
+  auto regions = regions_to_paint(edit.before.paint);
   const auto region_of = [&](Eigen::Index i) { return regions->of_vertex[static_cast<std::size_t>(i)]; };
   const std::uint8_t here = region_of(seed);
   std::vector<std::int32_t> filled;
@@ -98,8 +98,8 @@ Result<EditReport> apply_filling(const FillRegion& action, Edit& edit) {
     (*factors)[i] = factor_of(*regions, *number);
     regions->of_vertex[static_cast<std::size_t>(i)] = *number;
   }
-  edit.after.stiffness = std::move(factors);
-  edit.after.regions = std::move(regions);
+  edit.after.paint.stiffness = std::move(factors);
+  edit.after.paint.regions = std::move(regions);
   return painted(std::ssize(filled));
 }
 
@@ -114,31 +114,31 @@ void spell_region(Fields& line, SetRegion& action) {
   action.region.colour = *read;
 }
 
-Result<EditReport> apply_region(const SetRegion& action, Edit& edit) {
+Result<EditReport> apply_region(const SetRegion& action, StructureEdit& edit) {
   const Region& region = action.region;
   if (region.name.empty() || !(region.factor > 0) || !std::isfinite(region.factor))
     return fail("region", "needs a name and a positive factor");
-  auto regions = regions_to_paint(edit.before);
+  auto regions = regions_to_paint(edit.before.paint);
   const auto number = region_number(*regions, region.name);
   if (!number) {
     if (regions->list.size() == most_regions) return fail("region", "cannot be added: a template has at most 255");
     regions->list.push_back(region);
-    edit.after.regions = std::move(regions);
+    edit.after.paint.regions = std::move(regions);
     return EditReport{};
   }
   const double change = region.factor / factor_of(*regions, *number);
   regions->list[*number - 1U] = region;
   int touched = 0;
   if (change != 1) {
-    auto factors = std::make_shared<VertexScalars>(*edit.before.stiffness);
+    auto factors = std::make_shared<VertexScalars>(*edit.before.paint.stiffness);
     for (Eigen::Index i = 0; i < factors->size(); ++i)
       if (regions->of_vertex[static_cast<std::size_t>(i)] == *number) {
         (*factors)[i] *= change;
         ++touched;
       }
-    edit.after.stiffness = std::move(factors);
+    edit.after.paint.stiffness = std::move(factors);
   }
-  edit.after.regions = std::move(regions);
+  edit.after.paint.regions = std::move(regions);
   return painted(touched);
 }
 
@@ -148,20 +148,20 @@ void spell_renaming(Fields& line, RenameRegion& action) {
   rename.member("to", action.to);
 }
 
-Result<EditReport> apply_renaming(const RenameRegion& action, Edit& edit) {
-  auto regions = regions_to_paint(edit.before);
+Result<EditReport> apply_renaming(const RenameRegion& action, StructureEdit& edit) {
+  auto regions = regions_to_paint(edit.before.paint);
   const auto number = region_number(*regions, action.name);
   if (!number) return fail(number.error());
   if (*number == 0 || action.to.empty()) return fail("region", "needs a name");
   if (region_number(*regions, action.to))
     return fail("region", "\"" + excerpt(action.to) + "\" exists already; choose another name");
   regions->list[*number - 1U].name = action.to;
-  edit.after.regions = std::move(regions);
+  edit.after.paint.regions = std::move(regions);
   return EditReport{};
 }
 
-Result<EditReport> apply_removal(const RemoveRegion& action, Edit& edit) {
-  auto regions = regions_to_paint(edit.before);
+Result<EditReport> apply_removal(const RemoveRegion& action, StructureEdit& edit) {
+  auto regions = regions_to_paint(edit.before.paint);
   const auto number = region_number(*regions, action.name);
   if (!number) return fail(number.error());
   if (*number == 0) return fail("region", "needs a name");
@@ -175,7 +175,7 @@ Result<EditReport> apply_removal(const RemoveRegion& action, Edit& edit) {
       --of_vertex;
   }
   if (regions->list.empty()) regions->of_vertex.clear();
-  edit.after.regions = std::move(regions);
+  edit.after.paint.regions = std::move(regions);
   return painted(touched);
 }
 

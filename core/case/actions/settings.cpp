@@ -14,7 +14,7 @@ void spell_scheme(Fields& line, SetScheme& action) {
   line.optional("events", action.paper_events);
 }
 
-Result<EditReport> apply_scheme(const SetScheme& action, Edit& edit) {
+Result<EditReport> apply_scheme(const SetScheme& action, DocumentEdit& edit) {
   if (action.paper_events < 1 || action.paper_events > 1000) return fail("events", "must be 1 to 1,000");
   edit.after.scheme = action.scheme;
   edit.after.paper_events = action.paper_events;
@@ -43,7 +43,7 @@ const ActionKind<SetEvenSpacing>& action_kind(const SetEvenSpacing&) {
       .needs_mesh = false,
       .name = [](const SetEvenSpacing&) -> std::string { return "even spacing"; },
       .spell = [](Fields& line, SetEvenSpacing& action) { line.member("spacing", action.strength); },
-      .apply = [](const SetEvenSpacing& action, Edit& edit) -> Result<EditReport> {
+      .apply = [](const SetEvenSpacing& action, DocumentEdit& edit) -> Result<EditReport> {
         if (!(action.strength >= 0 && action.strength <= 1)) return fail("spacing", "must be between 0 and 1");
         edit.after.even_spacing = action.strength;
         return EditReport{};

@@ -18,14 +18,14 @@ void spell_stiffness(Fields& line, PaintStiffness& action) {
   dab.optional("soft", action.soft);
 }
 
-Result<EditReport> apply_stiffness(const PaintStiffness& action, Edit& edit) {
+Result<EditReport> apply_stiffness(const PaintStiffness& action, StructureEdit& edit) {
   if (auto usable = check_brush(action.at, action.radius_mm, action.soft); !usable) return fail(usable.error());
   if (!(action.value > 0) || !std::isfinite(action.value)) return fail("stiffness", "must be a positive number");
-  auto factors = std::make_shared<VertexScalars>(*edit.before.stiffness);
-  const double factor = action.value / edit.before.stiffness_base;
-  const int touched = brush(*edit.before.shape().points, action.at, action.radius_mm, action.soft,
+  auto factors = std::make_shared<VertexScalars>(*edit.before.paint.stiffness);
+  const double factor = action.value / edit.before.paint.base;
+  const int touched = brush(*edit.shape().points, action.at, action.radius_mm, action.soft,
                             [&](Eigen::Index i, double b) { (*factors)[i] += b * (factor - (*factors)[i]); });
-  edit.after.stiffness = std::move(factors);
+  edit.after.paint.stiffness = std::move(factors);
   return painted(touched);
 }
 
@@ -36,20 +36,19 @@ void spell_smoothing(Fields& line, SmoothStiffness& action) {
   dab.optional("strength", action.strength);
 }
 
-Result<EditReport> apply_smoothing(const SmoothStiffness& action, Edit& edit) {
+Result<EditReport> apply_smoothing(const SmoothStiffness& action, StructureEdit& edit) {
   if (auto usable = check_brush(action.at, action.radius_mm, 0); !usable) return fail(usable.error());
   if (!(action.strength >= 0 && action.strength <= 1)) return fail("strength", "must be between 0 and 1");
-  const VertexScalars& before = *edit.before.stiffness;
+  const VertexScalars& before = *edit.before.paint.stiffness;
   const Topology& topology = *edit.before.the_template->topology;
   auto factors = std::make_shared<VertexScalars>(before);
-  const int touched =
-      brush(*edit.before.shape().points, action.at, action.radius_mm, 0.5, [&](Eigen::Index i, double b) {
-        double sum = 0;
-        const auto ring = topology.one_ring(i);
-        for (const std::int32_t n : ring) sum += before[n];
-        (*factors)[i] += b * action.strength * (sum / static_cast<double>(ring.size()) - before[i]);
-      });
-  edit.after.stiffness = std::move(factors);
+  const int touched = brush(*edit.shape().points, action.at, action.radius_mm, 0.5, [&](Eigen::Index i, double b) {
+    double sum = 0;
+    const auto ring = topology.one_ring(i);
+    for (const std::int32_t n : ring) sum += before[n];
+    (*factors)[i] += b * action.strength * (sum / static_cast<double>(ring.size()) - before[i]);
+  });
+  edit.after.paint.stiffness = std::move(factors);
   return painted(touched);
 }
 
@@ -62,14 +61,14 @@ void spell_factors(Fields& line, SetStiffnessFactors& action) {
         Eigen::Map<const VertexScalars>(factors.data(), static_cast<Eigen::Index>(factors.size())));
 }
 
-Result<EditReport> apply_factors(const SetStiffnessFactors& action, Edit& edit) {
-  const auto vertices = edit.before.stiffness->size();
+Result<EditReport> apply_factors(const SetStiffnessFactors& action, StructureEdit& edit) {
+  const auto vertices = edit.before.paint.stiffness->size();
   if (!action.factors || action.factors->size() != vertices)
     return fail("stiffness", "needs one factor for each of the " + std::to_string(vertices) +
                                  " vertices; take an array of a mesh with the same vertices");
   if (!action.factors->allFinite() || !(action.factors->minCoeff() > 0))
     return fail("stiffness", "needs positive factors; rescale the array");
-  edit.after.stiffness = action.factors;
+  edit.after.paint.stiffness = action.factors;
   return painted(vertices);
 }
 
@@ -116,9 +115,9 @@ const ActionKind<SetStiffnessBase>& action_kind(const SetStiffnessBase&) {
       .needs_mesh = false,
       .name = [](const SetStiffnessBase&) -> std::string { return "stiffness"; },
       .spell = [](Fields& line, SetStiffnessBase& action) { line.member("stiffness_base", action.base); },
-      .apply = [](const SetStiffnessBase& action, Edit& edit) -> Result<EditReport> {
+      .apply = [](const SetStiffnessBase& action, StructureEdit& edit) -> Result<EditReport> {
         if (!(action.base > 0) || !std::isfinite(action.base)) return fail("stiffness", "must be positive");
-        edit.after.stiffness_base = action.base;
+        edit.after.paint.base = action.base;
         return EditReport{};
       }};
   return kind;

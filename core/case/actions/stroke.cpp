@@ -31,13 +31,13 @@ void spell_stroke(Fields& line, Stroke& stroke) {
 
 /// Why the mesh hardly followed a drag, where something that is held near it is the reason; empty where it followed, or
 /// nothing is held.
-std::string hold_words(const Document& before, const Stroke& stroke, double moved_mm) {
+std::string hold_words(const ShapeView& before, const Stroke& stroke, double moved_mm) {
   constexpr double least_drag_mm = 0.5;
   // A pull along the surface moves it little by itself.
   const double followed_share = stroke.tool == Tool::pull ? 0.25 : 0.5;
   const double dragged_mm = (stroke.to - stroke.at).norm();
   if (stroke.tool == Tool::relax || dragged_mm < least_drag_mm || moved_mm >= followed_share * dragged_mm) return {};
-  const Shape& shape = before.shape();
+  const Shape& shape = before.shape;
   if (!shape.confirmed) return {};
   const auto of_mm = [](double value) {
     std::array<char, 32> text{};
@@ -55,11 +55,12 @@ std::string hold_words(const Document& before, const Stroke& stroke, double move
     any = true;
   }
   if (!any) return {};
-  const auto& landmarks = before.the_template->landmarks;
+  const Template& the_template = before.the_template();
+  const auto& landmarks = the_template.landmarks;
   constexpr double same_mm = 5;
   for (std::size_t l = 0; l < landmarks.size(); ++l) {
-    const LandmarkHold hold = landmark_hold(*before.the_template, l, shape);
-    const double away_mm = (carried_landmark(*before.the_template, l, *shape.points) - stroke.at).norm();
+    const LandmarkHold hold = landmark_hold(the_template, l, shape);
+    const double away_mm = (carried_landmark(the_template, l, *shape.points) - stroke.at).norm();
     if (hold.placed && hold.held && away_mm <= nearest_mm + same_mm)
       return moved + "\"" + landmarks[l].name + "\", " + of_mm(away_mm) +
              " away, is held. Its lock in Place releases it.";
@@ -67,13 +68,10 @@ std::string hold_words(const Document& before, const Stroke& stroke, double move
   return moved + "confirmed vertices are " + of_mm(nearest_mm) + " away. Alt with Confirm (C) frees them.";
 }
 
-Result<EditReport> apply_stroke(const Stroke& stroke, Edit& edit) {
-  const Document& before = edit.before;
-  const Shape& shape = before.shape();
-  const StrokeStart start{
-      before.the_template->topology, shape.placed,    shape.reference, shape.points,        before.stiffness,
-      before.stiffness_base,         shape.confirmed, before.scheme,   before.paper_events, before.even_spacing};
-  auto outcome = edit.deformer.stroke(start, stroke, edit.pass);
+Result<EditReport> apply_stroke(const Stroke& stroke, ShapeEdit& edit) {
+  const Document& document = edit.document;
+  const Shape& shape = edit.before.shape;
+  auto outcome = edit.deformer.stroke(stroke_start(document, edit.before), stroke, edit.pass);
   if (!outcome) return fail(outcome.error());
   EditReport report;
   report.stopped_by_guard = outcome->stopped_by_guard;
@@ -81,12 +79,12 @@ Result<EditReport> apply_stroke(const Stroke& stroke, Edit& edit) {
   report.on = outcome->on;
   report.response = outcome->response;
   report.solves = outcome->solves;
-  report.message = hold_words(before, stroke, report.moved_mm);
+  report.message = hold_words(edit.before, stroke, report.moved_mm);
   if (report.stopped_by_guard && report.message.empty()) report.message = "Stopped before a triangle turned over.";
-  Shape& after = edit.shape();
+  Shape& after = edit.after;
   if (shape.unaided) {
     // Relax, and every stroke of `paper`, put a vertex somewhere; other strokes carry it by a distance.
-    const bool absolute = stroke.tool == Tool::relax || before.scheme == Scheme::paper;
+    const bool absolute = stroke.tool == Tool::relax || document.scheme == Scheme::paper;
     after.unaided =
         std::make_shared<const Points>(absolute ? unaided_after(*shape.unaided, *shape.points, outcome->points)
                                                 : Points(*shape.unaided + outcome->points - *shape.points));
@@ -115,6 +113,21 @@ const ActionKind<Stroke>& action_kind(const Stroke&) {
       .spell = spell_stroke,
       .apply = apply_stroke};
   return kind;
+}
+
+StrokeStart stroke_start(const Document& document, const ShapeView& shown) {
+  const Shape& shape = shown.shape;
+  const Paint& paint = shown.paint();
+  return {shown.the_template().topology,
+          shape.placed,
+          shape.reference,
+          shape.points,
+          paint.stiffness,
+          paint.base,
+          shape.confirmed,
+          document.scheme,
+          document.paper_events,
+          document.even_spacing};
 }
 
 }  // namespace homolog

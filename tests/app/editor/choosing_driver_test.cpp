@@ -44,7 +44,7 @@ void write_two_labels(const fs::path& file, double radius_mm) {
 }
 
 double height_of(const fs::path& case_file) {
-  return bounds_of(*test::must(read_case(case_file)).session.document().shape().points).sizes().z();
+  return bounds_of(*test::must(read_case(case_file)).session.document().view()->shape.points).sizes().z();
 }
 
 std::vector<std::string> names_of_cases(Driver& driver) {
@@ -165,8 +165,9 @@ TEST_CASE("while a path is typed the folder that it leads to is listed") {
   CHECK(driver.shows("No match."));
   type(inner / "carl.ply");
   driver.press(key::enter);  // the file of that name and not the first that holds it
-  driver.wait_until("the template is open",
-                    [&] { return driver.document().the_template->source == (inner / "carl.ply").string(); });
+  driver.wait_until("the template is open", [&] {
+    return driver.document().structure()->the_template->source == (inner / "carl.ply").string();
+  });
   driver.settle();
 
   driver.app().send(ShowFileDialog{FilePurpose::export_mesh, "out.ply"});

@@ -49,25 +49,26 @@ TEST_CASE("a cine is propagated and corrected and propagated again in the window
 
   click_curve(driver, 2);
   CHECK(driver.document().frame == 2);
-  const Points carried = *driver.document().shape().points;
+  const Points carried = *driver.document().view()->shape.points;
   Stroke pull;
   pull.at = carried.row(0);
   pull.to = 1.15 * pull.at;
   pull.sigma_mm = 12;
   driver.app().send(ApplyEdit{pull});
   driver.wait_until("the frame is a known one", [&] { return driver.shows("From frames 0 and 2."); });
-  const Points corrected = *driver.document().shape().points;
-  const Points before = *driver.document().shapes.at(1).points;
+  const Points corrected = *driver.document().view()->shape.points;
+  const Points before = *driver.document().structure()->shape(1)->points;
   driver.click("Cine/Propagate");
   driver.wait_until("the frames between follow it", [&] {
-    return *driver.document().shapes.at(1).points != before && driver.document().shapes.size() == 6;
+    return *driver.document().structure()->shape(1)->points != before &&
+           driver.document().structure()->shapes.size() == 6;
   });
   driver.settle();
-  CHECK(*driver.document().shapes.at(2).points == corrected);
+  CHECK(*driver.document().structure()->shape(2)->points == corrected);
 
   driver.press('Z', {false, true, false});
-  driver.wait_until("one step back", [&] { return *driver.document().shapes.at(1).points == before; });
-  CHECK(*driver.document().shapes.at(2).points == corrected);
+  driver.wait_until("one step back", [&] { return *driver.document().structure()->shape(1)->points == before; });
+  CHECK(*driver.document().structure()->shape(2)->points == corrected);
 }
 
 TEST_CASE("a propagation that is cancelled or overtaken by an edit leaves the meshes") {
@@ -99,8 +100,10 @@ TEST_CASE("a frame without a mesh says where one comes from and not that a templ
   driver.settle();
   CHECK(driver.document().frame == 4);  // and so where no other was looked at before
   Document late = BeatingBall::document();
-  late.shapes[4] = late.shapes.at(0);
-  late.shapes.erase(0);
+  late.change({}, [](Structure& first) {
+    first.shapes[4] = first.shapes.at(0);
+    first.shapes.erase(0);
+  });
   CHECK(why_no_mesh(late) == "This frame has no mesh yet. Go to a frame that has one, and propagate it (Cine).");
 }
 
@@ -111,10 +114,10 @@ TEST_CASE("a template that is chosen at a frame of a cine is placed in that fram
   driver.settle();
   driver.click("Template/Ventricle");
   driver.wait_until("the template is open",
-                    [&] { return driver.document().the_template->source == "built-in:ventricle"; });
+                    [&] { return driver.document().structure()->the_template->source == "built-in:ventricle"; });
   driver.settle();
   CHECK(driver.document().frame == 2);
-  CHECK(driver.document().has_shape());
+  CHECK(driver.document().view());
   CHECK(driver.control("Cine/Frame/value").value == "2");
   CHECK(driver.shows("From frame 2."));
 }
@@ -123,7 +126,7 @@ TEST_CASE("why a frame is in doubt is said where a person sees it also where the
   Document document = BeatingBall::document();
   EditSession session(document);
   for (const int frame : {1, 2, 3, 4}) {
-    SetPoints carried = points_edit(session.document(), frame, *document.shape().points, by_propagation);
+    SetPoints carried = points_edit(*session.document().view(), frame, *document.view()->shape.points, by_propagation);
     if (frame == 3) carried.doubt = "does not show the boundary; its mesh is taken from the frames around it";
     REQUIRE(session.apply(carried));
   }
@@ -143,9 +146,10 @@ TEST_CASE("why a frame is in doubt is said where a person sees it also where the
 
 TEST_CASE("a cine that starts from a template that lacks a part of its label is in doubt and the panel says why") {
   Document document = BeatingBall::document();
-  MeshFile file = to_mesh_file(*document.the_template);
+  MeshFile file = to_mesh_file(*document.structure()->the_template);
   file.comments.push_back(missing_share_comment(0.21));
-  document.the_template = test::must(make_template(std::move(file), "ball.ply"));
+  document.change(
+      {}, [&](Structure& first) { first.the_template = test::must(make_template(std::move(file), "ball.ply")); });
   Driver driver(std::move(document), {1280, 1400, 1});
   const char* const why = "comes from a template that lacks 21 % of the label that it was made of";
   driver.point_at("Cine/Propagate");
@@ -155,10 +159,10 @@ TEST_CASE("a cine that starts from a template that lacks a part of its label is 
   driver.settle();
   CHECK(driver.shows("6 of 6"));
   CHECK_FALSE(driver.state().volume_curve.ejection);
-  CHECK(driver.document().shapes.at(3).doubt == why);
+  CHECK(driver.document().structure()->shape(3)->doubt == why);
   // The mesh is corrected: its frame is in no doubt.
-  driver.app().send(
-      ApplyEdit{points_edit(driver.document(), 0, 1.06 * *driver.document().shapes.at(0).points, by_fit)});
+  driver.app().send(ApplyEdit{
+      points_edit(*driver.document().view(), 0, 1.06 * *driver.document().structure()->shape(0)->points, by_fit)});
   driver.wait_until("frame 0 is known", [&] { return driver.shows("5 of 6"); });
 }
 
@@ -166,8 +170,8 @@ TEST_CASE("frames in doubt are shown one after the other and volumes are written
   Document document = BeatingBall::document();
   EditSession session(document);
   for (const int frame : {1, 2, 3, 4}) {
-    SetPoints carried =
-        points_edit(session.document(), frame, (1 - 0.05 * frame) * *document.shape().points, by_propagation);
+    SetPoints carried = points_edit(*session.document().view(), frame,
+                                    (1 - 0.05 * frame) * *document.view()->shape.points, by_propagation);
     if (frame % 2 == 0) carried.doubt = "shows less of the boundary than other frames";
     REQUIRE(session.apply(carried));
   }
@@ -204,11 +208,12 @@ TEST_CASE("a cine that plays is propagated from the frame that is shown") {
   driver.frame();
   REQUIRE(driver.app().snapshot().document->frame == 0);
   driver.app().send(PropagateFrames{});
-  driver.wait_until("every frame has a mesh", [&] { return driver.document().shapes.size() == BeatingBall::frames; });
+  driver.wait_until("every frame has a mesh",
+                    [&] { return driver.document().structure()->shapes.size() == BeatingBall::frames; });
   driver.settle();
   CHECK(driver.document().frame == 2);
   CHECK(driver.lines_with("\"by\":\"start of the cine\",\"of_frame\":2") == 1);
-  CHECK(driver.document().shapes.at(0).carried != nullptr);
+  CHECK(driver.document().structure()->shape(0)->carried != nullptr);
 }
 
 }  // namespace homolog

@@ -21,7 +21,7 @@ namespace {
 /// A px of a view where the tool in hand finds something: on the outline of the mesh, or in the middle of the surface.
 Eigen::Vector2d on_mesh(Driver& driver, ViewKind kind) {
   const ViewMap map = view_map(driver.state(), driver.app().layout(), driver.document(), kind);
-  if (!map.is_slice()) return *map.to_px(bounds_of(*driver.document().shape().points).center());
+  if (!map.is_slice()) return *map.to_px(bounds_of(*driver.document().view()->shape.points).center());
   const Eigen::Vector2d middle = *map.to_px(driver.state().crosshair_mm);
   for (double x = middle.x(); x > driver.app().layout().image(kind).x; x -= 1) {
     driver.move(x, middle.y());
@@ -96,9 +96,9 @@ TEST_CASE("a single click still does what it is for and two quick ones at two pl
   driver.press('L');
   const Eigen::Vector2d at = on_mesh(driver, ViewKind::axial);
   press_at_once(driver, at, 1);
-  CHECK(driver.document().shape().landmarks.empty());  // another press could still make it a double click
+  CHECK(driver.document().view()->shape.landmarks.empty());  // another press could still make it a double click
   driver.settle();
-  CHECK(driver.document().shape().landmarks.size() == 1);
+  CHECK(driver.document().view()->shape.landmarks.size() == 1);
   driver.move(at.x() + 30, at.y());
   driver.button(MouseButton::left, true);
   driver.button(MouseButton::left, false);
@@ -106,7 +106,7 @@ TEST_CASE("a single click still does what it is for and two quick ones at two pl
   driver.button(MouseButton::left, true);
   driver.button(MouseButton::left, false);
   driver.settle();
-  CHECK(driver.document().shape().landmarks.size() == 3);
+  CHECK(driver.document().view()->shape.landmarks.size() == 3);
   CHECK_FALSE(driver.state().maximised);
   // A key right after a click comes after it.
   press_at_once(driver, at + Eigen::Vector2d(5, 5), 0);
@@ -213,14 +213,14 @@ TEST_CASE("a menu is searched likewise and a click beside it in a view edits not
   driver.button(MouseButton::left, false);
   driver.settle();
   CHECK_FALSE(driver.has("history/Undo: even spacing"));
-  CHECK(driver.document().shape().landmarks.empty());
+  CHECK(driver.document().view()->shape.landmarks.empty());
   driver.click("history");
   driver.press('S');
   driver.type("spac");
   driver.press(key::enter);
   driver.settle();
   CHECK(driver.document().even_spacing != 0.5);
-  CHECK(driver.document().stiffness_base == 5);
+  CHECK(driver.document().structure()->paint.base == 5);
 }
 
 }  // namespace homolog

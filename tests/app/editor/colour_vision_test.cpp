@@ -7,6 +7,7 @@
 
 #include "app/editor/scene/mesh_colouring.h"
 #include "tests/ball.h"
+#include "tests/changed_shape.h"
 #include "tests/driver.h"
 #include "tests/seen_colours.h"
 
@@ -29,12 +30,12 @@ test::Light light_at(const std::vector<Rgb>& scale, double share) {
 
 TEST_CASE("every scale of the mesh is read by eyes without one kind of cones") {
   Document document = ball_document(20);
-  document.shapes.at(0).doubt_mm =
-      std::make_shared<const VertexScalars>(VertexScalars::Ones(document.shape().points->rows()));
+  test::changed_shape(document).doubt_mm =
+      std::make_shared<const VertexScalars>(VertexScalars::Ones(document.view()->shape.points->rows()));
   constexpr int steps = 9;
   for (const Colouring colouring : {Colouring::edge_stretch, Colouring::moved, Colouring::stiffness, Colouring::quality,
                                     Colouring::confidence, Colouring::doubt}) {
-    const std::vector<Rgb> scale = colouring_legend(document, colouring).colours;
+    const std::vector<Rgb> scale = colouring_legend(*document.view(), colouring).colours;
     REQUIRE(scale.size() > 2);
     for (const test::ColourVision& vision : test::colour_visions) {
       CAPTURE(static_cast<int>(colouring));
@@ -64,7 +65,7 @@ TEST_CASE("eight regions have colours that colour-blind eyes tell apart") {
     driver.press(key::enter);
     driver.settle();
   }
-  const auto& list = driver.document().regions->list;
+  const auto& list = driver.document().structure()->paint.regions->list;
   REQUIRE(list.size() == 8);
   const auto light = [](const std::array<std::uint8_t, 3>& colour) {
     return test::light_of({colour[0] / 255.0, colour[1] / 255.0, colour[2] / 255.0});

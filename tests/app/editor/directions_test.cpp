@@ -127,7 +127,7 @@ TEST_CASE("arrows scroll by one slice and pages by ten") {
     desk.send(MouseMove{}, desk.middle_of(ViewKind::axial).x(), desk.middle_of(ViewKind::axial).y());
     const double z = desk.state.crosshair_mm.z();
     desk.send(KeyPress{code}, desk.middle_of(ViewKind::axial).x(), desk.middle_of(ViewKind::axial).y());
-    return (desk.state.crosshair_mm.z() - z) / desk.document.volume->geometry.spacing_mm.z();
+    return (desk.state.crosshair_mm.z() - z) / desk.document.scan.image->geometry.spacing_mm.z();
   };
   CHECK(scrolled(key::up) == doctest::Approx(1));
   CHECK(scrolled(key::right) == doctest::Approx(1));

@@ -74,7 +74,7 @@ TEST_CASE("a fit to the label is said as long as the mesh is as it left it") {
     return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
   });
   driver.click("Place/Fit to the label");
-  driver.wait_until("the fit is done", [&] { return driver.document().shape().points->row(0).norm() < 38.5; });
+  driver.wait_until("the fit is done", [&] { return driver.document().view()->shape.points->row(0).norm() < 38.5; });
   driver.settle();
   CHECK(driver.shows("Distance to the label"));
   // A fit that is stopped, by either key or by the button, takes nothing back and leaves the figures of the last one.
@@ -90,7 +90,7 @@ TEST_CASE("a fit to the label is said as long as the mesh is as it left it") {
     else
       driver.click("top bar/undo");
     driver.settle();
-    CHECK(bool(*driver.document().shape().points == *fitted.shape().points));
+    CHECK(bool(*driver.document().view()->shape.points == *fitted.view()->shape.points));
     CHECK(driver.app().snapshot().undo_names == undo_names);
     CHECK(driver.shows("Distance to the label"));
   }
@@ -114,18 +114,19 @@ TEST_CASE("the commands of a session lead to the same case again") {
     driver.click("side panel/Template");
     driver.click("side panel/Place");
     open_by_dialog(driver, "Place/Import…", ball.landmarks);
-    driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("north"); });
+    driver.wait_until("the landmark is placed",
+                      [&] { return driver.document().view()->shape.landmarks.contains("north"); });
     open_by_dialog(driver, "Place/Open a label map…", ball.label);
     driver.wait_until("the label map is open", [&] {
       return driver.has("Place/Fit to the label") && driver.control("Place/Fit to the label").enabled;
     });
     driver.click("Place/Fit to the label");
-    driver.wait_until("the fit is done", [&] { return driver.document().shape().points->row(0).norm() < 38.5; });
+    driver.wait_until("the fit is done", [&] { return driver.document().view()->shape.points->row(0).norm() < 38.5; });
     // A fit that is given up leaves nothing, in the case or in the log.
     driver.click("Place/Fit to the label");
     driver.app().send(CancelFit{});
     driver.settle();
-    const Vec3 at = driver.document().shape().points->row(5);
+    const Vec3 at = driver.document().view()->shape.points->row(5);
     driver.app().send(ApplyEdit{Stroke{Tool::pull, at, 1.1 * at, 12}});
     driver.app().send(ApplyEdit{Stroke{Tool::pull, -at, -1.1 * at, 12}});
     driver.settle();
@@ -137,9 +138,9 @@ TEST_CASE("the commands of a session lead to the same case again") {
   Driver again(ball.document);
   again.app().replay(test::must(read_log(log)));
   again.settle();
-  CHECK(bool(*again.document().shape().points == *before.shape().points));
-  CHECK(again.document().shape().landmarks == before.shape().landmarks);
-  CHECK(again.document().regions->list.size() == before.regions->list.size());
+  CHECK(bool(*again.document().view()->shape.points == *before.view()->shape.points));
+  CHECK(again.document().view()->shape.landmarks == before.view()->shape.landmarks);
+  CHECK(again.document().structure()->paint.regions->list.size() == before.structure()->paint.regions->list.size());
   CHECK(again.app().snapshot().undo_names == undo_names);
   CHECK(again.app().snapshot().can_redo);
 }
@@ -147,11 +148,11 @@ TEST_CASE("the commands of a session lead to the same case again") {
 TEST_CASE("the history lists the steps by name and a click goes there") {
   const BallAndLabel ball;
   Driver driver(ball.document);
-  const Vec3 pole = driver.document().shape().points->row(5);
-  const Points before = *driver.document().shape().points;
+  const Vec3 pole = driver.document().view()->shape.points->row(5);
+  const Points before = *driver.document().view()->shape.points;
   driver.app().send(ApplyEdit{Stroke{Tool::pull, pole, 1.1 * pole, 12}});
   driver.settle();
-  const Points pulled = *driver.document().shape().points;
+  const Points pulled = *driver.document().view()->shape.points;
   driver.app().send(ApplyEdit{Confirm{pole, 10, true}});
   driver.app().send(ApplyEdit{SetStiffnessBase{3}});
   driver.settle();
@@ -162,25 +163,25 @@ TEST_CASE("the history lists the steps by name and a click goes there") {
   driver.click("top bar/history");
   driver.click("history/Undo: " + names[1]);
   driver.wait_until("two steps are taken back", [&] { return driver.app().snapshot().redo_names.size() == 2; });
-  CHECK(bool(*driver.document().shape().points == pulled));
-  CHECK(driver.document().shape().confirmed == nullptr);
+  CHECK(bool(*driver.document().view()->shape.points == pulled));
+  CHECK(driver.document().view()->shape.confirmed == nullptr);
   driver.settle();
   CHECK(driver.shows("Undone: " + names[1] + "."));
   driver.click("top bar/history");
   driver.click("history/Undo: " + names[2]);
   driver.wait_until("nothing is left to undo", [&] { return !driver.app().snapshot().can_undo; });
-  CHECK(bool(*driver.document().shape().points == before));
+  CHECK(bool(*driver.document().view()->shape.points == before));
   driver.click("top bar/history");
   driver.click("history/Redo: stiffness");
   driver.wait_until("all is done again", [&] { return !driver.app().snapshot().can_redo; });
-  CHECK(driver.document().stiffness_base == 3);
+  CHECK(driver.document().structure()->paint.base == 3);
 }
 
 TEST_CASE("a click on a fault's figure goes to the fault and the mark goes when it is mended") {
   const BallAndLabel ball;
   Driver driver(ball.document);
-  const Vec3 pole = driver.document().shape().points->row(5);
-  auto points = std::make_shared<Points>(*driver.document().shape().points);
+  const Vec3 pole = driver.document().view()->shape.points->row(5);
+  auto points = std::make_shared<Points>(*driver.document().view()->shape.points);
   points->row(5) = -1.3 * pole.transpose();
   SetPoints broken;
   broken.points = points;

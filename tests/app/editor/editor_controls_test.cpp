@@ -1,3 +1,4 @@
+#include "tests/changed_shape.h"
 #include "tests/desk.h"
 
 namespace homolog {
@@ -71,7 +72,7 @@ TEST_CASE("scrolling stops at the ends of the image") {
   Desk desk;
   const Eigen::Vector2d at = desk.middle_of(ViewKind::axial);
   for (int i = 0; i < 300; ++i) desk.send(Wheel{1}, at.x(), at.y());
-  const VolumeGeometry& geometry = desk.document.volume->geometry;
+  const VolumeGeometry& geometry = desk.document.scan.image->geometry;
   CHECK(desk.state.crosshair_mm.z() ==
         doctest::Approx(geometry.bounds_mm().max().z() - geometry.spacing_mm.z() / 2));  // the last slice's middle
   for (int i = 0; i < 300; ++i) desk.send(Wheel{-1}, at.x(), at.y());
@@ -81,7 +82,7 @@ TEST_CASE("scrolling stops at the ends of the image") {
 TEST_CASE("slices are those that were acquired and no mean of two") {
   Desk desk;
   const auto on_voxel = [&] {
-    const Vec3 voxel = desk.document.volume->geometry.to_voxel(desk.state.crosshair_mm);
+    const Vec3 voxel = desk.document.scan.image->geometry.to_voxel(desk.state.crosshair_mm);
     return (voxel - Vec3(voxel.array().round().matrix())).norm() < 1e-6;
   };
   CHECK(on_voxel());
@@ -166,7 +167,7 @@ TEST_CASE("without a region to paint the brush says so and with one it paints th
   Desk desk;
   desk.state.tool = MouseTool::stiffness;
   desk.state.brush.paints = BrushPaints::region;
-  desk.document.regions = std::make_shared<const Regions>();
+  desk.document.change({}, [&](Structure& first) { first.paint.regions = std::make_shared<const Regions>(); });
   const Eigen::Vector2d at = desk.on_outline(ViewKind::axial);
   const auto dab = [&] {
     desk.send(MousePress{}, at.x(), at.y());
@@ -176,9 +177,9 @@ TEST_CASE("without a region to paint the brush says so and with one it paints th
   CHECK(dab().empty());
   REQUIRE(desk.state.notices.size() == 1);
   CHECK(desk.state.notices.front().text.find("Add one first") != std::string::npos);
-  auto regions = std::make_shared<Regions>(*desk.document.regions);
+  auto regions = std::make_shared<Regions>(*desk.document.structure()->paint.regions);
   regions->list.push_back({"hilum", 2, {255, 0, 0}});
-  desk.document.regions = regions;
+  desk.document.change({}, [&](Structure& first) { first.paint.regions = regions; });
   const auto painted = dab();
   REQUIRE(painted.size() == 1);
   CHECK(std::get<PaintRegion>(painted.front().action).name == "hilum");
@@ -202,7 +203,7 @@ TEST_CASE("Shift with the mouse moves the cross-hair") {
   desk.send(MouseMove{}, 300, 200, true);
   const Vec3 moved = desk.state.crosshair_mm;
   const Vec3 from_pointer = moved - *desk.state.hover->p_mm;  // at most to the middle of the voxel
-  CHECK(from_pointer.cwiseAbs().maxCoeff() <= desk.document.volume->geometry.spacing_mm.maxCoeff() / 2 + 1e-9);
+  CHECK(from_pointer.cwiseAbs().maxCoeff() <= desk.document.scan.image->geometry.spacing_mm.maxCoeff() / 2 + 1e-9);
   desk.send(Wheel{1}, 300, 200);
   const Vec3 scrolled = desk.state.crosshair_mm;
   desk.send(MouseMove{}, 300, 200, true);
@@ -253,7 +254,7 @@ TEST_CASE("a click on a placed landmark leaves it and a drag keeps its distance 
   const Eigen::Vector2d at = desk.middle_of(ViewKind::sagittal);
   update_hover(desk.state, desk.context(), at.x(), at.y());
   const Vec3 place = *desk.state.hover->p_mm + Vec3(0.5, 1, 1);
-  desk.document.shapes.at(0).landmarks["hilum"] = place;
+  test::changed_shape(desk.document).landmarks["hilum"] = place;
   desk.send(MousePress{}, at.x(), at.y());
   desk.send(MouseRelease{}, at.x(), at.y());
   CHECK(desk.sent<ApplyEdit>().empty());
@@ -327,10 +328,10 @@ TEST_CASE("the knob of the placement follows the pointer in any slice") {
 
 TEST_CASE("scrolling in oblique planes stops at the image's end and comes back where it was") {
   Desk desk;
-  auto volume = std::make_shared<Volume>(*desk.document.volume);
+  auto volume = std::make_shared<Volume>(*desk.document.scan.image);
   VolumeGeometry& geometry = volume->geometry;
   geometry.direction = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-  desk.document.volume = volume;
+  desk.document.scan.image = volume;
   desk.state.own_planes = true;
   desk.state.crosshair_mm = geometry.bounds_mm().center() + Vec3(3, 4, 5);
   settle_crosshair(desk.state, desk.document);

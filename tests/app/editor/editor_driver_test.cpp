@@ -46,7 +46,7 @@ struct Ball {
 };
 
 const Region* region_named(const Document& document, const std::string& name) {
-  for (const Region& region : document.regions->list)
+  for (const Region& region : document.structure()->paint.regions->list)
     if (region.name == name) return &region;
   return nullptr;
 }
@@ -128,7 +128,7 @@ TEST_CASE("the mesh is exported under the name that was typed and a file that is
   const fs::path file = driver.folder() / "out.ply";
   choose(driver, file);
   driver.wait_until("it is said that the file is written", [&] { return driver.shows("Written: " + file.string()); });
-  CHECK(test::must(read_mesh(file)).points.isApprox(*driver.document().shape().points, 1e-6));
+  CHECK(test::must(read_mesh(file)).points.isApprox(*driver.document().view()->shape.points, 1e-6));
 
   fs::resize_file(file, 0);
   driver.click("Export/Mesh…");
@@ -138,7 +138,7 @@ TEST_CASE("the mesh is exported under the name that was typed and a file that is
   driver.click("Replace it");
   driver.settle();
   CHECK(fs::file_size(file) > 0);
-  CHECK(test::must(read_mesh(file)).points.rows() == driver.document().shape().points->rows());
+  CHECK(test::must(read_mesh(file)).points.rows() == driver.document().view()->shape.points->rows());
 }
 
 TEST_CASE("a control that is not possible says why and does nothing") {
@@ -166,12 +166,14 @@ TEST_CASE("landmark files are read beside the window and taken into the case tha
   choose(driver, placed);
   // First what goes by itself.
   driver.wait_until("what is left out is said", [&] { return driver.shows("1 of 2 points left out"); });
-  driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("north"); });
+  driver.wait_until("the landmark is placed",
+                    [&] { return driver.document().view()->shape.landmarks.contains("north"); });
 
   driver.click("side panel/Template");
   driver.click("Template/Import…");
   choose(driver, on_template);
-  driver.wait_until("the template has it", [&] { return driver.document().the_template->landmarks.size() == 3; });
+  driver.wait_until("the template has it",
+                    [&] { return driver.document().structure()->the_template->landmarks.size() == 3; });
   CHECK(driver.shows("far (360 mm)"));
 
   // Asked for before another case was opened.
@@ -179,7 +181,7 @@ TEST_CASE("landmark files are read beside the window and taken into the case tha
   driver.app().handle({MouseMove{}});  // does the command, and takes nothing in yet
   driver.app().start_session(EditSession(ball.document()));
   driver.wait_until("that is said", [&] { return driver.shows("another case was opened meanwhile"); });
-  CHECK(driver.document().shape().landmarks.empty());
+  CHECK(driver.document().view()->shape.landmarks.empty());
 }
 
 TEST_CASE("an edit that is refused while another case opens is told") {
@@ -331,8 +333,9 @@ TEST_CASE("a template that was made is written like any other file and then used
   driver.wait_until("a fault is said", [&] { return driver.shows(driver.folder().string() + ": "); });
   driver.app().send(UseMadeTemplate{file});
   driver.wait_until("it is said that the file is written", [&] { return driver.shows("Written: " + file.string()); });
-  driver.wait_until("the case has it", [&] { return driver.document().the_template->source == file.string(); });
-  CHECK(driver.document().shape().points->rows() == 500);
+  driver.wait_until("the case has it",
+                    [&] { return driver.document().structure()->the_template->source == file.string(); });
+  CHECK(driver.document().view()->shape.points->rows() == 500);
 }
 
 TEST_CASE("the window closes only after a template that was made is written") {
@@ -396,7 +399,7 @@ TEST_CASE("an image and its label map are opened together") {
   driver.app().send(OpenFiles{{labels, image}});
   driver.wait_until("that is said", [&] { return driver.shows("labels.nii is shown as a label map"); });
   driver.settle();
-  CHECK(driver.document().volume_source == image.string());
+  CHECK(driver.document().scan.source == image.string());
   CHECK(driver.has("Make the template"));  // whoever opens a scan needs a template: its section is open
 }
 

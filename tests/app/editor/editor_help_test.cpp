@@ -119,11 +119,11 @@ TEST_CASE("the model completes what strokes leave open and leaves alone what is 
   CHECK_FALSE(help.completion(0));
 
   EditSession session(new_document("", nullptr, ball_template(26)));
-  const Points begun = *session.document().shape().points;
+  const Points begun = *session.document().view()->shape.points;
   REQUIRE(session.apply(Confirm{Vec3(26, 0, 0), 15, true}));
-  const VertexScalars held = *session.document().shape().confirmed;
+  const VertexScalars held = *session.document().view()->shape.confirmed;
   const auto helped = [&](double strength) {
-    return *test::must(session.preview(std::nullopt, {help.completion(strength)})).document.shape().points;
+    return *test::must(session.preview(std::nullopt, {help.completion(strength)})).document.view()->shape.points;
   };
   const Points half = helped(0.5), full = helped(1);
   CHECK((full - begun).norm() > 0.1);
@@ -138,14 +138,14 @@ TEST_CASE("the model completes what strokes leave open and leaves alone what is 
   pull.sigma_mm = 8;
   const Document plain = test::must(session.preview(pull)).document;
   const Document completed = test::must(session.preview(pull, {help.completion(1)})).document;
-  const VertexScalars known = known_vertices(plain.shape());
+  const VertexScalars known = known_vertices(plain.view()->shape);
   CHECK(known.maxCoeff() == 1);
   CHECK(known.mean() < 0.5);
-  const VertexScalars moved = (*completed.shape().points - *plain.shape().points).rowwise().norm();
+  const VertexScalars moved = (*completed.view()->shape.points - *plain.view()->shape.points).rowwise().norm();
   for (Eigen::Index i = 0; i < known.size(); ++i)
     if (known[i] >= 1) CHECK(moved[i] == 0);
   CHECK(moved.maxCoeff() > 0.01);
-  CHECK(known_vertices(completed.shape()) == known);
+  CHECK(known_vertices(completed.view()->shape) == known);
 }
 
 TEST_CASE("a model without one shape is the model of the others whatever that one is") {
@@ -184,7 +184,7 @@ TEST_CASE("the model's help does not add up and can be taken back") {
   CHECK_FALSE(help.update());
   EditSession session(new_document("", nullptr, ball_template(26)));
   REQUIRE(session.apply(Confirm{Vec3(26, 0, 0), 15, true}));
-  const auto points = [&] { return *session.document().shape().points; };
+  const auto points = [&] { return *session.document().view()->shape.points; };
   const auto blend = [&](double strength) {
     REQUIRE(session.apply(*test::must(help.completion(strength)(session.document()))));
   };
@@ -203,10 +203,11 @@ TEST_CASE("the model's help does not add up and can be taken back") {
   grab.sigma_mm = 8;
   REQUIRE(session.apply(grab));
   blend(0.5);
-  const Points aided = points(), unaided = unaided_points(session.document().shape());
+  const Points aided = points(), unaided = unaided_points(session.document().view()->shape);
   blend(0.5);
   CHECK((points() - aided).norm() < 1e-4);
-  REQUIRE(session.apply(points_edit(session.document(), unaided_points(session.document().shape()), by_model)));
+  REQUIRE(session.apply(
+      points_edit(*session.document().view(), unaided_points(session.document().view()->shape), by_model)));
   CHECK((points() - unaided).cwiseAbs().maxCoeff() < 2e-5);  // computed edits are rounded to 2⁻¹⁶ mm
   CHECK((unaided - aided).norm() > 0.05);
 }

@@ -11,6 +11,7 @@
 #include "core/mesh/icosphere.h"
 #include "core/mesh/mesh_io.h"
 #include "core/mesh/mirror.h"
+#include "tests/changed_shape.h"
 #include "tests/must.h"
 #include "tests/temporary_folder.h"
 
@@ -126,7 +127,7 @@ TEST_CASE("what is confirmed in the open case is so in the study") {
   std::ofstream(file) << "there is a file";
   const auto the_template = test::must(load_template((balls.folder.path / "a1.ply").string()));
   auto open = std::make_shared<Document>(new_document("", nullptr, the_template));
-  REQUIRE(open->has_shape());
+  REQUIRE(open->view());
   add_cases(balls.state, {file});
   Progress progress;
   StudyModelRequest request;
@@ -138,7 +139,7 @@ TEST_CASE("what is confirmed in the open case is so in the study") {
   request.known = before.known;
   CHECK(build_study_model(request, progress).shapes.at("c") == before.shapes.at("c"));
   auto confirmed = std::make_shared<Document>(*open);
-  confirmed->shapes.at(0).confirmed =
+  test::changed_shape(*confirmed).confirmed =
       std::make_shared<const VertexScalars>(VertexScalars::Ones(the_template->points.rows()));
   request.open_document = confirmed;
   const StudyModelBuilt after = build_study_model(request, progress);

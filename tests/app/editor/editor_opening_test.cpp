@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 void open_and_wait(Driver& driver, const fs::path& image) {
   driver.app().send(OpenFiles{{image}});
-  driver.wait_until("the image is open", [&] { return driver.document().volume_source == image.string(); });
+  driver.wait_until("the image is open", [&] { return driver.document().scan.source == image.string(); });
   driver.settle();
 }
 
@@ -44,14 +44,14 @@ TEST_CASE("a real heart opens from the first screen with its label map and can b
   for (int again = 0; again < 2; ++again) {
     driver.click("Case/Sample: a real heart");
     driver.wait_until("the heart is open",
-                      [&] { return driver.document().volume_source == image && driver.document().has_shape(); });
+                      [&] { return driver.document().scan.source == image && driver.document().view(); });
     driver.settle();
     CHECK(driver.shows("heart-labels.nii.gz"));
-    CHECK(driver.document().the_template->source == "built-in:ventricle");
-    const Vec3 at = driver.document().shape().points->row(0);
+    CHECK(driver.document().structure()->the_template->source == "built-in:ventricle");
+    const Vec3 at = driver.document().view()->shape.points->row(0);
     driver.app().send(ApplyEdit{Stroke{Tool::pull, at, at + Vec3(2, 0, 0), 10, {}, false, 1}, false});
     driver.settle();
-    CHECK(driver.document().shape().strokes == 1);
+    CHECK(driver.document().view()->shape.strokes == 1);
     CHECK((fs::status(image.parent_path()).permissions() & fs::perms::others_all) == fs::perms::none);
     write_bytes(image, "damaged");  // it is made anew where it is asked for again
   }
@@ -95,7 +95,7 @@ TEST_CASE("a scan is opened with grey values that show its tissue and a case wit
   Driver driver(scan.document());
   CHECK(driver.state().window_low == -160);
   CHECK(driver.state().window_high == 240);
-  Similarity aside = driver.document().shape().placement;
+  Similarity aside = driver.document().view()->shape.placement;
   aside.translation += Vec3(15, -12, 10);
   driver.app().send(ApplyEdit{SetPlacement{aside}});
   driver.settle();
@@ -116,7 +116,7 @@ TEST_CASE("a scan is opened with grey values that show its tissue and a case wit
   driver.app().send(OpenFiles{{of_case}});
   driver.wait_until("the case is open again", [&] { return driver.case_file() == of_case; });
   driver.settle();
-  const Box box = bounds_of(*driver.document().shape().points);
+  const Box box = bounds_of(*driver.document().view()->shape.points);
   CHECK((box.center() - Vec3(15, -12, 10)).norm() < 3);
   CHECK((driver.state().crosshair_mm - box.center()).cwiseAbs().maxCoeff() <= 1);  // within half a slice
   CHECK((driver.state().camera.target - box.center()).norm() < 0.01);
@@ -128,7 +128,8 @@ TEST_CASE("the template that was saved is the case's and comes with the next ima
   driver.click("side panel/Template");
   driver.type_into("new region", "lip");
   driver.press(key::enter);
-  driver.wait_until("the region is there", [&] { return driver.document().regions->list.size() == 1; });
+  driver.wait_until("the region is there",
+                    [&] { return driver.document().structure()->paint.regions->list.size() == 1; });
   driver.app().send(ApplyEdit{PaintRegion{"lip", Vec3(0, 0, 20), 10, 0}, false});
   for (const auto& [name, at] : std::map<std::string, Vec3>{{"north", {0, 0, 20}}, {"east", {20, 0, 0}}})
     name_landmark(driver, name, at);
@@ -141,9 +142,9 @@ TEST_CASE("the template that was saved is the case's and comes with the next ima
   const fs::path file = driver.case_file();
 
   open_and_wait(driver, globe.image("next.nii"));
-  CHECK(driver.document().the_template->source == mine.string());
-  CHECK(driver.document().the_template->landmarks.size() == 2);
-  CHECK(driver.document().regions->list.size() == 1);
+  CHECK(driver.document().structure()->the_template->source == mine.string());
+  CHECK(driver.document().structure()->the_template->landmarks.size() == 2);
+  CHECK(driver.document().structure()->paint.regions->list.size() == 1);
 
   // The same where the case was opened again in between.
   driver.app().send(OpenFiles{{file}});
@@ -151,7 +152,7 @@ TEST_CASE("the template that was saved is the case's and comes with the next ima
   driver.settle();
   CHECK(driver.shows("mine.ply"));
   open_and_wait(driver, globe.image("third.nii"));
-  CHECK(driver.document().the_template->source == mine.string());
+  CHECK(driver.document().structure()->the_template->source == mine.string());
 }
 
 TEST_CASE("a mirrored template is called so and a saved mirror image is not mirrored again") {
@@ -160,7 +161,7 @@ TEST_CASE("a mirrored template is called so and a saved mirror image is not mirr
   CHECK(driver.shows("kidney (built in)"));
   driver.click("Template/Mirror left and right");
   driver.wait_until("the panel says so", [&] { return driver.shows("kidney (built in, mirrored)"); });
-  const Points mirrored = driver.document().the_template->points;
+  const Points mirrored = driver.document().structure()->the_template->points;
   const fs::path left = driver.folder() / "left.ply";
   driver.app().send(ExportTemplate{left});
   driver.wait_until("it is saved", [&] { return driver.shows("The case goes on with left.ply"); });
@@ -168,7 +169,7 @@ TEST_CASE("a mirrored template is called so and a saved mirror image is not mirr
   CHECK_FALSE(driver.shows("mirrored)"));
   const Globe globe;
   open_and_wait(driver, globe.image("next.nii"));
-  CHECK(driver.document().the_template->points.isApprox(mirrored, 1e-5));
+  CHECK(driver.document().structure()->the_template->points.isApprox(mirrored, 1e-5));
 }
 
 TEST_CASE("the button that mirrors leaves a template of another scan where it lies") {
@@ -178,12 +179,12 @@ TEST_CASE("the button that mirrors leaves a template of another scan where it li
   Similarity placement;
   placement.translation = Vec3(170, -50, -880);
   Driver driver(new_document("", nullptr, test::must(make_template(std::move(file), "own.ply")), placement));
-  const Eigen::RowVector3d before = driver.document().shape().points->colwise().mean();
+  const Eigen::RowVector3d before = driver.document().view()->shape.points->colwise().mean();
   driver.click("side panel/Template");
   driver.click("Template/Mirror left and right");
-  driver.wait_until("it is mirrored", [&] { return driver.document().the_template->points(0, 0) > 0; });
+  driver.wait_until("it is mirrored", [&] { return driver.document().structure()->the_template->points(0, 0) > 0; });
   driver.settle();
-  const Points& after = *driver.document().shape().points;
+  const Points& after = *driver.document().view()->shape.points;
   CHECK((after.colwise().mean() - before).norm() < 1e-6);
   CHECK(driver.lines_with("\"keeps\"") == 1);
 }
@@ -207,11 +208,12 @@ TEST_CASE("a template that was made of a label on the image stays there and the 
   const double zoom = driver.state().slices[0].mm_per_px;
   const fs::path made = driver.folder() / "made.ply";
   driver.app().send(UseMadeTemplate{made});
-  driver.wait_until("the case has it", [&] { return driver.document().the_template->source == made.string(); });
+  driver.wait_until("the case has it",
+                    [&] { return driver.document().structure()->the_template->source == made.string(); });
   driver.settle();
   CHECK(driver.document().frame == 3);
   CHECK(driver.app().snapshot().shown->frame == 3);
-  CHECK((bounds_of(*driver.document().shape().points).center() - Vec3(8, -6, 5)).norm() < 0.5);
+  CHECK((bounds_of(*driver.document().view()->shape.points).center() - Vec3(8, -6, 5)).norm() < 0.5);
   CHECK(driver.state().crosshair_mm == looked_at);
   CHECK(driver.state().slices[0].mm_per_px == zoom);
 }
@@ -249,7 +251,7 @@ TEST_CASE("the status line says that a template has no landmarks instead of that
 TEST_CASE("each landmark is listed once and choosing a placed one leaves the slices where they are") {
   const Globe globe;
   Document document = globe.on(globe.image("ct.nii"));
-  document.holds_landmarks = true;
+  document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
   Driver driver(document);
   for (const auto& [name, at] : std::map<std::string, Vec3>{{"north", {0, 0, 20}}, {"south", {0, 0, -20}}})
     name_landmark(driver, name, at);

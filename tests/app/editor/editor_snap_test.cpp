@@ -51,7 +51,7 @@ TEST_CASE("the key N snaps the part under the pointer or else the whole mesh and
 
 TEST_CASE("a snap comes after what was asked before it and is undone as one step") {
   SessionThread session(EditSession(demo()), [] {});
-  const Points before = *demo().shape().points;
+  const Points before = *demo().view()->shape.points;
   session.apply(Confirm{Vec3(before.row(0)), 10, true});
   Snaps snaps;
   SnapSettings settings;
@@ -62,12 +62,12 @@ TEST_CASE("a snap comes after what was asked before it and is undone as one step
   const auto found = snaps.take();
   REQUIRE(found);
   CHECK_FALSE(snaps.busy());
-  CHECK(found->is_of(*done.document().shape().points));
+  CHECK(found->is_of(*done.document().view()->shape.points));
   CHECK(found->confidence->size() == before.rows());
   CHECK(found->moved_mm > 0);
-  CHECK(done.document().shape().points->row(0) == before.row(0));
+  CHECK(done.document().view()->shape.points->row(0) == before.row(0));
   REQUIRE(done.apply(Undo{}));
-  CHECK(*done.document().shape().points == before);
+  CHECK(*done.document().view()->shape.points == before);
 }
 
 TEST_CASE("a snap has ended wherever memory ran out") {
@@ -126,7 +126,7 @@ TEST_CASE("of several snaps the latest gives its result and one that is given up
   CHECK_FALSE(snaps.busy());
   const auto found = snaps.take();
   REQUIRE(found);
-  CHECK(found->is_of(*session.snapshot()->document->shape().points));
+  CHECK(found->is_of(*session.snapshot()->document->view()->shape.points));
   CHECK_FALSE(snaps.take());
   const auto before = session.snapshot()->document;
   snaps.start(session, std::nullopt, {});
@@ -151,7 +151,7 @@ TEST_CASE("what the boundary looks like is learned from the cases of a study tha
     // The second is done but has no image.
     Document begun =
         number == 3 ? new_document("", nullptr, the_template) : ball_on_image(24, folder.path / (one.name + ".nrrd"));
-    REQUIRE(create_case(new_document(begun.volume_source, begun.volume, the_template), one.file));
+    REQUIRE(create_case(new_document(begun.scan.source, begun.scan.image, the_template), one.file));
     study.cases.push_back(std::move(one));
   }
   const auto cases = cases_to_learn(study, {});

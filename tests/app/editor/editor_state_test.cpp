@@ -121,7 +121,7 @@ TEST_CASE("a case is opened alone or with its image") {
 }
 
 TEST_CASE("landmarks of a file are taken by the template's names") {
-  const std::string name = demo().the_template->landmarks.front().name;
+  const std::string name = demo().structure()->the_template->landmarks.front().name;
   const auto known = landmarks_of_template({{"elsewhere", Vec3::Zero()}, {name, Vec3::Ones()}}, demo());
   REQUIRE(known.size() == 1);
   CHECK(known[0].name == name);
@@ -158,7 +158,7 @@ TEST_CASE("after a snap its confidence is shown until another colouring or a bru
 }
 
 TEST_CASE("reach presets grow with the mesh") {
-  const Points& reference = *demo().shape().reference;
+  const Points& reference = *demo().view()->shape.reference;
   const auto once = default_sigmas_mm(reference), twice = default_sigmas_mm(2 * reference);
   for (std::size_t i = 0; i < 3; ++i) CHECK(twice[i] == doctest::Approx(2 * once[i]).epsilon(0.1));
 }

@@ -9,6 +9,7 @@
 #include "app/editor/update/tools/tool.h"
 #include "core/mesh/icosphere.h"
 #include "tests/ball.h"
+#include "tests/changed_shape.h"
 
 namespace homolog {
 
@@ -20,7 +21,7 @@ Document ball_with(std::size_t landmarks, std::size_t placed) {
   const std::vector<Landmark> all{{"north", Vec3(0, 0, 40)}, {"south", Vec3(0, 0, -40)}, {"east", Vec3(40, 0, 0)}};
   file.landmarks.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(landmarks));
   Document document = new_document("", nullptr, test::must(make_template(std::move(file), "ball")));
-  for (std::size_t l = 0; l < placed; ++l) document.shapes.at(0).landmarks[all[l].name] = all[l].position;
+  for (std::size_t l = 0; l < placed; ++l) test::changed_shape(document).landmarks[all[l].name] = all[l].position;
   return document;
 }
 
@@ -62,7 +63,7 @@ TEST_CASE("in every state the status line says what is so") {
           CHECK(holds_words(text, "no landmarks yet") == (places && landmarks == 0));
           if (holds_words(text, "placed; drag")) CHECK((places && landmarks > 0 && placed == landmarks));
           if (places && landmarks > placed) CHECK(holds_words(text, "Click where \""));
-          for (const auto& [name, at] : document.shape().landmarks)
+          for (const auto& [name, at] : document.view()->shape.landmarks)
             CHECK_FALSE(holds_words(text, ("\"" + name + "\" is.").c_str()));
         }
     }
@@ -76,7 +77,7 @@ TEST_CASE("without an image or a mesh the status line says what is missing whate
     EditorState state;
     state.tool = tool;
     CHECK(holds_words(status_of(state, snapshot_of(nothing), nothing).text, "Open an image"));
-    other_frame.volume = std::make_shared<const Volume>();
+    other_frame.scan.image = std::make_shared<const Volume>();
     CHECK(holds_words(status_of(state, snapshot_of(other_frame), other_frame).text, "This frame has no mesh yet"));
   }
 }
@@ -85,7 +86,7 @@ TEST_CASE("what the last edit said goes as soon as something else is in hand") {
   Document document = ball_with(3, 1);
   auto cine = std::make_shared<Volume>();
   cine->frames = 5;
-  document.volume = cine;
+  document.scan.image = cine;
   Snapshot snapshot = snapshot_of(document);
   snapshot.message = "12 vertices painted.";
   EditorState state;
@@ -115,7 +116,7 @@ TEST_CASE("the status line says whether the landmark under the pointer is held")
   state.hover = Hover{};
   state.hover->landmark = "north";
   CHECK(holds_words(status_of(state, snapshot_of(document), document).text, "\"north\" is free"));
-  Shape& shape = document.shapes.at(0);
+  Shape& shape = test::changed_shape(document);
   shape.confirmed = std::make_shared<const VertexScalars>(VertexScalars::Ones(shape.points->rows()));
   CHECK(holds_words(status_of(state, snapshot_of(document), document).text, "\"north\" is held"));
   shape.landmarks["north"] = Vec3(0, 0, 60);
@@ -125,9 +126,9 @@ TEST_CASE("the status line says whether the landmark under the pointer is held")
 
 TEST_CASE("the status line names the region that the brush paints also before one was chosen") {
   Document document = ball_with(0, 0);
-  auto regions = std::make_shared<Regions>(*document.regions);
+  auto regions = std::make_shared<Regions>(*document.structure()->paint.regions);
   regions->list = {{"cap", 2, {255, 0, 0}}, {"rim", 1, {0, 255, 0}}};
-  document.regions = regions;
+  document.change({}, [&](Structure& first) { first.paint.regions = regions; });
   EditorState state;
   state.tool = MouseTool::stiffness;
   state.brush.paints = BrushPaints::region;

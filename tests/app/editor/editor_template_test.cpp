@@ -43,7 +43,7 @@ TEST_CASE("the stiffness brush makes the action of what it paints and Alt revers
   const Vec3 at(0, 0, 20);
   state.brush.paints = BrushPaints::factor;
   CHECK(std::get<PaintStiffness>(*brush_action(state, document, at)).value ==
-        document.stiffness_base * state.brush.stiffness_factor);
+        document.structure()->paint.base * state.brush.stiffness_factor);
   state.brush.paints = BrushPaints::region;
   CHECK(std::get<PaintRegion>(*brush_action(state, document, at)).name == "hilum");
   CHECK(shown_colouring(state) == Colouring::regions);
@@ -61,9 +61,9 @@ TEST_CASE("regions colour the mesh as they say") {
   REQUIRE(session.apply(SetRegion{{"hilum", 1, {255, 0, 0}}}));
   REQUIRE(session.apply(PaintRegion{"hilum", {0, 0, 20}, 10, 0}));
   const Document& document = session.document();
-  const auto colours = mesh_colours(document, Colouring::regions, {}, 1);
+  const auto colours = mesh_colours(*document.view(), Colouring::regions, {}, 1);
   for (std::size_t i = 0; i < colours.size(); ++i)
-    CHECK((colours[i] == Rgb{1, 0, 0}) == (document.regions->of_vertex[i] == 1));
+    CHECK((colours[i] == Rgb{1, 0, 0}) == (document.structure()->paint.regions->of_vertex[i] == 1));
 }
 
 TEST_CASE("the template maker shows every stage and undo brings the one before back") {

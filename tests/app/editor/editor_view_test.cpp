@@ -5,6 +5,7 @@
 #include "app/editor/state/layout.h"
 #include "app/editor/state/view_geometry.h"
 #include "core/mesh/icosphere.h"
+#include "tests/changed_shape.h"
 #include "tests/render_help.h"
 
 namespace homolog {
@@ -22,10 +23,8 @@ Document document_of(const Mesh& mesh) {
   Template own;
   own.topology = mesh.topology;
   own.points = mesh.points;
-  Document document;
-  document.the_template = std::make_shared<const Template>(std::move(own));
-  document.shapes[0].points = std::make_shared<const Points>(mesh.points);
-  return document;
+  own.stiffness = VertexScalars::Ones(mesh.points.rows());
+  return new_document("", nullptr, std::make_shared<const Template>(std::move(own)), Similarity{});
 }
 
 }  // namespace
@@ -171,7 +170,7 @@ TEST_CASE("the first point of a sphere along a ray is the near one and a plane b
   ShownMesh mesh;
   Document sphere = document_of(icosphere(3, 10));
   const Ray ray{Vec3(0, -100, 0), Vec3(0, 2, 0)};
-  const auto hit = mesh.first_on_surface(sphere, ray);
+  const auto hit = mesh.first_on_surface(*sphere.view(), ray);
   REQUIRE(hit);
   CHECK(hit->y() == doctest::Approx(-10).epsilon(0.02));
   VolumeGeometry image;
@@ -185,18 +184,18 @@ TEST_CASE("the first point of a sphere along a ray is the near one and a plane b
   CHECK_FALSE(hidden_by_planes(plane_at(-60), image, ray, *hit));
   CHECK_FALSE(hidden_by_planes({}, image, ray, *hit));
 
-  sphere.shapes.at(0).points = std::make_shared<const Points>(2 * *sphere.shape().points);
-  CHECK(mesh.first_on_surface(sphere, ray)->y() == doctest::Approx(-20).epsilon(0.02));
+  test::changed_shape(sphere).points = std::make_shared<const Points>(2 * *sphere.view()->shape.points);
+  CHECK(mesh.first_on_surface(*sphere.view(), ray)->y() == doctest::Approx(-20).epsilon(0.02));
 }
 
 TEST_CASE("the nearest outline point of a sphere is found within reach only") {
   const ShownMesh mesh;
   const Document sphere = document_of(icosphere(3, 10));
   const SliceView slice = test::axial(Vec3::Zero(), 1);
-  const auto near = mesh.nearest_on_outline(sphere, slice, Vec3(12, 0, 0), 3);
+  const auto near = mesh.nearest_on_outline(*sphere.view(), slice, Vec3(12, 0, 0), 3);
   REQUIRE(near);
   CHECK(near->x() == doctest::Approx(10).epsilon(0.02));
-  CHECK_FALSE(mesh.nearest_on_outline(sphere, slice, Vec3(14, 0, 0), 3));
+  CHECK_FALSE(mesh.nearest_on_outline(*sphere.view(), slice, Vec3(14, 0, 0), 3));
 }
 
 TEST_CASE("an outline is worked out once for a mesh and a plane, and anew for another") {

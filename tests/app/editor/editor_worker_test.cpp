@@ -137,9 +137,9 @@ TEST_CASE("the quality monitor measures the mesh posted last and forgets when th
 TEST_CASE("a mesh that cannot be measured ends in a sentence and the next is measured") {
   std::atomic<int> measured = 0;
   QualityMonitor monitor([] {},
-                         [&](const Document& document) {
+                         [&](const ShapeView& shown) {
                            if (++measured == 1) throw std::bad_alloc();
-                           return quality_figures(document);
+                           return quality_figures(shown);
                          });
   monitor.post(std::make_shared<const Document>(ball_document(20)));
   monitor.finish();

@@ -220,7 +220,7 @@ TEST_CASE("every item of every menu and every button of a card does something") 
   driver.app().send(ShowModels{false});
   driver.settle();
   hands.operate_each("guide/", [&] {
-    driver.state().guide = guide_to(driver.document().mesh(), 1.2 * *driver.document().shape().points);
+    driver.state().guide = guide_to(driver.document().view()->mesh(), 1.2 * *driver.document().view()->shape.points);
     driver.state().guide->at = 2;
   });
   driver.state().guide.reset();

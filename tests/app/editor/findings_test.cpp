@@ -57,24 +57,24 @@ TEST_CASE("vertices without a clear edge are grouped and large groups come first
 TEST_CASE("five pulls along the guide's arrows bring the first case to its boundary") {
   FirstCase first = test::must(first_case());
   REQUIRE(first.guide.steps.size() == 5);
-  const Mesh truth{first.document.the_template->topology, phantom_truth(Organ::kidney, 1).front().points};
+  const Mesh truth{first.document.structure()->the_template->topology, phantom_truth(Organ::kidney, 1).front().points};
   EditSession session(first.document);
-  const double before_mm = surface_distance(session.document().mesh(), truth).mean_mm;
-  const double sigma_mm = default_sigmas_mm(*session.document().shape().reference).back();
+  const double before_mm = surface_distance(session.document().view()->mesh(), truth).mean_mm;
+  const double sigma_mm = default_sigmas_mm(*session.document().view()->shape.reference).back();
   for (const GuideStep& step : first.guide.steps) {
     CHECK(step.far_mm > 3);  // to be seen
-    const Vec3 at = pulled_from(step, session.document().mesh());
+    const Vec3 at = pulled_from(step, session.document().view()->mesh());
     test::must(session.apply(Stroke{Tool::pull, at, step.to_mm, sigma_mm}));
-    CHECK(is_done(step, session.document().mesh()));
+    CHECK(is_done(step, session.document().view()->mesh()));
   }
-  const double after_mm = surface_distance(session.document().mesh(), truth).mean_mm;
+  const double after_mm = surface_distance(session.document().view()->mesh(), truth).mean_mm;
   CAPTURE(after_mm);
   CHECK(after_mm < 0.5 * before_mm);
 }
 
 TEST_CASE("looking closely brings all views to the place") {
   Desk desk;
-  const Mesh mesh = desk.document.mesh();
+  const Mesh mesh = desk.document.view()->mesh();
   look_closely(desk.state, mesh, 7);
   const Vec3 at = mesh.points.row(7);
   CHECK(desk.state.crosshair_mm == at);

@@ -87,7 +87,7 @@ void open_image(Driver& driver, const fs::path& image, const char* button) {
   if (!driver.has(button)) driver.click("side panel/Template");
   driver.click(button);
   driver.settle();
-  REQUIRE(driver.document().has_shape());
+  REQUIRE(driver.document().view());
 }
 
 /// px of a point in a view, which is made to show it.
@@ -122,7 +122,7 @@ void drag(Driver& driver, ViewKind view, const Vec3& from_mm, const Vec3& to_mm)
 
 /// Pulls the vertex of the outline that is most to one side in the axial slice through the mesh's middle.
 void pull_outwards(Driver& driver, double mm) {
-  const Points points = *driver.document().shape().points;
+  const Points points = *driver.document().view()->shape.points;
   Eigen::Index vertex = 0;
   points.col(0).maxCoeff(&vertex);
   const Vec3 from = points.row(vertex);
@@ -136,7 +136,7 @@ void place_landmarks(Driver& driver, const fs::path& truth, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) {
     driver.click(landmarks[k].name + "/row");
     click_at(driver, ViewKind::axial, landmarks[k].position);
-    REQUIRE_MESSAGE(driver.document().shape().landmarks.contains(landmarks[k].name), landmarks[k].name);
+    REQUIRE_MESSAGE(driver.document().view()->shape.landmarks.contains(landmarks[k].name), landmarks[k].name);
   }
   driver.click("side panel/Place");
 }
@@ -182,7 +182,7 @@ TEST_CASE("a kidney made by hand comes out of its log with the same bytes") {
         driver.press('P');
         driver.press('1');
         pull_outwards(driver, 2);
-        CHECK(driver.document().shape().strokes == 1);
+        CHECK(driver.document().view()->shape.strokes == 1);
         snap(driver);
         driver.press('Z', {false, true, false});
         driver.settle();
@@ -218,10 +218,11 @@ TEST_CASE("a cine propagated and corrected comes out of its log with the same by
   check_job(desktop, 1, [&](Driver& driver) {
     driver.app().send(OpenFiles{{image, ball}});
     driver.settle();
-    REQUIRE(driver.document().has_shape());
+    REQUIRE(driver.document().view());
     const auto propagate = [&](std::size_t frames) {
       driver.click("Cine/Propagate");
-      driver.wait_until("every frame has a mesh", [&] { return driver.document().shapes.size() == frames; });
+      driver.wait_until("every frame has a mesh",
+                        [&] { return driver.document().structure()->shapes.size() == frames; });
       driver.settle();
     };
     propagate(BeatingBall::frames);
@@ -260,7 +261,7 @@ TEST_CASE("a template of one's own comes out of its log with the same bytes") {
     driver.settle();
     driver.click("Template/Save and use…");
     pick_file(driver, desktop.out / "ball-template.ply");  // the log writes it again: it is gone by then
-    driver.wait_until("the case has it", [&] { return driver.document().has_shape(); });
+    driver.wait_until("the case has it", [&] { return driver.document().view().has_value(); });
     driver.settle();
     // A region is painted and a landmark named, and the template saved with both.
     if (!driver.has("Template/Add")) driver.click("side panel/Template");
@@ -270,7 +271,7 @@ TEST_CASE("a template of one's own comes out of its log with the same bytes") {
     driver.press('B');
     driver.click("Deform/paints/Region");
     driver.settle();
-    click_at(driver, ViewKind::axial, driver.document().shape().points->row(0));
+    click_at(driver, ViewKind::axial, driver.document().view()->shape.points->row(0));
     driver.click("Template/Save the template…");
     pick_file(driver, desktop.out / "mine.ply");
     driver.settle();
@@ -347,7 +348,7 @@ TEST_CASE("the first ten minutes come out of their log with the same bytes") {
         REQUIRE(driver.state().guide->steps.size() == 5);
         for (std::size_t k = 0; k < 5 && driver.state().guide->at < 5; ++k) {
           const GuideStep step = driver.state().guide->steps[driver.state().guide->at];
-          const Vec3 from = pulled_from(step, driver.document().mesh());
+          const Vec3 from = pulled_from(step, driver.document().view()->mesh());
           driver.press('3');
           drag(driver, step.view, from, step.to_mm);
           driver.settle();

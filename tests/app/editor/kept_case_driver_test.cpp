@@ -33,8 +33,8 @@ struct OpenOrgan {
   OpenOrgan() {
     fs::create_directory(folder);
     Document document = scan.document();
-    document.volume_source = (scan.folder.path / "scan.nii").string();
-    REQUIRE(write_volume(*document.volume, document.volume_source));
+    document.scan.source = (scan.folder.path / "scan.nii").string();
+    REQUIRE(write_volume(*document.scan.image, document.scan.source));
     { REQUIRE(create_case(document, file)); }
     open();
   }
@@ -44,7 +44,7 @@ struct OpenOrgan {
     driver.settle();
   }
   void pull() {
-    const Vec3 at = driver.document().shape().points->row(0);
+    const Vec3 at = driver.document().view()->shape.points->row(0);
     driver.app().send(ApplyEdit{Stroke{Tool::pull, at, 1.1 * at, 8}});
     driver.settle();
   }

@@ -126,7 +126,7 @@ TEST_CASE("files of a case go where the last one went until an image of another 
   fs::copy_file(scan.folder.path / "scan.nii", driver.folder() / "far" / "scan.nii");
   driver.app().send(OpenFiles{{driver.folder() / "far" / "scan.nii"}});
   driver.wait_until("the image is another",
-                    [&] { return driver.document().volume_source.find("/far/") != std::string::npos; });
+                    [&] { return driver.document().scan.source.find("/far/") != std::string::npos; });
   driver.settle();
   driver.click("Export/Mesh…");
   CHECK(files_of(driver).folder == driver.folder() / "far");
@@ -138,18 +138,18 @@ TEST_CASE("the template of a demo is not taken into an image of one's own and on
   REQUIRE(write_volume(*OrganScan::image(), image));
   const auto open_own_image = [&](Driver& driver) {
     driver.app().send(OpenFiles{{image}});
-    driver.wait_until("the image is open", [&] { return driver.document().volume_source == image.string(); });
+    driver.wait_until("the image is open", [&] { return driver.document().scan.source == image.string(); });
     driver.settle();
   };
   {
     Driver driver(test::must(demo_document(Organ::kidney, 1)));
     open_own_image(driver);
-    CHECK_FALSE(driver.document().the_template);
+    CHECK(driver.document().structures.empty());
     CHECK(driver.shows("There is no mesh yet. Load a template first (Template)."));
   }
   Driver driver(new_document("", nullptr, test::must(load_template("built-in:kidney"))));
   open_own_image(driver);
-  CHECK(driver.document().has_shape());
+  CHECK(driver.document().view());
 }
 
 TEST_CASE("a mesh file that does not keep what a shape model needs says so when it is written") {

@@ -77,8 +77,9 @@ TEST_CASE("a whole job is done with keys alone") {
   const Vec3 place = pointed_at(driver);
   CHECK(place.x() == doctest::Approx(22).epsilon(0.05));
   driver.press(key::enter);
-  driver.wait_until("the landmark is placed", [&] { return driver.document().shape().landmarks.contains("left"); });
-  CHECK(driver.document().shape().landmarks.at("left").isApprox(place, 1e-3));
+  driver.wait_until("the landmark is placed",
+                    [&] { return driver.document().view()->shape.landmarks.contains("left"); });
+  CHECK(driver.document().view()->shape.landmarks.at("left").isApprox(place, 1e-3));
   driver.press(key::escape);
 
   // A number is typed, and changed step by step.
@@ -108,19 +109,20 @@ TEST_CASE("a whole job is done with keys alone") {
   driver.press(key::escape);
   CHECK_FALSE(driver.state().drag);
   driver.settle();
-  CHECK(driver.document().shape().strokes == 0);
+  CHECK(driver.document().view()->shape.strokes == 0);
   driver.press(key::down, ctrl);  // the mesh is elsewhere again
   for (int k = 0; k < 200 && !driver.state().hover->on_mesh; ++k) driver.press(key::down, ctrl);
   driver.press(' ');
   driver.press(key::up);
   driver.press(' ');
-  driver.wait_until("the stroke is in the case", [&] { return driver.document().shape().strokes == 1; });
+  driver.wait_until("the stroke is in the case", [&] { return driver.document().view()->shape.strokes == 1; });
   driver.press(key::escape);
 
-  const Points pulled = *driver.document().shape().points;
+  const Points pulled = *driver.document().view()->shape.points;
   driver.press('N');  // where the pointer was
-  driver.wait_until("the mesh has snapped",
-                    [&] { return (*driver.document().shape().points - pulled).rowwise().norm().maxCoeff() > 0.5; });
+  driver.wait_until("the mesh has snapped", [&] {
+    return (*driver.document().view()->shape.points - pulled).rowwise().norm().maxCoeff() > 0.5;
+  });
 
   // A menu: what was done is listed, and the last of it is taken back.
   driver.go_to("top bar/history");
@@ -130,7 +132,7 @@ TEST_CASE("a whole job is done with keys alone") {
   driver.press(key::up);
   driver.press(key::enter);
   driver.settle();
-  CHECK(bool(*driver.document().shape().points == pulled));
+  CHECK(bool(*driver.document().view()->shape.points == pulled));
   CHECK(keys_at(driver) == "top bar/history");
 
   // The file is chosen with keys: into a new folder, and under a name.

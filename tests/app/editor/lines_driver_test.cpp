@@ -197,16 +197,16 @@ TEST_CASE("the slices of an image without a mesh fill the 3D view") {
 
 TEST_CASE("triangles that are thin in the template itself are no fault and those that became thin are") {
   Document document = new_document("", nullptr, test::must(load_template("built-in:ventricle")));
-  REQUIRE(quality_figures(document).min_angle_deg < thin_below_deg);  // the fan at the apex
+  REQUIRE(quality_figures(*document.view()).min_angle_deg < thin_below_deg);  // the fan at the apex
   Driver driver(document, {1280, 1600, 1});
   driver.wait_until("the mesh is measured", [&] { return driver.shows("Six neighbours"); });
   driver.settle();
   CHECK_FALSE(driver.has("Correspondence/Smallest angle"));  // a link only where there is something to go to
-  const auto& triangles = document.the_template->topology->triangles();
+  const auto& triangles = document.structure()->the_template->topology->triangles();
   Eigen::Index face = 0;  // one of good shape
-  while (smallest_angle_deg(document.mesh(), face) < 25) ++face;
+  while (smallest_angle_deg(document.view()->mesh(), face) < 25) ++face;
   SetPoints squeezed;
-  auto points = std::make_shared<Points>(*driver.document().shape().points);
+  auto points = std::make_shared<Points>(*driver.document().view()->shape.points);
   points->row(triangles(face, 0)) = 0.97 * points->row(triangles(face, 1)) + 0.03 * points->row(triangles(face, 2));
   squeezed.points = points;
   driver.app().send(ApplyEdit{squeezed});

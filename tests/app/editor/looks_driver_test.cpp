@@ -308,7 +308,7 @@ TEST_CASE("names of landmarks and the ruler's length keep off the frame of their
   Driver driver(scan.document({"lateral convexity", "lower end", "left lip"}));
   driver.press('L');
   driver.settle();
-  const Points& points = *driver.document().shape().points;
+  const Points& points = *driver.document().view()->shape.points;
   int seen = 0;
   for (const ViewKind kind : slice_views)
     for (double shift_px = -160; shift_px <= 160; shift_px += 4) {

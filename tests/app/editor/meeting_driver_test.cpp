@@ -49,7 +49,8 @@ TEST_CASE("a template in RAS is asked about, one in metres is said, one in place
     driver.state().notices.clear();
     driver.app().send(OpenFiles{{scan.image, mesh}});
     driver.wait_until("the template is there", [&] {
-      return driver.document().the_template && driver.document().the_template->source == mesh.string();
+      return driver.document().structure() != nullptr &&
+             driver.document().structure()->the_template->source == mesh.string();
     });
     driver.settle();
   };
@@ -61,7 +62,7 @@ TEST_CASE("a template in RAS is asked about, one in metres is said, one in place
   REQUIRE(driver.shows("Are the mesh's coordinates RAS?"));
   driver.click("Are the mesh's coordinates RAS?/Flip RAS to LPS");
   driver.settle();
-  const Points& points = *driver.document().shape().points;
+  const Points& points = *driver.document().view()->shape.points;
   CHECK((points.colwise().mean().transpose() - Vec3(at_x, at_y, at_z)).norm() < 0.5);
 
   open(scan.mesh("metres.ply", {1e-3, 1e-3, 1e-3}));
@@ -74,7 +75,7 @@ TEST_CASE("a label map whose header means RAS for LPS is said to be turned") {
   const FarScan scan;
   Driver driver(new_document({}, nullptr, nullptr));
   driver.app().send(OpenFiles{{scan.image}});
-  driver.wait_until("the image is open", [&] { return driver.document().volume_source == scan.image.string(); });
+  driver.wait_until("the image is open", [&] { return driver.document().scan.source == scan.image.string(); });
   driver.settle();
   Volume labels = label_map(FarScan::ball(20), FarScan::grid(), 1);
   labels.geometry.origin_mm = labels.geometry.origin_mm.cwiseProduct(Vec3(-1, -1, 1));

@@ -11,6 +11,7 @@
 #include "core/volume/volume_io.h"
 #include "tests/ball.h"
 #include "tests/beating_ball.h"
+#include "tests/changed_shape.h"
 #include "tests/driver.h"
 #include "tests/must.h"
 #include "tests/organ_scan.h"
@@ -78,7 +79,7 @@ TEST_CASE("nothing below a snap's figures moves when a stroke makes them unknown
   const auto before = places(driver);
   CHECK(driver.control("overlay/Confidence").enabled);
   Stroke pull;
-  pull.at = driver.document().shape().points->row(0);
+  pull.at = driver.document().view()->shape.points->row(0);
   pull.to = 1.2 * pull.at;
   pull.sigma_mm = 8;
   driver.app().send(ApplyEdit{pull});
@@ -99,7 +100,7 @@ TEST_CASE("the section that a person looks at stays when one above it grows") {
   const float before = driver.control("side panel/Place").rect.y;
   CHECK(before < 100);
   Stroke pull;
-  pull.at = driver.document().shape().points->row(0);
+  pull.at = driver.document().view()->shape.points->row(0);
   pull.to = 1.1 * pull.at;
   pull.sigma_mm = 12;
   driver.app().send(ApplyEdit{pull});
@@ -138,17 +139,17 @@ TEST_CASE("the doubt of a fit is an overlay with a legend and a figure") {
   driver.wait_until("the figure is there", [&] { return driver.shows(" mm, at most 1"); });
   CHECK(driver.state().colouring == Colouring::doubt);
   const Document& document = driver.document();
-  REQUIRE(document.shape().doubt_mm);
-  const auto colours = mesh_colours(document, Colouring::doubt, {}, 1);
+  REQUIRE(document.view()->shape.doubt_mm);
+  const auto colours = mesh_colours(*document.view(), Colouring::doubt, {}, 1);
   // 6 % of the root of the area is 5.1 mm, and so is the scale's end rounded up.
-  CHECK(colouring_legend(document, Colouring::doubt).high == "\xe2\x89\xa5 10 mm");
+  CHECK(colouring_legend(*document.view(), Colouring::doubt).high == "\xe2\x89\xa5 10 mm");
   CHECK(std::any_of(colours.begin(), colours.end(), [&](const Rgb& one) { return one != colours.front(); }));
 
   // What a person confirmed is in doubt no more.
-  CHECK_FALSE(colouring_legend(document, Colouring::doubt).has_confirmed);
+  CHECK_FALSE(colouring_legend(*document.view(), Colouring::doubt).has_confirmed);
   driver.app().send(ApplyEdit{Confirm{Vec3::Zero(), 100}});
   driver.wait_until("nothing is in doubt", [&] { return driver.shows("0.0 mm, at most 0.0 mm"); });
-  CHECK(colouring_legend(driver.document(), Colouring::doubt).has_confirmed);
+  CHECK(colouring_legend(*driver.document().view(), Colouring::doubt).has_confirmed);
 }
 
 TEST_CASE("a fit to an organ that the scan cuts marks what is missing in grey") {
@@ -182,22 +183,22 @@ TEST_CASE("a fit to an organ that the scan cuts marks what is missing in grey") 
   CHECK(fitted.target.p95_mm < 1.6);
   CHECK(driver.shows("the scan lacks this part"));
 
-  const Shape shape = driver.document().shape();
+  const Shape shape = driver.document().view()->shape;
   REQUIRE(shape.outlier);
   const auto top = shape.points->col(2).array() > 16;
   const auto below = shape.points->col(2).array() < 4;
   CHECK((shape.outlier->array() * top.cast<double>()).sum() > 0.9 * static_cast<double>(top.count()));
   CHECK((shape.outlier->array() * below.cast<double>()).sum() == 0);
-  const auto greyed = mesh_colours(driver.document(), Colouring::moved, {}, 1);
+  const auto greyed = mesh_colours(*driver.document().view(), Colouring::moved, {}, 1);
   Document whole = driver.document();
-  whole.shapes.at(0).outlier.reset();
-  const auto plain = mesh_colours(whole, Colouring::moved, {}, 1);
+  test::changed_shape(whole).outlier.reset();
+  const auto plain = mesh_colours(*whole.view(), Colouring::moved, {}, 1);
   for (std::size_t i = 0; i < plain.size(); ++i)
     CHECK((greyed[i] == plain[i]) == ((*shape.outlier)[static_cast<Eigen::Index>(i)] == 0));
 
   driver.app().send(ApplyEdit{Undo{}});
   driver.settle();
-  CHECK_FALSE(driver.document().shape().outlier);
+  CHECK_FALSE(driver.document().view()->shape.outlier);
   CHECK_FALSE(driver.shows("the scan lacks this part"));
 }
 

@@ -41,7 +41,7 @@ struct TwoLabels {
     ball.landmarks = {{"north", Vec3(0, 0, 20)}, {"left inferior articular process tip", Vec3(0, 0, -20)}};
     REQUIRE(write_mesh_file(ball, folder.path / "ball.ply"));
     document = new_document("", nullptr, test::must(load_template((folder.path / "ball.ply").string())));
-    document.holds_landmarks = true;
+    document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
     VolumeGeometry grid;
     grid.dims = {80, 60, 60};
     grid.origin_mm = Vec3(-29.5, -29.5, -29.5);
@@ -86,13 +86,13 @@ TEST_CASE("what landmarks hold does not block a fit and what a person confirmed 
   driver.click("side panel/Place");
   open_labels_of(driver, two);
   apply(driver, PlaceLandmark{"north", Vec3(0, 0, 19)});
-  REQUIRE(landmark_hold(*driver.document().the_template, 0, driver.document().shape()).held);
+  REQUIRE(landmark_hold(*driver.document().structure()->the_template, 0, driver.document().view()->shape).held);
   CHECK(driver.control("Place/Fit to the label").enabled);
   apply(driver, Confirm{Vec3(20, 0, 0), 8, true});
   CHECK_FALSE(driver.control("Place/Fit to the label").enabled);
   driver.click("Place/Free the confirmed vertices");
   driver.settle();
-  CHECK_FALSE(driver.document().shape().confirmed);
+  CHECK_FALSE(driver.document().view()->shape.confirmed);
   CHECK_FALSE(driver.has("Place/Free the confirmed vertices"));
   CHECK(driver.control("Place/Fit to the label").enabled);
 }
@@ -104,7 +104,7 @@ TEST_CASE("a fit begins with the label that the mesh lies in and the foot line n
   open_labels_of(driver, two);
   CHECK(driver.control("Place/label").value == "Label 2");
   driver.click("Place/Fit to the label");
-  driver.wait_until("the fit is done", [&] { return driver.document().shape().points->row(0).norm() < 19; });
+  driver.wait_until("the fit is done", [&] { return driver.document().view()->shape.points->row(0).norm() < 19; });
   CHECK(label_at_mesh(test::must(read_volume(two.labels)).volume, 0, icosphere(2, 500).points) == 0);
 }
 
@@ -194,7 +194,7 @@ TEST_CASE("once a landmark of the template has its place the tool from before is
     driver.settle();
   };
   click_mesh(0);
-  CHECK(driver.document().the_template->landmarks.size() == 3);
+  CHECK(driver.document().structure()->the_template->landmarks.size() == 3);
   CHECK(driver.control("new landmark").value.empty());
   CHECK(driver.state().tool == before);
   CHECK_FALSE(driver.shows("Type a landmark's name"));
@@ -202,8 +202,8 @@ TEST_CASE("once a landmark of the template has its place the tool from before is
   driver.click("Move or remove landmarks…");
   CHECK(driver.shows("Type a landmark's name, or choose one in the list to move it (Template)."));
   driver.click("Template/east/east");
-  const Points& points = *driver.document().shape().points;
-  const auto east = [&] { return carried_landmark(*driver.document().the_template, 2, points); };
+  const Points& points = *driver.document().view()->shape.points;
+  const auto east = [&] { return carried_landmark(*driver.document().structure()->the_template, 2, points); };
   const Vec3 was = east();
   click_mesh(20);
   CHECK((east() - was).norm() > 0.5);
@@ -250,7 +250,7 @@ TEST_CASE("what came of a fit alone is called an edit and no stroke") {
   const TwoLabels two;
   Driver driver(two.document);
   SetPoints fitted;
-  fitted.points = std::make_shared<const Points>(0.9 * *driver.document().shape().points);
+  fitted.points = std::make_shared<const Points>(0.9 * *driver.document().view()->shape.points);
   apply(driver, fitted);
   CHECK_FALSE(text_that_holds(driver, "Edits of the mesh").name.empty());
   CHECK(text_that_holds(driver, "Strokes").name.empty());

@@ -153,7 +153,7 @@ TEST_CASE("J looks at the next fault with the patient upright and says which it 
   const OrganScan scan;
   Driver driver(scan.document());
   SetPoints broken;
-  auto points = std::make_shared<Points>(*driver.document().shape().points);
+  auto points = std::make_shared<Points>(*driver.document().view()->shape.points);
   points->row(5) *= -1.3;
   broken.points = points;
   driver.app().send(ApplyEdit{broken});

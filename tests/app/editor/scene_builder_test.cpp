@@ -5,15 +5,16 @@
 #include "core/mesh/icosphere.h"
 #include "render/label_colours.h"
 #include "tests/ball.h"
+#include "tests/changed_shape.h"
 
 namespace homolog {
 
 TEST_CASE("the overlay known follows the frame also where two frames share their points") {
   Document document = ball_document(40, 2);
-  Shape begun = document.shape();  // as a frame that was started from the other one
-  document.shapes.at(0).decided =
-      std::make_shared<const VertexScalars>(VertexScalars::Ones(document.shape().points->rows()));
-  document.shapes.emplace(1, std::move(begun));
+  Shape begun = document.view()->shape;  // as a frame that was started from the other one
+  test::changed_shape(document).decided =
+      std::make_shared<const VertexScalars>(VertexScalars::Ones(document.view()->shape.points->rows()));
+  document.change({}, [&](Structure& first) { first.set_shape(1, std::move(begun)); });
   EditorState state;
   state.colouring = Colouring::known;
   const std::optional<EditReport> no_preview;

@@ -186,7 +186,7 @@ TEST_CASE("golden pictures of the guide and of what the keys have reached") {
   if (!gl) return;
   const OrganScan scan;
   Driver driver(scan.document(), usual);
-  driver.state().guide = guide_to(driver.document().mesh(), 1.2 * *driver.document().shape().points);
+  driver.state().guide = guide_to(driver.document().view()->mesh(), 1.2 * *driver.document().view()->shape.points);
   check_screen(driver, "guide");
   driver.state().guide.reset();
   driver.go_to("top bar/Outlines of the mesh in the slices (O)");

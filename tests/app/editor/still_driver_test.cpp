@@ -80,7 +80,7 @@ TEST_CASE("no control of the panel moves while a cine is propagated") {
       driver.app().send(ShowFrame{frame});
       driver.settle();
       Stroke pull;
-      pull.at = driver.document().shape().points->row(0);
+      pull.at = driver.document().view()->shape.points->row(0);
       pull.to = 1.05 * pull.at;
       pull.sigma_mm = 12;
       driver.app().send(ApplyEdit{pull});

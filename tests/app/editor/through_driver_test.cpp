@@ -8,6 +8,7 @@
 #include "app/editor/state/view_geometry.h"
 #include "core/mesh/icosphere.h"
 #include "tests/beating_ball.h"
+#include "tests/changed_shape.h"
 #include "tests/driver.h"
 #include "tests/must.h"
 
@@ -27,7 +28,7 @@ Document disc_document() {
   disc.col(1) *= half_thickness_mm / 25;
   Document document = new_document("disc", std::make_shared<const Volume>(BeatingBall::cine()),
                                    test::must(make_template({disc, ball.topology->triangles()}, "disc.ply")));
-  Shape& shape = document.shapes.at(0);
+  Shape& shape = test::changed_shape(document);
   shape.placement = shape.before_landmarks = {};
   shape.placed = shape.reference = shape.points = std::make_shared<const Points>(disc);
   return document;

@@ -32,13 +32,13 @@ TEST_CASE("a scale beyond its limits is refused with them and the mesh stays") {
   const OrganScan scan;
   Driver driver(scan.document(), {1280, 1400, 1});
   driver.click("side panel/Place");
-  const Points before = *driver.document().shape().points;
+  const Points before = *driver.document().view()->shape.points;
   const int placements = driver.lines_with("\"placement\"");
   for (const char* text : {"8", "0.1", "-1", "80", "1e400", "1,5", "1.2.3", "abc", "2 x"}) {
     CAPTURE(text);
     type_number(driver, "Place/Scale/value", text);
     CHECK(driver.control("Place/Scale/value").value == "1.000");
-    CHECK(*driver.document().shape().points == before);
+    CHECK(*driver.document().view()->shape.points == before);
     CHECK(notice_says(driver, std::string("Scale stays as it is: \"") + text + "\""));
   }
   type_number(driver, "Place/Scale/value", "8");
@@ -48,11 +48,11 @@ TEST_CASE("a scale beyond its limits is refused with them and the mesh stays") {
   CHECK(driver.lines_with("\"placement\"") == placements);
   for (const int last : {key::enter, key::tab}) {
     type_number(driver, "Place/Scale/value", last == key::enter ? "1.25" : "1.75", last);
-    CHECK(driver.document().shape().placement.scale == doctest::Approx(last == key::enter ? 1.25 : 1.75));
+    CHECK(driver.document().view()->shape.placement.scale == doctest::Approx(last == key::enter ? 1.25 : 1.75));
     CHECK(driver.state().notices.empty());
   }
   type_number(driver, "Place/Scale/value", "1.5", key::escape);
-  CHECK(driver.document().shape().placement.scale == doctest::Approx(1.75));
+  CHECK(driver.document().view()->shape.placement.scale == doctest::Approx(1.75));
 }
 
 TEST_CASE("every number of the panel is taken as it was typed or refused with a sentence") {

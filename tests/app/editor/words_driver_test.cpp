@@ -80,7 +80,7 @@ TEST_CASE("label maps of many labels and of large values are opened beside their
     for (const auto& files : {std::vector{image, map}, std::vector{map, image}}) {
       driver.app().open(files);
       driver.settle();
-      CHECK(driver.document().volume_source == image.string());
+      CHECK(driver.document().scan.source == image.string());
       CHECK(driver.shows("map.nii"));
       driver.app().send(OpenSection{"Place", true});
       CHECK(driver.state().notices.size() == 1);
@@ -90,7 +90,7 @@ TEST_CASE("label maps of many labels and of large values are opened beside their
     driver.app().send(CloseLabels{});
     driver.app().open({map});
     driver.settle();
-    CHECK(driver.document().volume_source == image.string());
+    CHECK(driver.document().scan.source == image.string());
     CHECK(is_in_notices(driver, "is shown as a label map"));
   }
 }
@@ -106,7 +106,7 @@ TEST_CASE("a grey image is not taken for a label map and the sentence is said wh
   REQUIRE(write_volume(noisy, grey));
   driver.app().open({image, grey});
   driver.settle();
-  CHECK_FALSE(driver.document().volume);
+  CHECK_FALSE(driver.document().scan.image);
   REQUIRE(driver.state().notices.size() == 1);
   const std::string& said = driver.state().notices.front().text;
   CHECK(said.find("is a second image, and not a label map with the voxels of image.nii") != std::string::npos);
@@ -129,8 +129,8 @@ TEST_CASE("of a cine all meshes are written with their frames' numbers or the on
   Document document = BeatingBall::document();
   EditSession session(document);
   for (const int frame : {1, 2, 3, 4, 5})
-    REQUIRE(
-        session.apply(points_edit(session.document(), frame, (1 - 0.05 * frame) * *document.shape().points, "test")));
+    REQUIRE(session.apply(
+        points_edit(*session.document().view(), frame, (1 - 0.05 * frame) * *document.view()->shape.points, "test")));
   Driver driver(session.document(), {1280, 1400, 1});
   driver.click("side panel/Export");
   const fs::path out = driver.folder() / "out";
@@ -147,7 +147,7 @@ TEST_CASE("of a cine all meshes are written with their frames' numbers or the on
   write("Export/Mesh…", "heart.ply");
   for (int frame = 0; frame < BeatingBall::frames; ++frame) {
     const Mesh written = test::must(read_mesh(out / ("heart-frame-0" + std::to_string(frame) + ".ply")));
-    CHECK(written.points.isApprox(*driver.document().shapes.at(frame).points, 1e-5));
+    CHECK(written.points.isApprox(*driver.document().structure()->shape(frame)->points, 1e-5));
   }
   CHECK_FALSE(fs::exists(out / "heart.ply"));
   write("Export/Label map…", "heart.nii.gz");
@@ -163,14 +163,14 @@ TEST_CASE("of a cine all meshes are written with their frames' numbers or the on
   driver.press(key::escape);
   driver.click("frames/This one");
   write("Export/Mesh…", "one.ply");
-  CHECK(test::must(read_mesh(out / "one.ply")).points.isApprox(*driver.document().shapes.at(2).points, 1e-5));
+  CHECK(test::must(read_mesh(out / "one.ply")).points.isApprox(*driver.document().structure()->shape(2)->points, 1e-5));
   CHECK_FALSE(fs::exists(out / "one-frame-02.ply"));
 }
 
 TEST_CASE("a label map of one frame is shown at its frame of a cine and leads there") {
   Driver driver(BeatingBall::document(), {1280, 1400, 1});
   const fs::path map = driver.folder() / "labels.nii";
-  REQUIRE(write_volume(label_map(icosphere(3, 25), driver.document().volume->geometry, 1), map));
+  REQUIRE(write_volume(label_map(icosphere(3, 25), driver.document().scan.image->geometry, 1), map));
   driver.app().send(ShowFrame{3});
   driver.settle();
   driver.app().send(open_labels(map));
@@ -211,8 +211,8 @@ TEST_CASE("undo names tool and size and place") {
   apply_and_wait(driver, pull);
   CHECK(driver.app().snapshot().undo_names.front() == "pull 3.2 mm, posterior");
   pull.tool = Tool::grab;
-  pull.at = driver.document().shape().points->row(0);
-  const Points& points = *driver.document().shape().points;
+  pull.at = driver.document().view()->shape.points->row(0);
+  const Points& points = *driver.document().view()->shape.points;
   for (const auto& [axis, high, words] : {std::tuple(0, false, "right"), std::tuple(0, true, "left"),
                                           std::tuple(1, false, "anterior"), std::tuple(2, false, "near lower end")}) {
     Vec3 at = Vec3::Zero();
@@ -220,11 +220,11 @@ TEST_CASE("undo names tool and size and place") {
     if (axis == 2) at = 20 * Vec3(std::sin(2.1), 0, std::cos(2.1));
     pull.at = at;
     pull.to = 1.05 * at;
-    CHECK(edit_words(pull, driver.document()) == std::string("grab 1.0 mm, ") + words);
+    CHECK(edit_words(pull, driver.document().view()) == std::string("grab 1.0 mm, ") + words);
   }
   CHECK(points.rows() > 0);
-  CHECK(edit_words(Confirm{Vec3(-20, 0, 0), 6.5, true}, driver.document()) == "confirm 6.5 mm, right");
-  CHECK(edit_words(SetStiffnessBase{3}, driver.document()) == "stiffness");
+  CHECK(edit_words(Confirm{Vec3(-20, 0, 0), 6.5, true}, driver.document().view()) == "confirm 6.5 mm, right");
+  CHECK(edit_words(SetStiffnessBase{3}, driver.document().view()) == "stiffness");
   driver.click("history");
   CHECK(driver.has("history/Undo: pull 3.2 mm, posterior"));
   driver.press(key::escape);
@@ -266,7 +266,7 @@ TEST_CASE("after landmarks are undone the next one is the first that is missing"
     driver.button(MouseButton::left, false);
     driver.settle();
   }
-  REQUIRE(driver.document().shape().landmarks.size() == 2);
+  REQUIRE(driver.document().view()->shape.landmarks.size() == 2);
   CHECK(landmark_in_hand(driver.state(), driver.document()) == "hilum");
   for (const char* next : {"lower end", "upper end"}) {
     driver.press('Z', {false, true, false});
@@ -306,7 +306,7 @@ TEST_CASE("a landmark outside the image is said and B and C bring the brush into
   driver.button(MouseButton::left, true);
   driver.button(MouseButton::left, false);
   driver.settle();
-  REQUIRE(driver.document().shape().landmarks.size() == 1);
+  REQUIRE(driver.document().view()->shape.landmarks.size() == 1);
   CHECK(is_in_notices(driver, "was placed outside the image"));
 }
 
@@ -316,18 +316,18 @@ TEST_CASE("a built-in template is not taken into the next image and one of a fil
   for (const fs::path& file : {first, next}) REQUIRE(write_volume(*OrganScan::image(), file));
   const auto open = [](Driver& driver, const fs::path& file) {
     driver.app().open({file});
-    driver.wait_until("it is open", [&] { return driver.document().volume_source == file.string(); });
+    driver.wait_until("it is open", [&] { return driver.document().scan.source == file.string(); });
     driver.settle();
   };
   {
     Driver driver(new_document(first.string(), OrganScan::image(), test::must(load_template("built-in:kidney"))));
     open(driver, next);
-    CHECK_FALSE(driver.document().has_shape());
+    CHECK_FALSE(driver.document().view());
     CHECK(driver.has("Template/Kidney"));
   }
   Driver driver(scan.document());
   open(driver, next);
-  CHECK(driver.document().has_shape());
+  CHECK(driver.document().view());
   CHECK(is_in_notices(driver, "The template organ.ply of the case before was placed in this image too."));
 }
 

@@ -43,7 +43,7 @@ TEST_CASE("scans of two folders that are called the same are two cases each of i
   for (std::size_t k = 0; k < 2; ++k) {
     const StudyCase& one = driver.state().models.study.cases[k];
     CHECK(one.labels == scans[k]);
-    CHECK(fs::path(test::must(read_case(one.file)).session.document().volume_source) == scans[k]);
+    CHECK(fs::path(test::must(read_case(one.file)).session.document().scan.source) == scans[k]);
   }
   driver.app().send(AddScans{{scans[0]}});  // again: nothing new
   driver.settle();
@@ -82,7 +82,7 @@ TEST_CASE("a folder of scans becomes a worklist that is fitted and gone through 
   CHECK(driver.state().models.selected == "empty");
   const auto read = read_case(case_named(driver, "c").file);
   REQUIRE(read);
-  CHECK(bounds_of(*read->session.document().shape().points).sizes().x() == doctest::Approx(44).epsilon(0.05));
+  CHECK(bounds_of(*read->session.document().view()->shape.points).sizes().x() == doctest::Approx(44).epsilon(0.05));
   CHECK(driver.state().models.shapes.size() == 3);
 
   driver.app().send(OpenCaseOfStudy{"b", {}});
@@ -127,7 +127,7 @@ TEST_CASE("scans whose names hold dots are cases of their own and none vanishes"
   for (const std::string& subject : subjects) {
     const StudyCase& one = case_named(driver, subject);
     CHECK(one.labels == scans / (subject + "_seg.nii"));
-    CHECK(fs::path(test::must(read_case(one.file)).session.document().volume_source) == scans / (subject + ".nii"));
+    CHECK(fs::path(test::must(read_case(one.file)).session.document().scan.source) == scans / (subject + ".nii"));
   }
 
   // Two maps of one image whose names differ by their endings alone.
@@ -177,19 +177,19 @@ TEST_CASE("a worklist begins with the template mirrored as it is and fits it") {
   Driver driver(new_document("", nullptr, test::must(load_template("built-in:kidney"))));
   driver.app().send(ApplyEdit{MirrorTemplate{}, false});
   driver.settle();
-  const Points mirrored = driver.document().the_template->points;
+  const Points mirrored = driver.document().structure()->the_template->points;
   driver.press(key::tab);
   driver.app().send(AddScans{{scans}});
   driver.wait_until("the scan is a case", [&] { return driver.state().models.study.cases.size() == 1; });
   driver.settle();
   const fs::path file = driver.state().models.study.cases.front().file;
-  CHECK(test::must(read_case(file)).session.document().the_template->points == mirrored);
+  CHECK(test::must(read_case(file)).session.document().structure()->the_template->points == mirrored);
   driver.app().send(FitWaiting{});
   driver.wait_until("it is fitted", [&] { return waiting_cases(driver.state().models) == 0; });
   driver.settle();
   const Document fitted = test::must(read_case(file)).session.document();
-  CHECK(fitted.the_template->points == mirrored);
-  CHECK(bounds_of(*fitted.shape().points).sizes().z() == doctest::Approx(36).epsilon(0.1));
+  CHECK(fitted.structure()->the_template->points == mirrored);
+  CHECK(bounds_of(*fitted.view()->shape.points).sizes().z() == doctest::Approx(36).epsilon(0.1));
 }
 
 TEST_CASE("two studies of one folder keep their cases apart and those of another template are said") {
@@ -218,7 +218,7 @@ TEST_CASE("two studies of one folder keep their cases apart and those of another
   const auto anew = of_study("left.study.json", kidney);
   CHECK(anew.first == globe.folder.path / "left-cases/a-2.homolog");
   CHECK(anew.second);
-  CHECK(test::must(read_case(left.first)).session.document().the_template->source == globe.file);
+  CHECK(test::must(read_case(left.first)).session.document().structure()->the_template->source == globe.file);
   fs::remove(globe.folder.path / "left.study.json");
   CHECK(of_study("left.study.json", kidney).first == anew.first);
 }
@@ -287,7 +287,7 @@ TEST_CASE("a consensus of a study's label maps becomes its template and the wait
   const MeshFile file = test::must(read_mesh_file(made));
   CHECK(file.points.rows() == 2500);
   for (const StudyCase& one : driver.state().models.study.cases)
-    CHECK(test::must(read_case(one.file)).session.document().the_template->source == made);
+    CHECK(test::must(read_case(one.file)).session.document().structure()->the_template->source == made);
   // The mean of five ellipsoids, within a voxel.
   const Vec3 size = bounds_of(file.points).sizes();
   CHECK(size.z() == doctest::Approx(2 * 15 * 1.38).epsilon(0.04));
@@ -302,7 +302,8 @@ TEST_CASE("a consensus of a study's label maps becomes its template and the wait
   driver.app().send(AddScans{{globe.folder.path / "late.nii", scans / "m0.nii"}});
   driver.wait_until("it is a case", [&] { return driver.state().models.study.cases.size() == 6; });
   driver.settle();
-  CHECK(test::must(read_case(case_named(driver, "late").file)).session.document().the_template->source == made);
+  CHECK(test::must(read_case(case_named(driver, "late").file)).session.document().structure()->the_template->source ==
+        made);
 }
 
 TEST_CASE("a consensus template leaves a case alone that somebody worked on and says how to go on without maps") {
@@ -320,7 +321,7 @@ TEST_CASE("a consensus template leaves a case alone that somebody worked on and 
   const fs::path undone = case_named(driver, "m3").file;
   {
     auto read = test::must(open_case(undone));
-    const Vec3 at = read.session.document().shape().points->row(0);
+    const Vec3 at = read.session.document().view()->shape.points->row(0);
     REQUIRE(read.session.apply(Stroke{Tool::pull, at, at + Vec3(2, 0, 0), 10, {}, false, 1}));
     REQUIRE(read.session.apply(Undo{}));
   }
@@ -328,18 +329,20 @@ TEST_CASE("a consensus template leaves a case alone that somebody worked on and 
   Points pulled;
   {
     auto read = test::must(open_case(worked_on));
-    const Vec3 at = read.session.document().shape().points->row(0);
+    const Vec3 at = read.session.document().view()->shape.points->row(0);
     REQUIRE(read.session.apply(Stroke{Tool::pull, at, at + Vec3(2, 0, 0), 10, {}, false, 1}));
-    pulled = *read.session.document().shape().points;
+    pulled = *read.session.document().view()->shape.points;
   }
   driver.app().send(MakeStudyTemplate{{made}});
   driver.wait_until("it is made", [&] { return driver.shows("2 cases that you worked on keep their own."); });
   driver.settle();
   const Document kept = test::must(read_case(worked_on)).session.document();
-  CHECK(*kept.shape().points == pulled);
-  CHECK(kept.the_template->source == globe.file);
-  CHECK(test::must(read_case(case_named(driver, "m0").file)).session.document().the_template->source == made);
-  CHECK(test::must(read_case(case_named(driver, "zz").file)).session.document().the_template->source == made);
+  CHECK(*kept.view()->shape.points == pulled);
+  CHECK(kept.structure()->the_template->source == globe.file);
+  CHECK(test::must(read_case(case_named(driver, "m0").file)).session.document().structure()->the_template->source ==
+        made);
+  CHECK(test::must(read_case(case_named(driver, "zz").file)).session.document().structure()->the_template->source ==
+        made);
   CHECK(test::must(read_case(undone)).session.can_redo());
   // In place of it none is made: its cases could not be opened.
   driver.app().send(MakeStudyTemplate{{made}});

@@ -69,7 +69,7 @@ TEST_CASE("a folder of label maps becomes meshes and cases and a study that goes
   const ShapesOfFile shapes = test::must(read_shapes_of(one.file));
   const MeshFile mesh = test::must(read_mesh_file(folder.path / "fits/kidney-1-labels.ply"));
   CHECK((test::must(shapes.shape({}, ""))->points - mesh.points).cwiseAbs().maxCoeff() < 1e-4);
-  CHECK(test::must(read_case(one.file)).session.document().volume != nullptr);
+  CHECK(test::must(read_case(one.file)).session.document().scan.image != nullptr);
   // A folder and a study are both shapes, each of them once.
   for (const char* from : {"fits", "fits/fits.study.json"}) {
     const Ran model = run(folder, std::string("model ") + from + " -o m.h5.json --json");
@@ -80,9 +80,9 @@ TEST_CASE("a folder of label maps becomes meshes and cases and a study that goes
 
   SUBCASE("a case that somebody worked on is kept and goes before its mesh") {
     auto opened = test::must(open_case(one.file));
-    Points moved = *opened.session.document().shape().points;
+    Points moved = *opened.session.document().view()->shape.points;
     moved.col(0).array() += 5;
-    REQUIRE(opened.session.apply(points_edit(opened.session.document(), moved, by_fit)));
+    REQUIRE(opened.session.apply(points_edit(*opened.session.document().view(), moved, by_fit)));
     opened.session.close_journal();
     const Json sizes = run(folder, "measure fits --json").json();
     CHECK(sizes["cases"].size() == 3);

@@ -11,6 +11,7 @@
 #include "core/mesh/mesh_quality.h"
 #include "core/template_making/mesh_template.h"
 #include "tests/ball.h"
+#include "tests/changed_shape.h"
 #include "tests/shapes.h"
 
 // What a fit is in doubt about, and how landmarks pull on it, in figures worked out by hand.
@@ -108,7 +109,7 @@ TEST_CASE("a fit is doubtful below nine tenths of overlap") {
 
 TEST_CASE("a confirmed vertex is in no doubt any more") {
   Document document = ball_document(20, 1);
-  Shape& shape = document.shapes.at(0);
+  Shape& shape = test::changed_shape(document);
   const Eigen::Index n = shape.points->rows();
   CHECK(doubt_left_mm(shape).size() == 0);
   shape.doubt_mm = std::make_shared<const VertexScalars>(VertexScalars::Constant(n, 4));

@@ -15,6 +15,7 @@
 #include "core/session/session.h"
 #include "core/solve/elimination_plan.h"
 #include "core/volume/volume_io.h"
+#include "tests/changed_shape.h"
 #include "tests/real_data.h"
 #include "tests/shapes.h"
 #include "tests/temporary_folder.h"
@@ -79,7 +80,7 @@ Document document_on(const Volume& image, const Mesh& mesh) {
   file.triangles = mesh.topology->triangles();
   Document document =
       new_document("", std::make_shared<const Volume>(image), make_template(std::move(file), "ball.ply").value());
-  Shape& shape = document.shapes.at(0);
+  Shape& shape = test::changed_shape(document);
   shape.placement = {};
   shape.placed = shape.reference = shape.points = std::make_shared<const Points>(mesh.points);
   return document;
@@ -157,33 +158,33 @@ TEST_CASE("confirmed landmarks stay when a case is snapped and replaying its lin
   EditSession session(document_on(image, {truth.topology, 1.1 * truth.points}));
   REQUIRE(session.apply(Confirm{Vec3(0, 0, 38), 15, true}));
   const Document before = session.document();
-  auto edit = snap_document(before, std::nullopt, {}).value();
-  const std::string line = action_line(edit.action);
+  auto edit = snap_shape(before.scan, *before.view(), std::nullopt, {}).value();
+  const std::string line = action_line({edit.action});
   REQUIRE(session.apply(edit.action));
-  const Points& after = *session.document().shape().points;
+  const Points& after = *session.document().view()->shape.points;
   CHECK(after == edit.result.points);
-  const VertexScalars& confirmed = *before.shape().confirmed;
+  const VertexScalars& confirmed = *before.view()->shape.confirmed;
   REQUIRE(confirmed.sum() > 5);
   for (Eigen::Index i = 0; i < after.rows(); ++i)
-    if (confirmed[i] >= 1) CHECK(after.row(i) == before.shape().points->row(i));
+    if (confirmed[i] >= 1) CHECK(after.row(i) == before.view()->shape.points->row(i));
 
   // The line holds the points: neither image nor search is needed for it.
   Document without_image = before;
-  without_image.volume = nullptr;
+  without_image.scan.image = nullptr;
   EditSession replayed(without_image);
   REQUIRE(replayed.apply(parse_action(line).value().action));
-  CHECK(*replayed.document().shape().points == after);
+  CHECK(*replayed.document().view()->shape.points == after);
   CHECK(session.undo_name() == "snap");
   REQUIRE(session.apply(Undo{}));
-  CHECK(*session.document().shape().points == *before.shape().points);
+  CHECK(*session.document().view()->shape.points == *before.view()->shape.points);
 }
 
 TEST_CASE("a snap of a region leaves the rest where it was") {
   const Blob blob;
   const Mesh truth = blob_mesh(blob.radii_mm);
   const Document document = document_on(blob_image({blob}), {truth.topology, 1.1 * truth.points});
-  const auto edit = snap_document(document, SnapArea{Vec3(0, 0, 38), 8}, {}).value();
-  const Points& before = *document.shape().points;
+  const auto edit = snap_shape(document.scan, *document.view(), SnapArea{Vec3(0, 0, 38), 8}, {}).value();
+  const Points& before = *document.view()->shape.points;
   for (Eigen::Index i = 0; i < before.rows(); ++i)
     if (before(i, 2) < 0) CHECK(edit.result.points.row(i) == before.row(i));
   Eigen::Index top = 0;
@@ -346,13 +347,14 @@ TEST_CASE("five gestures lay the built-in kidney on one in a CT of 3 mm voxels")
   const auto snap_within = [&](double reach_mm) {
     SnapOptions options;
     options.edges.reach_mm = reach_mm;
-    REQUIRE(session.apply(snap_document(session.document(), std::nullopt, options).value().action));
+    REQUIRE(session.apply(
+        snap_shape(session.document().scan, *session.document().view(), std::nullopt, options).value().action));
   };
   snap_within(15);
   REQUIRE(pull_to_target(session, target, {.visible_mm = 1, .most_pulls = 3}));
   snap_within(10);
   // The second snap holds the pulls, which are not exact.
-  CHECK(compare_with_mask(session.document().mesh(), labels, kidney_right)->assd_mm < 1.45);
+  CHECK(compare_with_mask(session.document().view()->mesh(), labels, kidney_right)->assd_mm < 1.45);
 }
 
 TEST_CASE("pulls and snaps and a refinement and a propagation of one template make one elimination plan") {
@@ -365,11 +367,11 @@ TEST_CASE("pulls and snaps and a refinement and a propagation of one template ma
   pull.to = pull.at + Vec3(0, 0, 2);
   REQUIRE(session.preview(pull));
   REQUIRE(session.apply(pull));
-  const auto snapped = snap_document(session.document(), SnapArea{pull.to, 10}, {});
+  const auto snapped = snap_shape(session.document().scan, *session.document().view(), SnapArea{pull.to, 10}, {});
   REQUIRE(snapped);
   REQUIRE(session.apply(snapped->action));
-  REQUIRE(snap_document(session.document(), std::nullopt, {}));
-  REQUIRE(refine_document(session.document()));
-  REQUIRE(propagate(image, 0, session.document().mesh(), VertexScalars::Ones(mesh.points.rows()), {}));
+  REQUIRE(snap_shape(session.document().scan, *session.document().view(), std::nullopt, {}));
+  REQUIRE(refine_shape(*session.document().view()));
+  REQUIRE(propagate(image, 0, session.document().view()->mesh(), VertexScalars::Ones(mesh.points.rows()), {}));
   CHECK(EliminationPlan::made() == before + 1);
 }

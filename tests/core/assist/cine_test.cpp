@@ -19,7 +19,7 @@ namespace {
 
 /// Propagates as the editor does: all in one step to undo.
 CineEdit propagated(EditSession& session) {
-  CineEdit edit = test::must(propagate_document(session.document(), {}));
+  CineEdit edit = test::must(propagate_shape(session.document().scan, *session.document().view(), {}));
   bool joined = false;
   for (const SetPoints& action : edit.actions) REQUIRE(session.apply(action, std::exchange(joined, true)));
   return edit;
@@ -36,38 +36,38 @@ std::set<int> changed_frames(const CineEdit& edit) {
 TEST_CASE("a cine is propagated in one step and a corrected frame stays as it is when it is propagated again") {
   EditSession session(BeatingBall::document());
   const Document start = session.document();
-  CHECK(starting_frames(start) == std::vector<int>{0});
+  CHECK(starting_frames(*start.view()) == std::vector<int>{0});
   propagated(session);
   const Document first = session.document();
   CHECK(first.frame == 0);
-  CHECK(first.shapes.size() == BeatingBall::frames);
-  const VolumeCurve curve = volume_curve(first);
+  CHECK(first.structure()->shapes.size() == BeatingBall::frames);
+  const VolumeCurve curve = volume_curve(*first.structure());
   REQUIRE(curve.ejection);
   CHECK(curve.ejection->end_diastole == 0);
   CHECK(curve.ejection->end_systole == 3);
   CHECK(curve.ejection->fraction == doctest::Approx(1 - std::pow(22.0 / 30, 3)).epsilon(0.08));
   CHECK(curve.frames.at(0).known);
   CHECK_FALSE(curve.frames.at(3).known);
-  CHECK(starting_frames(first) == std::vector<int>{0});
+  CHECK(starting_frames(*first.view()) == std::vector<int>{0});
 
   // A person makes frame 2 larger than the image shows it.
   REQUIRE(session.apply(SetFrame{2}));
-  const Points larger = 1.1 * *session.document().shape().points;
-  REQUIRE(session.apply(points_edit(session.document(), larger, "fit")));
-  const Points corrected = *session.document().shape().points;
-  CHECK(starting_frames(session.document()) == std::vector<int>{0, 2});
+  const Points larger = 1.1 * *session.document().view()->shape.points;
+  REQUIRE(session.apply(points_edit(*session.document().view(), larger, "fit")));
+  const Points corrected = *session.document().view()->shape.points;
+  CHECK(starting_frames(*session.document().view()) == std::vector<int>{0, 2});
   const CineEdit again = propagated(session);
   CHECK(changed_frames(again) == std::set<int>{1, 3, 4, 5});
   CHECK(again.result.known == std::vector<int>{0, 2});
-  CHECK(*session.document().shapes.at(2).points == corrected);
-  CHECK(*session.document().shapes.at(0).points == *first.shapes.at(0).points);
+  CHECK(*session.document().structure()->shape(2)->points == corrected);
+  CHECK(*session.document().structure()->shape(0)->points == *first.structure()->shape(0)->points);
 
   REQUIRE(session.apply(Undo{}));
-  CHECK(*session.document().shapes.at(4).points == *first.shapes.at(4).points);
-  CHECK(*session.document().shapes.at(2).points == corrected);
+  CHECK(*session.document().structure()->shape(4)->points == *first.structure()->shape(4)->points);
+  CHECK(*session.document().structure()->shape(2)->points == corrected);
   REQUIRE(session.apply(Undo{}));
   REQUIRE(session.apply(Undo{}));
-  CHECK(volume_curve(session.document()).frames.empty());
+  CHECK(volume_curve(*session.document().structure()).frames.empty());
 }
 
 TEST_CASE("a confirmed frame counts as known and a copied one does not") {
@@ -75,41 +75,42 @@ TEST_CASE("a confirmed frame counts as known and a copied one does not") {
   propagated(session);
   REQUIRE(session.apply(SetFrame{4}));
   Confirm confirm;
-  confirm.at = session.document().shape().points->row(0);
+  confirm.at = session.document().view()->shape.points->row(0);
   REQUIRE(session.apply(confirm));
-  CHECK(starting_frames(session.document()) == std::vector<int>{0, 4});
+  CHECK(starting_frames(*session.document().view()) == std::vector<int>{0, 4});
   REQUIRE(session.apply(SetFrame{5}));
   REQUIRE(session.apply(StartFrameFrom{0}));
-  CHECK(starting_frames(session.document()) == std::vector<int>{0, 4});
+  CHECK(starting_frames(*session.document().view()) == std::vector<int>{0, 4});
 }
 
 TEST_CASE("what was carried through a cine and its doubts come back from the case file and from a checkpoint") {
   const TemporaryFolder folder;
   const Document start = BeatingBall::document();
   EditSession session(start);
-  SetPoints carried = points_edit(start, 3, 0.8 * *start.shape().points, by_propagation);
+  SetPoints carried = points_edit(*start.view(), 3, 0.8 * *start.view()->shape.points, by_propagation);
   carried.doubt = "shows less of the boundary than other frames";
   REQUIRE(session.apply(carried));
-  const std::string line = action_line(carried);
+  const std::string line = action_line({carried});
   const auto read = parse_action(line);
   REQUIRE(read);
   CHECK(std::get<SetPoints>(read->action) == carried);
-  CHECK(session.document().shapes.at(3).doubt == carried.doubt);
-  CHECK_FALSE(frame_is_known(session.document().shapes.at(3)));
-  CHECK(volume_curve(session.document()).frames.at(3).doubt == carried.doubt);
+  CHECK(session.document().structure()->shape(3)->doubt == carried.doubt);
+  CHECK_FALSE(frame_is_known(*session.document().structure()->shape(3)));
+  CHECK(volume_curve(*session.document().structure()).frames.at(3).doubt == carried.doubt);
 
   const auto checkpoint = checkpoint_line(start, session.document(), 7);
   REQUIRE(checkpoint);
   const auto again = read_checkpoint(*checkpoint, start, 7);
   REQUIRE(again);
-  CHECK_FALSE(frame_is_known(again->shapes.at(3)));
-  CHECK(again->shapes.at(3).doubt == carried.doubt);
+  CHECK_FALSE(frame_is_known(*again->structure()->shape(3)));
+  CHECK(again->structure()->shape(3)->doubt == carried.doubt);
 
   // A person edits it: it is known, and in no doubt.
   REQUIRE(session.apply(SetFrame{3}));
-  REQUIRE(session.apply(points_edit(session.document(), 1.01 * *session.document().shape().points, "snap")));
-  CHECK(frame_is_known(session.document().shapes.at(3)));
-  CHECK(volume_curve(session.document()).frames.at(3).doubt.empty());
+  REQUIRE(
+      session.apply(points_edit(*session.document().view(), 1.01 * *session.document().view()->shape.points, "snap")));
+  CHECK(frame_is_known(*session.document().structure()->shape(3)));
+  CHECK(volume_curve(*session.document().structure()).frames.at(3).doubt.empty());
   SetPoints nowhere = carried;
   nowhere.of_frame = 17;
   CHECK_FALSE(session.apply(nowhere));
@@ -118,10 +119,10 @@ TEST_CASE("what was carried through a cine and its doubts come back from the cas
 TEST_CASE("frames between two known ones are reached from both and agree with either") {
   const Document document = BeatingBall::document();
   PropagateOptions options;
-  const Mesh ball{document.the_template->topology, *document.shape().points};
+  const Mesh ball{document.structure()->the_template->topology, *document.view()->shape.points};
   options.known[3] = BeatingBall::radius_mm(3) / BeatingBall::radius_mm(0) * ball.points;
   const VertexScalars ones = VertexScalars::Ones(ball.points.rows());
-  const Propagation done = test::must(propagate(*document.volume, 0, ball, ones, options));
+  const Propagation done = test::must(propagate(*document.scan.image, 0, ball, ones, options));
   CHECK(done.known == std::vector<int>{0, 3});
   CHECK(done.frames[3].points == options.known[3]);
   for (const std::size_t f : {1u, 2u, 4u, 5u}) {
@@ -132,7 +133,7 @@ TEST_CASE("frames between two known ones are reached from both and agree with ei
           doctest::Approx(BeatingBall::radius_mm(static_cast<int>(f))).epsilon(0.04));
   }
   options.known[9] = ball.points;
-  CHECK_FALSE(propagate(*document.volume, 0, ball, ones, options));
+  CHECK_FALSE(propagate(*document.scan.image, 0, ball, ones, options));
 }
 
 }  // namespace homolog

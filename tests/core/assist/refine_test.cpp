@@ -33,12 +33,12 @@ EditSession flowed_kidney() {
     flowed.row(i) += Eigen::RowVector3d(0, 3, 4) * (1 - 4 * height * height);
     flowed.row(i) = surface.nearest(Vec3(flowed.row(i))).position.transpose();
   }
-  test::must(session.apply(points_edit(session.document(), flowed, "test")));
+  test::must(session.apply(points_edit(*session.document().view(), flowed, "test")));
   return session;
 }
 
 const Points& points_now(const EditSession& session) {
-  return *session.document().shape().points;
+  return *session.document().view()->shape.points;
 }
 
 double error_mm(const Points& points) {
@@ -49,14 +49,14 @@ double error_mm(const Points& points) {
 
 TEST_CASE("landmarks that flowed along a surface come back and the surface stays") {
   EditSession session = flowed_kidney();
-  const Mesh before = session.document().mesh();
+  const Mesh before = session.document().view()->mesh();
   const double error_before_mm = error_mm(before.points);
   CHECK(error_before_mm > 2.5);
-  const VertexScalars known = known_vertices(session.document().shape());
-  test::must(session.apply(test::must(refine_document(session.document())).action));
+  const VertexScalars known = known_vertices(session.document().view()->shape);
+  test::must(session.apply(test::must(refine_shape(*session.document().view())).action));
   CHECK(error_mm(points_now(session)) < 0.75 * error_before_mm);
-  CHECK(compare_meshes(session.document().mesh(), before).assd_mm < 0.05);
-  CHECK(known_vertices(session.document().shape()) == known);
+  CHECK(compare_meshes(session.document().view()->mesh(), before).assd_mm < 0.05);
+  CHECK(known_vertices(session.document().view()->shape) == known);
   CHECK(session.undo_name() == "refine");
   test::must(session.apply(Undo{}));
   CHECK(points_now(session) == before.points);
@@ -66,8 +66,8 @@ TEST_CASE("confirmed landmarks stay while the others are refined") {
   EditSession session = flowed_kidney();
   const Points before = points_now(session);
   test::must(session.apply(Confirm{Vec3(before.row(100)), 25, true}));
-  const VertexScalars& confirmed = *session.document().shape().confirmed;
-  const RefineEdit refined = test::must(refine_document(session.document()));
+  const VertexScalars& confirmed = *session.document().view()->shape.confirmed;
+  const RefineEdit refined = test::must(refine_shape(*session.document().view()));
   CHECK(refined.warnings.empty());
   const Points after = *refined.action.points;
   int moved = 0;
@@ -78,17 +78,18 @@ TEST_CASE("confirmed landmarks stay while the others are refined") {
   CHECK(confirmed.sum() > 50);
   CHECK(moved > 500);
   const Document& document = session.document();
-  CHECK(surface_distance({document.the_template->topology, after}, document.mesh()).mean_mm < 0.05);
-  CHECK(turned_triangles(*document.the_template->topology, *document.shape().placed, after).empty());
+  CHECK(surface_distance({document.structure()->the_template->topology, after}, document.view()->mesh()).mean_mm <
+        0.05);
+  CHECK(turned_triangles(*document.structure()->the_template->topology, *document.view()->shape.placed, after).empty());
 }
 
 TEST_CASE("the rim of an open mesh stays where it is") {
   const auto the_template = test::must(load_template("built-in:ventricle"));
   const MeshFile truth = phantom_truth(Organ::ventricle, 1).front();
   EditSession session(new_document("", nullptr, the_template));
-  test::must(session.apply(points_edit(session.document(), truth.points, "test")));
-  const Mesh before = session.document().mesh();
-  const Points after = *test::must(refine_document(session.document())).action.points;
+  test::must(session.apply(points_edit(*session.document().view(), truth.points, "test")));
+  const Mesh before = session.document().view()->mesh();
+  const Points after = *test::must(refine_shape(*session.document().view())).action.points;
   CHECK((after - before.points).rowwise().norm().maxCoeff() > 0.5);
   REQUIRE(!the_template->topology->rims().empty());
   CHECK((on_rims(before, after) - after).cwiseAbs().maxCoeff() < 1e-5);
@@ -108,15 +109,16 @@ TEST_CASE("a refined mesh of which not all triangles could be compared is not ca
   the_template.points = tube.points;
   the_template.stiffness = VertexScalars::Ones(tube.points.rows());
   const Document document = new_document("", nullptr, std::make_shared<const Template>(std::move(the_template)));
-  const RefineEdit refined = test::must(refine_document(document));
+  const RefineEdit refined = test::must(refine_shape(*document.view()));
   REQUIRE(refined.warnings.size() == 1);
   CHECK(refined.warnings.front().starts_with("So many triangles lie close to each other"));
 }
 
 TEST_CASE("without a mesh there is nothing to refine and a refinement that is cancelled says so") {
-  CHECK(refine_document(new_document("", nullptr, nullptr)).error().sentence() ==
+  CHECK(shape_to("refine", new_document("", nullptr, nullptr)).error().sentence() ==
         "There is no mesh to refine; load a template first.");
   Progress progress;
   progress.cancel();
-  CHECK_FALSE(refine_document(flowed_kidney().document(), &progress));
+  const EditSession kidney = flowed_kidney();
+  CHECK_FALSE(refine_shape(*kidney.document().view(), &progress));
 }

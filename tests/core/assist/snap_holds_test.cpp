@@ -48,26 +48,28 @@ Document ball_case(double radius_mm, double far_side = 1) {
 }
 
 SnapEdit snap_all(EditSession& session) {
-  SnapEdit edit = test::must(snap_document(session.document(), std::nullopt, {}));
+  SnapEdit edit = test::must(snap_shape(session.document().scan, *session.document().view(), std::nullopt, {}));
   REQUIRE(session.apply(edit.action));
   return edit;
 }
 
 Vec3 at_landmark(const EditSession& session, std::size_t landmark) {
-  return carried_landmark(*session.document().the_template, landmark, *session.document().shape().points);
+  return carried_landmark(*session.document().structure()->the_template, landmark,
+                          *session.document().view()->shape.points);
 }
 
 /// How far from the origin the mesh lies in a direction.
 double reach(const EditSession& session, const Vec3& direction) {
   Eigen::Index vertex = 0;
-  (*session.document().shape().points * direction).maxCoeff(&vertex);
-  return session.document().shape().points->row(vertex).norm();
+  (*session.document().view()->shape.points * direction).maxCoeff(&vertex);
+  return session.document().view()->shape.points->row(vertex).norm();
 }
 
 Stroke pulled(const EditSession& session, const Vec3& from, const Vec3& to, Tool tool = Tool::pull) {
-  Stroke stroke = pull(
-      nearest_on_surface(*session.document().the_template->topology, *session.document().shape().points, from).position,
-      to, 6);
+  Stroke stroke = pull(nearest_on_surface(*session.document().structure()->the_template->topology,
+                                          *session.document().view()->shape.points, from)
+                           .position,
+                       to, 6);
   stroke.tool = tool;
   return stroke;
 }
@@ -78,7 +80,7 @@ TEST_CASE("a snap leaves the mesh at placed landmarks whatever the image shows")
   for (const bool holds : {false, true}) {
     CAPTURE(holds);
     Document document = ball_case(28);
-    document.holds_landmarks = holds;
+    document.change({}, [&](Structure& first) { first.landmarks.hold = holds; });
     EditSession session(document);
     const Vec3 north(0, 0, 36), south(0, 0, -29), east(31, 1, 0), front(0, -30, 1);
     REQUIRE(session.apply(PlaceLandmark{"north", north}));  // 6 mm beyond the edge: a person knows better
@@ -101,7 +103,7 @@ TEST_CASE("a snap leaves the mesh at placed landmarks whatever the image shows")
 
 TEST_CASE("a landmark that was released or lies farther than a snap looks is not held") {
   Document document = ball_case(28);
-  document.holds_landmarks = true;
+  document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
   EditSession session(document);
   REQUIRE(session.apply(PlaceLandmark{"north", Vec3(0, 0, 36)}));
   REQUIRE(session.apply(PlaceLandmark{"south", Vec3(0, 0, -28)}));
@@ -125,31 +127,34 @@ TEST_CASE("a snap holds what was pulled since the last fit and lets go of what i
     const Vec3 up = Vec3::UnitZ(), out = Vec3::UnitY();
     REQUIRE(session.apply(pulled(session, 30 * up, 36 * up, tool)));
     REQUIRE(session.apply(pulled(session, 30 * out, 25 * out, tool)));
-    const Points before = *session.document().shape().points;
-    CHECK(session.document().shape().pulls == 2);
+    const Points before = *session.document().view()->shape.points;
+    CHECK(session.document().view()->shape.pulls == 2);
     for (int round = 0; round < 3; ++round) {
       const SnapEdit edit = snap_all(session);
       CHECK(edit.pulls == 2);
       CHECK(held_in_words(edit) == "2 pulls");
-      const Points& after = *session.document().shape().points;
-      const VertexScalars& share = *session.document().shape().pulled;
+      const Points& after = *session.document().view()->shape.points;
+      const VertexScalars& share = *session.document().view()->shape.pulled;
       for (Eigen::Index i = 0; i < after.rows(); ++i)
         if (share[i] > 0.97) CHECK((after.row(i) - before.row(i)).norm() < 0.7);
       CHECK(std::abs(reach(session, up) - 36) < 0.5);
       CHECK(std::abs(reach(session, -Vec3::UnitX()) - edge_mm) < 0.7);
     }
     // The part under the pointer too.
-    const auto part = test::must(snap_document(session.document(), SnapArea{36 * up, 8}, {}));
+    const auto part =
+        test::must(snap_shape(session.document().scan, *session.document().view(), SnapArea{36 * up, 8}, {}));
     CHECK(part.pulls == 2);
     // A snap that finishes the stroke itself does not wait for it.
-    CHECK(test::must(snap_document(session.document(), std::nullopt, {}, SnapHolds::landmarks)).pulls == 0);
+    CHECK(test::must(
+              snap_shape(session.document().scan, *session.document().view(), std::nullopt, {}, SnapHolds::landmarks))
+              .pulls == 0);
 
     REQUIRE(session.apply(Confirm{36 * up, 25, false}));
     const SnapEdit released = snap_all(session);
     CHECK(released.pulls == 2);  // the other one is held still
     CHECK(std::abs(reach(session, up) - edge_mm) < 2);
-    REQUIRE(session.apply(points_edit(session.document(), before, by_fit)));
-    CHECK(session.document().shape().pulls == 0);
+    REQUIRE(session.apply(points_edit(*session.document().view(), before, by_fit)));
+    CHECK(session.document().view()->shape.pulls == 0);
     CHECK(snap_all(session).pulls == 0);
     CHECK(std::abs(reach(session, out) - edge_mm) < 2);
   }
@@ -164,27 +169,27 @@ TEST_CASE("what is held and what snaps keep to come back from a checkpoint and w
   const auto line = checkpoint_line(start, session.document(), 5);
   REQUIRE(line);
   const Document again = read_checkpoint(*line, start, 5).value();
-  CHECK(again.shape().pulls == 1);
-  CHECK(*again.shape().pulled == *session.document().shape().pulled);
-  CHECK(*again.shape().unsnapped == *session.document().shape().unsnapped);
+  CHECK(again.view()->shape.pulls == 1);
+  CHECK(*again.view()->shape.pulled == *session.document().view()->shape.pulled);
+  CHECK(*again.view()->shape.unsnapped == *session.document().view()->shape.unsnapped);
   REQUIRE(session.apply(Undo{}));
   REQUIRE(session.apply(Undo{}));
-  CHECK(session.document().shape().pulls == 0);
-  CHECK_FALSE(session.document().shape().pulled);
+  CHECK(session.document().view()->shape.pulls == 0);
+  CHECK_FALSE(session.document().view()->shape.pulled);
 }
 
 TEST_CASE("where the image shows no edge a snap leaves the shape of the template and snaps do not add up") {
   EditSession session(ball_case(32, 0.05));
-  const Points start = *session.document().shape().points;
+  const Points start = *session.document().view()->shape.points;
   Points first;
   for (int round = 0; round < 3; ++round) {
     snap_all(session);
-    const Points& points = *session.document().shape().points;
+    const Points& points = *session.document().view()->shape.points;
     CHECK(std::abs(reach(session, -Vec3::UnitX()) - edge_mm) < 0.7);
     for (Eigen::Index i = 0; i < points.rows(); ++i) {
       if (start(i, 0) < 12) continue;
       Vec3 from_others = points.row(i) - start.row(i);
-      const auto ring = session.document().the_template->topology->one_ring(i);
+      const auto ring = session.document().structure()->the_template->topology->one_ring(i);
       for (const std::int32_t j : ring)
         from_others -= Vec3(points.row(j) - start.row(j)) / static_cast<double>(ring.size());
       CHECK(from_others.norm() < 0.05);
@@ -192,7 +197,7 @@ TEST_CASE("where the image shows no edge a snap leaves the shape of the template
     }
     if (round == 0) first = points;
   }
-  const Points later = *session.document().shape().points - first;
+  const Points later = *session.document().view()->shape.points - first;
   CHECK(later.rowwise().norm().maxCoeff() < 1.5);
   CHECK(later.rowwise().norm().mean() < 1);
 }

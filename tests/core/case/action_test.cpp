@@ -61,6 +61,11 @@ std::vector<KnownLine> edits_of_the_mesh() {
       {SetFrame{3, false}, R"({"frame":3,"look":true})", "frame"},
       {SetFrame{3, true}, R"({"frame":3})", "frame"},
       {StartFrameFrom{2}, R"({"start_frame_from":2})", "copy of a frame"},
+      {SetStructure{.id = "s2", .name = "l", .label = "5", .layer = 1, .colour = {{1, 255, 16}}, .source = "a.ply"},
+       R"({"structure":{"id":"s2","name":"l","label":"5","layer":1,"colour":[1,255,16],"template":"a.ply"}})",
+       "new structure l"},
+      {SetStructure{.id = "s2", .name = "m"}, R"({"structure":{"id":"s2","name":"m"}})", "change of m"},
+      {RemoveStructure{"s2"}, R"({"remove_structure":"s2"})", "removal of s2"},
   };
 }
 
@@ -97,7 +102,7 @@ std::vector<KnownLine> settings_and_marks() {
 TEST_CASE("the lines of a case file keep their bytes and actions keep their names") {
   for (const auto& known_lines : {strokes(), edits_of_the_mesh(), settings_and_marks()})
     for (const KnownLine& known : known_lines) {
-      CHECK(action_line(known.action) == known.line);
+      CHECK(action_line({known.action}) == known.line);
       CHECK(action_name(known.action) == known.name);
       const auto read = parse_action(known.line);
       REQUIRE_MESSAGE(read, known.line);

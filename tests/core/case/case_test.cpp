@@ -61,7 +61,7 @@ std::vector<Action> some_of_every_kind() {
 TEST_CASE("every action reads back from its line as it was") {
   for (Action action : some_of_every_kind()) {
     for (const bool joined : {false, true}) {
-      const auto read = parse_action(action_line(action, joined));
+      const auto read = parse_action(action_line({action, {}, joined}));
       REQUIRE(read);
       CHECK(read->action == action);
       CHECK(read->joined == joined);
@@ -74,7 +74,7 @@ TEST_CASE("replaying the file alone gives the same mesh to the last bit and the 
   EditSession session = folder.create();
   for (const Action& action : some_of_every_kind()) {
     const auto done = session.apply(action);
-    CHECK_MESSAGE(done, action_line(action) << ": " << (done ? "" : done.error().sentence()));
+    CHECK_MESSAGE(done, action_line({action}) << ": " << (done ? "" : done.error().sentence()));
   }
   auto read = read_case(folder.case_path);
   REQUIRE(read);
@@ -95,7 +95,7 @@ TEST_CASE("landmarks near a line place without spinning and in any order alike")
     for (const std::string& name : names)
       for (const Landmark& landmark : truth.landmarks)
         if (landmark.name == name) test::must(session.apply(PlaceLandmark{name, landmark.position}));
-    return *session.document().shape().points;
+    return *session.document().view()->shape.points;
   };
   const Points poles_last = placed({"hilum", "superior pole", "inferior pole"});
   CHECK(mean_distance(poles_last, truth.points) < 8);
@@ -107,16 +107,17 @@ TEST_CASE("a case begun by an older rule for landmarks replays to the same point
   const auto replayed = [&](LandmarkRule rule) {
     fs::remove(folder.case_path);
     Document document = folder.document();
-    document.landmark_rule = rule;
+    document.change({}, [&](Structure& first) { first.landmarks.rule = rule; });
     auto session = create_case(std::move(document), folder.case_path).value();
     for (const auto& [name, at] : {std::pair("north", Vec3(2, 1, 45)), std::pair("south", Vec3(0, 9, -43)),
                                    std::pair("east", Vec3(44, 2, 0)), std::pair("front", Vec3(1, -48, 5))})
       test::must(session.apply(PlaceLandmark{name, at}));
     auto read = read_case(folder.case_path);
     REQUIRE(read);
-    CHECK(read->session.document().landmark_rule == rule);
-    CHECK(largest_difference(*read->session.document().shape().points, *session.document().shape().points) < 1e-12);
-    return session.document().shape();
+    CHECK(read->session.document().structure()->landmarks.rule == rule);
+    CHECK(largest_difference(*read->session.document().view()->shape.points, *session.document().view()->shape.points) <
+          1e-12);
+    return session.document().view()->shape;
   };
   const Shape oldest = replayed(LandmarkRule::closed_form), older = replayed(LandmarkRule::weighed),
               now = replayed(LandmarkRule::by_size);
@@ -128,16 +129,16 @@ TEST_CASE("a case begun by an older rule for landmarks replays to the same point
 TEST_CASE("undo takes back everything one by one and redo does it again") {
   const CaseFolder folder;
   EditSession session = folder.create();
-  const Points start = *session.document().shape().points;
+  const Points start = *session.document().view()->shape.points;
   for (const Action& action : some_of_every_kind()) REQUIRE(session.apply(action));
   while (session.can_redo()) REQUIRE(session.apply(Redo{}));
-  const Points end = *session.document().shape().points;
+  const Points end = *session.document().view()->shape.points;
   while (session.can_undo()) REQUIRE(session.apply(Undo{}));
-  CHECK(*session.document().shape().points == start);
-  CHECK(session.document().shape().landmarks.empty());
+  CHECK(*session.document().view()->shape.points == start);
+  CHECK(session.document().view()->shape.landmarks.empty());
   CHECK(!session.apply(Undo{}));
   while (session.can_redo()) REQUIRE(session.apply(Redo{}));
-  CHECK(*session.document().shape().points == end);
+  CHECK(*session.document().view()->shape.points == end);
 }
 
 TEST_CASE("joined edits are one step of the history, in the file too") {
@@ -149,26 +150,26 @@ TEST_CASE("joined edits are one step of the history, in the file too") {
   REQUIRE(session.apply(paint(0)));
   REQUIRE(session.apply(paint(5), true));
   REQUIRE(session.apply(paint(10), true));
-  const VertexScalars painted = *session.document().stiffness;
+  const VertexScalars painted = *session.document().structure()->paint.stiffness;
   auto read = read_case(folder.case_path);
   REQUIRE(read);
   for (EditSession* one : {&session, &read->session}) {
     REQUIRE(one->apply(Undo{}));
-    CHECK(*one->document().stiffness == *pulled->stiffness);
+    CHECK(*one->document().structure()->paint.stiffness == *pulled->structure()->paint.stiffness);
     CHECK(one->undo_name().starts_with(action_name(pull(pole, pole)) + " 10 mm, "));
     REQUIRE(one->apply(Redo{}));
-    CHECK(*one->document().stiffness == painted);
+    CHECK(*one->document().structure()->paint.stiffness == painted);
     CHECK_FALSE(one->can_redo());
   }
   // What is taken back or refused joins nothing.
   REQUIRE(session.apply(Undo{}));
   REQUIRE(session.apply(paint(-5), true));
   REQUIRE(session.apply(Undo{}));
-  CHECK(*session.document().shape().points == *pulled->shape().points);
+  CHECK(*session.document().view()->shape.points == *pulled->view()->shape.points);
   CHECK_FALSE(session.apply(PaintStiffness{pole, -1, 50, 0.5}));
   REQUIRE(session.apply(paint(0), true));
   REQUIRE(session.apply(Undo{}));
-  CHECK(*session.document().shape().points == *pulled->shape().points);
+  CHECK(*session.document().view()->shape.points == *pulled->view()->shape.points);
 }
 
 TEST_CASE("points that were found are taken as they are and lines with other counts are refused") {
@@ -176,8 +177,8 @@ TEST_CASE("points that were found are taken as they are and lines with other cou
   EditSession session(folder.document());
   const auto found = found_points(1.2);
   REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found}));
-  CHECK(*session.document().shape().points == *found);
-  CHECK(*session.document().shape().reference == session.document().the_template->points);
+  CHECK(*session.document().view()->shape.points == *found);
+  CHECK(*session.document().view()->shape.reference == session.document().structure()->the_template->points);
   CHECK(session.undo_name() == "fit");
   CHECK(!session.apply(SetPoints{"fit", std::nullopt, std::make_shared<const Points>(Points::Zero(5, 3))}));
   Points broken = *found;
@@ -193,7 +194,7 @@ TEST_CASE("a preview changes neither the document nor the file") {
   const std::string before = folder.text();
   const auto shown = session.preview(pull(pole, Vec3(0, 0, 50)));
   REQUIRE(shown);
-  CHECK(*shown->document.shape().points != *session.document().shape().points);
+  CHECK(*shown->document.view()->shape.points != *session.document().view()->shape.points);
   CHECK(folder.text() == before);
 }
 
@@ -201,17 +202,17 @@ TEST_CASE("a preview goes on with what is computed of it and says where that is 
   const CaseFolder folder;
   EditSession session(folder.document());
   const Compute twice = [](const Document& document) -> Result<std::optional<Action>> {
-    return SetPoints{by_model, std::nullopt, std::make_shared<const Points>(2 * *document.shape().points)};
+    return SetPoints{by_model, std::nullopt, std::make_shared<const Points>(2 * *document.view()->shape.points)};
   };
   const Compute nothing = [](const Document&) -> Result<std::optional<Action>> { return std::optional<Action>(); };
   const Compute refused = [](const Document&) -> Result<std::optional<Action>> { return fail("", "Not today."); };
   const Stroke stroke = pull(pole, Vec3(0, 0, 50));
-  const Points plain = *session.preview(stroke).value().document.shape().points;
+  const Points plain = *session.preview(stroke).value().document.view()->shape.points;
   const Updated followed = session.preview(stroke, {nothing, twice, refused}).value();
-  CHECK(*followed.document.shape().points == 2 * plain);
+  CHECK(*followed.document.view()->shape.points == 2 * plain);
   CHECK(followed.report.message.find("Not today") != std::string::npos);
-  CHECK(*session.preview(std::nullopt, {twice}).value().document.shape().points ==
-        2 * *session.document().shape().points);
+  CHECK(*session.preview(std::nullopt, {twice}).value().document.view()->shape.points ==
+        2 * *session.document().view()->shape.points);
 }
 
 TEST_CASE("what strokes and fits decide is known until it is undone and what a model did is not") {
@@ -221,26 +222,26 @@ TEST_CASE("what strokes and fits decide is known until it is undone and what a m
   cine.geometry.dims = {2, 2, 2};
   cine.frames = 2;
   cine.data = std::vector<std::int16_t>(16);
-  document.volume = std::make_shared<const Volume>(std::move(cine));
+  document.scan.image = std::make_shared<const Volume>(std::move(cine));
   EditSession session(std::move(document));
-  const auto known = [&] { return known_vertices(session.document().shape()); };
+  const auto known = [&] { return known_vertices(session.document().view()->shape); };
   CHECK(known().isZero());
   REQUIRE(session.apply(SetPoints{by_model, std::nullopt, found_points(1.1)}));
   CHECK(known().isZero());
   REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
   CHECK(known().maxCoeff() == 1);
   CHECK(known().mean() < 0.3);
-  SetPoints fit{by_fit, std::nullopt, session.document().shape().points};
+  SetPoints fit{by_fit, std::nullopt, session.document().view()->shape.points};
   fit.doubt_mm = doubt_on_grid(VertexScalars::Ones(known().size()));
   fit.outlier = std::make_shared<const VertexScalars>(VertexScalars::Ones(known().size()));
   REQUIRE(session.apply(fit));
-  REQUIRE(session.document().shape().doubt_mm);
+  REQUIRE(session.document().view()->shape.doubt_mm);
   REQUIRE(session.apply(SetFrame{1}));
   REQUIRE(session.apply(StartFrameFrom{0}));
-  CHECK(*session.document().shape().points == *session.document().shapes.at(0).points);
+  CHECK(*session.document().view()->shape.points == *session.document().structure()->shape(0)->points);
   CHECK(known().isZero());
-  CHECK_FALSE(session.document().shape().doubt_mm);  // it was of the other frame
-  CHECK_FALSE(session.document().shape().outlier);
+  CHECK_FALSE(session.document().view()->shape.doubt_mm);  // it was of the other frame
+  CHECK_FALSE(session.document().view()->shape.outlier);
   REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found_points(1.2)}));
   CHECK(known().minCoeff() == 1);
   for (int step = 0; step < 5; ++step) REQUIRE(session.apply(Undo{}));
@@ -250,7 +251,7 @@ TEST_CASE("what strokes and fits decide is known until it is undone and what a m
 TEST_CASE("what edits alone made of a shape goes along with edits of the aided one") {
   const CaseFolder folder;
   EditSession session = folder.create();
-  const auto shape = [&]() -> const Shape& { return session.document().shape(); };
+  const auto shape = [&]() -> const Shape& { return session.document().view()->shape; };
   const auto largest = [](const Points& a, const Points& b) { return (a - b).cwiseAbs().maxCoeff(); };
   const Points begun = *shape().points;
   const auto aided = found_points(1.2);
@@ -282,7 +283,7 @@ TEST_CASE("what edits alone made of a shape goes along with edits of the aided o
   REQUIRE(session.apply(Undo{}));
 
   // Replayed it is the same, and what something else put somewhere is no help.
-  CHECK(*read_case(folder.case_path)->session.document().shape().unaided == *shape().unaided);
+  CHECK(*read_case(folder.case_path)->session.document().view()->shape.unaided == *shape().unaided);
   REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found_points(1.1)}));
   CHECK(shape().unaided == nullptr);
 }
@@ -290,7 +291,7 @@ TEST_CASE("what edits alone made of a shape goes along with edits of the aided o
 TEST_CASE("the doubt of a fit is kept until vertices are put elsewhere along the surface") {
   const CaseFolder folder;
   EditSession session = folder.create();
-  const auto shape = [&]() -> const Shape& { return session.document().shape(); };
+  const auto shape = [&]() -> const Shape& { return session.document().view()->shape; };
   const Eigen::Index n = shape().points->rows();
   SetPoints fit{"fit", std::nullopt, found_points(1.1)};
   fit.doubt_mm = doubt_on_grid(VertexScalars::LinSpaced(n, 0.2, 4));
@@ -304,8 +305,8 @@ TEST_CASE("the doubt of a fit is kept until vertices are put elsewhere along the
   REQUIRE(left.size() == n);
   for (Eigen::Index i = 0; i < n; ++i) CHECK(left[i] == (*fit.doubt_mm)[i] * (1 - (*shape().confirmed)[i]));
   CHECK(left.minCoeff() == 0);
-  CHECK(*to_mesh_file(session.document(), 0).doubt_mm == left);
-  CHECK(doubt_left_mm(read_case(folder.case_path)->session.document().shape()) == left);
+  CHECK(*to_mesh_file(*session.document().view(), false).doubt_mm == left);
+  CHECK(doubt_left_mm(read_case(folder.case_path)->session.document().view()->shape) == left);
 
   REQUIRE(session.apply(SetPoints{by_propagation, std::nullopt, found_points(1)}));
   CHECK(doubt_left_mm(shape()).size() == 0);
@@ -333,7 +334,7 @@ TEST_CASE("a mirrored template lies where the mesh lay as its mirror image and o
   far.landmarks.clear();
   REQUIRE(write_mesh_file(far, folder.template_path));
   EditSession session = folder.create();
-  const auto shape = [&]() -> const Shape& { return session.document().shape(); };
+  const auto shape = [&]() -> const Shape& { return session.document().view()->shape; };
   Similarity placement;
   placement.rotation = Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized());
   placement.scale = 1.1;
@@ -349,7 +350,7 @@ TEST_CASE("a mirrored template lies where the mesh lay as its mirror image and o
   CHECK(*shape().points == *shape().placed);
   CHECK(shape().before_landmarks == shape().placement);
   const Points mirrored = *shape().points;
-  CHECK(*read_case(folder.case_path)->session.document().shape().points == mirrored);
+  CHECK(*read_case(folder.case_path)->session.document().view()->shape.points == mirrored);
   REQUIRE(session.apply(MirrorTemplate{}));  // there and back
   CHECK((*shape().points - *fitted).cwiseAbs().maxCoeff() < 1e-9);
 
@@ -360,7 +361,7 @@ TEST_CASE("a mirrored template lies where the mesh lay as its mirror image and o
 TEST_CASE("what a scan lacks is kept with the fit and goes into files") {
   const CaseFolder folder;
   EditSession session = folder.create();
-  const auto shape = [&]() -> const Shape& { return session.document().shape(); };
+  const auto shape = [&]() -> const Shape& { return session.document().view()->shape; };
   VertexScalars marks = VertexScalars::Zero(shape().points->rows());
   marks.head(5).setOnes();
   SetPoints fit{"fit", std::nullopt, found_points(1.1)};
@@ -369,10 +370,10 @@ TEST_CASE("what a scan lacks is kept with the fit and goes into files") {
   REQUIRE(session.apply(SetPoints{by_snap, std::nullopt, found_points(1.12)}));
   REQUIRE(shape().outlier);
   CHECK(*shape().outlier == marks);
-  CHECK(*to_mesh_file(session.document(), 0).outlier == marks);
+  CHECK(*to_mesh_file(*session.document().view(), false).outlier == marks);
   const auto again = read_case(folder.case_path);
   REQUIRE(again);
-  CHECK(*again->session.document().shape().outlier == marks);
+  CHECK(*again->session.document().view()->shape.outlier == marks);
 
   REQUIRE(session.apply(SetPoints{"fit", std::nullopt, found_points(1)}));
   CHECK_FALSE(shape().outlier);
@@ -392,7 +393,7 @@ TEST_CASE("a stroke is kept exactly as its preview showed it") {
   const Vec3 last = 45 * Vec3(std::sin(0.29), 0, std::cos(0.29));
   shown = session.preview(pull(pole, last)).value();
   REQUIRE(session.apply(pull(pole, last)));
-  CHECK(largest_difference(*shown.document.shape().points, *session.document().shape().points) < 1e-9);
+  CHECK(largest_difference(*shown.document.view()->shape.points, *session.document().view()->shape.points) < 1e-9);
 }
 
 }  // namespace homolog

@@ -1,6 +1,7 @@
 #include "core/case/held_landmarks.h"
 
 #include "tests/case_folder.h"
+#include "tests/changed_shape.h"
 
 namespace homolog {
 
@@ -9,16 +10,16 @@ namespace {
 /// A ball of 40 mm whose case holds the mesh at landmarks.
 Document holding(const CaseFolder& folder) {
   Document document = folder.document();
-  document.holds_landmarks = true;
+  document.change({}, [&](Structure& first) { first.landmarks.hold = true; });
   return document;
 }
 
 LandmarkHold north(const EditSession& session) {
-  return landmark_hold(*session.document().the_template, 0, session.document().shape());
+  return landmark_hold(*session.document().structure()->the_template, 0, session.document().view()->shape);
 }
 
 Vec3 mesh_at_north(const EditSession& session) {
-  return carried_landmark(*session.document().the_template, 0, *session.document().shape().points);
+  return carried_landmark(*session.document().structure()->the_template, 0, *session.document().view()->shape.points);
 }
 
 const Vec3 place(0, 0, 44);
@@ -62,7 +63,7 @@ TEST_CASE("a landmark that is placed after strokes is held once the mesh was bro
 
   // Taken back, the landmark holds nothing.
   REQUIRE(session.apply(PlaceLandmark{"north", std::nullopt}));
-  CHECK_FALSE(session.document().shape().confirmed);
+  CHECK_FALSE(session.document().view()->shape.confirmed);
 }
 
 TEST_CASE("a landmark that is released leaves what a person confirmed around it") {
@@ -77,8 +78,8 @@ TEST_CASE("a landmark that is released leaves what a person confirmed around it"
 TEST_CASE("what landmarks hold is not what a person confirmed even where two of them share a vertex") {
   const CaseFolder folder;
   EditSession session(holding(folder));
-  const Points& points = *session.document().shape().points;
-  const auto& triangles = session.document().the_template->topology->triangles();
+  const Points& points = *session.document().view()->shape.points;
+  const auto& triangles = session.document().structure()->the_template->topology->triangles();
   // In the middles of two neighbouring triangles.
   const auto middle = [&](Eigen::Index t) {
     return Vec3((points.row(triangles(t, 0)) + points.row(triangles(t, 1)) + points.row(triangles(t, 2))) / 3);
@@ -89,10 +90,10 @@ TEST_CASE("what landmarks hold is not what a person confirmed even where two of 
     REQUIRE(session.apply(SetTemplateLandmark{name, middle(t)}));
     REQUIRE(session.apply(PlaceLandmark{name, middle(t)}));
   }
-  CHECK(session.document().shape().confirmed);
-  CHECK_FALSE(confirmed_without_landmarks(session.document()));
+  CHECK(session.document().view()->shape.confirmed);
+  CHECK_FALSE(confirmed_without_landmarks(*session.document().view()));
   REQUIRE(session.apply(Confirm{-pole, 10, true}));
-  CHECK(confirmed_without_landmarks(session.document()));
+  CHECK(confirmed_without_landmarks(*session.document().view()));
 }
 
 TEST_CASE("whether a case holds landmarks is in its first line and its lines give the same points again") {
@@ -104,20 +105,20 @@ TEST_CASE("whether a case holds landmarks is in its first line and its lines giv
     REQUIRE(session.apply(pull(Vec3(12, 0, 42), Vec3(12, 0, 60), 20)));
     REQUIRE(session.apply(PlaceLandmark{"north", place, false}));
     REQUIRE(session.apply(pull(Vec3(-12, 0, 42), Vec3(-12, 0, 60), 20)));
-    before = *session.document().shape().points;
+    before = *session.document().view()->shape.points;
   }
   CHECK(folder.text().find("\"held_landmarks\":true") != std::string::npos);
   CHECK(folder.text().find("\"held\":false") != std::string::npos);
   const auto read = read_case(folder.case_path);
   REQUIRE(read);
-  CHECK(*read->session.document().shape().points == before);
+  CHECK(*read->session.document().view()->shape.points == before);
 }
 
 TEST_CASE("a landmark is held by all of its corners and met within an edge or two mm") {
   const CaseFolder folder;
   Document document = holding(folder);
-  Shape& shape = document.shapes.at(0);
-  const Template& the_template = *document.the_template;
+  Shape& shape = test::changed_shape(document);
+  const Template& the_template = *document.structure()->the_template;
   const auto corners = the_template.topology->triangles().row(the_template.landmark_points[0].face);
   VertexScalars confirmed = VertexScalars::Zero(shape.points->rows());
   for (int k = 0; k < 3; ++k) {

@@ -22,7 +22,8 @@ EditSession ball_session() {
 }
 
 int vertices_in(const Document& document, std::uint8_t number) {
-  return static_cast<int>(std::count(document.regions->of_vertex.begin(), document.regions->of_vertex.end(), number));
+  return static_cast<int>(std::count(document.structure()->paint.regions->of_vertex.begin(),
+                                     document.structure()->paint.regions->of_vertex.end(), number));
 }
 
 }  // namespace
@@ -35,16 +36,17 @@ TEST_CASE("a region gives its factor to what is painted and keeps it when its fa
   const Document painted = session.document();
   const int touched = vertices_in(painted, 1);
   CHECK(touched > 20);
-  for (Eigen::Index i = 0; i < painted.stiffness->size(); ++i)
-    CHECK((*painted.stiffness)[i] == (painted.regions->of_vertex[static_cast<std::size_t>(i)] == 1 ? 5 : 1));
+  for (Eigen::Index i = 0; i < painted.structure()->paint.stiffness->size(); ++i)
+    CHECK((*painted.structure()->paint.stiffness)[i] ==
+          (painted.structure()->paint.regions->of_vertex[static_cast<std::size_t>(i)] == 1 ? 5 : 1));
   REQUIRE(session.apply(SetRegion{{"capsule", 8, {1, 2, 3}}}));
-  CHECK(session.document().stiffness->maxCoeff() == doctest::Approx(8));
-  CHECK(session.document().regions->list[0].colour == std::array<std::uint8_t, 3>{1, 2, 3});
+  CHECK(session.document().structure()->paint.stiffness->maxCoeff() == doctest::Approx(8));
+  CHECK(session.document().structure()->paint.regions->list[0].colour == std::array<std::uint8_t, 3>{1, 2, 3});
   REQUIRE(session.apply(Undo{}));
-  CHECK(*session.document().stiffness == *painted.stiffness);
+  CHECK(*session.document().structure()->paint.stiffness == *painted.structure()->paint.stiffness);
   REQUIRE(session.apply(PaintRegion{"", {0, 0, 20}, 15, 0}));
   CHECK(vertices_in(session.document(), 1) == 0);
-  CHECK(session.document().stiffness->maxCoeff() == 1);
+  CHECK(session.document().structure()->paint.stiffness->maxCoeff() == 1);
   CHECK_FALSE(session.apply(PaintRegion{"cortex", {0, 0, 20}, 15, 0}));
   CHECK_FALSE(session.apply(PaintRegion{"capsule", {0, 0, 20}, -1, 0}));
   CHECK_FALSE(session.apply(SetRegion{{"", 2, {}}}));
@@ -57,25 +59,25 @@ TEST_CASE("removing a region leaves the stiffness and renumbers those behind it"
   REQUIRE(session.apply(PaintRegion{"capsule", {0, 0, 20}, 12, 0}));
   REQUIRE(session.apply(PaintRegion{"hilum", {0, 0, -20}, 12, 0}));
   const int in_hilum = vertices_in(session.document(), 2);
-  const auto in_capsule = session.document().regions->of_vertex;
+  const auto in_capsule = session.document().structure()->paint.regions->of_vertex;
   CHECK_FALSE(session.apply(RenameRegion{"capsule", "hilum"}));
   CHECK_FALSE(session.apply(RenameRegion{"cortex", "shell"}));
   CHECK_FALSE(session.apply(RenameRegion{"capsule", ""}));
   REQUIRE(session.apply(RenameRegion{"capsule", "shell"}));
-  CHECK(session.document().regions->of_vertex == in_capsule);
+  CHECK(session.document().structure()->paint.regions->of_vertex == in_capsule);
   REQUIRE(session.apply(PaintRegion{"shell", {20, 0, 0}, 12, 0}));
   CHECK(vertices_in(session.document(), 1) > static_cast<int>(std::count(in_capsule.begin(), in_capsule.end(), 1)));
   REQUIRE(session.apply(Undo{}));
   REQUIRE(session.apply(RenameRegion{"shell", "capsule"}));
-  const auto stiffness = session.document().stiffness;
+  const auto stiffness = session.document().structure()->paint.stiffness;
   REQUIRE(session.apply(SetRegion{{"capsule", capsule.factor, {9, 9, 9}}}));
-  CHECK(session.document().stiffness == stiffness);  // another colour is no work for the solver
+  CHECK(session.document().structure()->paint.stiffness == stiffness);  // another colour is no work for the solver
   REQUIRE(session.apply(RemoveRegion{"capsule"}));
   CHECK(vertices_in(session.document(), 1) == in_hilum);
-  CHECK(session.document().stiffness->maxCoeff() == 5);
+  CHECK(session.document().structure()->paint.stiffness->maxCoeff() == 5);
   CHECK_FALSE(session.apply(RemoveRegion{"capsule"}));
   REQUIRE(session.apply(RemoveRegion{"hilum"}));
-  CHECK(session.document().regions->of_vertex.empty());
+  CHECK(session.document().structure()->paint.regions->of_vertex.empty());
 }
 
 TEST_CASE("fill spreads over a connected region and by curvature stops where the surface bends otherwise") {
@@ -84,7 +86,7 @@ TEST_CASE("fill spreads over a connected region and by curvature stops where the
   REQUIRE(session.apply(PaintRegion{"hilum", {0, 0, 20}, 12, 0}));
   const int cap = vertices_in(session.document(), 2);
   REQUIRE(session.apply(FillRegion{"capsule", {0, 0, -20}, FillRegion::By::region}));
-  CHECK(vertices_in(session.document(), 1) == session.document().stiffness->size() - cap);
+  CHECK(vertices_in(session.document(), 1) == session.document().structure()->paint.stiffness->size() - cap);
   CHECK(vertices_in(session.document(), 2) == cap);
 
   // A capped cylinder: its flat lid has no curvature, its side has 1/(2r).
@@ -103,7 +105,7 @@ TEST_CASE("fill spreads over a connected region and by curvature stops where the
   const Document& filled = flat.document();
   CHECK(vertices_in(filled, 1) > 50);
   for (Eigen::Index i = 0; i < can.points.rows(); ++i)
-    if (filled.regions->of_vertex[static_cast<std::size_t>(i)] == 1) CHECK(can.points(i, 2) == 10);
+    if (filled.structure()->paint.regions->of_vertex[static_cast<std::size_t>(i)] == 1) CHECK(can.points(i, 2) == 10);
 }
 
 TEST_CASE("mean curvature of a ball is one over its radius and negative inside out") {
@@ -133,15 +135,16 @@ TEST_CASE("every brush needs a place and a radius that are numbers") {
 
 TEST_CASE("a soft brush sets the value within and blends it over its outer share") {
   EditSession session = ball_session();
-  const double base = session.document().stiffness_base, radius_mm = 16, soft = 0.5;
+  const double base = session.document().structure()->paint.base, radius_mm = 16, soft = 0.5;
   REQUIRE(session.apply(PaintStiffness{{0, 0, 20}, radius_mm, 9 * base, soft}));
-  const Points& points = *session.document().shape().points;
+  const Points& points = *session.document().view()->shape.points;
   int within = 0, between = 0;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const double share = (points.row(i).transpose() - Vec3(0, 0, 20)).norm() / radius_mm;
     const double edge = std::clamp((1 - share) / soft, 0.0, 1.0);
     // The blend rises without a corner: half at the middle of the edge.
-    CHECK((*session.document().stiffness)[i] == doctest::Approx(1 + 8 * edge * edge * (3 - 2 * edge)));
+    CHECK((*session.document().structure()->paint.stiffness)[i] ==
+          doctest::Approx(1 + 8 * edge * edge * (3 - 2 * edge)));
     within += share < 1 - soft ? 1 : 0;
     between += share > 1 - soft && share < 1 ? 1 : 0;
   }
@@ -152,23 +155,23 @@ TEST_CASE("a soft brush sets the value within and blends it over its outer share
 TEST_CASE("smoothing goes its share of the way to the mean of the neighbours") {
   EditSession session = ball_session();
   const Document before = session.document();
-  VertexScalars factors = VertexScalars::Ones(before.stiffness->size());
+  VertexScalars factors = VertexScalars::Ones(before.structure()->paint.stiffness->size());
   const Eigen::Index top = 0;
   factors[top] = 7;
   REQUIRE(session.apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(factors)}));
-  const Vec3 at = before.shape().points->row(top);
+  const Vec3 at = before.view()->shape.points->row(top);
   REQUIRE(session.apply(SmoothStiffness{at, 12, 0.25}));
-  CHECK((*session.document().stiffness)[top] == doctest::Approx(7 - 0.25 * 6));
+  CHECK((*session.document().structure()->paint.stiffness)[top] == doctest::Approx(7 - 0.25 * 6));
 }
 
 TEST_CASE("smoothing draws factors together and keeps uniform ones") {
   EditSession session = ball_session();
   REQUIRE(session.apply(SmoothStiffness{{0, 0, 20}, 15, 1}));
-  CHECK((session.document().stiffness->array() - 1).abs().maxCoeff() < 1e-12);
+  CHECK((session.document().structure()->paint.stiffness->array() - 1).abs().maxCoeff() < 1e-12);
   REQUIRE(session.apply(PaintStiffness{{0, 0, 20}, 8, 50, 0}));
-  const double before = session.document().stiffness->maxCoeff();
+  const double before = session.document().structure()->paint.stiffness->maxCoeff();
   REQUIRE(session.apply(SmoothStiffness{{0, 0, 20}, 15, 1}));
-  const VertexScalars& after = *session.document().stiffness;
+  const VertexScalars& after = *session.document().structure()->paint.stiffness;
   CHECK(after.maxCoeff() <= before);
   CHECK(((after.array() > 1.01) && (after.array() < before - 0.01)).count() > 5);
 }
@@ -178,9 +181,9 @@ TEST_CASE("a stiffness array must fit the mesh and be positive") {
   const auto with = [&](Eigen::Index n, double value) {
     return session.apply(SetStiffnessFactors{std::make_shared<const VertexScalars>(VertexScalars::Constant(n, value))});
   };
-  const Eigen::Index n = session.document().stiffness->size();
+  const Eigen::Index n = session.document().structure()->paint.stiffness->size();
   CHECK(with(n, 3));
-  CHECK(session.document().stiffness->minCoeff() == 3);
+  CHECK(session.document().structure()->paint.stiffness->minCoeff() == 3);
   CHECK_FALSE(with(n - 1, 3));
   CHECK_FALSE(with(n, 0));
 }
@@ -190,18 +193,19 @@ TEST_CASE("a template landmark is a point of the surface that follows the mesh")
   REQUIRE(session.apply(SetPlacement{Similarity{Eigen::Quaterniond::Identity(), 2, {5, 6, 7}}}));
   REQUIRE(session.apply(SetTemplateLandmark{"top", Vec3(5.7, 6.3, 60)}));
   const Document& document = session.document();
-  REQUIRE(document.the_template->landmarks.size() == 1);
-  const Vec3 position = document.the_template->landmarks[0].position;
+  REQUIRE(document.structure()->the_template->landmarks.size() == 1);
+  const Vec3 position = document.structure()->the_template->landmarks[0].position;
   CHECK(position.norm() == doctest::Approx(20).epsilon(0.03));
   CHECK(position.z() > 19);
-  const SurfacePoint on = document.the_template->landmark_points[0];
-  const Vec3 carried = on.interpolate(*document.the_template->topology, *document.shape().points).transpose();
-  CHECK((carried - document.shape().placement.apply(position)).norm() < 1e-9);
+  const SurfacePoint on = document.structure()->the_template->landmark_points[0];
+  const Vec3 carried =
+      on.interpolate(*document.structure()->the_template->topology, *document.view()->shape.points).transpose();
+  CHECK((carried - document.view()->shape.placement.apply(position)).norm() < 1e-9);
   REQUIRE(session.apply(SetTemplateLandmark{"top", std::nullopt}));
-  CHECK(session.document().the_template->landmarks.empty());
+  CHECK(session.document().structure()->the_template->landmarks.empty());
   CHECK_FALSE(session.apply(SetTemplateLandmark{"top", std::nullopt}));
   REQUIRE(session.apply(Undo{}));
-  CHECK(session.document().the_template->landmarks.size() == 1);
+  CHECK(session.document().structure()->the_template->landmarks.size() == 1);
 }
 
 TEST_CASE("every painting action reads back from its line") {
@@ -229,15 +233,16 @@ TEST_CASE("a template file keeps stiffness and regions and landmarks and other a
   REQUIRE(session.apply(PaintRegion{"hilum", {0, 0, 20}, 12, 0.5}));
   REQUIRE(session.apply(SetTemplateLandmark{"upper pole", Vec3(0, 0, 20)}));
   const auto path = std::filesystem::temp_directory_path() / "homolog_paint_test.ply";
-  REQUIRE(write_mesh_file(painted_template(session.document()), path));
+  REQUIRE(write_mesh_file(painted_template(*session.document().structure()), path));
   const auto back = read_mesh_file(path);
   REQUIRE(back);
-  CHECK(back->regions == *session.document().regions);
-  CHECK((*back->stiffness - *session.document().stiffness).cwiseAbs().maxCoeff() < 1e-6);
-  CHECK(back->landmarks == session.document().the_template->landmarks);
+  CHECK(back->regions == *session.document().structure()->paint.regions);
+  CHECK((*back->stiffness - *session.document().structure()->paint.stiffness).cwiseAbs().maxCoeff() < 1e-6);
+  CHECK(back->landmarks == session.document().structure()->the_template->landmarks);
   CHECK(back->arrays.empty());
   const auto again = make_template(*back, "again");
   REQUIRE(again);
-  CHECK(*new_document("", nullptr, *again).regions == *session.document().regions);
+  CHECK(*new_document("", nullptr, *again).structure()->paint.regions ==
+        *session.document().structure()->paint.regions);
   std::filesystem::remove(path);
 }

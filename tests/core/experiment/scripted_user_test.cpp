@@ -90,7 +90,7 @@ TEST_CASE("a placement is disturbed by its seed alone") {
   const auto placed = [](std::uint64_t seed) {
     EditSession session = new_session();
     REQUIRE(disturb_placement(session, seed));
-    return session.document().shape().placement;
+    return session.document().view()->shape.placement;
   };
   CHECK(placed(3) == placed(3));
   CHECK(!(placed(3) == placed(4)));
@@ -101,10 +101,10 @@ TEST_CASE("features that are grabbed come near their places") {
   const ExperimentSubject subject = stretched_ball();
   EditSession session = new_session();
   CHECK(grab_landmarks(session, subject.shown).value() == 18);
-  const Template& the_template = *session.document().the_template;
+  const Template& the_template = *session.document().structure()->the_template;
   for (std::size_t k = 0; k < subject.shown.size(); ++k) {
     const Vec3 here =
-        the_template.landmark_points[k].interpolate(*the_template.topology, *session.document().shape().points);
+        the_template.landmark_points[k].interpolate(*the_template.topology, *session.document().view()->shape.points);
     CHECK((here - subject.shown[k].position).norm() < 1);
   }
 }
@@ -127,7 +127,7 @@ TEST_CASE("the scripted user strokes with the presets of the editor") {
   const ExperimentSubject subject = stretched_ball();
   EditSession session = new_session();
   REQUIRE(grab_landmarks(session, subject.shown));
-  const auto presets_mm = default_sigmas_mm(*session.document().shape().reference);
+  const auto presets_mm = default_sigmas_mm(*session.document().view()->shape.reference);
   for (const double sigma_mm : stroke_sigmas_mm(session)) CHECK(sigma_mm == presets_mm[2]);
   const std::size_t grabs = stroke_sigmas_mm(session).size();
   PullingOptions options;
@@ -144,14 +144,14 @@ TEST_CASE("features that are held stay where they were clicked") {
   EditSession session = new_session();
   REQUIRE(click_landmarks(session, subject.shown));
   REQUIRE(confirm_landmarks(session, subject.shown));
-  const auto held = session.document().shape().confirmed;
+  const auto held = session.document().view()->shape.confirmed;
   REQUIRE(held);
   CHECK(held->sum() >= 6);
-  const Points before = *session.document().shape().points;
+  const Points before = *session.document().view()->shape.points;
   PullingOptions options;
   options.most_pulls = 6;
   REQUIRE(pull_to_target(session, subject.target, options).value().pulls > 0);
-  const Points moved = *session.document().shape().points - before;
+  const Points moved = *session.document().view()->shape.points - before;
   for (Eigen::Index i = 0; i < moved.rows(); ++i)
     if ((*held)[i] >= 1) CHECK(moved.row(i).norm() < 1e-12);
 }

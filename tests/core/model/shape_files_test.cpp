@@ -159,7 +159,7 @@ TEST_CASE("a training set goes out as it came in with one shape repaired") {
     const fs::path made = make_case_of_shape(*shapes[1].mesh, faces, "s1", files.path / "repaired").value();
     {
       EditSession session = open_case(made).value().session;
-      CHECK(session.document().shape().points->isApprox(lopsided_organ(1).points, 1e-12));
+      CHECK(session.document().view()->shape.points->isApprox(lopsided_organ(1).points, 1e-12));
       REQUIRE(session.apply(Stroke{Tool::grab,
                                    lopsided_organ(1).points.row(7),
                                    Vec3(lopsided_organ(1).points.row(7)) + Vec3(2, 0, 0),

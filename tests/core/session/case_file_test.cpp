@@ -38,7 +38,7 @@ TEST_CASE("a case whose image has moved opens with the image where it is now and
   }
   const auto again = open_case(file);
   REQUIRE(again);
-  CHECK(again->session.document().volume->geometry.dims == grid.dims);
+  CHECK(again->session.document().scan.image->geometry.dims == grid.dims);
 }
 
 TEST_CASE("an image on another grid is refused in voxels and mm") {
@@ -80,7 +80,7 @@ TEST_CASE("a torn last line is dropped with a warning and everything before it i
   {
     EditSession session = folder.create();
     REQUIRE(session.apply(pull(pole, Vec3(0, 0, 50))));
-    kept = *session.document().shape().points;
+    kept = *session.document().view()->shape.points;
   }
   const std::string torn = R"({"tool":"pull","at":[0,0,-40],"to":[0,0,-4)";
   for (std::size_t length = 1; length <= torn.size(); ++length) {
@@ -89,7 +89,7 @@ TEST_CASE("a torn last line is dropped with a warning and everything before it i
     auto read = read_case(folder.case_path);
     REQUIRE(read);
     CHECK(read->warnings.size() == 1);
-    CHECK(*read->session.document().shape().points == kept);
+    CHECK(*read->session.document().view()->shape.points == kept);
     CHECK(read->whole_bytes == whole.size());
     fs::resize_file(folder.case_path, whole.size());
   }
@@ -163,7 +163,7 @@ TEST_CASE("a number that no case needs is refused with its line") {
                 "\n");
   const auto read = read_case(folder.case_path);
   REQUIRE(read);
-  CHECK(read->session.document().shape().points->allFinite());
+  CHECK(read->session.document().view()->shape.points->allFinite());
 }
 
 TEST_CASE("a file whose name is no UTF-8 is refused and nothing is written of it") {
@@ -268,13 +268,13 @@ TEST_CASE("an edit that cannot be written is not made") {
   const CaseFolder folder;
   EditSession session = folder.create();
   const std::string before = folder.text();
-  const Points points = *session.document().shape().points;
+  const Points points = *session.document().view()->shape.points;
   const auto done = [&] {
     const SmallFilesOnly full(before.size() + 10);
     return session.apply(pull(pole, Vec3(0, 0, 50)));
   }();
   CHECK(says(done, "the edit was not made"));
-  CHECK(*session.document().shape().points == points);
+  CHECK(*session.document().view()->shape.points == points);
   CHECK_FALSE(session.can_undo());
   CHECK(folder.text() == before);
 }
@@ -318,7 +318,8 @@ TEST_CASE("a session that could not be journalled is saved whole") {
   REQUIRE(session.apply(pull(Vec3(40, 0, 0), Vec3(45, 0, 0))));
   const auto read = read_case(folder.case_path);
   REQUIRE(read);
-  CHECK(largest_difference(*read->session.document().shape().points, *session.document().shape().points) < 1e-9);
+  CHECK(largest_difference(*read->session.document().view()->shape.points, *session.document().view()->shape.points) <
+        1e-9);
 }
 
 TEST_CASE("a case behind a linked folder finds its template") {

@@ -39,7 +39,7 @@ struct OpenCase {
   bool is_whole() const {
     const auto read = read_case(session.journal()->path());
     return read && read->session.strokes() == session.strokes() &&
-           *read->session.document().shape().points == *session.document().shape().points &&
+           *read->session.document().view()->shape.points == *session.document().view()->shape.points &&
            Journal::in_use(session.journal()->path());
   }
 };

@@ -14,6 +14,7 @@
 #include "core/case/packed.h"
 #include "core/session/line_kind.h"
 #include "tests/case_steps.h"
+#include "tests/changed_shape.h"
 #include "tests/small_files.h"
 
 namespace homolog {
@@ -23,13 +24,6 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr HistoryLimits often{.replayed_steps = 10};
-
-std::vector<std::string> lines_of(const fs::path& path) {
-  std::ifstream file(path);
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(file, line);) lines.push_back(line);
-  return lines;
-}
 
 void write_lines(const fs::path& path, const std::vector<std::string>& lines) {
   std::ofstream file(path, std::ios::binary);
@@ -54,11 +48,11 @@ TEST_CASE("computed points are rounded when they are made and are the same in th
   REQUIRE(session.apply(pull(pole, 1.1 * pole)));  // no coordinate is on the grid
   std::mt19937 random(1);
   for (const double share : {1.0, 0.05}) {
-    const Points before = *session.document().shape().points;
+    const Points before = *session.document().view()->shape.points;
     const SetPoints edit = random_snap(session.document(), random, share);
     const std::size_t bytes = folder.text().size();
     REQUIRE(session.apply(edit));
-    const Points& after = *session.document().shape().points;
+    const Points& after = *session.document().view()->shape.points;
     CHECK(after == *edit.points);
     for (Eigen::Index k = 0; k < after.size(); ++k) {
       const double at = after.data()[k] * 65536;
@@ -67,7 +61,7 @@ TEST_CASE("computed points are rounded when they are made and are the same in th
     // What moved by less than a millimetre takes about two bytes a coordinate; what did not, next to nothing.
     const double moved = (after.array() != before.array()).cast<double>().sum();
     CHECK(static_cast<double>(folder.text().size() - bytes) < 3.3 * moved + 500);
-    CHECK(*read_case(folder.case_path, every_line())->session.document().shape().points == after);
+    CHECK(*read_case(folder.case_path, every_line())->session.document().view()->shape.points == after);
   }
 }
 
@@ -75,7 +69,7 @@ TEST_CASE("a case of an older version opens to the same points") {
   const fs::path folder = fs::path(HOMOLOG_SOURCE_DIR) / "tests" / "older_case";
   auto read = read_case(folder / "ball.homolog");
   REQUIRE(read);
-  const Points& points = *read->session.document().shape().points;
+  const Points& points = *read->session.document().view()->shape.points;
   std::ifstream file(folder / "points.txt");
   for (Eigen::Index k = 0; k < points.size(); ++k) {
     double wanted = 0;
@@ -96,7 +90,8 @@ TEST_CASE("a case goes on from its last checkpoint as if every line were played"
     REQUIRE(session.apply(SetRegion{{"hilum", 2, {1, 2, 3}}}));
     REQUIRE(session.apply(PaintRegion{"hilum", pole, 15, 0.5}));
     work(session, random, 25);
-    REQUIRE(session.apply(points_edit(session.document(), 1.01 * *session.document().shape().points, by_model)));
+    REQUIRE(session.apply(
+        points_edit(*session.document().view(), 1.01 * *session.document().view()->shape.points, by_model)));
     REQUIRE(session.apply(SetEvenSpacing{0.5}));
     work(session, random, 25);
     REQUIRE(session.apply(Undo{}));
@@ -120,18 +115,19 @@ namespace {
 /// Gives each member another value than it has, at random.
 class Filler {
  public:
-  template <class List, class Owner>
-  void fill(const List& members, Owner& owner) {
-    for_each_member(members, [&](const auto& member) {
-      if (member.kept()) other(owner.*member.of);
-    });
-  }
   void fill(Document& document) {
-    vertices_ = document.stiffness->size();
-    fill(document_members, document);
+    vertices_ = document.structure()->paint.stiffness->size();
+    other(document);
   }
 
  private:
+  template <Described Owner>
+  void other(Owner& owner) {
+    for_each_member(members_of(owner), [&](const auto& member) {
+      // A checkpoint knows a structure's template by the structure's id.
+      if (member.kept() && member.key != std::string("id")) other(owner.*member.of);
+    });
+  }
   void other(int& value) { value += 2; }  // frame 2 has a shape
   void other(bool& value) { value = !value; }
   void other(double& value) { value = 0.25 + 0.5 * share(); }
@@ -165,15 +161,21 @@ class Filler {
     template_ = the_template = with_landmarks(*the_template, landmarks);
   }
   void other(std::shared_ptr<const Volume>&) {}  // the first line says it
-  void other(std::map<int, Shape>& shapes) {
-    const Shape start = shapes.at(0);
+  void other(std::map<int, std::shared_ptr<const Shape>>& shapes) {
+    const Shape start = *shapes.at(0);
     for (const int frame : {0, 2}) {
       Shape shape = start;
-      fill(shape_members, shape);
+      other(shape);
       shape.placed = std::make_shared<const Points>(shape.placement.apply(template_->points));
-      shapes.insert_or_assign(frame, std::move(shape));
+      shapes.insert_or_assign(frame, std::make_shared<const Shape>(std::move(shape)));
     }
   }
+  void other(std::vector<std::shared_ptr<const Structure>>& structures) {
+    Structure first = *structures.front();
+    other(first);
+    structures.front() = std::make_shared<const Structure>(std::move(first));
+  }
+  void other(std::optional<std::array<std::uint8_t, 3>>& colour) { colour = {10, 200, 30}; }
   double share() { return std::uniform_real_distribution<double>(0, 1)(random_); }
 
   std::mt19937 random_{4};
@@ -193,23 +195,21 @@ Document full_document(const Document& start) {
 TEST_CASE("a checkpoint keeps every member of a shape and of a document") {
   const CaseFolder folder;
   Document start = cine_document(folder, 3);
-  start.landmark_rule = LandmarkRule::weighed;  // what the first line decides
-  start.holds_landmarks = true;
+  const auto with_rules = [](Document document, LandmarkRule rule, bool hold) {
+    document.change({}, [&](Structure& first) { first.landmarks = {first.landmarks.pull, rule, hold}; });
+    return document;
+  };
+  start = with_rules(start, LandmarkRule::weighed, true);
   const Document full = full_document(start);
   const auto line = checkpoint_line(start, full, 5);
   REQUIRE(line);
   const auto read = read_checkpoint(*line, start, 5);
   REQUIRE(read);
   CHECK(same_document(*read, full));
-  CHECK(read->holds_landmarks);
 
   // It belongs to that first line alone.
-  Document other = start;
-  other.landmark_rule = LandmarkRule::by_size;
-  CHECK_FALSE(read_checkpoint(*line, other, 5));
-  other = start;
-  other.holds_landmarks = false;
-  CHECK_FALSE(read_checkpoint(*line, other, 5));
+  CHECK_FALSE(read_checkpoint(*line, with_rules(start, LandmarkRule::by_size, true), 5));
+  CHECK_FALSE(read_checkpoint(*line, with_rules(start, LandmarkRule::weighed, false), 5));
 }
 
 TEST_CASE("only what the first line says and what follows from others is left out of a checkpoint") {
@@ -221,8 +221,10 @@ TEST_CASE("only what the first line says and what follows from others is left ou
     return keys;
   };
   CHECK(left_out(shape_members) == std::vector<std::string>{"placed"});
-  CHECK(left_out(document_members) ==
-        std::vector<std::string>{"volume_source", "volume", "landmark_rule", "holds_landmarks"});
+  CHECK(left_out(document_members) == std::vector<std::string>{"scan"});
+  CHECK(left_out(structure_members).empty());
+  CHECK(left_out(paint_members).empty());
+  CHECK(left_out(landmark_rules_members).empty());
 }
 
 TEST_CASE("two documents that differ in one member are not the same") {
@@ -237,16 +239,33 @@ TEST_CASE("two documents that differ in one member are not the same") {
   for_each_member(document_members, [&](const auto& member) {
     Document other = full;
     if (member.origin != Origin::first_line) other.*member.of = start.*member.of;
-    if (member.key == std::string("volume")) other.volume = nullptr;
-    if (member.key == std::string("volume_source")) other.volume_source += "x";
-    if (member.key == std::string("landmark_rule")) other.landmark_rule = LandmarkRule::closed_form;
-    if (member.key == std::string("holds_landmarks")) other.holds_landmarks = !other.holds_landmarks;
+    if (member.key == std::string("scan")) other.scan.source += "x";
     differs(member.key, other);
   });
+  Document other = full;
+  other.scan.image = nullptr;
+  differs("image", other);
+  const auto each = [&](const auto& members, const auto& part) {
+    for_each_member(members, [&](const auto& member) {
+      Document changed = full;
+      changed.change({}, [&](Structure& first) {
+        Structure old = *start.structure();
+        if (member.key == std::string("id")) old.id = "another";
+        part(first, member.of) = part(old, member.of);
+      });
+      differs(member.key, changed);
+    });
+  };
+  each(
+      structure_members, [](Structure & one, auto of) -> auto& { return one.*of; });
+  each(
+      paint_members, [](Structure & one, auto of) -> auto& { return one.paint.*of; });
+  each(
+      landmark_rules_members, [](Structure & one, auto of) -> auto& { return one.landmarks.*of; });
   for_each_member(shape_members, [&](const auto& member) {
-    Document other = full;
-    other.shapes.at(0).*member.of = start.shapes.at(0).*member.of;
-    differs(member.key, other);
+    Document changed = full;
+    test::changed_shape(changed).*member.of = start.structure()->shape(0)->*member.of;
+    differs(member.key, changed);
   });
 }
 
@@ -267,7 +286,7 @@ TEST_CASE("a landmark that is placed after a reopening lies where it does withou
   REQUIRE(played);
   REQUIRE(opened->session.apply(north));
   REQUIRE(played->session.apply(north));
-  CHECK(*opened->session.document().shape().points == *played->session.document().shape().points);
+  CHECK(*opened->session.document().view()->shape.points == *played->session.document().view()->shape.points);
   CHECK(same_document(opened->session.document(), played->session.document()));
 }
 
@@ -282,7 +301,8 @@ TEST_CASE("a checkpoint of an older version without that member is passed over")
   for (std::string& line : lines) {
     if (!is_checkpoint(line)) continue;
     auto json = OrderedJson::parse(line);
-    for (auto& shape : json["checkpoint"]["document"]["shapes"]) shape.erase("before_landmarks");
+    for (auto& structure : json["checkpoint"]["document"]["structures"])
+      for (auto& shape : structure["shapes"]) shape.erase("before_landmarks");
     line = json.dump();
   }
   write_lines(folder.case_path, lines);
@@ -323,12 +343,12 @@ TEST_CASE("a checkpoint is never trusted over the lines before it") {
     auto session = create_case(folder.document(), folder.case_path, often).value();
     std::mt19937 random(6);
     work(session, random, 35);
-    kept = *session.document().shape().points;
+    kept = *session.document().view()->shape.points;
   }
   const auto lines = lines_of(folder.case_path);
-  const auto points = [&] { return *read_case(folder.case_path).value().session.document().shape().points; };
+  const auto points = [&] { return *read_case(folder.case_path).value().session.document().view()->shape.points; };
   const auto played = [&] {
-    return *read_case(folder.case_path, every_line()).value().session.document().shape().points;
+    return *read_case(folder.case_path, every_line()).value().session.document().view()->shape.points;
   };
 
   // Without them.
@@ -339,7 +359,7 @@ TEST_CASE("a checkpoint is never trusted over the lines before it") {
 
   // Another first step: all that follows is played.
   changed = lines;
-  changed[1] = action_line(pull(-pole, -1.3 * pole));
+  changed[1] = action_line({pull(-pole, -1.3 * pole)});
   write_lines(folder.case_path, changed);
   CHECK(points() == played());
   CHECK(points() != kept);
@@ -378,24 +398,28 @@ TEST_CASE("a checkpoint that holds what no case can hold is passed over") {
   const Document start = folder.document();
   const std::string line = checkpoint_line(start, session.document(), 7).value();
   REQUIRE(read_checkpoint(line, start, 7));
-  const auto without_shape = [](OrderedJson& document) { document["shapes"] = OrderedJson::array(); };
+  const auto first = [](OrderedJson& document) -> OrderedJson& { return document["structures"][0]; };
   const std::vector<std::function<void(OrderedJson&)>> damages{
       [](OrderedJson& document) { document["frame"] = 3; },
-      [](OrderedJson& document) { document["shapes"][0]["frame"] = 3; },
       [](OrderedJson& document) { document["scheme"] = 9; },
       [](OrderedJson& document) { document["events"] = 0; },
       [](OrderedJson& document) { document["spacing"] = -1; },
-      [](OrderedJson& document) { document["landmark_fit"] = 3; },
-      [](OrderedJson& document) { document["stiffness_base"] = 0; },
-      [](OrderedJson& document) { document["regions"]["list"].clear(); },
-      [](OrderedJson& document) { document["regions"]["list"][0]["factor"] = -1; },
-      [](OrderedJson& document) {
-        document["regions"]["of_vertex"] = packed(std::span<const std::uint8_t>(std::vector<std::uint8_t>{1}));
-        document["regions"]["vertices"] = 1;
+      [](OrderedJson& document) { document["structures"] = OrderedJson::array(); },
+      [&](OrderedJson& document) { first(document)["id"] = "s9"; },
+      [&](OrderedJson& document) { first(document)["shapes"][0]["frame"] = 3; },
+      [&](OrderedJson& document) { first(document)["landmarks"]["pull"] = 3; },
+      [&](OrderedJson& document) { first(document)["landmarks"]["rule"] = 3; },
+      [&](OrderedJson& document) { first(document)["paint"]["stiffness_base"] = 0; },
+      [&](OrderedJson& document) { first(document)["paint"]["regions"]["list"].clear(); },
+      [&](OrderedJson& document) { first(document)["paint"]["regions"]["list"][0]["factor"] = -1; },
+      [&](OrderedJson& document) {
+        OrderedJson& regions = first(document)["paint"]["regions"];
+        regions["of_vertex"] = packed(std::span<const std::uint8_t>(std::vector<std::uint8_t>{1}));
+        regions["vertices"] = 1;
       },
-      [](OrderedJson& document) { document["shapes"][0]["placement"]["scale"] = 0; },
-      [](OrderedJson& document) { document["shapes"][0]["strokes"] = -1; },
-      without_shape};
+      [&](OrderedJson& document) { first(document)["shapes"][0]["placement"]["scale"] = 0; },
+      [&](OrderedJson& document) { first(document)["shapes"][0]["strokes"] = -1; },
+      [&](OrderedJson& document) { first(document)["shapes"] = OrderedJson::array(); }};
   for (std::size_t k = 0; k < damages.size(); ++k) {
     CAPTURE(k);
     OrderedJson damaged = OrderedJson::parse(line);
@@ -416,7 +440,7 @@ TEST_CASE("a checkpoint that finds no room is left out and the edit is made") {
   CHECK(folder.text() == before + "{\"stiffness_base\":5.0}\n");
   auto again = read_case(folder.case_path);
   REQUIRE(again);
-  CHECK(again->session.document().stiffness_base == 5);
+  CHECK(again->session.document().structure()->paint.base == 5);
 }
 
 TEST_CASE("a day of work in small opens quickly and undoes to the first stroke") {
@@ -448,7 +472,7 @@ TEST_CASE("a day of work in small opens quickly and undoes to the first stroke")
     REQUIRE(opened->session.apply(Undo{}));
     REQUIRE(opened->session.history_bytes() <= limits.bytes);
   }
-  CHECK(*opened->session.document().shape().points == folder.document().the_template->points);
+  CHECK(*opened->session.document().view()->shape.points == folder.document().structure()->the_template->points);
 }
 
 TEST_CASE("what a line is to the history is told from its keys") {

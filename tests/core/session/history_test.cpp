@@ -36,7 +36,7 @@ TEST_CASE("the history keeps to its memory however much is done") {
   constexpr std::size_t limit = 500'000;
   EditSession session = create_case(folder.document(), folder.case_path, {.bytes = limit}).value();
   std::mt19937 random(2);
-  const Points start = *session.document().shape().points;
+  const Points start = *session.document().view()->shape.points;
   for (int k = 0; k < 100; ++k) {  // 15 kB each, and as much again for what is known of it
     REQUIRE(session.apply(random_snap(session.document(), random)));
     REQUIRE(session.history_bytes() <= limit);
@@ -46,7 +46,7 @@ TEST_CASE("the history keeps to its memory however much is done") {
     REQUIRE(session.apply(Undo{}));
     REQUIRE(session.history_bytes() <= limit);
   }
-  CHECK(*session.document().shape().points == start);
+  CHECK(*session.document().view()->shape.points == start);
 }
 
 TEST_CASE("states that come with looks at other frames count too") {
@@ -113,7 +113,9 @@ TEST_CASE("undo and redo go over what is joined and over what was only looked at
 TEST_CASE("states near the present one are kept and those far away are thinned out evenly") {
   const auto state = [] {
     auto document = std::make_shared<Document>();
-    document->stiffness = std::make_shared<const VertexScalars>(VertexScalars::Ones(125));  // 1,000 bytes
+    auto structure = std::make_shared<Structure>();
+    structure->paint.stiffness = std::make_shared<const VertexScalars>(VertexScalars::Ones(125));  // 1,000 bytes
+    document->structures.push_back(std::move(structure));
     return document;
   };
   History history(state(), 100'000);
@@ -138,7 +140,8 @@ TEST_CASE("the touches of a brush stroke are kept once") {
   EditSession session = folder.create();
   const auto bytes_before = session.history_bytes();
   for (int k = 0; k < 100; ++k) REQUIRE(session.apply(PaintStiffness{Vec3(0, 0.1 * k, 40), 10, 20, 0.5}, k > 0));
-  const std::size_t a_state = sizeof(double) * static_cast<std::size_t>(session.document().stiffness->size());
+  const std::size_t a_state =
+      sizeof(double) * static_cast<std::size_t>(session.document().structure()->paint.stiffness->size());
   CHECK(session.history_bytes() - bytes_before == a_state);
   // They are written at once, and brought to the disk together.
   CHECK(session.unsynced());
@@ -153,7 +156,7 @@ TEST_CASE("to look at a frame is no step and keeps what can be done again") {
   const CaseFolder folder;
   EditSession session(cine_document(folder, 5));
   REQUIRE(session.apply(pull(pole, 1.1 * pole)));
-  const Points pulled = *session.document().shape().points;
+  const Points pulled = *session.document().view()->shape.points;
   REQUIRE(session.apply(SetFrame{3}));
   CHECK(session.document().frame == 3);
   CHECK(session.undo_name().starts_with("pull"));
@@ -167,18 +170,18 @@ TEST_CASE("to look at a frame is no step and keeps what can be done again") {
   CHECK(session.redo_name().starts_with("grab"));
   REQUIRE(session.apply(Redo{}));
   CHECK(session.document().frame == 3);
-  CHECK(session.document().shape().points->col(2).maxCoeff() > 47);
+  CHECK(session.document().view()->shape.points->col(2).maxCoeff() > 47);
   REQUIRE(session.apply(Undo{}));
   REQUIRE(session.apply(Undo{}));
   CHECK(session.document().frame == 0);
   CHECK_FALSE(session.can_undo());
   REQUIRE(session.apply(Redo{}));
   CHECK(session.document().frame == 0);
-  CHECK(*session.document().shape().points == pulled);
+  CHECK(*session.document().view()->shape.points == pulled);
   // What is looked at last is where the next stroke goes, also without memory for it.
   REQUIRE(session.apply(SetFrame{2}));
   REQUIRE(session.apply(pull(pole, 1.1 * pole)));
-  CHECK(session.document().shapes.at(2).strokes == 1);
+  CHECK(session.document().structure()->shape(2)->strokes == 1);
   CHECK_FALSE(session.can_redo());
 }
 
@@ -187,12 +190,12 @@ TEST_CASE("looks replay from the file as they were and steps of older files stay
   const auto write = [&](const std::string& text) { std::ofstream(folder.case_path) << text; };
   { const EditSession begun = folder.create(); }
   const std::string header = folder.text();
-  const std::string stroke = action_line(pull(pole, 1.1 * pole)) + '\n';
+  const std::string stroke = action_line({pull(pole, 1.1 * pole)}) + '\n';
   write(header + stroke + "{\"frame\":0}\n{\"undo\":true}\n");
   CHECK(read_case(folder.case_path)->session.strokes() == 1);
   write(header + stroke + "{\"frame\":0,\"look\":true}\n{\"undo\":true}\n");
   CHECK(read_case(folder.case_path)->session.strokes() == 0);
-  CHECK(action_line(SetFrame{2}) == R"({"frame":2,"look":true})");
+  CHECK(action_line({SetFrame{2}}) == R"({"frame":2,"look":true})");
 }
 
 TEST_CASE("a look that cannot be written is done and written with the next edit") {

@@ -25,7 +25,7 @@ bool wait_for(const SessionThread& thread, const Reached& reached) {
 }
 
 double height(const Document& document) {
-  return document.shape().points->col(2).maxCoeff();
+  return document.view()->shape.points->col(2).maxCoeff();
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ void SnapMesh::spell(Fields& line) {
 }
 void SnapMesh::run(Editing& editing) const {
   const Document& document = editing.shown.document();
-  if (!document.volume || !document.has_shape())
+  if (!document.scan.image || !document.view())
     return add_notice(editing.state,
                       "A snap needs an image and a mesh. Open an image and place a template on the organ first.",
                       false);
@@ -89,7 +89,7 @@ void StartFit::spell(Fields& line) {
 }
 void StartFit::run(Editing& editing) const {
   const auto& labels = editing.shown.labels();
-  if (!labels.volume || !editing.shown.document().has_shape()) return;
+  if (!labels.volume || !editing.shown.document().view()) return;
   stop_playing(editing);
   FitSettings chosen = settings;
   if (chosen.label == 0 && !labels.values.empty()) chosen.label = labels.values.front();
@@ -109,7 +109,7 @@ void StartFit::run(Editing& editing) const {
 }
 
 void RefineAlongSurface::run(Editing& editing) const {
-  if (!editing.shown.document().has_shape()) return;
+  if (!editing.shown.document().view()) return;
   stop_playing(editing);
   editing.work.started_fit.reset();
   editing.work.fitter.start_refinement(editing.shown.snapshot().document);
@@ -126,7 +126,7 @@ void CancelFits::run(Editing& editing) const {
 
 void PropagateFrames::run(Editing& editing) const {
   const Document& document = editing.shown.document();
-  if (!document.has_shape() || !document.volume || document.volume->frames < 2) return;
+  if (!document.view() || !document.scan.image || document.scan.image->frames < 2) return;
   stop_playing(editing);
   editing.work.propagator.start(editing.shown.done());
 }

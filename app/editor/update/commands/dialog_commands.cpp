@@ -44,7 +44,7 @@ bool is_for_people(const std::filesystem::path& folder) {
 /// the study, else of the image or, for what is written, of the case. Where nothing has a file, the one used last.
 std::filesystem::path folder_beside(const EditorState& state, const ControlsContext& context, bool saves) {
   if (saves && is_for_people(state.saved_folder)) return state.saved_folder;
-  const std::filesystem::path of_case = context.file, of_image = context.document.volume_source;
+  const std::filesystem::path of_case = context.file, of_image = context.document.scan.source;
   const auto first = state.models.shown ? state.models.study_file : saves ? of_case : of_image;
   const auto second = state.models.shown ? state.models.study_file : saves ? of_image : of_case;
   for (const auto& folder : {first.parent_path(), second.parent_path(), state.preferences.folder})

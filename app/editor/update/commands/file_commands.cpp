@@ -33,7 +33,7 @@ Document as_done(const Editing& editing) {
 /// Says so where the case has no template.
 bool lacks_template(Editing& editing) {
   const Document& document = *editing.shown.snapshot().document;
-  if (document.the_template) return false;
+  if (!document.structures.empty()) return false;
   add_notice(editing.state, why_no_mesh(document), false);
   return true;
 }
@@ -56,7 +56,7 @@ std::string lost_in(const fs::path& path) {
 /// Says so where there is nothing to save.
 bool nothing_to_save(Editing& editing) {
   const Document& document = editing.shown.document();
-  if (document.volume || document.the_template) return false;
+  if (document.scan.image || !document.structures.empty()) return false;
   add_notice(editing.state, "There is nothing to save yet. Open an image or a template first.");
   return true;
 }
@@ -79,7 +79,7 @@ void OpenFiles::run(Editing& editing) const {
   std::error_code ignored;
   if (!request->case_file.empty() && fs::equivalent(request->case_file, editing.shown.snapshot().file, ignored))
     return add_notice(editing.state, request->case_file.filename().string() + " is open already.", false);
-  request->beside = editing.shown.document().volume;
+  request->beside = editing.shown.document().scan.image;
   editing.out.send(OpenRequested{std::move(*request)});
 }
 
@@ -101,7 +101,7 @@ void OpenRequested::spell(Fields& line) {
   if (line.reads() && organ) request.demo = {*organ, subject};
 }
 void OpenRequested::run(Editing& editing) const {
-  editing.work.opener.start(request, editing.shown.document().volume);
+  editing.work.opener.start(request, editing.shown.document().scan.image);
 }
 
 OpenRequested open_case_file(const fs::path& file) {
@@ -179,18 +179,20 @@ void ExportMesh::spell(Fields& line) {
 }
 void ExportMesh::run(Editing& editing) const {
   const Document document = as_done(editing);
+  const Structure* structure = document.structure();
   const auto write = [&](int frame, const fs::path& file) {
     write_beside(
         editing, file,
-        [mesh = to_mesh_file(document, frame)](const auto& to, Progress&) { return write_mesh_file(mesh, to); },
+        [mesh = to_mesh_file({*structure, *structure->shape(frame), frame}, document.scan.frames() > 1)](
+            const auto& to, Progress&) { return write_mesh_file(mesh, to); },
         lost_in(path));
   };
   if (all_frames && has_several_meshes(document)) {
-    for (const auto& [frame, shape] : document.shapes)
-      write(frame, file_of_frame(FilePurpose::export_mesh, path, frame, document));
+    for (const auto& [frame, shape] : document.structure()->shapes)
+      write(frame, file_of_frame(FilePurpose::export_mesh, path, frame, document.scan.frames() - 1));
     return;
   }
-  if (!document.has_shape()) return no_mesh_to_export(editing);
+  if (!document.view()) return no_mesh_to_export(editing);
   write(document.frame, path);
 }
 
@@ -201,26 +203,27 @@ void ExportLabelMap::spell(Fields& line) {
 void ExportLabelMap::run(Editing& editing) const {
   Document document = as_done(editing);
   const bool all = all_frames && has_several_meshes(document);
-  if (!all && !document.has_shape()) return no_mesh_to_export(editing);
-  if (!document.volume)
+  if (!all && !document.view()) return no_mesh_to_export(editing);
+  if (!document.scan.image)
     return add_notice(editing.state, "A label map needs the voxels of an image. Open the image of this mesh first.");
   const auto write = [&](int frame, const fs::path& file) {
     document.frame = frame;
-    write_beside(editing, file,
-                 [mesh = document.mesh(), grid = document.volume->geometry](const auto& to, Progress& progress) {
-                   return write_volume(label_map(mesh, grid, 1), to, &progress);
-                 });
+    write_beside(
+        editing, file,
+        [mesh = document.view()->mesh(), grid = document.scan.image->geometry](const auto& to, Progress& progress) {
+          return write_volume(label_map(mesh, grid, 1), to, &progress);
+        });
   };
   if (!all) return write(document.frame, path);
-  for (const auto& [frame, shape] : document.shapes)
-    write(frame, file_of_frame(FilePurpose::export_label_map, path, frame, document));
+  for (const auto& [frame, shape] : document.structure()->shapes)
+    write(frame, file_of_frame(FilePurpose::export_label_map, path, frame, document.scan.frames() - 1));
 }
 
 void ExportLandmarks::run(Editing& editing) const {
   const Document document = as_done(editing);
-  if (!document.has_shape()) return no_mesh_to_export(editing);
+  if (!document.view()) return no_mesh_to_export(editing);
   std::vector<Landmark> placed;
-  for (const auto& [name, position] : document.shape().landmarks) placed.push_back({name, position});
+  for (const auto& [name, position] : document.view()->shape.landmarks) placed.push_back({name, position});
   write_beside(editing, path, [placed](const auto& to, Progress&) { return write_landmarks(placed, to); });
 }
 
@@ -230,9 +233,10 @@ void ExportTemplate::run(Editing& editing) const {
 
 void ExportTemplateLandmarks::run(Editing& editing) const {
   if (lacks_template(editing)) return;
-  write_beside(editing, path, [landmarks = as_done(editing).the_template->landmarks](const auto& to, Progress&) {
-    return write_landmarks(landmarks, to);
-  });
+  write_beside(editing, path,
+               [landmarks = as_done(editing).structure()->the_template->landmarks](const auto& to, Progress&) {
+                 return write_landmarks(landmarks, to);
+               });
 }
 
 void ExportPicture::run(Editing& editing) const {
@@ -246,10 +250,13 @@ void ExportPicture::run(Editing& editing) const {
 
 void ExportVolumes::run(Editing& editing) const {
   const Document document = as_done(editing);
-  const double frame_seconds = document.volume ? document.volume->frame_seconds : 0;
-  write_beside(editing, path, [table = volume_table(volume_curve(document), frame_seconds)](const auto& to, Progress&) {
-    return write_whole_file(to, table);
-  });
+  const Structure* structure = document.structure();
+  if (structure == nullptr) return no_mesh_to_export(editing);
+  const double frame_seconds = document.scan.image ? document.scan.image->frame_seconds : 0;
+  write_beside(editing, path,
+               [table = volume_table(volume_curve(*structure), frame_seconds)](const auto& to, Progress&) {
+                 return write_whole_file(to, table);
+               });
 }
 
 void ImportLandmarks::run(Editing& editing) const {

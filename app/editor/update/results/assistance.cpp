@@ -12,8 +12,9 @@ namespace {
 
 /// Takes back what the model did.
 Result<std::optional<Action>> without_help(const Document& document) {
-  if (!document.has_shape() || !document.shape().unaided) return std::optional<Action>();
-  return std::optional<Action>(points_edit(document, unaided_points(document.shape()), by_model));
+  const auto shown = document.view();
+  if (!shown || !shown->shape.unaided) return std::optional<Action>();
+  return std::optional<Action>(points_edit(*shown, unaided_points(shown->shape), by_model));
 }
 
 void take_fit(Editing& editing, Fitted fitted) {
@@ -45,18 +46,18 @@ bool moves_boundary(Tool tool) {
   return tool == Tool::pull || tool == Tool::grab;
 }
 
-SnapArea snap_region(const Document& document, const Stroke& stroke) {
-  const double edge_mm = mean_edge_mm(*document.the_template->topology, *document.shape().points);
-  return {stroke.to, std::hypot(stroke.sigma_mm, stiffness_length_mm(document.stiffness_base, edge_mm))};
+SnapArea snap_region(const ShapeView& shown, const Stroke& stroke) {
+  const double edge_mm = mean_edge_mm(*shown.the_template().topology, *shown.shape.points);
+  return {stroke.to, std::hypot(stroke.sigma_mm, stiffness_length_mm(shown.paint().base, edge_mm))};
 }
 
 std::vector<Compute> assistance(const Editing& editing, const Action& action) {
   std::vector<Compute> then;
   const auto* stroke = std::get_if<Stroke>(&action);
   if (stroke == nullptr || !moves_boundary(stroke->tool)) return then;
-  const Document& document = editing.shown.document();
-  if (editing.state.snap.with_strokes && document.volume)
-    then.push_back(snap_compute(snap_region(document, *stroke), editing.state.snap));
+  const auto shown = editing.shown.document().view();
+  if (shown && editing.state.snap.with_strokes && editing.shown.document().scan.image)
+    then.push_back(snap_compute(snap_region(*shown, *stroke), editing.state.snap));
   if (auto complete = editing.work.model_help.completion(editing.state.model_help)) then.push_back(std::move(complete));
   return then;
 }
@@ -117,17 +118,17 @@ void update_learning(Editing& editing) {
   StudyAppearance& appearance = editing.work.study_appearance;
   for (const std::string& sentence : appearance.update()) add_notice(state, sentence, false);
   const Snapshot& snapshot = editing.shown.snapshot();
-  const auto& the_template = snapshot.document->the_template;
+  const Structure* structure = snapshot.document->structure();
   auto cases = cases_to_learn(state.models.study, snapshot.file);
-  if (!state.snap.learn || !the_template || cases.empty())
+  if (!state.snap.learn || structure == nullptr || cases.empty())
     appearance.forget();
   else
-    appearance.ask(std::move(cases), the_template->topology->vertices());
+    appearance.ask(std::move(cases), structure->the_template->topology->vertices());
   state.snap.learned = appearance.learned().appearance;
 }
 
 void blend_model(Editing& editing, const BlendModel& command) {
-  if (!editing.state.models.model || !editing.shown.snapshot().document->has_shape()) return;
+  if (!editing.state.models.model || !editing.shown.snapshot().document->view()) return;
   ask_model(editing);
   editing.state.model_help = command.strength;
   SessionThread& session = editing.shown.session();
@@ -154,9 +155,8 @@ void update_model_help(Editing& editing) {
     state.model_help = 0;
   }
   if (state.model_help <= 0) return;
-  const Document& document = *editing.shown.snapshot().document;
-  if (!state.models.model || !document.has_shape() ||
-      state.models.model->vertices() != document.the_template->topology->vertices()) {
+  const auto shown = editing.shown.snapshot().document->view();
+  if (!state.models.model || !shown || state.models.model->vertices() != shown->the_template().topology->vertices()) {
     state.model_help = 0;
     return;
   }
@@ -172,13 +172,13 @@ bool show_snap(Editing& editing) {
     state.snapped = std::move(found);
     state.shows_confidence = state.snap.show_confidence;
   }
-  const Document& document = editing.shown.document();
-  const bool shown = state.snapped && document.has_shape() && state.snapped->is_of(*document.shape().points);
+  const auto view = editing.shown.document().view();
+  const bool shown = state.snapped && view && state.snapped->is_of(*view->shape.points);
   auto confidence = shown ? state.snapped->confidence : nullptr;
   const bool changed = confidence != state.confidence;
   state.confidence = std::move(confidence);
   if (changed) {
-    const Mesh mesh = document.has_shape() ? document.mesh() : Mesh();
+    const Mesh mesh = view ? view->mesh() : Mesh();
     state.unclear_edges = state.confidence ? unclear_edges(mesh, *state.confidence) : std::vector<Finding>();
   }
   return changed;

@@ -126,7 +126,7 @@ void open_fit_model(Editing& editing, const std::filesystem::path& path) {
 }
 
 void import_stiffness(Editing& editing, const std::filesystem::path& path) {
-  const auto topology = editing.shown.snapshot().document->the_template->topology;
+  const auto topology = editing.shown.snapshot().document->structure()->the_template->topology;
   read_for_case(
       editing, ImportStiffness{{path}}, [topology](const auto& file) { return stiffness_in(file, *topology); },
       [](Editing& then, const VertexScalars& factors) {
@@ -137,14 +137,15 @@ void import_stiffness(Editing& editing, const std::filesystem::path& path) {
 void import_template_landmarks(Editing& editing, const std::filesystem::path& path) {
   read_for_case(
       editing, ImportTemplateLandmarks{{path}},
-      [the_template = editing.shown.snapshot().document->the_template](const auto& file) {
+      [the_template = editing.shown.snapshot().document->structure()->the_template](const auto& file) {
         return landmarks_on(file, *the_template);
       },
       [name = path.filename().string()](Editing& then, const OnTemplate& found) {
-        const Document& document = *then.shown.snapshot().document;
+        const auto shown = then.shown.snapshot().document->view();
         bool joined = false;
         for (const auto& [landmark, at] : found.landmarks) {
-          const Vec3 on_mesh = at.interpolate(*document.the_template->topology, *document.shape().points).transpose();
+          if (!shown) break;
+          const Vec3 on_mesh = at.interpolate(*shown->the_template().topology, *shown->shape.points).transpose();
           then.shown.session().apply(SetTemplateLandmark{landmark, on_mesh}, std::exchange(joined, true));
         }
         if (!found.away.empty())
@@ -156,7 +157,8 @@ void import_template_landmarks(Editing& editing, const std::filesystem::path& pa
 void save_template(Editing& editing, const std::filesystem::path& path) {
   // Read back beside the window: the next image comes with what the file holds.
   const auto saved = std::make_shared<std::shared_ptr<const Template>>();
-  const auto write = [file = painted_template(*editing.shown.snapshot().document), path, saved](Progress&) {
+  const auto write = [file = painted_template(*editing.shown.snapshot().document->structure()), path,
+                      saved](Progress&) {
     if (auto written = write_mesh_file(file, path); !written) return written;
     auto read = load_template(path.string());
     if (!read) return Result<void>(fail(read.error()));

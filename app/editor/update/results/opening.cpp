@@ -33,7 +33,7 @@ void show_labels(Editing& editing, const Opened& opened, std::optional<int> fitt
   }
   const Document& document = editing.shown.document();
   std::optional<int> frame;
-  if (document.volume && document.volume->frames > 1 && opened.labels->frames == 1) {
+  if (document.scan.image && document.scan.image->frames > 1 && opened.labels->frames == 1) {
     frame = fitted_frame.value_or(document.frame);
     add_notice(editing.state,
                name + " holds one frame. It is shown at frame " + std::to_string(*frame) +
@@ -46,7 +46,8 @@ void show_labels(Editing& editing, const Opened& opened, std::optional<int> fitt
 }
 
 void start_document(Editing& editing, Document document) {
-  document.holds_landmarks = true;
+  for (const auto& structure : std::vector(document.structures))
+    document.change(structure->id, [](Structure& held) { held.landmarks.hold = true; });
   const bool edited = editing.shown.snapshot().can_undo;
   const std::filesystem::path before = editing.shown.snapshot().file;
   auto session = create_unsaved_case(document);
@@ -64,20 +65,21 @@ void start_document(Editing& editing, Document document) {
 /// What the template's own coordinates say of the image: asks where they lie in it after half a turn, and says where
 /// they seem to be in another unit.
 void meet_image(EditorState& state, const Document& document) {
-  if (!document.volume || !document.the_template || is_built_in(document.the_template->source)) return;
-  const Box image = document.volume->geometry.bounds_mm(), own = bounds_of(document.the_template->points);
-  const auto misfit = misfit_in_image(own, document.volume->geometry);
+  if (!document.scan.image || document.structures.empty()) return;
+  const Template& the_template = *document.structure()->the_template;
+  if (is_built_in(the_template.source)) return;
+  const Box image = document.scan.image->geometry.bounds_mm(), own = bounds_of(the_template.points);
+  const auto misfit = misfit_in_image(own, document.scan.image->geometry);
   if (!misfit) return;
-  const std::string name = std::filesystem::path(document.the_template->source).filename().string();
+  const std::string name = std::filesystem::path(the_template.source).filename().string();
   if (misfit->factor != 1)
     return add_notice(state, misfit_sentence(*misfit, {name, own.diagonal().norm()},
-                                             {std::filesystem::path(document.volume_source).filename().string(),
+                                             {std::filesystem::path(document.scan.source).filename().string(),
                                               image.diagonal().norm()}) +
                                  ".");
   // To negate x and y is half a turn about z.
   const Similarity flip{Eigen::Quaterniond(0, 0, 0, 1), 1, Vec3::Zero()};
-  state.dialog =
-      FlipDialog{name, flip, bounds_of(Points(document.the_template->points * Vec3(-1, -1, 1).asDiagonal()))};
+  state.dialog = FlipDialog{name, flip, bounds_of(Points(the_template.points * Vec3(-1, -1, 1).asDiagonal()))};
 }
 
 /// Whether a template lies on the image as its own coordinates say.
@@ -117,15 +119,15 @@ void start_with(Editing& editing, Opened opened) {
   const Document& now = *editing.shown.snapshot().document;
   EditorState& state = editing.state;
   const bool new_image = opened.volume != nullptr;
-  const auto volume = new_image ? opened.volume : now.volume;
-  const std::string source = new_image ? opened.request.volume_source : now.volume_source;
+  const auto volume = new_image ? opened.volume : now.scan.image;
+  const std::string source = new_image ? opened.request.volume_source : now.scan.source;
   // A case's first line names the template's file, so a mirrored one is loaded as it is there and mirrored again.
   // Nobody chose a built-in template for an image that was not yet open, which may show another organ.
   const auto& loaded = editing.shown.loaded_template();
-  const bool foreign = new_image && now.volume && loaded && is_built_in(loaded->source);
+  const bool foreign = new_image && now.scan.image && loaded && is_built_in(loaded->source);
   const bool stays = !opened.the_template && !foreign;
   const auto the_template = stays ? loaded : opened.the_template;
-  if (stays && new_image && now.volume && loaded) say_template_stays(state, *loaded);
+  if (stays && new_image && now.scan.image && loaded) say_template_stays(state, *loaded);
   const bool mirrored = stays && editing.shown.template_is_mirrored();
   const bool demo = opened.demo.has_value();
   const bool in_place = opened.request.template_in_place && !new_image && lies_on(the_template, volume);
@@ -138,7 +140,7 @@ void start_with(Editing& editing, Opened opened) {
   if (mirrored && !demo) editing.shown.session().apply(MirrorTemplate{});
   if (!new_image && !demo && frame > 0) editing.shown.session().apply(SetFrame{frame});
   if (in_place) look_as(state, view);
-  if (demo && editing.shown.document().volume->modality == "CT") {
+  if (demo && editing.shown.document().scan.image->modality == "CT") {
     // Soft tissue: what the demo is about.
     state.window_low = -160;
     state.window_high = 240;
@@ -156,12 +158,12 @@ void start_with(Editing& editing, Opened opened) {
 /// What the case keeps of its last fit, and the frame of it, where that mesh is still as the fit left it.
 std::optional<std::pair<int, Fitted>> kept_fit(const Snapshot& snapshot) {
   const auto& kept = snapshot.kept.fit;
-  const auto& shapes = snapshot.document->shapes;
-  const auto of = std::find_if(shapes.begin(), shapes.end(), [&](const auto& shape) {
-    return kept && mesh_hash(*shape.second.points) == kept->mesh;
-  });
-  if (of == shapes.end()) return std::nullopt;
-  return std::pair(of->first, fitted_of(*kept, of->second.points));
+  const Structure* structure = snapshot.document->structure();
+  if (!kept || structure == nullptr) return std::nullopt;
+  const auto of = std::find_if(structure->shapes.begin(), structure->shapes.end(),
+                               [&](const auto& shape) { return mesh_hash(*shape.second->points) == kept->mesh; });
+  if (of == structure->shapes.end()) return std::nullopt;
+  return std::pair(of->first, fitted_of(*kept, of->second->points));
 }
 
 }  // namespace
@@ -170,15 +172,15 @@ void start_session(Editing& editing, EditSession session) {
   EditorState& state = editing.state;
   ShownCase& shown = editing.shown;
   const auto before = shown.displayed();
-  const std::string source_before = before && before->volume ? before->volume_source : std::string();
+  const std::string source_before = before && before->scan.image ? before->scan.source : std::string();
   const std::filesystem::path folder_before = std::filesystem::path(source_before).parent_path();
   editing.work.snaps.cancel();
   state.guide.reset();
   state.finding.reset();
   const Refusals refused = shown.start(std::move(session));
   const Document& document = shown.document();
-  show_document(state, document, editing.layout, !source_before.empty() && document.volume_source == source_before);
-  if (std::filesystem::path(document.volume_source).parent_path() != folder_before) state.saved_folder.clear();
+  show_document(state, document, editing.layout, !source_before.empty() && document.scan.source == source_before);
+  if (std::filesystem::path(document.scan.source).parent_path() != folder_before) state.saved_folder.clear();
   if (const auto& window = shown.snapshot().kept.window)
     std::tie(state.window_low, state.window_high) = std::pair((*window)[0], (*window)[1]);
   const Layout& layout = editing.layout;
@@ -186,7 +188,7 @@ void start_session(Editing& editing, EditSession session) {
   if (!state.fit_views_wanted) show_repair(editing);
   remember_case(state, shown.snapshot());
   for (const std::string& sentence : told(refused)) add_notice(state, "In the case before: " + sentence);
-  if (document.volume != (before ? before->volume : nullptr)) editing.pictures.forget();
+  if (document.scan.image != (before ? before->scan.image : nullptr)) editing.pictures.forget();
   editing.work.quality.post(nullptr);
   editing.work.quality.post(shown.displayed());
 }

@@ -146,13 +146,13 @@ void forget_old_hints(EditorState& state, const Document& document, double secon
   constexpr double hint_seconds = 20;
   const bool covered = state.models.shown || state.dialog || (state.guide && state.guide->shown);
   if (state.hints_over) return;
-  if (!state.hints_until && !covered && document.has_shape()) state.hints_until = seconds + hint_seconds;
+  if (!state.hints_until && !covered && document.view()) state.hints_until = seconds + hint_seconds;
   state.hints_over = state.hints_until && *state.hints_until <= seconds;
 }
 
 void play(EditorState& state, const Document& document, double seconds) {
-  if (!state.playing || seconds < state.next_frame_seconds || !document.volume || document.volume->frames <= 1) return;
-  const Volume& volume = *document.volume;
+  if (!state.playing || seconds < state.next_frame_seconds || document.scan.frames() <= 1) return;
+  const Volume& volume = *document.scan.image;
   const double pace = volume.frame_seconds > 0 ? volume.frame_seconds : 0.05;
   state.next_frame_seconds = std::max(state.next_frame_seconds + pace, seconds);
   state.shown_frame = (shown_frame(state, document) + 1) % volume.frames;
@@ -161,10 +161,10 @@ void play(EditorState& state, const Document& document, double seconds) {
 /// The guide goes on where its pull is done.
 void follow_guide(Editing& editing) {
   EditorState& state = editing.state;
-  const Document& document = *editing.shown.snapshot().document;
-  if (!state.guide || !state.guide->shown || state.drag || !document.has_shape()) return;
+  const auto shown = editing.shown.snapshot().document->view();
+  if (!state.guide || !state.guide->shown || state.drag || !shown) return;
   Guide& guide = *state.guide;
-  if (guide.at >= guide.steps.size() || !is_done(guide.steps[guide.at], document.mesh())) return;
+  if (guide.at >= guide.steps.size() || !is_done(guide.steps[guide.at], shown->mesh())) return;
   ++guide.at;
   if (guide.at == guide.steps.size()) state.preferences.guide_done = true;
   look_at_step(state);
@@ -213,8 +213,9 @@ bool take_results(Editing& editing, double seconds) {
     work.quality.post(editing.shown.displayed());
     follow_guide(editing);
   }
-  if (const Document& shown = editing.shown.document(); shown.volume && shown.volume->frames > 1)
-    state.volume_curve = volume_curve(shown, state.volume_curve);
+  const Document& shown = editing.shown.document();
+  if (const Structure* structure = shown.structure(); structure != nullptr && shown.scan.frames() > 1)
+    state.volume_curve = volume_curve(*structure, state.volume_curve);
   editing.shown.keep_window(state);
   count_work(editing, steps_before, seconds);
   bool changed = take_written(editing);

@@ -37,15 +37,16 @@ struct ModelHelp::Completer {
   std::optional<ShapeSolver> solver;
 
   Result<std::optional<Action>> complete(const Document& document, double strength) {
-    if (!document.the_template || !document.has_shape()) return std::optional<Action>();
-    if (!solver || solver->topology() != document.the_template->topology)
-      solver.emplace(document.the_template->topology);
-    const Shape& shape = document.shape();
-    const VertexScalars stiffness = document.stiffness_base * *document.stiffness;
+    const auto shown = document.view();
+    if (!shown) return std::optional<Action>();
+    const auto& topology = shown->the_template().topology;
+    if (!solver || solver->topology() != topology) solver.emplace(topology);
+    const Shape& shape = shown->shape;
+    const VertexScalars stiffness = shown->paint().base * *shown->paint().stiffness;
     auto done =
         completed(model, unaided_points(shape), known_vertices(shape), known_noise_mm, strength, stiffness, *solver);
     if (!done) return fail(done.error());
-    return std::optional<Action>(points_edit(document, done->points, by_model));
+    return std::optional<Action>(points_edit(*shown, done->points, by_model));
   }
 };
 

@@ -12,11 +12,13 @@ constexpr std::size_t most_cases = 8;
 
 /// Errors: no image, no mesh in the frame, another template.
 Result<void> learn_case(const StudyCase& one, const Document& document, Eigen::Index vertices, Appearance& appearance) {
-  const auto shape = document.shapes.find(one.frame.value_or(document.frame));
-  if (!document.volume || shape == document.shapes.end())
+  const int frame = one.frame.value_or(document.frame);
+  const Structure* structure = document.structure();
+  const Shape* shape = structure != nullptr ? structure->shape(frame) : nullptr;
+  if (!document.scan.image || shape == nullptr)
     return fail(one.name, "has no image with a mesh on it, so nothing can be learned from it");
-  if (shape->second.points->rows() != vertices) return fail(one.name, "is of another template");
-  return appearance.learn(*document.volume, shape->first, {document.the_template->topology, *shape->second.points});
+  if (shape->points->rows() != vertices) return fail(one.name, "is of another template");
+  return appearance.learn(*document.scan.image, frame, {structure->the_template->topology, *shape->points});
 }
 
 }  // namespace

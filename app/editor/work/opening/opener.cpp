@@ -191,7 +191,7 @@ bool lies_in(const Volume& labels, const VolumeGeometry& image) {
 /// Whether its labels miss the image, and why. `on_screen`: null where there is none.
 void meet_image(Opened& opened, const Volume* on_screen) {
   const Volume* image = on_screen;
-  if (opened.opened_case) image = opened.opened_case->session.document().volume.get();
+  if (opened.opened_case) image = opened.opened_case->session.document().scan.image.get();
   if (opened.volume) image = opened.volume.get();
   if (!opened.labels || image == nullptr || opened.label_values.empty()) return;
   opened.labels_off_image = !lies_in(*opened.labels, image->geometry);

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/case/actions/kind.h"
+
+namespace homolog {
+
+/// Adds a structure to the case, or changes what is said of one that is there.
+struct SetStructure {
+  std::string id;
+  std::optional<std::string> name{}, label{};
+  std::optional<int> layer{};
+  std::optional<std::array<std::uint8_t, 3>> colour{};
+  /// Where the template of a new structure is, as Template::source; empty for one that is there.
+  std::string source{};
+  std::optional<Similarity> placement{};  ///< of a new one; without it in the middle of the image
+  /// The template of a new one. A line holds its source alone: who reads the line loads it [case_templates.h].
+  std::shared_ptr<const Template> the_template{};
+
+  bool operator==(const SetStructure& other) const {
+    return id == other.id && name == other.name && label == other.label && layer == other.layer &&
+           colour == other.colour && source == other.source && placement == other.placement;
+  }
+};
+const ActionKind<SetStructure>& action_kind(const SetStructure&);
+
+/// Takes a structure out of the case. The last one stays.
+struct RemoveStructure {
+  std::string id;
+  bool operator==(const RemoveStructure&) const = default;
+};
+const ActionKind<RemoveStructure>& action_kind(const RemoveStructure&);
+
+}  // namespace homolog

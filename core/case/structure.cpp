@@ -1,0 +1,54 @@
+#include "core/case/structure.h"
+
+#include <utility>
+
+#include "core/mesh/mesh_frame.h"
+
+namespace homolog {
+
+const Shape* Structure::shape(int frame) const {
+  const auto found = shapes.find(frame);
+  return found == shapes.end() ? nullptr : found->second.get();
+}
+
+void Structure::set_shape(int frame, Shape shape) {
+  shapes.insert_or_assign(frame, std::make_shared<const Shape>(std::move(shape)));
+}
+
+Structure new_structure(std::shared_ptr<const Template> the_template, const Similarity& placement) {
+  Structure structure;
+  structure.paint = {std::make_shared<const VertexScalars>(the_template->stiffness),
+                     std::make_shared<const Regions>(the_template->regions), the_template->stiffness_base};
+  Shape shape;
+  shape.placement = shape.before_landmarks = placement;
+  shape.placed = std::make_shared<const Points>(placement.apply(the_template->points));
+  shape.reference = shape.points = shape.placed;
+  structure.the_template = std::move(the_template);
+  structure.set_shape(0, std::move(shape));
+  return structure;
+}
+
+MeshFile painted_template(const Structure& structure) {
+  MeshFile file = to_mesh_file(*structure.the_template);
+  file.stiffness = *structure.paint.stiffness;
+  file.stiffness_base = structure.paint.base;
+  file.regions = *structure.paint.regions;
+  return file;
+}
+
+MeshFile to_mesh_file(const ShapeView& view, bool of_cine) {
+  const Shape& shape = view.shape;
+  MeshFile file = painted_template(view.structure);
+  file.points = *shape.points;
+  file.comments.clear();
+  if (const double share = missing_share_of(view.the_template(), shape); share > 0)
+    file.comments.push_back(missing_share_comment(share));
+  file.landmarks.clear();
+  for (const auto& [name, position] : shape.landmarks) file.landmarks.push_back({name, position});
+  if (VertexScalars doubt_mm = doubt_left_mm(shape); doubt_mm.size() > 0) file.doubt_mm = std::move(doubt_mm);
+  if (shape.outlier) file.outlier = *shape.outlier;
+  if (of_cine) note_frame(file, view.frame);
+  return file;
+}
+
+}  // namespace homolog

@@ -1,0 +1,165 @@
+#include <doctest/doctest.h>
+
+#include <random>
+
+#include "core/base/json.h"
+#include "core/session/case_keeping.h"
+#include "core/session/session_thread.h"
+#include "tests/case_steps.h"
+#include "tests/must.h"
+#include "tests/refusal.h"
+
+// A case that holds several structures: what its file says, and that each is edited by itself.
+
+namespace homolog {
+
+namespace {
+
+constexpr HistoryLimits checkpoints_often{.replayed_steps = 10};
+const Similarity aside{Eigen::Quaterniond::Identity(), 0.5, Vec3(200, 0, 0)};
+
+/// The structure "s2": the folder's template, smaller and aside.
+SetStructure second(const CaseFolder& folder) {
+  return {.id = "s2", .name = "small ball", .source = folder.template_path.string(), .placement = aside};
+}
+
+EditStep of_second(Action action) {
+  return {std::move(action), "s2"};
+}
+
+Points points_of(const EditSession& session, const char* id) {
+  return *session.document().view(id)->shape.points;
+}
+
+}  // namespace
+
+TEST_CASE("a case with one structure stays of format 1 and a second one makes it format 2") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));
+  CHECK(lines_of(folder.case_path).front().starts_with(R"({"homolog":1,)"));
+  REQUIRE(session.apply(second(folder)));
+  const auto lines = lines_of(folder.case_path);
+  CHECK(lines.front().starts_with(R"({"homolog":2,)"));
+  REQUIRE(lines.size() == 3);
+  const auto line = nlohmann::ordered_json::parse(lines.back());
+  CHECK(line["structure"]["id"] == "s2");
+  CHECK(line["structure"]["name"] == "small ball");
+  CHECK(line["structure"]["template"] == folder.template_path.filename().string());  // relative to the case
+}
+
+TEST_CASE("an edit of one structure leaves the others as they are and undo takes back the last of all") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  REQUIRE(session.apply(second(folder)));
+  const Points first = points_of(session, "s1"), small = points_of(session, "s2");
+  CHECK(small.isApprox(aside.apply(first), 1e-12));
+
+  const Vec3 small_pole = aside.apply(pole);
+  REQUIRE(session.apply(of_second(pull(small_pole, small_pole + Vec3(0, 0, 3)))));
+  CHECK(points_of(session, "s1") == first);
+  const double moved_mm = (points_of(session, "s2") - small).rowwise().norm().maxCoeff();
+  CHECK(moved_mm > 2);
+  CHECK(moved_mm < 4);
+  CHECK(nlohmann::json::parse(lines_of(folder.case_path).back())["of"] == "s2");
+
+  REQUIRE(session.apply(pull(pole, 1.1 * pole)));  // without an id it is of the first
+  CHECK(points_of(session, "s1") != first);
+  REQUIRE(session.apply(Undo{}));
+  CHECK(points_of(session, "s1") == first);
+  REQUIRE(session.apply(Undo{}));
+  CHECK(points_of(session, "s2") == small);
+  REQUIRE(session.apply(Undo{}));
+  CHECK(session.document().structures.size() == 1);
+  REQUIRE(session.apply(Redo{}));
+  CHECK(points_of(session, "s2") == small);
+}
+
+TEST_CASE("a case of several structures replays and opens from a checkpoint to the same points") {
+  const CaseFolder folder;
+  std::mt19937 random(3);
+  std::optional<Document> done;
+  {
+    auto session = create_case(folder.document(), folder.case_path, checkpoints_often).value();
+    work(session, random, 8);
+    REQUIRE(session.apply(second(folder)));
+    const Vec3 small_pole = aside.apply(pole);
+    for (int k = 0; k < 25; ++k) {
+      REQUIRE(session.apply(of_second(pull(small_pole, small_pole + Vec3(0.1 * k, 0, 1)))));
+      REQUIRE(session.apply(of_second(SetStiffnessBase{5.0 + k})));
+      REQUIRE(session.apply(pull(-pole, -1.01 * pole)));
+    }
+    REQUIRE(session.apply(SetStructure{.id = "s2", .name = "renamed", .colour = {{1, 2, 3}}}));
+    done = session.document();
+  }
+  CHECK(done->structure("s2")->name == "renamed");
+  ReplayOptions every_line;
+  every_line.from_checkpoint = false;
+  const auto played = read_case(folder.case_path, every_line), opened = read_case(folder.case_path);
+  REQUIRE_MESSAGE(played, played.error().sentence());
+  REQUIRE_MESSAGE(opened, opened.error().sentence());
+  CHECK(same_document(played->session.document(), *done));
+  CHECK(same_document(opened->session.document(), *done));
+  CHECK(opened->session.solves() < played->session.solves() / 3);
+
+  // The history goes back beyond the second structure.
+  auto again = open_case(folder.case_path, nullptr, {}, {.bytes = 0});
+  REQUIRE(again);
+  while (again->session.document().structures.size() == 2) REQUIRE(again->session.apply(Undo{}));
+  CHECK(again->session.document().structure("s2") == nullptr);
+}
+
+TEST_CASE("a case of several structures finds their templates where it goes on and where all was moved") {
+  const CaseFolder folder;
+  const fs::path elsewhere = folder.folder.path / "other";
+  fs::create_directories(elsewhere);
+  std::optional<Document> done;
+  {
+    EditSession session = folder.create();
+    REQUIRE(session.apply(second(folder)));
+    REQUIRE(save_case_as(session, elsewhere / "saved.homolog"));
+    REQUIRE(session.apply(SetStructure{.id = "s3", .source = folder.template_path.string(), .placement = aside}));
+    done = session.document();
+  }
+  const auto there = read_case(elsewhere / "saved.homolog");
+  REQUIRE_MESSAGE(there, there.error().sentence());
+  CHECK(same_document(there->session.document(), *done));
+
+  const fs::path moved = folder.folder.path.parent_path() / (folder.folder.path.filename().string() + "-moved");
+  fs::rename(folder.folder.path, moved);
+  const auto after = read_case(moved / "other" / "saved.homolog");
+  REQUIRE_MESSAGE(after, after.error().sentence());
+  CHECK(points_of(after->session, "s3") == *done->view("s3")->shape.points);
+  fs::rename(moved, folder.folder.path);
+}
+
+TEST_CASE("what no case can do with structures is refused in a sentence") {
+  const CaseFolder folder;
+  EditSession session = folder.create();
+  CHECK(says(session.apply(RemoveStructure{"s1"}), "is the only one of this case"));
+  CHECK(says(session.apply(RemoveStructure{"s7"}), "\"s7\" does not exist"));
+  CHECK(says(session.apply(SetStructure{.id = "s2", .name = "ball"}), "give its template"));
+  CHECK(says(session.apply(of_second(SetStiffnessBase{3})), "no structure \"s2\""));
+  SetStructure missing = second(folder);
+  missing.source = (folder.folder.path / "gone.ply").string();
+  CHECK(says(session.apply(missing), "gone.ply"));
+  CHECK(lines_of(folder.case_path).size() == 1);
+  CHECK(lines_of(folder.case_path).front().starts_with(R"({"homolog":1,)"));
+  REQUIRE(session.apply(second(folder)));
+  CHECK(says(session.apply(second(folder)), "exists already"));
+  REQUIRE(session.apply(RemoveStructure{"s1"}));
+  CHECK(session.document().structure()->id == "s2");
+}
+
+TEST_CASE("the thread of a session edits and previews the structure that is named") {
+  const CaseFolder folder;
+  SessionThread thread(folder.create(), [] {});
+  thread.apply(second(folder));
+  const Vec3 small_pole = aside.apply(pole);
+  thread.apply(pull(small_pole, small_pole + Vec3(0, 0, 3)), false, "s2");
+  EditSession session = thread.finish();
+  CHECK(session.document().view("s1")->shape.strokes == 0);
+  CHECK(session.document().view("s2")->shape.strokes == 1);
+}
+
+}  // namespace homolog

@@ -189,7 +189,7 @@ double share_of_stretch(double ratio) {
 void colour_stretch(const ColouringInput& of, std::vector<Rgb>& colours) {
   colour_by(edge_stretch(of.shown), diverging(), share_of_stretch, colours);
 }
-Legend stretch_legend(const Document&) {
+Legend stretch_legend(const ShapeView&) {
   return {"0.5\xc3\x97", "1\xc3\x97", "2\xc3\x97", diverging(), {}};
 }
 
@@ -228,7 +228,7 @@ void colour_quality(const ColouringInput& of, std::vector<Rgb>& colours) {
   colour_by(
       worst_triangle(of.shown), quality_scale(), [](double quality) { return quality; }, colours);
 }
-Legend quality_legend(const Document&) {
+Legend quality_legend(const ShapeView&) {
   return {"flat", "", "equilateral", quality_scale(), {}};
 }
 
@@ -238,7 +238,7 @@ void colour_known(const ColouringInput& of, std::vector<Rgb>& colours) {
     colours[i] = mix(left_open, decided, known[static_cast<Eigen::Index>(i)]);
   whiten_confirmed(of.shown, colours);  // its legend has a name for them
 }
-Legend known_legend(const Document&) {
+Legend known_legend(const ShapeView&) {
   return {"", "", "", {{1, 1, 1}, decided, left_open}, {"confirmed", "decided by hand, fit or snap", "not known yet"}};
 }
 
@@ -260,7 +260,7 @@ void colour_confidence(const ColouringInput& of, std::vector<Rgb>& colours) {
     colour_by(
         *of.confidence, confidence_scale(), [](double sure) { return sure; }, colours);
 }
-Legend confidence_legend(const Document&) {
+Legend confidence_legend(const ShapeView&) {
   return {"no edge seen", "", "clear edge", confidence_scale()};
 }
 

@@ -49,7 +49,8 @@ constexpr const char* paint_hint = "Paint on the outline or on the surface.";
 
 std::string stiffness_hint(const EditorState& state, const Document& shown) {
   if (!paints_regions(state)) return paint_hint;
-  if (shown.structure()->paint.regions->list.empty()) return "There is no region to paint yet. Add one first (Template, Regions).";
+  if (shown.structure()->paint.regions->list.empty())
+    return "There is no region to paint yet. Add one first (Template, Regions).";
   if (state.brush.erases) return "The brush takes vertices out of their region.";
   // As the brush does: the first one where none of that name is there.
   const auto& list = shown.structure()->paint.regions->list;
@@ -139,8 +140,8 @@ std::optional<Action> brush_action(const EditorState& state, const Document& doc
     const std::string region = reversed || brush.erases ? std::string() : chosen;
     switch (brush.paints) {
       case BrushPaints::factor:
-        return PaintStiffness{at, brush.radius_mm, document.structure()->paint.base * (reversed ? 1 : brush.stiffness_factor),
-                              brush.soft};
+        return PaintStiffness{at, brush.radius_mm,
+                              document.structure()->paint.base * (reversed ? 1 : brush.stiffness_factor), brush.soft};
       case BrushPaints::region:
         return PaintRegion{region, at, brush.radius_mm, brush.soft};
       case BrushPaints::smooth:

@@ -58,7 +58,7 @@ std::string landmark_hint(const EditorState& state, const Document& shown) {
     return landmarks == 1 ? "The landmark is placed; drag it to move it."
                           : "All " + std::to_string(landmarks) + " landmarks are placed; drag one to move it.";
   return shown.view()->shape.landmarks.contains(wanted) ? "Click where " + quoted(wanted) + " is now, or drag it there."
-                                                  : "Click where " + quoted(wanted) + " is.";
+                                                        : "Click where " + quoted(wanted) + " is.";
 }
 
 // A landmark of the template: a point of its surface.

@@ -249,7 +249,7 @@ struct SessionThread::Shared {
     for (;;) {
       std::optional<Job> job;
       std::optional<Preview> preview;
-      bool rests = false;
+      bool rests = false, is_idle = false;
       {
         std::unique_lock lock(mutex);
         const auto comes = [&] { return stopping || !jobs.empty() || next_preview; };
@@ -259,6 +259,7 @@ struct SessionThread::Shared {
           changed.wait(lock, comes);
         if (rests) {
           // A brush stroke is over: its touches go to the disk together. Then the next gesture is prepared.
+          is_idle = true;
         } else if (!jobs.empty()) {
           job = std::move(jobs.front());
           jobs.pop_front();
@@ -278,7 +279,7 @@ struct SessionThread::Shared {
         if (job && std::holds_alternative<Computed>(*job)) do_computed(std::get<Computed>(*job));
         if (preview) show_preview(*preview);
         if (rests) do_sync();
-        if (rests) prepare();
+        if (is_idle) prepare();
       } catch (...) {
         tell_in_the_end(std::current_exception(), job.has_value());
       }
